@@ -1,12 +1,12 @@
-//! Any bytes as a skeleton and, behind the first zero byte, a motion: a value or an error, and
-//! whatever is read can be mapped and written.
+//! Any bytes as a skeleton and, after the first zero byte, a motion: a value or an error, and every
+//! value that is read can be mapped and written.
 #![no_main]
 
 use articula_formats::acclaim::{self, WriteOptions};
 use articula_formats::{Limits, ReadOptions, joint_map};
 use libfuzzer_sys::fuzz_target;
 
-/// A clip of hours in few bytes would only cost time.
+/// Maximum duration in seconds: a clip of hours in few bytes only costs time.
 const MAX_SECS: f32 = 10.0;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -1,4 +1,5 @@
-//! Any bytes as a BVA file: a value or an error, and what is read may be put together.
+//! Any bytes as a BVA file: a value or an error, and segments that are read can be joined to a
+//! tree.
 #![no_main]
 
 use articula_formats::{Limits, ReadOptions, bva, joint_map};

@@ -1,4 +1,4 @@
-//! Any bytes as a saved selection: an error or a selection that comes back when written.
+//! Any bytes as a saved LoA selection: an error or a selection that survives a round trip.
 #![no_main]
 
 use articula_formats::{Limits, loa_profile};

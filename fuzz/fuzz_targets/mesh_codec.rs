@@ -1,5 +1,5 @@
-//! Any bytes as a mesh level of some layout, and as what refines it: meshes that hold to the layout,
-//! or an error. The first three bytes make the layout and cut the rest in two.
+//! Any bytes as a mesh level of some layout, and as its refinement: meshes that match the layout,
+//! or an error. The first three bytes choose the layout and split the rest in two.
 #![no_main]
 
 use articula_stream::StreamLimits;

@@ -1,5 +1,5 @@
-//! Any bytes as a compressed buffer view of any shape: as many bytes as the shape says, or an
-//! error. The first four bytes make the shape.
+//! Any bytes as a compressed buffer view of any layout: an error or exactly the bytes of the
+//! layout. The first four bytes choose the layout.
 #![no_main]
 
 use articula_formats::Limits;

@@ -1,4 +1,4 @@
-//! Any bytes as motion tables: an error or a value whose keys lie within its frames.
+//! Any bytes as motion tables: an error or a value whose keys are within its frames.
 #![no_main]
 
 use articula_formats::{Limits, read_pose_keys, read_segs, write_pose_keys, write_segs};

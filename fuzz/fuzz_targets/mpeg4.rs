@@ -1,5 +1,5 @@
-//! Any bytes as FAP, BAP, EPF or FDP, by the first of them: a value or an error, and what is
-//! read can be written, played and told again.
+//! Any bytes as FAP, BAP, EPF or FDP, selected by the first byte: a value or an error, and values
+//! that are read can be sampled and survive a round trip.
 #![no_main]
 
 use articula_formats::mpeg4::{bap, epf, fap, fdp};

@@ -1,5 +1,5 @@
-//! Any bytes as the body of a player's container, uncompressed and packed as they should be: a clip
-//! that can be drawn at any moment and comes back from what it is written as, or an error.
+//! Any bytes as the body of a player's container, both as they are and compressed: an error or a
+//! clip that can be sampled at any time and survives a round trip.
 #![no_main]
 
 use articula_flat::vector::player::{decode, encode};
@@ -8,7 +8,7 @@ use flate2::write::ZlibEncoder;
 use libfuzzer_sys::fuzz_target;
 use std::io::Write;
 
-/// The container's mark and version.
+/// Magic number and version of the container.
 const HEAD: &[u8] = b"ARTV\x01";
 
 fuzz_target!(|bytes: &[u8]| {

@@ -21,7 +21,7 @@ fuzz_target!(|bytes: &[u8]| {
     let written =
         x3d::write(character, &mapping.articulation, &file.value.sites).expect("it has joints");
     if let Err(error) = x3d::read(&written.bytes, &Limits::default(), &mut picture) {
-        // A figure as large as numbers go grows when its joints are added up.
+        // Summing joint offsets near the largest allowed number may exceed the limits.
         let why = error.to_string();
         let huge = why.contains("up to 1e9") || why.contains("beyond all measure");
         assert!(huge, "{why}");

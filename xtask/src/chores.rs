@@ -1,13 +1,13 @@
-//! The chores that are one program call, and the way every call is made.
+//! The chores that are a single program call, and helpers to call programs.
 
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Folder that `demo` writes.
+/// Output folder of `demo`.
 const DEMO_FOLDER: &str = "articula-demo";
 
-/// Runs the main job in its release form and says where to look.
+/// Runs the demo in a release build and prints the path of its page.
 pub(crate) fn demo() -> Result<()> {
     let words = ["run", "--release", "-p", "articula-cli", "--"];
     let demo = ["demo", "--out", DEMO_FOLDER];
@@ -20,7 +20,7 @@ pub(crate) fn demo() -> Result<()> {
     Ok(())
 }
 
-/// Checks the tree and lists every fault.
+/// Checks the tree and prints every fault.
 pub(crate) fn tidy() -> Result<()> {
     let faults = crate::tidy::check(&root())?;
     for fault in &faults {
@@ -32,7 +32,7 @@ pub(crate) fn tidy() -> Result<()> {
     Ok(())
 }
 
-/// Lets every golden test write its file anew, then shows what changed.
+/// Rewrites all golden files with the results of the tests, then lists those that changed.
 pub(crate) fn golden() -> Result<()> {
     let words = ["test", "--workspace", "--quiet"];
     run(cargo().args(words).env("ARTICULA_GOLDEN", "renew"))?;
@@ -42,20 +42,20 @@ pub(crate) fn golden() -> Result<()> {
         .current_dir(root()))
 }
 
-/// Root of the repository.
+/// Returns the root of the repository.
 pub(crate) fn root() -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here).to_path_buf()
 }
 
-/// Cargo, the one that started us, in the repository's root.
+/// Returns a call of the running cargo, in the root of the repository.
 pub(crate) fn cargo() -> Command {
     let mut call = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     call.current_dir(root());
     call
 }
 
-/// Runs a program with our own terminal and turns a bad end into an error.
+/// Runs a program in the current terminal; an unsuccessful exit is an error.
 pub(crate) fn run(call: &mut Command) -> Result<()> {
     let program = call.get_program().to_string_lossy().into_owned();
     let status = call
@@ -67,7 +67,7 @@ pub(crate) fn run(call: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// What a program prints, or `None` if it cannot be started or fails.
+/// Returns the output of a program, or `None` if it cannot be started or fails.
 pub(crate) fn answer(program: &str, words: &[&str]) -> Option<String> {
     let output = Command::new(program).args(words).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;

@@ -1,6 +1,6 @@
-//! The project's chores, started as `cargo xtask <chore>`.
+//! The project's chores, run as `cargo xtask <chore>`.
 //!
-//! It uses nothing of ours, so that a chore runs even where a crate does not compile.
+//! It depends on no crate of the workspace, so that a chore runs even if a crate does not compile.
 #![allow(
     clippy::print_stdout,
     clippy::disallowed_methods,
@@ -10,6 +10,7 @@
 mod chores;
 mod node;
 mod outcome;
+mod pictures;
 mod steps;
 mod tidy;
 mod wasm;
@@ -26,6 +27,7 @@ Chores:
   test     Run everything that CI runs, row by row, up to the first row with a failure
   tidy     Check what lints cannot: crate edges, file sizes, names, records
   golden   Renew the golden files, then show which of them changed
+  pictures Make the moving picture of the readme anew (docs/pictures/walk.svg)
 
 Options:
   -h, --help   Print this
@@ -44,6 +46,7 @@ fn main() -> ExitCode {
         ["test"] => steps::test(),
         ["tidy"] => chores::tidy(),
         ["golden"] => chores::golden(),
+        ["pictures"] => pictures::pictures(),
         ["-h" | "--help" | "help"] => {
             print!("{HELP}");
             return ExitCode::SUCCESS;

@@ -1,5 +1,5 @@
-//! The independent judges that run in node: the glTF validator, three.js, meshoptimizer, and what
-//! plays pictures in Chromium (folder `oracle`).
+//! The independent programs that check results in node: the glTF validator, three.js,
+//! meshoptimizer, and Chromium for animated pictures (folder `oracle`).
 
 use crate::chores::{answer, root, run};
 use crate::outcome::{Outcome, lacking};
@@ -8,15 +8,15 @@ use std::path::Path;
 use std::process::Command;
 use std::time::SystemTime;
 
-/// First node version that has everything the scripts use.
+/// First node version with everything that the scripts use.
 const NODE_MAJOR: u32 = 18;
 
-/// Programs that are Chromium, as `oracle/chromium.mjs` looks for them.
+/// Names of the Chromium executable, as in `oracle/chromium.mjs`.
 const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 
-/// Installs the packages that `oracle/package-lock.json` pins, unless they are there already.
+/// Installs the packages pinned by `oracle/package-lock.json`, unless they are installed already.
 ///
-/// It runs before the tests because tests of `crates/articula-cli` call the scripts.
+/// Runs before the tests because tests of `crates/articula-cli` call the scripts.
 pub(crate) fn install() -> Result<Outcome> {
     if let Some(why) = missing() {
         return lacking(why);
@@ -34,8 +34,8 @@ pub(crate) fn install() -> Result<Outcome> {
     }
 }
 
-/// Looks for the browser in which judges play animated pictures: the program that `CHROMIUM`
-/// names, else the first of the usual names that starts.
+/// Checks that a browser for animated pictures is available: the program given by `CHROMIUM`, else
+/// the first of the usual names that starts.
 pub(crate) fn browser() -> Result<Outcome> {
     let named = std::env::var("CHROMIUM").ok();
     let programs = named.map_or_else(
@@ -49,7 +49,7 @@ pub(crate) fn browser() -> Result<Outcome> {
     lacking("no Chromium (pictures in a browser; set CHROMIUM)".to_owned())
 }
 
-/// Lets the judges judge cases worked by hand, good and bad.
+/// Runs the scripts on cases worked by hand, valid and invalid.
 pub(crate) fn self_test() -> Result<Outcome> {
     if let Some(why) = missing() {
         return lacking(why);
@@ -64,7 +64,7 @@ pub(crate) fn self_test() -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Why the scripts cannot run on this machine, if they cannot.
+/// Returns why the scripts cannot run on this machine, if they cannot.
 fn missing() -> Option<String> {
     let Some(version) = answer("node", &["--version"]) else {
         return Some("node oracle (no node)".to_owned());
@@ -78,7 +78,7 @@ fn missing() -> Option<String> {
     npm.is_none().then(|| "node oracle (no npm)".to_owned())
 }
 
-/// Major number of a version as node prints it (`v20.1.0`).
+/// Returns the major number of a version as printed by node (`v20.1.0`).
 fn major(version: &str) -> Option<u32> {
     version
         .trim_start_matches('v')
@@ -88,7 +88,8 @@ fn major(version: &str) -> Option<u32> {
         .ok()
 }
 
-/// Whether the installed packages are those of the lock file: npm leaves a note when it is done.
+/// Returns whether the installed packages are those of the lock file: npm writes a file when it is
+/// done.
 fn up_to_date(folder: &Path) -> bool {
     let changed =
         |name: &str| -> Option<SystemTime> { folder.join(name).metadata().ok()?.modified().ok() };

@@ -1,7 +1,7 @@
-//! `cargo xtask test`: all that CI runs, row by row; the steps of a row run side by side.
+//! `cargo xtask test`: all checks of CI, row by row; the steps of a row run in parallel.
 //!
-//! Everything that is only checked shares one build, everything that is run in tests another:
-//! on two cores compiling is most of the time.
+//! All checks share one build and all tests another, because on two cores most of the time is spent
+//! on compiling.
 
 use crate::chores::{cargo, root, run, tidy};
 use crate::outcome::Outcome;
@@ -12,11 +12,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-/// One step: the name a person reads, and what it does.
+/// One step: its displayed name and its function.
 type Step = (&'static str, fn() -> Result<Outcome>);
 
-/// The steps in order; those of one row run side by side, as they wait for different things.
-/// **A new step is one line here and one function below.**
+/// The steps in order; those of one row run in parallel, as they wait for different resources. **A
+/// new step is one line here and one function below.**
 const STEPS: &[&[Step]] = &[
     &[("format", format)],
     &[
@@ -41,7 +41,7 @@ const STEPS: &[&[Step]] = &[
     ],
 ];
 
-/// Runs the rows up to the first with a failure and prints how long each step took.
+/// Runs the rows up to the first with a failure and prints the duration of each step.
 pub(crate) fn test() -> Result<()> {
     let begin = Instant::now();
     let mut times = Vec::new();
@@ -72,7 +72,7 @@ pub(crate) fn test() -> Result<()> {
     Ok(())
 }
 
-/// Runs a step and says how it ended; gives its time in seconds.
+/// Runs a step and prints its outcome; returns its duration in seconds.
 fn timed((name, step): &Step) -> Result<f64> {
     println!("== {name}");
     let start = Instant::now();
@@ -105,16 +105,16 @@ fn build_tests() -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The tests inside libraries and programs, and those of the documentation.
+/// Runs the unit tests of libraries and programs, and the doctests.
 fn unit_tests() -> Result<Outcome> {
     run(cargo().args(["test", "--workspace", "--lib", "--bins"]))?;
     run(cargo().args(["test", "--workspace", "--doc"]))?;
     Ok(Outcome::Done)
 }
 
-/// The tests that are programs of their own, but for those of the command line.
+/// Runs the integration tests, without those of the command line.
 fn other_tests() -> Result<Outcome> {
-    // A passing test's own words are not shown, so what they skip is said here.
+    // The output of passing tests is not shown, so skipped data is reported here.
     if !data_folder().is_dir() {
         println!("skipped: no data (tests on real characters; set ARTICULA_DATA)");
     }
@@ -126,9 +126,9 @@ fn other_tests() -> Result<Outcome> {
 /// Package of the command line.
 const PROGRAM: &str = "articula-cli";
 
-/// The tests of the command line, which take as long as those of all libraries together. Started
-/// without cargo: `cargo test --package` would build everything anew, with the features that this
-/// package alone asks for.
+/// Runs the tests of the command line, which take as long as those of all libraries together. They
+/// are started without cargo: `cargo test --package` would rebuild everything with the features of
+/// this package alone.
 fn program_tests() -> Result<Outcome> {
     let words = ["test", "--workspace", "--no-run", "--message-format=json"];
     let built = cargo().args(words).stderr(Stdio::null()).output()?;
@@ -140,7 +140,7 @@ fn program_tests() -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The executable of a package's one test program, from the messages of cargo.
+/// Returns the executable of a package's only test program, from the messages of cargo.
 fn test_program(messages: &str, package: &Path) -> Option<PathBuf> {
     let manifest = package.join("Cargo.toml");
     let messages = messages.lines().map(serde_json::from_str::<Value>);
@@ -167,15 +167,15 @@ fn tidy_step() -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The examples of the library's first page: on the reference human, and on a real character that
-/// has no clip with one of another file. What they call runs on every kind of file in the tests of
-/// `crates/articula`, where vertices must move.
+/// Runs the examples of the library's first page on the reference human, and on a real character
+/// without clips with a clip of another file. The functions that they call are tested on every kind
+/// of file in `crates/articula`, with a check that vertices move.
 fn examples() -> Result<Outcome> {
     const FILES: [&str; 2] = [
         "glb/Quaternius_modular_men__Suit.glb",
         "glb/RobotExpressive.glb",
     ];
-    // The tests have just built them.
+    // The test build includes the examples.
     let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
     let built = target.unwrap_or_else(|| root().join("target"));
     let run = |example: &str, files: &[String]| -> Result<()> {

@@ -1,7 +1,7 @@
-//! The check that the libraries build for the web.
+//! The check that the libraries build for WebAssembly.
 //!
-//! The target's standard library comes from rustup, or lies in the toolchain already. Debian's
-//! own wasm packages are years older than our language edition, so there is no third way.
+//! The target's standard library comes from rustup or is already part of the toolchain. Debian's
+//! wasm packages are too old for the language edition in use.
 
 use crate::chores::{answer, cargo, run};
 use crate::outcome::{Outcome, lacking};
@@ -11,7 +11,7 @@ use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
-/// Libraries that a page may use.
+/// Libraries that a web page may use.
 const LIBRARIES: &[&str] = &[
     "articula-core",
     "articula-formats",
@@ -22,7 +22,7 @@ const LIBRARIES: &[&str] = &[
     "articula",
 ];
 
-/// Checks the libraries for the web, after fetching the target.
+/// Builds the libraries for WebAssembly, after installing the target.
 pub(crate) fn check() -> Result<Outcome> {
     if !installed() && run(Command::new("rustup").args(["target", "add", TARGET])).is_err() {
         return lacking(format!(
@@ -32,11 +32,11 @@ pub(crate) fn check() -> Result<Outcome> {
     let words = ["check", "--quiet", "--target", TARGET];
     let packages = LIBRARIES.iter().flat_map(|name| ["-p", name]);
     run(cargo().args(words).args(packages))?;
-    // Streams without their codecs: all that a program which only cuts them needs.
+    // Streams without their codecs, for programs that only cut them.
     run(cargo()
         .args(words)
         .args(["-p", "articula-stream", "--no-default-features"]))?;
-    // The core has vector code of its own for modules that are compiled for it.
+    // The core has SIMD code for modules compiled with it.
     run(cargo()
         .args(words)
         .args(["-p", "articula-core"])
@@ -44,7 +44,7 @@ pub(crate) fn check() -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Whether the compiler in use has the target's standard library.
+/// Returns whether the compiler in use has the target's standard library.
 fn installed() -> bool {
     let words = ["--print", "target-libdir", "--target", TARGET];
     answer("rustc", &words).is_some_and(|folder| Path::new(&folder).is_dir())

@@ -1,29 +1,29 @@
-//! The recipe: a source character becomes the read-only nouns of the frame.
+//! Builds the runtime rig, mesh and clips of a source character.
 
 use crate::clip::{ClipOptions, MAX_NUMBERS, resample};
 use crate::expression::bake;
 use articula_core::source::Character;
 use articula_core::{Articulation, Clip, Mesh, Mismatch, Rig};
 
-/// A character that is ready to be played.
+/// A character in the form that is played: rig, mesh and clips.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Asset {
-    /// Joint tree, rest pose, level of articulation data.
+    /// Joint tree, rest pose and articulation.
     pub rig: Rig,
-    /// All triangles with their skin.
+    /// Mesh of all triangles, with its skin.
     pub mesh: Mesh,
-    /// Motions, in the order of the source.
+    /// Clips, in the order of the source.
     pub clips: Vec<Clip>,
 }
 
-/// Builds rig, mesh and clips; clips that drive expressions become clips of morph weights and
-/// joints. The articulation is the one given (a name map's), or else the
-/// one that the source stores.
+/// Builds the rig, the mesh and the clips of a source character.
+///
+/// Clips that drive expressions become clips of morph weights and joints. `articulation`, for
+/// example that of a joint map, takes precedence over the one that the source stores.
 ///
 /// # Errors
-/// A [`Mismatch`] that names the part of the character that does not fit, for example one
-/// without any joint, without an articulation from either side, or with more motion than memory
-/// should hold.
+/// A [`Mismatch`] that names the inconsistent part of the character: for example no joint at all,
+/// no articulation from either side, or more clip data than the memory limit allows.
 pub fn character(
     source: &Character,
     articulation: Option<Articulation>,
@@ -54,7 +54,7 @@ pub fn character(
     Ok(Asset { rig, mesh, clips })
 }
 
-/// Numbers that the tracks of a clip hold.
+/// Number of floats in the tracks of a clip.
 fn numbers_of(clip: &Clip) -> usize {
     let vectors = clip
         .tracks()

@@ -1,44 +1,44 @@
-//! Keyed channels to a clip of uniform rate.
+//! Resamples keyed channels to a clip of uniform rate.
 //!
-//! The rate is the one at which the source was keyed, found from its key times, so that
-//! stored keys are hit exactly; channels that curve between their keys raise it until the
-//! clip follows them. The end of the clip always falls on a frame.
+//! The rate is the one at which the source was keyed, detected from its key times, so that stored
+//! keys are hit exactly. If a channel curves between its keys, the rate is raised until linear
+//! interpolation follows it. The end of the clip always falls on a frame.
 
 use articula_core::source::{self, Channel, Interpolation, Property, evaluate};
 use articula_core::{Clip, Mismatch, Track, Tracks, angle_between, nlerp, same_hemisphere};
 use glam::{Quat, Vec3};
 
-/// Rates that authors use; a key grid within half a percent of one is taken to be it.
+/// Common authoring rates; a key grid within half a percent of one is taken to be it.
 const USUAL_RATES_HZ: [f32; 14] = [
     10.0, 12.0, 15.0, 20.0, 24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0,
 ];
 
-/// Highest rate that is chosen without being asked for.
+/// Maximum rate that is chosen automatically.
 const MAX_RATE_HZ: f32 = 120.0;
 
-/// Most numbers that the tracks of a clip, or of all clips of a character, may hold: half a
-/// gigabyte. Two keys of a small file can ask for any length.
+/// Maximum number of floats in the tracks of a clip, or of all clips of a character: half a
+/// gigabyte. Two keys of a small file can span any length.
 pub(crate) const MAX_NUMBERS: usize = 1 << 27;
 
-/// What a clip may differ from its source between frames, as seen on a limb of 0.4 m: about two
+/// Maximum difference between a clip and its source between frames; on a limb of 0.4 m, about two
 /// millimetres. A joint that turns by 60 degrees in a frame stays below it under a normalised
 /// linear blend; splines with few keys do not.
 const CHORD_RADIANS: f32 = 5e-3;
 const CHORD_METRES: f32 = 1e-3;
 
-/// How a clip is resampled.
+/// Options of resampling a clip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ClipOptions {
-    /// Frames per second; `None` finds the source's own rate.
+    /// Frames per second; `None` detects the rate of the source.
     pub rate_hz: Option<f32>,
 }
 
-/// Differences that count as rest: below these a property has no track.
+/// Differences from rest below which a property gets no track.
 const STILL_METRES: f32 = 1e-7;
 const STILL_RADIANS: f32 = 1e-6;
 
-/// The rate at which a clip was keyed: that of its most densely keyed channel, or 30 Hz
-/// where there are fewer than three keys.
+/// Returns the rate in hertz at which a clip was keyed: that of its most densely keyed channel, or
+/// 30 Hz where there are fewer than three keys.
 pub fn source_rate_hz(clip: &source::RawClip) -> f32 {
     let densest = clip.channels.iter().max_by_key(|c| c.times_secs.len());
     let Some(channel) = densest.filter(|c| c.times_secs.len() > 2) else {
@@ -47,7 +47,7 @@ pub fn source_rate_hz(clip: &source::RawClip) -> f32 {
     let times = &channel.times_secs;
     let mut gaps: Vec<f32> = times.windows(2).map(|w| w[1] - w[0]).collect();
     gaps.sort_by(f32::total_cmp);
-    // The median survives exporters that thin out keys or start late.
+    // The median is robust against exporters that thin out keys or start late.
     let rate = 1.0 / gaps[gaps.len() / 2].max(1e-4);
     let usual = USUAL_RATES_HZ
         .iter()
@@ -55,17 +55,17 @@ pub fn source_rate_hz(clip: &source::RawClip) -> f32 {
     usual.copied().unwrap_or(rate.clamp(1.0, 240.0))
 }
 
-/// Resamples a clip for a rig of `joints` joints; `morph_slots` is the first morph slot of each
-/// mesh and `morph_counts` how many each has.
+/// Resamples a clip for `skeleton`; `morph_slots` holds the first morph slot of each mesh and
+/// `morph_counts` its number of morph targets.
 ///
 /// # Errors
-/// A [`Mismatch`] if a channel names a joint or mesh that is not there, has no key or fewer
-/// values than its keys need, or drives an expression ([`bake`](crate::expression::bake) writes
-/// those out), or the clip would have more than a million frames or more numbers
-/// than memory should hold.
+/// A [`Mismatch`] if a channel names a joint or mesh that does not exist, has no key or fewer
+/// values than its keys need, or drives an expression ([`bake`](crate::expression::bake) resolves
+/// those), or if the clip would have more than a million frames or more floats than the memory
+/// limit allows.
 ///
 /// # Panics
-/// If there is not one entry of `morph_counts` for each of `morph_slots`.
+/// If `morph_slots` and `morph_counts` differ in length.
 pub(crate) fn resample(
     clip: &source::RawClip,
     skeleton: &source::Skeleton,
@@ -82,7 +82,7 @@ pub(crate) fn resample(
     } else {
         0.0
     };
-    // What is too long at the rate of its keys is refused before it is looked at more closely.
+    // A clip too long at the rate of its keys is rejected before it is analysed further.
     let keyed = opts.rate_hz.unwrap_or_else(|| source_rate_hz(clip));
     let numbers = clip.channels.iter().map(|c| width(c, morph_counts)).sum();
     steps_at(clip, duration, keyed, numbers)?;
@@ -92,7 +92,7 @@ pub(crate) fn resample(
     };
     let wanted = keyed * frames_per_key as f32;
     let steps = steps_at(clip, duration, wanted, numbers)?;
-    // Stretch the grid by less than half a frame so that it ends exactly with the clip.
+    // Scale the grid by less than half a frame so that it ends exactly with the clip.
     let rate = if steps == 0 || duration == 0.0 {
         wanted
     } else {
@@ -121,7 +121,7 @@ pub(crate) fn resample(
     Ok(built.with_frames_per_key(frames_per_key))
 }
 
-/// Number of frame intervals at a rate, where each frame holds so many numbers.
+/// Number of frame intervals at a rate, where each frame holds `numbers` floats.
 pub(crate) fn steps_at(
     clip: &source::RawClip,
     duration: f32,
@@ -147,7 +147,7 @@ pub(crate) fn steps_at(
     Ok(steps as usize)
 }
 
-/// Whether a channel's target is there, and it has keys and the values that they need.
+/// Checks that a channel's target exists and that it has keys and as many values as they need.
 pub(crate) fn check(
     channel: &Channel,
     joints: usize,
@@ -174,7 +174,7 @@ pub(crate) fn check(
     Ok(())
 }
 
-/// Floats of a channel's value.
+/// Number of floats in one value of a channel.
 fn width(channel: &Channel, morph_counts: &[usize]) -> usize {
     match channel.property {
         Property::Rotation => 4,
@@ -184,7 +184,7 @@ fn width(channel: &Channel, morph_counts: &[usize]) -> usize {
     }
 }
 
-/// The rate whose `steps`-th frame is the end; the wanted one where rounding alone differs.
+/// The rate at which frame `steps` is the end; `wanted` if the two differ by rounding alone.
 fn exact_rate(steps: usize, duration: f32, wanted: f32) -> f32 {
     let exact = steps as f32 / duration;
     if (exact / wanted - 1.0).abs() < 1e-5 {
@@ -276,7 +276,7 @@ fn weight_tracks(channel: &Channel, slot: usize, count: usize, times: &[f32], tr
     }
 }
 
-/// How many frames a key interval needs so that straight lines (and normalised linear blends)
+/// Number of frames per key interval with which straight lines (and normalised linear blends)
 /// follow the source within [`CHORD_METRES`] and [`CHORD_RADIANS`].
 fn oversampling(clip: &source::RawClip) -> usize {
     let rate = source_rate_hz(clip);
@@ -290,7 +290,7 @@ fn oversampling(clip: &source::RawClip) -> usize {
     factor
 }
 
-/// Whether any channel leaves the chord between neighbouring frames by too much.
+/// Whether any channel leaves the chord between neighbouring frames by more than the bounds.
 fn curves(clip: &source::RawClip, rate: f32) -> bool {
     let frames = (clip.duration_secs * rate).ceil().clamp(0.0, 1e5) as usize;
     clip.channels
@@ -307,8 +307,8 @@ fn leaves_chord(c: &Channel, from: f32, to: f32) -> bool {
         v
     };
     let (a, b) = (value(from), value(to));
-    // Keys inside the interval are corners, which no chord follows; the quarter points
-    // see the curvature of splines and of fast turns.
+    // Keys inside the interval are corners, which no chord follows; the quarter points detect the
+    // curvature of splines and of fast turns.
     [0.25, 0.5, 0.75].iter().any(|&u| {
         let m = value(from + (to - from) * u);
         if c.property == Property::Rotation {

@@ -1,23 +1,22 @@
-//! One coarser list of triangles, for one clip and what is seen of it.
+//! Decimation to one coarser triangle list, for one clip and the triangles that are visible in it.
 //!
-//! Source: `docs/methods/vector.md` 1 and 3: a conversion to 2D shows a character from known cameras, so
-//! what they never see goes first, and the rest is simplified ([`crate::simplify`]) by the poses
-//! of the clip that is shown.
+//! Source: `docs/methods/vector.md` parts 1 and 3. A conversion to 2D shows a character from known
+//! cameras, so triangles that are never visible are removed first, and the rest is simplified
+//! ([`crate::simplify`]) over the poses of the converted clip.
 
 use crate::character::Asset;
 use crate::poses::{PoseOptions, poses, positions};
 use crate::simplify::{SimplifyOptions, simplify};
 use articula_core::{Mesh, Mismatch};
 
-/// Simplifies what is kept of a character to about `triangles`; all that is kept if there are no
-/// more.
+/// Simplifies the kept triangles of a character to about `triangles`; returns all of them if there
+/// are no more than that.
 ///
-/// `clip` is the one that is shown, by its index; the character's other poses do not count.
-/// `vertex_weights` says how much an error at each vertex counts; all alike if it is empty.
-/// Triangles are over the asset's vertices, part by part.
+/// Poses are taken from the clip with index `clip` only. `vertex_weights` is the weight of an error
+/// at each vertex; all 1 if empty. The returned triangles index the asset's vertices, part by part.
 ///
 /// # Errors
-/// A [`Mismatch`] if `keep` does not have a value for each triangle, or the clip is not there.
+/// A [`Mismatch`] if `keep` does not have one value per triangle, or the clip does not exist.
 pub fn decimate(
     asset: &Asset,
     keep: &[bool],
@@ -63,7 +62,7 @@ pub fn decimate(
         .map_or_else(Vec::new, |level| level.triangles))
 }
 
-/// The mesh with some of its triangles.
+/// The mesh with the kept triangles only.
 fn kept(mesh: &Mesh, keep: &[bool]) -> Mesh {
     let mut out = mesh.clone();
     out.triangles.clear();

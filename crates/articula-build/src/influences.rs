@@ -1,15 +1,16 @@
-//! Fewer joints for each vertex: the largest weights kept, the rest shared out among them.
+//! Fewer influences per vertex: the largest weights are kept, the rest is distributed among them.
 
 use articula_core::Mesh;
 
-/// Weights closer than this count as equal, so that vertices at one place that differ by
-/// rounding keep the same joints and no seam opens.
+/// Weights that differ by less than this count as equal, so that vertices at one position that
+/// differ by rounding keep the same joints and no seam opens.
 const WEIGHT_STEPS: f32 = 4096.0;
 
-/// Keeps the `count` largest of (index, weight) pairs and scales them to the sum that all had.
+/// Keeps the `count` largest of (index, weight) pairs, at least one, and scales them to the sum of
+/// all.
 ///
-/// Of equal weights the smaller index stays. What is left is in the order of falling weight if
-/// anything was cut, and untouched otherwise. At least one stays.
+/// Of equal weights the smaller index stays. If anything was cut, the result is in order of falling
+/// weight, otherwise it is untouched.
 pub(crate) fn keep_largest(influences: &mut Vec<(u16, f32)>, count: usize) {
     let count = count.max(1);
     if influences.len() <= count {
@@ -30,13 +31,13 @@ pub(crate) fn keep_largest(influences: &mut Vec<(u16, f32)>, count: usize) {
     }
 }
 
-/// Limits a mesh to `most` influences a vertex (at least one), each vertex by [`keep_largest`];
-/// vertices with no more keep theirs bit for bit. Influences of one binding are added up first
-/// where a vertex has too many.
+/// Limits a mesh to `most` influences per vertex (at least one) by [`keep_largest`]; vertices with
+/// no more keep theirs bit for bit. Influences of the same binding are added up first where a
+/// vertex has too many.
 ///
-/// Gives the largest share of a vertex's weight that was cut. In any pose a vertex moves by at
-/// most that share of the distance between the places where its joints, each alone, would take
-/// it. O(vertices).
+/// Returns the largest share of a vertex's weight that was cut. In any pose a vertex moves by at
+/// most that share of the distance between the positions to which its joints, each alone, would
+/// take it. O(vertices).
 pub(crate) fn limit(mesh: &mut Mesh, most: usize) -> f32 {
     let (before, most) = (mesh.influences, most.max(1));
     if before <= most {
@@ -55,10 +56,10 @@ pub(crate) fn limit(mesh: &mut Mesh, most: usize) -> f32 {
         if list.len() > most {
             worst = worst.max(cut(&mut list, most));
         }
-        // As a mesh is put together: a padded influence repeats the first, with no weight.
+        // As in `Mesh::new`: a padded influence repeats the first, with weight 0.
         let filler = list.first().map_or(filler, |(index, _)| *index);
         list.resize(most, (filler, 0.0));
-        // The new place of a vertex never lies behind its old one.
+        // The new index of an influence never exceeds its old one.
         for (i, (index, weight)) in list.iter().enumerate() {
             mesh.binding_indices[v * most + i] = *index;
             mesh.weights[v * most + i] = *weight;
@@ -70,7 +71,7 @@ pub(crate) fn limit(mesh: &mut Mesh, most: usize) -> f32 {
     worst
 }
 
-/// Adds up influences of one binding, keeps the largest, and gives the share that was cut.
+/// Adds up influences of the same binding, keeps the largest, and returns the share that was cut.
 fn cut(list: &mut Vec<(u16, f32)>, most: usize) -> f32 {
     let mut merged: Vec<(u16, f32)> = Vec::with_capacity(list.len());
     for (index, weight) in list.drain(..) {
@@ -166,7 +167,7 @@ mod tests {
             places in prop::array::uniform5(prop::array::uniform3(-1.0f32..1.0)),
             most in 1usize..5,
         ) {
-            // What each joint alone would make of the vertex is a place of its own.
+            // Each joint alone takes the vertex to a different position.
             let places = places.map(glam::Vec3::from_array);
             let sums = [0, 5].map(|at| rows[at..at + 5].iter().map(|r| r.1).sum::<f32>());
             let row = |(i, r): (usize, &(u16, f32))| (r.0, r.1 / sums[i / 5]);

@@ -1,21 +1,23 @@
-//! What is prepared before the frame: everything slow happens here, once per character.
+//! Offline preparation of characters: everything slow happens here, once per character.
 //!
-//! - [`character`]: the recipe, from a source character to rig, mesh and clips
-//! - [`clip_edit`]: source clips trimmed, looped, thinned out before anything else
-//! - [`joint_names`]: what the joints of a skeleton are, told by their names
-//! - [`retarget`]: a motion of one skeleton put onto another
-//! - [`bake`], [`resolve`]: expressions written out as morph weights and joint transforms
-//! - [`levers`], [`contact_intervals`], [`key_table`], [`pose_keys`]: what the error of a motion
-//!   and nested keys are told by
-//! - [`merged_levels`]: merged levels of a crowd: joint order, skins and errors of every level
-//! - [`simplify`], [`decimate`], [`cluster`], [`mesh_levels`]: fewer triangles for a character that
-//!   moves, in levels that are ranges of one object
-//! - [`surface_distances`]: how far a mesh level lies from the original, at rest and in motion
-//! - [`figure_levels`]: levels of joints and mesh that are shown together
-//! - [`cached_poses`], [`motion_bounds`], [`occluders`]: what a crowd reads instead of working it out
-//! - [`reduce`]: a motion saved at a level of articulation
-//! - [`evaluate`]: a clip played under a method, its gain and its error in pixels
-//! - [`Scene`], [`plaza`]: who stands where in a crowd, and where its camera goes
+//! - [`character`]: builds rig, mesh and clips from a source character
+//! - [`clip_edit`]: trims, loops and reduces source clips
+//! - [`joint_names`]: recognises the joints of a skeleton by their names
+//! - [`retarget`]: transfers a motion from one skeleton to another
+//! - [`bake`], [`resolve`]: convert expressions to morph weights and joint transforms
+//! - [`levers`], [`contact_intervals`], [`key_table`], [`pose_keys`]: tables for the error of held
+//!   joints, and nested keys
+//! - [`merged_levels`]: joint LODs of a crowd: joint order, skins and errors of every level
+//! - [`simplify`], [`decimate`], [`cluster`], [`mesh_levels`]: simplify the mesh of an animated
+//!   character into levels that are ranges of one object
+//! - [`surface_distances`]: measures the distance of a mesh level from the original, at rest and in
+//!   motion
+//! - [`figure_levels`]: pairs levels of joints and mesh that are shown together
+//! - [`cached_poses`], [`motion_bounds`], [`occluders`]: data that a crowd reads instead of
+//!   computing it
+//! - [`reduce`]: writes a motion at a level of articulation
+//! - [`evaluate`]: plays a clip with a method and measures its gain and its error in pixels
+//! - [`Scene`], [`plaza`]: positions and clips of the characters of a crowd, and its camera path
 //!
 //! ```
 //! use articula_build::{ClipOptions, SimplifyOptions, character, simplify};
@@ -33,7 +35,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What is deliberately absent: files, clocks, threads, and any call from a frame.
+//! This crate reads no files or clocks, spawns no threads, and is never called from a frame.
 
 pub mod clip_edit;
 pub mod evaluate;

@@ -1,16 +1,16 @@
-//! Capsules inside a body that stay inside it through a clip: what it hides for certain.
+//! Occluder capsules that stay inside a body throughout a clip.
 //!
-//! For [`articula_core::occlusion`]. Where the skin leaves most room around the joints of the mean
-//! pose, balls are put; the segment between any two of them takes the greatest radius that the
-//! skin leaves free at every time, and the best few are kept: the trunk, the head, a thigh of
-//! someone who stands. What swings through the clip has none.
+//! They are used by [`articula_core::occlusion`]. Balls are placed where the skin leaves most room
+//! around the joints of the mean pose. The segment between any two of them gets the largest radius
+//! that the skin leaves free at every time, and the best few are kept: the trunk, the head, a thigh
+//! of a standing character. Limbs that swing in the clip get none.
 //!
-//! A place is inside where the skin winds around it a whole number of times (the generalised
-//! winding number of Jacobson, Kavan and Sorkine-Hornung 2013, by the solid angles of
-//! Van Oosterom and Strackee 1983), so a skin with holes has no inside, and hides nothing. It is
-//! asked once; from then on no skin can have passed a place that it never came near.
+//! A point is inside if its generalised winding number (Jacobson, Kavan and Sorkine-Hornung 2013,
+//! by the solid angles of Van Oosterom and Strackee 1983) is a whole number and not 0; a skin with
+//! holes therefore has no inside and no occluders. This is tested at one time only: skin that never
+//! comes near a point cannot have passed it.
 //!
-//! The skin must be opaque; that is for the caller to know.
+//! The skin must be opaque; this is not checked.
 
 use crate::character::Asset;
 use crate::motion_bounds::reach::Reach;
@@ -18,30 +18,32 @@ use crate::motion_bounds::{Body, SampleTime, sample_times};
 use articula_core::{Capsule, Clip, Track, triangle_distance_squared};
 use glam::Vec3;
 
-/// A thinner capsule is not worth drawing; metres.
+/// Minimum radius of a capsule, in metres.
 const MIN_RADIUS_METRES: f32 = 0.03;
 
-/// Places along a segment at which the skin's distance is measured.
+/// Number of points along a segment at which the distance to the skin is measured.
 const PLACES: usize = 17;
 
-/// Looks that choose which segments are measured through the whole clip, and how many are.
+/// Number of sample times that select the segments to measure through the whole clip, and the
+/// number of these segments.
 const FIRST_LOOKS: usize = 8;
 const MEASURED: usize = 12;
 
-/// What starts with less room is a finger or an ear.
+/// Minimum room at a starting point, in metres; less room is a finger or an ear.
 const MIN_START_METRES: f32 = 0.01;
 
-/// Steps in which a ball sample_times for more room: from a few centimetres to a few millimetres.
+/// Step sizes of the search for more room, from a few centimetres to a few millimetres.
 const STEPS_METRES: [f32; 4] = [0.04, 0.02, 0.01, 0.005];
 
-/// Balls nearer to each other than this are one.
+/// Distance below which two balls count as one, in metres.
 const SAME_METRES: f32 = 0.03;
 
-/// How far the winding number may be from a whole one: holes that see a hundredth of the sphere.
+/// Maximum distance of the winding number from a whole number: holes that cover a hundredth of the
+/// sphere.
 const HOLES: f32 = 0.01;
 
-/// At most `most` capsules in model space that lie inside the body at every time of the clip, the
-/// largest first. None where the skin is not closed or jumps.
+/// Returns at most `most` capsules in model space that lie inside the body at every time of the
+/// clip, the largest first. Returns none if the skin is not closed, or the clip has stepped tracks.
 pub fn occluders(asset: &Asset, clip: &Clip, most: usize) -> Vec<Capsule> {
     if asset.mesh.triangles.is_empty() || jumps(clip) {
         return Vec::new();
@@ -70,7 +72,7 @@ pub fn occluders(asset: &Asset, clip: &Clip, most: usize) -> Vec<Capsule> {
         .collect()
 }
 
-/// The largest segments, but those of which half lies inside a larger one.
+/// The largest segments, without those that lie to a half or more inside larger ones.
 fn largest(mut segments: Vec<Segment>, most: usize) -> Vec<Segment> {
     segments.sort_by(|a, b| b.area().total_cmp(&a.area()));
     let mut chosen: Vec<Segment> = Vec::new();
@@ -84,8 +86,8 @@ fn largest(mut segments: Vec<Segment>, most: usize) -> Vec<Segment> {
     chosen
 }
 
-/// Whether anything holds its value until the next frame, so that skin may pass a place between
-/// two times.
+/// Whether any track holds its values until the next frame, so that skin may pass a point between
+/// two sample times.
 fn jumps(clip: &Clip) -> bool {
     fn any<T>(tracks: &[Track<T>]) -> bool {
         tracks.iter().any(|t| t.step && t.values.len() > 1)
@@ -96,7 +98,7 @@ fn jumps(clip: &Clip) -> bool {
         || any(&clip.tracks().morphs)
 }
 
-/// A line inside the body and how far the skin is from it.
+/// A segment inside the body and its distance from the skin.
 struct Segment {
     ends: [Vec3; 2],
     free: f32,
@@ -108,7 +110,7 @@ impl Segment {
         std::array::from_fn(|i| a.lerp(b, i as f32 / (PLACES - 1) as f32))
     }
 
-    /// What lies within the radius of the segment lies within the free distance of a place.
+    /// Any point within this radius of the segment is within the free distance of a sampled point.
     fn radius(&self) -> f32 {
         let half_step = 0.5 * self.ends[0].distance(self.ends[1]) / (PLACES - 1) as f32;
         (self.free * self.free - half_step * half_step)
@@ -123,15 +125,15 @@ impl Segment {
         }
     }
 
-    /// As it sample_times from the side.
+    /// Projected area from the side.
     fn area(&self) -> f32 {
         let r = self.radius();
         2.0 * r * self.ends[0].distance(self.ends[1]) + std::f32::consts::PI * r * r
     }
 }
 
-/// Where the skin leaves most room at the first sample_times: from the mean places of the joints, and half
-/// way between them, as far as there is more.
+/// Points where the skin leaves most room at the first sample times, found by ascent from the mean
+/// positions of the joints and the points half-way between them.
 fn balls(asset: &Asset, clip: &Clip, sample_times: &[SampleTime], skins: &[Skin]) -> Vec<Vec3> {
     let rig = &asset.rig;
     let mut body = Body::new(asset);
@@ -158,7 +160,7 @@ fn balls(asset: &Asset, clip: &Clip, sample_times: &[SampleTime], skins: &[Skin]
             continue;
         }
         for step in STEPS_METRES {
-            // A step no longer than the room passes through no skin.
+            // A step no longer than the free distance does not cross the skin.
             let around = |place: Vec3, free: f32| {
                 let tries = directions.clone().map(|d| place + d * step.min(free));
                 let rooms = tries.map(|p| (p, room(p)));
@@ -178,8 +180,8 @@ fn balls(asset: &Asset, clip: &Clip, sample_times: &[SampleTime], skins: &[Skin]
     balls
 }
 
-/// All segments from one ball to another, or to itself. Where no skin is near, all of a segment
-/// is inside if its ends are; what passes through skin is found by the distance.
+/// All segments between two balls, and from each to itself. If no skin is near, all of a segment is
+/// inside if its ends are; segments that cross skin are found by the distance.
 fn segments(balls: &[Vec3]) -> Vec<Segment> {
     let mut segments = Vec::new();
     for (i, from) in balls.iter().enumerate() {
@@ -191,16 +193,16 @@ fn segments(balls: &[Vec3]) -> Vec<Segment> {
     segments
 }
 
-/// A triangle of the skin, and how far it may go around the time of a look.
+/// A triangle of the skin, and its maximum travel around the sample time.
 struct Face {
     corners: [Vec3; 3],
     slack: f32,
-    /// The ball around it, slack and all.
+    /// Bounding sphere, including the travel.
     centre: Vec3,
     radius: f32,
 }
 
-/// The skin at one look.
+/// The skin at one sample time.
 struct Skin {
     faces: Vec<Face>,
 }
@@ -237,8 +239,8 @@ impl Skin {
         }
     }
 
-    /// A bound on the distance of the skin from a place, around the time of the look; or
-    /// `at_most`, if that is less.
+    /// Lower bound on the distance of the skin from a point, around the sample time; at most
+    /// `at_most`.
     fn free(&self, place: Vec3, at_most: f32) -> f32 {
         let mut free = at_most;
         for face in &self.faces {
@@ -251,7 +253,8 @@ impl Skin {
         free
     }
 
-    /// Narrows segments to what is free now; those that are too thin go.
+    /// Reduces the free distances of segments to those at this time, and removes segments that
+    /// become too thin.
     fn narrow(&self, segments: &mut Vec<Segment>) {
         segments.retain_mut(|segment| {
             for place in segment.places() {
@@ -284,7 +287,7 @@ mod tests {
 
     #[test]
     fn a_segment_by_hand() {
-        // 0.8 m in sixteen steps of 0.05 m; 65 mm are free: 60 mm beside a step's middle.
+        // 0.8 m in sixteen steps of 0.05 m; 65 mm are free: 60 mm beside the middle of a step.
         let segment = Segment {
             ends: [Vec3::ZERO, Vec3::Y * 0.8],
             free: 0.065,

@@ -5,7 +5,7 @@ use crate::split_mix::SplitMix;
 use articula_core::{Clip, LocalPose, PosedMesh, Wrap, sample};
 use glam::Vec3;
 
-/// Vertices that stand for the whole skin; for a rig without mesh, its joints.
+/// Vertices that represent the whole skin; for a rig without mesh, its joints.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Points {
     vertices: Vec<u32>,
@@ -40,11 +40,12 @@ impl Points {
     }
 }
 
-/// Draws `count` different indices below `total` (all of them if there are fewer), rising.
+/// Draws `count` different indices below `total` (all of them if there are fewer), in ascending
+/// order.
 pub fn draw_vertices(total: usize, count: usize, seed: u64) -> Vec<u32> {
     let mut vertices: Vec<u32> = (0..total as u32).collect();
     let mut random = SplitMix(seed);
-    // Partial Fisher-Yates: the first `count` places hold the sample.
+    // Partial Fisher-Yates: the first `count` entries hold the sample.
     for i in 0..count.min(total) {
         let j = i + random.below(total - i);
         vertices.swap(i, j);

@@ -1,8 +1,8 @@
-//! A motion saved at a level of articulation: passive joints keep one constant key, or none.
+//! Writes a motion at a level of articulation: passive joints keep one constant key, or none.
 //!
 //! Source: thesis 5.1.2 (the animation optimised for its level is saved and played later);
-//! `docs/methods/motion-lod.md` part 2. The root's way over the ground and its heading are no joint:
-//! they are always kept.
+//! `docs/methods/motion-lod.md` part 2. The root's translation and heading belong to no joint: they
+//! are always kept.
 
 use crate::clip_edit::heading::yaw;
 use crate::motion_error::keys::central_rotation;
@@ -11,25 +11,25 @@ use articula_core::source::{Channel, Interpolation, Property, RawClip, evaluate}
 use articula_core::{JointSet, Rig, Transform};
 use glam::{Quat, Vec3};
 
-/// Size of a motion.
+/// Size of a motion in channels, keys, joints and bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MotionSize {
-    /// Channels that drive joints.
+    /// Number of channels that drive joints.
     pub channels: usize,
-    /// Keys of these channels.
+    /// Number of keys of these channels.
     pub keys: usize,
-    /// Joints that have a channel with more than one key.
+    /// Number of joints that have a channel with more than one key.
     pub joints: usize,
-    /// Bytes of key times and values as 32-bit floats, times of equal keys counted once.
+    /// Bytes of key times and values as 32-bit floats; identical time arrays count once.
     pub bytes: usize,
 }
 
-/// Measures a clip; morph weights and expressions are left out.
+/// Measures the joint channels of a clip; morph weights and expressions are excluded.
 pub fn motion_size(clip: &RawClip) -> MotionSize {
     size_of(clip.channels.iter().filter(|c| c.property.is_of_joint()))
 }
 
-/// Measures channels, of morph weights and expressions too.
+/// Measures channels, those of morph weights and expressions included.
 pub(crate) fn size_of<'a>(channels: impl Iterator<Item = &'a Channel>) -> MotionSize {
     let channels: Vec<&Channel> = channels.collect();
     let moving: JointSet = channels
@@ -50,10 +50,10 @@ pub(crate) fn size_of<'a>(channels: impl Iterator<Item = &'a Channel>) -> Motion
     }
 }
 
-/// The clip with only the joints of `active` moving; the others show what the policy says.
+/// Returns a clip in which only the joints of `active` move; the others follow the passive policy.
 /// Morph weights and expressions are kept.
 ///
-/// `HoldLast` holds the first frame, since nothing came before it.
+/// `HoldLast` holds the first frame, since there is none before it.
 pub fn reduce(rig: &Rig, clip: &RawClip, active: &JointSet, policy: PassivePolicy) -> RawClip {
     let channels = clip
         .channels
@@ -63,7 +63,7 @@ pub fn reduce(rig: &Rig, clip: &RawClip, active: &JointSet, policy: PassivePolic
                 return Some(c.clone());
             }
             match c.property {
-                // The nodes above the root carry the whole figure as it does.
+                // The nodes above the root carry the whole figure, as it does.
                 _ if !rig.is_at_or_below(rig.root(), c.target) => {
                     passive(rig, c, policy, clip.duration_secs)
                 }
@@ -79,7 +79,8 @@ pub fn reduce(rig: &Rig, clip: &RawClip, active: &JointSet, policy: PassivePolic
     }
 }
 
-/// One channel of a passive joint: a constant, a fade, or nothing where rest is shown anyway.
+/// One channel of a passive joint: a constant, a fade, or nothing where the rest pose is shown
+/// anyway.
 fn passive(
     rig: &Rig,
     channel: &Channel,
@@ -89,7 +90,7 @@ fn passive(
     let rest = floats(rig.rest_pose().get(channel.target), channel.property);
     let held = held(rig, channel, policy);
     let (times_secs, keys) = match policy {
-        // A fade never makes a clip longer than it is.
+        // A fade never makes a clip longer.
         PassivePolicy::BlendToRest { secs } if secs.min(duration_secs) > 0.0 => {
             (vec![0.0, secs.min(duration_secs)], vec![held, rest])
         }
@@ -125,7 +126,7 @@ fn held(rig: &Rig, channel: &Channel, policy: PassivePolicy) -> Vec<f32> {
                 .to_vec()
         }
         (PassivePolicy::KeyPose, _) => {
-            // The middle of the range errs least at worst.
+            // The middle of the range has the smallest maximum error.
             let ends = keys().map(|v| (Vec3::from_slice(&v), Vec3::from_slice(&v)));
             let range = ends.reduce(|(lo, hi), (p, q)| (lo.min(p), hi.max(q)));
             range.map_or_else(|| at(0.0), |(lo, hi)| (0.5 * (lo + hi)).to_array().to_vec())
@@ -134,7 +135,7 @@ fn held(rig: &Rig, channel: &Channel, policy: PassivePolicy) -> Vec<f32> {
     }
 }
 
-/// The root's rotation reduced to its turn about the vertical, on top of what is held.
+/// The root's rotation reduced to its turn about the vertical, on top of the held rotation.
 fn heading(rig: &Rig, channel: &Channel, policy: PassivePolicy) -> Channel {
     let hold = Quat::from_slice(&held(rig, channel, policy));
     // Model-from-parent at rest: heading is about the model's vertical, not the parent's.
@@ -259,7 +260,7 @@ mod tests {
         let before = motion_size(&clip());
         let after = motion_size(&reduce(&rig(), &clip(), &root, PassivePolicy::Rest));
         assert_eq!((before.channels, before.keys, before.joints), (3, 9, 2));
-        // Three times once; 12 + 9 + 12 values, then without the arm's 12.
+        // Three times, counted once; 12 + 9 + 12 values, then without the arm's 12.
         assert_eq!((before.bytes, after.bytes), (4 * (3 + 33), 4 * (3 + 21)));
     }
 

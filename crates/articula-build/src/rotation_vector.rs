@@ -1,9 +1,9 @@
-//! Rotations as vectors, where the work is linear in them.
+//! Rotation vectors, for computations that are linear in them.
 
 use articula_core::same_hemisphere;
 use glam::{Quat, Vec3};
 
-/// Rotation vector (axis times angle, radians) that leads from `a` to `b` on the short way.
+/// Rotation vector (axis times angle, radians) of the shorter rotation from `a` to `b`.
 pub(crate) fn rotation_vector(a: Quat, b: Quat) -> Vec3 {
     let relative = same_hemisphere(Quat::IDENTITY, a.conjugate() * b);
     let v = Vec3::new(relative.x, relative.y, relative.z);

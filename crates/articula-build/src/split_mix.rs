@@ -1,6 +1,6 @@
-//! The generator of Steele, Lea and Flood (2014): small, seeded, the same everywhere.
+//! The generator of Steele, Lea and Flood (2014): small, seeded, the same on all platforms.
 
-/// State of the generator; the seed is its first value.
+/// State of the generator; the seed is its initial value.
 #[derive(Debug, Clone)]
 pub(crate) struct SplitMix(pub(crate) u64);
 
@@ -14,13 +14,13 @@ impl SplitMix {
         z ^ (z >> 31)
     }
 
-    /// A number from 0 up to, but not including, 1.
+    /// A uniform number in [0, 1).
     pub(crate) fn unit(&mut self) -> f32 {
-        // 24 bits are what an f32 below one can tell apart.
+        // An f32 below one resolves 24 bits.
         (self.next() >> 40) as f32 / (1u32 << 24) as f32
     }
 
-    /// A number below `count`; 0 if that is 0.
+    /// A number below `count`; 0 if `count` is 0.
     pub(crate) fn below(&mut self, count: usize) -> usize {
         (self.next() % count.max(1) as u64) as usize
     }

@@ -1,4 +1,4 @@
-//! Flags that commands share, and how their values are spelled.
+//! Flags that several commands share, and the parsers of their values.
 
 use articula_core::Viewport;
 use articula_formats::UpAxis;
@@ -6,15 +6,15 @@ use articula_formats::mpeg4::fap::Absent;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// A character file and what of it counts.
+/// A character file and the meshes of it that are used.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct CharacterArgs {
     /// Character file (.glb, .gltf, .vrm, .vrma, .bvh, .bap, ...)
     pub(crate) file: PathBuf,
-    /// Leave this mesh out (repeatable)
+    /// Name of a mesh to leave out (repeatable)
     #[arg(long, value_name = "NAME")]
     pub(crate) hide: Vec<String>,
-    /// Keep only this mesh (repeatable)
+    /// Name of a mesh to keep, leaving out all others (repeatable)
     #[arg(long, value_name = "NAME")]
     pub(crate) only: Vec<String>,
     #[command(flatten)]
@@ -22,55 +22,57 @@ pub(crate) struct CharacterArgs {
 }
 
 impl CharacterArgs {
-    /// Whether some of the meshes do not count.
+    /// Whether some meshes are left out.
     pub(crate) fn leaves_out(&self) -> bool {
         !self.hide.is_empty() || !self.only.is_empty()
     }
 }
 
-/// The axis that points up in a file that does not say it.
+/// Up axis of a file that does not state it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum UpArgument {
-    /// As most files have it
+    /// +Y, as in most files
     Y,
-    /// As some capture systems write it
+    /// +Z, as in some capture systems
     Z,
 }
 
-/// What a parameter does that a mask leaves out.
+/// Value of a FAP or BAP parameter in frames whose mask leaves it out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum LeftOut {
-    /// It keeps its value, as the standard has it
+    /// Its last value, as in the standard
     Hold,
-    /// It is neutral, as the reference encoder takes it
+    /// Zero, the neutral value, as in the reference encoder
     Zero,
 }
 
-/// How a file is understood: its joint names and, where it does not say, its unit and up axis.
+/// How a file is read: joint maps and, where the file does not state them, its unit and up axis.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ReadArgs {
-    /// Joint map of your own, used before the built-in ones (repeatable)
+    /// JSON file with a custom joint map, tried before the built-in ones (repeatable)
     #[arg(long, value_name = "F.json")]
     pub(crate) joint_map: Vec<PathBuf>,
-    /// BVH, ASF, BVA: metres of one unit [default: told from the figure's height]
+    /// Length of one file unit in metres, for BVH, ASF and BVA [default: estimated from the
+    /// figure's height]
     #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) unit_metres: Option<f32>,
-    /// BVH, ASF, BVA: the axis that points up [default: told from where the head is]
+    /// Axis that points up, for BVH, ASF and BVA [default: detected from the position of the head]
     #[arg(long, value_enum, value_name = "AXIS")]
     pub(crate) up: Option<UpArgument>,
-    /// AMC: the skeleton of the motion [default: the .asf file beside it that is called alike]
+    /// ASF file with the skeleton of an AMC motion [default: the .asf file with the same name in
+    /// the same folder]
     #[arg(long, value_name = "F.asf")]
     pub(crate) skeleton: Option<PathBuf>,
-    /// AMC: frames a second [default: 120, unless the file says it]
+    /// Frame rate of an AMC motion in hertz [default: as stated in the file, else 120]
     #[arg(long, value_name = "HZ", value_parser = positive)]
     pub(crate) amc_rate_hz: Option<f32>,
-    /// FAP, BAP: what a parameter does that a frame's mask leaves out [default: hold]
+    /// Value of a FAP or BAP parameter in frames whose mask leaves it out [default: hold]
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(crate) absent: Option<LeftOut>,
 }
 
 impl ReadArgs {
-    /// The up axis of a file that does not say it.
+    /// Up axis of a file that does not state it.
     pub(crate) fn up(&self) -> UpAxis {
         match self.up {
             None => UpAxis::Auto,
@@ -79,7 +81,7 @@ impl ReadArgs {
         }
     }
 
-    /// What a parameter does that a mask leaves out.
+    /// Value of a parameter in frames whose mask leaves it out.
     pub(crate) fn absent(&self) -> Absent {
         match self.absent {
             None | Some(LeftOut::Hold) => Absent::Hold,
@@ -88,13 +90,13 @@ impl ReadArgs {
     }
 }
 
-/// The picture that pixels are counted in.
+/// The picture in whose pixels errors are measured.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ViewArgs {
-    /// Size of the picture, pixels
+    /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
     pub(crate) viewport: (u32, u32),
-    /// Vertical field of view, degrees
+    /// Vertical field of view in degrees
     #[arg(long, value_name = "DEG", default_value = "45", value_parser = field_of_view)]
     pub(crate) fov_deg: f32,
 }
@@ -110,7 +112,7 @@ impl ViewArgs {
     }
 }
 
-/// Width and height of a picture.
+/// Parses the width and height of a picture, 16 to 16384 pixels.
 pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
     let parts = text.split_once(['x', 'X']);
     let number = |t: &str| {
@@ -124,28 +126,28 @@ pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "expected width x height of 16 to 16384 pixels, such as 1280x720".into())
 }
 
-/// A vertical opening, degrees.
+/// Parses a vertical field of view in degrees.
 pub(crate) fn field_of_view(text: &str) -> Result<f32, String> {
     let angle = text.parse::<f32>().ok();
     let angle = angle.filter(|a| (1.0..=170.0).contains(a));
     angle.ok_or_else(|| "expected an angle of 1 to 170 degrees".into())
 }
 
-/// A finite number.
+/// Parses a finite number.
 pub(crate) fn finite(text: &str) -> Result<f32, String> {
     let number = text.parse::<f32>().ok();
     let number = number.filter(|n| n.is_finite());
     number.ok_or_else(|| "expected a number".into())
 }
 
-/// A finite number above zero.
+/// Parses a finite number above zero.
 pub(crate) fn positive(text: &str) -> Result<f32, String> {
     let number = text.parse::<f32>().ok();
     let number = number.filter(|n| n.is_finite() && *n > 0.0);
     number.ok_or_else(|| "expected a number above 0".into())
 }
 
-/// A finite number, zero or above.
+/// Parses a finite number that is not negative.
 pub(crate) fn not_negative(text: &str) -> Result<f32, String> {
     let number = text.parse::<f32>().ok();
     let number = number.filter(|n| n.is_finite() && *n >= 0.0);

@@ -1,10 +1,10 @@
-//! The shape of the command line.
+//! The top level of the command line.
 
 use crate::commands::{build, completions, convert, crowd, demo, flatten, human, inspect, lod};
 use crate::console::{Answer, Console, Progress};
 use clap::{Parser, Subcommand};
 
-/// Author a virtual human once; animate it at the detail that the viewer can see.
+/// Animates virtual humans at the level of detail that the viewer can see.
 #[derive(Debug, Parser)]
 #[command(
     name = "articula",
@@ -13,20 +13,20 @@ use clap::{Parser, Subcommand};
     max_term_width = 100
 )]
 #[command(arg_required_else_help = true, subcommand_required = true)]
-#[command(after_help = "Exit status: 0 done, 1 the input or the world is bad, 2 wrong usage.")]
+#[command(after_help = "Exit status: 0 done, 1 faulty input or environment, 2 wrong usage.")]
 pub(crate) struct CommandLine {
     #[command(subcommand)]
     pub(crate) command: Command,
-    /// Print the result as JSON, with units in the field names
+    /// Print the result as JSON; units are part of the field names
     #[arg(long, global = true, display_order = 900)]
     pub(crate) json: bool,
-    /// Show no progress bars (they show on a terminal only)
+    /// Hide progress bars, which otherwise show on a terminal
     #[arg(long, short, global = true, display_order = 901)]
     pub(crate) quiet: bool,
 }
 
 impl CommandLine {
-    /// How the user wants to be talked to.
+    /// The console that these flags ask for.
     pub(crate) fn console(&self) -> Console {
         let answer = if self.json {
             Answer::Json
@@ -42,26 +42,26 @@ impl CommandLine {
     }
 }
 
-/// The commands, in the order in which a newcomer meets them.
+/// The commands, in the order in which a new user meets them.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run the main job on the embedded reference human and write a page about it
+    /// Run all steps on the built-in reference human and write an HTML report
     Demo(demo::DemoArgs),
-    /// Say what is in a file, and what is odd about it
+    /// Show the contents of a file and warn about irregularities
     Inspect(inspect::InspectArgs),
-    /// Convert between formats, or save a reduced animation
+    /// Convert between formats, retarget, clean or reduce animations
     Convert(convert::ConvertArgs),
-    /// Write the procedural reference human
+    /// Write the procedural reference human as GLB
     Human(human::HumanArgs),
-    /// Prepare an asset: articulation and motion tables go into the GLB
+    /// Prepare an asset: store articulation, motion tables and mesh levels in a GLB
     Build(build::BuildArgs),
-    /// Play a clip under motion level of detail; report what it saves and what it costs
+    /// Play a clip under motion level of detail; report the updates saved and the error in pixels
     Lod(lod::LodArgs),
-    /// Run a crowd of one character; report what it costs and how far it is off, in pixels
+    /// Simulate a crowd of one character; report frame time, memory and error in pixels
     Crowd(crowd::CrowdArgs),
-    /// Turn a character in motion into 2D: animated SVG, Lottie, a talking portrait, stills
+    /// Convert an animated character to 2D: animated SVG, Lottie, talking portrait, still picture
     Flatten(flatten::FlattenArgs),
-    /// Print completions for a shell
+    /// Print a completion script for a shell
     Completions(completions::CompletionsArgs),
 }
 

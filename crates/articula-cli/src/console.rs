@@ -1,4 +1,4 @@
-//! What the user sees: results on standard output, progress and errors on standard error.
+//! Output for the user: results on standard output, progress and errors on standard error.
 
 use crate::fault;
 use anyhow::Context;
@@ -11,25 +11,25 @@ use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// How results are written.
+/// Format of the results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Answer {
-    /// As text for people.
+    /// Text for people.
     Text,
-    /// As JSON for programs.
+    /// JSON for programs.
     Json,
 }
 
-/// Whether progress bars may show.
+/// Whether progress bars are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Progress {
-    /// On a terminal.
+    /// Shown on a terminal.
     Shown,
-    /// Nowhere.
+    /// Never shown.
     Hidden,
 }
 
-/// How the user wants to be talked to.
+/// Output settings of one run of the program.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Console {
     answer: Answer,
@@ -37,12 +37,12 @@ pub(crate) struct Console {
 }
 
 impl Console {
-    /// A console that answers and shows progress like this.
+    /// A console with this result format and progress setting.
     pub(crate) fn new(answer: Answer, progress: Progress) -> Self {
         Self { answer, progress }
     }
 
-    /// Prints a result, as JSON or as the text made from it.
+    /// Prints a result as JSON, or as the text that `text` makes of it.
     pub(crate) fn result<T: Serialize>(
         &self,
         value: &T,
@@ -63,7 +63,8 @@ impl Console {
         complain(&fault::line(error));
     }
 
-    /// Does a work of the library: its steps as bars, its jobs on all processors.
+    /// Runs `make` with an executor that shows each step as a progress bar and runs jobs on all
+    /// processors.
     pub(crate) fn work<T>(
         &self,
         make: impl FnOnce(&Executor<'_>) -> articula::Result<T>,
@@ -89,7 +90,8 @@ impl Console {
         made
     }
 
-    /// A bar of `steps` steps on standard error; invisible if that is no terminal, or quiet.
+    /// A progress bar of `steps` steps on standard error; hidden with `--quiet` and where standard
+    /// error is not a terminal.
     pub(crate) fn progress(&self, what: &str, steps: usize) -> ProgressBar {
         let hidden = self.progress == Progress::Hidden || !std::io::stderr().is_terminal();
         let target = if hidden {
@@ -107,7 +109,7 @@ impl Console {
     }
 }
 
-/// A work of the library whose jobs run on all processors; its steps show nothing.
+/// An executor that runs jobs on all processors and reports no progress.
 pub(crate) fn on_all_processors<'a>() -> Executor<'a> {
     Executor::default().run_jobs(&run_jobs)
 }
@@ -116,7 +118,7 @@ fn run_jobs(jobs: &mut [Job<'_>]) {
     jobs.par_iter_mut().for_each(Job::run);
 }
 
-/// Writes to standard output. A reader that has seen enough (`| head`) is no error.
+/// Writes to standard output. A closed pipe (`| head`) is not an error.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -126,6 +128,6 @@ pub(crate) fn print(text: &str) -> anyhow::Result<()> {
 }
 
 fn complain(text: &str) {
-    // There is nowhere left to report that standard error is gone.
+    // There is no channel left on which to report that standard error is closed.
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }

@@ -1,10 +1,10 @@
-//! Errors of the program: `FILE: place: what; mend` on one line, and the exit status.
+//! Errors of the program, printed as `FILE: place: what; remedy` on one line, and the exit status.
 //!
-//! Libraries give typed errors that name the place; here the file is put in front of them.
+//! Errors of the libraries name the place inside the file; the file name is prepended here.
 
 use std::fmt;
 
-/// The command line itself is wrong: exit status 2.
+/// An error in the command line itself: exit status 2.
 #[derive(Debug)]
 pub(crate) struct Usage(String);
 
@@ -16,12 +16,12 @@ impl fmt::Display for Usage {
 
 impl std::error::Error for Usage {}
 
-/// An error that says how the command should have been called.
+/// A usage error.
 pub(crate) fn usage(what: impl Into<String>) -> anyhow::Error {
     anyhow::Error::new(Usage(what.into()))
 }
 
-/// The exit status that an error deserves.
+/// Returns the exit status of an error.
 pub(crate) fn status(fault: &anyhow::Error) -> u8 {
     let is_argument = |e: &articula::Error| e.is_argument();
     let of_library = fault.downcast_ref().is_some_and(is_argument);
@@ -32,12 +32,13 @@ pub(crate) fn status(fault: &anyhow::Error) -> u8 {
     }
 }
 
-/// The whole chain of an error on one line.
+/// Formats the whole chain of an error on one line.
 pub(crate) fn line(fault: &anyhow::Error) -> String {
     format!("error: {}", clean(&text(fault)))
 }
 
-/// The whole chain of an error; where an argument of the library mends it, the flag is named.
+/// Formats the whole chain of an error; where an argument of the library is the remedy, its flag
+/// is named.
 pub(crate) fn text(fault: &anyhow::Error) -> String {
     let text = format!("{fault:#}");
     let cause = fault.downcast_ref::<articula::Error>().map(|e| e.cause());
@@ -55,11 +56,11 @@ pub(crate) fn text(fault: &anyhow::Error) -> String {
     }
 }
 
-/// Longest text of a file that is shown; a longer one is cut.
+/// Maximum bytes of text from a file that are shown; longer text is cut.
 const LONGEST: usize = 2000;
 
-/// Text from a file, fit for a terminal: control characters are spelled out, so that a name
-/// can neither break a line nor steer the terminal, and a very long one is cut.
+/// Makes text from a file safe for a terminal: control characters are escaped, so that a name
+/// can neither break a line nor control the terminal, and very long text is cut.
 pub(crate) fn clean(text: &str) -> String {
     let mut out = String::with_capacity(text.len().min(LONGEST));
     for c in text.chars() {
@@ -67,7 +68,7 @@ pub(crate) fn clean(text: &str) -> String {
             out.push('…');
             break;
         }
-        // Beside the controls: marks that turn the direction of writing.
+        // Not only control characters: also marks that change the direction of writing.
         let steers = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
         if c.is_control() || steers {
             out.extend(c.escape_default());

@@ -1,7 +1,7 @@
-//! The command line of Articula: reads its arguments, runs one command, prints the answer.
+//! The command-line program of Articula: parses arguments, runs one command, prints the result.
 //!
-//! Exit status: 0 done, 1 the input or the world is bad, 2 wrong usage. Results go to standard
-//! output, everything else to standard error; an error is one line there.
+//! Exit status: 0 done, 1 an input or the environment is faulty, 2 wrong usage. Results go to
+//! standard output, everything else to standard error; an error is one line there.
 #![allow(
     clippy::disallowed_methods,
     reason = "the program is where files are opened and the clock is read"

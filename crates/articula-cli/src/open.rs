@@ -1,5 +1,5 @@
-//! From the flags of a command to an opened file: profiles and skeletons are read here, the rest
-//! is the library's.
+//! From the flags of a command to an opened file: joint maps and skeletons are read here, the
+//! rest is done by the library.
 
 use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::files;
@@ -10,26 +10,26 @@ use articula_formats::joint_map;
 use articula_formats::{Assumption, Limits, Warning};
 use std::path::{Path, PathBuf};
 
-/// Opens a character; profiles of the user are asked before the built-in ones.
+/// Opens a character; joint maps of the user are tried before the built-in ones.
 pub(crate) fn character(path: &Path, args: &ReadArgs) -> anyhow::Result<CharacterFile> {
     Ok(articula::fs::open_with(path, &options(args)?)?)
 }
 
-/// Opens a character, leaves out the meshes that are not wanted, builds the rest.
+/// Opens a character, leaves out unwanted meshes and builds the figure.
 pub(crate) fn figure(args: &CharacterArgs) -> anyhow::Result<Figure> {
     let mut opened = character(&args.file, &args.names)?;
     opened.keep_meshes(&args.only, &args.hide)?;
     Ok(Figure::new(opened)?)
 }
 
-/// Opens a file without a character in it.
+/// Opens a file that holds data without a character.
 pub(crate) fn data(path: &Path, format: DataFormat, args: &ReadArgs) -> anyhow::Result<DataFile> {
     let options = options(args)?;
     let bytes = files::read(path, options.limits.bytes)?;
     Ok(open_data(&bytes, &files::shown(path), format, &options)?)
 }
 
-/// How a file is understood, as the flags say it.
+/// The options of the library that correspond to the flags.
 fn options(args: &ReadArgs) -> anyhow::Result<OpenOptions> {
     let limits = Limits::default();
     let skeleton = args.skeleton.as_ref();
@@ -52,7 +52,7 @@ fn joint_maps(own: &[PathBuf], limits: &Limits) -> anyhow::Result<Vec<JointMap>>
     own.iter().map(profile).collect()
 }
 
-/// What the reader found odd, each with its place.
+/// The warnings of the reader, each with its place in the file.
 pub(crate) fn warnings(opened: &CharacterFile) -> Vec<String> {
     let warnings = opened.warnings.iter();
     warnings
@@ -60,7 +60,8 @@ pub(crate) fn warnings(opened: &CharacterFile) -> Vec<String> {
         .collect()
 }
 
-/// What a warning says, and where a reader had to guess, the flag that decides.
+/// The text of a warning; where the reader had to guess, the flag that overrides the guess is
+/// added.
 pub(crate) fn advised(warning: &Warning) -> String {
     let flag = match warning.guess {
         None => return warning.what.clone(),

@@ -1,16 +1,16 @@
-//! Aligned tables for people: words to the left, numbers to the right.
+//! Aligned text tables: text columns to the left, number columns to the right.
 
 use crate::fault::clean;
 
-/// Widest cell; a longer text is cut in the middle.
+/// Maximum width of a cell in characters; longer text is cut in the middle.
 const WIDEST: usize = 44;
 
-/// A length that was measured, or not, as people read it.
+/// A measured length in millimetres, or a dash where there is none.
 pub(crate) fn millimetres(metres: Option<f32>) -> String {
     metres.map_or("-".to_owned(), |m| format!("{:.2} mm", 1e3 * m))
 }
 
-/// Rows of text under a line of headings.
+/// Rows of text below a line of headings.
 #[derive(Debug, Clone)]
 pub(crate) struct Table {
     rows: Vec<Vec<String>>,
@@ -24,18 +24,18 @@ impl Table {
         }
     }
 
-    /// Adds one row; it should have as many cells as there are headings.
+    /// Adds one row; it should have one cell per heading.
     pub(crate) fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) {
         let cells = cells.into_iter().map(|c| shortened(&clean(&c.into())));
         self.rows.push(cells.collect());
     }
 
-    /// Whether it has no row below the headings.
+    /// Whether the table has no row below the headings.
     pub(crate) fn is_empty(&self) -> bool {
         self.rows.len() < 2
     }
 
-    /// The table as text, indented by two spaces, without blanks at the ends of lines.
+    /// Formats the table, indented by two spaces, without trailing blanks.
     pub(crate) fn text(&self) -> String {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let cell = |row: &'_ Vec<String>, c: usize| row.get(c).cloned().unwrap_or_default();
@@ -67,7 +67,7 @@ impl Table {
     }
 }
 
-/// A count with its noun.
+/// A count with its noun in the singular or plural.
 pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }

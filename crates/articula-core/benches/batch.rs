@@ -1,4 +1,4 @@
-//! What does one character cost in a batch of eight, by palette form, storage and backend?
+//! Cost of one character in a batch of eight, by palette form, storage and backend.
 #![allow(clippy::unwrap_used, reason = "a bench may stop at the first surprise")]
 
 mod human;
@@ -9,7 +9,7 @@ use articula_core::{
 };
 use divan::{Bencher, black_box};
 
-/// Characters of each turn.
+/// Characters per iteration.
 const COUNT: usize = 96;
 
 fn main() {
@@ -41,7 +41,7 @@ fn backend(bencher: Bencher<'_, '_>, backend: Backend) {
     );
 }
 
-/// The same from 16-bit integers.
+/// The same with clips stored as 16-bit integers.
 #[divan::bench]
 fn short_storage(bencher: Bencher<'_, '_>) {
     walk(
@@ -53,7 +53,7 @@ fn short_storage(bencher: Bencher<'_, '_>) {
     );
 }
 
-/// The same while everyone fades to another clip.
+/// The same while every character cross-fades to another clip.
 #[divan::bench]
 fn cross_fade(bencher: Bencher<'_, '_>) {
     walk(

@@ -1,18 +1,18 @@
-//! What does it cost to share a budget among a crowd: anew, when some changed, when nobody did?
+//! Cost of allocating a budget to a crowd: from scratch, with some changes, without changes.
 #![allow(clippy::unwrap_used, reason = "a bench may stop at the first surprise")]
 
 use articula_core::budget::{BudgetAllocator, BudgetPolicy, LodOption, LodRequest};
 use divan::Bencher;
 
 const COUNT: usize = 10_000;
-/// Units for each character, in the mean; everything in full would take 182.
+/// Mean units per character; the finest options would cost 182.
 const UNITS: f32 = 100.0;
 
 fn main() {
     divan::main();
 }
 
-/// Numbers from 0 to 1.
+/// Random numbers from 0 to 1.
 struct Random(u32);
 
 impl Random {
@@ -22,7 +22,7 @@ impl Random {
     }
 }
 
-/// Eight levels for each of twenty clips, characters from 5 to 245 m away.
+/// Twenty option sets of eight levels, characters at distances from 5 to 245 m.
 fn crowd() -> (BudgetAllocator, Vec<LodRequest>, Random) {
     let mut random = Random(7);
     let mut budget = BudgetAllocator::new(COUNT, BudgetPolicy::default());
@@ -50,7 +50,7 @@ fn crowd() -> (BudgetAllocator, Vec<LodRequest>, Random) {
     (budget, requests, random)
 }
 
-/// Of someone somewhere in 1080 rows of pixels.
+/// Pixels per metre at a random distance, for 1080 rows of pixels.
 fn scale(random: &mut Random) -> f32 {
     1304.0 / (5.0 + 240.0 * random.next())
 }
@@ -61,7 +61,7 @@ fn ask(budget: &mut BudgetAllocator, requests: &[LodRequest]) {
     }
 }
 
-/// Everyone is placed anew.
+/// All choices from scratch.
 #[divan::bench]
 fn anew(bencher: Bencher<'_, '_>) {
     let (mut budget, ..) = crowd();
@@ -71,7 +71,7 @@ fn anew(bencher: Bencher<'_, '_>) {
     });
 }
 
-/// Requests of everyone, two in a hundred of them new, and the repair.
+/// Requests of all characters, 2 % of them changed, and the repair.
 #[divan::bench]
 fn some_changed(bencher: Bencher<'_, '_>) {
     let (mut budget, mut requests, mut random) = crowd();
@@ -87,7 +87,7 @@ fn some_changed(bencher: Bencher<'_, '_>) {
     });
 }
 
-/// Requests of everyone, all as before.
+/// Requests of all characters, none changed.
 #[divan::bench]
 fn nobody_changed(bencher: Bencher<'_, '_>) {
     let (mut budget, requests, _) = crowd();

@@ -1,4 +1,4 @@
-//! What does it cost to take a local pose through the hierarchy?
+//! Cost of forward kinematics for one local pose.
 
 mod human;
 

@@ -1,4 +1,4 @@
-//! What does it cost to read a clip at a time, joint by joint?
+//! Cost of sampling a clip, joint by joint.
 
 mod human;
 
@@ -9,7 +9,7 @@ fn main() {
     divan::main();
 }
 
-/// The walk, with as many joints active as a level of articulation may keep.
+/// The walk, with different numbers of active joints.
 #[divan::bench(args = [8, 24, 48, 89])]
 fn walk(bencher: Bencher<'_, '_>, joints: usize) {
     let rig = &human::asset().rig;

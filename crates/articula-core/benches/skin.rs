@@ -1,4 +1,4 @@
-//! What does it cost to move a skin after its joints?
+//! Cost of skinning a mesh.
 
 mod human;
 
@@ -12,7 +12,7 @@ fn main() {
     divan::main();
 }
 
-/// Positions and normals of all vertices of the reference human, the plain way.
+/// Positions and normals of all vertices of the reference human, by the plain version.
 #[divan::bench]
 fn plain(bencher: Bencher<'_, '_>) {
     let mesh = &human::asset().mesh;
@@ -23,7 +23,7 @@ fn plain(bencher: Bencher<'_, '_>) {
         .bench_local(|| skin(mesh, black_box(&matrices), &mesh.morph_weights, &mut out));
 }
 
-/// The same, vertices grouped by their number of influences.
+/// The same with vertices grouped by their number of influences.
 #[divan::bench]
 fn grouped(bencher: Bencher<'_, '_>) {
     let mesh = &human::asset().mesh;

@@ -1,4 +1,4 @@
-//! A crowd in a game loop: in go clips, places, a camera and time; out come palettes and events.
+//! A crowd in a game loop: from clips, positions, a camera and time to palettes and events.
 
 use articula_build::ClipOptions;
 use articula_build::character;
@@ -13,7 +13,7 @@ use articula_human::{HumanOptions, human};
 use glam::{Quat, Vec3};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Once: levels, errors and bounds of one character. Your own file comes from articula-formats.
+    // Once: levels, errors and bounds of one character. Files are read by articula-formats.
     let asset = character(
         &human(&HumanOptions::default())?,
         None,
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         cache: None,
     })?;
 
-    // A thousand characters on a square, each with a clip and a phase of its own.
+    // A thousand characters on a square, each with its own clip and phase.
     let mut crowd = Crowd::new(&model, 1000);
     let positions: Vec<Vec3> = (0..1000)
         .map(|i| Vec3::new((i % 25) as f32, 0.0, -2.0 - (i / 25) as f32))

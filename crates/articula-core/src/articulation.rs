@@ -1,16 +1,17 @@
 //! H-Anim level of articulation and body region of every joint of a rig.
 //!
-//! Source: thesis 3.1.3 and 5.1; the lists per level and region are data (`docs/methods/hanim.md`
-//! part 3 and 5, kept in the profile files that `articula-formats` parses), never code.
+//! Source: thesis 3.1.3 and 5.1, `docs/methods/hanim.md` parts 3 to 5. The levels and regions of
+//! the joints are data, not code: they come from [`crate::hanim_table`] and from the joint maps
+//! that `articula-formats` reads.
 
 use crate::Mismatch;
 use std::fmt;
 use std::str::FromStr;
 
-/// Highest data level, at which every joint is included.
+/// Highest data level; it includes every joint.
 pub const MAX_LEVEL: u8 = 5;
 
-/// The seven named levels of articulation complexity, each including the ones before.
+/// The seven named levels of articulation, each including those before it.
 ///
 /// The discriminant minus one is the data level: `VeryLow` is level 0, `VeryHigh` level 5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -23,7 +24,7 @@ pub enum Complexity {
     Low,
     /// Adds one spine joint, collars, hands, feet and toes.
     Medium,
-    /// Adds the refined spine.
+    /// Adds further spine joints.
     High,
     /// Adds the main finger joints.
     Fingers,
@@ -32,7 +33,7 @@ pub enum Complexity {
 }
 
 impl Complexity {
-    /// All of them, from least to most.
+    /// All levels in ascending order.
     pub const ALL: [Self; 7] = [
         Self::None,
         Self::VeryLow,
@@ -43,7 +44,7 @@ impl Complexity {
         Self::VeryHigh,
     ];
 
-    /// The highest data level that it includes; `None` includes none.
+    /// Returns the highest data level that is included; `None` if no joint is.
     pub(crate) fn level(self) -> Option<u8> {
         (self as u8).checked_sub(1)
     }
@@ -61,14 +62,14 @@ impl Complexity {
     }
 }
 
-/// As the expression language spells it.
+/// Writes the name as in the expression language.
 impl fmt::Display for Complexity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
     }
 }
 
-/// Case, spaces, `-` and `_` do not count.
+/// Parses a name; case, spaces, `-` and `_` are ignored.
 impl FromStr for Complexity {
     type Err = Mismatch;
 
@@ -99,7 +100,7 @@ pub enum Region {
 }
 
 impl Region {
-    /// All of them, in the order of their numbers 1 to 7.
+    /// All regions, in the order of their numbers 1 to 7.
     pub const ALL: [Self; 7] = [
         Self::Face,
         Self::Arms,
@@ -123,14 +124,14 @@ impl Region {
     }
 }
 
-/// As the expression language spells it.
+/// Writes the name as in the expression language.
 impl fmt::Display for Region {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
     }
 }
 
-/// In any case.
+/// Parses a name; case, spaces, `-` and `_` are ignored.
 impl FromStr for Region {
     type Err = Mismatch;
 
@@ -141,12 +142,12 @@ impl FromStr for Region {
     }
 }
 
-/// A union of regions, one bit for each; by default none.
+/// A set of regions as a bit mask, empty by default.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub struct Zone(u8);
 
 impl Zone {
-    /// Every region.
+    /// All regions.
     pub const ALL: Self = Self(127);
     /// Face, arms, torso and hands.
     pub const UPPER: Self = Self(71);
@@ -155,13 +156,13 @@ impl Zone {
     /// Face, arms and torso.
     pub const FACE_SHOULDERS: Self = Self(7);
 
-    /// Whether the region is part of it.
+    /// Returns whether the region is part of the zone.
     pub fn contains(self, region: Region) -> bool {
         self.0 & Self::from(region).0 != 0
     }
 }
 
-/// Both together.
+/// Returns the union of two zones.
 impl std::ops::BitOr for Zone {
     type Output = Self;
 
@@ -170,8 +171,8 @@ impl std::ops::BitOr for Zone {
     }
 }
 
-/// A region or a composite (`upper`, `lower`, `face-shoulders`, `all`) by name; case, spaces, `-`
-/// and `_` do not count.
+/// Parses the name of a region or of a composite (`upper`, `lower`, `face-shoulders`, `all`); case,
+/// spaces, `-` and `_` are ignored.
 impl FromStr for Zone {
     type Err = Mismatch;
 
@@ -195,28 +196,28 @@ impl From<Region> for Zone {
     }
 }
 
-/// What one joint is in the H-Anim scheme.
+/// The H-Anim classification of one joint.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct JointArticulation {
-    /// H-Anim 1.1 joint name, if the profile maps the joint.
+    /// H-Anim 1.1 joint name, if the joint is mapped.
     pub hanim: Option<String>,
-    /// First data level (0 to 5) that includes it.
+    /// Lowest data level (0 to 5) that includes the joint.
     pub level: u8,
-    /// The region it belongs to.
+    /// Region of the joint.
     pub region: Region,
 }
 
 /// Level and region of every joint of one skeleton, in the skeleton's order.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Articulation {
-    /// Name of the profile that mapped the most joints, for people to read.
+    /// Name of the joint map that matched the most joints, for display.
     pub profile: String,
     /// One entry for each joint.
     pub joints: Vec<JointArticulation>,
 }
 
 impl Articulation {
-    /// Number of joints that a profile maps to an H-Anim joint.
+    /// Returns the number of joints that are mapped to an H-Anim joint.
     pub fn mapped(&self) -> usize {
         self.joints.iter().filter(|j| j.hanim.is_some()).count()
     }

@@ -1,18 +1,19 @@
-//! Cross-fading two poses, joint by joint.
+//! Cross-fading of two poses, joint by joint.
 //!
-//! Rotations by normalised linear interpolation on the short way, translations and scales
-//! linearly: what the players of the field do.
+//! Rotations use normalised linear interpolation along the shorter arc, translations and scales
+//! linear interpolation, as is common in animation runtimes.
 
 use crate::joint_set::JointSet;
 use crate::math::nlerp;
 use crate::pose::LocalPose;
 
-/// Moves the `active` joints of `pose` towards `other`: 0 leaves them, 1 takes the other's.
+/// Blends the `active` joints of `pose` towards `other`: weight 0 keeps them, 1 copies those of
+/// `other`.
 ///
 /// O(active joints); does not allocate.
 ///
 /// # Panics
-/// If a pose or the set is of another rig.
+/// If a pose or the set belongs to another rig.
 pub fn blend(pose: &mut LocalPose, other: &LocalPose, weight: f32, active: &JointSet) {
     assert_eq!(
         pose.rotations.len(),

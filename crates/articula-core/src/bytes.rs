@@ -1,11 +1,12 @@
-//! Numbers in little-endian bytes: what our own binary tables and streams are written in.
+//! Little-endian numbers: the encoding of this project's binary tables and streams.
 //!
-//! Here because crates that never name each other write and read them. Who reads turns
-//! [`MalformedBytes`] into the error of its own crate.
+//! It is part of the core because crates that do not depend on each other read and write it.
+//! Readers convert [`MalformedBytes`] to the error of their own crate.
 
 use std::fmt;
 
-/// Appends a number, 7 bits a byte, the lowest first, bit 7 set if more follow.
+/// Appends a variable-length integer: 7 bits per byte, lowest first, bit 7 set in all bytes but the
+/// last.
 pub fn push_varint(out: &mut Vec<u8>, mut value: u64) {
     while value >= 0x80 {
         out.push((value & 0x7f) as u8 | 0x80);
@@ -14,10 +15,10 @@ pub fn push_varint(out: &mut Vec<u8>, mut value: u64) {
     out.push((value & 0x7f) as u8);
 }
 
-/// Bytes that are not what their form says, and where.
+/// The error for bytes that do not match the expected encoding, with their offset.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MalformedBytes {
-    /// Offset of the byte that was to be read.
+    /// Offset at which the error was found.
     pub at: usize,
     /// What was found and what was expected.
     pub what: String,
@@ -31,7 +32,7 @@ impl fmt::Display for MalformedBytes {
 
 impl std::error::Error for MalformedBytes {}
 
-/// Bytes that are read from the start to the end.
+/// A reader of a byte slice from start to end.
 ///
 /// ```
 /// use articula_core::{Bytes, push_varint};
@@ -51,22 +52,22 @@ pub struct Bytes<'a> {
 }
 
 impl<'a> Bytes<'a> {
-    /// Starts at the first byte.
+    /// Creates a reader at the first byte.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 0 }
     }
 
-    /// Offset of the next byte.
+    /// Returns the offset of the next byte.
     pub fn at(&self) -> usize {
         self.at
     }
 
-    /// Bytes that are left.
+    /// Returns the number of remaining bytes.
     pub fn left(&self) -> usize {
         self.bytes.len() - self.at
     }
 
-    /// Says what is wrong with the next byte.
+    /// Returns an error at the next byte.
     pub fn bad(&self, what: impl Into<String>) -> MalformedBytes {
         MalformedBytes {
             at: self.at,
@@ -74,10 +75,10 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// Takes `N` bytes.
+    /// Reads `N` bytes.
     ///
     /// # Errors
-    /// If there are fewer.
+    /// If fewer than `N` bytes remain.
     pub fn take<const N: usize>(&mut self) -> Result<[u8; N], MalformedBytes> {
         let found = self.bytes[self.at..].first_chunk::<N>();
         let found =
@@ -86,26 +87,26 @@ impl<'a> Bytes<'a> {
         Ok(found)
     }
 
-    /// Takes a number of 32 bits.
+    /// Reads a 32-bit number.
     ///
     /// # Errors
-    /// If there are fewer than 4 bytes.
+    /// If fewer than 4 bytes remain.
     pub fn u32(&mut self) -> Result<u32, MalformedBytes> {
         self.take().map(u32::from_le_bytes)
     }
 
-    /// Takes a number of 64 bits.
+    /// Reads a 64-bit number.
     ///
     /// # Errors
-    /// If there are fewer than 8 bytes.
+    /// If fewer than 8 bytes remain.
     pub fn u64(&mut self) -> Result<u64, MalformedBytes> {
         self.take().map(u64::from_le_bytes)
     }
 
-    /// Takes an `f32` that is finite and above 0; `what` names it in the error.
+    /// Reads an `f32` that is finite and above 0; `what` is its name in the error.
     ///
     /// # Errors
-    /// If it is not, or there are fewer than 4 bytes.
+    /// If the number is not finite or not above 0, or fewer than 4 bytes remain.
     pub fn positive(&mut self, what: &str) -> Result<f32, MalformedBytes> {
         let value = f32::from_le_bytes(self.take()?);
         if value.is_finite() && value > 0.0 {
@@ -114,10 +115,10 @@ impl<'a> Bytes<'a> {
         Err(self.bad(format!("{value} where {what} above 0 is expected")))
     }
 
-    /// Takes a number that [`push_varint`] wrote, of at most 35 bits.
+    /// Reads an integer written by [`push_varint`], of at most 35 bits.
     ///
     /// # Errors
-    /// If it is longer, or the bytes end within it.
+    /// If it has more than 35 bits, or the bytes end within it.
     pub fn varint(&mut self) -> Result<u64, MalformedBytes> {
         let mut value = 0u64;
         for shift in (0..35).step_by(7) {
@@ -130,10 +131,10 @@ impl<'a> Bytes<'a> {
         Err(self.bad("a number of more than 35 bits"))
     }
 
-    /// Checks that nothing is left.
+    /// Checks that no bytes remain.
     ///
     /// # Errors
-    /// If there is.
+    /// If bytes remain.
     pub fn end(&self) -> Result<(), MalformedBytes> {
         if self.left() == 0 {
             return Ok(());

@@ -1,56 +1,57 @@
-//! A motion at a uniform rate: what the frame samples.
+//! Animation clips with a uniform frame rate, as sampled in each frame.
 
 use crate::Mismatch;
 use glam::{Quat, Vec3};
 
-/// Values of one joint property, one for each frame of the clip, or one for all of them.
+/// The values of one property of one joint: one for each frame of the clip, or one for all frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track<T> {
-    /// Joint index (or morph slot) that it drives.
+    /// Index of the animated joint (or morph slot).
     pub target: u16,
-    /// Whether a value holds until the next frame instead of blending towards it.
+    /// Whether a value holds until the next frame instead of being interpolated.
     pub step: bool,
-    /// `frames` values, or a single one if the property does not move.
+    /// `frames` values, or a single one if the property is constant.
     pub values: Vec<T>,
 }
 
-/// A motion of one rig, sampled at a uniform rate. Joints without a track stay at rest.
+/// An animation clip of one rig with a uniform frame rate. Joints without a track stay in the rest
+/// pose.
 ///
 /// Frame `i` is the pose at `i / rate_hz` seconds; the last frame is the end of the clip.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clip {
-    /// Name as the source has it.
+    /// Name as given by the source.
     pub name: String,
     /// Frames per second.
     rate_hz: f32,
     /// Number of frames, at least 1.
     frames: usize,
-    /// Number of joints of the rig it was made for.
+    /// Number of joints of the rig for which it was made.
     joints: usize,
-    /// Frames for each key of the source, at least 1.
+    /// Number of frames per key of the source, at least 1.
     frames_per_key: usize,
     pub(crate) tracks: Tracks,
 }
 
-/// The tracks of a [`Clip`], as its builder gives them.
+/// The tracks of a [`Clip`], by property.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tracks {
-    /// Local translations, metres.
+    /// Local translations in metres.
     pub translations: Vec<Track<Vec3>>,
-    /// Local rotations; unit, each in the hemisphere of the one before.
+    /// Local rotations: unit quaternions, each in the hemisphere of the one before.
     pub rotations: Vec<Track<Quat>>,
     /// Local scales.
     pub scales: Vec<Track<Vec3>>,
-    /// Morph weights, by morph slot of the mesh.
+    /// Morph target weights, by morph slot of the mesh.
     pub morphs: Vec<Track<f32>>,
 }
 
 impl Clip {
-    /// Checks the tracks against the rig's size and the frame count.
+    /// Creates a clip, checking its tracks against the number of joints and frames.
     ///
     /// # Errors
-    /// A [`Mismatch`] if the rate is not positive and finite, there is no frame, or a track
-    /// names a joint beyond `joints` or has neither one value nor one for each frame.
+    /// A [`Mismatch`] if the rate is not positive and finite, there is no frame, or a track targets
+    /// a joint beyond `joints` or has neither one value nor one for each frame.
     pub fn new(
         name: impl Into<String>,
         rate_hz: f32,
@@ -79,15 +80,16 @@ impl Clip {
         })
     }
 
-    /// The same clip, noting that its source had a key at every `frames`-th frame only.
+    /// Returns the clip with the information that its source had keys only at every `frames`-th
+    /// frame.
     #[must_use]
     pub fn with_frames_per_key(mut self, frames: usize) -> Self {
         self.frames_per_key = frames.max(1);
         self
     }
 
-    /// The clip at the rate of its source's keys, every frame in between left out. A last frame
-    /// that is no key is dropped.
+    /// Returns the clip at the rate of its source's keys, without the frames in between. A last
+    /// frame that is not a key is dropped.
     #[must_use]
     pub fn at_key_rate(&self) -> Self {
         let every = self.frames_per_key;
@@ -109,28 +111,28 @@ impl Clip {
         }
     }
 
-    /// Frames per second.
+    /// Returns the number of frames per second.
     pub fn rate_hz(&self) -> f32 {
         self.rate_hz
     }
 
-    /// Number of frames, at least 1.
+    /// Returns the number of frames, at least 1.
     pub fn frames(&self) -> usize {
         self.frames
     }
 
-    /// Number of joints of the rig that it was made for.
+    /// Returns the number of joints of the rig for which the clip was made.
     pub fn joints(&self) -> usize {
         self.joints
     }
 
-    /// Time of the last frame; 0 for a single pose.
+    /// Returns the time of the last frame in seconds; 0 for a single pose.
     pub fn duration_secs(&self) -> f32 {
         (self.frames - 1) as f32 / self.rate_hz
     }
 
-    /// Its tracks: one for each joint whose rotation, translation or scale differs from rest, and
-    /// one for each morph slot that is driven.
+    /// Returns the tracks: one for each joint whose rotation, translation or scale differs from the
+    /// rest pose, and one for each animated morph slot.
     pub fn tracks(&self) -> &Tracks {
         &self.tracks
     }

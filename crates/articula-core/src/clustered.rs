@@ -1,28 +1,28 @@
-//! Which stored triangles each level of a mesh shows: ranges that are copied, never computed.
+//! Mesh levels as ranges of one triangle list, so that a level is selected by copying ranges.
 //!
-//! Every triangle lives through an interval of levels. Triangles with the same interval (and
-//! region of the body) lie together as one [`Cluster`], so a level is a short list of ranges of
-//! one index list, and its vertices are a prefix of one vertex list. A finer level only adds to
-//! what a coarser one has; a coarser one needs nothing new.
+//! Every triangle is shown during an interval of levels. Triangles with the same interval (and
+//! region of the body) are stored together as one [`Cluster`], so that a level is a short list of
+//! ranges of one index list, and its vertices are a prefix of one vertex list. A finer level only
+//! adds to the data of a coarser one; a coarser one needs no further data.
 //!
-//! Source: thesis 3.1.2, `docs/methods/clustered-mesh.md` 3 and 4. Different from both: a noun that takes
-//! its clusters in any order; how many ranges a level has is decided by who orders them
-//! (`articula_build::cluster`): at most one for each level up to it. Levels are numbered as
-//! everywhere, 0 the finest; the thesis counts from the coarsest.
+//! Source: thesis 3.1.2, `docs/methods/clustered-mesh.md` parts 3 and 4. The clusters may be in any
+//! order; the order decides how many ranges a level has, and that of `articula_build::cluster`
+//! gives at most one for each level from the coarsest up to it. Level 0 is the finest; the thesis
+//! counts from the coarsest.
 
 use crate::Mismatch;
 use std::ops::Range;
 
-/// Triangles that are shown from one level to another.
+/// A range of triangles that are shown at the same consecutive levels.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Cluster {
-    /// Finest level that shows them, the lowest number.
+    /// Finest level that shows the triangles, the lowest number.
     pub finest_level: u16,
-    /// Coarsest level that shows them.
+    /// Coarsest level that shows the triangles.
     pub coarsest_level: u16,
-    /// Region whose level decides, below [`Clusters::regions`].
+    /// Region whose level decides, less than [`Clusters::regions`].
     pub region: u16,
-    /// Where they lie in the index list, in triangles.
+    /// Range of the index list, in triangles.
     pub triangles: Range<u32>,
 }
 
@@ -32,7 +32,7 @@ impl Cluster {
     }
 }
 
-/// The levels of one object: how many vertices each has, and where its triangles lie.
+/// The levels of one object: the number of vertices and the triangle ranges of each level.
 ///
 /// ```
 /// use articula_core::{Cluster, Clusters};
@@ -58,12 +58,12 @@ pub struct Clusters {
 }
 
 impl Clusters {
-    /// Checks and takes the vertex count of each level, finest first, and the clusters in the
-    /// order of the index list.
+    /// Creates the levels from the vertex count of each level, finest first, and the clusters in
+    /// the order of the index list.
     ///
     /// # Errors
-    /// A [`Mismatch`] if there is no level, vertex counts rise, levels of a cluster are turned
-    /// round or not there, or the clusters do not follow each other from triangle 0.
+    /// A [`Mismatch`] if there is no level or more than 65536, vertex counts rise, the levels of a
+    /// cluster are reversed or out of range, or the clusters are not contiguous from triangle 0.
     pub fn new(vertices: Vec<u32>, clusters: Vec<Cluster>) -> Result<Self, Mismatch> {
         if vertices.is_empty() || vertices.len() > usize::from(u16::MAX) + 1 {
             let what = format!("{} levels, expected 1 to 65536", vertices.len());
@@ -99,56 +99,57 @@ impl Clusters {
         })
     }
 
-    /// Number of levels, at least 1. Level 0 is the original, `levels() - 1` the coarsest.
+    /// Returns the number of levels, at least 1. Level 0 is the original mesh, `levels() - 1` the
+    /// coarsest level.
     pub fn levels(&self) -> usize {
         self.vertices.len()
     }
 
-    /// Number of regions that may be at levels of their own, at least 1.
+    /// Returns the number of regions with independent levels, at least 1.
     pub fn regions(&self) -> usize {
         self.regions
     }
 
-    /// The clusters in the order of the index list.
+    /// Returns the clusters in the order of the index list.
     pub fn clusters(&self) -> &[Cluster] {
         &self.clusters
     }
 
-    /// Number of triangles in the index list, those of all levels together.
+    /// Returns the number of triangles in the index list, over all levels.
     fn stored_triangles(&self) -> u32 {
         self.clusters.last().map_or(0, |c| c.triangles.end)
     }
 
-    /// Number of vertices of a level: it uses no index from here on. A level beyond the coarsest
-    /// is the coarsest, here and below.
+    /// Returns the number of vertices of a level; all its indices are less than that. Here and in
+    /// the methods below a level beyond the coarsest counts as the coarsest.
     pub fn vertices(&self, level: usize) -> u32 {
         self.vertices[level.min(self.levels() - 1)]
     }
 
-    /// Vertex counts of all levels, finest first.
+    /// Returns the vertex counts of all levels, finest first.
     pub fn vertex_counts(&self) -> &[u32] {
         &self.vertices
     }
 
-    /// Number of triangles that a level shows.
+    /// Returns the number of triangles shown at a level.
     pub fn triangles(&self, level: usize) -> u32 {
         self.ranges(level).map(|r| r.end - r.start).sum()
     }
 
-    /// The triangles of a level as ranges of the index list: rising, disjoint, neighbours merged,
-    /// none empty. Allocates nothing.
+    /// Returns the triangles of a level as ranges of the index list: ascending, disjoint, adjacent
+    /// ones merged, none empty. Does not allocate.
     pub fn ranges(&self, level: usize) -> impl Iterator<Item = Range<u32>> + '_ {
         let level = level.min(self.levels() - 1);
         merged(self.clusters.iter().filter(move |c| c.is_shown_at(level)))
     }
 
-    /// The triangles when every region has a level of its own. Allocates nothing.
+    /// Returns the triangle ranges for a separate level of each region. Does not allocate.
     ///
-    /// Where two regions touch, whoever made the levels keeps the seam whole
-    /// (`articula_build::cluster` says which levels may be mixed).
+    /// Whether two levels can be mixed without gaps where regions touch is known to the builder of
+    /// the levels (`articula_build::cluster`).
     ///
     /// # Errors
-    /// A [`Mismatch`] if there is not one level for each region.
+    /// A [`Mismatch`] unless there is one level for each region.
     pub fn ranges_of<'a>(
         &'a self,
         levels: &'a [u16],
@@ -164,8 +165,8 @@ impl Clusters {
         Ok(merged(self.clusters.iter().filter(shown)))
     }
 
-    /// Number of vertices that are needed when every region has a level of its own: those of the
-    /// finest.
+    /// Returns the number of vertices for a separate level of each region: that of the finest of
+    /// these levels.
     pub fn vertices_of(&self, levels: &[u16]) -> u32 {
         let coarsest = self.levels() - 1;
         let finest = levels.iter().min();
@@ -173,28 +174,27 @@ impl Clusters {
     }
 }
 
-/// The triangles of all levels of one object, over vertices that stand where level after level
-/// adds them.
+/// The triangles of all levels of one object, over vertices in the order in which levels add them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ClusteredTriangles {
-    /// Which levels show which of the triangles.
+    /// The triangle ranges of each level.
     pub clusters: Clusters,
-    /// Those of all levels together, in the order of the clusters.
+    /// The triangles of all levels, in the order of the clusters.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl ClusteredTriangles {
-    /// The triangles of a level, in stored order.
+    /// Returns the triangles of a level, in stored order.
     pub fn level(&self, level: usize) -> impl Iterator<Item = [u32; 3]> + '_ {
         let of = |r: Range<u32>| &self.triangles[r.start as usize..r.end as usize];
         self.clusters.ranges(level).flat_map(of).copied()
     }
 
-    /// Checks that the clusters hold all triangles, and every level only vertices of its own, of
-    /// `vertex_count` in all.
+    /// Checks that the clusters cover all triangles, and that every level uses only its own
+    /// vertices, of `vertex_count` in all.
     ///
     /// # Errors
-    /// A [`Mismatch`] that names the first triangle that does not fit.
+    /// A [`Mismatch`] that gives the index of the first invalid triangle.
     pub fn check(&self, vertex_count: usize) -> Result<(), Mismatch> {
         let stored = self.clusters.stored_triangles() as usize;
         if stored != self.triangles.len() {
@@ -221,7 +221,7 @@ impl ClusteredTriangles {
     }
 }
 
-/// Joins ranges that touch. The clusters rise.
+/// Merges adjacent ranges. The clusters are ascending.
 fn merged<'a>(
     clusters: impl Iterator<Item = &'a Cluster> + 'a,
 ) -> impl Iterator<Item = Range<u32>> + 'a {
@@ -260,8 +260,8 @@ mod tests {
         }
     }
 
-    /// The worked example of the specification, whose levels count from the coarsest:
-    /// C(0,1) | C(1,2) C(1,1) | C(2,2).
+    /// The worked example of `docs/methods/clustered-mesh.md`, which counts steps from the
+    /// coarsest: C(0,1) | C(1,2) C(1,1) | C(2,2).
     fn example() -> Clusters {
         let clusters = vec![
             cluster(2, 2, 0, 0..2),

@@ -1,13 +1,13 @@
-//! Ours, untabled: a joint holds while what it shows stays within the tolerance.
+//! Drift control: a joint is held while the error that it shows stays within the tolerance.
 //!
-//! Source: `docs/methods/motion-lod.md` 4.2 to 4.5. Works on any pose (clips, blends, inverse
-//! kinematics), because it only compares what is shown with what is wanted; a bound on each
-//! joint's angular speed tells how long a joint may sleep.
+//! Source: `docs/methods/motion-lod.md` parts 4.2 to 4.5. It works on any pose (clips, blends,
+//! inverse kinematics), because it only compares the shown transform with the wanted one; a bound
+//! on the speed at which a joint moves its skin limits how long the joint may be left untested.
 //!
-//! Differs from the spec's sketch: a joint that must be corrected sooner than the dwell shows
-//! the wanted rotation and stays passive, so that it neither chatters nor exceeds its bound;
-//! a transition that would show more than the bound is cut short. Whatever policy the options
-//! name, a joint holds what it shows: fading to rest would leave the bound unseen.
+//! A joint that must be corrected before the dwell time is over shows the wanted transform and
+//! stays passive, so that it neither chatters nor exceeds its bound; a transition that would exceed
+//! the bound is cut short. The passive policy of the options is ignored: joints always hold the
+//! last transform, since a fade to rest would exceed the bound unnoticed.
 
 use crate::attention::tolerance_metres;
 use crate::joint_set::JointSet;
@@ -15,24 +15,24 @@ use crate::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptio
 use crate::math::angle_between;
 use crate::pose::LocalPose;
 
-/// What is tolerated and how steadily.
+/// Tolerance and timing of a [`DriftController`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriftOptions {
     /// Tolerated displacement in pixels.
     pub epsilon_px: f32,
-    /// Hysteresis `h`: a joint is corrected above `epsilon (1 + h)` and may become passive
-    /// below `epsilon (1 - h)`.
+    /// Hysteresis `h`: a joint is corrected above `epsilon (1 + h)` and may become passive below
+    /// `epsilon (1 - h)`.
     pub hysteresis: f32,
-    /// A joint is not frozen, nor set going, for less than this.
+    /// Minimum time in seconds between two changes of a joint between active and passive.
     pub dwell_secs: f32,
-    /// A jump of at most this many pixels is shown at once, a larger one in a transition.
+    /// Largest jump, in pixels, that is shown at once; larger ones are shown in a transition.
     pub pop_px: f32,
-    /// How joints change state; its policy does not count.
+    /// Transitions between active and passive; the policy is ignored.
     pub transition: TransitionOptions,
 }
 
 impl Default for DriftOptions {
-    /// One pixel, a quarter of hysteresis, 100 ms, transitions of 200 ms.
+    /// One pixel, hysteresis 0.25, 100 ms, transitions of 200 ms.
     fn default() -> Self {
         Self {
             epsilon_px: 1.0,
@@ -45,30 +45,30 @@ impl Default for DriftOptions {
 }
 
 impl DriftOptions {
-    /// The error in pixels that is never exceeded: `epsilon (1 + h)`.
+    /// Returns the maximum error in pixels: `epsilon (1 + h)`.
     pub fn bound_px(&self) -> f32 {
         self.epsilon_px * (1.0 + self.hysteresis)
     }
 }
 
-/// What one joint is judged by; constant while a clip plays.
+/// Bounds on the error of one joint; constant while a clip plays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointErrorBounds {
-    /// Metres of skin displacement for each radian of error.
+    /// Skin displacement in metres per radian of error.
     pub lever_metres: f32,
-    /// Upper bound on the speed at which the joint's own motion moves its skin.
+    /// Upper bound on the speed, in m/s, at which the joint's own motion moves its skin.
     pub speed_metres_per_sec: f32,
-    /// Part of the tolerance that is this joint's own, 0 to 1: less than 1 where errors add up
+    /// Share of the tolerance that this joint may use, 0 to 1: less than 1 where errors add up
     /// along a chain.
     pub share: f32,
 }
 
-/// What the viewer sees of each joint now.
+/// Scale and tolerance factor of each joint in the current frame.
 #[derive(Debug, Clone, Copy)]
 pub struct JointViews<'a> {
-    /// Pixels that a metre spans at each joint's depth; with several cameras the most.
+    /// Pixels per metre at the depth of each joint; the maximum over all cameras.
     pub pixels_per_metre: &'a [f32],
-    /// Multiplier of the tolerance of each joint (contacts below 1, inattention above).
+    /// Tolerance factor of each joint (below 1 during contacts, above 1 without attention).
     pub attention: &'a [f32],
 }
 
@@ -80,7 +80,7 @@ struct Judged {
     last_sample_secs: f64,
 }
 
-/// The controller of one character: which joints to sample, and what is shown.
+/// Chooses the joints of one character to sample, and holds the others within the tolerance.
 #[derive(Debug, Clone)]
 pub struct DriftController {
     opts: DriftOptions,
@@ -92,10 +92,10 @@ pub struct DriftController {
 }
 
 impl DriftController {
-    /// Starts with every joint active and due.
+    /// Creates a controller with every joint active and due.
     ///
     /// # Panics
-    /// If there is not one entry of `bounds` for each joint of the pose.
+    /// Unless `bounds` has one entry for each joint of the pose.
     pub fn new(rest: &LocalPose, bounds: Vec<JointErrorBounds>, opts: DriftOptions) -> Self {
         assert_eq!(
             bounds.len(),
@@ -122,26 +122,26 @@ impl DriftController {
         }
     }
 
-    /// States of the joints and what they show.
+    /// Returns the states of the joints and the shown pose.
     pub fn states(&self) -> &JointStates {
         &self.states
     }
 
-    /// Number of rotations shown anew since the start.
+    /// Returns the number of joint updates shown since the start.
     pub fn updates(&self) -> u64 {
         self.updates
     }
 
-    /// Makes every joint due, as after a cut of the camera or of the clip.
+    /// Makes every joint due, as needed after a cut of the camera or of the clip.
     pub fn invalidate(&mut self) {
         for judged in &mut self.judged {
             judged.due_secs = f64::NEG_INFINITY;
         }
     }
 
-    /// The joints whose wanted transform must be known now: those that move, those whose sleep
-    /// ends, and those whose tolerance has shrunk by more than the hysteresis allows, because
-    /// they have come closer or need more care.
+    /// Returns the joints whose wanted transform is needed now: those that are not passive, those
+    /// whose wait is over, and those whose tolerance has shrunk by more than the hysteresis allows,
+    /// because they have come closer or need more care.
     pub fn due(&self, now_secs: f64, views: JointViews<'_>) -> JointSet {
         let growth = 1.0 + self.opts.hysteresis;
         let is_due = |j: &usize| {
@@ -153,7 +153,7 @@ impl DriftController {
         (0..self.bounds.len()).filter(is_due).collect()
     }
 
-    /// Judges the joints of `due` by their wanted transforms and gives what is shown. The
+    /// Tests the joints of `due` against their wanted transforms and returns the shown pose. The
     /// entries of `wanted` for other joints are not read. Does not allocate.
     pub fn step(
         &mut self,
@@ -197,7 +197,7 @@ impl DriftController {
             JointState::Active if settled => {
                 let low = tolerance * (1.0 - self.opts.hysteresis);
                 if self.predicted_hold_secs(joint, now, low, wanted) >= self.opts.dwell_secs {
-                    // What it holds is what it shows: no jump, hence no transition.
+                    // The held transform is the one shown, so no transition is needed.
                     self.states.show(joint, wanted.get(joint), now);
                     self.judged[joint].changed_secs = now;
                 }
@@ -220,7 +220,7 @@ impl DriftController {
         self.judged[joint].tolerance_metres = tolerance;
     }
 
-    /// How long the joint would stay within `low` metres at the speed it has now.
+    /// Time for which the joint would stay within `low` metres at its current speed.
     fn predicted_hold_secs(&self, joint: usize, now: f64, low: f32, wanted: &LocalPose) -> f32 {
         let elapsed = (now - self.judged[joint].last_sample_secs) as f32;
         if !elapsed.is_finite() || elapsed <= 0.0 {
@@ -237,7 +237,7 @@ impl DriftController {
         }
     }
 
-    /// Keeps what is shown within the bound, counts what moved, and sets the next waking time.
+    /// Keeps the shown error within the bound, counts updates, and sets the time of the next test.
     fn bound(&mut self, joint: usize, now: f64, views: JointViews<'_>, wanted: &LocalPose) {
         let tolerance = self.tolerance(joint, views);
         let mut error = self.error_metres(joint, wanted);

@@ -1,31 +1,32 @@
-//! The 68 facial animation parameters of MPEG-4, generated from ISO/IEC 14496-2 table C-1 (`docs/formats/mpeg4.md`).
+//! The 68 facial animation parameters (FAP) of MPEG-4, generated from ISO/IEC 14496-2 table C-1
+//! (`docs/formats/mpeg4.md`).
 //!
-//! A low-level FAP moves one feature point along one direction: displacement = value x unit,
-//! where the unit is a distance of the neutral face divided by 1024, or 1e-5 rad. Left and
-//! right are the subject's. FAP 1 and 2 are high level: they choose visemes and expressions.
+//! A low-level FAP moves one feature point along one direction by value x unit, where the unit is a
+//! distance of the neutral face divided by 1024, or 1e-5 rad. Left and right are the subject's. FAP
+//! 1 and 2 are high level: they select visemes and expressions.
 //!
-//! Doubtful: the ranges of FAP 47 (tongue_roll), where sources differ.
+//! The ranges of FAP 47 (tongue_roll) are doubtful: sources differ.
 
 use std::fmt;
 
-/// In what a value of a FAP is counted.
+/// The unit of the values of a FAP. The numbers in the descriptions are feature points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum FapUnit {
-    /// IRISD: diameter of the iris, 3.1 to 3.3, by 1024.
+    /// IRISD: diameter of the iris, 3.1 to 3.3, divided by 1024.
     IrisDiameter,
-    /// ES: separation of the eyes, 3.5 to 3.6, by 1024.
+    /// ES: separation of the eyes, 3.5 to 3.6, divided by 1024.
     EyeSeparation,
-    /// ENS: eye to nose, 3.5 to 9.15 in height, by 1024.
+    /// ENS: eye to nose, height from 3.5 to 9.15, divided by 1024.
     EyeNose,
-    /// MNS: mouth to nose, 9.15 to 2.2 in height, by 1024.
+    /// MNS: mouth to nose, height from 9.15 to 2.2, divided by 1024.
     MouthNose,
-    /// MW: width of the mouth, 8.3 to 8.4, by 1024.
+    /// MW: width of the mouth, 8.3 to 8.4, divided by 1024.
     MouthWidth,
     /// AU: 1e-5 radians.
     Angle,
 }
 
-/// The abbreviation of the standard.
+/// Writes the abbreviation of the standard.
 impl fmt::Display for FapUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
@@ -39,16 +40,16 @@ impl fmt::Display for FapUnit {
     }
 }
 
-/// Where a positive value leads, seen from the subject.
+/// The direction of a positive value, from the subject's point of view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum FapDirection {
-    /// Up; of the tongue's rim in a roll too.
+    /// Up; also of the rim of the tongue in a roll.
     Up,
-    /// Down; a pitch looks down.
+    /// Down; for a pitch, looking down.
     Down,
-    /// To the subject's left; a yaw looks left.
+    /// To the subject's left; for a yaw, looking left.
     Left,
-    /// To the subject's right; a roll lays the top of the head to the right.
+    /// To the subject's right; for a roll, the top of the head moves to the right.
     Right,
     /// Out of the face.
     Forward,
@@ -58,38 +59,38 @@ pub enum FapDirection {
     Curl,
 }
 
-/// What a low-level FAP moves.
+/// The effect of a low-level FAP.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FapAction {
-    /// In what the value is counted.
+    /// Unit of the value.
     pub unit: FapUnit,
-    /// Where a positive value leads.
+    /// Direction of a positive value.
     pub direction: FapDirection,
     /// Group and number of the feature point (2.10 is `(2, 10)`); the left one of two.
     pub point: (u8, u8),
-    /// Whether negative values mean anything.
+    /// Whether negative values are allowed.
     pub both_ways: bool,
 }
 
 /// One facial animation parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fap {
-    /// Name in the standard's spelling, lower case with underscores.
+    /// Name as in the standard, lower case with underscores.
     pub name: &'static str,
     /// Group, 1 to 10; see [`GROUPS`].
     pub group: u8,
-    /// What it moves; `None` for FAP 1 and 2.
+    /// Effect of the parameter; `None` for FAP 1 and 2.
     pub action: Option<FapAction>,
     /// Quantiser step before the global scale.
     pub step: u16,
-    /// Largest quantised size in an intra frame, and in a predicted one.
+    /// Maximum quantised magnitude in an intra frame, and in a predicted one.
     pub largest: (u16, u16),
 }
 
 /// Number of parameters.
 pub const FAPS: usize = 68;
 
-/// Name of each group, and how many FAPs it has; groups stand one after the other in [`TABLE`].
+/// Name and number of FAPs of each group; the groups are contiguous in [`TABLE`].
 pub const GROUPS: [(&str, usize); 10] = [
     ("viseme and expression", 2),
     ("jaw, chin and inner lips", 16),
@@ -103,7 +104,7 @@ pub const GROUPS: [(&str, usize); 10] = [
     ("ears", 4),
 ];
 
-/// FAP `n` stands at index `n - 1`.
+/// The parameters; FAP `n` has index `n - 1`.
 #[rustfmt::skip]
 pub static TABLE: [Fap; FAPS] = [
     high("viseme", 1, (63, 63)),
@@ -278,7 +279,7 @@ mod tests {
             of(68),
             ("pull_r_ear", FapUnit::EyeNose, FapDirection::Right)
         );
-        // Five only go one way: jaw open and thrust, cheeks up, tongue roll.
+        // Five parameters go in one direction only: jaw open and thrust, cheeks up, tongue roll.
         let one_way = TABLE
             .iter()
             .filter(|f| f.action.is_some_and(|a| !a.both_ways));
@@ -326,7 +327,7 @@ mod tests {
             assert_eq!(a.point.0, b.point.0);
             assert_eq!(a.point.1 + 1, b.point.1, "{}", left.name);
         }
-        // Of 66 parameters 46 come in pairs.
+        // 46 of 66 parameters come in pairs.
         assert_eq!(pairs, 23);
     }
 }

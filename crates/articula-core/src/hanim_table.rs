@@ -1,12 +1,14 @@
-//! The 94 joints of the standard H-Anim 1.1 humanoid, generated from ISO/IEC 19774 and thesis 3.1.3.
+//! The 94 joints of the standard H-Anim 1.1 humanoid, generated from ISO/IEC 19774 and thesis
+//! 3.1.3.
 //!
-//! The first 89 are the body joints that the thesis counts, depth first, so a parent comes
-//! before its children; the last 5 are the face joints that only the full standard set has.
-//! Centres, parents and official levels are the standard's; data levels and regions are ours
-//! where the thesis only gives counts (5, 10, 24, 35, 51, 89 joints for levels 0 to 5).
+//! The first 89 are the body joints that the thesis counts, depth first, so a parent comes before
+//! its children; the last 5 are the face joints that only the full standard set has. Centres,
+//! parents and official levels are those of the standard. Data levels are those of the thesis (5,
+//! 10, 24, 35, 51, 89 joints for levels 0 to 5); where it prints no complete list, the joints are
+//! chosen to meet its counts (`docs/methods/hanim.md` part 3).
 //!
-//! Differs from the thesis: its region counts (feet 4, hands 40) fit no partition of the
-//! standard joints; here the subtalars belong to the feet (6) and the hands have 38.
+//! The region counts of the thesis (feet 4, hands 40) fit no partition of the standard joints; here
+//! the subtalars belong to the feet (6) and the hands have 38.
 
 use crate::articulation::Region;
 use glam::Vec3;
@@ -16,26 +18,27 @@ use glam::Vec3;
 pub struct HanimJoint {
     /// H-Anim 1.1 name; the left side starts with `l_`, the right with `r_`.
     pub name: &'static str,
-    /// H-Anim 2 name; equal to `name` where the revision kept it.
+    /// H-Anim 2 name; equal to `name` unless version 2 renamed the joint.
     pub name_v2: &'static str,
-    /// Index of the parent in [`JOINTS`], always smaller than the joint's own.
+    /// Index of the parent in [`JOINTS`], always smaller than the joint's own index.
     pub parent: Option<usize>,
     /// Rest position in metres: +Y up, facing +Z, left at +X, arms hanging, feet at height 0.
     pub center: Vec3,
-    /// Lowest official H-Anim level of articulation (0 to 3) that includes it.
+    /// Lowest official H-Anim level of articulation (0 to 3) that includes the joint.
     pub hanim_level: u8,
-    /// First data level (0 to 5) that includes it.
+    /// Lowest data level (0 to 5) that includes the joint.
     pub level: u8,
-    /// The region it belongs to.
+    /// Region of the joint.
     pub region: Region,
 }
 
-/// Number of body joints, which stand first in [`JOINTS`].
+/// Number of body joints, which are the first entries of [`JOINTS`].
 pub const BODY_JOINTS: usize = 89;
 
-/// The humanoid at rest, parents before children; every rest rotation is the identity.
+/// The joints of the humanoid in the rest pose, parents before children; every rest rotation is the
+/// identity.
 ///
-/// One line a joint, so that it reads as the table it is.
+/// One line per joint, so that it reads as a table.
 #[rustfmt::skip]
 pub static JOINTS: [HanimJoint; 94] = [
     joint(("humanoid_root", "humanoid_root"), None, [0.0, 0.824, 0.0277], (0, 0), Region::Pelvis),
@@ -134,9 +137,9 @@ pub static JOINTS: [HanimJoint; 94] = [
     joint(("temporomandibular", "temporomandibular"), Some(38), [0.0, 1.63, 0.015], (3, 5), Region::Face),
 ];
 
-/// Index of the joint with this H-Anim 1.1 or 2 name, in any case.
+/// Returns the index of the joint with this H-Anim 1.1 or 2 name, ignoring case.
 ///
-/// Accepts the root's old spelling `HumanoidRoot` as well.
+/// The root's old spelling `HumanoidRoot` is accepted as well.
 pub fn find(name: &str) -> Option<usize> {
     if name.eq_ignore_ascii_case("HumanoidRoot") {
         return Some(0);

@@ -1,23 +1,24 @@
-//! Local transforms to model space: forward kinematics.
+//! Forward kinematics: from local transforms to model space.
 
 use crate::pose::{LocalPose, ModelPose};
 use crate::rig::Rig;
 use glam::Affine3A;
 
-/// Computes `model_from_joint` of every joint, parents first.
+/// Computes the model-from-joint matrix of every joint, parents first.
 ///
 /// O(joints); does not allocate.
 ///
 /// # Panics
-/// If a pose belongs to another rig (another number of joints).
+/// If a pose belongs to another rig (has another number of joints).
 pub fn local_to_model(rig: &Rig, local: &LocalPose, out: &mut ModelPose) {
     local_to_model_from(rig, local, Affine3A::IDENTITY, out);
 }
 
-/// The same below a transform of the whole character, such as its place in the world.
+/// Computes the matrix of every joint below a transform of the whole character, such as its
+/// position in the world.
 ///
 /// # Panics
-/// If a pose belongs to another rig (another number of joints).
+/// If a pose belongs to another rig (has another number of joints).
 pub fn local_to_model_from(
     rig: &Rig,
     local: &LocalPose,
@@ -52,7 +53,7 @@ mod tests {
 
     #[test]
     fn a_bent_arm_by_hand() {
-        // Two bones of one metre along x; the first turned a quarter about z, the second back.
+        // Two bones of 1 m along x; the first is rotated by 90 degrees about z, the second back.
         let rig = rig_of(&[
             (None, Vec3::ZERO, 0),
             (Some(0), Vec3::X, 0),

@@ -1,14 +1,14 @@
-//! What the joint names of a kind of rig mean, as values: profiles are data files that formats
-//! parses, and that `articula-build` matches a skeleton with.
+//! Joint maps: the meaning of the joint names of one kind of rig, as data.
 //!
-//! Case and separators of a name carry no meaning, a namespace (`Armature|`, `mixamorig:`)
-//! neither. Source: thesis 3.1.3; H-Anim 1.1 and 2 (ISO/IEC 19774).
+//! `articula-formats` reads joint maps from files (`docs/formats/joint-map.md`), `articula-build`
+//! matches skeletons with them. Case, separators and namespace (`Armature|`, `mixamorig:`) of a
+//! name are not significant. Source: thesis 3.1.3; H-Anim 1.1 and 2 (ISO/IEC 19774).
 
 use crate::articulation::Region;
 use crate::hanim_table::HanimJoint;
 use std::collections::BTreeMap;
 
-/// What part of a human the rigs of a profile have.
+/// The part of a human that the rigs of a joint map cover.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum RigScope {
     /// A whole human: hips, legs and arms are required.
@@ -21,9 +21,9 @@ pub enum RigScope {
 /// One side of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// The figure's left, +X.
+    /// The left side of the figure, +X.
     Left,
-    /// Its right.
+    /// The right side of the figure, -X.
     Right,
 }
 
@@ -31,7 +31,7 @@ impl Side {
     /// Left, then right.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
-    /// The letter that H-Anim names start with.
+    /// Returns the letter with which H-Anim names of the side begin.
     pub fn letter(self) -> &'static str {
         match self {
             Self::Left => "l",
@@ -39,7 +39,7 @@ impl Side {
         }
     }
 
-    /// The side of an H-Anim name, if it has one.
+    /// Returns the side of an H-Anim name, if it has one.
     pub fn of(hanim: &str) -> Option<Self> {
         Self::BOTH.into_iter().find(|s| {
             hanim
@@ -49,19 +49,19 @@ impl Side {
     }
 }
 
-/// A joint of the standard with its place in the levels of articulation.
+/// A joint of the standard with its level of articulation and region.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StandardJoint {
-    /// Its name in H-Anim 1.1, or in 2 if the older one lacks it.
+    /// Name in H-Anim 1.1, or in H-Anim 2 if 1.1 does not have the joint.
     pub name: String,
     /// Level of articulation, 0 to 5.
     pub level: u8,
-    /// Part of the body.
+    /// Region of the body.
     pub region: Region,
 }
 
 impl StandardJoint {
-    /// The joint of the same name on the other side; itself if it has no side.
+    /// Returns the corresponding joint of the opposite side; the joint itself if it has no side.
     pub fn mirrored(&self) -> Self {
         let name = match Side::of(&self.name) {
             Some(Side::Left) => format!("r{}", &self.name[1..]),
@@ -85,42 +85,42 @@ impl From<&HanimJoint> for StandardJoint {
     }
 }
 
-/// What a profile says of one joint name.
+/// The meaning of one joint name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum JointTarget {
     /// A joint of the standard.
     Joint(StandardJoint),
-    /// A joint of a lone hand; the left one stands for both.
+    /// A joint of a rig of one hand; the left joint is stored for both sides.
     HandJoint(StandardJoint),
-    /// A spine joint; which one depends on how many there are.
+    /// A spine joint; the number of spine joints decides which one.
     Spine,
-    /// No joint of the standard, but known to belong to a region's finest detail.
+    /// No joint of the standard, but a joint of the finest detail of a region.
     Helper(Region),
-    /// Known and left out: takes level and region from its parent.
+    /// A known joint that is not mapped: it takes level and region from its parent.
     Ignored,
 }
 
 /// The joint names of one kind of rig.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct JointMap {
-    /// Short name, unique among profiles.
+    /// Short name, unique among joint maps.
     pub name: String,
-    /// What the rig is called by people.
+    /// Name for display.
     pub title: String,
-    /// Where the names come from.
+    /// Origin of the names.
     pub source: String,
-    /// What part of a human it covers.
+    /// The part of a human that the rigs cover.
     pub scope: RigScope,
-    /// Folded beginnings that a name may have besides, with digits that number its copies.
+    /// Folded prefixes that a name may have, optionally followed by the digits of a copy.
     pub prefixes: Vec<String>,
-    /// Folded ends that a name may have besides.
+    /// Folded suffixes that a name may have.
     pub suffixes: Vec<String>,
-    /// What each [`folded`] name means.
+    /// Meaning of each [`folded`] name.
     pub targets: BTreeMap<String, JointTarget>,
 }
 
 impl JointMap {
-    /// What the profile says of a joint name, if anything.
+    /// Returns the meaning of a joint name, if the map has one.
     pub fn target(&self, name: &str) -> Option<&JointTarget> {
         let folded = folded(name);
         self.targets.get(&folded).or_else(|| {
@@ -130,20 +130,22 @@ impl JointMap {
     }
 }
 
-/// What segments that stand side by side are, for readers of formats without a hierarchy.
+/// The joints of unconnected segments, for readers of formats without a hierarchy.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Segments {
-    /// Name of the profile that knows them as a human.
+    /// Name of the joint map that matched the segments.
     pub profile: String,
-    /// The row of [`hanim_table::JOINTS`](crate::hanim_table::JOINTS) that each segment is, if any.
+    /// Index in [`hanim_table::JOINTS`](crate::hanim_table::JOINTS) of the joint of each segment,
+    /// if any.
     pub joints: Vec<Option<usize>>,
-    /// Segments of the spine that are none of them yet, since their order is not told by names.
+    /// Indices of the spine segments, which have no joint yet because their names do not give their
+    /// order.
     pub spine: Vec<usize>,
-    /// Rows that those of the spine stand for, lowest first; as many or fewer.
+    /// Indices of the joints of the spine segments, lowest first; at most one for each segment.
     pub vertebrae: Vec<usize>,
 }
 
-/// The name without namespace, case and separators.
+/// Returns a name without namespace and separators, in lower case.
 pub fn folded(name: &str) -> String {
     let own = name.rsplit([':', '|']).find(|part| !part.is_empty());
     own.unwrap_or_default()
@@ -153,7 +155,7 @@ pub fn folded(name: &str) -> String {
         .collect()
 }
 
-/// The folded name without a prefix (and the digits that number its copies) or a suffix.
+/// The folded name without a prefix (and the digits of a copy) or a suffix.
 fn stripped<'a>(folded: &'a str, prefixes: &[String], suffixes: &[String]) -> &'a str {
     let after_prefix = prefixes
         .iter()

@@ -1,23 +1,23 @@
-//! A set of joints of one rig, as bits.
+//! Sets of joints of one rig, as bit sets.
 
 use std::fmt;
 
-/// Most joints that a rig may have; a larger one is refused when it is built.
+/// Maximum number of joints of a rig; building a larger one is an error.
 pub const MAX_JOINTS: usize = 1024;
 
 const WORDS: usize = MAX_JOINTS / 64;
 
-/// A set of joint indices below [`MAX_JOINTS`]. Copying and combining never allocates.
+/// A set of joint indices below [`MAX_JOINTS`]. Copying and combining sets does not allocate.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct JointSet {
     words: [u64; WORDS],
 }
 
 impl JointSet {
-    /// The set without joints.
+    /// The empty set.
     pub const EMPTY: Self = Self { words: [0; WORDS] };
 
-    /// The first `count` joints.
+    /// Returns the set of the first `count` joints.
     ///
     /// # Panics
     /// If `count` exceeds [`MAX_JOINTS`].
@@ -35,7 +35,7 @@ impl JointSet {
         set
     }
 
-    /// Whether `joint` is in the set; an index beyond [`MAX_JOINTS`] never is.
+    /// Returns whether `joint` is in the set; false for any index beyond [`MAX_JOINTS`].
     pub fn contains(&self, joint: usize) -> bool {
         joint < MAX_JOINTS && self.words[joint / 64] >> (joint % 64) & 1 == 1
     }
@@ -48,7 +48,7 @@ impl JointSet {
         self.words[joint / 64] |= 1 << (joint % 64);
     }
 
-    /// Takes one joint out.
+    /// Removes one joint.
     ///
     /// # Panics
     /// If `joint` is not below [`MAX_JOINTS`].
@@ -56,41 +56,41 @@ impl JointSet {
         self.words[joint / 64] &= !(1 << (joint % 64));
     }
 
-    /// Joints in either set.
+    /// Returns the joints in either set.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         self.zip(other, |a, b| a | b)
     }
 
-    /// Joints in both sets.
+    /// Returns the joints in both sets.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
         self.zip(other, |a, b| a & b)
     }
 
-    /// Joints in this set and not in the other.
+    /// Returns the joints of this set that are not in `other`.
     #[must_use]
     pub fn difference(&self, other: &Self) -> Self {
         self.zip(other, |a, b| a & !b)
     }
 
-    /// Whether no joint is in both sets.
+    /// Returns whether the sets have no joint in common.
     pub(crate) fn is_disjoint(&self, other: &Self) -> bool {
         let mut words = self.words.iter().zip(&other.words);
         words.all(|(a, b)| a & b == 0)
     }
 
-    /// Number of joints in the set.
+    /// Returns the number of joints in the set.
     pub fn len(&self) -> usize {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
     }
 
-    /// Whether no joint is in the set.
+    /// Returns whether the set is empty.
     pub fn is_empty(&self) -> bool {
         self.words.iter().all(|w| *w == 0)
     }
 
-    /// The joints in rising order.
+    /// Iterates over the joints in ascending order.
     pub fn iter(&self) -> impl Iterator<Item = usize> + '_ {
         self.words.iter().enumerate().flat_map(|(w, word)| {
             let mut rest = *word;

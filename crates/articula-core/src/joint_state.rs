@@ -1,69 +1,69 @@
-//! Whether each joint moves, holds still, or is on its way between the two.
+//! States of joints: active, passive, or in transition between the two.
 //!
-//! Source: thesis 5.1 (active and passive joints), 5.2 (transitions by linear blending of
-//! quaternions with a settable time). Differs: what a passive joint shows is a policy, an
-//! interrupted transition starts from the rotation then shown, and translations and scales
-//! follow the same states.
+//! Source: thesis 5.1 (active and passive joints) and 5.2 (transitions by linear blending of
+//! quaternions over a settable time), `docs/methods/motion-lod.md` part 2. Extensions to the
+//! thesis: the transform of a passive joint is a policy, an interrupted transition starts from the
+//! transform then shown, and translations and scales follow the same states.
 
 use crate::joint_set::JointSet;
 use crate::math::{Transform, nlerp};
 use crate::pose::LocalPose;
 use glam::{Quat, Vec3};
 
-/// State of one joint.
+/// The state of one joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum JointState {
-    /// Shows the clip.
+    /// Follows the clip.
     #[default]
     Active,
-    /// On its way from the clip to what it will hold.
+    /// In transition from the clip to the held transform.
     ToPassive,
-    /// Shows what it holds.
+    /// Shows the held transform.
     Passive,
-    /// On its way from what it held back to the clip.
+    /// In transition from the held transform to the clip.
     ToActive,
 }
 
-/// What a passive joint shows.
+/// The transform that a passive joint shows.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum PassivePolicy {
-    /// The transform that was shown when it became passive.
+    /// The transform that was shown when the joint became passive.
     #[default]
     HoldLast,
     /// The rest pose.
     Rest,
-    /// A key pose that the caller gives (see [`JointStates::set_key_pose`]).
+    /// A key pose given by the caller (see [`JointStates::set_key_pose`]).
     KeyPose,
-    /// As `HoldLast`, then fading to rest over this time.
+    /// As `HoldLast`, then a fade to the rest pose.
     BlendToRest {
         /// Duration of the fade in seconds.
         secs: f32,
     },
 }
 
-/// Shape of a transition over its duration.
+/// Easing curve of a transition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Ease {
     /// Constant speed, as in the thesis.
     Linear,
-    /// Starts and ends at rest.
+    /// Smoothstep `u² (3 - 2u)`: zero speed at start and end.
     #[default]
     Smoothstep,
 }
 
-/// How joints change between active and passive.
+/// Options of transitions between active and passive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TransitionOptions {
-    /// Duration in seconds; 0 changes at once.
+    /// Duration in seconds; 0 changes the state immediately.
     pub secs: f32,
-    /// Shape over that duration.
+    /// Easing curve over the duration.
     pub ease: Ease,
-    /// What a passive joint shows.
+    /// The transform that a passive joint shows.
     pub policy: PassivePolicy,
 }
 
 impl Default for TransitionOptions {
-    /// 200 ms, smooth, holding the last transform.
+    /// 200 ms, smoothstep, hold the last transform.
     fn default() -> Self {
         Self {
             secs: 0.2,
@@ -76,16 +76,16 @@ impl Default for TransitionOptions {
 #[derive(Debug, Clone, Copy)]
 struct Slot {
     state: JointState,
-    /// Time of the last change of state.
+    /// Time of the last change of state, seconds.
     since: f64,
-    /// What is, or will be, held.
+    /// The transform that is held, or will be after the transition.
     hold: Transform,
-    /// What the clip lacked of the shown transform when a transition to passive began; not
-    /// identity only where it interrupted another transition.
+    /// Difference from the clip's transform to the one shown when a transition to passive began;
+    /// not the identity only if it interrupted another transition.
     offset: Transform,
 }
 
-/// States of all joints of one character, and what they show.
+/// The joint states of one character and the pose that results from them.
 #[derive(Debug, Clone)]
 pub struct JointStates {
     opts: TransitionOptions,
@@ -96,7 +96,8 @@ pub struct JointStates {
 }
 
 impl JointStates {
-    /// All joints active, showing the rest pose. Allocates; everything later does not.
+    /// Creates states with all joints active, showing the rest pose. Allocates; no other method
+    /// does.
     pub fn new(rest: &LocalPose, opts: TransitionOptions) -> Self {
         let slots = (0..rest.rotations.len())
             .map(|j| Slot {
@@ -115,32 +116,34 @@ impl JointStates {
         }
     }
 
-    /// Sets what [`PassivePolicy::KeyPose`] shows.
+    /// Sets the pose shown by [`PassivePolicy::KeyPose`].
     ///
     /// # Panics
-    /// If the pose is of another rig.
+    /// If the pose belongs to another rig.
     pub fn set_key_pose(&mut self, pose: &LocalPose) {
         self.key_pose.copy_from(pose);
     }
 
-    /// State of one joint.
+    /// Returns the state of one joint.
     pub fn state(&self, joint: usize) -> JointState {
         self.slots[joint].state
     }
 
-    /// What is shown now.
+    /// Returns the pose shown after the last step.
     pub fn shown(&self) -> &LocalPose {
         &self.shown
     }
 
-    /// Joints that need the clip's value at the next step: all but the passive ones.
+    /// Returns the joints whose clip transform is needed by the next step: all but the passive
+    /// ones.
     pub fn sampled(&self) -> JointSet {
         (0..self.slots.len())
             .filter(|&j| self.slots[j].state != JointState::Passive)
             .collect()
     }
 
-    /// Asks one joint to become passive. Nothing happens if it is, or is on its way.
+    /// Starts the transition of a joint to passive. Does nothing in the states `Passive` and
+    /// `ToPassive`.
     pub fn passivate(&mut self, joint: usize, now_secs: f64, clip: &Transform) {
         let shown = self.shown.get(joint);
         let hold = match self.opts.policy {
@@ -165,7 +168,8 @@ impl JointStates {
         };
     }
 
-    /// Asks one joint to become active. Nothing happens if it is, or is on its way.
+    /// Starts the transition of a joint to active. Does nothing in the states `Active` and
+    /// `ToActive`.
     pub fn activate(&mut self, joint: usize, now_secs: f64) {
         let shown = self.shown.get(joint);
         let slot = &mut self.slots[joint];
@@ -181,8 +185,9 @@ impl JointStates {
         };
     }
 
-    /// Makes exactly the joints of `active` active, the others passive: thesis 5.1's `Ref` and
-    /// `Simp` on the difference of two sets, the joints of both untouched.
+    /// Makes exactly the joints of `active` active and all others passive: `Ref` and `Simp` of
+    /// thesis 5.1 on the differences of two sets; joints that already have their state are
+    /// untouched.
     pub fn request(&mut self, active: &JointSet, now_secs: f64, clip: &LocalPose) {
         for joint in 0..self.slots.len() {
             if active.contains(joint) {
@@ -193,8 +198,8 @@ impl JointStates {
         }
     }
 
-    /// Shows the clip's value on a passive joint and holds it from now on (a key of a held
-    /// joint, without transition).
+    /// Shows a transform on a passive joint without a transition and holds it from now on (a key of
+    /// a held joint).
     pub(crate) fn show(&mut self, joint: usize, value: Transform, now_secs: f64) {
         let slot = &mut self.slots[joint];
         slot.state = JointState::Passive;
@@ -203,11 +208,11 @@ impl JointStates {
         self.shown.set(joint, value);
     }
 
-    /// Advances all joints to a time and gives what they show. `clip` holds the clip's values
-    /// of at least the joints of [`JointStates::sampled`]. Does not allocate.
+    /// Advances all joints to a time and returns the resulting pose. `clip` holds the clip's
+    /// transforms of at least the joints of [`JointStates::sampled`]. Does not allocate.
     ///
     /// # Panics
-    /// If the pose is of another rig.
+    /// If the pose belongs to another rig.
     pub fn step(&mut self, now_secs: f64, clip: &LocalPose) -> &LocalPose {
         assert_eq!(
             clip.rotations.len(),
@@ -269,7 +274,7 @@ fn blend(a: &Transform, b: &Transform, s: f32) -> Transform {
     }
 }
 
-/// What must follow `from` to give `to`, component by component.
+/// The transform that, composed with `from`, gives `to`, component by component.
 fn difference(from: &Transform, to: &Transform) -> Transform {
     Transform {
         translation: to.translation - from.translation,
@@ -287,11 +292,11 @@ fn compose(t: &Transform, offset: &Transform) -> Transform {
     }
 }
 
-/// A ladder of nested levels with a cap, as thesis 5.1 refines and simplifies. Level 0 is the
-/// finest.
+/// Nested levels of articulation with a limit on the finest, as in the refinement and
+/// simplification of thesis 5.1. Level 0 is the finest.
 ///
-/// The cap is `h(d)`, the finest level that a device allows; it comes from the device's benchmark.
-/// Differs: the thesis counts levels from the coarsest, so its cap is the highest number.
+/// The limit is `h(d)`, the finest level that the benchmark of a device allows. The thesis counts
+/// levels from the coarsest, so its limit is the highest number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoaRange {
     levels: Vec<JointSet>,
@@ -299,7 +304,7 @@ pub struct LoaRange {
     current: usize,
 }
 
-/// The joints that change between two levels of a [`LoaRange`].
+/// The joints that change state between two levels of a [`LoaRange`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LoaTransition {
     /// Joints that become active (`Ref`).
@@ -309,8 +314,8 @@ pub struct LoaTransition {
 }
 
 impl LoaRange {
-    /// Takes the joints of each level, finest first, and starts at the finest level that is
-    /// allowed, or at the coarsest if that lies beyond it. `None` without any level.
+    /// Creates a range from the joints of each level, finest first, at the finest allowed level, or
+    /// at the coarsest if the limit is coarser than all levels. `None` if there is no level.
     pub fn new(levels: Vec<JointSet>, finest_allowed: usize) -> Option<Self> {
         let coarsest = levels.len().checked_sub(1)?;
         let finest_allowed = finest_allowed.min(coarsest);
@@ -321,18 +326,18 @@ impl LoaRange {
         })
     }
 
-    /// The level now.
+    /// Returns the current level.
     pub fn level(&self) -> usize {
         self.current
     }
 
-    /// The joints of the level now.
+    /// Returns the joints of the current level.
     pub fn joints(&self) -> &JointSet {
         &self.levels[self.current]
     }
 
-    /// Goes to a level, or to the finest that is allowed if the level is finer, and says which
-    /// joints change. A level beyond the coarsest is the coarsest.
+    /// Changes to a level, clamped to the range from the finest allowed to the coarsest, and
+    /// returns the joints that change state.
     pub fn request(&mut self, level: usize) -> LoaTransition {
         let before = self.levels[self.current];
         let coarsest = self.levels.len() - 1;
@@ -374,7 +379,7 @@ mod tests {
         s.passivate(0, 0.0, &turned(0.1).get(0));
         assert_eq!(s.state(0), JointState::ToPassive);
         s.step(0.1, &turned(0.2));
-        // Half-way: the middle of the clip's 0.2 and the held 0.1.
+        // Half-way between the clip's 0.2 and the held 0.1.
         assert!(angle_between(s.shown().rotations[0], Quat::from_rotation_y(0.15)) < 1e-3);
         s.step(0.25, &turned(0.3));
         assert_eq!(s.state(0), JointState::Passive);

@@ -1,74 +1,74 @@
-//! Keys of held joints for a ladder of tolerances, nested: the tabled form of our metric.
+//! Tables of key frames for a series of tolerances, such that the keys of the levels nest.
 //!
-//! Source: `docs/methods/motion-lod.md` 4.5 and 9. Level 0 is the finest; level `k` tolerates `base * 2^k`
-//! metres of skin. The keys of a coarser level are among those of every finer one, so levels
-//! can be stored and streamed as increments.
+//! Source: `docs/methods/motion-lod.md` parts 4.5, 6 and 9. Level 0 is the finest; level `k`
+//! tolerates `base * 2^k` metres of skin displacement. The keys of a coarser level are among those
+//! of every finer one, so that levels can be stored and streamed as increments.
 
 use crate::Mismatch;
 
-/// What a joint shows between two keys.
+/// The rotation that a joint shows between two keys.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KeyMode {
-    /// The rotation of the key before.
+    /// The rotation of the previous key.
     Hold,
-    /// The normalised linear blend of the keys on both sides.
+    /// The normalised linear blend of the previous and the next key.
     Linear,
 }
 
-/// Fingerprints of what a table was made for; another rig, clip or mesh makes it worthless.
+/// Hashes of the inputs of a table, which is invalid for any other rig, clip or mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TableHashes {
-    /// Of joint names, parents and rest pose.
+    /// Hash of joint names, parents and rest pose.
     pub rig: u64,
-    /// Of the clip's frames.
+    /// Hash of the clip's frames.
     pub clip: u64,
-    /// Of the skin.
+    /// Hash of the skin.
     pub mesh: u64,
 }
 
 /// Key frames of every joint at every level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyTable {
-    /// What it was made for.
+    /// Hashes of the rig, clip and mesh for which the table was made.
     pub hashes: TableHashes,
     /// Frames per second of the clip.
     pub rate_hz: f32,
-    /// Frames of the clip.
+    /// Number of frames of the clip.
     pub frames: u32,
-    /// Tolerance of level 0, metres.
+    /// Tolerance of level 0 in metres.
     pub base_metres: f32,
-    /// What is shown between keys.
+    /// Interpolation between keys.
     pub mode: KeyMode,
-    /// `keys[joint][level]`: rising frame numbers, the first 0; an empty list for a joint that
-    /// does not move.
+    /// `keys[joint][level]`: ascending frame numbers, the first 0; empty for a joint that does not
+    /// move.
     pub keys: Vec<Vec<Vec<u32>>>,
 }
 
 impl KeyTable {
-    /// Number of levels.
+    /// Returns the number of levels.
     pub fn levels(&self) -> usize {
         self.keys.iter().map(Vec::len).max().unwrap_or(0)
     }
 
-    /// The coarsest level whose tolerance does not exceed `tolerance_metres`; `None` if even
-    /// the finest is too coarse and the joint must be evaluated.
+    /// Returns the coarsest level whose tolerance does not exceed `tolerance_metres`; `None` if
+    /// even the finest is too coarse and the joint must be evaluated.
     pub fn level_for(&self, tolerance_metres: f32) -> Option<usize> {
         let steps = (tolerance_metres / self.base_metres).log2().floor();
         let highest = self.levels().checked_sub(1)?;
         (steps >= 0.0).then(|| (steps as usize).min(highest))
     }
 
-    /// The key at or before a frame, and the one after it if there is one.
+    /// Returns the key at or before a frame, and the next key if there is one.
     pub fn span(&self, joint: usize, level: usize, frame: u32) -> Option<(u32, Option<u32>)> {
         let keys = self.keys.get(joint)?.get(level)?;
         let after = keys.partition_point(|k| *k <= frame);
         Some((*keys.get(after.checked_sub(1)?)?, keys.get(after).copied()))
     }
 
-    /// Checks that the table fits what it is used with.
+    /// Checks the hashes of the table and the nesting of its levels.
     ///
     /// # Errors
-    /// A [`Mismatch`] that names the part whose hash differs, or a table that is not nested.
+    /// A [`Mismatch`] that names the part whose hash differs, or the level that does not nest.
     pub fn check(&self, hashes: &TableHashes) -> Result<(), Mismatch> {
         let pairs = [
             ("rig", self.hashes.rig, hashes.rig),
@@ -95,19 +95,20 @@ impl KeyTable {
     }
 }
 
-/// Whole-pose keys: frames between which straight lines move every vertex within tolerance.
+/// Times of whole-pose keys, such that every vertex stays within the tolerance of a straight line
+/// between two keys.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PoseKeys {
-    /// What they were made for.
+    /// Hashes of the rig, clip and mesh for which the keys were made.
     pub hashes: TableHashes,
-    /// Ticks per second of the key times (denser than the clip's frames).
+    /// Ticks per second of the key times; denser than the clip's frames.
     pub tick_hz: f32,
-    /// Last tick: the end of the clip.
+    /// Last tick, the end of the clip.
     pub ticks: u32,
-    /// Tolerance of level 0, metres.
+    /// Tolerance of level 0 in metres.
     pub base_metres: f32,
-    /// `levels[k]`: rising ticks from 0 to the last, or `None` where straight lines would hardly
-    /// be longer than two display frames: evaluate every frame.
+    /// `levels[k]`: ascending ticks from 0 to the last, or `None` if the keys would hardly be more
+    /// than two display frames apart and every frame is to be evaluated.
     pub levels: Vec<Option<Vec<u32>>>,
 }
 

@@ -1,16 +1,16 @@
-//! What a virtual human is, and how it moves this frame.
+//! Rigs, clips, meshes and levels of detail of virtual humans, and their evaluation each frame.
 //!
-//! An engine that plays prepared characters needs this crate and `glam`, nothing else. For one
-//! hero figure the verbs stand at the root in the order of a frame: [`sample`] a [`Clip`],
-//! [`blend`], [`local_to_model`], [`skin`]; [`PosedMesh`] puts the last of them in a row. For many
-//! figures [`crowd::Crowd`] is the whole frame: clocks, views, levels of detail, palettes.
+//! An engine that plays prepared characters needs only this crate and `glam`. For a single
+//! character, call in the order of a frame, [`sample`] on a [`Clip`], [`blend`], [`local_to_model`]
+//! and [`skin`]; [`PosedMesh`] combines the last two. For many characters [`crowd::Crowd`] covers
+//! the whole frame: clocks, culling, levels of detail and palettes.
 //!
 //! ```
 //! use articula_core::{Articulation, JointArticulation, LocalPose, ModelPose, Region, Rig};
 //! use articula_core::{Transform, local_to_model, source};
 //! use glam::{Quat, Vec3};
 //!
-//! // An arm of two joints along x: what a file reader gives, and what the frame works with.
+//! // An arm of two joints along x, as a file reader returns it, and the rig made from it.
 //! let joint = |name: &str, parent, at| source::Joint {
 //!     name: name.into(),
 //!     parent,
@@ -33,27 +33,28 @@
 //!
 //! # Where things are
 //!
-//! At the root stand the read-only nouns of a frame ([`Rig`], [`Clip`], [`Mesh`], poses, palettes,
-//! tables of levels and their errors) and its verbs. Families keep a module of their own:
+//! The root exports the read-only types of a frame ([`Rig`], [`Clip`], [`Mesh`], poses, palettes,
+//! tables of levels and their errors) and the functions that work on them. Larger topics are
+//! modules:
 //!
-//! - [`source`]: the editable nouns that readers give and builders take
-//! - [`crowd`]: the whole frame for many characters
-//! - [`budget`]: one option for each character, least error within the budget
-//! - [`visibility`]: which bodies are seen, soon may be, and how large
-//! - [`batch`]: eight characters at once, from cursors to palettes
+//! - [`source`]: the editable data that file readers return and builders take
+//! - [`crowd`]: evaluation of many characters with levels of detail, one tick per frame
+//! - [`budget`]: choice of one LOD option for each character, with least error within a budget
+//! - [`visibility`]: frustum culling, occlusion and size on screen of bodies
+//! - [`batch`]: evaluation of eight characters at once, from cursors to palettes
 //! - [`loa`]: levels of articulation: selectors, their combination and the expression language
-//! - [`joint_names`]: what the joint names of a kind of rig mean, as values
+//! - [`joint_names`]: joint maps: the meaning of the joint names of a kind of rig, as data
 //! - [`joint_state`]: active and passive joints, and the transitions between them
-//! - [`hanim_table`], [`fap_table`]: the joints of the standard humanoid, and the parameters of its
-//!   face
-//! - [`Progress`]: how far work outside the frame is, and whether it goes on
+//! - [`hanim_table`], [`fap_table`]: the joints of the H-Anim humanoid, and the facial animation
+//!   parameters of MPEG-4
+//! - [`Progress`]: progress reports and cancellation of work outside the frame
 //!
-//! Levels of detail count from 0, the finest, everywhere: joints ([`JointLods`]), meshes
+//! Levels of detail are numbered from 0, the finest, everywhere: joints ([`JointLods`]), meshes
 //! ([`Clusters`], [`LevelTable`], [`MeshErrors`]) and keys ([`KeyTable`]). Levels of articulation
-//! are another thing and keep H-Anim's numbers ([`loa`]).
+//! are a different concept and keep H-Anim's numbers ([`loa`]).
 //!
-//! What is deliberately absent: files, clocks, threads, logging, JSON, and any allocation in a
-//! function that runs once a frame (a test counts them).
+//! Deliberately absent: files, clocks, threads, logging, JSON, and allocation in functions that run
+//! once a frame (a test counts allocations).
 //!
 //! Units are metres, seconds and radians; +Y is up and a character faces +Z.
 

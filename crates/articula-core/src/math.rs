@@ -1,15 +1,15 @@
-//! What `glam` lacks: decomposed transforms, hemisphere-safe angles and blends.
+//! Additions to `glam`: decomposed transforms, hemisphere-safe angles and blends of rotations.
 
 use glam::{Affine3A, Mat4, Quat, Vec3};
 
-/// A local transform, applied scale first, then rotation, then translation (as in glTF).
+/// A transform as scale, rotation and translation, applied in this order (as in glTF).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
-    /// Offset from the parent, in metres of the parent's space.
+    /// Offset from the parent in metres, in the parent's space.
     pub translation: Vec3,
     /// Unit quaternion.
     pub rotation: Quat,
-    /// Scale per axis; a negative one mirrors.
+    /// Scale along each axis; a negative one mirrors.
     pub scale: Vec3,
 }
 
@@ -20,14 +20,14 @@ impl Default for Transform {
 }
 
 impl Transform {
-    /// The transform that changes nothing.
+    /// The identity transform.
     pub const IDENTITY: Self = Self {
         translation: Vec3::ZERO,
         rotation: Quat::IDENTITY,
         scale: Vec3::ONE,
     };
 
-    /// A pure offset, in metres.
+    /// Creates a pure translation, in metres.
     pub fn from_translation(translation: Vec3) -> Self {
         Self {
             translation,
@@ -35,13 +35,13 @@ impl Transform {
         }
     }
 
-    /// The same transform as a 3x4 matrix.
+    /// Returns the transform as a 3x4 matrix.
     pub fn to_affine(self) -> Affine3A {
         Affine3A::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
     }
 
-    /// Splits a matrix; `None` if it is singular, not finite or sheared by more than `1e-4`
-    /// of its size, since no such transform exists then.
+    /// Decomposes a matrix; `None` if it is singular, not finite, or sheared by more than `1e-4` of
+    /// its scale, so that no such transform exists.
     pub fn from_matrix(matrix: Mat4) -> Option<Self> {
         if !matrix.is_finite() || matrix.determinant().abs() < 1e-30 {
             return None;
@@ -60,20 +60,20 @@ impl Transform {
         (split.is_finite() && shear <= 1e-4 * size).then_some(split)
     }
 
-    /// Whether every component is a number.
+    /// Returns whether every component is finite.
     pub fn is_finite(&self) -> bool {
         self.translation.is_finite() && self.rotation.is_finite() && self.scale.is_finite()
     }
 }
 
-/// `b` or `-b`, whichever lies in the hemisphere of `a`; both stand for the same rotation.
+/// Returns `b` or `-b`, whichever is in the hemisphere of `a`; both represent the same rotation.
 pub fn same_hemisphere(a: Quat, b: Quat) -> Quat {
     if a.dot(b) < 0.0 { -b } else { b }
 }
 
-/// Angle between two unit quaternions as rotations, in radians, 0 to pi.
+/// Returns the angle between two rotations in radians, 0 to pi.
 ///
-/// Computed from the relative rotation's vector part, so that small angles keep their digits
+/// Computed from the vector part of the relative rotation, which keeps the digits of small angles
 /// (`acos` of a dot product near one loses half of them).
 pub fn angle_between(a: Quat, b: Quat) -> f32 {
     let relative = a.conjugate() * b;
@@ -81,7 +81,8 @@ pub fn angle_between(a: Quat, b: Quat) -> f32 {
     2.0 * sine.atan2(relative.w.abs())
 }
 
-/// Normalised linear blend on the short way; `t` is not clamped.
+/// Interpolates rotations linearly along the shorter arc and normalises the result; `t` is not
+/// clamped.
 pub fn nlerp(a: Quat, b: Quat, t: f32) -> Quat {
     let blend = a * (1.0 - t) + same_hemisphere(a, b) * t;
     let length = blend.length();

@@ -1,20 +1,20 @@
-//! The triangles of a whole character, ready to be skinned: one vertex array for all parts.
+//! The triangles of a whole character in one vertex array, ready to be skinned.
 
 use crate::Mismatch;
 use crate::source;
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::ops::Range;
 
-/// A joint and the matrix that takes a vertex from its mesh to that joint at rest.
+/// A joint and its inverse bind matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Binding {
-    /// Joint of the rig.
+    /// Joint index in the rig.
     pub joint: u16,
-    /// Joint-from-mesh matrix at rest.
+    /// Inverse bind matrix: from mesh space to the joint, in the rest pose.
     pub inverse_bind: Affine3A,
 }
 
-/// One drawable part of a [`Mesh`].
+/// A drawable part of a [`Mesh`]: one primitive of a source mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
     /// Name of the source mesh.
@@ -23,62 +23,62 @@ pub struct Part {
     pub mesh: usize,
     /// Index into the character's materials.
     pub material: Option<usize>,
-    /// Its vertices.
+    /// Range of its vertices.
     pub vertices: Range<usize>,
-    /// Its triangles.
+    /// Range of its triangles.
     pub triangles: Range<usize>,
 }
 
-/// A sparse morph target over the vertices that it moves.
+/// A sparse morph target: offsets of the vertices that it moves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Morph {
-    /// Slot in the array of morph weights.
+    /// Index into the morph target weights.
     pub slot: u16,
-    /// Vertices that move, rising.
+    /// Indices of the moved vertices, ascending.
     pub vertices: Vec<u32>,
-    /// Position offset of each.
+    /// Position offset of each moved vertex.
     pub positions: Vec<Vec3>,
-    /// Normal offset of each.
+    /// Normal offset of each moved vertex.
     pub normals: Vec<Vec3>,
 }
 
-/// All triangles of a character with their skin and morph targets.
+/// The triangles of a character with skin and morph targets, as structure of arrays.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
-    /// Rest positions, each in its own mesh's space.
+    /// Rest positions, each in the space of its source mesh.
     pub positions: Vec<Vec3>,
-    /// Rest normals; computed from the triangles where the source has none.
+    /// Rest normals; computed from the triangles if the source has none.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates, zero where the source has none.
+    /// Texture coordinates, zero if the source has none.
     pub texcoords: Vec<Vec2>,
-    /// Linear RGBA vertex colours, white where the source has none.
+    /// Linear RGBA vertex colours, white if the source has none.
     pub colors: Vec<Vec4>,
-    /// Influences a vertex (the most that any part has; unused ones weigh 0).
+    /// Number of influences per vertex, the maximum over all parts; unused ones have weight 0.
     pub influences: usize,
     /// `positions.len() * influences` indices into `bindings`.
     pub binding_indices: Vec<u16>,
-    /// As many weights, summing to 1 for each vertex.
+    /// `positions.len() * influences` weights, summing to 1 for each vertex.
     pub weights: Vec<f32>,
-    /// Distinct pairs of joint and inverse bind matrix; one palette matrix each.
+    /// Distinct pairs of joint and inverse bind matrix, one for each palette matrix.
     pub bindings: Vec<Binding>,
-    /// Counter-clockwise triangles over all parts.
+    /// Vertex indices of the triangles of all parts, counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
-    /// The parts.
+    /// The drawable parts.
     pub parts: Vec<Part>,
-    /// Morph targets over all parts.
+    /// Morph targets of all parts.
     pub morphs: Vec<Morph>,
-    /// Weight of each morph slot at rest.
+    /// Default weight of each morph slot.
     pub morph_weights: Vec<f32>,
-    /// First morph slot of each source mesh (its targets follow each other).
+    /// First morph slot of each source mesh; its morph targets are contiguous.
     pub morph_slots: Vec<usize>,
 }
 
 impl Mesh {
-    /// Joins the meshes of a character. `joints` is the number of joints of its rig.
+    /// Joins the meshes of a character whose rig has `joints` joints.
     ///
     /// # Errors
-    /// A [`Mismatch`] if lengths of a primitive disagree, an index of a joint, vertex or morph
-    /// target is out of range, or there are more than 65536 bindings or morph targets.
+    /// A [`Mismatch`] if array lengths of a primitive disagree, an index of a joint, vertex or
+    /// morph target is out of range, or there are more than 65536 bindings or morph targets.
     pub fn new(meshes: &[source::RawMesh], joints: usize) -> Result<Self, Mismatch> {
         let most = meshes
             .iter()
@@ -108,17 +108,17 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// Number of vertices.
+    /// Returns the number of vertices.
     pub fn len(&self) -> usize {
         self.positions.len()
     }
 
-    /// Whether there is no vertex.
+    /// Returns whether there is no vertex.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
 
-    /// The influences of one vertex as (joint, weight), unused ones left out.
+    /// Returns the influences of a vertex as (joint, weight), without zero weights.
     pub fn influences_of(&self, vertex: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
         let at = vertex * self.influences..(vertex + 1) * self.influences;
         self.binding_indices[at.clone()]
@@ -190,7 +190,7 @@ impl Mesh {
             );
             self.weights.extend(&primitive.weights[at]);
             let padded = (first + v + 1) * self.influences;
-            // A padded influence repeats the vertex's first binding, with no weight.
+            // A padded influence repeats the vertex's first binding, with weight 0.
             let filler = self.binding_indices[(first + v) * self.influences];
             self.binding_indices.resize(padded, filler);
             self.weights.resize(padded, 0.0);
@@ -258,7 +258,7 @@ fn check(p: &source::Primitive, joints: usize, morphs: usize) -> Result<(), Mism
     Ok(())
 }
 
-/// Area-weighted vertex normals; vertices of one position share theirs, so seams stay smooth.
+/// Area-weighted vertex normals; vertices at the same position share one, so seams stay smooth.
 fn smooth_normals(primitive: &source::Primitive) -> Vec<Vec3> {
     let p = &primitive.positions;
     let mut sums = std::collections::HashMap::<[u32; 3], Vec3>::new();
@@ -299,7 +299,7 @@ fn sparse(target: &source::MorphTarget, slot: u16, first: usize) -> Option<Morph
 pub(crate) mod tests {
     use super::*;
 
-    /// One triangle, each corner on its own joint.
+    /// One triangle; two corners on joint 0, one on joint 1.
     pub(crate) fn triangle() -> source::RawMesh {
         source::RawMesh {
             name: "t".into(),

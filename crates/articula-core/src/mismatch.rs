@@ -1,18 +1,18 @@
-//! The one error of this crate: values that do not belong together.
+//! The error of this crate for values that do not fit together.
 
 use std::fmt;
 
-/// The caller paired things that do not fit, such as a parent that comes after its child.
+/// The error for values that do not fit together, such as a parent that comes after its child.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mismatch {
-    /// Where, as a path into the value that was refused, such as `joints[4].parent`.
+    /// Path to the rejected value, such as `joints[4].parent`.
     pub at: String,
     /// What was found and what was expected.
     pub what: String,
 }
 
 impl Mismatch {
-    /// Says that the value at `at` does not fit, and why.
+    /// Creates an error for the value at `at`, with the reason.
     pub fn new(at: impl Into<String>, what: impl Into<String>) -> Self {
         Self {
             at: at.into(),

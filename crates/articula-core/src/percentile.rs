@@ -1,9 +1,9 @@
-//! The percentile that every number of an error or a time in this workspace is.
+//! Percentiles, as used for every error and time statistic of this workspace.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Mul, Sub};
 
-/// Numbers that a percentile is taken of, each in its own precision: `f32` and `f64`.
+/// A floating-point type of which percentiles can be computed: `f32` and `f64`.
 pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
     #[doc(hidden)]
     const ZERO: Self;
@@ -37,12 +37,12 @@ macro_rules! real {
 
 real!(f32, f64);
 
-/// The value below which a fraction (0 to 1) of the values lies, on the straight line between
-/// neighbours: of 5 values the 95th percentile lies at place 0.95 * 4 = 3.8, four fifths of the
-/// way from the fourth to the fifth. 0 of nothing.
+/// Returns the value below which a fraction (0 to 1) of the values lies, by linear interpolation
+/// between neighbours: the 95th percentile of 5 values is at position 0.95 * 4 = 3.8, four fifths
+/// between the fourth and the fifth. 0 for an empty slice.
 ///
-/// Changes the order of the slice. O(values); does not allocate. Beside an infinite value it may
-/// be no number.
+/// Reorders the slice. O(values); does not allocate. May return NaN if a neighbouring value is
+/// infinite.
 ///
 /// ```
 /// use articula_core::percentile;
@@ -56,7 +56,7 @@ pub fn percentile<T: Real>(values: &mut [T], fraction: T) -> T {
         return T::ZERO;
     }
     let at = fraction * T::of(values.len() - 1);
-    // Of millions of values the place may round up past the last one.
+    // With millions of values the position may be rounded up past the last one.
     let below = at.whole().min(values.len() - 1);
     let (_, low, rest) = values.select_nth_unstable_by(below, T::order);
     let low = *low;
@@ -64,10 +64,10 @@ pub fn percentile<T: Real>(values: &mut [T], fraction: T) -> T {
     low + (high - low) * (at - T::of(below))
 }
 
-/// The same without a line: the smallest value with at least that fraction of the others at or
-/// below it, so that it is one of the values.
+/// Returns the percentile without interpolation: the smallest value with at least that fraction of
+/// the other values at or below it, which is one of the values. 0 for an empty slice.
 ///
-/// Changes the order of the slice. O(values); does not allocate.
+/// Reorders the slice. O(values); does not allocate.
 pub fn percentile_at_or_above(values: &mut [f64], fraction: f64) -> f64 {
     let at = (fraction * values.len().saturating_sub(1) as f64).ceil() as usize;
     if at >= values.len() {
@@ -87,7 +87,7 @@ mod tests {
         assert!((of(0.95) - 3.8).abs() < 1e-6, "between the last two");
         assert_eq!(percentile(&mut [7.0_f32], 0.95), 7.0);
         assert_eq!(percentile::<f32>(&mut [], 0.5), 0.0);
-        // docs/metrics.md: of 0, 1, 2, 3 and 8 the 95th lies at 0.95 * 4 = 3.8.
+        // docs/metrics.md: of 0, 1, 2, 3 and 8 the 95th is at position 0.95 * 4 = 3.8.
         let p95 = percentile(&mut [3.0, 8.0, 0.0, 2.0, 1.0_f64], 0.95);
         assert!((p95 - 7.0).abs() < 1e-12);
     }

@@ -1,4 +1,4 @@
-//! Transforms of all joints at one moment, as one array for each component.
+//! Poses: the transforms of all joints at one time, as one array per component.
 
 use crate::math::Transform;
 use glam::{Affine3A, Quat, Vec3};
@@ -6,16 +6,16 @@ use glam::{Affine3A, Quat, Vec3};
 /// Local transforms of all joints of a rig, in the rig's order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LocalPose {
-    /// Offsets from the parents, metres.
+    /// Offsets from the parents in metres.
     pub translations: Vec<Vec3>,
-    /// Unit quaternions.
+    /// Rotations relative to the parents, unit quaternions.
     pub rotations: Vec<Quat>,
-    /// Scale per axis.
+    /// Scale along each axis.
     pub scales: Vec<Vec3>,
 }
 
 impl LocalPose {
-    /// The transform of one joint.
+    /// Returns the local transform of one joint.
     pub fn get(&self, joint: usize) -> Transform {
         Transform {
             translation: self.translations[joint],
@@ -24,17 +24,17 @@ impl LocalPose {
         }
     }
 
-    /// Sets the transform of one joint.
+    /// Sets the local transform of one joint.
     pub(crate) fn set(&mut self, joint: usize, transform: Transform) {
         self.translations[joint] = transform.translation;
         self.rotations[joint] = transform.rotation;
         self.scales[joint] = transform.scale;
     }
 
-    /// Takes over all transforms of another pose of the same rig, without allocating.
+    /// Copies all transforms of another pose of the same rig, without allocating.
     ///
     /// # Panics
-    /// If the other pose has another number of joints.
+    /// If the poses have different numbers of joints.
     pub fn copy_from(&mut self, other: &Self) {
         self.translations.copy_from_slice(&other.translations);
         self.rotations.copy_from_slice(&other.rotations);
@@ -57,19 +57,19 @@ impl FromIterator<Transform> for LocalPose {
 /// Model-from-joint matrices of all joints of a rig, in the rig's order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ModelPose {
-    /// The matrices.
+    /// One matrix for each joint.
     pub matrices: Vec<Affine3A>,
 }
 
 impl ModelPose {
-    /// Room for a rig of `joints` joints, all at the origin.
+    /// Creates a pose of `joints` joints, all at the origin.
     pub fn new(joints: usize) -> Self {
         Self {
             matrices: vec![Affine3A::IDENTITY; joints],
         }
     }
 
-    /// Position of a joint in model space, metres.
+    /// Returns the position of a joint in model space, in metres.
     pub fn position(&self, joint: usize) -> Vec3 {
         self.matrices[joint].translation.into()
     }

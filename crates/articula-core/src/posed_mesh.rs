@@ -1,8 +1,7 @@
-//! From a local pose to the skin: one character, the plain path, with the buffers of the way.
+//! From a local pose to the skinned mesh of one character, with the buffers in between.
 //!
-//! What stands between is [`local_to_model`] and [`palette`], then [`skin`] or [`skin_points`];
-//! this is the one place that puts them in a row. Crowds go another way, eight characters at once
-//! ([`crate::batch`]), and are tested against this one.
+//! Runs [`local_to_model`] and [`palette`], then [`skin`] or [`skin_points`]. Crowds are evaluated
+//! in batches of eight characters ([`crate::batch`]), which are tested against this path.
 
 use crate::clip::Clip;
 use crate::hierarchy::{local_to_model, local_to_model_from};
@@ -13,9 +12,9 @@ use crate::sample::{Wrap, sample};
 use crate::skin::{SkinnedMesh, palette, skin, skin_points};
 use glam::{Affine3A, Vec3};
 
-/// A mesh that follows the poses of a rig.
+/// A mesh that follows the poses of a rig, with the buffers for posing and skinning it.
 ///
-/// Nothing is allocated after [`PosedMesh::new`] but by [`PosedMesh::skinned`].
+/// Only [`PosedMesh::new`] and [`PosedMesh::skinned`] allocate.
 ///
 /// ```
 /// # use articula_core::{Articulation, JointArticulation, Mesh, PosedMesh, Region, Rig, SkinnedMesh};
@@ -45,14 +44,15 @@ use glam::{Affine3A, Vec3};
 pub struct PosedMesh<'a> {
     rig: &'a Rig,
     mesh: &'a Mesh,
-    /// Where the joints are. What skins next follows it, also where a caller has moved it since.
+    /// Model-space pose of the joints. The next skinning uses it, including changes made by the
+    /// caller.
     pub model: ModelPose,
     local: LocalPose,
     palette: Vec<Affine3A>,
 }
 
 impl<'a> PosedMesh<'a> {
-    /// Makes room for a mesh on its rig, all joints at the origin until it is posed.
+    /// Allocates buffers for a mesh on its rig; all joints are at the origin until a pose is set.
     pub fn new(rig: &'a Rig, mesh: &'a Mesh) -> Self {
         Self {
             model: ModelPose::new(rig.len()),
@@ -63,29 +63,29 @@ impl<'a> PosedMesh<'a> {
         }
     }
 
-    /// Takes a local pose.
+    /// Sets a local pose.
     ///
     /// # Panics
-    /// If the pose is of another rig.
+    /// If the pose belongs to another rig.
     pub fn pose(&mut self, local: &LocalPose) -> &mut Self {
         local_to_model(self.rig, local, &mut self.model);
         self
     }
 
-    /// Takes a local pose below a transform of the whole character, such as its place in the
+    /// Sets a local pose below a transform of the whole character, such as its position in the
     /// world.
     ///
     /// # Panics
-    /// If the pose is of another rig.
+    /// If the pose belongs to another rig.
     pub fn pose_from(&mut self, local: &LocalPose, world_from_model: Affine3A) -> &mut Self {
         local_to_model_from(self.rig, local, world_from_model, &mut self.model);
         self
     }
 
-    /// Takes the pose of a clip at a time; what the clip does not drive stands at rest.
+    /// Sets the pose of a clip at a time; joints without a track are in the rest pose.
     ///
     /// # Panics
-    /// If the clip is of another rig.
+    /// If the clip belongs to another rig.
     pub fn pose_at(&mut self, clip: &Clip, time_secs: f64, wrap: Wrap) -> &mut Self {
         self.local.copy_from(self.rig.rest_pose());
         sample(clip, time_secs, wrap, &self.rig.all(), &mut self.local);
@@ -96,27 +96,27 @@ impl<'a> PosedMesh<'a> {
     /// Skins positions and normals of all vertices after morph targets.
     ///
     /// # Panics
-    /// If the weights or the output are of another mesh.
+    /// If the weights or the output belong to another mesh.
     pub fn skin(&mut self, morph_weights: &[f32], out: &mut SkinnedMesh) {
         palette(self.mesh, &self.model, &mut self.palette);
         skin(self.mesh, &self.palette, morph_weights, out);
     }
 
-    /// The same into buffers of its own, for who needs them once.
+    /// Skins into new buffers; see [`PosedMesh::skin`].
     ///
     /// # Panics
-    /// If the weights are of another mesh.
+    /// If the weights belong to another mesh.
     pub fn skinned(&mut self, morph_weights: &[f32]) -> SkinnedMesh {
         let mut out = SkinnedMesh::new(self.mesh);
         self.skin(morph_weights, &mut out);
         out
     }
 
-    /// Skins the positions of some vertices only, without morph targets, into `out` in the order
-    /// of `vertices`.
+    /// Skins the positions of the given vertices without morph targets, into `out` in the order of
+    /// `vertices`.
     ///
     /// # Panics
-    /// If `out` is not as long as `vertices`, or there is no such vertex.
+    /// If `out` and `vertices` differ in length, or a vertex is out of range.
     pub fn points(&mut self, vertices: &[u32], out: &mut [Vec3]) {
         palette(self.mesh, &self.model, &mut self.palette);
         skin_points(self.mesh, &self.palette, vertices, out);
@@ -154,7 +154,7 @@ mod tests {
         skin(&mesh, &matrices, &[0.5], &mut expected);
 
         let mut posed = PosedMesh::new(&rig, &mesh);
-        // A pose of before leaves nothing behind.
+        // The earlier pose has no effect on the later one.
         let counted = allocation_counter::measure(|| {
             posed.pose_at(&clip, 2.0, Wrap::Clamp);
             posed.pose_at(&clip, 0.7, Wrap::Clamp);

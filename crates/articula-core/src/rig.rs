@@ -1,4 +1,4 @@
-//! The joint tree of the frame: read-only, parents first, checked once when it is built.
+//! The read-only joint tree: parents first, validated once when it is built.
 
 use crate::Mismatch;
 use crate::articulation::Articulation;
@@ -6,9 +6,9 @@ use crate::joint_set::{JointSet, MAX_JOINTS};
 use crate::pose::LocalPose;
 use crate::source::Skeleton;
 
-/// A joint tree with its rest pose and its level of articulation data.
+/// A joint tree with its rest pose, H-Anim articulation and skin joints.
 ///
-/// Joints keep the order of the source skeleton.
+/// Joints have the order of the source skeleton.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rig {
     names: Vec<String>,
@@ -21,12 +21,11 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Checks a skeleton and its articulation and orders the joints by level.
+    /// Builds a rig from a skeleton and its articulation, checking both.
     ///
     /// # Errors
-    /// A [`Mismatch`] if there is no joint, more than [`MAX_JOINTS`], a parent that does not
-    /// come before its child, a rest transform that is not finite, or an articulation of
-    /// another length.
+    /// A [`Mismatch`] if there is no joint, more than [`MAX_JOINTS`], a parent that does not come
+    /// before its child, a rest transform that is not finite, or an articulation of another length.
     pub fn new(skeleton: &Skeleton, articulation: Articulation) -> Result<Self, Mismatch> {
         let joints = &skeleton.joints;
         if joints.is_empty() {
@@ -67,70 +66,70 @@ impl Rig {
         })
     }
 
-    /// Number of joints.
+    /// Returns the number of joints.
     pub fn len(&self) -> usize {
         self.parents.len()
     }
 
-    /// Never true: a rig has at least one joint.
+    /// Always false: a rig has at least one joint.
     pub fn is_empty(&self) -> bool {
         self.parents.is_empty()
     }
 
-    /// Name of a joint, as its file has it.
+    /// Returns the name of a joint as stored in its file.
     pub fn name(&self, joint: usize) -> &str {
         &self.names[joint]
     }
 
-    /// Index of the first joint with this name.
+    /// Returns the index of the first joint with this name.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|n| n == name)
     }
 
-    /// Parent of a joint, always of smaller index.
+    /// Returns the parent of a joint, which always has a smaller index.
     pub fn parent(&self, joint: usize) -> Option<usize> {
         self.parents[joint].map(usize::from)
     }
 
-    /// Number of skin joints above a joint: 0 for the skeleton's root and for the nodes above
-    /// it that are no joints.
+    /// Returns the number of skin joints above a joint: 0 for the skeleton's root and for the nodes
+    /// above it.
     pub fn depth(&self, joint: usize) -> usize {
         usize::from(self.depths[joint])
     }
 
-    /// Local transforms at rest.
+    /// Returns the local transforms of the rest pose.
     pub fn rest_pose(&self) -> &LocalPose {
         &self.rest
     }
 
-    /// H-Anim name, level and region of each joint.
+    /// Returns the H-Anim name, level and region of each joint.
     pub fn articulation(&self) -> &Articulation {
         &self.articulation
     }
 
-    /// The joints that a skin names (the others are plain nodes).
+    /// Returns the joints that belong to a skin; the others are plain nodes.
     pub fn skin_joints(&self) -> &JointSet {
         &self.in_skin
     }
 
-    /// The skeleton's root: the first joint that a skin names.
+    /// Returns the skeleton's root: the first skin joint.
     pub fn root(&self) -> usize {
         self.root
     }
 
-    /// Every joint.
+    /// Returns the set of all joints.
     pub fn all(&self) -> JointSet {
         JointSet::first(self.len())
     }
 
-    /// Whether `joint` is `ancestor` or stands below it.
+    /// Returns whether `joint` is `ancestor` or a descendant of it.
     pub fn is_at_or_below(&self, joint: usize, ancestor: usize) -> bool {
         let mut at = Some(joint);
         while let Some(j) = at {
             if j == ancestor {
                 return true;
             }
-            // Parents have smaller indices, so nothing below the ancestor's index remains.
+            // Parents have smaller indices, so the walk ends below the ancestor's index.
             at = self.parent(j).filter(|p| *p >= ancestor);
         }
         false

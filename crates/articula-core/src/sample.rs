@@ -1,6 +1,6 @@
-//! The pose of a clip at a time, in any direction and at any speed.
+//! Sampling of clips at any time, in any direction and at any speed.
 //!
-//! A uniform rate makes every access cost the same: there is no cursor to walk.
+//! With a uniform frame rate every access costs the same, so no cursor is needed.
 
 use crate::clip::{Clip, Track};
 use crate::joint_set::JointSet;
@@ -8,35 +8,35 @@ use crate::math::nlerp;
 use crate::pose::LocalPose;
 use glam::Vec3;
 
-/// What a time outside the clip means.
+/// Handling of times outside the clip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Wrap {
     /// The clip repeats; its last frame coincides with its first.
     #[default]
     Loop,
-    /// The first and the last frame hold.
+    /// The first or the last frame is held.
     Clamp,
 }
 
-/// Two neighbouring frames and the blend between them.
+/// Two neighbouring frames and the interpolation between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FramePosition {
-    /// The frame at or before the time.
+    /// Index of the frame at or before the time.
     pub before: usize,
-    /// The frame after it, or the same at the end of the clip.
+    /// Index of the frame after it, or the same index at the end of the clip.
     pub after: usize,
-    /// Blend from `before` (0) to `after` (1).
+    /// Interpolation factor from `before` (0) to `after` (1).
     pub blend: f32,
 }
 
-/// Part by which a frame number may differ after a division and a product in f64.
+/// Relative rounding error of a frame number after a division and a multiplication in f64.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Where a time falls among the frames of a clip.
+/// Returns the frames of a clip around a time, and the interpolation factor between them.
 ///
-/// Negative times run backwards from the end of a looping clip. A time that is no number
-/// counts as 0. Times are kept in f64 so that a clock may run for days; a time that is a frame's
-/// but for rounding is that frame, so `i / rate_hz` seconds always gives frame `i` itself.
+/// In a looping clip negative times count backwards from its end. A time that is not finite counts
+/// as 0. Times are f64, so that a clock may run for days; a time that equals that of a frame except
+/// for rounding is that frame, so `i / rate_hz` seconds always gives exactly frame `i`.
 pub fn frame_position(clip: &Clip, time_secs: f64, wrap: Wrap) -> FramePosition {
     let last = clip.frames() - 1;
     let time = if time_secs.is_finite() {
@@ -63,16 +63,16 @@ pub fn frame_position(clip: &Clip, time_secs: f64, wrap: Wrap) -> FramePosition 
     }
 }
 
-/// Writes the local transforms of the `active` joints at a time; the others are not touched.
+/// Writes the local transforms of the `active` joints at a time; other joints are not changed.
 ///
-/// Rotations blend by normalised linear interpolation, as the players of the field do; a
-/// clip of a faster source is resampled densely enough when it is built. Joints that the clip
-/// does not drive are not touched either: start from the rig's rest pose.
+/// Rotations are interpolated by normalised linear interpolation; clips of faster sources are
+/// resampled densely enough when they are built. Joints without a track are not changed either, so
+/// start from the rig's rest pose.
 ///
 /// O(tracks); does not allocate.
 ///
 /// # Panics
-/// If `out` is of another rig than the clip.
+/// If `out` belongs to another rig than the clip.
 pub fn sample(clip: &Clip, time_secs: f64, wrap: Wrap, active: &JointSet, out: &mut LocalPose) {
     assert_eq!(
         out.rotations.len(),
@@ -98,8 +98,8 @@ pub fn sample(clip: &Clip, time_secs: f64, wrap: Wrap, active: &JointSet, out: &
     }
 }
 
-/// Writes the morph weights at a time; slots that the clip does not drive, or that lie beyond
-/// `out`, are not touched. Does not allocate.
+/// Writes the morph target weights at a time; slots without a track or beyond `out` are not
+/// changed. Does not allocate.
 pub fn sample_morphs(clip: &Clip, time_secs: f64, wrap: Wrap, out: &mut [f32]) {
     let at = frame_position(clip, time_secs, wrap);
     for track in &clip.tracks.morphs {
@@ -114,7 +114,7 @@ fn read<T: Copy>(track: &Track<T>, at: FramePosition, blend: impl Fn(T, T, f32) 
         return track.values[0];
     }
     let before = track.values[at.before];
-    // An exact frame is given back bit for bit, so that stored keys reproduce.
+    // An exact frame is returned bit for bit, so that stored keys are reproduced.
     if track.step || at.blend == 0.0 {
         return before;
     }
@@ -199,7 +199,7 @@ mod tests {
             let a = pose_at(time, Wrap::Loop).rotations[0];
             let b = pose_at(time + 7.0, Wrap::Loop).rotations[0];
             prop_assert!((a.length() - 1.0).abs() < 1e-5);
-            // The pose jumps where the loop closes; away from it the two agree.
+            // The pose jumps where the loop closes; elsewhere the two agree.
             let phase = time.rem_euclid(1.0);
             prop_assume!(phase > 1e-6 && phase < 1.0 - 1e-6);
             prop_assert!(angle_between(a, b) < 1e-4);

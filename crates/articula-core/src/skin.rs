@@ -1,6 +1,6 @@
 //! Linear blend skinning of positions and normals, after morph targets.
 //!
-//! The plain version: every faster one is tested against it.
+//! This is the plain version against which all faster ones are tested.
 
 use crate::mesh::Mesh;
 use crate::pose::ModelPose;
@@ -16,7 +16,7 @@ pub struct SkinnedMesh {
 }
 
 impl SkinnedMesh {
-    /// Room for the vertices of a mesh.
+    /// Allocates space for the vertices of a mesh.
     pub fn new(mesh: &Mesh) -> Self {
         Self {
             positions: vec![Vec3::ZERO; mesh.len()],
@@ -24,7 +24,8 @@ impl SkinnedMesh {
         }
     }
 
-    /// Smallest box around the positions as (least, greatest) corner; `None` without vertices.
+    /// Returns the axis-aligned bounding box of the positions as (minimum, maximum) corner; `None`
+    /// without vertices.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let first = *self.positions.first()?;
         Some(
@@ -35,10 +36,11 @@ impl SkinnedMesh {
     }
 }
 
-/// Matrices that take each binding's vertices from mesh to model space, in the mesh's order.
+/// Computes the skinning palette: for each binding, in the mesh's order, the matrix from mesh to
+/// model space.
 ///
 /// # Panics
-/// If `out` has another length than the mesh has bindings.
+/// If the length of `out` differs from the number of bindings.
 pub fn palette(mesh: &Mesh, pose: &ModelPose, out: &mut [Affine3A]) {
     assert_eq!(
         out.len(),
@@ -50,13 +52,13 @@ pub fn palette(mesh: &Mesh, pose: &ModelPose, out: &mut [Affine3A]) {
     }
 }
 
-/// Blends morph targets, then skins positions and normals.
+/// Blends morph targets, then skins positions and normals of all vertices.
 ///
-/// Normals follow the cofactor matrix of the blended transform, which is right under
+/// Normals are transformed by the cofactor matrix of the blended transform, which is correct under
 /// non-uniform scale too. O(vertices x influences); does not allocate.
 ///
 /// # Panics
-/// If a slice is of another mesh.
+/// If a slice belongs to another mesh.
 pub fn skin(mesh: &Mesh, palette: &[Affine3A], morph_weights: &[f32], out: &mut SkinnedMesh) {
     assert_eq!(
         palette.len(),
@@ -84,10 +86,11 @@ pub fn skin(mesh: &Mesh, palette: &[Affine3A], morph_weights: &[f32], out: &mut 
     }
 }
 
-/// Skins the positions of some vertices only, into `out` in the order of `vertices`.
+/// Skins the positions of the given vertices without morph targets, into `out` in the order of
+/// `vertices`.
 ///
 /// # Panics
-/// If a slice is of another mesh, or `out` is not as long as `vertices`.
+/// If a slice belongs to another mesh, or `out` and `vertices` differ in length.
 pub fn skin_points(mesh: &Mesh, palette: &[Affine3A], vertices: &[u32], out: &mut [Vec3]) {
     assert_eq!(
         palette.len(),
@@ -133,8 +136,8 @@ fn blend(mesh: &Mesh, palette: &[Affine3A], vertex: usize) -> Affine3A {
     sum
 }
 
-/// Inverse transpose times determinant, signed so that normals keep pointing outwards when
-/// the matrix mirrors.
+/// Inverse transpose times determinant, with the sign that keeps normals pointing outwards when the
+/// matrix mirrors.
 fn cofactor(m: Mat3A) -> Mat3A {
     let x = m.y_axis.cross(m.z_axis);
     let y = m.z_axis.cross(m.x_axis);
@@ -170,7 +173,7 @@ mod tests {
         local_to_model(&rig, &local, &mut model);
         palette(&mesh, &model, &mut matrices);
         skin(&mesh, &matrices, &[2.0], &mut out);
-        // The morph lifts the second corner by two along z, the turn brings z to -y.
+        // The morph moves the second corner by 2 along z; the rotation turns z to -y.
         assert!((out.positions[1] - Vec3::new(1.0, -2.0, 0.0)).length() < 1e-6);
         assert!((out.positions[2] - Vec3::Z).length() < 1e-6);
         assert!((out.normals[0] - Vec3::NEG_Y).length() < 1e-6);
@@ -185,7 +188,7 @@ mod tests {
         let flat = Mat3A::from_diagonal(Vec3::new(1.0, 0.1, 1.0));
         let slope = Vec3A::new(1.0, 1.0, 0.0).normalize();
         let turned = (cofactor(flat) * slope).normalize();
-        // The surface that carried the normal (1,1) now lies almost flat: its normal is steep.
+        // The surface with normal (1,1) now lies almost flat, so its normal is steep.
         assert!(turned.y > 0.99);
         let mirror = Mat3A::from_diagonal(Vec3::new(-1.0, 1.0, 1.0));
         assert!((cofactor(mirror) * Vec3A::X - Vec3A::NEG_X).length() < 1e-6);

@@ -1,14 +1,14 @@
 //! Linear blend skinning with vertices grouped by their number of influences.
 //!
-//! The fast twin of [`crate::skin`]: the same operations in the same order, so its values are
-//! equal (within rounding where a build fuses multiplication and addition). A vertex pays for
-//! the influences that it has and for no more. Four vertices of a group are blended one after
-//! the other, then turned so that each goes through one lane. Blocks of 32 vertices know their
-//! joints, so what did not move is not skinned again.
+//! The fast counterpart of [`crate::skin`]: the same operations in the same order, so its values
+//! are equal (within rounding in builds that fuse multiplication and addition). A vertex costs only
+//! its nonzero influences. The matrices of four vertices of a group are blended one vertex at a
+//! time, then transposed so that each vertex occupies one lane. Each block of 32 vertices stores
+//! its joints, so that a block whose joints did not move need not be skinned again.
 //!
-//! Source: linear blend skinning as there; groups and blocks are ours. Tried: eight lanes on the
-//! backends of batches, which gained 8 % with AVX2 and took twice as long on plain arrays; the
-//! time goes into fetching matrices and scattering vertices.
+//! The grouping and the blocks do not come from a publication. Eight lanes on the backends of
+//! batches were measured as an alternative: 8 % faster with AVX2, but twice as slow on plain
+//! arrays. Most of the time is spent on loading matrices and scattering vertices.
 
 use crate::joint_set::JointSet;
 use crate::mesh::Mesh;
@@ -16,36 +16,36 @@ use crate::skin::SkinnedMesh;
 use glam::{Affine3A, Mat4, Vec3, Vec4};
 use std::ops::Range;
 
-/// Rows of an affine matrix: 48 bytes. The rows that [`crate::palette::PaletteForm::Matrix`]
-/// writes become these by `as_chunks::<3>().0`.
+/// The three rows of an affine matrix, 48 bytes. Rows written by
+/// [`crate::palette::PaletteForm::Matrix`] are converted with `as_chunks::<3>().0`.
 pub type Matrix3x4 = [[f32; 4]; 3];
 
-/// Vertices that go through the lanes together.
+/// Number of vertices that are transformed together.
 const LANES: usize = 4;
 
-/// Quads of one block: 32 vertices. Smaller ones miss less of what held, but cost more to visit.
+/// Quads per block: 32 vertices. Smaller blocks skip more unmoved vertices, but cost more to visit.
 const BLOCK_QUADS: usize = 8;
 
-/// In the place of a vertex where a group does not fill its last quad.
+/// Marks an unused lane in the last quad of a group.
 const NO_VERTEX: u32 = u32::MAX;
 
-/// Rest positions and normals of four vertices, one lane each.
+/// Rest positions and normals of four vertices, one per lane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Quad {
     position: [Vec4; 3],
     normal: [Vec4; 3],
 }
 
-/// What is skinned: positions and normals in mesh space in the order of one [`GroupedSkin`], at
-/// rest or with morph targets added.
+/// Unskinned positions and normals in mesh space, in the order of one [`GroupedSkin`], at rest or
+/// with morph targets added.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
     quads: Vec<Quad>,
-    /// Weights with which it was last morphed.
+    /// Morph target weights of the last call of [`GroupedSkin::morph`].
     weights: Vec<f32>,
 }
 
-/// The blocks of a [`GroupedSkin`] whose output is out of date.
+/// One flag for each block of a [`GroupedSkin`]: whether its skinned output is out of date.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stale {
     blocks: Vec<bool>,
@@ -54,17 +54,17 @@ pub struct Stale {
 /// Up to 32 vertices of one group.
 #[derive(Debug, Clone)]
 struct Block {
-    /// Influences of each of its vertices.
+    /// Number of influences of each vertex.
     influences: usize,
     quads: Range<usize>,
-    /// Its part of the indices and weights.
+    /// Range of the block in `indices` and `weights`.
     values: Range<usize>,
-    /// Joints that move any of its vertices.
+    /// Joints that move any of the vertices.
     joints: JointSet,
 }
 
-/// The skin of a [`Mesh`] with its vertices grouped by their number of influences that weigh
-/// anything; shared by all characters that wear the mesh.
+/// The skin of a [`Mesh`] with its vertices grouped by their number of nonzero influences; shared
+/// by all characters with the mesh.
 ///
 /// ```
 /// use articula_core::{GroupedSkin, Matrix3x4, Mesh, SkinnedMesh};
@@ -84,22 +84,22 @@ pub struct GroupedSkin {
     /// Joint of each matrix of the palette.
     joints: Vec<u16>,
     blocks: Vec<Block>,
-    /// Vertex of the mesh in each lane, or [`NO_VERTEX`].
+    /// Mesh vertex in each lane, or [`NO_VERTEX`].
     vertices: Vec<[u32; LANES]>,
     /// Lane of each vertex of the mesh.
     lane_of: Vec<u32>,
-    /// Palette indices, one after the other for each vertex of a group.
+    /// Palette indices of the influences, vertex after vertex of a group.
     indices: Vec<u16>,
     weights: Vec<f32>,
     rest: Shape,
 }
 
 impl GroupedSkin {
-    /// Groups the vertices of a mesh. Allocates; of what follows only [`GroupedSkin::stale`],
-    /// [`GroupedSkin::group_sizes`] and copies of the shape do.
+    /// Groups the vertices of a mesh. Allocates; of the other methods only [`GroupedSkin::stale`]
+    /// and [`GroupedSkin::group_sizes`] do.
     ///
     /// # Panics
-    /// If the mesh is of a rig with more than `MAX_JOINTS` joints.
+    /// If the mesh belongs to a rig with more than `MAX_JOINTS` joints.
     pub fn new(mesh: &Mesh) -> Self {
         let counts: Vec<usize> = (0..mesh.len()).map(|v| weighty(mesh, v).count()).collect();
         let most = counts.iter().copied().max().unwrap_or(0);
@@ -119,7 +119,7 @@ impl GroupedSkin {
             let mut group: Vec<usize> = (0..mesh.len())
                 .filter(|v| counts[*v] == influences)
                 .collect();
-            // Neighbours on the skeleton share blocks, so that what moves touches few of them.
+            // Vertices of the same joint share blocks, so that a moved joint touches few of them.
             group.sort_by_key(|v| heaviest(mesh, *v));
             for block in group.chunks(BLOCK_QUADS * LANES) {
                 skin.append(mesh, influences, block);
@@ -128,7 +128,7 @@ impl GroupedSkin {
         skin
     }
 
-    /// Writes a palette as the rows that skinning reads.
+    /// Converts a palette to the rows that skinning reads.
     ///
     /// # Panics
     /// If the slices differ in length.
@@ -163,7 +163,7 @@ impl GroupedSkin {
                     self.weights.push(weight);
                 }
             }
-            // Lanes without a vertex blend nothing, but the kernel reads their influences.
+            // Unused lanes have weight 0, but the kernel still reads their influences.
             let full = first_value + (self.vertices.len() + 1 - first_quad) * LANES * influences;
             let filler = self.indices.last().copied().unwrap_or(0);
             self.indices.resize(full, filler);
@@ -179,12 +179,12 @@ impl GroupedSkin {
         });
     }
 
-    /// Number of vertices of the mesh.
+    /// Returns the number of vertices of the mesh.
     pub(crate) fn len(&self) -> usize {
         self.lane_of.len()
     }
 
-    /// Number of vertices with each number of influences, from none to the most that any has.
+    /// Returns the number of vertices with 0, 1, 2, ... influences, up to the maximum of the mesh.
     pub fn group_sizes(&self) -> Vec<usize> {
         let most = self.blocks.last().map_or(0, |b| b.influences);
         let mut sizes = vec![0; most + 1];
@@ -194,23 +194,25 @@ impl GroupedSkin {
         sizes
     }
 
-    /// The shape at rest, without morph targets; copy it for a character that morphs.
+    /// Returns the shape at rest, without morph targets; clone it for a character with morph
+    /// targets.
     pub fn rest(&self) -> &Shape {
         &self.rest
     }
 
-    /// All blocks stale, as before anything was skinned. Allocates.
+    /// Returns flags with all blocks stale, as before the first call of
+    /// [`GroupedSkin::skin_stale`]. Allocates.
     pub fn stale(&self) -> Stale {
         Stale {
             blocks: vec![true; self.blocks.len()],
         }
     }
 
-    /// Sets a shape to rest with morph targets added; blocks in which a target's weight changed
-    /// become stale. O(vertices of the targets).
+    /// Sets a shape to the rest shape plus weighted morph targets, and marks the blocks of targets
+    /// with changed weights as stale. O(vertices of the targets).
     ///
     /// # Panics
-    /// If an argument is of another mesh.
+    /// If an argument belongs to another mesh.
     pub fn morph(&self, mesh: &Mesh, weights: &[f32], shape: &mut Shape, stale: &mut Stale) {
         assert_eq!(mesh.len(), self.len(), "the mesh is another one");
         assert_eq!(
@@ -234,7 +236,7 @@ impl GroupedSkin {
                 }
             }
         }
-        // In the mesh's order, so that sums round as those of the plain version do.
+        // In the mesh's order, so that sums round as in the plain version.
         for morph in &mesh.morphs {
             let weight = weights[usize::from(morph.slot)];
             if weight == 0.0 {
@@ -249,11 +251,11 @@ impl GroupedSkin {
         shape.weights.copy_from_slice(weights);
     }
 
-    /// Marks as stale the blocks of vertices that any of these joints moves. Joints whose
-    /// parents moved have moved too.
+    /// Marks the blocks with vertices moved by any of these joints as stale. The set must include
+    /// joints that moved only because an ancestor did.
     ///
     /// # Panics
-    /// If `stale` is of another mesh.
+    /// If `stale` belongs to another mesh.
     pub fn mark_joints(&self, moved: &JointSet, stale: &mut Stale) {
         self.check_stale(stale);
         for (flag, block) in stale.blocks.iter_mut().zip(&self.blocks) {
@@ -261,10 +263,10 @@ impl GroupedSkin {
         }
     }
 
-    /// The joints whose matrices differ between two palettes.
+    /// Returns the joints whose matrices differ between two palettes.
     ///
     /// # Panics
-    /// If a palette is of another mesh.
+    /// If a palette belongs to another mesh.
     pub fn moved(&self, before: &[Matrix3x4], now: &[Matrix3x4]) -> JointSet {
         self.check_palette(before);
         self.check_palette(now);
@@ -275,13 +277,13 @@ impl GroupedSkin {
             .collect()
     }
 
-    /// Skins positions and normals into the mesh's order.
+    /// Skins positions and normals of all vertices, in the mesh's order.
     ///
-    /// Every value equals what [`crate::skin::skin`] gives, in builds that fuse multiplication
-    /// and addition within rounding. O(influences that weigh anything); does not allocate.
+    /// Every value equals that of [`crate::skin::skin`], within rounding in builds that fuse
+    /// multiplication and addition. O(nonzero influences); does not allocate.
     ///
     /// # Panics
-    /// If an argument is of another mesh.
+    /// If an argument belongs to another mesh.
     pub fn skin(&self, shape: &Shape, palette: &[Matrix3x4], out: &mut SkinnedMesh) {
         self.check_palette(palette);
         self.check_out(out);
@@ -291,11 +293,11 @@ impl GroupedSkin {
         }
     }
 
-    /// Skins the stale blocks alone, after which none is stale, and gives the number of
-    /// vertices skinned. All others keep what `out` holds.
+    /// Skins only the stale blocks, clears their flags and returns the number of vertices skinned.
+    /// All other vertices of `out` keep their values.
     ///
     /// # Panics
-    /// If an argument is of another mesh.
+    /// If an argument belongs to another mesh.
     pub fn skin_stale(
         &self,
         shape: &Shape,
@@ -319,7 +321,7 @@ impl GroupedSkin {
 
     fn vertices_of(&self, block: &Block) -> usize {
         let lanes = self.vertices[block.quads.clone()].as_flattened();
-        // Only the end of a group has lanes without a vertex.
+        // Only the last quad of a group has unused lanes.
         lanes.len() - lanes.iter().rev().take_while(|v| **v == NO_VERTEX).count()
     }
 
@@ -385,7 +387,7 @@ impl GroupedSkin {
     }
 }
 
-/// Palette indices and weights of a vertex, those that weigh nothing left out.
+/// Palette indices and weights of a vertex, without zero weights.
 fn weighty(mesh: &Mesh, vertex: usize) -> impl Iterator<Item = (u16, f32)> + '_ {
     let at = vertex * mesh.influences..(vertex + 1) * mesh.influences;
     let pairs = mesh.binding_indices[at.clone()]
@@ -401,7 +403,7 @@ fn heaviest(mesh: &Mesh, vertex: usize) -> Option<u16> {
     best.map(|(index, _)| index)
 }
 
-/// Vertices that nothing holds collapse to the origin, as in the plain version.
+/// Vertices without influences collapse to the origin, as in the plain version.
 fn skin_nowhere(vertices: &[[u32; LANES]], quads: &[Quad], out: &mut SkinnedMesh) {
     for (vertices, quad) in vertices.iter().zip(quads) {
         store(vertices, [Vec4::ZERO; 3], &mut out.positions);
@@ -409,7 +411,7 @@ fn skin_nowhere(vertices: &[[u32; LANES]], quads: &[Quad], out: &mut SkinnedMesh
     }
 }
 
-/// What moves the vertices of one block.
+/// Palette, indices and weights of the vertices of one block.
 struct Influences<'a> {
     palette: &'a [Matrix3x4],
     indices: &'a [u16],
@@ -439,7 +441,7 @@ impl Influences<'_> {
         }
     }
 
-    /// More influences than have a kernel of their own.
+    /// For numbers of influences without a kernel of their own.
     fn skin_many(
         &self,
         count: usize,
@@ -458,7 +460,7 @@ impl Influences<'_> {
         }
     }
 
-    /// Rows of the weighted sum, in the order of the plain version.
+    /// Rows of the weighted sum of matrices, added in the order of the plain version.
     #[inline(always)]
     fn blend(&self, indices: &[u16], weights: &[f32]) -> [Vec4; 3] {
         let mut sum = [Vec4::ZERO; 3];
@@ -495,12 +497,12 @@ impl Quad {
         }
     }
 
-    /// Transforms four vertices by the matrices of each; every lane does, in order, what
-    /// [`crate::skin::skin`] does for one vertex.
+    /// Transforms four vertices, each by its own matrix; every lane performs the operations of
+    /// [`crate::skin::skin`] for one vertex, in the same order.
     #[inline(always)]
     fn skin(&self, blended: [[Vec4; 3]; LANES], vertices: &[u32; LANES], out: &mut SkinnedMesh) {
         let [a, b, c, d] = blended;
-        // Lanes of the entries of one row.
+        // Entries of one row of the four matrices, transposed to one lane per matrix.
         let row = |r: usize| Mat4::from_cols(a[r], b[r], c[r], d[r]).transpose();
         let [x, y, z] = [row(0), row(1), row(2)];
         let [px, py, pz] = self.position;
@@ -511,7 +513,7 @@ impl Quad {
             &mut out.positions,
         );
 
-        // Columns of the matrices, and of their cofactors.
+        // Columns of the matrices, then of their cofactor matrices.
         let cx = [x.x_axis, y.x_axis, z.x_axis];
         let cy = [x.y_axis, y.y_axis, z.y_axis];
         let cz = [x.z_axis, y.z_axis, z.z_axis];
@@ -519,13 +521,13 @@ impl Quad {
         let determinant = dot(cx, ux);
         let [nx, ny, nz] = self.normal;
         let turned = [0, 1, 2].map(|r| ux[r] * nx + uy[r] * ny + uz[r] * nz);
-        // The sign of the determinant keeps normals outwards under a mirror.
+        // The sign of the determinant keeps normals pointing outwards under a mirror.
         let mirrored = determinant.cmplt(Vec4::ZERO);
         let squared = dot(turned, turned);
         let reciprocal = Vec4::ONE / squared.sqrt();
         let signed = Vec4::select(mirrored, -reciprocal, reciprocal);
         let mut normal = [turned[0] * signed, turned[1] * signed, turned[2] * signed];
-        // One of the two is not finite if the length is nought, infinite or no number.
+        // One of the two is not finite if the length is 0, infinite or NaN.
         let known = (reciprocal + squared).is_finite_mask();
         if !known.all() {
             normal = [0, 1, 2].map(|r| Vec4::select(known, normal[r], self.normal[r]));
@@ -548,7 +550,7 @@ fn cross(a: [Vec4; 3], b: [Vec4; 3]) -> [Vec4; 3] {
     ]
 }
 
-/// Writes four lanes to their vertices; lanes without one are beyond every mesh.
+/// Writes four lanes to their vertices; the index in unused lanes is out of range for every mesh.
 #[inline(always)]
 fn store(vertices: &[u32; LANES], lanes: [Vec4; 3], out: &mut [Vec3]) {
     let columns = Mat4::from_cols(lanes[0], lanes[1], lanes[2], Vec4::ZERO).transpose();

@@ -1,18 +1,19 @@
-//! The distance of a point to a triangle, and the closest point.
+//! Distance of a point to a triangle, and the barycentric coordinates of the closest point.
 //!
-//! Source: Ericson, Real-Time Collision Detection (2005), 5.1.5, by the regions of the triangle.
-//! Differs: a triangle (nearly) without area is taken as its three sides.
+//! Source: Ericson, *Real-Time Collision Detection* (2005), 5.1.5, by the regions of the triangle.
+//! In addition, a triangle with (nearly) no area is treated as its three sides.
 
 use glam::Vec3;
 
-/// Part of the product of its sides' squared lengths below which a squared area is none: the
-/// plane of a thinner triangle is rounding, and its sides lie within a few thousandths of it.
+/// Fraction of the product of two sides' squared lengths below which a squared area counts as 0:
+/// the plane of a thinner triangle is dominated by rounding, and its sides lie within a few
+/// thousandths of it.
 const NO_AREA: f32 = 1e-5;
 
-/// Squared distance of a point to a triangle, metres²; not a number if an argument is not.
+/// Returns the squared distance of a point to a triangle in metres²; NaN if an argument is NaN.
 ///
-/// Source: Ericson, *Real-Time Collision Detection* (2005), 5.1.5. A triangle (nearly) without area
-/// is taken as its three sides.
+/// Source: Ericson, *Real-Time Collision Detection* (2005), 5.1.5. A triangle with (nearly) no area
+/// is treated as its three sides.
 #[inline]
 pub fn triangle_distance_squared(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let (ab, ac, ap) = (b - a, c - a, point - a);
@@ -45,7 +46,7 @@ pub fn triangle_distance_squared(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     height * height / area
 }
 
-/// How much each corner of a triangle counts in its point that is closest to another; they are at
+/// Returns the barycentric coordinates of the triangle's closest point to `point`; they are at
 /// least 0 and sum to 1.
 pub fn triangle_weights(point: Vec3, [a, b, c]: [Vec3; 3]) -> [f32; 3] {
     let (ab, ac) = (b - a, c - a);
@@ -76,7 +77,7 @@ fn segment(point: Vec3, a: Vec3, b: Vec3) -> f32 {
     (ap - ab * along(point, a, b)).length_squared()
 }
 
-/// Part of the way from one end to the other at which a segment is closest.
+/// Position of the closest point along a segment, 0 at `a` and 1 at `b`.
 fn along(point: Vec3, a: Vec3, b: Vec3) -> f32 {
     let (ab, ap) = (b - a, point - a);
     let length = ab.length_squared();
@@ -123,7 +124,7 @@ mod tests {
         assert!(distance(Vec3::NAN, line).is_nan());
     }
 
-    /// By dense sampling, refined around the best: the plain slow way, in f64.
+    /// By dense sampling in f64, refined around the best point.
     fn slow(point: Vec3, corners: [Vec3; 3]) -> f64 {
         let [a, b, c] = corners.map(|v| v.as_dvec3());
         let p = point.as_dvec3();
@@ -181,7 +182,7 @@ mod tests {
             prop_assert!(distance(place, corners) <= other.distance(place) + 1e-5);
             let [u, v, w] = triangle_weights(place, corners);
             let nearest = a * u + b * v + c * w;
-            // It lies in the triangle: what is between its corners sums up to no more.
+            // It lies in the triangle: the areas between it and the corners sum to no more.
             let area = |a: Vec3, b: Vec3, c: Vec3| (b - a).cross(c - a).length();
             let parts = area(nearest, b, c) + area(a, nearest, c) + area(a, b, nearest);
             prop_assert!(parts <= area(a, b, c) + 1e-4);

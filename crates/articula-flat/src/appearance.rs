@@ -1,4 +1,4 @@
-//! What a surface looks like: materials, and textures with their smaller copies.
+//! Materials, and textures with their mip levels.
 
 use crate::picture::{Picture, linear_table};
 use articula_core::source::{Image, Material};
@@ -7,22 +7,23 @@ use glam::{Vec2, Vec4};
 /// Materials of a character with their decoded textures.
 #[derive(Debug, Clone, Default)]
 pub struct Appearance {
-    /// The materials, by the index that mesh parts name.
+    /// Materials, indexed by the material index of mesh parts.
     pub materials: Vec<Material>,
     textures: Vec<Option<Texture>>,
 }
 
-/// A texture that could not be decoded; its material shows its plain colour.
+/// A texture that could not be decoded; its material is drawn in its base colour.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UndecodedTexture {
     /// Index of the image.
     pub image: usize,
-    /// What was wrong with it.
+    /// Description of the error.
     pub what: String,
 }
 
 impl Appearance {
-    /// Decodes the images that materials name, and says which of them could not be.
+    /// Decodes the images that materials refer to; also returns the images that could not be
+    /// decoded.
     pub fn new(materials: &[Material], images: &[Image]) -> (Self, Vec<UndecodedTexture>) {
         let mut faults = Vec::new();
         let mut textures = Vec::with_capacity(images.len());
@@ -47,20 +48,20 @@ impl Appearance {
         (appearance, faults)
     }
 
-    /// The texture of a material, if it has one that could be decoded.
+    /// Returns the decoded texture of a material; `None` without one.
     pub(crate) fn texture_of(&self, material: &Material) -> Option<&Texture> {
         self.textures.get(material.base_color_image?)?.as_ref()
     }
 }
 
-/// A picture with halved copies of itself, down to one pixel.
+/// A picture with its mip levels, down to one pixel.
 #[derive(Debug, Clone)]
 pub(crate) struct Texture {
     levels: Vec<Picture>,
 }
 
 impl Texture {
-    /// Makes the halved copies, averaged in linear light.
+    /// Builds the mip levels, averaged in linear light.
     pub(crate) fn new(picture: Picture) -> Self {
         let mut levels = vec![picture];
         while let Some(last) = levels.last()
@@ -72,8 +73,8 @@ impl Texture {
         Self { levels }
     }
 
-    /// The level at which a texel is about a pixel, for a surface patch that covers this area
-    /// of texture space (1 is the whole texture) and this many pixels.
+    /// Mip level at which a texel covers about one pixel, for a surface patch with this area in
+    /// texture space (1 is the whole texture) and this area in pixels.
     pub(crate) fn level_for(&self, texture_area: f32, pixels: f32) -> usize {
         let full = &self.levels[0];
         let texels = texture_area.abs() * full.width() as f32 * full.height() as f32;
@@ -81,14 +82,14 @@ impl Texture {
         if ratio.is_nan() || ratio <= 1.0 {
             return 0;
         }
-        // Half the logarithm, since both are areas; rounded down, for sharpness.
+        // Half the logarithm, since both are areas; rounded down for sharpness.
         let level = (0.5 * ratio.log2()) as usize;
         level.min(self.levels.len() - 1)
     }
 
-    /// Linear RGBA at a texture coordinate, blended between four texels; the texture repeats.
+    /// Samples linear RGBA at a texture coordinate, bilinear; the texture repeats.
     ///
-    /// A level beyond the smallest counts as that one.
+    /// A level beyond the last one counts as the last one.
     pub(crate) fn sample(&self, at: Vec2, level: usize) -> Vec4 {
         let picture = &self.levels[level.min(self.levels.len() - 1)];
         let (w, h) = (picture.width() as i64, picture.height() as i64);

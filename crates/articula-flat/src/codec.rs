@@ -1,4 +1,4 @@
-//! Pictures as files: PNG in and out, JPEG in.
+//! PNG encoder and decoder, JPEG decoder.
 
 use crate::error::PictureError;
 use crate::item_buffer::MAX_SIDE;
@@ -9,14 +9,14 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// Most bytes that a decoder may hold for one picture.
+/// Maximum memory of a decoder for one picture, bytes.
 const MAX_DECODED_BYTES: usize = 1 << 29;
 
 impl Picture {
-    /// Writes a PNG file. The same picture gives the same bytes.
+    /// Encodes the picture as PNG. The same picture gives the same bytes.
     ///
     /// # Errors
-    /// [`PictureError::Mismatch`] if the picture has no pixel, which PNG cannot say.
+    /// [`PictureError::Mismatch`] if the picture has no pixels, which PNG cannot represent.
     pub fn to_png(&self) -> Result<Vec<u8>, PictureError> {
         let refuse = |e: png::EncodingError| PictureError::Mismatch {
             at: "picture",
@@ -36,10 +36,10 @@ impl Picture {
         Ok(bytes)
     }
 
-    /// Reads a PNG or JPEG file, told apart by its first bytes.
+    /// Decodes a PNG or JPEG file, recognised by its first bytes.
     ///
     /// # Errors
-    /// [`PictureError`] if the file is broken, of another format, or too large.
+    /// [`PictureError`] if the file is malformed, of another format, or too large.
     pub fn decode(bytes: &[u8]) -> Result<Self, PictureError> {
         if bytes.starts_with(b"\x89PNG") {
             return decode_png(bytes);
@@ -96,7 +96,7 @@ fn too_large(width: u32, height: u32) -> PictureError {
     }
 }
 
-/// Bytes of grey, grey and alpha, RGB or RGBA as RGBA.
+/// Converts grey, grey and alpha, RGB or RGBA bytes to RGBA.
 fn to_rgba(data: &[u8], channels: usize) -> Vec<Rgba> {
     let pixel = |p: &[u8]| match *p {
         [grey] => [grey, grey, grey, 255],
@@ -189,7 +189,7 @@ mod tests {
     fn a_picture_of_nearly_no_bytes_cannot_ask_for_much_memory() {
         let mut bytes = small().to_png().unwrap();
         bytes[16..24].copy_from_slice(&[0, 0, 0x7f, 0xff, 0, 0, 0x7f, 0xff]);
-        // The header's checksum is now wrong as well; either complaint will do.
+        // The header's checksum is now wrong as well; either error is correct.
         assert!(Picture::decode(&bytes).is_err());
         // Start of image, then a frame header for 65535 x 65535.
         let jpeg =

@@ -1,11 +1,11 @@
-//! How far two pictures are apart.
+//! Differences between two pictures: RMSE and SSIM.
 
 use crate::error::PictureError;
 use crate::picture::{Picture, Rgba};
 
-/// Root mean square difference of red, green and blue, in levels (0 to 255).
+/// Returns the root mean square difference of red, green and blue, in levels (0 to 255).
 ///
-/// Colours count as laid over white, so what is transparent in both is equal.
+/// Colours are composited over white, so pixels that are transparent in both are equal.
 ///
 /// # Errors
 /// [`PictureError::Mismatch`] if the pictures differ in size.
@@ -19,7 +19,7 @@ pub fn rmse(a: &Picture, b: &Picture) -> Result<f64, PictureError> {
     Ok((sum / (3 * a.pixels().len().max(1)) as f64).sqrt())
 }
 
-/// [`rmse`] over the pixels of a mask, row by row; 0 where the mask is empty.
+/// Returns [`rmse`] over the pixels of a mask, row by row; 0 if the mask is empty.
 ///
 /// # Errors
 /// [`PictureError::Mismatch`] if pictures or mask differ in size.
@@ -33,7 +33,7 @@ pub fn masked_rmse(a: &Picture, b: &Picture, mask: &[bool]) -> Result<f64, Pictu
     Ok((pairs.map(squares).sum::<f64>() / (3 * count.max(1)) as f64).sqrt())
 }
 
-/// Share (0 to 1) of a mask's pixels of which some channel is off by more than `levels`.
+/// Fraction (0 to 1) of a mask's pixels in which a channel differs by more than `levels`.
 ///
 /// # Errors
 /// [`PictureError::Mismatch`] if pictures or mask differ in size.
@@ -49,21 +49,21 @@ pub(crate) fn share_off(
     Ok(off as f64 / mask.iter().filter(|m| **m).count().max(1) as f64)
 }
 
-/// Side of the window that [`ssim`] compares, pixels.
+/// Side of the window of [`ssim`], pixels.
 const WINDOW: usize = 11;
 
-/// Mean structural similarity of the luma of two pictures: 1 for equal ones.
+/// Returns the mean structural similarity of the luma of two pictures: 1 if they are equal.
 ///
 /// Source: Z. Wang, A. C. Bovik, H. R. Sheikh, E. P. Simoncelli, "Image quality assessment: from
-/// error visibility to structural similarity", IEEE Transactions on Image Processing 13(4),
-/// 2004: Gaussian window of 11 x 11 pixels with sigma 1.5, K1 = 0.01, K2 = 0.03, L = 255, the mean
-/// over all windows that lie inside the picture. Differs: the luma is that of Rec. ITU-R BT.601
-/// over white, kept as a fraction of a level.
+/// error visibility to structural similarity", IEEE Transactions on Image Processing 13(4), 2004:
+/// Gaussian window of 11 x 11 pixels with sigma 1.5, K1 = 0.01, K2 = 0.03, L = 255, the mean over
+/// all windows inside the picture. The luma is that of Rec. ITU-R BT.601 over white, not rounded to
+/// whole levels.
 ///
 /// O(pixels).
 ///
 /// # Errors
-/// [`PictureError::Mismatch`] if the pictures differ in size, or have less than 11 pixels a side.
+/// [`PictureError::Mismatch`] if the pictures differ in size, or a side is shorter than 11 pixels.
 pub fn ssim(a: &Picture, b: &Picture) -> Result<f64, PictureError> {
     same_size(a, b)?;
     let (width, height) = (a.width() as usize, a.height() as usize);
@@ -102,7 +102,7 @@ fn luma(picture: &Picture) -> Vec<f64> {
     picture.pixels().iter().map(of).collect()
 }
 
-/// Gaussian means of all windows inside; the Gaussian is taken along rows, then columns.
+/// Gaussian means of all windows inside the picture, filtered along rows, then columns.
 fn windowed(values: &[f64], width: usize) -> Vec<f64> {
     let middle = (WINDOW / 2) as f64;
     let weight = |i: usize| (-(i as f64 - middle).powi(2) / (2.0 * 1.5 * 1.5)).exp();

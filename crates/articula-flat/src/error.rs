@@ -1,42 +1,42 @@
-//! What can be wrong with a picture, sorted by blame.
+//! Errors of pictures, one variant per cause.
 
 use thiserror::Error;
 
-/// Why a picture could not be made, read or written.
+/// Error of making, reading or writing a picture.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum PictureError {
-    /// The bytes break the rules of their format.
+    /// The bytes violate their format.
     #[error("{at}: {what}")]
     Malformed {
-        /// Which part of the picture file.
+        /// Part of the picture file.
         at: &'static str,
         /// What was found and what was expected.
         what: String,
     },
-    /// The bytes are of a format that is not read here.
+    /// The format of the bytes is not supported.
     #[error("{what} is not supported; {mend}")]
     Unsupported {
-        /// The format or feature.
+        /// Name of the format or feature.
         what: String,
-        /// What the user can do.
+        /// What the user can do about it.
         mend: String,
     },
-    /// The picture would take more memory than is allowed.
+    /// The picture would need more memory than the limit.
     #[error("a picture of {width} x {height} with {samples} samples a pixel exceeds {limit}")]
     LimitExceeded {
-        /// Width that was asked for, pixels.
+        /// Requested width in pixels.
         width: u32,
-        /// Height that was asked for, pixels.
+        /// Requested height in pixels.
         height: u32,
-        /// Samples a pixel.
+        /// Samples per pixel.
         samples: u32,
-        /// The limit, as words.
+        /// Description of the limit.
         limit: &'static str,
     },
-    /// The caller paired things that do not fit.
+    /// Arguments that do not belong together.
     #[error("{at}: {what}")]
     Mismatch {
-        /// Which argument.
+        /// Name of the argument.
         at: &'static str,
         /// What was found and what was expected.
         what: String,

@@ -1,23 +1,23 @@
-//! Where to put the camera so that a character fills the picture.
+//! Camera placement: the closest camera from which a character fills the picture.
 
 use articula_core::{Camera, Viewport};
 use glam::Vec3;
 
-/// Free space around the character, as a share of its size.
+/// Free margin around the character, as a fraction of its size.
 const MARGIN: f32 = 0.06;
 
-/// A box with sides along the axes, metres.
+/// An axis-aligned box, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
-    /// Least corner.
+    /// Minimum corner.
     pub low: Vec3,
-    /// Greatest corner.
+    /// Maximum corner.
     pub high: Vec3,
 }
 
 impl Bounds {
-    /// The smallest box around other boxes, such as the skinned bounds of a clip's frames;
-    /// `None` if there is none. Boxes that are not finite are left out.
+    /// Returns the smallest box around other boxes, such as the skinned bounds of a clip's frames;
+    /// `None` if there are none. Boxes that are not finite are ignored.
     pub fn around(boxes: impl IntoIterator<Item = (Vec3, Vec3)>) -> Option<Self> {
         boxes
             .into_iter()
@@ -29,12 +29,12 @@ impl Bounds {
             })
     }
 
-    /// Its middle.
+    /// Returns the centre.
     pub fn middle(&self) -> Vec3 {
         0.5 * (self.low + self.high)
     }
 
-    /// Its eight corners.
+    /// Returns the eight corners.
     pub fn corners(&self) -> [Vec3; 8] {
         std::array::from_fn(|i| {
             let pick = |bit: usize, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
@@ -47,10 +47,11 @@ impl Bounds {
     }
 }
 
-/// A camera that looks at the middle of the bounds, as near as they allow.
+/// Returns a camera that looks at the centre of the bounds, from the closest distance at which it
+/// sees all of them.
 ///
-/// `azimuth_radians` turns it around the character (a quarter turn shows its left side),
-/// `elevation_radians` lifts it.
+/// `azimuth_radians` turns the camera around the character (a quarter turn shows its left side),
+/// `elevation_radians` raises it.
 pub fn orbit_view(
     bounds: &Bounds,
     azimuth_radians: f32,
@@ -78,8 +79,8 @@ pub fn orbit_view(
     }
 }
 
-/// The nearest camera of a direction that sees all points, with a margin around them; `None`
-/// without a finite one. Angles as in [`orbit_view`].
+/// Returns the closest camera of a direction that sees all points, with a margin around them;
+/// `None` if no point is finite. Angles as in [`orbit_view`].
 pub fn tight_view(
     points: impl IntoIterator<Item = Vec3>,
     azimuth_radians: f32,
@@ -91,21 +92,22 @@ pub fn tight_view(
     view.camera()
 }
 
-/// Finds the nearest camera of a direction that sees all points it was told of, with the margin
-/// around them.
+/// Accumulates points and finds the closest camera of a direction that sees all of them, with the
+/// margin around them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TightView {
     aimed: Camera,
-    /// Half the view's width and height at depth one, the margin taken off.
+    /// Half the view's width and height at depth one, less the margin.
     half: [f32; 2],
-    /// How far the points reach right, left, up and down, each along the side of the view.
+    /// Maximum extent of the points to the right, left, top and bottom, along each side of the
+    /// view.
     reach: [f32; 4],
-    /// Depth of the nearest point, from the origin.
+    /// Depth of the nearest point, relative to the origin.
     nearest: f32,
 }
 
 impl TightView {
-    /// No point yet. Angles as in [`orbit_view`].
+    /// Starts without points. Angles as in [`orbit_view`].
     pub(crate) fn new(azimuth_radians: f32, elevation_radians: f32, viewport: Viewport) -> Self {
         let (turn_sin, turn_cos) = azimuth_radians.sin_cos();
         let (lift_sin, lift_cos) = elevation_radians.sin_cos();
@@ -119,7 +121,7 @@ impl TightView {
         }
     }
 
-    /// Tells of a point that must be seen; points that are not finite are left out.
+    /// Adds a point that must be in view; points that are not finite are ignored.
     pub(crate) fn add(&mut self, point: Vec3) {
         if !point.is_finite() {
             return;
@@ -139,7 +141,7 @@ impl TightView {
         self.nearest = self.nearest.min(-p.z);
     }
 
-    /// The camera; `None` without a point.
+    /// Returns the camera; `None` without points.
     pub(crate) fn camera(&self) -> Option<Camera> {
         if !self.nearest.is_finite() {
             return None;
@@ -148,7 +150,7 @@ impl TightView {
         let [wide, tall] = self.half;
         let across = Vec3::new(0.5 * (right - left), 0.5 * (up - down), 0.0);
         let back = (0.5 * (right + left) / wide).max(0.5 * (up + down) / tall);
-        // Never into the points, however thin they are.
+        // Stays in front of the points, however thin they are.
         let back = back.max(0.1 - self.nearest);
         let place = across + Vec3::Z * back;
         Some(Camera {
@@ -211,7 +213,7 @@ mod tests {
             let places = points.map(|p| camera.project(p).0 / 400.0);
             let low = places.into_iter().reduce(glam::Vec2::min).unwrap();
             let high = places.into_iter().reduce(glam::Vec2::max).unwrap();
-            // The margin is a part of the size that is seen: 0.06 / 1.12 of the picture.
+            // The margin is a fraction of the visible size: 0.06 / 1.12 of the picture.
             let margin = 0.06 / 1.12;
             assert!((low.min_element() - margin).abs() < 1e-3, "{low}");
             assert!((high.max_element() - (1.0 - margin)).abs() < 1e-3, "{high}");

@@ -1,8 +1,7 @@
 //! The floor below a character: a grid of half metres and a soft contact shadow.
 //!
-//! The shadow shows contact, not the light: for every point of the floor it looks straight up
-//! and is the darker, the lower the body hangs over it, so a foot that floats is told from
-//! one that stands.
+//! The shadow shows contact and is independent of the light: a point of the floor is the darker,
+//! the lower the body above it is, so a floating foot differs from one that stands.
 
 use crate::error::PictureError;
 use crate::frame::Bounds;
@@ -18,12 +17,12 @@ const GRID_M: f32 = 0.5;
 /// Width of a grid line, metres.
 const LINE_M: f32 = 0.012;
 
-/// A floor to stand on.
+/// A floor with grid lines and a contact shadow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ground {
-    /// Its height, metres.
+    /// Height of the floor, metres.
     pub height_m: f32,
-    /// Middle of the disc that is drawn (x and z), metres.
+    /// Centre of the disc that is drawn (x and z), metres.
     pub middle: Vec2,
     /// Radius at which the floor has faded into the background, metres.
     pub radius_m: f32,
@@ -40,8 +39,7 @@ impl Default for Ground {
 }
 
 impl Ground {
-    /// The floor at a height, under the middle of some bounds and half as wide again as they
-    /// are large.
+    /// Returns a floor at a height, centred under the bounds, with 1.5 times their size.
     pub fn below(bounds: &Bounds, height_m: f32) -> Self {
         let (middle, size) = (bounds.middle(), bounds.high - bounds.low);
         Self {
@@ -52,7 +50,7 @@ impl Ground {
     }
 }
 
-/// How dark the floor is below each place of a body.
+/// Map of the shadow that a body casts straight down on the floor.
 pub(crate) struct ContactShadow {
     origin: Vec2,
     cells_per_metre: f32,
@@ -61,7 +59,7 @@ pub(crate) struct ContactShadow {
 }
 
 impl ContactShadow {
-    /// Looks straight up from the floor at the triangles.
+    /// Rasterises the triangles seen from below the floor, straight up.
     pub(crate) fn new(
         positions: &[Vec3],
         triangles: impl Iterator<Item = [u32; 3]>,
@@ -105,7 +103,7 @@ impl ContactShadow {
         Ok(shadow)
     }
 
-    /// Darkness, 0 to 1, at a place (x and z) of the floor.
+    /// Darkness, 0 to 1, at a position (x and z) on the floor.
     pub(crate) fn at(&self, place: Vec2) -> f32 {
         let cell = (place - self.origin) * self.cells_per_metre - 0.5;
         if cell.min_element() < -1.0 || cell.x > self.width as f32 {
@@ -136,7 +134,7 @@ impl ContactShadow {
         self.darkness.get(index).copied().unwrap_or(0.0)
     }
 
-    /// Two passes of a box of this radius along each axis, close to a Gaussian.
+    /// Blurs by two box passes of this radius along each axis, which approximates a Gaussian.
     fn soften(&mut self, radius_m: f32) {
         let radius = (radius_m * self.cells_per_metre).round().max(1.0) as usize;
         let height = self.darkness.len() / self.width.max(1);
@@ -151,7 +149,7 @@ impl ContactShadow {
     }
 }
 
-/// Blurs `count` cells that lie `stride` apart.
+/// Blurs `count` cells with the given `stride`.
 fn box_blur(cells: &mut [f32], first: usize, stride: usize, count: usize, radius: usize) {
     let line: Vec<f32> = (0..count).map(|i| cells[first + i * stride]).collect();
     for i in 0..count {
@@ -161,16 +159,16 @@ fn box_blur(cells: &mut [f32], first: usize, stride: usize, count: usize, radius
     }
 }
 
-/// Coverage of the grid's lines at a place (x and z), filtered over `footprint` metres (the
-/// size of a pixel on the floor along each axis).
+/// Coverage of the grid lines at a position (x and z), filtered over `footprint` metres (the size
+/// of a pixel on the floor along each axis).
 pub(crate) fn grid_coverage(place: Vec2, footprint: Vec2) -> f32 {
     let along = |at: f32, footprint: f32| {
         let distance = (at / GRID_M - (at / GRID_M).round()).abs() * GRID_M;
         let width = footprint.max(1e-4);
-        // Share of the pixel's width that the line covers.
+        // Fraction of the pixel's width that the line covers.
         let reach = 0.5 * (width + LINE_M) - distance;
         let share = (reach / width).clamp(0.0, (LINE_M / width).min(1.0));
-        // Far away the lines melt into an even grey; fade them out instead.
+        // Far away the lines would merge into an even grey; they fade out instead.
         share * (1.0 - width / (0.5 * GRID_M)).clamp(0.0, 1.0)
     };
     along(place.x, footprint.x).max(along(place.y, footprint.y))

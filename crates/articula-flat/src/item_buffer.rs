@@ -1,42 +1,42 @@
-//! Which triangle each sample of a picture shows: a deterministic scalar rasteriser.
+//! A deterministic scalar rasteriser: stores which triangle each sample of a picture shows.
 //!
 //! Source: `docs/methods/vector.md` part 3; edge functions after Pineda 1988, homogeneous
-//! interpolation after Olano and Greer 1997.
-//! Differs: corners are snapped to 1/256 pixel and edges are decided in integers, so that two
-//! triangles with a common edge neither overlap nor leave a gap; depth ties go to the smaller
-//! id, so the order of drawing does not matter. Triangles that reach behind the near plane or
-//! far outside the picture are clipped before they are snapped.
+//! interpolation after Olano and Greer 1997. Corners are snapped to 1/256 pixel and edges are
+//! evaluated in integers, so two triangles with a common edge neither overlap nor leave a gap;
+//! depth ties go to the smaller id, so the result does not depend on the order of drawing.
+//! Triangles that reach behind the near plane or far outside the picture are clipped before they
+//! are snapped.
 
 use crate::error::PictureError;
 use glam::{Vec2, Vec3, Vec4};
 
-/// Longest side of a picture, in pixels.
+/// Maximum side of a picture, in pixels.
 pub(crate) const MAX_SIDE: u32 = 16_384;
-/// Most samples of one buffer; 2 GiB of memory.
+/// Maximum number of samples of one buffer; 2 GiB of memory.
 const MAX_SAMPLES: u64 = 1 << 28;
-/// Steps of the snapping grid in a pixel.
+/// Steps of the snapping grid per pixel.
 const GRID: i64 = 256;
-/// Half width of the region in which corners may lie, in pixels. At this size a float still
+/// Half width of the region in which corners may lie, in pixels. At this size an `f32` still
 /// resolves the snapping grid.
 const GUARD: f32 = 32_768.0;
-/// Smallest homogeneous weight (metres ahead of a perspective camera) that is drawn.
+/// Minimum homogeneous weight (metres ahead of a perspective camera) that is drawn.
 const NEAR: f32 = 1e-2;
-/// Corners of a triangle after clipping by five planes.
+/// Maximum number of corners of a triangle after clipping by five planes.
 const MAX_CORNERS: usize = 8;
 /// The id of a sample that shows nothing.
 const NOTHING: u32 = u32::MAX;
 
-/// How finely a pixel is sampled, along each side.
+/// Number of samples per pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Hash)]
 pub enum Supersampling {
-    /// One sample in the middle.
+    /// One sample in the centre.
     One,
     /// 2 x 2 samples.
     #[default]
     Two,
     /// 4 x 4 samples.
     Four,
-    /// 8 x 8 samples, for references.
+    /// 8 x 8 samples, for reference pictures.
     Eight,
 }
 
@@ -52,7 +52,7 @@ impl Supersampling {
     }
 }
 
-/// Which side of a triangle is drawn.
+/// Sides of a triangle that are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Faces {
     /// Both sides.
@@ -62,11 +62,11 @@ pub(crate) enum Faces {
     Front,
 }
 
-/// A triangle id and a nearness for every sample of a picture.
+/// Triangle id and nearness of every sample of a picture.
 ///
-/// Corners are homogeneous, `(x w, y w, n, w)`: `(x, y)` in pixels from the top left, `w` the
-/// depth under perspective (1 in a parallel view) and `n / w` the nearness, which is linear on
-/// the screen (`1 / depth`, or minus the depth in a parallel view).
+/// Corners are homogeneous, `(x w, y w, n, w)`: `(x, y)` in pixels from the top left, `w` the depth
+/// under perspective (1 in a parallel view) and `n / w` the nearness, which is linear on the screen
+/// (`1 / depth`, or minus the depth in a parallel view).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ItemBuffer {
     width: u32,
@@ -77,11 +77,11 @@ pub(crate) struct ItemBuffer {
 }
 
 impl ItemBuffer {
-    /// Makes an empty buffer for a picture of this many pixels.
+    /// Returns an empty buffer for a picture of this size in pixels.
     ///
     /// # Errors
-    /// [`PictureError::LimitExceeded`] if a side is longer than [`MAX_SIDE`] or the samples
-    /// are too many.
+    /// [`PictureError::LimitExceeded`] if a side is longer than [`MAX_SIDE`] or there are too many
+    /// samples.
     pub(crate) fn new(
         width: u32,
         height: u32,
@@ -114,7 +114,7 @@ impl ItemBuffer {
         (self.width, self.height)
     }
 
-    /// How finely a pixel is sampled.
+    /// Number of samples per pixel.
     pub(crate) fn samples(&self) -> Supersampling {
         self.samples
     }
@@ -131,12 +131,12 @@ impl ItemBuffer {
         self.nearness.fill(f32::NEG_INFINITY);
     }
 
-    /// The triangle that a sample shows. Samples outside show nothing.
+    /// Triangle that a sample shows; `None` for samples that show nothing or lie outside.
     pub(crate) fn item(&self, x: u32, y: u32) -> Option<u32> {
         self.sample(x, y).0
     }
 
-    /// Nearness of what a sample shows; minus infinity where it shows nothing.
+    /// Nearness at a sample; minus infinity where it shows nothing.
     pub(crate) fn nearness(&self, x: u32, y: u32) -> f32 {
         self.sample(x, y).1
     }
@@ -159,13 +159,13 @@ impl ItemBuffer {
         })
     }
 
-    /// Place of a sample in the picture, in pixels.
+    /// Position of a sample in the picture, in pixels.
     pub(crate) fn position(&self, x: u32, y: u32) -> Vec2 {
         let n = self.samples.per_side() as f32;
         Vec2::new((x as f32 + 0.5) / n, (y as f32 + 0.5) / n)
     }
 
-    /// Draws a triangle: it takes the samples that it covers and nothing nearer holds.
+    /// Draws a triangle: it takes every sample that it covers, unless something nearer owns it.
     ///
     /// O(samples of its bounding box); does not allocate. Triangles with a corner that is not
     /// finite, and those without area, cover nothing.
@@ -173,8 +173,8 @@ impl ItemBuffer {
         self.draw_where(id, corners, faces, |_| true);
     }
 
-    /// Draws a triangle like [`Self::draw`], but only the samples whose place (in pixels)
-    /// `keep` accepts.
+    /// Draws a triangle like [`Self::draw`], but only at samples whose position (in pixels) `keep`
+    /// accepts.
     pub(crate) fn draw_where(
         &mut self,
         id: u32,
@@ -187,8 +187,8 @@ impl ItemBuffer {
         }
     }
 
-    /// Calls `visit` with every sample that a triangle covers, whatever is nearer there; draws
-    /// nothing. They are the samples that [`Self::draw`] would take in an empty buffer.
+    /// Calls `visit` with every sample that a triangle covers, regardless of nearer triangles;
+    /// draws nothing. These are the samples that [`Self::draw`] would take in an empty buffer.
     pub(crate) fn visit(&self, corners: [Vec4; 3], faces: Faces, mut visit: impl FnMut(u32, u32)) {
         for part in pieces(corners) {
             if let Some(scan) = Scan::new(part, faces, self.sample_size(), self.step()) {
@@ -226,13 +226,13 @@ impl ItemBuffer {
         });
     }
 
-    /// Steps of the snapping grid from sample to sample.
+    /// Distance between samples in steps of the snapping grid.
     fn step(&self) -> i64 {
         GRID / i64::from(self.samples.per_side())
     }
 }
 
-/// What is left of a triangle before the camera and near the picture, as triangles on the
+/// Clips a triangle to what is ahead of the camera and near the picture, as triangles on the
 /// snapping grid; nothing if a corner is not finite.
 fn pieces(corners: [Vec4; 3]) -> impl Iterator<Item = [Snapped; 3]> {
     let is_finite = corners.iter().all(|c| c.is_finite());
@@ -248,11 +248,11 @@ fn pieces(corners: [Vec4; 3]) -> impl Iterator<Item = [Snapped; 3]> {
     (2..end).map(move |i| [fan[0], fan[i - 1], fan[i]])
 }
 
-/// The samples that a triangle covers.
+/// Iterates over the samples that a triangle covers.
 struct Scan {
     /// Clockwise on the screen.
     corners: [Snapped; 3],
-    /// Twice its area.
+    /// Twice the area.
     area: i64,
     columns: (i64, i64),
     rows: (i64, i64),
@@ -260,7 +260,7 @@ struct Scan {
 }
 
 impl Scan {
-    /// `None` if it has no area or shows the side that is not asked for.
+    /// `None` if the triangle has no area or shows a side that is not drawn.
     fn new(
         mut corners: [Snapped; 3],
         faces: Faces,
@@ -268,7 +268,7 @@ impl Scan {
         step: i64,
     ) -> Option<Self> {
         let area = double_area(corners);
-        // The picture's y points down, so a counter-clockwise triangle has negative area.
+        // The picture's y axis points down, so a counter-clockwise triangle has negative area.
         if area == 0 || (faces == Faces::Front && area > 0) {
             return None;
         }
@@ -293,7 +293,7 @@ impl Scan {
         for y in self.rows.0..self.rows.1 {
             let mut at = edges.map(|e| e.value);
             for x in self.columns.0..self.columns.1 {
-                // All three are inside if none has its sign bit set.
+                // Inside all three edges if no value has its sign bit set.
                 if (at[0] | at[1] | at[2]) >= 0 {
                     visit(x, y);
                 }
@@ -308,12 +308,12 @@ impl Scan {
     }
 }
 
-/// Weights of the three corners at a place of the picture, right under perspective.
+/// Weights of the three corners at a position of the picture, perspective-correct.
 ///
-/// They sum to 1; places outside the triangle get the nearest weights on it. `None` if the
-/// triangle is seen from its edge.
+/// They sum to 1; positions outside the triangle get the nearest weights on it. `None` if the
+/// triangle is seen edge-on.
 pub(crate) fn barycentric(corners: &[Vec4; 3], at: Vec2) -> Option<Vec3> {
-    // Relative to the place itself, so that no digits are lost far from the picture's corner.
+    // Relative to the position itself, to keep precision far from the picture's corner.
     let [a, b, c] = corners.map(|c| Vec2::new(c.x, c.y) - at * c.w);
     let weights = Vec3::new(b.perp_dot(c), c.perp_dot(a), a.perp_dot(b));
     let sum = weights.x + weights.y + weights.z;
@@ -346,7 +346,7 @@ fn double_area([a, b, c]: [Snapped; 3]) -> i64 {
     (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
 }
 
-/// Samples `from..to` whose middles may lie between the coordinates.
+/// Range of samples whose centres may lie between the coordinates.
 fn span(coordinates: [i64; 3], step: i64, count: u32) -> (i64, i64) {
     let least = coordinates.into_iter().fold(i64::MAX, i64::min);
     let greatest = coordinates.into_iter().fold(i64::MIN, i64::max);
@@ -358,7 +358,7 @@ fn span(coordinates: [i64; 3], step: i64, count: u32) -> (i64, i64) {
     )
 }
 
-/// Which side of an edge a sample lies on: not negative is inside.
+/// Edge function: samples with a value that is not negative are inside.
 #[derive(Clone, Copy)]
 struct Edge {
     value: i64,
@@ -369,7 +369,7 @@ struct Edge {
 impl Edge {
     fn new(a: Snapped, b: Snapped, (x, y): (i64, i64), step: i64) -> Self {
         let (dx, dy) = (b.x - a.x, b.y - a.y);
-        // A sample exactly on an edge belongs to the triangle right of or below it.
+        // A sample exactly on an edge belongs to the triangle to its right or below it.
         let is_top_left = dy < 0 || (dy == 0 && dx > 0);
         Self {
             value: dx * (y - a.y) - dy * (x - a.x) - i64::from(!is_top_left),
@@ -379,7 +379,7 @@ impl Edge {
     }
 }
 
-/// Nearness over the samples, held between that of the corners.
+/// Nearness over the samples, clamped to the range of the corners.
 struct Plane {
     origin: f64,
     right: f64,
@@ -406,12 +406,12 @@ impl Plane {
 
     fn at(&self, x: i64, y: i64) -> f32 {
         let value = self.origin + self.right * x as f64 + self.down * y as f64;
-        // A sliver's slope is steep; the bounds keep rounding from pushing it through others.
+        // The slope of a sliver is steep; clamping keeps rounding from pushing it through others.
         value.clamp(self.least, self.greatest) as f32
     }
 }
 
-/// A triangle on its way through the clip planes.
+/// A convex polygon: a triangle during clipping.
 struct Polygon {
     points: [Vec4; MAX_CORNERS],
     len: usize,
@@ -428,7 +428,7 @@ impl Polygon {
         self.points[..self.len].iter().copied()
     }
 
-    /// Cuts away what lies behind the near plane or outside the guard region.
+    /// Removes what lies behind the near plane or outside the guard region.
     fn clip(&mut self) {
         self.cut(|p| p.w - NEAR);
         self.cut(|p| GUARD * p.w - p.x);
@@ -437,7 +437,7 @@ impl Polygon {
         self.cut(|p| GUARD * p.w + p.y);
     }
 
-    /// Keeps where `inside` is not negative (Sutherland and Hodgman 1974).
+    /// Keeps the part where `inside` is not negative (Sutherland and Hodgman 1974).
     fn cut(&mut self, inside: impl Fn(Vec4) -> f32) {
         if self.corners().all(|p| inside(p) >= 0.0) {
             return;
@@ -450,8 +450,8 @@ impl Polygon {
             if dp >= 0.0 {
                 self.push(p);
             }
-            // Always from the inner to the outer end, so that both triangles of an edge get
-            // the same point, bit for bit.
+            // Always from the inner to the outer end, so that both triangles of an edge get the
+            // same point, bit for bit.
             if dp >= 0.0 && dq < 0.0 {
                 self.push(p + (q - p) * (dp / (dp - dq)));
             } else if dp < 0.0 && dq >= 0.0 {
@@ -461,7 +461,7 @@ impl Polygon {
     }
 
     fn push(&mut self, point: Vec4) {
-        // A convex polygon gains at most one corner from each plane; rounding may ask for more.
+        // A convex polygon gains at most one corner per plane; rounding may add more.
         if self.len < MAX_CORNERS {
             self.points[self.len] = point;
             self.len += 1;
@@ -488,7 +488,7 @@ mod tests {
 
     #[test]
     fn a_right_triangle_by_hand() {
-        // Middles (x + .5, y + .5) with x + y + 1 < 3; those on the long edge belong to the
+        // Centres (x + .5, y + .5) with x + y + 1 < 3; those on the long edge belong to the
         // triangle on its other side.
         let cells = covered(
             [flat(0.0, 0.0), flat(3.0, 0.0), flat(0.0, 3.0)],
@@ -533,8 +533,8 @@ mod tests {
 
     #[test]
     fn weights_are_right_under_perspective() {
-        // From depth 1 at x = 0 to depth 3 at x = 12: the middle of the edge in space appears
-        // at (0 * 1 + 12 * 3) / (1 + 3) = 9.
+        // From depth 1 at x = 0 to depth 3 at x = 12: the midpoint of the edge in space appears at
+        // (0 * 1 + 12 * 3) / (1 + 3) = 9.
         let corners = [
             Vec4::new(0.0, 0.0, 1.0, 1.0),
             Vec4::new(36.0, 0.0, 1.0, 3.0),
@@ -608,7 +608,7 @@ mod tests {
     }
 
     proptest! {
-        /// Every sample of a jittered grid is covered exactly once, whatever the winding.
+        /// Every sample of a jittered grid is covered exactly once, with either winding.
         #[test]
         fn shared_edges_neither_overlap_nor_gap(
             jitter in prop::collection::vec((-0.49f32..0.49, -0.49f32..0.49), 49),
@@ -625,7 +625,7 @@ mod tests {
             for (cell, (diagonal, wind)) in flips.iter().enumerate() {
                 let (i, j) = (cell % 6, cell / 6);
                 let q = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
-                // A jittered quad may be concave; then only one diagonal stays inside.
+                // A jittered quad may be concave; then only one diagonal lies inside.
                 let turn = |a: Vec4, b: Vec4, c: Vec4| (b - a).truncate().truncate()
                     .perp_dot((c - a).truncate().truncate());
                 let first = turn(q[0], q[1], q[2]) > 0.0 && turn(q[0], q[2], q[3]) > 0.0;
@@ -647,7 +647,7 @@ mod tests {
             prop_assert!(count.iter().all(|n| *n == 1));
         }
 
-        /// Agrees with the sign of three cross products, taken sample by sample.
+        /// Agrees with the sign of three cross products, computed per sample.
         #[test]
         fn agrees_with_point_in_triangle(
             points in prop::array::uniform3((-1000i32..8000, -1000i32..8000)),

@@ -1,27 +1,27 @@
-//! How a virtual human looks in 2D: lit pictures, portraits that turn their head, and vector
-//! graphics with the right painting order.
+//! 2D output of a virtual human: lit pictures, vector graphics with a correct painting order, and
+//! portraits that turn their head.
 //!
-//! Everything here takes values and gives values (pixels, PNG bytes, SVG text), always the
-//! same for the same input.
+//! All functions map values to values (pixels, PNG bytes, SVG text). The same input gives the same
+//! output.
 //!
-//! - [`render()`]: a lit [`Picture`] of a skinned character before a [`Screen`]; [`Appearance`]:
-//!   its materials and textures; [`orbit_view`], [`tight_view`]: where the camera stands;
-//!   [`Ground`]: what it stands on
-//! - [`Picture::to_png`], [`Picture::decode`]: picture files; [`rmse`], [`ssim`]: how far two
-//!   pictures are apart
-//! - [`planar`]: a clip as the camera sees it, ready to be written in 2D
-//! - [`flatten`]: one call from there to a file with its size and error
-//! - [`vector`]: the files, written, read back and sampled
-//! - [`portrait`]: a talking face in 2D that turns its head
-//! - [`escaped`]: text inside markup
+//! - [`render()`]: renders a skinned character to a lit [`Picture`] through a [`Screen`];
+//!   [`Appearance`]: materials and textures; [`orbit_view`], [`tight_view`]: camera placement;
+//!   [`Ground`]: the floor
+//! - [`Picture::to_png`], [`Picture::decode`]: picture files; [`rmse`], [`ssim`]: image differences
+//! - [`planar`]: a clip projected to the screen, ready to be written in 2D
+//! - [`flatten`]: writes a planar clip to a file and measures size and error, in one call
+//! - [`vector`]: writers, readers and samplers of the vector formats
+//! - [`portrait`]: a talking 2D face that turns its head
+//! - [`escaped`]: escapes text for markup
 //!
-//! A character comes from [`planar::bake()`]; here a triangle that moves to the right stands in
-//! for it:
+//! [`planar::bake()`] makes a planar clip from a character; this example uses a triangle that moves
+//! to the right instead:
 //!
 //! ```
 //! use articula_core::Progress;
 //! use articula_flat::flatten::{
-//!     PrepareOptions, Prepared, Profile, Quality, Settings, Truth, flatten, sampled_frames,
+//!     PrepareClipOptions, PreparedClip, Profile, Quality, ReferenceFrames, Settings, flatten,
+//!     sampled_frames,
 //! };
 //! use articula_flat::planar::{PlanarClip, PlanarError, PlanarFrame, Surface};
 //! use glam::Vec2;
@@ -46,9 +46,9 @@
 //! };
 //! let frames: Vec<f64> = (0..10).map(f64::from).collect();
 //! let mut progress = Progress::none();
-//! let prepared = Prepared::new(clip(&frames), &PrepareOptions::default(), &mut progress)?;
+//! let prepared = PreparedClip::new(clip(&frames), &PrepareClipOptions::default(), &mut progress)?;
 //! let moments = sampled_frames(frames.len());
-//! let truth = Truth::new(&clip(&moments), &moments)?;
+//! let truth = ReferenceFrames::new(&clip(&moments), &moments)?;
 //! let settings = Settings {
 //!     profile: Profile::Smil,
 //!     quality: Quality::of(Profile::Smil),
@@ -61,9 +61,9 @@
 //! # Ok::<(), PlanarError>(())
 //! ```
 //!
-//! What is deliberately absent: files, clocks, threads, a GPU, fonts of the system; pictures and
-//! plots of reports (`articula-report`); which camera and how many triangles suit a character
-//! (the library `articula`).
+//! Out of scope: files, clocks, threads, a GPU, system fonts; pictures and plots of reports
+//! (`articula-report`); the choice of camera and triangle count for a character (the library
+//! `articula`).
 
 #[cfg(test)]
 extern crate self as articula_flat;

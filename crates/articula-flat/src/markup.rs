@@ -1,15 +1,15 @@
-//! Text inside markup: SVG, XML and HTML.
+//! Escaping of text for SVG, XML and HTML.
 
-/// Text that stands for itself between tags and in quoted attributes.
+/// Escapes text for use between tags and in quoted attributes.
 ///
-/// What XML 1.0 cannot hold becomes U+FFFD.
+/// Characters that XML 1.0 does not allow become U+FFFD.
 pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     push_escaped(&mut out, text);
     out
 }
 
-/// [`escaped`] at the end of a text.
+/// Appends [`escaped`] text to `out`.
 pub(crate) fn push_escaped(out: &mut String, text: &str) {
     for c in text.chars() {
         match c {
@@ -18,7 +18,7 @@ pub(crate) fn push_escaped(out: &mut String, text: &str) {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\t' | '\n' => out.push(c),
-            // A bare carriage return would come back as a line feed.
+            // An XML reader turns a bare carriage return into a line feed.
             '\r' => out.push_str("&#13;"),
             '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
             _ => out.push(c),

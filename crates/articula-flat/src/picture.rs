@@ -1,4 +1,4 @@
-//! A picture of RGBA bytes: sRGB colours, alpha not multiplied in.
+//! RGBA pictures: 8-bit sRGB colours with straight alpha.
 
 use crate::error::PictureError;
 use crate::item_buffer::MAX_SIDE;
@@ -6,7 +6,7 @@ use crate::item_buffer::MAX_SIDE;
 /// Red, green, blue and alpha, each 0 to 255, in sRGB.
 pub type Rgba = [u8; 4];
 
-/// Pixels from the top left, row by row.
+/// A picture of RGBA pixels, row by row from the top left.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
     width: u32,
@@ -15,7 +15,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Makes a picture of one colour.
+    /// Returns a picture of one colour.
     ///
     /// # Errors
     /// [`PictureError::LimitExceeded`] if a side is longer than 16,384 pixels.
@@ -35,11 +35,11 @@ impl Picture {
         })
     }
 
-    /// Takes pixels that are already there, row by row.
+    /// Returns a picture of existing pixels, row by row.
     ///
     /// # Errors
-    /// [`PictureError::Mismatch`] if there are not `width * height` of them, and
-    /// [`PictureError::LimitExceeded`] as [`Self::new`].
+    /// [`PictureError::Mismatch`] if the number of pixels is not `width * height`, and
+    /// [`PictureError::LimitExceeded`] as for [`Self::new`].
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<Rgba>) -> Result<Self, PictureError> {
         let expected = u64::from(width) * u64::from(height);
         if pixels.len() as u64 != expected {
@@ -55,41 +55,41 @@ impl Picture {
         Ok(picture)
     }
 
-    /// Width in pixels.
+    /// Returns the width in pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Height in pixels.
+    /// Returns the height in pixels.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// All pixels, row by row.
+    /// Returns all pixels, row by row.
     pub fn pixels(&self) -> &[Rgba] {
         &self.pixels
     }
 
-    /// All pixels, to be changed.
+    /// Returns all pixels, mutable.
     pub(crate) fn pixels_mut(&mut self) -> &mut [Rgba] {
         &mut self.pixels
     }
 
-    /// One pixel; `None` outside.
+    /// Returns one pixel; `None` outside the picture.
     pub fn get(&self, x: u32, y: u32) -> Option<Rgba> {
         (x < self.width && y < self.height)
             .then(|| self.pixels[y as usize * self.width as usize + x as usize])
     }
 
-    /// Changes one pixel; does nothing outside.
+    /// Sets one pixel; does nothing outside the picture.
     pub(crate) fn set(&mut self, x: u32, y: u32, color: Rgba) {
         if x < self.width && y < self.height {
             self.pixels[y as usize * self.width as usize + x as usize] = color;
         }
     }
 
-    /// Lays a colour over one pixel, weighted by its alpha times `coverage` (0 to 1). Does
-    /// nothing outside.
+    /// Composites a colour over one pixel, weighted by its alpha times `coverage` (0 to 1). Does
+    /// nothing outside the picture.
     pub fn blend(&mut self, x: i32, y: i32, color: Rgba, coverage: f32) {
         let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else {
             return;
@@ -99,7 +99,7 @@ impl Picture {
         }
     }
 
-    /// The part that begins at `(x, y)`; what would lie outside is left out.
+    /// Returns the part that begins at `(x, y)`, clipped to this picture.
     #[must_use]
     pub(crate) fn crop(&self, x: u32, y: u32, width: u32, height: u32) -> Self {
         let (x, y) = (x.min(self.width), y.min(self.height));
@@ -116,8 +116,8 @@ impl Picture {
         }
     }
 
-    /// Lays another picture over this one, its top left at `(x, y)`; what falls outside is
-    /// left out.
+    /// Composites another picture over this one, its top left at `(x, y)`; parts outside are
+    /// clipped.
     pub fn blit(&mut self, other: &Self, x: i32, y: i32) {
         for (row, line) in (0..).zip(other.pixels.chunks(other.width.max(1) as usize)) {
             for (column, color) in (0..).zip(line) {
@@ -126,8 +126,8 @@ impl Picture {
         }
     }
 
-    /// A smaller picture in which each pixel is the mean of `factor * factor` pixels, taken in
-    /// linear light. Rows and columns that do not fill a block are left out.
+    /// Returns a smaller picture in which each pixel is the mean of `factor * factor` pixels,
+    /// averaged in linear light. Rows and columns that do not fill a block are dropped.
     #[must_use]
     pub(crate) fn downsample(&self, factor: u32) -> Self {
         let factor = factor.max(1);
@@ -153,7 +153,7 @@ impl Picture {
     }
 }
 
-/// The upper colour laid over the lower one, blended in sRGB as browsers do.
+/// Composites `above` over `below`, blended in sRGB as browsers do.
 pub(crate) fn over(below: Rgba, above: Rgba, coverage: f32) -> Rgba {
     let a = f32::from(above[3]) / 255.0 * coverage.clamp(0.0, 1.0);
     let b = f32::from(below[3]) / 255.0 * (1.0 - a);
@@ -168,7 +168,7 @@ pub(crate) fn over(below: Rgba, above: Rgba, coverage: f32) -> Rgba {
     [mix(0), mix(1), mix(2), (alpha * 255.0).round() as u8]
 }
 
-/// Linear light (0 to 1) of an sRGB byte, for all 256 of them.
+/// Returns the linear light (0 to 1) of all 256 sRGB bytes.
 ///
 /// Source: IEC 61966-2-1.
 pub fn linear_table() -> &'static [f32; 256] {
@@ -176,10 +176,10 @@ pub fn linear_table() -> &'static [f32; 256] {
     TABLE.get_or_init(|| std::array::from_fn(|byte| linear_of(byte as f32 / 255.0)))
 }
 
-/// The sRGB byte of a linear light value; values outside 0 to 1 are clamped.
+/// Returns the sRGB byte of a linear light value; values outside 0 to 1 are clamped.
 pub(crate) fn srgb_byte(linear: f32) -> u8 {
-    // Exact rounding without a power: start at the least byte of a bucket of square roots
-    // (about as curved as sRGB), then step over the few thresholds inside it.
+    // Exact rounding without a power: starts at the smallest byte of a bucket of square roots
+    // (about as curved as sRGB), then steps over the few thresholds inside the bucket.
     static TABLES: std::sync::OnceLock<SrgbTables> = std::sync::OnceLock::new();
     let tables = TABLES.get_or_init(SrgbTables::new);
     let value = linear.clamp(0.0, 1.0);
@@ -190,11 +190,11 @@ pub(crate) fn srgb_byte(linear: f32) -> u8 {
     byte
 }
 
-/// Buckets of square roots between 0 and 1.
+/// Number of buckets of square roots between 0 and 1.
 const BUCKETS: f32 = 512.0;
 
 struct SrgbTables {
-    /// Linear light at which each byte gives way to the next; the last one never does.
+    /// Linear light at which the next byte begins; infinite for the last one.
     threshold: [f32; 256],
     /// Smallest byte of each bucket.
     least: [u8; BUCKETS as usize + 1],

@@ -1,25 +1,25 @@
-//! From metres to pixels: true perspective, or parallel at a fixed scale.
+//! Projection from metres to pixels: perspective, or parallel at a fixed scale.
 //!
 //! Source: `docs/methods/motion-lod.md` part 0. A parallel view at `pixels_per_metre` is the weak
-//! perspective of the error tables: every depth has the scale of one.
+//! perspective of the error tables: all depths have the same scale.
 
 use articula_core::Camera;
 use glam::{Vec2, Vec3, Vec4};
 
-/// How depth changes size.
+/// How size depends on depth.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Projection {
-    /// Far things are smaller, as the camera's viewport says.
+    /// Perspective with the field of view of the camera's viewport.
     #[default]
     Perspective,
-    /// Every metre spans this many pixels at any depth, behind the camera too.
+    /// Every metre spans the same number of pixels at any depth, also behind the camera.
     Parallel {
-        /// The scale.
+        /// Pixels per metre.
         pixels_per_metre: f32,
     },
 }
 
-/// A camera with its projection, ready to take points to the screen and back.
+/// A camera with its projection; maps points to the screen and back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Screen {
     camera: Camera,
@@ -27,23 +27,23 @@ pub struct Screen {
     middle: Vec2,
     /// Pixels that a metre spans at depth 1 (perspective) or anywhere (parallel).
     scale: f32,
-    /// The camera's axes, so that a ray takes no quaternion product.
+    /// The camera's axes, so that a ray needs no quaternion product.
     right: Vec3,
     up: Vec3,
     forward: Vec3,
 }
 
-/// A half line from the camera; a depth along it is a point.
+/// A ray from the camera, parameterised by depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ray {
     /// Point at depth 0.
     pub origin: Vec3,
-    /// Step for one metre of depth (longer than one metre off the axis).
+    /// Change of position for one metre of depth (longer than one metre off the axis).
     pub direction: Vec3,
 }
 
 impl Screen {
-    /// Joins a camera and a projection.
+    /// Combines a camera and a projection.
     pub fn new(camera: &Camera, projection: Projection) -> Self {
         let middle = 0.5 * Vec2::new(camera.viewport.width_px, camera.viewport.height_px);
         let scale = match projection {
@@ -61,7 +61,7 @@ impl Screen {
         }
     }
 
-    /// The point as a homogeneous corner of [`crate::item_buffer::ItemBuffer`].
+    /// Homogeneous corner of a point, as [`crate::item_buffer::ItemBuffer`] takes it.
     pub(crate) fn corner(&self, point: Vec3) -> Vec4 {
         let p = self.camera.view(point);
         let scale = self.scale;
@@ -74,13 +74,13 @@ impl Screen {
         Vec4::new(x, y, nearness, w)
     }
 
-    /// Place on the screen in pixels; `None` for a point behind a perspective camera.
+    /// Returns the screen position in pixels; `None` for a point behind a perspective camera.
     pub fn place(&self, point: Vec3) -> Option<Vec2> {
         let corner = self.corner(point);
         (corner.w > 1e-3).then(|| Vec2::new(corner.x, corner.y) / corner.w)
     }
 
-    /// Pixels that one metre spans at the depth of a point.
+    /// Returns the pixels that one metre spans at the depth of a point.
     pub fn pixels_per_metre_at(&self, point: Vec3) -> f32 {
         match self.projection {
             Projection::Perspective => self.scale / self.camera.view(point).z.max(1e-3),
@@ -88,7 +88,7 @@ impl Screen {
         }
     }
 
-    /// The half line of points that appear at a place of the screen.
+    /// Ray of all points that appear at a screen position.
     pub(crate) fn ray(&self, at: Vec2) -> Ray {
         let offset = (at - self.middle) / self.scale;
         let across = self.right * offset.x - self.up * offset.y;
@@ -104,7 +104,7 @@ impl Screen {
         }
     }
 
-    /// Nearness, as the item buffer keeps it, of a point at a depth.
+    /// Nearness of a point at a depth, as the item buffer stores it.
     pub(crate) fn nearness_of(&self, depth_m: f32) -> f32 {
         match self.projection {
             Projection::Perspective => 1.0 / depth_m,
@@ -112,7 +112,7 @@ impl Screen {
         }
     }
 
-    /// The camera.
+    /// Returns the camera.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }

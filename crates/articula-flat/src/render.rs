@@ -1,8 +1,8 @@
-//! A lit picture of a skinned character, to be looked at and compared.
+//! Renders a skinned character to a lit picture.
 //!
-//! Smooth normals under a key light, a weaker fill from the other side and an even ambient;
-//! base colour factor, texture and vertex colour multiply in linear light. Each pixel is
-//! shaded once for every triangle that it shows, in the middle of that triangle's samples.
+//! Smooth normals under a key light, a weaker fill light from the other side and an even ambient
+//! term; base colour factor, texture and vertex colour multiply in linear light. Each pixel is
+//! shaded once per triangle that it shows, at the mean position of that triangle's samples.
 
 use crate::appearance::Appearance;
 use crate::error::PictureError;
@@ -14,20 +14,20 @@ use articula_core::source::Material;
 use articula_core::{Camera, Mesh, SkinnedMesh};
 use glam::{Vec2, Vec3, Vec4};
 
-/// Which parts of a mesh are drawn, by their index in [`Mesh::parts`].
+/// Selection of the mesh parts that are drawn, by index into [`Mesh::parts`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum PartSelection {
     /// Every part.
     #[default]
     All,
-    /// These parts and no others.
+    /// Only these parts.
     Only(Vec<usize>),
-    /// All parts but these.
+    /// All parts except these.
     Except(Vec<usize>),
 }
 
 impl PartSelection {
-    /// Whether a part is drawn.
+    /// Returns whether a part is drawn.
     pub(crate) fn contains(&self, part: usize) -> bool {
         match self {
             Self::All => true,
@@ -37,16 +37,16 @@ impl PartSelection {
     }
 }
 
-/// Where light comes from and how strong it is.
+/// Direction of the key light and strengths of all lights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
     /// Direction towards the key light, in camera space (x right, y up, z to the viewer).
     pub key_direction: Vec3,
-    /// Strength of the key light; a surface that faces all three lights gets their sum.
+    /// Strength of the key light; strengths are summed on a surface that faces all lights.
     pub key: f32,
     /// Strength of the fill light, which comes from the opposite side.
     pub fill: f32,
-    /// Strength of the light from everywhere, a quarter more from above and less from below.
+    /// Strength of the ambient light, a quarter more from above and a quarter less from below.
     pub ambient: f32,
 }
 
@@ -61,20 +61,20 @@ impl Default for Light {
     }
 }
 
-/// How a picture is taken.
+/// Options of [`render()`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderOptions {
-    /// What is seen where nothing is; may be transparent.
+    /// Background colour; may be transparent.
     pub background: Rgba,
-    /// Samples a pixel.
+    /// Number of samples per pixel.
     pub samples: Supersampling,
     /// Perspective or parallel.
     pub projection: Projection,
-    /// A floor with a contact shadow.
+    /// Floor with a contact shadow.
     pub ground: Option<Ground>,
-    /// Where light comes from.
+    /// Light directions and strengths.
     pub light: Light,
-    /// Which parts are drawn.
+    /// Parts that are drawn.
     pub parts: PartSelection,
 }
 
@@ -91,13 +91,13 @@ impl Default for RenderOptions {
     }
 }
 
-/// Draws a skinned character as the camera sees it, as large as the camera's viewport.
+/// Renders a skinned character into a picture of the size of the camera's viewport.
 ///
 /// O(vertices + samples covered).
 ///
 /// # Errors
-/// [`PictureError::LimitExceeded`] if the viewport is too large, [`PictureError::Mismatch`]
-/// if `skinned` is of another mesh.
+/// [`PictureError::LimitExceeded`] if the viewport is too large, [`PictureError::Mismatch`] if
+/// `skinned` belongs to another mesh.
 pub fn render(
     mesh: &Mesh,
     skinned: &SkinnedMesh,
@@ -121,7 +121,7 @@ pub fn render(
     scene.shade(&buffer)
 }
 
-/// Everything that one picture is made of.
+/// Inputs of one picture.
 struct RenderPass<'a> {
     mesh: &'a Mesh,
     skinned: &'a SkinnedMesh,
@@ -135,7 +135,7 @@ struct RenderPass<'a> {
     floor: Option<Floor>,
 }
 
-/// The floor, its shadow, and the pixels between which it can be seen.
+/// The floor, its shadow, and the rectangle of pixels in which it may be visible.
 struct Floor {
     ground: Ground,
     shadow: ContactShadow,
@@ -149,7 +149,7 @@ impl Floor {
             let place = ground.middle + ground.radius_m * Vec2::new(x, z);
             screen.place(Vec3::new(place.x, ground.height_m, place.y))
         });
-        // A corner behind the camera can make the floor appear anywhere.
+        // With a corner behind the camera the floor may appear anywhere.
         let everywhere = corners.iter().any(Option::is_none);
         let seen = corners.into_iter().flatten();
         let (low, high) = if everywhere {
@@ -192,7 +192,7 @@ impl Lights {
 
     /// Light that a surface with this unit normal receives.
     fn on(&self, normal: Vec3) -> f32 {
-        // The key light wraps a little around the edge, as a large lamp does.
+        // The key light wraps a little around the terminator, as a large lamp does.
         let key = ((normal.dot(self.key) + 0.2) / 1.2).max(0.0);
         let fill = normal.dot(self.fill).max(0.0);
         let ambient = self.strength.ambient * (1.0 + 0.25 * normal.y);
@@ -286,7 +286,7 @@ impl<'a> RenderPass<'a> {
                 if !buffer.is_blank(x, y) {
                     groups.gather(buffer, x, y);
                 } else if self.floor.as_ref().is_some_and(|f| f.may_show(x, y)) {
-                    // The floor is smooth: one look in the middle stands for all samples.
+                    // The floor is smooth: one sample in the centre is enough.
                     groups.blank(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
                 } else {
                     continue;
@@ -315,7 +315,7 @@ impl<'a> RenderPass<'a> {
         encode(sum, samples)
     }
 
-    /// Lit colour of a triangle at a place of the screen.
+    /// Lit colour of a triangle at a screen position.
     fn fragment(&self, triangle: usize, at: Vec2, level: usize) -> Vec4 {
         let corners = self.corners_of(triangle);
         let weights = barycentric(&corners, at).unwrap_or(Vec3::splat(1.0 / 3.0));
@@ -323,8 +323,8 @@ impl<'a> RenderPass<'a> {
         let n = &self.skinned.normals;
         let normal = n[a] * weights.x + n[b] * weights.y + n[c] * weights.z;
         let mut normal = normal.try_normalize().unwrap_or(Vec3::Y);
-        // Some files wind a part of their triangles the wrong way round; their normals are
-        // right, so a back is a back only if its normal turns away too.
+        // Some files wind part of their triangles backwards; their normals are right, so a triangle
+        // counts as a back only if its normal points away too.
         let away = normal.dot(self.screen.ray(at).direction) > 0.0;
         if away && self.shows_back(triangle) {
             normal = -normal;
@@ -348,7 +348,8 @@ impl<'a> RenderPass<'a> {
         color
     }
 
-    /// The floor before or behind a colour; what lies below the floor shines through a little.
+    /// Composites the floor in front of or behind a colour; what lies below the floor shines
+    /// through a little.
     fn over_floor(&self, color: Vec4, background: Vec4, at: Vec2, group: &Group) -> Vec4 {
         let Some(Floor { ground, shadow, .. }) = &self.floor else {
             return color;
@@ -392,10 +393,10 @@ impl<'a> RenderPass<'a> {
         self.mesh.triangles[triangle].map(|v| self.corners[v as usize])
     }
 
-    /// Whether the camera sees the back of a triangle (only possible if it is double sided).
+    /// Whether the camera sees the back of a triangle (only possible if it is double-sided).
     fn shows_back(&self, triangle: usize) -> bool {
-        // The sign of this volume is that of the area on the screen, clipped or not; the
-        // picture's y points down, so the front has a negative one.
+        // The sign of this volume is that of the area on the screen, clipped or not; the picture's
+        // y axis points down, so the front has a negative one.
         let [a, b, c] = self.corners_of(triangle).map(|p| Vec3::new(p.x, p.y, p.w));
         a.dot(b.cross(c)) > 0.0
     }
@@ -415,7 +416,7 @@ impl<'a> RenderPass<'a> {
     }
 }
 
-/// Background with a share of its light taken away; a transparent one gets a black veil.
+/// Background with a fraction of its light removed; a transparent one gets a black veil.
 fn floor_tone(background: Vec4, tone: f32) -> Vec4 {
     let alpha = 1.0 - (1.0 - background.w) * tone;
     if alpha <= 0.0 {
@@ -430,7 +431,7 @@ fn linear([r, g, b, a]: Rgba) -> Vec4 {
     Vec4::new(of(r), of(g), of(b), f32::from(a) / 255.0)
 }
 
-/// Mean colour as bytes, from a sum of colours that were multiplied by their alpha.
+/// Mean colour as bytes, from a sum of premultiplied colours.
 fn encode(sum: Vec4, count: f32) -> Rgba {
     if sum.w <= 0.0 {
         return [0; 4];
@@ -440,7 +441,7 @@ fn encode(sum: Vec4, count: f32) -> Rgba {
     [r, g, b, alpha]
 }
 
-/// The samples of a pixel that show the same triangle.
+/// Samples of a pixel that show the same triangle.
 #[derive(Clone, Copy, Default)]
 struct Group {
     item: Option<u32>,
@@ -449,7 +450,7 @@ struct Group {
     nearness: f32,
 }
 
-/// The different triangles of a pixel, the first sixteen of them told apart.
+/// The distinct triangles of a pixel, at most sixteen.
 #[derive(Default)]
 struct Groups {
     groups: [Group; 16],
@@ -457,7 +458,7 @@ struct Groups {
 }
 
 impl Groups {
-    /// Sorts the samples of a pixel by what they show.
+    /// Groups the samples of a pixel by triangle.
     fn gather(&mut self, buffer: &ItemBuffer, x: u32, y: u32) {
         self.len = 0;
         let n = buffer.samples().per_side();
@@ -473,7 +474,7 @@ impl Groups {
         }
     }
 
-    /// One sample that shows nothing.
+    /// Adds one sample that shows nothing.
     fn blank(&mut self, place: Vec2) {
         self.groups[0] = Group {
             item: None,
@@ -509,7 +510,7 @@ mod tests {
     use articula_core::Viewport;
     use articula_core::source::{self, Image};
 
-    /// Only even light, so that colours come out as they went in.
+    /// Ambient light only, so that colours come out unchanged.
     const EVEN: Light = Light {
         key_direction: Vec3::Z,
         key: 0.0,
@@ -517,7 +518,7 @@ mod tests {
         ambient: 1.0,
     };
 
-    /// A square metre facing +Z at each of the depths, one part each.
+    /// Squares of one metre that face +Z, one part at each depth.
     fn plates(depths: &[f32]) -> (Mesh, SkinnedMesh) {
         let plate = |z: &f32| source::RawMesh {
             skin: source::Skin {
@@ -565,7 +566,7 @@ mod tests {
         }
     }
 
-    /// Colour in the middle of a picture of one plate.
+    /// Colour in the centre of a picture of one plate.
     fn middle(material: Material, images: &[Image], eye: Vec3) -> Rgba {
         let (mesh, skinned) = plates(&[0.0]);
         let (look, faults) = Appearance::new(&[material], images);
@@ -669,7 +670,7 @@ mod tests {
     #[test]
     fn the_floor_hides_what_is_below_and_darkens_where_it_is_touched() {
         let (mesh, mut skinned) = plates(&[0.0]);
-        // It leans towards the camera, so that its shadow lies before it.
+        // It leans towards the camera, so that its shadow lies in front of it.
         for p in &mut skinned.positions {
             p.z = p.y;
         }

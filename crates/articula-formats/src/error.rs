@@ -1,9 +1,10 @@
-//! What can be wrong with a file, sorted by blame, and what was odd about a good one.
+//! Errors of readers, sorted by cause, and warnings about files that were read.
 
 use articula_core::MalformedBytes;
 use thiserror::Error;
 
-/// Why a file could not be read. The text names what was found, what was expected and where.
+/// Reason why a file could not be read. The message names what was found, what was expected and
+/// where.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum ReadError {
     /// The file breaks the rules of its format.
@@ -14,42 +15,42 @@ pub enum ReadError {
         /// What was found and what was expected.
         what: String,
     },
-    /// The file is good but uses what we do not read.
+    /// The file is valid but uses an unsupported feature.
     #[error("{at}: {what} is not supported; {mend}")]
     Unsupported {
         /// Path into the document.
         at: String,
         /// The feature.
         what: String,
-        /// What the user can do.
+        /// Advice to the user.
         mend: String,
     },
-    /// The file would take more memory or time than the caller allows.
+    /// The file exceeds the memory or time that the caller allows.
     #[error("{at}: {found} {which}, the limit is {limit}")]
     LimitExceeded {
         /// Path into the document.
         at: String,
-        /// Which limit, as words.
+        /// Name of the limit, in words.
         which: &'static str,
-        /// What the file asks for.
+        /// Amount that the file requires.
         found: u64,
-        /// What the caller allows.
+        /// Amount that the caller allows.
         limit: u64,
     },
-    /// Something beside the file could not be had.
+    /// An external file could not be fetched.
     #[error("{at}: cannot read \"{uri}\": {what}")]
     Missing {
         /// Path into the document.
         at: String,
         /// The relative URI.
         uri: String,
-        /// What the resolver said.
+        /// Message of the resolver.
         what: String,
     },
 }
 
 impl ReadError {
-    /// A [`ReadError::Malformed`].
+    /// Creates a [`ReadError::Malformed`].
     pub(crate) fn malformed(at: impl Into<String>, what: impl Into<String>) -> Self {
         Self::Malformed {
             at: at.into(),
@@ -59,7 +60,8 @@ impl ReadError {
 }
 
 impl ReadError {
-    /// What a JSON parser says, its place named once, and what the file should look like.
+    /// Converts an error of the JSON parser: its position stated once, and the expected form of the
+    /// file.
     pub(crate) fn of_json(error: &serde_json::Error, form: &str) -> Self {
         let at = format!("line {} column {}", error.line(), error.column());
         let said = error.to_string();
@@ -76,32 +78,32 @@ impl From<MalformedBytes> for ReadError {
     }
 }
 
-/// Something odd that was repaired or left out.
+/// An irregularity of a file that was repaired or left out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Warning {
     /// Byte offset, line or path into the document.
     pub at: String,
-    /// What was found and what was done about it.
+    /// What was found and how it was handled.
     pub what: String,
-    /// What was guessed, where the caller could have said it.
+    /// The fact that was guessed, if an option of the reader can state it.
     pub guess: Option<Assumption>,
 }
 
-/// What a file does not say and a reader has to guess; options of the reader say it.
+/// A fact that a file omits and a reader has to guess unless its options state it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Assumption {
-    /// The scale to metres.
+    /// Scale from file units to metres.
     Unit,
-    /// The axis that points up.
+    /// Axis that points up.
     UpAxis,
-    /// Frames a second.
+    /// Frames per second.
     Rate,
-    /// The skeleton of a motion.
+    /// Skeleton that a motion belongs to.
     Skeleton,
 }
 
 impl Warning {
-    /// Says what is odd at a place.
+    /// Creates a warning about a position in the file.
     pub(crate) fn new(at: impl Into<String>, what: impl Into<String>) -> Self {
         Self {
             at: at.into(),
@@ -110,7 +112,7 @@ impl Warning {
         }
     }
 
-    /// Says what was guessed at a place, and by which signs.
+    /// Creates a warning about a guess, with the evidence for it.
     pub(crate) fn guess(at: impl Into<String>, what: impl Into<String>, guess: Assumption) -> Self {
         Self {
             guess: Some(guess),
@@ -119,11 +121,11 @@ impl Warning {
     }
 }
 
-/// A value together with what was odd about its file.
+/// A value together with the warnings about its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parsed<T> {
-    /// What was read.
+    /// The value that was read.
     pub value: T,
-    /// What was odd, in the order of the file.
+    /// Warnings, in the order of the file.
     pub warnings: Vec<Warning>,
 }

@@ -1,19 +1,20 @@
-//! Rotations as three angles, for the formats that store them so.
+//! Rotations as three Euler angles.
 //!
-//! The angles are split in double precision: near a quarter turn of the middle angle the outer
-//! two are told from small numbers, and in single precision the rotation would come out wrong
-//! by up to 2 degrees there (tested below).
+//! The angles are computed in double precision: close to a quarter turn of the middle angle, the
+//! outer two result from small numbers, and in single precision the rotation would be wrong by up
+//! to 2 degrees (tested below).
 
 use glam::{EulerRot, Quat};
 
-/// Angles in degrees of the three factors of `order`, the first written first.
+/// Returns the angles in degrees of the three factors of `order`, in the order in which they are
+/// written.
 pub(crate) fn degrees(rotation: Quat, order: EulerRot) -> [f32; 3] {
     let (a, b, c) = rotation.as_dquat().normalize().to_euler(order);
     [a, b, c].map(|angle| angle.to_degrees() as f32)
 }
 
-/// The same angles, each within half a turn of the frame before, so that readers which blend
-/// angles do not spin.
+/// Returns equivalent angles, each within half a turn of the previous frame, so that readers that
+/// interpolate angles do not spin.
 pub(crate) fn near(degrees: [f32; 3], last: [f32; 3]) -> [f32; 3] {
     std::array::from_fn(|i| degrees[i] + 360.0 * ((last[i] - degrees[i]) / 360.0).round())
 }

@@ -1,22 +1,22 @@
-//! How a virtual human is written down: from bytes to editable nouns, and back.
+//! Readers and writers of character files: from bytes to an editable character, and back.
 //!
-//! Every reader takes bytes and limits, and gives a value, with warnings where it repairs, or one
-//! error that names the place. What lies beside a file (buffers, pictures) is asked of a resolver, so
-//! nothing here opens a file.
+//! Every reader takes bytes and [`Limits`] and returns a value with warnings for what it repaired,
+//! or one error that names the position of the fault. External files (buffers, pictures) are
+//! requested from a [`Resolver`], so nothing here opens a file.
 //!
-//! - [`gltf`]: GLB and glTF 2.0, VRM files as such, in and out
-//! - [`meshopt`]: the codec of compressed glTF buffer views, decoding only
-//! - [`acclaim`]: ASF skeletons and AMC motions, in and out
-//! - [`bva`]: Biovision animation, segments without a hierarchy, in
-//! - [`bvh`]: Biovision hierarchical motion, in and out
+//! - [`gltf`]: GLB and glTF 2.0, including VRM; read and write
+//! - [`meshopt`]: the codec of compressed glTF buffer views; decode only
+//! - [`acclaim`]: ASF skeletons and AMC motions; read and write
+//! - [`bva`]: Biovision animation, segments without a hierarchy; read
+//! - [`bvh`]: Biovision hierarchical motion; read and write
 //! - [`mpeg4`]: FAP, BAP, EPF and FDP text
-//! - [`x3d`]: H-Anim figures in X3D and VRML97
-//! - [`joint_map`]: joint maps, name to H-Anim joint, level and region
+//! - [`x3d`]: H-Anim figures in X3D and VRML97; read both, write X3D
+//! - [`joint_map`]: joint maps, from joint name to H-Anim joint, level and region
 //! - [`loa_profile`]: a saved selection of levels of articulation
 //! - [`write_segs`], [`write_pose_keys`]: motion-error tables as bytes
-//! - [`Limits`], [`ReadError`], [`Warning`]: how much is too much, what can be wrong, what was odd
-//! - [`ReadOptions`], [`MotionFile`]: what files of motion do not say, and what they hold
-//! - [`WrittenFile`], [`WriteError`]: what writers give
+//! - [`Limits`], [`ReadError`], [`Warning`]: bounds on input, errors, repairs
+//! - [`ReadOptions`], [`MotionFile`]: facts that motion files omit, and their content
+//! - [`WrittenFile`], [`WriteError`]: results of writers
 //!
 //! ```
 //! use articula_formats::gltf::{self, Document};
@@ -29,7 +29,7 @@
 //! let motion = bvh::read(text.as_bytes(), &ReadOptions::default(), &limits)?;
 //! assert_eq!(motion.value.character.skeleton.joints[0].name, "Hips");
 //!
-//! // The same as a GLB, and back.
+//! // The same character as a GLB, and back.
 //! let glb = Document::from_character(&motion.value.character)?.write_glb()?;
 //! let mut beside = |uri: &str| Err(format!("there is no {uri}"));
 //! let back = gltf::read(&glb, &limits, &mut beside)?;
@@ -37,8 +37,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What is deliberately absent: paths and files, threads, any decision about a character; and
-//! nothing here panics, hangs or takes memory without bounds for any bytes.
+//! The crate uses no paths, files or threads and makes no decision about a character. No input
+//! makes it panic, hang or use unbounded memory.
 
 pub mod acclaim;
 pub mod bva;
@@ -68,5 +68,5 @@ pub use motion_table::{read_pose_keys, read_segs, write_pose_keys, write_segs};
 pub use units::UpAxis;
 pub use written::{WriteError, WrittenFile};
 
-/// Fetches what lies beside a file by its relative URI (already percent-decoded).
+/// Fetches an external file by its relative URI (already percent-decoded).
 pub type Resolver<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;

@@ -1,20 +1,20 @@
-//! How much a file may ask for, so that a hostile one cannot exhaust memory or time.
+//! Bounds on what a file may request, so that a hostile one cannot exhaust memory or time.
 
 use crate::error::ReadError;
 
-/// Upper bounds that every reader keeps. The defaults pass any character made by people.
+/// Upper bounds that every reader enforces. The defaults admit any character made by people.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Bytes of one file, buffer or picture.
+    /// Maximum size in bytes of one file, buffer or picture.
     pub bytes: u64,
-    /// Elements that all decoded arrays of one file may hold together (vertices, indices, key
-    /// values); sparse or zero-filled accessors ask for memory without bringing bytes.
+    /// Maximum number of elements in all decoded arrays of one file together (vertices, indices,
+    /// key values). Sparse or zero-filled accessors request memory without supplying bytes.
     pub elements: u64,
-    /// Nodes or joints.
+    /// Maximum number of nodes or joints.
     pub nodes: u64,
-    /// Nesting of JSON, or of a joint hierarchy.
+    /// Maximum nesting depth of JSON, or of a joint hierarchy.
     pub depth: u64,
-    /// Frames of one clip.
+    /// Maximum number of frames of one clip.
     pub frames: u64,
 }
 
@@ -31,7 +31,7 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Refuses `found` above `limit`.
+    /// Returns an error if `found` exceeds `limit`.
     pub(crate) fn check(
         at: &str,
         which: &'static str,

@@ -1,10 +1,9 @@
 //! A saved selection of levels of articulation, as JSON.
 //!
-//! Source: thesis annex E, the "level of articulation" property of its application (manual,
-//! depth, complexity, zones), and 5.1 for single joints.
-//! Differs: JSON instead of XML; zones are a list of names instead of one flag each; single
-//! joints and the rule of combination are in the file as well. The form is described in
-//! `docs/formats/loa-profile.md`.
+//! Source: thesis annex E, the "level of articulation" property of its application (manual, depth,
+//! complexity, zones), and 5.1 for single joints. Differs from annex E: JSON instead of XML; zones
+//! are a list of names instead of one flag each; single joints and the rule of combination are
+//! stored too. The format is described in `docs/formats/loa-profile.md`.
 
 use crate::error::ReadError;
 use crate::limits::Limits;
@@ -12,17 +11,17 @@ use articula_core::loa::{Rule, Selection};
 use articula_core::{Complexity, Region, Zone};
 use serde::{Deserialize, Serialize};
 
-/// What a file looks like, for errors.
+/// Expected form of a file, for error messages.
 const FORM: &str =
     "{\"rule\": \"sum\", \"depth\": 3, \"complexity\": \"low\", \"zones\": [\"torso\"]}";
 
-/// A selection that was saved for later.
+/// A saved selection of levels of articulation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LoaProfile {
-    /// Whether the selection alone decides; otherwise it bounds what the motion metric may
-    /// choose.
+    /// Whether the selection alone decides which joints are active; otherwise it bounds what the
+    /// motion metric may choose.
     pub manual: bool,
-    /// The selectors; joint names are resolved against a rig later.
+    /// The selectors; joint names are resolved later, against a rig.
     pub selection: Selection,
 }
 
@@ -73,11 +72,11 @@ fn yes() -> bool {
     true
 }
 
-/// Reads a saved selection. A member that is absent or null selects nothing and restricts
-/// nothing; an empty list of zones is a selector that selects no joint.
+/// Reads a saved selection. A member that is absent or null adds no selector; an empty list of
+/// zones is a selector that selects no joint.
 ///
 /// # Errors
-/// [`ReadError::Malformed`] naming the line or the member: no JSON, an unknown member, a
+/// [`ReadError::Malformed`] naming the line or the member: invalid JSON, an unknown member, a
 /// complexity or zone that does not exist; [`ReadError::LimitExceeded`].
 pub fn read(json: &[u8], limits: &Limits) -> Result<LoaProfile, ReadError> {
     Limits::check("profile", "bytes", json.len() as u64, limits.bytes)?;
@@ -100,7 +99,7 @@ pub fn read(json: &[u8], limits: &Limits) -> Result<LoaProfile, ReadError> {
     })
 }
 
-/// Writes a selection as [`read`] reads it, ending with a line feed.
+/// Writes a selection in the format of [`read`], ending with a line feed.
 pub fn write(profile: &LoaProfile) -> Vec<u8> {
     let selection = &profile.selection;
     let zones = |zone: Zone| {
@@ -121,7 +120,7 @@ pub fn write(profile: &LoaProfile) -> Vec<u8> {
             minus: selection.minus.clone(),
         },
     };
-    // Strings, numbers and lists always have a JSON form.
+    // Cannot fail: strings, numbers and lists always have a JSON form.
     let mut text = serde_json::to_vec_pretty(&file).unwrap_or_default();
     text.push(b'\n');
     text

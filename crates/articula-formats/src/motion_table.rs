@@ -1,9 +1,10 @@
 //! Motion-error tables as bytes: `segs` (keys of every joint) and `posekeys` (whole poses).
 //!
-//! Source: `docs/methods/motion-lod.md` part 9, ours. Little endian; a head with the hashes of rig,
-//! clip and mesh, then rising frame numbers as variable-length gaps, about a byte a key. Levels
-//! are nested: the coarsest comes first and whole, each finer one adds the keys it has more,
-//! so a prefix of the levels is usable. The page is `docs/formats/motion-tables.md`.
+//! Source: `docs/methods/motion-lod.md` part 9. Little endian; a header with the hashes of rig,
+//! clip and mesh, then ascending frame numbers as variable-length gaps, about one byte per key. The
+//! levels of `segs` are nested: the coarsest is stored first and complete, and each finer one adds
+//! keys, so a prefix of the levels is usable. The layout is described in
+//! `docs/formats/motion-tables.md`.
 
 use crate::{Limits, ReadError};
 use articula_core::{Bytes, KeyMode, KeyTable, MAX_JOINTS, PoseKeys, TableHashes, push_varint};
@@ -11,11 +12,12 @@ use articula_core::{Bytes, KeyMode, KeyTable, MAX_JOINTS, PoseKeys, TableHashes,
 const SEGS: &[u8; 4] = b"ASEG";
 const POSE_KEYS: &[u8; 4] = b"APKY";
 const VERSION: u8 = 1;
-/// More levels than any ladder has between a hair and a house.
+/// Upper bound on the number of levels: tolerances double from level to level, so no table needs
+/// more.
 const MAX_LEVELS: usize = 64;
 
 /// Writes a table of held or blended keys. Coarser levels must be subsets of finer ones, as
-/// [`KeyTable::check`] demands; a key that is not is left out of the coarser level's bytes.
+/// [`KeyTable::check`] requires; a key that violates this is left out of the coarser level.
 pub fn write_segs(table: &KeyTable) -> Vec<u8> {
     let levels = table.levels();
     let mut out = head(
@@ -44,11 +46,11 @@ pub fn write_segs(table: &KeyTable) -> Vec<u8> {
     out
 }
 
-/// Reads what [`write_segs`] wrote.
+/// Reads the output of [`write_segs`].
 ///
 /// # Errors
-/// [`ReadError::Malformed`] with the byte offset, [`ReadError::Unsupported`] for another
-/// version, [`ReadError::LimitExceeded`].
+/// [`ReadError::Malformed`] with the byte offset, [`ReadError::Unsupported`] for another version,
+/// [`ReadError::LimitExceeded`].
 pub fn read_segs(bytes: &[u8], limits: &Limits) -> Result<KeyTable, ReadError> {
     let mut r = Bytes::new(bytes);
     let (mode, hashes, base_metres) = head_of(&mut r, SEGS)?;
@@ -99,13 +101,13 @@ pub fn write_pose_keys(keys: &PoseKeys) -> Vec<u8> {
     out.extend(keys.ticks.to_le_bytes());
     push_varint(&mut out, keys.levels.len() as u64);
     for level in &keys.levels {
-        // No keys at all stands for "evaluate every frame": a level that is kept has a first.
+        // An empty list encodes "evaluate every frame": a level that is kept has a first key.
         gaps(&mut out, level.as_deref().unwrap_or_default());
     }
     out
 }
 
-/// Reads what [`write_pose_keys`] wrote.
+/// Reads the output of [`write_pose_keys`].
 ///
 /// # Errors
 /// As [`read_segs`].
@@ -148,7 +150,7 @@ fn head(magic: &[u8; 4], mode: u8, hashes: &TableHashes, base_metres: f32) -> Ve
     out
 }
 
-/// A count, then each number less the one before it (the first as it is).
+/// Writes a count, then the difference of each number to the previous one (the first as it is).
 fn gaps(out: &mut Vec<u8>, rising: &[u32]) {
     push_varint(out, rising.len() as u64);
     let mut before = 0;
@@ -183,7 +185,8 @@ fn head_of(r: &mut Bytes<'_>, magic: &[u8; 4]) -> Result<(u8, TableHashes, f32),
     Ok((mode, hashes, r.positive("a tolerance")?))
 }
 
-/// Rising numbers below `end`; each takes a byte at least, so the file bounds their count.
+/// Reads ascending numbers below `end`. Each takes at least one byte, so the file size bounds their
+/// count.
 fn gaps_of(r: &mut Bytes<'_>, end: u32) -> Result<Vec<u32>, ReadError> {
     let count = r.varint()?;
     if count > r.left() as u64 {
@@ -208,7 +211,7 @@ fn gaps_of(r: &mut Bytes<'_>, end: u32) -> Result<Vec<u32>, ReadError> {
     Ok(values)
 }
 
-/// A number of things that is to be no more than so many.
+/// Reads a count that must not exceed `limit`.
 fn count(r: &mut Bytes<'_>, which: &'static str, limit: usize) -> Result<usize, ReadError> {
     let at = format!("byte {}", r.at());
     let count = r.varint()?;

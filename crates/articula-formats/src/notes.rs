@@ -1,11 +1,11 @@
-//! Warnings as a reader collects them.
+//! Collection of a reader's warnings.
 
 use crate::error::Warning;
 
-/// More warnings than a person would read are only counted.
+/// Maximum number of warnings that are stored; further ones are only counted.
 const MAX_WARNINGS: usize = 1000;
 
-/// Warnings in the order in which they came up, bounded.
+/// Warnings in the order in which they arose, bounded in number.
 #[derive(Debug, Default)]
 pub(crate) struct Notes {
     list: Vec<Warning>,

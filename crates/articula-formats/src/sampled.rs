@@ -1,27 +1,27 @@
-//! A clip as places of joints in model space, frame by frame: what writers of formats that know
-//! neither scale nor other nodes than joints start from.
+//! Joint positions and rotations of a clip in model space, frame by frame: the input of writers
+//! whose formats have neither scale nor nodes other than joints.
 
 use articula_core::LocalPose;
 use articula_core::source::{RawClip, Skeleton, evaluate};
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 
-/// A position that moves by more than this share of the figure is written.
+/// Smallest movement of a position that is written, as a fraction of the figure's size.
 const STILL: f32 = 1e-5;
 
-/// Where a joint is.
+/// Position and rotation of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
     /// In model space, metres.
     pub(crate) position: Vec3,
-    /// The way from the parent, in model space; computed without the position, so that it
-    /// keeps its digits far from the origin. A root's position.
+    /// Offset from the parent, in model space; computed without the position, so that it stays
+    /// precise far from the origin. For a root, its position.
     pub(crate) from_parent: Vec3,
-    /// Of the joint's axes in model space.
+    /// Rotation of the joint's axes in model space.
     pub(crate) rotation: Quat,
 }
 
-/// Joints to write, each followed by its descendants: without a skin all of them, with one its
-/// joints and what stands above them.
+/// Returns the joints to write, each followed by its descendants: without a skin all joints,
+/// otherwise those of the skin and their ancestors.
 pub(crate) fn depth_first(skeleton: &Skeleton) -> Vec<usize> {
     let joints = &skeleton.joints;
     let any_skin = joints.iter().any(|j| j.in_skin);
@@ -47,12 +47,13 @@ pub(crate) fn depth_first(skeleton: &Skeleton) -> Vec<usize> {
     order
 }
 
-/// Places of all joints at rest.
+/// Returns position and rotation of all joints at rest.
 pub(crate) fn rest(skeleton: &Skeleton) -> Vec<Place> {
     places(skeleton, &rest_pose(skeleton))
 }
 
-/// Shows the places of all joints at every frame of a clip, sampled at a uniform rate.
+/// Calls a function with position and rotation of all joints at every frame of a clip, sampled at a
+/// uniform rate.
 pub(crate) fn each_frame(
     skeleton: &Skeleton,
     clip: &RawClip,
@@ -68,7 +69,7 @@ pub(crate) fn each_frame(
     }
 }
 
-/// The distance below which a joint does not move against its parent, in metres.
+/// Returns the distance below which a joint counts as not moving against its parent, in metres.
 pub(crate) fn still_metres(places: impl Iterator<Item = Vec3>) -> f32 {
     let (low, high) = places.fold((Vec3::MAX, Vec3::MIN), |(l, h), p| (l.min(p), h.max(p)));
     STILL * (high - low).max_element()
@@ -100,7 +101,7 @@ fn places(skeleton: &Skeleton, pose: &LocalPose) -> Vec<Place> {
     places
 }
 
-/// The rotation in a matrix; none if it is singular.
+/// Returns the rotation of a matrix; the identity if it is singular.
 fn rotation(matrix: Mat3A) -> Quat {
     let (_, rotation, _) = Affine3A::from_mat3(matrix.into()).to_scale_rotation_translation();
     let whole = rotation.is_finite() && rotation.length() > 0.5;

@@ -1,4 +1,4 @@
-//! Which way is up in a motion file, and how long its unit is: neither is written in most.
+//! Up axis and length unit of a motion file; most files state neither.
 //!
 //! Source: measured on the files of five families of writers; see `docs/formats/bvh.md`.
 
@@ -6,21 +6,21 @@ use crate::error::{Assumption, ReadError, Warning};
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
-/// Largest number that means something in any unit; sums and products of such stay finite.
+/// Largest number that is meaningful in any unit; sums and products of such numbers stay finite.
 pub(crate) const MAX_NUMBER: f32 = 1e9;
 
-/// Frames that are looked at to tell which way is up.
+/// Number of frames that are sampled to detect the up axis.
 const FRAMES_LOOKED_AT: usize = 32;
 
 /// The axis that points up in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UpAxis {
-    /// Told from where the head is.
+    /// Detected from the position of the head.
     #[default]
     Auto,
-    /// +Y, as most files have it.
+    /// +Y, as in most files.
     Y,
-    /// +Z, as files from Blender and some capture systems have it.
+    /// +Z, as in files from Blender and some capture systems.
     Z,
 }
 
@@ -28,9 +28,9 @@ pub enum UpAxis {
 const METRES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
 /// Heights of joints of adults, in metres.
 pub(crate) const ADULT: std::ops::RangeInclusive<f32> = 1.3..=2.1;
-/// Height that a figure of unknown unit is given, in metres.
+/// Height that a figure of unknown unit is scaled to, in metres.
 const ASSUMED_METRES: f32 = 1.7;
-/// Known units, the most usual first: name and metres.
+/// Known units, the most common first: name and metres.
 const UNITS: [(&str, f32); 5] = [
     ("centimetres", 0.01),
     ("inches", 0.0254),
@@ -39,10 +39,11 @@ const UNITS: [(&str, f32); 5] = [
     ("millimetres", 0.001),
 ];
 
-/// The scale that the caller gives, or the guess (with its words, which become a warning).
+/// Returns the scale that the caller gives, else the guess (with a description that becomes a
+/// warning).
 ///
 /// # Errors
-/// [`ReadError::Malformed`] if the caller's scale is no scale.
+/// [`ReadError::Malformed`] if the caller's scale is not a valid scale.
 pub(crate) fn scale_to_metres(
     given: Option<f32>,
     guess: impl FnOnce() -> (f32, Option<String>),
@@ -62,8 +63,8 @@ pub(crate) fn scale_to_metres(
     }
 }
 
-/// Metres of one unit, and how that was found; `height` is the rest figure's in file units.
-/// No words if nothing had to be guessed.
+/// Returns metres per unit, and how that was determined; `height` is that of the rest figure in
+/// file units. `None` as description means that nothing was guessed.
 pub(crate) fn scale(height: f32) -> (f32, Option<String>) {
     if METRES.contains(&height) || height < 1e-9 {
         return (1.0, None);
@@ -84,12 +85,12 @@ pub(crate) fn scale(height: f32) -> (f32, Option<String>) {
     (scale, Some(what))
 }
 
-/// Rotation that brings +Z up to +Y.
+/// Returns the rotation that turns +Z up into +Y up.
 pub(crate) fn y_from_z() -> Quat {
     Quat::from_rotation_x(-FRAC_PI_2)
 }
 
-/// The figure at rest, in file units: what its posture is told from.
+/// The figure at rest, in file units, from which its posture is determined.
 pub(crate) struct Figure<'a> {
     pub(crate) names: Vec<&'a str>,
     /// Parents before children.
@@ -97,18 +98,18 @@ pub(crate) struct Figure<'a> {
     pub(crate) places: Vec<Vec3>,
 }
 
-/// The places of head and root in one frame; the chain leads from head to root.
+/// Returns the positions of head and root in one frame; the chain leads from head to root.
 type HeadAndRoot<'a> = dyn Fn(usize, &[usize]) -> (Vec3, Vec3) + 'a;
 
-/// What moves a figure.
+/// The motion of a figure.
 pub(crate) struct Motion<'a> {
     pub(crate) frames: usize,
     pub(crate) head_and_root: &'a HeadAndRoot<'a>,
 }
 
 impl Figure<'_> {
-    /// Whether the rest figure, and whether the motion, has +Z up; `up` decides unless it is
-    /// [`UpAxis::Auto`], and a turn that was found is said in a warning.
+    /// Returns whether the rest figure and the motion have +Z up. `up` decides unless it is
+    /// [`UpAxis::Auto`]; a detected turn is reported as a warning.
     pub(crate) fn has_z_up(
         &self,
         up: UpAxis,
@@ -159,7 +160,7 @@ impl Figure<'_> {
 }
 
 impl Motion<'_> {
-    /// Mean way from root to head, and mean place of the root.
+    /// Returns the mean offset from root to head, and the mean position of the root.
     fn mean_stand(&self, chain: &[usize]) -> (Vec3, Vec3) {
         let step = self.frames.div_ceil(FRAMES_LOOKED_AT);
         let looked_at = (0..self.frames).step_by(step);
@@ -175,21 +176,21 @@ impl Motion<'_> {
     }
 }
 
-/// Extent along an axis (0 to 2); 0 without points.
+/// Returns the extent along an axis (0 to 2); 0 without points.
 pub(crate) fn extent(points: impl Iterator<Item = Vec3>, axis: usize) -> f32 {
     let along = points.map(|p| p[axis]);
     let (low, high) = along.fold((f32::MAX, f32::MIN), |(l, h), v| (l.min(v), h.max(v)));
     (high - low).max(0.0)
 }
 
-/// Whether the way from the hips to the head goes along +Z rather than along Y.
+/// Returns whether the offset from hips to head points along +Z rather than along Y.
 fn points_along_z(head_from_root: Vec3) -> bool {
     head_from_root.z > head_from_root.y.abs()
 }
 
-/// Whether a motion stands along +Z although its rest figure stands along +Y: the head is
-/// above the hips along Z, and the hips are about as far from the floor as at rest. (A person
-/// who lies on the floor of a +Y world fails the second test.)
+/// Returns whether a motion has +Z up although its rest figure has +Y up: the head is above the
+/// hips along Z, and the hips are about as far from the floor as at rest. (A person who lies on the
+/// floor of a +Y world fails the second test.)
 fn motion_stands_along_z(head_from_root: Vec3, root: Vec3, hip_height: f32) -> bool {
     let standing = 0.5 * hip_height..1.5 * hip_height;
     points_along_z(head_from_root) && standing.contains(&root.z) && root.y.abs() < 0.5 * root.z

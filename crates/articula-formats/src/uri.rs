@@ -1,4 +1,4 @@
-//! URIs of what lies beside a file or inside it: data URIs decoded, relative ones freed of percent-encoding.
+//! URIs of external or embedded data: decoding of data URIs and of percent-encoding.
 //!
 //! Source: RFC 2397 (data URIs), RFC 3986 2.1 (percent-encoding).
 
@@ -16,7 +16,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
         .with_decode_allow_trailing_bits(true),
 );
 
-/// The media type and bytes of a data URI; `None` if the URI is of another scheme.
+/// Returns media type and bytes of a data URI; `None` if the URI has another scheme.
 pub(crate) fn decode_data_uri(
     uri: &str,
     at: &str,
@@ -49,12 +49,12 @@ pub(crate) fn decode_data_uri(
     Ok(Some((mime, bytes)))
 }
 
-/// A relative URI as the file name that it stands for.
+/// Returns the file name that a relative URI denotes.
 pub(crate) fn file_name(uri: &str) -> String {
     String::from_utf8(percent_decoded(uri)).unwrap_or_else(|_| uri.to_owned())
 }
 
-/// The media type that the bytes show, else the declared one.
+/// Returns the media type detected from the bytes, else the declared one.
 pub(crate) fn mime_type(declared: &str, bytes: &[u8]) -> String {
     let seen = match bytes {
         [0x89, b'P', b'N', b'G', ..] => "image/png",
@@ -69,7 +69,7 @@ fn strip_scheme(uri: &str) -> Option<&str> {
     scheme.eq_ignore_ascii_case("data:").then(|| &uri[5..])
 }
 
-/// Replaces `%41` by `A`; a `%` that no two hexadecimal digits follow stands for itself.
+/// Replaces `%41` by `A`; a `%` that two hexadecimal digits do not follow is kept.
 fn percent_decoded(text: &str) -> Vec<u8> {
     let bytes = text.as_bytes();
     let mut out = Vec::with_capacity(bytes.len());

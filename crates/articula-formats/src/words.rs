@@ -1,19 +1,19 @@
-//! Words and numbers of line-based text formats, and the places that errors name.
+//! Words and numbers of line-based text formats, and positions for error messages.
 
 use crate::error::ReadError;
 use crate::units::MAX_NUMBER;
 use std::fmt::Display;
 
-/// Seconds a frame that a motion made by people can have.
+/// Accepted range of seconds per frame.
 pub(crate) const FRAME_TIMES_SECS: std::ops::RangeInclusive<f32> = 1e-6..=1e4;
 
-/// Above this many frames neighbouring key times would be one and the same number.
+/// Maximum number of frames; beyond it, neighbouring key times would be equal in `f32`.
 pub(crate) const MAX_FRAMES: u64 = 1 << 22;
 
-/// Most of a line that an error shows.
+/// Maximum number of characters of a line that an error message quotes.
 const SHOWN_CHARS: usize = 40;
 
-/// A finite number of sensible size or an error that names the place.
+/// Parses a finite number of plausible size; the error names the position.
 pub(crate) fn number(at: impl Display, word: &str) -> Result<f32, ReadError> {
     let number = word.parse::<f32>().ok();
     number.filter(|v| v.abs() <= MAX_NUMBER).ok_or_else(|| {
@@ -23,7 +23,7 @@ pub(crate) fn number(at: impl Display, word: &str) -> Result<f32, ReadError> {
     })
 }
 
-/// Seconds from frame to frame.
+/// Parses the seconds between frames.
 pub(crate) fn frame_time(at: impl Display, word: &str) -> Result<f32, ReadError> {
     let secs = number(&at, word)?;
     if FRAME_TIMES_SECS.contains(&secs) {
@@ -33,12 +33,12 @@ pub(crate) fn frame_time(at: impl Display, word: &str) -> Result<f32, ReadError>
     Err(ReadError::malformed(at.to_string(), what))
 }
 
-/// The beginning of a text, as an error shows it.
+/// Returns the beginning of a text, for an error message.
 pub(crate) fn shortened(text: &str) -> String {
     text.chars().take(SHOWN_CHARS).collect()
 }
 
-/// What follows a keyword of one or more words and its colon, or an error.
+/// Returns the text after a keyword of one or more words and its colon, or an error.
 pub(crate) fn value_of<'a>(
     at: impl Display,
     text: &'a str,

@@ -1,61 +1,61 @@
-//! What writers give: the bytes and what they could not hold, or why there are none.
+//! Results of writers: the bytes and what they could not express, or an error.
 
 use articula_core::source::{Character, RawClip};
 use thiserror::Error;
 
-/// A written figure, and what the format could not hold of it.
+/// A written figure, and what the format could not express.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrittenFile {
-    /// The whole file; of Acclaim files the skeleton.
+    /// The whole file; for Acclaim, the skeleton file.
     pub bytes: Vec<u8>,
-    /// The motion, where the format keeps it in a file of its own and a clip was asked for.
+    /// The motion file, if the format has a separate one and a clip was requested.
     pub motion: Option<Vec<u8>>,
-    /// What could not be written as it is, in words.
+    /// Descriptions of what could not be written as it is.
     pub left_out: Vec<String>,
 }
 
-/// Why a file could not be written.
+/// Reason why a file could not be written.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum WriteError {
-    /// There is no such clip.
+    /// The requested clip does not exist.
     #[error("clip {index} was asked for, the character has {count}")]
     NoClip {
-        /// The index asked for.
+        /// The requested index.
         index: usize,
-        /// Clips of the character.
+        /// Number of clips of the character.
         count: usize,
     },
-    /// There is no joint.
+    /// The character has no joint.
     #[error("the character has no joint to write")]
     NoJoint,
-    /// A number of the options is not positive.
+    /// A numeric option is not positive.
     #[error("{which} is {found}, a positive number is expected")]
     NotPositive {
-        /// Which one.
+        /// Name of the option.
         which: &'static str,
-        /// What it is.
+        /// Its value.
         found: f32,
     },
-    /// The articulation is of another skeleton.
+    /// The articulation belongs to another skeleton.
     #[error("the articulation has {found} joints, the character {expected}")]
     OtherSkeleton {
-        /// Joints of the articulation.
+        /// Number of joints of the articulation.
         found: usize,
-        /// Joints of the character.
+        /// Number of joints of the character.
         expected: usize,
     },
-    /// A GLB counts its bytes with 32 bits.
+    /// The file exceeds the 32-bit size of a GLB.
     #[error("the file would take {bytes} bytes, a GLB holds less than 4 GiB")]
     TooLarge {
-        /// Bytes that the file would take.
+        /// Size that the file would have, in bytes.
         bytes: u64,
     },
-    /// What the caller gave does not belong to the document.
+    /// An argument does not match the document.
     #[error("{at}: {what}")]
     Mismatch {
-        /// Which argument or path.
+        /// Name of the argument or path.
         at: String,
-        /// What does not fit.
+        /// Description of the mismatch.
         what: String,
     },
 }
@@ -68,7 +68,7 @@ impl WriteError {
         }
     }
 
-    /// Refuses numbers that are not above zero.
+    /// Returns an error for numbers that are not above zero.
     pub(crate) fn check(numbers: &[(&'static str, f32)]) -> Result<(), Self> {
         let bad = |(_, found): &&(&str, f32)| !(found.is_finite() && *found > 0.0);
         match numbers.iter().find(bad) {
@@ -77,7 +77,7 @@ impl WriteError {
         }
     }
 
-    /// The clip of this index.
+    /// Returns the clip of this index.
     pub(crate) fn clip(character: &Character, index: usize) -> Result<&RawClip, Self> {
         let count = character.clips.len();
         let clip = character.clips.get(index);

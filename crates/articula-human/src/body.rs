@@ -1,13 +1,13 @@
-//! The shape of the reference human: trunk, limbs, and how all parts join.
+//! The body of the reference human: trunk, limbs, and how all parts join.
 //!
-//! All numbers are metres of the left half in the rest pose, drawn after common proportions of
-//! an adult of 1.75 m (eight-part limbs, eyes at half the head); the field mirrors them.
+//! All numbers are metres of the left half in the rest pose, after common proportions of an adult
+//! of 1.75 m (eight-part limbs, eyes at half the head); the field is mirrored.
 
 use crate::field::{Group, Join, Section, Shape, gradient, smooth_min};
 use crate::{foot, hand, head};
 use glam::{Mat3, Vec3};
 
-/// Hips to collar.
+/// The trunk from hips to collar.
 const TRUNK: [Section; 16] = [
     [0.885, -0.14, 0.14, 0.066, -0.086],
     [0.92, -0.149, 0.149, 0.074, -0.098],
@@ -76,7 +76,7 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    /// The mannequin.
+    /// Creates the mannequin.
     pub(crate) fn new() -> Self {
         Self {
             trunk: trunk(),
@@ -89,7 +89,7 @@ impl Body {
         }
     }
 
-    /// Signed distance to the skin.
+    /// Signed distance to the skin, in metres.
     pub(crate) fn distance(&self, p: Vec3) -> f32 {
         let p = Vec3::new(p.x.abs(), p.y, p.z);
         let torso = smooth_min(self.trunk.distance(p), self.head.distance(p), 0.03);
@@ -98,7 +98,7 @@ impl Body {
         smooth_min(core, self.upper_limb(p), armpit_blend(p))
     }
 
-    /// Distance to arm and hand; fingers blend with the palm and never with each other.
+    /// Distance to arm and hand; fingers blend with the palm but not with each other.
     pub(crate) fn upper_limb(&self, p: Vec3) -> f32 {
         let palm = self.palm.distance(p);
         let hand = self
@@ -109,7 +109,7 @@ impl Body {
         smooth_min(self.arm.distance(p), hand, 0.03)
     }
 
-    /// Unit vector away from the surface.
+    /// Outward unit normal of the field.
     pub(crate) fn normal(&self, p: Vec3) -> Vec3 {
         gradient(|q| self.distance(q), p)
             .try_normalize()
@@ -117,7 +117,8 @@ impl Body {
     }
 }
 
-/// Wide at the shoulder, narrow down the inner side of the arm, so that the gap stays open.
+/// Blend distance of arm and trunk: wide at the shoulder, narrow down the inner side of the arm, so
+/// that the gap stays open.
 fn armpit_blend(p: Vec3) -> f32 {
     let t = ((p.y - 1.29) / 0.11).clamp(0.0, 1.0);
     0.003 + 0.057 * t * t * (3.0 - 2.0 * t)
@@ -131,7 +132,7 @@ fn trunk() -> Group {
     let add = Join::Add;
     Group::default()
         .with(Shape::loft(&TRUNK), add(0.0))
-        // Chest, blades, flanks.
+        // Chest, shoulder blades, flanks.
         .with(
             Shape::ellipsoid(
                 [0.066, 1.345, 0.058],
@@ -161,7 +162,7 @@ fn trunk() -> Group {
             Shape::cone([0.024, 1.53, -0.06], [0.155, 1.45, -0.042], [0.022, 0.024]),
             add(0.05),
         )
-        // Seat.
+        // Buttocks.
         .with(
             Shape::ellipsoid(
                 [0.072, 0.895, -0.056],
@@ -182,7 +183,7 @@ fn leg() -> Group {
     let plain = Mat3::IDENTITY;
     Group::default()
         .with(Shape::loft(&LEG), add(0.0))
-        // Knee cap, the inner belly of the calf, ankle bones.
+        // Knee cap, inner calf, ankle bones.
         .with(
             Shape::ellipsoid([0.098, 0.496, 0.029], [0.025, 0.04, 0.022], plain),
             add(0.05),

@@ -1,15 +1,15 @@
 //! Signed distance fields: lofts, tapered cones and ellipsoids, joined smoothly.
 //!
-//! Negative inside, metres. Distances are first-order exact near the surface and never larger
-//! than the true one far away, which is what the polygoniser's pruning needs. Sources: round
-//! cone and smooth minimum after I. Quilez' articles on distance functions; the lofts are ours.
+//! In metres, negative inside. Distances are first-order exact near the surface and never exceed
+//! the true one far away, as the pruning of the polygoniser requires. Sources: round cone and
+//! smooth minimum after I. Quilez' articles on distance functions.
 
 use glam::{Mat3, Vec3, Vec4};
 
-/// A solid with a distance.
+/// A solid with a signed distance function.
 #[derive(Debug, Clone)]
 pub(crate) enum Shape {
-    /// Ellipses stacked along the vertical.
+    /// Ellipses stacked along y.
     Loft(Loft),
     /// A round cone or an ellipsoid, scaled along its own axes.
     Cone(Cone),
@@ -37,16 +37,16 @@ pub(crate) struct Cone {
     radii: [f32; 2],
 }
 
-/// How a shape joins what stands before it in its [`Group`].
+/// How a shape is combined with the shapes before it in its [`Group`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Join {
-    /// Union, blended over this distance.
+    /// Smooth union over this blend distance.
     Add(f32),
-    /// Taken away, blended over this distance.
+    /// Smooth subtraction over this blend distance.
     Carve(f32),
 }
 
-/// A shape in its place, with a box around it.
+/// A shape with its bounding box.
 #[derive(Debug, Clone)]
 struct Part {
     shape: Shape,
@@ -54,18 +54,18 @@ struct Part {
     bounds: (Vec3, Vec3),
 }
 
-/// Shapes that are evaluated in order and skipped together.
+/// A list of shapes that are combined in order and culled together.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Group {
     parts: Vec<Part>,
     bounds: Option<(Vec3, Vec3)>,
 }
 
-/// Beyond this distance from a group's box only the box counts; wider than every blend.
+/// Distance from the box of a group above which only the box counts; wider than every blend.
 const REACH: f32 = 0.07;
 
 impl Shape {
-    /// A solid through these sections, lowest first.
+    /// A solid through the sections, lowest first.
     pub(crate) fn loft(sections: &[Section]) -> Self {
         let heights: Vec<f32> = sections.iter().map(|s| s[0]).collect();
         let values: Vec<Vec4> = sections
@@ -78,7 +78,7 @@ impl Shape {
         let rows = (0..=last)
             .map(|i| {
                 let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
-                // The ends are upright, so that their round caps continue them smoothly.
+                // Zero slope at the ends, so that their round caps continue them smoothly.
                 let inner = if i == 0 || i == last { 0.0 } else { 1.0 };
                 (
                     values[i],
@@ -94,7 +94,7 @@ impl Shape {
         Self::flat_cone(a, b, radii, Vec3::X, 1.0)
     }
 
-    /// A capsule whose section is wider along `wide` (made normal to the axis) by `factor`.
+    /// A capsule whose section is wider by `factor` along `wide`, made perpendicular to the axis.
     pub(crate) fn flat_cone(
         a: [f32; 3],
         b: [f32; 3],
@@ -115,7 +115,7 @@ impl Shape {
         })
     }
 
-    /// An ellipsoid with its axes along the model's, turned by `turn`.
+    /// An ellipsoid along the axes of the model, rotated by `turn`.
     pub(crate) fn ellipsoid(center: [f32; 3], radii: [f32; 3], turn: Mat3) -> Self {
         Self::Cone(Cone {
             origin: Vec3::from(center),
@@ -173,7 +173,7 @@ impl Loft {
             low = low.min(center - half);
             high = high.max(center + half);
         }
-        // The curves between sections may swell a little beyond them.
+        // The curves between sections may exceed them slightly.
         (low - 0.01, high + 0.01)
     }
 }
@@ -247,7 +247,7 @@ impl Group {
                 Join::Add(blend) => (1.0, blend),
                 Join::Carve(blend) => (-1.0, blend),
             };
-            // Distances of flat shapes are somewhat short of the true ones, hence the room.
+            // Distances of flat shapes are somewhat too small, hence the margin.
             if outside(part.bounds, p) <= sign * sum + 1.5 * blend {
                 sum = sign * smooth_min(sign * sum, part.shape.distance(p), blend);
             }
@@ -255,25 +255,25 @@ impl Group {
         sum
     }
 
-    /// Unit vector away from the surface, symmetric about x = 0.
+    /// Outward unit normal, symmetric about x = 0.
     pub(crate) fn normal(&self, p: Vec3) -> Vec3 {
         let half = |q: Vec3| self.distance(Vec3::new(q.x.abs(), q.y, q.z));
         gradient(half, p).try_normalize().unwrap_or(Vec3::Y)
     }
 
-    /// Corners of a box around it.
+    /// Corners of the bounding box.
     pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds.unwrap_or((Vec3::ZERO, Vec3::ZERO))
     }
 }
 
-/// Distance to a box, zero inside.
+/// Distance to a box, 0 inside.
 fn outside((low, high): (Vec3, Vec3), p: Vec3) -> f32 {
     (low - p).max(p - high).max(Vec3::ZERO).length()
 }
 
-/// Minimum whose crease is rounded where both sides differ by less than `blend` (cubic, so that
-/// shading stays smooth); the plain minimum elsewhere.
+/// Cubic smooth minimum: rounds the crease where both values differ by less than `blend`, so that
+/// shading stays smooth; the plain minimum elsewhere.
 pub(crate) fn smooth_min(a: f32, b: f32, blend: f32) -> f32 {
     let near = (blend - (a - b).abs()).max(0.0);
     if near == 0.0 {
@@ -283,7 +283,7 @@ pub(crate) fn smooth_min(a: f32, b: f32, blend: f32) -> f32 {
     a.min(b) - h * h * h * blend / 6.0
 }
 
-/// Slope of a field by central differences.
+/// Gradient of a field by central differences.
 pub(crate) fn gradient(field: impl Fn(Vec3) -> f32, p: Vec3) -> Vec3 {
     const STEP: f32 = 4e-4;
     let along = |axis: Vec3| field(p + axis * STEP) - field(p - axis * STEP);
@@ -298,7 +298,7 @@ mod tests {
     fn a_smooth_minimum_only_differs_inside_its_blend() {
         assert_eq!(smooth_min(1.0, 2.0, 0.5), 1.0);
         assert_eq!(smooth_min(2.0, 1.0, 0.0), 1.0);
-        // Equal sides sink by a sixth of the blend, the most that happens.
+        // Equal values are lowered by a sixth of the blend, which is the maximum.
         assert!((smooth_min(1.0, 1.0, 0.6) - 0.9).abs() < 1e-6);
     }
 
@@ -308,7 +308,7 @@ mod tests {
         assert!(ellipsoid.distance(Vec3::new(1.0, 0.2, 0.0)).abs() < 1e-6);
         assert!((ellipsoid.distance(Vec3::new(1.0, 0.0, 0.4)) - 0.1).abs() < 1e-6);
         assert!(ellipsoid.distance(Vec3::X) < 0.0);
-        // A capsule of one radius: the exact distance is known.
+        // A capsule of one radius, with known exact distance.
         let capsule = Shape::cone([0.0; 3], [0.0, 1.0, 0.0], [0.1, 0.1]);
         assert!((capsule.distance(Vec3::new(0.3, 0.5, 0.4)) - 0.4).abs() < 1e-6);
         assert!((capsule.distance(Vec3::new(0.0, 1.5, 0.0)) - 0.4).abs() < 1e-6);

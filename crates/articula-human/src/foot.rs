@@ -3,7 +3,7 @@
 use crate::field::{Group, Join, Shape};
 use glam::{Mat3, Vec3};
 
-/// Root and tip of each toe with their radii, great toe first.
+/// Root and tip of each toe with their radii, big toe first.
 const TOES: [([f32; 3], [f32; 3], [f32; 2]); 5] = [
     (
         [0.0905, 0.015, 0.1],
@@ -32,12 +32,12 @@ const TOES: [([f32; 3], [f32; 3], [f32; 2]); 5] = [
     ),
 ];
 
-/// Ankle to toe tips.
+/// The foot from ankle to toe tips.
 pub(crate) fn foot() -> Group {
     let add = Join::Add;
     let flat = |a, b, radii, factor| Shape::flat_cone(a, b, radii, Vec3::X, factor);
     let mut foot = Group::default()
-        // Heel with the tendon above it.
+        // Heel and tendon.
         .with(
             Shape::ellipsoid(
                 [0.104, 0.034, -0.057],

@@ -1,7 +1,7 @@
-//! Walking in place, as on a treadmill: feet first, then the body that rides on them.
+//! Walking in place, as on a treadmill: the feet determine the pose of the body.
 //!
-//! Source: the common gait description (stance for 62 % of the cycle, heel strike, foot flat,
-//! heel off, toe off); angles and distances are ours, within the range of published curves.
+//! Source: the common description of gait (stance for 62 % of the cycle, heel strike, foot flat,
+//! heel off, toe off); angles and distances are chosen within the range of published curves.
 
 use crate::leg::{Foothold, stand};
 use crate::motion::{Pose, Side, cycle};
@@ -11,27 +11,27 @@ use articula_core::source::RawClip;
 use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
 
-/// Frames of one cycle (two steps).
+/// Number of frames of one cycle (two steps).
 const FRAMES: usize = 32;
-/// Speed of the ground, metres a second.
+/// Speed of the ground in m/s.
 const SPEED: f32 = 1.3;
-/// Ground covered in one cycle, metres.
+/// Distance covered in one cycle, in metres.
 const STRIDE: f32 = SPEED * FRAMES as f32 / 30.0;
-/// Share of the cycle that a foot is on the ground.
+/// Share of the cycle during which a foot is on the ground.
 const STANCE: f32 = 0.62;
-/// Phases at which the foot is flat, and at which the heel leaves the ground.
+/// Phases at which the foot is flat and at which the heel leaves the ground.
 const FLAT: f32 = 0.11;
 const HEEL_OFF: f32 = 0.34;
 /// Phase at which the ankle passes under the hip.
 const UNDER: f32 = 0.245;
-/// Foot pitch at heel strike and at toe off, radians.
+/// Foot pitch at heel strike and at toe off, in radians.
 const STRIKE: f32 = -0.33;
 const TOE_OFF: f32 = 0.85;
-/// Where heel and ball touch the floor at rest (z).
+/// z at which heel and ball touch the floor at rest.
 const HEEL: f32 = -0.068;
 const BALL: f32 = 0.094;
 
-/// The walk; one cycle.
+/// The walk clip; one cycle.
 pub(crate) fn walk() -> RawClip {
     cycle("walk", FRAMES, pose)
 }
@@ -42,7 +42,7 @@ fn pose(phase: f32) -> Pose {
     let bob = -0.038 - 0.019 * (2.0 * TAU * (phase - 0.055)).cos();
     let mut pose = Pose::rest();
     pose.root += Vec3::new(0.017 * sway, bob, 0.006 * (2.0 * TAU * phase).sin());
-    // The hip of the leg in front goes ahead; the swinging side drops.
+    // The hip of the front leg moves ahead; the swinging side drops.
     pose.turn(0, [2.0, -5.5 * step, 2.6 * sway]);
     pose.turn_spine("vl5", "vt1", [4.5, 11.0 * step, -3.8 * sway]);
     pose.turn_spine("vc7", "vc1", [-3.5, -4.0 * step, 0.8 * sway]);
@@ -55,7 +55,7 @@ fn pose(phase: f32) -> Pose {
     pose
 }
 
-/// The arm goes against the leg of its side, the elbow bends more in front.
+/// The arm swings against the leg of its side; the elbow bends more in front.
 fn swing_arm(pose: &mut Pose, side: Side, phase: f32) {
     let back = (TAU * (phase - 0.02)).cos();
     let late = (TAU * (phase - 0.07)).cos();
@@ -66,7 +66,7 @@ fn swing_arm(pose: &mut Pose, side: Side, phase: f32) {
     pose.curl(side, 9.0 - 2.0 * late);
 }
 
-/// Where a foot is at a phase of its own cycle, which begins with its heel strike.
+/// Target of a foot at a phase of its own cycle, which begins with its heel strike.
 fn foothold(side: Side, phase: f32) -> Foothold {
     if phase <= STANCE {
         on_ground(side, phase)

@@ -1,4 +1,4 @@
-//! Standing idle and waving a hand; the feet stay where they are.
+//! Clips of standing: idle, and waving a hand. The feet stay in place.
 
 use crate::leg::{Foothold, stand};
 use crate::motion::{Pose, Side, cycle};
@@ -8,12 +8,12 @@ use articula_core::source::RawClip;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
-/// Breathing, shifting weight, looking about a little; four seconds.
+/// The idle clip of four seconds: breathing, shifting weight, small head turns.
 pub(crate) fn idle() -> RawClip {
     cycle("idle", 120, |phase| standing(phase, 1.0))
 }
 
-/// The right hand goes up, waves three times and comes down again.
+/// The wave clip: the right hand rises, waves three times and is lowered.
 pub(crate) fn wave() -> RawClip {
     cycle("wave", 84, |phase| {
         let mut pose = standing(phase, 0.6);
@@ -22,7 +22,7 @@ pub(crate) fn wave() -> RawClip {
     })
 }
 
-/// One sway of the body and two breaths a cycle; all of it returns to where it began.
+/// Standing pose: one sway of the body and two breaths per cycle, all periodic.
 fn standing(phase: f32, amount: f32) -> Pose {
     let once = |offset: f32| amount * (TAU * (phase - offset)).sin();
     let twice = |offset: f32| (2.0 * TAU * (phase - offset)).sin();
@@ -75,12 +75,12 @@ fn standing(phase: f32, amount: f32) -> Pose {
     pose
 }
 
-/// Share of the wave clip spent on raising the arm; lowering takes as long.
+/// Share of the wave clip in which the arm is raised; lowering takes as long.
 const RAISE: f32 = 0.27;
 
 fn raise(pose: &mut Pose, phase: f32) {
     let up = smooth_step(0.03, RAISE, phase) * smooth_step(0.97, 1.0 - RAISE, phase);
-    // The elbow leads on the way up, so that the hand does not sweep far out.
+    // The elbow leads while rising, so that the hand does not sweep far out.
     let lead = smooth_step(0.03, 0.8 * RAISE, phase) * smooth_step(0.97, 1.0 - 0.8 * RAISE, phase);
     let waving = smooth_step(0.2, 0.32, phase) * smooth_step(0.82, 0.7, phase);
     let beat = waving * (TAU * 3.0 * (phase - 0.245) / 0.51).sin();

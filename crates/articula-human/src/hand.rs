@@ -4,7 +4,7 @@ use crate::field::{Group, Join, Shape};
 use crate::skeleton::{FINGER_POINTS, hand_axes, hand_point};
 use glam::{Mat3, Vec3};
 
-/// Radii at knuckle, middle joint, end joint and tip, thumb first.
+/// Radii at knuckle, middle joint, end joint and tip; thumb first.
 const RADII: [[f32; 4]; 5] = [
     [0.0145, 0.0118, 0.0102, 0.0082],
     [0.0098, 0.0084, 0.0076, 0.0064],
@@ -18,13 +18,13 @@ fn cone(a: [f32; 3], b: [f32; 3], radii: [f32; 2]) -> Shape {
 }
 
 fn ellipsoid(center: [f32; 3], radii: [f32; 3]) -> Shape {
-    // The hand's axes are back, tips, thumb: a left-handed set would mirror, so z is rebuilt.
+    // The axes (back, tips, thumb) are left-handed and would mirror the shape, so z is recomputed.
     let axes = hand_axes();
     let turn = Mat3::from_cols(axes.x_axis, axes.y_axis, axes.x_axis.cross(axes.y_axis));
     Shape::ellipsoid(hand_point(center).into(), radii, turn)
 }
 
-/// Wrist to knuckles.
+/// The palm from wrist to knuckles.
 pub(crate) fn palm() -> Group {
     let wide = hand_axes().z_axis;
     let wrist = Shape::flat_cone(
@@ -58,7 +58,7 @@ pub(crate) fn palm() -> Group {
         )
 }
 
-/// Thumb, index, middle, ring, pinky; each a chain of tapered bones with a hint of a nail.
+/// Thumb, index, middle, ring, pinky; each a chain of tapered bones with a pad at the tip.
 pub(crate) fn fingers() -> [Group; 5] {
     std::array::from_fn(|f| {
         let (points, radii) = (&FINGER_POINTS[f], &RADII[f]);

@@ -1,5 +1,5 @@
-//! The left half of the head: skull, face with lids and ears; lips and brows are pieces of
-//! their own that sit in the skin, so that their edges stay crisp at every level of detail.
+//! The left half of the head: skull, face with lids, and ears. Lips and brows are separate pieces
+//! embedded in the skin, so that their edges stay sharp at every level of detail.
 
 use crate::field::{Group, Join, Section, Shape};
 use crate::skeleton::EYE;
@@ -8,7 +8,7 @@ use glam::{Mat3, Vec3};
 /// Radius of an eyeball.
 pub(crate) const EYE_RADIUS: f32 = 0.0122;
 
-/// Chin to forehead.
+/// The face from chin to forehead.
 const FACE: [Section; 9] = [
     [1.537, -0.018, 0.018, 0.074, 0.04],
     [1.548, -0.031, 0.031, 0.0765, 0.018],
@@ -102,7 +102,7 @@ fn face(group: Group) -> Group {
     ear(lids(group))
 }
 
-/// Lids: a shell around the eyeball with an almond opening.
+/// Lids: a shell around the eyeball with an almond-shaped opening.
 fn lids(group: Group) -> Group {
     let [x, y, z] = EYE.to_array();
     let almond = Shape::ellipsoid(
@@ -128,7 +128,7 @@ fn ear(group: Group) -> Group {
         )
 }
 
-/// The left brow: an arch that stands out of the ridge.
+/// The left brow: an arch that protrudes from the ridge.
 pub(crate) fn brow(head: &Group) -> Group {
     let arch = [
         ([0.0145, 1.6555], 0.0017),
@@ -143,7 +143,7 @@ pub(crate) fn brow(head: &Group) -> Group {
     })
 }
 
-/// Both lips, as one piece with the mouth line carved between them.
+/// Both lips, as one piece with the line of the mouth carved between them.
 pub(crate) fn lips(head: &Group) -> Group {
     let at = |x: f32, y: f32, lift: f32| on_skin(head, [x, y], lift);
     let bow = |a, b, radii, join| (Shape::cone(a, b, radii), join);
@@ -178,7 +178,7 @@ pub(crate) fn lips(head: &Group) -> Group {
         .fold(Group::default(), |lips, (part, join)| lips.with(part, join))
 }
 
-/// The point of the face at x and y, moved out of the skin by `lift`.
+/// The point of the face at x and y, moved outwards by `lift`.
 fn on_skin(head: &Group, [x, y]: [f32; 2], lift: f32) -> [f32; 3] {
     let mut p = Vec3::new(x, y, 0.13);
     for _ in 0..60 {

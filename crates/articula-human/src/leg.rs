@@ -1,24 +1,24 @@
-//! Two-bone legs: hip and knee angles that put an ankle where a foot needs it.
+//! Two-bone leg IK: hip and knee angles that put an ankle at a target position.
 
 use crate::motion::{Pose, Side};
 use crate::skeleton::centers;
 use articula_core::hanim_table::JOINTS;
 use glam::{Mat3, Quat, Vec3};
 
-/// Where one foot stands.
+/// Target of one foot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Foothold {
-    /// Ankle joint in model space, metres.
+    /// Position of the ankle joint in model space, in metres.
     pub(crate) ankle: Vec3,
-    /// Foot pitch in radians; positive lifts the heel.
+    /// Pitch of the foot in radians; positive lifts the heel.
     pub(crate) pitch: f32,
-    /// How much of the pitch the toes undo, in radians.
+    /// Part of the pitch that the toes compensate, in radians.
     pub(crate) toes: f32,
 }
 
-/// Bends hip, knee, ankle and toes so that the foot stands there; the knee points forward.
+/// Rotates hip, knee, ankle and toes so that the foot reaches its target; the knee points forward.
 ///
-/// A foothold out of reach is approached along the line from the hip.
+/// A target out of reach is approached along the line from the hip.
 pub(crate) fn stand(pose: &mut Pose, side: Side, foot: Foothold) {
     let [hip, knee, ankle] = ["hip", "knee", "ankle"].map(|n| side.joint(n));
     let rest = centers();
@@ -29,7 +29,7 @@ pub(crate) fn stand(pose: &mut Pose, side: Side, foot: Foothold) {
     let reach = (thigh.length() + shin.length()) * 0.9995;
     let length = line.length().min(reach);
     let direction = line.normalize();
-    // Law of cosines: how far along the line the knee's foot point lies, and how far off it is.
+    // Law of cosines: distance of the knee along the line from hip to ankle, and off it.
     let along = (length * length + thigh.length_squared() - shin.length_squared()) / (2.0 * length);
     let off = (thigh.length_squared() - along * along).max(0.0).sqrt();
     let ahead = Vec3::new(0.06 * side.sign(), 0.0, 1.0);
@@ -45,7 +45,7 @@ pub(crate) fn stand(pose: &mut Pose, side: Side, foot: Foothold) {
     pose.rotations[side.joint("metatarsal")] = Quat::from_rotation_x(-foot.toes);
 }
 
-/// The rotation that takes a bone at rest, bending about -x, to a direction and bending axis.
+/// Rotation that takes a bone at rest, with its hinge along -x, to a direction and hinge axis.
 fn aim(bone: Vec3, to: Vec3, hinge: Vec3) -> Quat {
     let frame = |along: Vec3, hinge: Vec3| {
         let y = along.normalize();

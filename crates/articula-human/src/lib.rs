@@ -1,8 +1,7 @@
-//! The reference human: a smooth mannequin on the 89 H-Anim joints, made from formulas alone.
+//! The reference human: a procedural mannequin on the 89 joints of H-Anim.
 //!
-//! It stands in for a character of your own wherever there is none: 89 joints with names, levels
-//! and regions, four meshes at any triangle count from 2,000 to 70,000, and the clips `idle`,
-//! `walk` and `wave`.
+//! A substitute wherever no character is available: 89 joints with names, levels and regions, four
+//! meshes with 2,000 to 70,000 triangles in all, and the clips `idle`, `walk` and `wave`.
 //!
 //! ```
 //! use articula_human::{HumanOptions, human};
@@ -13,12 +12,11 @@
 //! # Ok::<(), articula_human::HumanError>(())
 //! ```
 //!
-//! One signed distance field is the body. It is polygonised finely, thinned to the triangle
-//! count that the caller wants, skinned by position and set in motion: options → field →
-//! surfaces → weights → character. The same options give the same bytes.
+//! The body is one signed distance field. It is polygonised finely, simplified to the requested
+//! triangle count, skinned by position and animated by formulas: options → field → surfaces →
+//! weights → character. The same options give the same bytes.
 //!
-//! What is deliberately absent: files, textures, a face that moves, and a simplifier of its own
-//! (`articula-build` has the one there is).
+//! Not included: textures, an animated face, and files. Simplification is that of `articula-build`.
 
 mod body;
 mod field;
@@ -44,13 +42,13 @@ use polygonise::Surface;
 use std::ops::RangeInclusive;
 use weights::{INFLUENCES, Weigher};
 
-/// Triangle counts that [`human`] makes.
+/// Supported triangle counts of [`human`].
 pub const TRIANGLES: RangeInclusive<usize> = 2_000..=70_000;
 
-/// What the reference human is made of.
+/// Options of [`human`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HumanOptions {
-    /// Triangles of all meshes together, within [`TRIANGLES`]; met to 5 %.
+    /// Number of triangles of all meshes together, within [`TRIANGLES`]; met to 5 %.
     pub triangles: usize,
 }
 
@@ -60,22 +58,22 @@ impl Default for HumanOptions {
     }
 }
 
-/// Why there is no human.
+/// Error of [`human`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum HumanError {
-    /// The triangle count is outside of what the surface gives.
+    /// The triangle count is outside of [`TRIANGLES`].
     #[error("{found} triangles: the reference human has {} to {} triangles", TRIANGLES.start(), TRIANGLES.end())]
     Triangles {
-        /// What was asked for.
+        /// The requested count.
         found: usize,
     },
 }
 
-/// Makes the reference human: skin, lips, brows and eyes, with the clips `idle`, `walk` and
-/// `wave`, all of which loop.
+/// Creates the reference human: skin, lips, brows and eyes, with the looping clips `idle`, `walk`
+/// and `wave`.
 ///
-/// It stands 1.75 m tall on y = 0, faces +Z and has its left side at +X, arms hanging; all
-/// rest rotations are the identity. The meshes are mirror images of themselves.
+/// It is 1.75 m tall, stands on y = 0, faces +Z and has its left side at +X, with the arms hanging;
+/// all rest rotations are the identity. The meshes are symmetric about x = 0.
 ///
 /// # Errors
 /// [`HumanError::Triangles`] if the count is outside of [`TRIANGLES`].
@@ -98,7 +96,7 @@ pub fn human(options: &HumanOptions) -> Result<Character, HumanError> {
     })
 }
 
-/// Names and linear colours; primitives refer to them by place.
+/// Names and linear colours of the materials; primitives refer to them by index.
 const MATERIALS: [(&str, [f32; 3]); 7] = [
     ("skin", [0.74, 0.62, 0.47]),
     ("lips", [0.6, 0.43, 0.32]),
@@ -153,7 +151,7 @@ fn meshes(body: &Body, pieces: &Pieces) -> Vec<RawMesh> {
     ]
 }
 
-/// A mesh in model space on all joints.
+/// A mesh in model space, bound to all joints.
 fn mesh(name: &str, primitives: Vec<Primitive>) -> RawMesh {
     let centers = skeleton::centers();
     RawMesh {
@@ -185,7 +183,7 @@ fn skin(body: &Body, surface: &Surface) -> Primitive {
     }
 }
 
-/// The skin in two parts with the same vertices along their border: bare, then suit.
+/// The skin in two primitives with the same vertices along their border: bare, then suit.
 fn two_tones(skin: &Primitive, tones: &[bool]) -> Vec<Primitive> {
     let of = |tone: bool| -> Vec<[u32; 3]> {
         let pairs = skin.triangles.iter().zip(tones);
@@ -197,7 +195,7 @@ fn two_tones(skin: &Primitive, tones: &[bool]) -> Vec<Primitive> {
     vec![part(skin, &of(false), 0), part(skin, &of(true), 6)]
 }
 
-/// Some triangles of a primitive, with the vertices that they use.
+/// A primitive of some triangles of another, with the vertices that they use.
 fn part(whole: &Primitive, triangles: &[[u32; 3]], material: usize) -> Primitive {
     let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
     used.sort_unstable();
@@ -230,8 +228,8 @@ fn part(whole: &Primitive, triangles: &[[u32; 3]], material: usize) -> Primitive
     }
 }
 
-/// Half the field's slope and half the triangles' own normals: where a coarse surface cuts
-/// across a fold that the field has, the slope alone would shade it dark.
+/// Mean of the field's gradient and the triangles' own normals: where a coarse surface cuts across
+/// a fold of the field, the gradient alone would shade it dark.
 fn normals(surface: &Surface, field: impl Fn(Vec3) -> Vec3) -> Vec<Vec3> {
     let positions = &surface.positions;
     let mut sums = vec![Vec3::ZERO; positions.len()];
@@ -251,7 +249,7 @@ fn normals(surface: &Surface, field: impl Fn(Vec3) -> Vec3) -> Vec<Vec3> {
     blended.collect()
 }
 
-/// A surface that one joint carries.
+/// A surface bound rigidly to one joint per vertex.
 fn rigid(
     surface: &Surface,
     material: usize,

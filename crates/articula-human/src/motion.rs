@@ -1,17 +1,17 @@
-//! Poses over time into clips: what the three motions share.
+//! Poses over time, and clips made from them: common parts of the three motions.
 //!
-//! Angles are given for the left side; the right side takes the mirror image, so that one
-//! function poses both.
+//! Angles are given for the left side; the right side uses the mirror image, so that one function
+//! poses both.
 
 use crate::skeleton::{centers, joint, skeleton};
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
 use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use glam::{EulerRot, Quat, Vec3};
 
-/// Keys a second.
+/// Key rate in Hz.
 const RATE: f32 = 30.0;
 
-/// Which side of the body a joint belongs to.
+/// Side of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Side {
     /// +X.
@@ -24,7 +24,7 @@ impl Side {
     /// Both sides.
     pub(crate) const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
-    /// The joint of this side whose name follows the side's prefix.
+    /// The joint of this side with the given name after the prefix of the side.
     pub(crate) fn joint(self, name: &str) -> usize {
         match self {
             Self::Left => joint(&format!("l_{name}")),
@@ -41,7 +41,7 @@ impl Side {
     }
 }
 
-/// Local rotations of every joint and where the root stands.
+/// Local rotations of every joint, and the position of the root.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Pose {
     pub(crate) root: Vec3,
@@ -57,19 +57,19 @@ impl Pose {
         }
     }
 
-    /// Turns a joint by pitch (about x), yaw (y) and roll (z) in degrees, after what it has.
+    /// Rotates a joint by pitch (about x), yaw (y) and roll (z) in degrees, on top of its rotation.
     pub(crate) fn turn(&mut self, joint: usize, degrees: [f32; 3]) {
         let [x, y, z] = degrees.map(f32::to_radians);
         self.rotations[joint] *= Quat::from_euler(EulerRot::ZYX, z, y, x);
     }
 
-    /// Turns a joint of one side; angles are the left side's.
+    /// Rotates a joint of one side; angles are those of the left side.
     pub(crate) fn turn_side(&mut self, side: Side, name: &str, [x, y, z]: [f32; 3]) {
         let s = side.sign();
         self.turn(side.joint(name), [x, y * s, z * s]);
     }
 
-    /// Spreads a turn evenly over the vertebrae from one name to another.
+    /// Distributes a rotation evenly over the vertebrae from one name to another.
     pub(crate) fn turn_spine(&mut self, from: &str, to: &str, degrees: [f32; 3]) {
         let (first, last) = (joint(from), joint(to));
         let count = (last - first + 1) as f32;
@@ -78,7 +78,7 @@ impl Pose {
         }
     }
 
-    /// Curls the four fingers of a hand by this much at each joint, and the thumb by less.
+    /// Curls the four fingers of a hand by this angle per joint, and the thumb by less.
     pub(crate) fn curl(&mut self, side: Side, degrees: f32) {
         for (f, finger) in ["index", "middle", "ring", "pinky"].iter().enumerate() {
             let more = 1.0 + 0.12 * f as f32;
@@ -110,7 +110,7 @@ impl Pose {
     }
 }
 
-/// A clip that repeats: `pose` is asked for a phase in 0..1, and the last key is the first.
+/// A looping clip: `pose` is evaluated at phases in 0..1, and the last key equals the first.
 pub(crate) fn cycle(name: &str, frames: usize, pose: impl Fn(f32) -> Pose) -> RawClip {
     let mut poses: Vec<Pose> = (0..frames)
         .map(|f| pose(f as f32 / frames as f32))
@@ -139,7 +139,7 @@ pub(crate) fn cycle(name: &str, frames: usize, pose: impl Fn(f32) -> Pose) -> Ra
     }
 }
 
-/// Unit quaternions, all on the side where w is not negative (no joint turns half around).
+/// Unit quaternions with w not negative (no joint rotates by half a turn).
 fn near_keys(rotations: impl Iterator<Item = Quat>) -> Vec<f32> {
     rotations
         .flat_map(|q| {

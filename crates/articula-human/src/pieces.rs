@@ -1,4 +1,4 @@
-//! The surfaces of the human at a triangle budget: skin, lips, brows and eyes.
+//! The surfaces of the human within a triangle budget: skin, lips, brows and eyes.
 
 use crate::body::Body;
 use crate::field::Group;
@@ -9,20 +9,20 @@ use crate::suit;
 use crate::thin::{Options, thinned};
 use glam::Vec3;
 
-/// Spacing of the samples of the skin, in metres: finer than half a finger's radius.
+/// Spacing of the samples of the skin, in metres: finer than half the radius of a finger.
 const SKIN_STEP: f32 = 0.0026;
 
-/// Everything that is drawn, in both halves.
+/// All surfaces, with both halves of the body.
 pub(crate) struct Pieces {
     pub(crate) skin: Surface,
     pub(crate) lips: Surface,
     pub(crate) brows: Surface,
-    /// Sclera, iris and pupil of both eyes, the left first.
+    /// Sclera, iris and pupil of both eyes; the left eye first.
     pub(crate) eyes: [Surface; 3],
 }
 
 impl Pieces {
-    /// Cuts the budget and makes each piece from its field.
+    /// Divides the budget and makes each surface from its field.
     pub(crate) fn new(body: &Body, triangles: usize) -> Self {
         let lips = mirrored(&piece(&head::lips(&body.head), triangles / 50));
         let brow = piece(&head::brow(&body.head), triangles / 120);
@@ -41,7 +41,7 @@ impl Pieces {
     }
 }
 
-/// The left half of the skin, not simplified below `target` triangles.
+/// The left half of the skin, with about `target` triangles.
 fn skin_half(body: &Body, target: usize) -> Surface {
     let field = |p: Vec3| body.distance(p);
     let grid = Grid::banded(
@@ -58,19 +58,19 @@ fn skin_half(body: &Body, target: usize) -> Surface {
     thinned(&fine, &options)
 }
 
-/// Spacing of the samples along an axis (0 to 2) at a place on it.
+/// Spacing of the samples along an axis (0 to 2) at a position on it.
 fn skin_step(axis: usize, at: f32) -> f32 {
     match (axis, at) {
         // Shins, knees and the trunk above the hands have no small features.
         (1, 0.13..0.64 | 0.89..1.47) => 2.0 * SKIN_STEP,
-        // The lids are the finest thing there is.
+        // The lids are the finest features.
         (0, 0.015..0.048) | (1, 1.621..1.645) | (2, 0.066..0.084) => 0.5 * SKIN_STEP,
         _ => SKIN_STEP,
     }
 }
 
-/// Small round features need as many triangles around them as large ones, so that errors count
-/// by about the inverse square of the local radius.
+/// Weight of errors. Small round features need as many triangles around them as large ones, so
+/// errors count by about the inverse square of the local radius.
 fn importance(p: Vec3) -> f32 {
     let hand = p.y < 0.87 && p.x > 0.2;
     let near_eye = p.distance(EYE + Vec3::Z * 0.01) < 0.02;
@@ -91,7 +91,7 @@ fn importance(p: Vec3) -> f32 {
     }
 }
 
-/// A small group meshed a millimetre apart or finer.
+/// Surface of a small group, sampled every 0.6 mm and simplified.
 fn piece(group: &Group, target: usize) -> Surface {
     let (low, high) = group.bounds();
     let margin = Vec3::splat(0.003);
@@ -108,7 +108,7 @@ fn piece(group: &Group, target: usize) -> Surface {
 
 const FLIP: Vec3 = Vec3::new(-1.0, 1.0, 1.0);
 
-/// The whole of a half surface: the rim in x = 0 is shared, the rest doubled.
+/// The whole of a half surface: vertices in x = 0 are shared, all others mirrored.
 fn mirrored(half: &Surface) -> Surface {
     let mut whole = half.clone();
     let twin: Vec<u32> = half
@@ -146,7 +146,7 @@ fn both_sides(one: &Surface) -> Surface {
     both
 }
 
-/// Sclera, iris and pupil: bands of one turned profile.
+/// Sclera, iris and pupil: bands of one surface of revolution.
 fn eyes(triangles: usize) -> [Surface; 3] {
     let around = (triangles / 600).clamp(6, 28);
     let rings = |from: f32, to: f32, count: usize| -> Vec<f32> {
@@ -160,7 +160,7 @@ fn eyes(triangles: usize) -> [Surface; 3] {
         .map(|angles| both_sides(&band(&angles, around)))
 }
 
-/// A band of the left eyeball between polar angles from the line of sight.
+/// A band of the left eyeball between polar angles from the viewing direction.
 fn band(angles: &[f32], around: usize) -> Surface {
     let mut out = Surface::default();
     let mut rows: Vec<Vec<u32>> = Vec::new();

@@ -1,9 +1,9 @@
-//! Triangles from a distance field: dual surface nets over the half space x >= 0.
+//! Polygonisation of a distance field: dual surface nets over the half space x >= 0.
 //!
-//! Source: S. Gibson, *Constrained elastic surface nets* (1998), with each vertex then moved
-//! onto the surface along the field's slope. Differs: a cell that two sheets cross has a vertex
-//! for each (after G. Nielson, *Dual marching cubes*, 2004); only the half with x >= 0 is meshed, on
-//! a grid whose first cells straddle the mirror plane, and the other half is its exact mirror.
+//! Source: S. Gibson, *Constrained elastic surface nets* (1998), with each vertex then moved onto
+//! the surface along the gradient of the field. A cell that two sheets cross has a vertex for each
+//! (after G. Nielson, *Dual marching cubes*, 2004). Only the half with x >= 0 is meshed, on a grid
+//! whose first cells straddle the mirror plane.
 
 use glam::Vec3;
 use std::collections::HashMap;
@@ -13,26 +13,26 @@ use std::collections::HashMap;
 pub(crate) struct Surface {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// Tone of each triangle; empty if there is one alone.
+    /// Tone of each triangle; empty if there is only one.
     pub(crate) tones: Vec<bool>,
 }
 
-/// Sample heights along each axis; the first two of x are mirror images.
+/// Sample coordinates along each axis; the first two of x are mirror images.
 #[derive(Debug, Clone)]
 pub(crate) struct Grid {
     pub(crate) axes: [Vec<f32>; 3],
 }
 
-/// Samples along the edge of a block that is skipped as a whole where no surface can be.
+/// Edge length in samples of the smallest block that is skipped as a whole.
 const BLOCK: usize = 4;
 
 impl Grid {
-    /// A grid over a box, `step` apart; where the box reaches x = 0 it is mirrored there.
+    /// A grid over a box with spacing `step`; if the box reaches x = 0, it straddles that plane.
     pub(crate) fn uniform(low: Vec3, high: Vec3, step: f32) -> Self {
         Self::banded(low, high, |_, _| step)
     }
 
-    /// The same with a spacing of its own at every place of every axis.
+    /// The same with a spacing given by axis and coordinate.
     pub(crate) fn banded(low: Vec3, high: Vec3, step: impl Fn(usize, f32) -> f32) -> Self {
         let first = step(0, 0.0);
         let start = if low.x <= first { -0.5 * first } else { low.x };
@@ -58,7 +58,7 @@ impl Grid {
     }
 }
 
-/// Field values at every sample of a grid; far from the surface only the sign is right.
+/// Field values at all samples of a grid; far from the surface only the sign is correct.
 struct Samples<'a> {
     grid: &'a Grid,
     values: Vec<f32>,
@@ -86,18 +86,18 @@ impl<'a> Samples<'a> {
         (k * ny + j) * nx + i
     }
 
-    /// Fills a block of `size` samples an edge, by quarters where the surface may come near.
+    /// Fills a block with edges of `size` samples, subdivided where the surface may come near.
     fn fill(&mut self, low: [usize; 3], size: usize, field: &impl Fn(Vec3) -> f32) {
         let counts = self.grid.counts();
         if (0..3).any(|a| low[a] >= counts[a]) {
             return;
         }
         let end: [usize; 3] = std::array::from_fn(|a| (low[a] + size).min(counts[a]));
-        // One sample beyond the block, since cells reach over its rim.
+        // One sample beyond the block, since cells extend past its rim.
         let last: [usize; 3] = std::array::from_fn(|a| end[a].min(counts[a] - 1));
         let (a, b) = (self.grid.at(low), self.grid.at(last));
         let middle = field(0.5 * (a + b));
-        // Slopes stay under 1.5 outside of creases, so this leaves room.
+        // Gradients stay below 1.5 outside of creases, so this is conservative.
         if middle.abs() > 0.8 * (b - a).length() {
             self.each(low, end, |_| middle);
         } else if size > BLOCK {
@@ -126,7 +126,7 @@ impl<'a> Samples<'a> {
         self.values[self.index(i)] < 0.0
     }
 
-    /// Where the surface crosses an edge of a cell, if it does.
+    /// The point at which the surface crosses an edge of a cell, if it does.
     fn crossing(&self, cell: [usize; 3], edge: usize) -> Option<Vec3> {
         let (low, high) = (edge % 8, (edge % 8) | (1 << (edge / 8)));
         if low == high {
@@ -139,8 +139,8 @@ impl<'a> Samples<'a> {
         crossed.then(|| self.grid.at(i).lerp(self.grid.at(j), a / (a - b)))
     }
 
-    /// For each sheet of the surface in a cell, the edges it crosses and the mean of the points
-    /// where it does.
+    /// For each sheet of the surface in a cell, the edges it crosses and the mean of the crossing
+    /// points.
     fn cell_sheets(&self, cell: [usize; 3]) -> Vec<(Vec<usize>, Vec3)> {
         let inside: [bool; 8] =
             std::array::from_fn(|c| self.inside(std::array::from_fn(|a| cell[a] + ((c >> a) & 1))));
@@ -171,11 +171,11 @@ impl<'a> Samples<'a> {
 /// Edges of a cell are numbered by their axis times 8 plus their lower corner.
 const EDGES: usize = 24;
 
-/// Which sheet each crossed edge of a cell belongs to.
+/// Returns the sheet that each crossed edge of a cell belongs to.
 ///
-/// Two sheets pass where a face has inside corners across from each other; each such corner
-/// keeps its own sheet. The rule asks the face alone, so that neighbouring cells agree and the
-/// surface stays a manifold.
+/// Two sheets pass where a face has diagonally opposite inside corners; each such corner keeps its
+/// own sheet. The rule depends on the face alone, so that neighbouring cells agree and the surface
+/// is a manifold.
 fn sheets(inside: [bool; 8]) -> [usize; EDGES] {
     let mut sheet: [usize; EDGES] = std::array::from_fn(|e| e);
     for axis in 0..3 {
@@ -204,14 +204,14 @@ fn sheets(inside: [bool; 8]) -> [usize; EDGES] {
     sheet
 }
 
-/// The surface where `field` is zero, over the grid. The grid must enclose it, but for the
-/// mirror plane.
+/// Extracts the surface where `field` is zero. The grid must enclose it, except at the mirror
+/// plane.
 pub(crate) fn polygonise(grid: &Grid, field: &impl Fn(Vec3) -> f32) -> Surface {
     let samples = Samples::new(grid, field);
     let counts = grid.counts();
     let mut surface = Surface::default();
     let mut vertices = HashMap::<usize, u32>::new();
-    // Cells with more than one sheet have a vertex for each, found by the crossed edge.
+    // Cells with several sheets have a vertex for each, keyed by the crossed edge.
     let mut split = HashMap::<(usize, usize), u32>::new();
     for k in 0..counts[2] - 1 {
         for j in 0..counts[1] - 1 {
@@ -252,7 +252,7 @@ pub(crate) fn polygonise(grid: &Grid, field: &impl Fn(Vec3) -> f32) -> Surface {
     surface
 }
 
-/// The two triangles around a grid edge that the surface crosses.
+/// Adds the two triangles around a grid edge that the surface crosses.
 fn quad(
     samples: &Samples<'_>,
     from: [usize; 3],
@@ -288,7 +288,7 @@ fn quad(
     out.triangles.extend(halves);
 }
 
-/// Moves a point onto the surface in up to `steps` steps of 2 mm; `mirrored` keeps it in the
+/// Moves a point onto the surface in `steps` steps of at most 2 mm; `mirrored` keeps it in the
 /// plane x = 0.
 pub(crate) fn onto(field: &impl Fn(Vec3) -> f32, from: Vec3, mirrored: bool, steps: usize) -> Vec3 {
     let flat = if mirrored {
@@ -306,7 +306,7 @@ pub(crate) fn onto(field: &impl Fn(Vec3) -> f32, from: Vec3, mirrored: bool, ste
     p
 }
 
-/// Half the price of central differences and good enough to walk along.
+/// Half the cost of central differences and accurate enough to step along.
 fn forward_gradient(field: &impl Fn(Vec3) -> f32, p: Vec3, here: f32) -> Vec3 {
     const STEP: f32 = 2e-4;
     let along = |axis: Vec3| field(p + axis * STEP) - here;
@@ -317,7 +317,7 @@ fn forward_gradient(field: &impl Fn(Vec3) -> f32, p: Vec3, here: f32) -> Vec3 {
 pub(crate) mod tests {
     use super::*;
 
-    /// How many triangles touch each edge.
+    /// Number of triangles at each edge.
     pub(crate) fn edge_uses(surface: &Surface) -> HashMap<(u32, u32), usize> {
         let mut uses = HashMap::new();
         for [a, b, c] in &surface.triangles {
@@ -350,7 +350,7 @@ pub(crate) mod tests {
         // Euler: V - E + F = 2 for a sphere.
         assert_eq!(ball.positions.len() + ball.triangles.len(), edges.len() + 2);
         for p in &ball.positions {
-            // Steps end at 2 mm each; the cells' means lie within 4 mm of the ball.
+            // Steps are at most 2 mm; the means of the cells lie within 4 mm of the ball.
             assert!(((*p - Vec3::X * 3.0).length() - 1.0).abs() < 2e-3, "{p}");
         }
         for t in &ball.triangles {

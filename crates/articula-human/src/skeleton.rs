@@ -1,17 +1,17 @@
-//! The joints of the reference human: the tree and order of H-Anim, centres fitted to its body.
+//! Joints of the reference human: the tree and order of H-Anim, with centres fitted to its body.
 //!
-//! Source: ISO/IEC 19774 through `articula_core::hanim_table`. Differs: the standard's centres
-//! put the spine beside the middle, both feet flat on the floor and the arms so close to the
-//! thighs that a body around them would merge; those centres are replaced here, and the right
-//! side is the exact mirror of the left.
+//! Source: ISO/IEC 19774 through `articula_core::hanim_table`. The centres of the standard put the
+//! spine beside the middle, both feet flat on the floor and the arms so close to the thighs that a
+//! body around them would merge. Those centres are replaced here, and the right side is the exact
+//! mirror image of the left.
 
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
 use articula_core::source;
 use articula_core::{Articulation, JointArticulation, Transform};
 use glam::{Mat3, Vec3};
 
-/// Centres that differ from the standard: pelvis, lumbar and cervical spine, legs and arms of
-/// the left side.
+/// Centres that differ from the standard: pelvis, lumbar and cervical spine, and the legs and arms
+/// of the left side.
 const FITTED: [(&str, [f32; 3]); 33] = [
     ("humanoid_root", [0.0, 0.9, 0.0]),
     ("sacroiliac", [0.0, 0.93, -0.01]),
@@ -50,11 +50,11 @@ const FITTED: [(&str, [f32; 3]); 33] = [
 
 const WRIST: [f32; 3] = [0.247, 0.868, -0.02];
 
-/// Names of the five fingers, thumb first.
+/// Names of the fingers, thumb first.
 pub(crate) const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "pinky"];
 
-/// Joint centres and the tip of each finger in the hand's own frame: metres towards the back of
-/// the hand, towards the finger tips, towards the thumb's side.
+/// Joint centres and tip of each finger in metres, in the frame of the hand: towards the back of
+/// the hand, the finger tips and the side of the thumb.
 pub(crate) const FINGER_POINTS: [[[f32; 3]; 5]; 5] = [
     [
         [-0.009, 0.026, 0.02],
@@ -93,7 +93,8 @@ pub(crate) const FINGER_POINTS: [[[f32; 3]; 5]; 5] = [
     ],
 ];
 
-/// Axes of the left hand in model space: back of the hand, finger tips, thumb's side.
+/// Axes of the left hand in model space: towards the back of the hand, the finger tips and the side
+/// of the thumb.
 pub(crate) fn hand_axes() -> Mat3 {
     let down = Vec3::new(0.05, -1.0, 0.075).normalize();
     let back = Vec3::new(1.0, 0.05, -0.12);
@@ -101,7 +102,7 @@ pub(crate) fn hand_axes() -> Mat3 {
     Mat3::from_cols(back, down, down.cross(back))
 }
 
-/// A point of the left hand, given in the hand's frame, in model space.
+/// Converts a point of the left hand from the frame of the hand to model space.
 pub(crate) fn hand_point(point: [f32; 3]) -> Vec3 {
     Vec3::from(WRIST) + hand_axes() * Vec3::from(point)
 }
@@ -132,7 +133,7 @@ fn left_center(name: &str, standard: Vec3) -> Vec3 {
             return hand_point(points[index.min(3)]);
         }
     }
-    // What remains is the spine and the skull.
+    // The rest is the spine and the skull.
     Vec3::new(0.0, standard.y, standard.z)
 }
 
@@ -142,7 +143,7 @@ pub(crate) const EYE: Vec3 = Vec3::new(0.0315, 1.6332, 0.0655);
 /// Index of a body joint by its H-Anim name.
 ///
 /// # Panics
-/// If there is no such joint; the names are constants of this module.
+/// If the joint does not exist; the names are constants of this crate.
 pub(crate) fn joint(name: &str) -> usize {
     JOINTS[..BODY_JOINTS]
         .iter()
@@ -168,7 +169,7 @@ pub(crate) fn skeleton() -> source::Skeleton {
     source::Skeleton { joints }
 }
 
-/// Level and region of each joint, straight from the joint table.
+/// Level and region of each joint, from the joint table.
 pub(crate) fn articulation() -> Articulation {
     let joints = JOINTS[..BODY_JOINTS]
         .iter()
@@ -207,7 +208,7 @@ mod tests {
     #[test]
     fn fitted_centers_stay_near_the_standard() {
         for (row, center) in JOINTS.iter().zip(centers()) {
-            // The arms hang 5 cm farther out; the collar joints lie where collar bones are.
+            // The arms hang 5 cm farther out; the collar joints are at the collar bones.
             assert!(
                 row.center.distance(center) < 0.11,
                 "{} at {center}",

@@ -1,5 +1,5 @@
-//! The border between the two tones of the mannequin: a suit from the collar to the middle of
-//! upper arms and thighs. Triangles are split along it, so that its edge is clean at every count.
+//! The border between the two tones of the mannequin: a suit from the collar to the middle of upper
+//! arms and thighs. Triangles are split along it, so that it is sharp at every triangle count.
 
 use crate::body::Body;
 use crate::field::gradient;
@@ -7,10 +7,10 @@ use crate::polygonise::{Surface, onto};
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// Which side of the border a point of the left half is on: positive in the suit, about metres.
+/// Approximate signed distance of a point to the border in metres; positive inside the suit.
 pub(crate) fn depth(body: &Body, p: Vec3) -> f32 {
     let p = Vec3::new(p.x.abs(), p.y, p.z);
-    // A round collar below the chin; the arm has a border of its own.
+    // A round collar below the chin; the arm has its own border.
     let neck = Vec3::new(0.0, 1.512, -0.034);
     let collar = (((p - neck) * Vec3::new(0.8, 1.0, 1.0)).length() - 0.093).min(1.512 - p.y);
     let leg = (p - Vec3::new(0.09, 0.69, 0.0)).dot(Vec3::new(-0.16, 1.0, 0.0).normalize());
@@ -29,7 +29,7 @@ fn onto_border(body: &Body, from: Vec3, flat: bool) -> Vec3 {
     for _ in 0..4 {
         let slope = gradient(|q| depth(body, q), p);
         let normal = body.normal(p);
-        // Along the surface, so that both conditions are met soon.
+        // Along the surface, so that both conditions are met quickly.
         let along = slope - normal * slope.dot(normal);
         let step = along * (depth(body, p) / along.length_squared().max(0.05));
         p = onto(&field, p - step.clamp_length_max(0.006), flat, 1);
@@ -37,7 +37,7 @@ fn onto_border(body: &Body, from: Vec3, flat: bool) -> Vec3 {
     p
 }
 
-/// Splits the triangles that the border crosses and tells the tones apart.
+/// Splits the triangles that the border crosses and assigns the tones.
 pub(crate) fn cut(surface: &Surface, body: &Body) -> Surface {
     /// Share of an edge within which its end is moved onto the border instead.
     const NEAR: f32 = 0.18;
@@ -89,12 +89,12 @@ pub(crate) fn cut(surface: &Surface, body: &Body) -> Surface {
     out
 }
 
-/// A triangle in the pieces that the points on its edges (first to second corner, and on) make.
+/// Splits a triangle at points on its edges (the first from the first to the second corner).
 fn halves(triangle: [u32; 3], middles: [Option<u32>; 3], out: &mut Vec<[u32; 3]>) {
     for i in 0..3 {
         let [a, b, c] = std::array::from_fn(|k| triangle[(i + k) % 3]);
         match std::array::from_fn(|k| middles[(i + k) % 3]) {
-            // The corner b is alone on its side.
+            // Corner b is alone on its side.
             [Some(p), Some(q), None] => return out.extend([[p, b, q], [a, p, q], [a, q, c]]),
             [Some(p), None, None] => return out.extend([[a, p, c], [p, b, c]]),
             _ => {}

@@ -1,25 +1,25 @@
-//! A surface with fewer triangles, by the simplifier of all characters.
+//! Simplification of a surface to a given number of triangles.
 //!
-//! Vertices of the finer surface stay where the distance field put them. What this adds to
-//! [`simplify`] is how much an error counts where, and that the two tones are parts of one mesh:
-//! their border is kept as a seam of it. The open rim of a half surface stays in its plane.
+//! It uses [`simplify`], so vertices of the finer surface stay where the distance field put them.
+//! This module adds the importance of errors by position, and makes the two tones parts of one
+//! mesh, so that their border is kept as a seam. The open rim of a half surface stays in its plane.
 
 use crate::polygonise::Surface;
 use articula_build::{ErrorWeighting, SimplifyOptions, simplify};
 use articula_core::{Mesh, Part};
 use glam::{Vec2, Vec3, Vec4};
 
-/// How a surface is thinned.
+/// Options of [`thinned`].
 pub(crate) struct Options<'a> {
-    /// Triangles to keep.
+    /// Number of triangles to keep.
     pub(crate) target: usize,
     /// Whether the open rim lies in the plane x = 0, where the surface is mirrored.
     pub(crate) mirrored: bool,
-    /// How much the square of an error at a point counts; 1 is normal.
+    /// Weight of squared errors at a point; 1 is normal.
     pub(crate) importance: &'a dyn Fn(Vec3) -> f32,
 }
 
-/// Removes vertices, those of least worth first, until the target is met or none may go.
+/// Simplifies a surface until the target is met or no further collapse is allowed.
 pub(crate) fn thinned(surface: &Surface, options: &Options<'_>) -> Surface {
     let count = surface.triangles.len();
     if options.target >= count {
@@ -65,8 +65,8 @@ pub(crate) fn thinned(surface: &Surface, options: &Options<'_>) -> Surface {
     out
 }
 
-/// The surface as a mesh with a part for each tone, and the vertex of the surface that each of
-/// its vertices is: those on the border of the tones are in both parts.
+/// The surface as a mesh with a part for each tone, and the original of each of its vertices.
+/// Vertices on the border of the tones are in both parts.
 fn mesh(surface: &Surface) -> (Mesh, Vec<u32>) {
     let normals = normals(surface);
     let mut mesh = Mesh::default();
@@ -103,7 +103,7 @@ fn mesh(surface: &Surface) -> (Mesh, Vec<u32>) {
     (mesh, originals)
 }
 
-/// Normals of the triangles around each vertex, by area.
+/// Area-weighted vertex normals.
 fn normals(surface: &Surface) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; surface.positions.len()];
     for t in &surface.triangles {

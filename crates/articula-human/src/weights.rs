@@ -1,32 +1,32 @@
-//! Skin weights of the reference human, from where a point lies in the body.
+//! Skin weights of the reference human, computed from the position of a point in the body.
 //!
-//! Along a limb every joint has a plane; a point's weight passes from the bone before to the
-//! bone behind over a band around that plane, about as wide as the limb is thick. So weights
-//! are smooth, sum to one, and depend on the position only: every level of the surface, and
-//! both sides of the body, bend alike.
+//! Along a limb every joint has a plane; the weight of a point passes from one bone to the next
+//! over a band around that plane, about as wide as the limb is thick. Weights are smooth, sum to 1
+//! and depend on the position only, so that all levels of the surface, and both sides of the body,
+//! deform equally.
 
 use crate::body::Body;
 use crate::skeleton::{FINGER_POINTS, FINGERS, centers, hand_axes, hand_point, joint};
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
 use glam::Vec3;
 
-/// Influences of a skin vertex.
+/// Maximum number of influences of a skin vertex.
 pub(crate) const INFLUENCES: usize = 4;
 
-/// Joints and weights of one vertex, heaviest first; unused ones weigh nothing.
+/// Joints and weights of one vertex, largest first; unused ones have weight 0.
 pub(crate) type Influences = [(u16, f32); INFLUENCES];
 
-/// Computes weights for points on or near the skin.
+/// Computes weights of points on or near the skin.
 pub(crate) struct Weigher<'a> {
     body: &'a Body,
     centers: Vec<Vec3>,
-    /// The same joint on the other side; the joint itself in the middle.
+    /// The same joint on the other side; for a joint in the middle, the joint itself.
     twins: Vec<usize>,
-    /// Pelvis to skull base with the height at which each takes over.
+    /// Vertebrae from the lowest to the highest, with the height at which each takes over.
     spine: Vec<(usize, f32)>,
 }
 
-/// Spreads weight over joints, a share of what is left at a time.
+/// Accumulates weights by joint.
 #[derive(Default)]
 struct Sum(Vec<(usize, f32)>);
 
@@ -40,7 +40,7 @@ impl Sum {
         }
     }
 
-    /// The heaviest influences, made to sum to one.
+    /// The largest influences, normalised to a sum of 1.
     fn heaviest(mut self) -> Influences {
         self.0
             .sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
@@ -54,7 +54,7 @@ impl Sum {
 }
 
 impl<'a> Weigher<'a> {
-    /// Weights for this body.
+    /// Prepares the weights of a body.
     pub(crate) fn new(body: &'a Body) -> Self {
         let centers = centers();
         let twin = |name: &str| {
@@ -77,7 +77,7 @@ impl<'a> Weigher<'a> {
         }
     }
 
-    /// The influences at a point of the skin.
+    /// Influences at a point of the skin.
     pub(crate) fn at(&self, p: Vec3) -> Influences {
         let left = Vec3::new(p.x.abs(), p.y, p.z);
         let mut sum = Sum::default();
@@ -94,7 +94,7 @@ impl<'a> Weigher<'a> {
         sum.heaviest()
     }
 
-    /// Share of the side behind a joint's plane; `band` is half the width of the passage.
+    /// Share of a point beyond the plane of a joint; `band` is half the width of the transition.
     fn behind(&self, name: &str, normal: Vec3, band: f32, p: Vec3) -> f32 {
         let along = (p - self.centers[joint(name)]).dot(normal.normalize());
         smooth_step(-band, band, along)
@@ -104,7 +104,7 @@ impl<'a> Weigher<'a> {
         let core = self.body.trunk.distance(p).min(self.body.leg.distance(p));
         let nearer = core - self.body.upper_limb(p);
         let plane = self.behind("l_shoulder", Vec3::new(0.88, -0.47, 0.0), 0.07, p);
-        // Down in the armpit the border is sharp, so that the flank stays with the trunk.
+        // In the armpit the transition is sharp, so that the flank stays with the trunk.
         let band = 0.004 + 0.026 * smooth_step(1.28, 1.4, p.y);
         plane * smooth_step(-band, band, nearer)
     }
@@ -119,7 +119,7 @@ impl<'a> Weigher<'a> {
         let heel = self.behind("l_subtalar", Vec3::NEG_Y, 0.025, p) * ankle;
         let middle = self.behind("l_midtarsal", Vec3::Z, 0.03, p);
         let toes = self.behind("l_metatarsal", Vec3::new(0.35, 0.0, 0.94), 0.016, p);
-        // Between the legs both sides pull alike.
+        // Between the legs both sides weigh the same.
         let own = smooth_step(-0.02, 0.02, p.x);
         sum.add(joint("l_hip"), share * (1.0 - knee) * own);
         sum.add(joint("r_hip"), share * (1.0 - knee) * (1.0 - own));
@@ -156,7 +156,7 @@ impl<'a> Weigher<'a> {
             .filter(|f| *f != nearest)
             .map(|f| gaps[f])
             .fold(f32::MAX, f32::min);
-        // Where two fingers are as near, the skin stays with the palm.
+        // Where two fingers are equally near, the skin stays with the palm.
         let own = smooth_step(0.0, 0.003, second - gaps[nearest]);
         let thumb = if nearest == 0 { own } else { 0.0 };
         let near_thumb =
@@ -174,7 +174,7 @@ impl<'a> Weigher<'a> {
         sum.add(name(3), share * knuckle * middle * end);
     }
 
-    /// Share behind a finger's joint, across the bones that meet there.
+    /// Share beyond a joint of a finger, along the mean direction of its two bones.
     fn phalanx(&self, p: Vec3, finger: usize, digit: usize, band: f32) -> f32 {
         let points = FINGER_POINTS[finger].map(hand_point);
         let before = (points[digit] - points[digit - 1]).normalize_or_zero();
@@ -186,7 +186,7 @@ impl<'a> Weigher<'a> {
         )
     }
 
-    /// Wrist and the metacarpals, between the two knuckles beside the point.
+    /// Wrist and metacarpals: weight between the two knuckles nearest to the point.
     fn palm(&self, p: Vec3, share: f32, sum: &mut Sum) {
         let local = hand_axes().transpose() * (p - self.centers[joint("l_wrist")]);
         let forward = smooth_step(0.03, 0.075, local.y) * share;
@@ -201,7 +201,7 @@ impl<'a> Weigher<'a> {
         }
     }
 
-    /// Pelvis, spine, skull and collars.
+    /// Pelvis, spine, skull and collar joints.
     fn core(&self, p: Vec3, share: f32, sum: &mut Sum) {
         let ahead = p.z + 0.01;
         let skull = smooth_step(
@@ -226,7 +226,7 @@ impl<'a> Weigher<'a> {
         let waist = smooth_step(0.94, 1.01, height);
         sum.add(joint("sacroiliac"), share * (1.0 - waist));
         let mut left = share * waist;
-        // The belly between pelvis and spine hangs on the root, the parent of both.
+        // The belly between pelvis and spine is on the root, the parent of both.
         let first = smooth_step(0.99, self.spine[0].1 + 0.02, height);
         sum.add(joint("humanoid_root"), left * (1.0 - first));
         left *= first;
@@ -242,15 +242,15 @@ impl<'a> Weigher<'a> {
         }
     }
 
-    /// Half the height over which one vertebra hands over to the next. Wide at the waist, where
-    /// a few joints often carry a whole bend; narrower where the collars need influences too.
+    /// Half the height of the transition between two vertebrae. Large at the waist, where a few
+    /// joints often take a whole bend; smaller where the collar joints need influences too.
     fn spine_band(&self, i: usize) -> f32 {
         let ((_, low), (_, high)) = (self.spine[i], self.spine[i + 1]);
         (high - low) * if high < 1.37 { 1.5 } else { 1.0 }
     }
 }
 
-/// Cubic step from 0 at `from` to 1 at `to`, which may be the smaller.
+/// Cubic step from 0 at `from` to 1 at `to`; `to` may be the smaller one.
 pub(crate) fn smooth_step(from: f32, to: f32, x: f32) -> f32 {
     let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -1,4 +1,4 @@
-//! The promises of the reference human: its joints, its surface at any count, its motions.
+//! Properties of the reference human: its joints, its surface at every triangle count, its motions.
 #![allow(
     clippy::unwrap_used,
     reason = "a failed step of a test is a failed test"
@@ -16,13 +16,13 @@ fn of(triangles: usize) -> Character {
     human(&HumanOptions { triangles }).unwrap()
 }
 
-/// The default human, made once.
+/// The default human, created once.
 fn default_human() -> &'static Character {
     static HUMAN: OnceLock<Character> = OnceLock::new();
     HUMAN.get_or_init(|| human(&HumanOptions::default()).unwrap())
 }
 
-/// Both tones of the skin as one surface: vertices at the same place are the same.
+/// Both tones of the skin as one surface: vertices at the same position are merged.
 fn skin_of(character: &Character) -> Primitive {
     let mut whole = Primitive {
         influences: 4,
@@ -398,7 +398,7 @@ fn feet_stay_above_the_floor_and_planted_feet_do_not_slip() {
             assert!(lowest < 0.005, "{} key {key} floats at {lowest}", clip.name);
         }
     }
-    // From flat foot to heel off the ball of the foot goes back with the ground, 1.3 m/s.
+    // From foot flat to heel off the ball of the foot moves back with the ground, 1.3 m/s.
     let walk = clip(character, "walk");
     let ball = |key: usize, name: &str| player.joint(&player.pose(walk, key), name);
     for (name, first) in [("l_metatarsal", 4), ("r_metatarsal", 20)] {
@@ -423,7 +423,7 @@ fn knees_and_elbows_only_bend_their_way() {
             for side in ["l_", "r_"] {
                 let at = |name: &str| player.joint(&pose, &format!("{side}{name}"));
                 let [hip, knee, ankle] = ["hip", "knee", "ankle"].map(at);
-                // Where the knee stands against the line from hip to ankle, along its way.
+                // Offset of the knee from the line between hip and ankle, forward.
                 let line = ankle - hip;
                 let on_line = hip + line * ((knee - hip).dot(line) / line.length_squared());
                 assert!((knee - on_line).z > -0.002, "{} key {key}", clip.name);

@@ -1,4 +1,4 @@
-//! Where the real characters lie, and how one becomes an asset.
+//! Access to the data folder of real characters.
 
 use anyhow::{Result, bail};
 use articula::Figure;
@@ -6,8 +6,9 @@ use articula::crowd::put_in_place;
 use articula_build::Asset;
 use std::path::{Path, PathBuf};
 
-/// The data folder: the one given, `ARTICULA_DATA`, or `../shared/data` beside the project.
-/// `None` if there is none and `ARTICULA_REQUIRE_DATA` does not ask for it.
+/// Returns the data folder: the given one, `ARTICULA_DATA`, or `../shared/data` next to the
+/// repository.
+/// `None` if there is none and `ARTICULA_REQUIRE_DATA` does not require it.
 pub(crate) fn folder(given: Option<&Path>) -> Result<Option<PathBuf>> {
     let named = given
         .map(Path::to_owned)
@@ -23,12 +24,12 @@ pub(crate) fn folder(given: Option<&Path>) -> Result<Option<PathBuf>> {
     Ok(None)
 }
 
-/// Opens a character of the data folder, maps its joints by name, and builds it.
+/// Opens a character of the data folder, maps its joints by name and builds the asset.
 pub(crate) fn asset(data: &Path, name: &str) -> Result<Asset> {
     Ok(Figure::new(articula::fs::open(data.join(name))?)?.asset)
 }
 
-/// The same with clips that travel played on the spot.
+/// As [`asset`], with travelling clips kept in place.
 pub(crate) fn asset_on_the_spot(data: &Path, name: &str) -> Result<Asset> {
     let mut opened = articula::fs::open(data.join(name))?;
     let articulation = opened.articulation();

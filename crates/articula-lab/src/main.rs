@@ -1,7 +1,7 @@
-//! Is it true? Evaluation runs, one command for each published table.
+//! Evaluation runs of Articula, one subcommand for each published table.
 //!
-//! Results go to `docs/results` as a page for people and a CSV for machines; every number in
-//! them comes from one run of the command named at their head.
+//! Results are written to `docs/results` as a Markdown page and a CSV file; all their numbers
+//! come from one run of the command named at the head of the page.
 
 #![allow(
     clippy::print_stdout,
@@ -33,36 +33,37 @@ use tables::retargets::Pictures;
 struct Arguments {
     #[command(subcommand)]
     table: Table,
-    /// Folder of the real characters; by default `ARTICULA_DATA` or `../shared/data`.
+    /// Folder of the real characters [default: `ARTICULA_DATA` or `../shared/data`].
     #[arg(long, global = true)]
     data: Option<PathBuf>,
-    /// Folder that receives the pages and CSV files.
+    /// Folder for the pages and CSV files.
     #[arg(long, global = true, default_value = "docs/results")]
     out: PathBuf,
-    /// One clip instead of four, small files only: shows that everything runs.
+    /// Quick run: one clip instead of four, small files only.
     #[arg(long, global = true)]
     small: bool,
 }
 
 #[derive(Subcommand)]
 enum Table {
-    /// Joint-update gain of every method at one pixel, over distance (spec part 11).
+    /// Joint-update gain of every method at one pixel, over distance (docs/methods/motion-lod.md,
+    /// part 11).
     MotionLod,
     /// Gain over distance, threshold and beta (the thesis' table 6.8).
     ThesisGrid,
-    /// What a crowd costs: ours beside the floor and what others do (spec, runtime).
+    /// Cost of a crowd beside the floor and other evaluators (docs/methods/runtime.md).
     Crowd,
-    /// Every file of the data: what is in it, and what each writer makes of it.
+    /// Contents of every data file, and round trips through every writer.
     RoundTrips,
-    /// Motions of every kind on characters of every kind, and how good they are.
+    /// Quality of retargeted motions of every kind on characters of every kind.
     Retargets(Pictures),
-    /// Error of merged levels by joints kept, also on clips that the order never saw.
+    /// Error of merged levels by joints kept, also on clips not used for the joint order.
     MergedLevels(Sheets),
-    /// Levels of meshes: error in motion, bytes and speed, beside meshoptimizer and Draco.
+    /// Mesh levels: error in motion, bytes and speed, beside meshoptimizer and Draco.
     MeshLevels(Choice),
     /// Conversion to 2D: bytes and errors of every profile, beside the thesis' form.
     Flat(flat::Choice),
-    /// All of them.
+    /// All tables.
     All,
 }
 

@@ -1,15 +1,15 @@
-//! Times contestants against each other in one run.
+//! Times several evaluators ("contestants") against each other in one run.
 //!
-//! Processor time of the thread, not time on the wall: other programs then cost little. The
-//! contestants take turns, each round in another order, and of all rounds the median and the least
-//! are kept; figures of one run are compared with each other, and with nothing else.
+//! Times are processor time of the thread, not wall-clock time, so that other programs disturb them
+//! little. The contestants take turns, each round in another order, and the median and minimum over
+//! all rounds are kept; times of one run are comparable only with each other.
 
 use std::hint::black_box;
 
-/// Shows all characters at times of the clip, in seconds.
+/// Evaluates all characters at times of the clip, in seconds.
 pub(crate) type Frame<'a> = Box<dyn FnMut(&[f32]) + 'a>;
 
-/// An evaluator that is timed on the same frames as others.
+/// An evaluator that is timed on the same frames as the others.
 pub(crate) struct Contestant<'a> {
     pub(crate) name: String,
     pub(crate) frame: Frame<'a>,
@@ -22,8 +22,8 @@ pub(crate) struct Timing {
     pub(crate) least_ns: f64,
 }
 
-/// Times every contestant over all `frames`, `rounds` times; one round more comes first and is
-/// not counted. In the order of the contestants.
+/// Times every contestant over all `frames`, `rounds` times, after one more round that is not
+/// counted. The timings are in the order of the contestants.
 pub(crate) fn race(
     contestants: &mut [Contestant<'_>],
     frames: &[Vec<f32>],
@@ -49,7 +49,7 @@ pub(crate) fn race(
     taken.iter_mut().map(|ns| timing(ns)).collect()
 }
 
-/// Median and least of some times; 0 without any.
+/// Median and minimum of some times; zeros if there are none.
 fn timing(ns: &mut [f64]) -> Timing {
     ns.sort_by(f64::total_cmp);
     let at = |i: usize| ns.get(i).copied().unwrap_or(0.0);
@@ -65,15 +65,15 @@ fn timing(ns: &mut [f64]) -> Timing {
     }
 }
 
-/// Processor time that this thread has had, in nanoseconds.
+/// Processor time of this thread, nanoseconds.
 #[cfg(unix)]
 pub(crate) fn thread_ns() -> u64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    // Neither part of a thread's own time is ever negative.
+    // Neither part of a thread's processor time is ever negative.
     time.tv_sec.unsigned_abs() * 1_000_000_000 + time.tv_nsec.unsigned_abs()
 }
 
-/// Time on the wall: elsewhere there is no processor time of a thread that is as fine.
+/// Wall-clock time in nanoseconds: other systems have no equally precise time of a thread.
 #[cfg(not(unix))]
 pub(crate) fn thread_ns() -> u64 {
     use std::sync::OnceLock;

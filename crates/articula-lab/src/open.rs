@@ -1,4 +1,4 @@
-//! Which files of the data folder are doors, and what the tables want of an opened one.
+//! Opens files of the data folder and describes what the tables need of them.
 
 use anyhow::{Context, Result, anyhow};
 use articula::convert::write_data;
@@ -6,38 +6,39 @@ use articula::{CharacterFile, Data, DataFormat, Format, OpenOptions, fs, open_da
 use articula_formats::{Assumption, UpAxis, Warning};
 use std::path::Path;
 
-/// What a file turned out to be.
+/// Contents of a file.
 pub(crate) enum Content {
     /// A character, or a motion with its skeleton.
     Figure(Box<CharacterFile>),
-    /// Numbers that move no joint by themselves.
+    /// Parameters that move no joint by themselves.
     Data(Parameters),
 }
 
-/// A file of parameters that was opened.
+/// An opened file of parameters.
 pub(crate) struct Parameters {
-    /// What is in it, in a few words.
+    /// Short description of its contents.
     pub(crate) what: String,
     /// Whether what is written of it reads the same; `None` if the format is not written.
     pub(crate) comes_back: Option<bool>,
     pub(crate) warnings: usize,
 }
 
-/// What the extension of a file says that it is.
+/// Kind of a file, by its extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Figure(Format),
     Data(DataFormat),
 }
 
-/// Files that are no door of their own: notes, pictures, and what a door reads beside itself.
+/// Extensions of files that are not read by themselves: notes, pictures, and files that others
+/// refer to.
 const BESIDE: [&str; 5] = ["md", "txt", "png", "bin", "json"];
 
 impl Kind {
-    /// The kind of a file by its name; `None` for one that lies beside others.
+    /// Kind of a file by its name; `None` for files that only accompany others.
     ///
     /// # Errors
-    /// If nothing is known of the extension: a new door needs its reader.
+    /// If the extension is unknown: a new format needs its reader.
     pub(crate) fn of(path: &Path) -> Result<Option<Self>> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         let extension = extension.to_ascii_lowercase();
@@ -52,13 +53,13 @@ impl Kind {
             .with_context(|| format!("{name}: an unknown extension"))
     }
 
-    /// Whether it is glTF under one of its names.
+    /// Whether it is one of the glTF formats.
     pub(crate) fn is_gltf(self) -> bool {
         let gltf = [Format::Glb, Format::Gltf, Format::Vrm, Format::Vrma];
         matches!(self, Self::Figure(format) if gltf.contains(&format))
     }
 
-    /// Name as the table has it.
+    /// Name of the format in the table.
     pub(crate) fn name(self) -> String {
         match self {
             Self::Figure(Format::Gltf) => "glTF".to_owned(),
@@ -69,7 +70,7 @@ impl Kind {
     }
 }
 
-/// Opens a file, with what lies beside it. Errors say what is wrong, not with which file.
+/// Opens a file and the files that it refers to. Errors do not name the file.
 pub(crate) fn open(path: &Path) -> Result<Content> {
     match Kind::of(path)?.context("this lies beside others")? {
         Kind::Data(format) => Ok(Content::Data(parameters(path, format)?)),
@@ -80,23 +81,23 @@ pub(crate) fn open(path: &Path) -> Result<Content> {
     }
 }
 
-/// What was odd about a file. Which skeleton a motion was read with is not the file's doing.
+/// Number of warnings about a file, without the one about the choice of its skeleton.
 pub(crate) fn warnings(opened: &CharacterFile) -> usize {
     let own = |w: &&Warning| w.guess != Some(Assumption::Skeleton);
     opened.warnings.iter().filter(own).count()
 }
 
-/// What a user may say of a file that names neither its unit nor its up axis.
+/// Unit and up axis given for a file that states neither.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Told {
-    /// Nothing: both are told from the figure.
+    /// None: both are detected from the figure.
     Nothing,
-    /// Y up and, of BVH, centimetres: as they are written.
+    /// Y up and, for BVH, centimetres, as Articula writes them.
     AsWritten,
 }
 
-/// Reads the bytes of a character; `path` says where the files beside it lie. A motion needs its
-/// skeleton.
+/// Reads the bytes of a character; `path` locates the files that it refers to. A motion needs
+/// its skeleton.
 pub(crate) fn figure(
     (bytes, skeleton): (&[u8], Option<Vec<u8>>),
     format: Format,
@@ -115,7 +116,7 @@ pub(crate) fn figure(
     articula::open(bytes, &name, &options, &mut beside).map_err(|e| cause(&e))
 }
 
-/// What is wrong, without the name of the file.
+/// The error without the name of the file.
 fn cause(error: &articula::Error) -> anyhow::Error {
     anyhow!(error.cause().to_string())
 }

@@ -1,15 +1,15 @@
-//! A denser character out of one that there is: each triangle becomes four.
+//! Subdivision of a character: each triangle becomes four.
 //!
-//! Source: Loop, Smooth Subdivision Surfaces Based on Triangles (1987), with the border rule of
+//! Source: Loop, *Smooth Subdivision Surfaces Based on Triangles* (1987), with the border rule of
 //! Hoppe et al. (1994). Positions and morph offsets are smoothed across seams, which stay closed;
-//! texture coordinates, colours and skin of a new vertex are the mean of its edge's ends. Normals are
-//! those of the new surface, so it should have no creases.
+//! texture coordinates, colours and skin weights of a new vertex are the mean of its edge's ends.
+//! Normals are those of the new surface, so the surface should have no creases.
 
 use articula_core::source::{MorphTarget, Primitive, RawMesh};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// Influences that a vertex keeps.
+/// Maximum number of influences of a vertex.
 const INFLUENCES: usize = 4;
 
 /// Subdivides every part of a mesh once.
@@ -74,7 +74,7 @@ fn normals(fine: &Primitive) -> Vec<Vec3> {
         .collect()
 }
 
-/// The first vertex at the position of each.
+/// The first vertex at the position of each vertex.
 fn points(positions: &[Vec3]) -> Vec<u32> {
     let mut first = HashMap::new();
     (0u32..)
@@ -83,7 +83,7 @@ fn points(positions: &[Vec3]) -> Vec<u32> {
         .collect()
 }
 
-/// Old values, then one for each edge.
+/// The old values, followed by one value for each edge.
 fn middles<T: Copy>(values: &[T], edges: &[[u32; 2]], middle: impl Fn(T, T) -> T) -> Vec<T> {
     if values.is_empty() {
         return Vec::new();
@@ -121,7 +121,7 @@ fn add_influences(coarse: &Primitive, edges: &[[u32; 2]], fine: &mut Primitive) 
     fine.influences = kept;
 }
 
-/// What lies beside what, across seams.
+/// Neighbourhood of the vertices of a surface, across seams.
 struct Surface {
     /// First vertex at the position of each vertex.
     points: Vec<u32>,
@@ -129,9 +129,9 @@ struct Surface {
     edges: BTreeSet<[u32; 2]>,
     /// For each edge by points: the point opposite in each of its triangles.
     opposite: BTreeMap<[u32; 2], Vec<u32>>,
-    /// Points beside each point, each once.
+    /// Neighbouring points of each point, each once.
     beside: Vec<Vec<u32>>,
-    /// Points beside each point along a border.
+    /// Neighbouring points of each point along a border.
     border: Vec<Vec<u32>>,
 }
 
@@ -164,7 +164,7 @@ impl Surface {
         surface
     }
 
-    /// Loop's masks over values of the vertices, the same for all at one position.
+    /// Applies Loop's masks to values of the vertices, which are equal at equal positions.
     fn smoothed(&self, coarse: &Primitive, values: &[Vec3], edges: &[[u32; 2]]) -> Vec<Vec3> {
         let at = |p: u32| values[p as usize];
         let sum = |points: &[u32]| points.iter().map(|p| at(*p)).sum::<Vec3>();

@@ -1,15 +1,16 @@
-//! One level of one part as the codecs of others get it: the same whole numbers that ours codes.
+//! One level of one part in the form that the compared codecs receive: the same whole numbers that
+//! Articula's codec codes.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8. Position 14 bits, texture coordinates 12 bits, four
-//! influences whose weights are bytes that sum to 255, by rising joint, which Draco and
-//! meshoptimizer code in fewer bytes than by falling weight. Of normals each codec gets the
-//! rounded direction and rounds it to as many bits in its own octahedral way.
+//! Source: `docs/methods/clustered-mesh.md` part 8. Position 14 bits, texture coordinates 12 bits,
+//! four influences whose weights are bytes that sum to 255, in order of increasing joint, which Draco
+//! and meshoptimizer code in fewer bytes than in order of decreasing weight. Each codec gets the
+//! rounded direction of a normal and rounds it to the same number of bits in its own octahedral form.
 
 use anyhow::{Result, ensure};
 use articula_stream::mesh::{Precision, Quantised, restore};
 use glam::Vec3;
 
-/// Bits that everything is rounded to.
+/// Bits to which all values are rounded.
 pub(crate) const PRECISION: Precision = Precision {
     position_bits: 14,
     normal_bits: 10,
@@ -19,24 +20,23 @@ pub(crate) const PRECISION: Precision = Precision {
 /// Influences of a vertex.
 const INFLUENCES: usize = 4;
 
-/// Vertices that differ in something, and their triangles. Morph targets are left out: neither
-/// codec has them.
+/// Distinct vertices and their triangles. Without morph targets, which neither codec supports.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct WireMesh {
     pub(crate) positions: Vec<[u16; 3]>,
-    /// Empty if the part has none, as all that follow.
+    /// Empty if the part has none, as are the following fields.
     pub(crate) normals: Vec<Vec3>,
     pub(crate) texcoords: Vec<[u16; 2]>,
-    /// Empty also if all are the same, a factor of the material.
+    /// Empty also if all are equal and thus a factor of the material.
     pub(crate) colors: Vec<[u8; 4]>,
-    /// Empty also if all vertices hang on one joint, as a node would say it.
+    /// Empty also if all vertices follow a single joint, as a node does.
     pub(crate) joints: Vec<[u16; 4]>,
     pub(crate) weights: Vec<[u8; 4]>,
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 impl WireMesh {
-    /// One level of a part; `finest` says which kinds of values the part has.
+    /// One level of a part; `finest` determines which kinds of values the part has.
     pub(crate) fn new(part: &Quantised, level: usize) -> Result<Self> {
         let mesh = &part.levels[level];
         let points = || mesh.wedge_points.iter().map(|p| *p as usize);

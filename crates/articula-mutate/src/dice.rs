@@ -1,16 +1,16 @@
-//! Seeded numbers for tests.
+//! Seeded random numbers for tests.
 
-/// Sebastiano Vigna's SplitMix64 (2014): small, and the same everywhere.
+/// A random number generator: SplitMix64 by Sebastiano Vigna (2014), the same on every machine.
 #[derive(Debug, Clone)]
 pub struct Dice(u64);
 
 impl Dice {
-    /// Dice that always fall the same way for a seed.
+    /// Creates a generator whose sequence depends on the seed alone.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// A number from 0 to `sides` - 1; 0 if there is no side.
+    /// Returns a random number below `sides`; 0 if `sides` is 0.
     pub fn roll(&mut self, sides: usize) -> usize {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -19,7 +19,7 @@ impl Dice {
         ((z ^ (z >> 31)) % sides.max(1) as u64) as usize
     }
 
-    /// One of a list.
+    /// Returns a random element of a list.
     ///
     /// # Panics
     /// If the list is empty.

@@ -1,9 +1,9 @@
-//! Seeded mutations of good files, for the tests of readers: whatever the bytes, reading ends
-//! with a value or an error.
+//! Seeded mutations of valid files, for tests that a reader ends with a value or an error for any
+//! bytes.
 //!
-//! The stable twin of fuzzing: the same mutants on every machine. A test says which edits harm
-//! its format, how many of them a mutant has, and how many mutants it tries; what must hold of
-//! whatever was read it asserts itself.
+//! They complement fuzzing and give the same mutants on every machine. A test chooses the edits
+//! that suit its format, the maximum number of edits per mutant and the number of mutants; it
+//! asserts the properties of the values read.
 //!
 //! ```
 //! use articula_mutate::{Edit, Mutations, cut_off};
@@ -18,7 +18,7 @@
 //! assert_eq!(cut_off(b"1234").filter(|bytes| read(bytes)).count(), 3);
 //! ```
 //!
-//! What is deliberately absent: anything that a product links; only tests name this crate.
+//! No product uses this crate, only tests.
 
 mod dice;
 mod mutations;

@@ -1,55 +1,55 @@
-//! The harness: edits, mutants, and what is cut off.
+//! Edits, mutants and truncations of a file.
 
 use crate::dice::Dice;
 
-/// Seed of all mutants: results of a test depend on its file and its edits alone.
+/// Seed of all mutants, so that the result of a test depends only on its file and its edits.
 const SEED: u64 = 20071;
 
-/// One way to harm a file, at a place that the dice choose.
+/// An edit of a file at a random position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Edit<'a> {
-    /// Turns one bit round.
+    /// Flips one bit.
     FlipBit,
-    /// Puts any byte in the place of one.
+    /// Replaces a byte by any byte.
     SetByte,
-    /// Puts one of these bytes in the place of one.
+    /// Replaces a byte by one of these.
     SetOf(&'a [u8]),
-    /// Puts any byte between.
+    /// Inserts any byte.
     InsertByte,
-    /// Puts one of these bytes between.
+    /// Inserts one of these bytes.
     InsertOf(&'a [u8]),
-    /// Takes a byte away.
+    /// Removes a byte.
     RemoveByte,
-    /// Takes fewer bytes than this away.
+    /// Removes fewer bytes than this.
     Delete(usize),
-    /// Says fewer bytes than this twice.
+    /// Repeats fewer bytes than this.
     Repeat(usize),
-    /// Says everything from there on twice.
+    /// Repeats everything from the position on.
     RepeatTail,
-    /// Cuts the file off.
+    /// Truncates the file.
     Truncate,
-    /// Cuts the file off in its last tenth.
+    /// Truncates the file within its last tenth.
     TruncateEnd,
-    /// Puts one of these words between, with a blank on either side.
+    /// Inserts one of these words, with a blank on either side.
     Word(&'a [&'a str]),
-    /// Puts one of these words in the place of the next run of digits.
+    /// Replaces the next run of digits by one of these words.
     Number(&'a [&'a str]),
-    /// Puts a number below this in the place of the next run of digits.
+    /// Replaces the next run of digits by a number below this.
     NumberBelow(usize),
 }
 
-/// How mutants of a file are made.
+/// Options of the mutants of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Mutations<'a> {
-    /// What may be done to it, each as likely as the others: one that stands twice is done twice
-    /// as often.
+    /// Allowed edits, all with equal probability; an edit that is listed twice is applied twice as
+    /// often.
     pub edits: &'a [Edit<'a>],
-    /// Most edits of one mutant, at least 1.
+    /// Maximum number of edits of one mutant, at least 1.
     pub most: usize,
 }
 
 impl Mutations<'_> {
-    /// A mutant of a good file.
+    /// Returns a mutant of a valid file.
     ///
     /// # Panics
     /// If there are no edits.
@@ -63,8 +63,8 @@ impl Mutations<'_> {
         bytes
     }
 
-    /// Tries mutants of a good file and counts those that were read; `read` says whether it
-    /// read the bytes and panics if what it read breaks a promise. The file itself is good.
+    /// Reads `tries` mutants of a valid file and returns the number that were read successfully.
+    /// `read` returns whether it could read the bytes, and panics if the value breaks a guarantee.
     ///
     /// # Panics
     /// If the file itself is not read, or there are no edits.
@@ -76,7 +76,7 @@ impl Mutations<'_> {
     }
 }
 
-/// A file cut off at every byte, from nothing on; the whole file is not among them.
+/// Returns the file truncated to every length from 0 up to, but without, its own.
 pub fn cut_off(good: &[u8]) -> impl Iterator<Item = &[u8]> {
     (0..good.len()).map(|length| &good[..length])
 }
@@ -104,7 +104,7 @@ fn apply(edit: Edit<'_>, bytes: &mut Vec<u8>, at: usize, dice: &mut Dice) {
         }
         Edit::Number(words) => replace_number(bytes, at, dice.of(words)),
         Edit::NumberBelow(end) => replace_number(bytes, at, &dice.roll(end).to_string()),
-        // What needs a byte finds none in an empty file.
+        // An empty file has no byte to edit.
         _ if bytes.is_empty() => {}
         Edit::FlipBit => bytes[at] ^= 1 << dice.roll(8),
         Edit::SetByte => bytes[at] = dice.roll(256) as u8,
@@ -113,7 +113,7 @@ fn apply(edit: Edit<'_>, bytes: &mut Vec<u8>, at: usize, dice: &mut Dice) {
     }
 }
 
-/// Puts a word in the place of the next run of digits.
+/// Replaces the next run of digits by a word.
 fn replace_number(bytes: &mut Vec<u8>, at: usize, word: &str) {
     let is_digit = |b: &u8| b.is_ascii_digit();
     let Some(start) = bytes[at..].iter().position(is_digit).map(|i| at + i) else {
@@ -127,7 +127,7 @@ fn replace_number(bytes: &mut Vec<u8>, at: usize, word: &str) {
 mod tests {
     use super::*;
 
-    /// Mutants of one edit each.
+    /// Mutants with one edit each.
     fn mutants(good: &[u8], edit: Edit<'_>) -> Vec<Vec<u8>> {
         let mutations = Mutations {
             edits: &[edit],

@@ -1,4 +1,4 @@
-//! One character posed and drawn: lit, with its joints marked, and at its true size.
+//! Poses and renders one character: lit, with joint marks, and at its size on the screen.
 
 use crate::paint::draw_box;
 use crate::skeleton::{JointMark, draw_skeleton, followed};
@@ -9,15 +9,15 @@ use articula_flat::{
 };
 use glam::{Affine3A, Vec2, Vec3};
 
-/// From where the figure is seen: a little from its left and from above.
+/// Default azimuth of the camera: a little from the figure's left.
 const AZIMUTH: f32 = 0.55;
 const ELEVATION: f32 = 0.12;
-/// Figures higher than this share of a tile have no small copy at true size.
+/// Maximum height of the inset at screen size, as a fraction of the tile.
 const INSET: f32 = 0.36;
-/// Free space around the figure, as a factor of its size.
+/// Size of the view relative to the figure.
 const FREE: f32 = 1.12;
 
-/// Poses and draws one character; keeps its buffers.
+/// Poses and renders one character; reuses its buffers.
 pub struct Artist<'a> {
     rig: &'a Rig,
     mesh: &'a Mesh,
@@ -25,24 +25,24 @@ pub struct Artist<'a> {
     skinned: SkinnedMesh,
     posed: PosedMesh<'a>,
     size: (u32, u32),
-    /// From where it is seen, radians from where it looks to its left.
+    /// Azimuth of the camera, radians from the figure's facing direction to its left.
     pub azimuth: f32,
-    /// Where a given camera stands; without one it goes round the figure.
+    /// Position of a fixed camera; without one the camera orbits the figure.
     pub eye: Option<Vec3>,
     bounds: Bounds,
-    /// Points that must be in the picture.
+    /// Points that must be in view.
     cloud: Vec<Vec3>,
     floor_m: f32,
-    /// Direction in which the figure looks at rest, radians from +Z.
+    /// Facing direction of the figure at rest, radians from +Z.
     facing: f32,
 }
 
 impl<'a> Artist<'a> {
-    /// An artist whose pictures have a size in pixels. `facing_radians` is where the figure looks
-    /// at rest, from +Z to its left.
+    /// Returns an artist for pictures of a size in pixels. `facing_radians` is the direction in
+    /// which the figure faces at rest, from +Z to its left.
     ///
     /// # Panics
-    /// If the mesh is of another rig.
+    /// If the mesh belongs to another rig.
     pub fn new(
         rig: &'a Rig,
         mesh: &'a Mesh,
@@ -73,7 +73,7 @@ impl<'a> Artist<'a> {
         artist
     }
 
-    /// Frames the camera on all of some poses, each with its morph weights.
+    /// Frames the camera on several poses, each with its morph weights.
     pub(crate) fn frame_poses(&mut self, poses: &[(&LocalPose, Vec<f32>)]) {
         let mut cloud = Vec::new();
         for (pose, morphs) in poses {
@@ -90,7 +90,7 @@ impl<'a> Artist<'a> {
         self.frame(cloud);
     }
 
-    /// Frames the camera on points; on what it had before if there is none.
+    /// Frames the camera on points; keeps the previous framing if there are none.
     fn frame(&mut self, mut cloud: Vec<Vec3>) {
         cloud.retain(|p| p.is_finite());
         if let Some(bounds) = Bounds::around(cloud.iter().map(|p| (*p, *p))) {
@@ -99,7 +99,7 @@ impl<'a> Artist<'a> {
         }
     }
 
-    /// Frames the camera on the face, or on the left hand.
+    /// Frames the camera on the face or on the left hand.
     pub fn frame_region(&mut self, pose: &LocalPose, region: Region) {
         let morphs = self.mesh.morph_weights.clone();
         self.pose(pose, &morphs);
@@ -116,14 +116,14 @@ impl<'a> Artist<'a> {
         }
     }
 
-    /// The character as it is.
+    /// Renders the character.
     ///
     /// # Errors
-    /// [`PictureError`] if the artist's pictures are too large.
+    /// [`PictureError`] if the picture size is too large.
     pub fn figure(&mut self, pose: &LocalPose, morphs: Vec<f32>) -> Result<Picture, PictureError> {
         self.pose(pose, &morphs);
         if self.eye.is_some() {
-            // Along a path every picture is framed for itself.
+            // Along a camera path every picture is framed separately.
             let cloud = self.points();
             self.frame(cloud);
         }
@@ -134,10 +134,10 @@ impl<'a> Artist<'a> {
         self.draw(&self.camera(), &options)
     }
 
-    /// The character as it is; without a mesh its skeleton, every joint active.
+    /// Renders the character; without a mesh its skeleton with all joints active.
     ///
     /// # Errors
-    /// [`PictureError`] if the artist's pictures are too large.
+    /// [`PictureError`] if the picture size is too large.
     pub(crate) fn reference(
         &mut self,
         pose: &LocalPose,
@@ -149,11 +149,11 @@ impl<'a> Artist<'a> {
         self.figure(pose, morphs)
     }
 
-    /// The character with its joints marked, and in a corner as large as on the screen, where a
+    /// Renders the character with joint marks, and an inset at its size on the screen, where one
     /// metre spans `pixels_per_metre`.
     ///
     /// # Errors
-    /// [`PictureError`] if the artist's pictures are too large.
+    /// [`PictureError`] if the picture size is too large.
     pub(crate) fn articulated(
         &mut self,
         pose: &LocalPose,
@@ -211,7 +211,7 @@ impl<'a> Artist<'a> {
         let viewport = Viewport {
             width_px: self.size.0 as f32,
             height_px: self.size.1 as f32,
-            // Narrow, so that the figure is not distorted.
+            // A narrow angle, so that the figure is not distorted.
             fov_y_radians: 0.4,
         };
         if let Some(eye) = self.eye {
@@ -244,7 +244,7 @@ impl<'a> Artist<'a> {
         self.posed.skin(morphs, &mut self.skinned);
     }
 
-    /// What is seen of the pose: its skin, or its joints where it has none.
+    /// Visible points of the pose: its skin, or its joints without a skin.
     fn points(&self) -> Vec<Vec3> {
         if !self.skinned.positions.is_empty() {
             return self.skinned.positions.clone();
@@ -254,7 +254,7 @@ impl<'a> Artist<'a> {
     }
 }
 
-/// A camera that looks along a direction, as near as the points allow.
+/// Closest camera of a direction that sees all points.
 fn looking_along(forward: Vec3, cloud: &[Vec3], viewport: Viewport) -> Camera {
     let aimed = Camera::looking_at(-forward, Vec3::ZERO, viewport);
     let in_view = |p: &Vec3| aimed.orientation.conjugate() * *p;
@@ -274,7 +274,7 @@ fn looking_along(forward: Vec3, cloud: &[Vec3], viewport: Viewport) -> Camera {
     }
 }
 
-/// A camera at a place that opens just as far as the bounds ask for.
+/// A camera at a fixed position with the field of view that the bounds need.
 fn looking_from(eye: Vec3, bounds: &Bounds, viewport: Viewport) -> Camera {
     let aimed = Camera::looking_at(eye, bounds.middle(), viewport);
     let aspect = viewport.width_px / viewport.height_px;
@@ -302,15 +302,15 @@ fn floor(rest: &Bounds) -> f32 {
     }
 }
 
-/// Angle of the picture from below to above that close-ups are taken with, radians.
+/// Vertical field of view of close-ups, radians.
 const CLOSE_UP_FOV_Y_RADIANS: f32 = 0.4;
 
-/// A skinned mesh as far as a box shows it, from an azimuth and elevation in radians
+/// Renders the part of a skinned mesh inside a box, from an azimuth and elevation in radians
 /// ([`orbit_view`]), without a ground.
 ///
 /// # Errors
-/// [`PictureError::LimitExceeded`] if the picture is too large, [`PictureError::Mismatch`] if the
-/// skin is of another mesh.
+/// [`PictureError::LimitExceeded`] if the picture is too large, [`PictureError::Mismatch`] if
+/// `skinned` belongs to another mesh.
 pub fn close_up(
     mesh: &Mesh,
     skinned: &SkinnedMesh,
@@ -328,7 +328,7 @@ pub fn close_up(
     render(mesh, skinned, look, &camera, &RenderOptions::default())
 }
 
-/// The middles of `count` equal parts of so many frames, each once.
+/// Returns the middle frames of `count` equal parts of `frames` frames, without duplicates.
 pub fn middles(frames: usize, count: usize) -> Vec<usize> {
     let count = count.min(frames).max(1);
     let mut all: Vec<usize> = (0..count)

@@ -1,4 +1,4 @@
-//! Many small pictures on one page: rows and columns of cells with labels and a legend.
+//! Contact sheets: small pictures in labelled rows and columns, with a legend.
 
 use crate::paint::{TextStyle, draw_box, draw_text};
 use crate::skeleton::JointMark;
@@ -9,55 +9,55 @@ const PAPER: Rgba = [255, 255, 255, 255];
 const INK: Rgba = [28, 30, 36, 255];
 const SOFT_INK: Rgba = [92, 97, 108, 255];
 const FRAME: Rgba = [214, 217, 224, 255];
-/// Space around the page, pixels.
+/// Margin of the page, pixels.
 const MARGIN: u32 = 24;
-/// Space between cells, pixels.
+/// Gap between cells, pixels.
 const GAP: u32 = 16;
-/// Space between the tiles of one cell, pixels.
+/// Gap between the tiles of one cell, pixels.
 const TILE_GAP: u32 = 4;
-/// Space between lines of text, pixels.
+/// Gap between lines of text, pixels.
 const LEADING: u32 = 6;
-/// Widest row label, pixels; longer ones are shortened.
+/// Maximum width of a row label, pixels; longer ones are shortened.
 const ROW_LABEL: u32 = 200;
 
-/// One picture with a line of text below it.
+/// A picture with a line of text below it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SheetTile {
     /// The picture.
     pub picture: Picture,
-    /// What it shows; may be empty.
+    /// Caption; may be empty.
     pub caption: String,
 }
 
-/// The tiles of one row and column, side by side: such as a reference, the reduced character
-/// and their difference.
+/// Tiles of one row and column, side by side, such as a reference, the reduced character and their
+/// difference.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct SheetCell {
-    /// The tiles; a cell without any stays blank.
+    /// The tiles; a cell without tiles is blank.
     pub tiles: Vec<SheetTile>,
 }
 
-/// A row of cells.
+/// A row of a contact sheet.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct SheetRow {
-    /// What its cells have in common.
+    /// Label of the row.
     pub label: String,
-    /// One cell for each column; missing ones stay blank.
+    /// One cell per column; missing ones are blank.
     pub cells: Vec<SheetCell>,
 }
 
-/// A page of pictures.
+/// A page of pictures in rows and columns.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ContactSheet {
     /// Heading.
     pub title: String,
-    /// Lines below the heading: what was drawn, and how.
+    /// Lines below the heading.
     pub notes: Vec<String>,
-    /// What each column's cells have in common.
+    /// Labels of the columns.
     pub columns: Vec<String>,
     /// The rows.
     pub rows: Vec<SheetRow>,
-    /// Whether a line says what the joint marks mean ([`JointMark`]).
+    /// Whether a legend explains the joint marks ([`JointMark`]).
     pub explains_joints: bool,
 }
 
@@ -103,7 +103,7 @@ impl ContactSheet {
         Ok(page)
     }
 
-    /// The marks that are explained.
+    /// Marks in the legend.
     fn legend(&self) -> &'static [JointMark] {
         if self.explains_joints {
             &JointMark::ALL
@@ -135,7 +135,7 @@ impl ContactSheet {
 }
 
 impl SheetCell {
-    /// A cell of one picture.
+    /// Returns a cell of one picture.
     pub fn of(picture: Picture, caption: impl Into<String>) -> Self {
         let caption = caption.into();
         Self {
@@ -188,7 +188,7 @@ impl SheetTile {
     }
 }
 
-/// Where everything lies on the page.
+/// Positions of all parts of the page.
 struct Layout {
     width: u32,
     height: u32,
@@ -210,7 +210,7 @@ impl Layout {
         for column in 0..cells.max(sheet.columns.len()) {
             let in_column = sheet.rows.iter().filter_map(|r| r.cells.get(column));
             let label = sheet.columns.get(column).map_or("", String::as_str);
-            // A label may widen a narrow column a little, not rule it.
+            // A label may widen a narrow column up to a limit.
             let label = TextStyle::Strong.width(label).min(240);
             let width = in_column.map(|c| c.size().0).max().unwrap_or(0).max(label);
             columns.push((x, width));
@@ -241,7 +241,7 @@ impl Layout {
         }
     }
 
-    /// Room that the heading asks for, within reason.
+    /// Width that the heading needs, up to a limit.
     fn head_width(sheet: &ContactSheet) -> u32 {
         let notes = sheet.notes.iter().map(|n| TextStyle::Body.width(n)).max();
         let legend = sheet.legend().iter();

@@ -1,4 +1,4 @@
-//! A moment of a crowd as a camera sees it, every character in the colour of its level.
+//! Renders a crowd at one time, with a colour for each character's level.
 
 use crate::paint::{TextStyle, draw_box, draw_text};
 use articula_core::source::Material;
@@ -8,7 +8,7 @@ use articula_flat::{
 };
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
-/// Colours of the levels, from every joint to the fewest: dark blue over green to yellow and red.
+/// Colours of the levels, from all joints to the fewest: dark blue through green to yellow and red.
 const COLORS: [Rgba; 8] = [
     [58, 76, 160, 255],
     [52, 120, 190, 255],
@@ -20,7 +20,7 @@ const COLORS: [Rgba; 8] = [
     [215, 85, 75, 255],
 ];
 
-/// The skins of a crowd's characters as one mesh in the world, each in the colour of its level.
+/// The skins of a crowd's characters as one mesh in world space, coloured by level.
 #[derive(Debug, Clone)]
 pub struct CrowdPicture {
     mesh: Mesh,
@@ -40,10 +40,10 @@ impl Default for CrowdPicture {
 }
 
 impl CrowdPicture {
-    /// Adds a character: its mesh at a level, its palette, and where it stands.
+    /// Adds a character: its mesh, its level, its palette, and its position in the world.
     ///
     /// # Panics
-    /// If the palette is not of the mesh.
+    /// If the palette does not belong to the mesh.
     pub fn add(&mut self, own: &Mesh, level: usize, matrices: &[Affine3A], world: &Affine3A) {
         let (mesh, all) = (&mut self.mesh, &mut self.skinned);
         let mut skinned = SkinnedMesh::new(own);
@@ -68,8 +68,8 @@ impl CrowdPicture {
         });
     }
 
-    /// Draws the characters over a ground of height 0; the picture is as large as the camera's
-    /// viewport. A line of the legend stands beside the colour of its level, if it has one.
+    /// Renders the characters over a ground of height 0, in the size of the camera's viewport. Each
+    /// line of the legend is shown with the colour of its level, if it has one.
     ///
     /// # Errors
     /// [`PictureError::LimitExceeded`] if the viewport is too large.

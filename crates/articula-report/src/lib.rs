@@ -1,13 +1,14 @@
-//! Pictures and plots of reports: what a program draws to show what it measured.
+//! Pictures and plots for reports.
 //!
-//! - [`line_plot`], [`bar_plot`]: values as SVG text; [`stacked`]: several [`Plot`]s in one
-//! - [`ContactSheet`]: many small pictures on one page, in labelled rows and columns
-//! - [`Artist`]: one character posed, lit, and with its joints marked ([`JointMark`]);
-//!   [`close_up`]: a part of it
-//! - [`draw_skeleton`]: joints over a picture that is there already; [`followed`]: which of them
-//! - [`CrowdPicture`]: a crowd, every character in the colour of its level
+//! - [`line_plot`], [`bar_plot`]: plots as SVG text; [`stacked`]: several [`Plot`]s in one
+//! - [`ContactSheet`]: small pictures on one page, in labelled rows and columns
+//! - [`Artist`]: renders one character, lit, with joint marks ([`JointMark`]); [`close_up`]:
+//!   renders a part of it
+//! - [`draw_skeleton`]: draws joints over an existing picture; [`followed`]: selects the joints
+//!   that move vertices
+//! - [`CrowdPicture`]: renders a crowd, coloured by level
 //! - [`motion_sheet`], [`camera_path_sheet`], [`rest_sheet`]: a clip under motion level of detail
-//!   beside the clip as it is
+//!   next to the original clip
 //! - [`middles`]: the frames of a clip that a sheet shows
 //!
 //! ```
@@ -25,9 +26,8 @@
 //! # Ok::<(), PictureError>(())
 //! ```
 //!
-//! What is deliberately absent: files, a console, the words of a report, and what is measured:
-//! values and played clips come in, pictures and text go out. Programs use this crate, no library
-//! does.
+//! Out of scope: files, a console, the text of reports, and measuring: the input is values and
+//! evaluated clips, the output is pictures and text. Programs use this crate, no library does.
 
 mod artist;
 mod contact_sheet;

@@ -1,7 +1,8 @@
-//! The character at several distances and frames, beside the reference: which joints move.
+//! Contact sheets of a character at several distances and frames, next to the reference, with marks
+//! on its joints.
 //!
-//! Source: thesis figures 6.16 and 6.17. Each cell shows the clip as it is, and what the method
-//! shows, drawn large; the small figure in the corner has the true size on the screen.
+//! Source: thesis figures 6.16 and 6.17. Each cell shows the original clip and the result of the
+//! method, drawn large; the small figure in the corner has the size on the screen.
 
 use crate::artist::{Artist, middles};
 use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow, SheetTile};
@@ -12,20 +13,20 @@ use articula_core::joint_state::JointState;
 use articula_core::{LocalPose, Wrap, sample, sample_morphs};
 use articula_flat::{Picture, PictureError};
 
-/// A method with its parameter, at a distance: a row of a sheet, a line of a plot.
+/// A method with its parameter and distance: a row of a sheet, a line of a plot.
 #[derive(Debug, Clone)]
 pub struct MotionLine<'a> {
-    /// What it is called.
+    /// Label of the row or line.
     pub label: String,
     /// The method.
     pub method: &'a Method,
-    /// Its parameter.
+    /// Parameter of the method.
     pub parameter: f32,
-    /// Distance of the camera to the root, metres.
+    /// Distance from the camera to the root, metres.
     pub distance_m: f32,
 }
 
-/// Draws a clip as it is and as methods show it, a line for each method, at so many frames.
+/// Draws a clip and the result of each method, one row per method, at `count` frames.
 ///
 /// # Errors
 /// [`PictureError`] if the page is too large.
@@ -72,7 +73,7 @@ pub fn motion_sheet(
     sheet(title, notes, columns.collect(), rows)
 }
 
-/// Draws moments of a run before a moving camera, each from where the camera stood.
+/// Draws frames of a run in front of a moving camera, each from the camera's position at that time.
 ///
 /// # Errors
 /// [`PictureError`] if the page is too large.
@@ -108,7 +109,7 @@ pub fn camera_path_sheet(
     sheet(title, notes, Vec::new(), rows)
 }
 
-/// Draws a character that has no clip: its rest pose, seen from four sides.
+/// Draws the rest pose of a character without a clip, from four sides.
 ///
 /// # Errors
 /// [`PictureError`] if the page is too large.
@@ -171,7 +172,7 @@ fn shown_pose(stage: &ClipEvaluator<'_>, playback: &Playback, frame: usize) -> L
     pose
 }
 
-/// Morph weights at a frame of the stage's clip.
+/// Morph weights at a frame of the evaluated clip.
 fn morphs(stage: &ClipEvaluator<'_>, frame: usize) -> Vec<f32> {
     let mut weights = stage.asset.mesh.morph_weights.clone();
     let secs = frame as f64 / f64::from(stage.clip.rate_hz());
@@ -179,7 +180,7 @@ fn morphs(stage: &ClipEvaluator<'_>, frame: usize) -> Vec<f32> {
     weights
 }
 
-/// What each joint does at a frame: the root always follows the clip.
+/// Mark of each joint at a frame; the root always follows the clip.
 fn marks(
     stage: &ClipEvaluator<'_>,
     line: &MotionLine<'_>,
@@ -204,7 +205,7 @@ fn marks(
     (0..rig.len()).map(mark).collect()
 }
 
-/// The same at a frame before a moving camera.
+/// Mark of each joint at a frame of a run with a moving camera.
 fn path_marks(root: usize, frame: &PathFrame) -> Vec<JointMark> {
     let mark = |(joint, state): (usize, &JointState)| match state {
         JointState::ToActive | JointState::ToPassive => JointMark::InTransition,

@@ -1,13 +1,13 @@
-//! Marks on a picture: lines, discs, rings, boxes and words, all with smooth edges.
+//! Anti-aliased lines, discs, rings, boxes and text on a picture.
 
 use articula_flat::{Picture, Rgba};
 use glam::Vec2;
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
-/// Shown for a letter that the font lacks.
+/// Replacement of letters that the font lacks.
 const UNKNOWN: char = '?';
 
-/// How large and heavy words are.
+/// Size and weight of text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum TextStyle {
     /// 16 pixels high.
@@ -25,12 +25,12 @@ impl TextStyle {
         self.raster().1 as u32
     }
 
-    /// Width of a text in pixels; all letters are equally wide.
+    /// Width of a text in pixels; the font is monospaced.
     pub(crate) fn width(self, text: &str) -> u32 {
         (text.chars().count() * self.letter_width()) as u32
     }
 
-    /// The text, its end replaced by two dots if it is wider than `width` pixels.
+    /// Returns the text, its end replaced by two dots if it is wider than `width` pixels.
     pub(crate) fn fitted(self, text: &str, width: u32) -> String {
         if self.width(text) <= width {
             return text.to_owned();
@@ -54,7 +54,7 @@ impl TextStyle {
     }
 }
 
-/// Draws a line with round ends, of radius `from_radius` at `from` and `to_radius` at `to`.
+/// Draws a line with round ends, with radius `from_radius` at `from` and `to_radius` at `to`.
 pub(crate) fn draw_line(picture: &mut Picture, from: (Vec2, f32), to: (Vec2, f32), color: Rgba) {
     let ((a, from_radius), (b, to_radius)) = (from, to);
     let axis = b - a;
@@ -79,14 +79,14 @@ pub(crate) fn draw_disc(picture: &mut Picture, middle: Vec2, radius: f32, color:
     });
 }
 
-/// Draws a circle whose line of this width lies inside the radius.
+/// Draws a ring of this line width inside the radius.
 pub(crate) fn draw_ring(picture: &mut Picture, middle: Vec2, radius: f32, width: f32, color: Rgba) {
     draw_shape(picture, (middle - radius, middle + radius), color, |at| {
         (at.distance(middle) - radius + 0.5 * width).abs() - 0.5 * width
     });
 }
 
-/// Fills the box between two corners, whole pixels only.
+/// Fills the box between two corners, in whole pixels.
 pub(crate) fn draw_box(
     picture: &mut Picture,
     x: i32,
@@ -102,9 +102,9 @@ pub(crate) fn draw_box(
     }
 }
 
-/// Writes one line of text, its top left at `(x, y)`.
+/// Draws one line of text, its top left at `(x, y)`.
 ///
-/// Letters beyond Latin 1 show as a question mark.
+/// Letters outside Latin 1 become a question mark.
 pub(crate) fn draw_text(
     picture: &mut Picture,
     x: i32,

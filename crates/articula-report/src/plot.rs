@@ -1,9 +1,9 @@
 //! Line and bar plots as SVG text, for report pages with a light background.
 //!
-//! Written by hand rather than through a plotting crate: places keep their fractions, a
-//! logarithmic axis is labelled at the values that were measured, and lines can be dashed.
-//! Series differ in colour, marker and dash, so no plot relies on colour alone.
-//! Palette: Okabe and Ito 2008, its yellow left out for lack of contrast on white.
+//! Not written with a plotting crate: positions keep their fractions, a logarithmic axis is
+//! labelled at the measured values, and lines can be dashed. Series differ in colour, marker and
+//! dash, so no plot relies on colour alone. Palette: Okabe and Ito 2008, without its yellow, which
+//! lacks contrast on white.
 
 mod axis;
 mod stack;
@@ -20,74 +20,73 @@ const RIGHT: f64 = 24.0;
 const TOP: f64 = 52.0;
 const BOTTOM: f64 = 58.0;
 const LEGEND_ROW: f64 = 20.0;
-/// Mean width of a letter at 13 pixels, for laying out the legend.
+/// Mean width of a letter at 13 pixels, for the layout of the legend.
 const LETTER: f64 = 7.1;
-/// Longest name in a legend, letters; longer ones are shortened.
+/// Maximum length of a name in a legend, letters; longer ones are shortened.
 const LONGEST_NAME: usize = 40;
 const PALETTE: [&str; 7] = [
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000",
 ];
 
-/// What both kinds of plot say around their data.
+/// Title, labels and axes of a plot.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PlotOptions {
     /// Heading.
     pub title: String,
-    /// What runs to the right, with its unit.
+    /// Label of the x axis, with its unit.
     pub x_label: String,
-    /// What runs upwards, with its unit.
+    /// Label of the y axis, with its unit.
     pub y_label: String,
-    /// Spacing of the x axis; bar plots ignore it.
+    /// Scale of the x axis; bar plots ignore it.
     pub x: Scale,
-    /// How y values are written.
+    /// Format of y values.
     pub y: Values,
     /// A y value to mark with a labelled line, such as a target.
     pub target: Option<(f64, String)>,
 }
 
-/// How values are spaced along an axis.
+/// Scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scale {
-    /// Evenly.
+    /// Linear.
     #[default]
     Linear,
-    /// By their logarithm; the points' own x values are labelled. Points at or below zero are
-    /// left out.
+    /// Logarithmic; the points' own x values are labelled. Points at or below zero are left out.
     Logarithmic,
 }
 
-/// How values are written.
+/// Format of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Values {
-    /// As they are.
+    /// Plain numbers.
     #[default]
     Plain,
-    /// Fractions, as percent.
+    /// Fractions, as percentages.
     Percent,
 }
 
 /// A named line of points.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Series {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub name: String,
-    /// Its points, in the order in which they are joined. A point that is not finite breaks
-    /// the line.
+    /// Points in the order in which they are joined. A point that is not finite interrupts the
+    /// line.
     pub points: Vec<(f64, f64)>,
     /// Whether the line is dashed.
     pub dashed: bool,
 }
 
-/// A named set of bars, one for each category.
+/// A named set of bars, one per category.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct BarSeries {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub name: String,
-    /// One value for each category; a value that is not finite has no bar.
+    /// One value per category; a value that is not finite has no bar.
     pub values: Vec<f64>,
 }
 
-/// Draws points joined by lines. Points have markers while a series has at most forty of them.
+/// Returns a line plot as SVG text. Points have markers while a series has at most forty of them.
 pub fn line_plot(options: &PlotOptions, series: &[Series]) -> String {
     let finite = |p: &(f64, f64)| {
         let positive = options.x == Scale::Linear || p.0 > 0.0;
@@ -120,7 +119,7 @@ pub fn line_plot(options: &PlotOptions, series: &[Series]) -> String {
     plot.finish(options)
 }
 
-/// Draws bars from zero, side by side in each category.
+/// Returns a bar plot as SVG text, with bars from zero, side by side in each category.
 pub fn bar_plot(options: &PlotOptions, categories: &[String], series: &[BarSeries]) -> String {
     let values = series.iter().flat_map(|s| s.values.iter().copied());
     let y = vertical(options, values.filter(|v| v.is_finite()));
@@ -152,7 +151,7 @@ fn vertical(options: &PlotOptions, values: impl Iterator<Item = f64>) -> Axis {
     Axis::through(values.chain(target).chain([0.0]), Spacing::Linear)
 }
 
-/// A plot on its way to text.
+/// A plot under construction.
 struct Canvas {
     svg: String,
     top: f64,
@@ -302,7 +301,7 @@ impl Canvas {
     }
 }
 
-/// Names of the series in rows above the plot. A single unnamed series needs none.
+/// Names of the series in rows above the plot; none for a single unnamed series.
 struct Legend {
     entries: Vec<(f64, usize, String)>,
     rows: usize,
@@ -345,7 +344,7 @@ impl Legend {
     }
 }
 
-/// The mark of a series: disc, square, diamond or triangle in turn.
+/// Marker of a series: disc, square, diamond or triangle in turn.
 fn marker(svg: &mut String, index: usize, x: f64, y: f64) {
     let shape = match index % 4 {
         0 => "m-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0",
@@ -387,7 +386,7 @@ fn shortened(text: &str, most: usize) -> String {
     kept + "\u{2026}"
 }
 
-/// Text on one line of markup.
+/// Text escaped for one line of markup.
 fn escaped(text: &str) -> String {
     let line = text.replace(['\t', '\n', '\r'], " ");
     articula_flat::escaped(&line).replace('\'', "&#39;")

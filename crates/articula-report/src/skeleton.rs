@@ -1,30 +1,30 @@
-//! The joints of a character over its faded body: which of them move, and which hold.
+//! Joints of a character over its faded body, marked as active, passive or in transition.
 //!
-//! Source: thesis figures 5.1, 6.16 and 6.17: active joints green, passive ones red, joints
-//! in transition amber. Differs: passive joints are hollow rings, so that the marks can be
-//! told apart without colour.
+//! Source: thesis figures 5.1, 6.16 and 6.17: active joints green, passive ones red, joints in
+//! transition amber. Differs: passive joints are hollow rings, so that the marks differ without
+//! colour.
 
 use crate::paint::{draw_disc, draw_line, draw_ring};
 use articula_core::{Camera, JointSet, Mesh, ModelPose, Rig};
 use articula_flat::{Picture, Projection, Rgba, Screen};
 use glam::Vec2;
 
-/// What a joint does.
+/// State of a joint as it is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum JointMark {
-    /// It moves.
+    /// The joint follows the clip.
     Active,
-    /// It holds.
+    /// The joint is held.
     Passive,
-    /// It is on its way from one to the other.
+    /// The joint changes between active and passive.
     InTransition,
 }
 
 impl JointMark {
-    /// All of them, as legends list them.
+    /// All marks, in the order of legends.
     pub(crate) const ALL: [Self; 3] = [Self::Active, Self::InTransition, Self::Passive];
 
-    /// The colour of its disc and bones.
+    /// Colour of the disc and the bones.
     pub(crate) fn color(self) -> Rgba {
         match self {
             Self::Active => [22, 138, 66, 255],
@@ -33,7 +33,7 @@ impl JointMark {
         }
     }
 
-    /// Its name in legends.
+    /// Name in legends.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Active => "active",
@@ -55,21 +55,21 @@ impl JointMark {
     }
 }
 
-/// Radius of a joint's disc, metres; held between 2 and 7 pixels.
+/// Radius of a joint's disc, metres; clamped to 2 to 7 pixels.
 const JOINT_RADIUS_M: f32 = 0.02;
-/// How far the picture below is faded towards white, 0 to 1.
+/// Blend of the picture below towards white, 0 to 1.
 const FADE: f32 = 0.62;
 
-/// How much of a rig is drawn, and how.
+/// Joints and style of a drawn skeleton.
 struct SkeletonOptions {
     joint_radius_m: f32,
     fade: f32,
-    /// The joints that are drawn.
+    /// Joints that are drawn.
     joints: JointSet,
 }
 
-/// The joints with a vertex on them or below, of those that a skin names; all of these if no
-/// vertex follows any.
+/// Returns the joints of the skin that have a vertex on them or on a descendant; all joints of the
+/// skin if no vertex follows any.
 pub fn followed(rig: &Rig, mesh: &Mesh) -> JointSet {
     let weighted = mesh.binding_indices.iter().zip(&mesh.weights);
     let weighted = weighted.filter(|(_, weight)| **weight > 0.0);
@@ -89,11 +89,11 @@ pub fn followed(rig: &Rig, mesh: &Mesh) -> JointSet {
     }
 }
 
-/// Draws some joints of a character over its picture from `camera`.
+/// Draws joints of a character over its picture from `camera`.
 ///
-/// `marks` has one entry for each joint of the rig; joints beyond its end are active. A bone
-/// has the colour of the joint that turns it. What lies behind the camera is left out. Rigs for
-/// authoring name control joints that no vertex follows: see [`followed`].
+/// `marks` has one entry per joint of the rig; joints beyond its end are active. A bone has the
+/// colour of its parent joint. Joints behind the camera are left out. Authoring rigs contain
+/// control joints that no vertex follows: see [`followed`].
 pub fn draw_skeleton(
     picture: &mut Picture,
     rig: &Rig,
@@ -163,7 +163,7 @@ fn placed(rig: &Rig, pose: &ModelPose, screen: &Screen, options: &SkeletonOption
         let parent = drawn_parent(rig, &drawn, joint);
         let scale = screen.pixels_per_metre_at(position);
         let radius = (options.joint_radius_m * scale).clamp(2.0, 7.0);
-        // Fingers stand closer together than a full disc allows.
+        // Fingers are closer together than full discs allow.
         let bone = parent.map_or(f32::INFINITY, |p| {
             pose.position(p).distance(position) * scale
         });
@@ -179,7 +179,7 @@ fn placed(rig: &Rig, pose: &ModelPose, screen: &Screen, options: &SkeletonOption
     joints
 }
 
-/// The nearest joint above that a skin names.
+/// Nearest ancestor that is drawn.
 fn drawn_parent(rig: &Rig, drawn: &JointSet, joint: usize) -> Option<usize> {
     let mut at = rig.parent(joint);
     while let Some(j) = at.filter(|j| !drawn.contains(*j)) {

@@ -1,4 +1,4 @@
-//! Small pictures that must not change unnoticed; `cargo xtask golden` renews them.
+//! Small golden pictures; `cargo xtask golden` renews them.
 #![expect(
     clippy::disallowed_methods,
     clippy::unwrap_used,
@@ -69,7 +69,7 @@ fn drawn() -> (Picture, Picture) {
     (body, skeleton)
 }
 
-/// White where two pictures of one size agree over white, four times as dark as they differ.
+/// White where two pictures of one size agree over white, darker by four times their difference.
 fn difference(a: &Picture, b: &Picture) -> Picture {
     let [a, b] = [a, b].map(|picture| {
         let mut over = Picture::new(picture.width(), picture.height(), [255; 4]).unwrap();

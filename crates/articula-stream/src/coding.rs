@@ -1,23 +1,22 @@
-//! How a number stands in the bits of a stream, so that a cut can write it anew without a codec.
+//! Encodings of numbers in a stream, so that a cut can rewrite them without the codec.
 
 use articula_core::Mismatch;
 use std::ops::Range;
 
-/// How the bits of an unsigned number stand in a stream.
+/// Encoding of an unsigned number in the bits of a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Coding {
-    /// The highest bit first, 1 to 64 bits that begin anywhere: MPEG's `uimsbf`.
+    /// 1 to 64 bits at any position, most significant bit first: MPEG's `uimsbf`.
     BigEndian,
-    /// 1 to 8 whole bytes, the lowest first.
+    /// 1 to 8 whole bytes, least significant first.
     LittleEndian,
-    /// 1 to 9 whole bytes of 7 bits, the lowest first, bit 7 set if more follow. A number that
-    /// takes the place of a longer one is filled up with bytes that add nothing, so that nothing
-    /// behind it moves.
+    /// 1 to 9 whole bytes of 7 bits, least significant first, bit 7 set if more follow. A number
+    /// that replaces a longer one is padded to the same length, so that later bytes do not move.
     Varint,
 }
 
 impl Coding {
-    /// Checks that a number can stand in so many bits from there on.
+    /// Checks that a value fits the given bits in this encoding.
     pub(crate) fn check(self, bits: &Range<u64>, value: u64) -> Result<(), String> {
         let count = bits.end.saturating_sub(bits.start);
         let is_whole = bits.start.is_multiple_of(8) && count.is_multiple_of(8);
@@ -35,10 +34,11 @@ impl Coding {
         Ok(())
     }
 
-    /// The number in bits of a stream.
+    /// Reads a number from bits of a stream.
     ///
     /// # Errors
-    /// A [`Mismatch`] if no number of this coding can stand there, or the stream ends before.
+    /// A [`Mismatch`] if the bits cannot hold a number of this encoding, or the stream ends before
+    /// them.
     pub(crate) fn read(self, stream: &[u8], bits: &Range<u64>) -> Result<u64, Mismatch> {
         let wrong = |what: String| Mismatch::new(format!("bits {bits:?}"), what);
         self.check(bits, 0).map_err(wrong)?;
@@ -64,11 +64,11 @@ impl Coding {
         }
     }
 
-    /// Puts a number into bits of a stream; no other bit changes.
+    /// Writes a number to bits of a stream; no other bit changes.
     ///
     /// # Errors
-    /// A [`Mismatch`] if it cannot stand there, or the stream ends before. Nothing has changed
-    /// then.
+    /// A [`Mismatch`] if the value does not fit, or the stream ends before the bits. The stream is
+    /// unchanged then.
     pub fn write(self, stream: &mut [u8], bits: &Range<u64>, value: u64) -> Result<(), Mismatch> {
         let wrong = |what: String| Mismatch::new(format!("bits {bits:?}"), what);
         self.check(bits, value).map_err(wrong)?;
@@ -99,7 +99,7 @@ impl Coding {
     }
 }
 
-/// The bytes that bits lie in.
+/// The bytes that contain the given bits.
 fn touched(bits: &Range<u64>, length: usize) -> Result<Range<usize>, String> {
     if bits.end > 8 * length as u64 {
         return Err(format!("the stream ends at bit {}", 8 * length as u64));

@@ -1,48 +1,48 @@
-//! What can be wrong with a stream, sorted by blame.
+//! Errors of streams, grouped by cause.
 
 use articula_core::{MalformedBytes, Mismatch};
 use thiserror::Error;
 
-/// Why a stream could not be read. The text names what was found, what was expected and where.
+/// Error of reading a stream. The text names location, cause and expectation.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum StreamError {
-    /// The bytes break the rules of their form.
+    /// The bytes violate their format.
     #[error("{at}: {what}")]
     Malformed {
         /// Byte offset, or chunk.
         at: String,
-        /// What was found and what was expected.
+        /// The fault, and what was expected.
         what: String,
     },
-    /// The bytes are good but of a form that we do not read.
+    /// The bytes are valid, but of a form that is not supported.
     #[error("{at}: {what} is not supported; {mend}")]
     Unsupported {
         /// Byte offset.
         at: String,
-        /// The form.
+        /// The unsupported form.
         what: String,
-        /// What the user can do.
+        /// Remedy for the user.
         mend: String,
     },
-    /// The stream would take more memory or time than the caller allows.
+    /// The stream would need more memory or time than the caller allows.
     #[error("{at}: {found} {which}, the limit is {limit}")]
     LimitExceeded {
         /// Byte offset, or chunk.
         at: String,
-        /// Which limit, as words.
+        /// The limit, in words.
         which: &'static str,
-        /// What the stream asks for.
+        /// Amount that the stream needs.
         found: u64,
-        /// What the caller allows.
+        /// Amount that the caller allows.
         limit: u64,
     },
-    /// The caller paired what does not belong together.
+    /// Arguments do not fit each other.
     #[error(transparent)]
     Mismatch(#[from] Mismatch),
 }
 
 impl StreamError {
-    /// A [`StreamError::Malformed`].
+    /// Creates a [`StreamError::Malformed`].
     pub(crate) fn malformed(at: impl Into<String>, what: impl Into<String>) -> Self {
         Self::Malformed {
             at: at.into(),

@@ -1,18 +1,18 @@
-//! How a virtual human travels: what is coded so that any prefix shows something, and the map of
-//! a coded stream that a cut reads.
+//! Progressive streams of virtual humans: coded data of which any prefix is usable, and a
+//! codec-independent map of a stream for cutting it.
 //!
-//! - [`Unit`], [`Marker`], [`Field`], [`Coding`]: which bits of a stream are what, without knowing
-//!   its codec; a number in them can be written anew
-//! - `mesh`: mesh levels as a stream that refines (the cargo feature `codecs`, on by default)
-//! - [`StreamError`], [`StreamLimits`]: what can be wrong, and how much is too much
+//! - [`Unit`], [`Marker`], [`Field`], [`Coding`]: which bits of a stream hold what, independent of
+//!   the codec; numbers in them can be rewritten
+//! - `mesh`: mesh levels as a progressive stream (cargo feature `codecs`, on by default)
+//! - [`StreamError`], [`StreamLimits`]: errors, and limits on memory and time
 //!
-//! A program that only cuts streams leaves the feature `codecs` out: then there is neither a codec
-//! nor a hash in it.
+//! A program that only cuts streams disables the feature `codecs` and depends on neither codec nor
+//! hash.
 //!
 //! ```
 //! use articula_stream::{Coding, Field, Unit};
 //!
-//! // A length of one byte, then so many bytes.
+//! // A length byte, followed by that number of bytes.
 //! let mut stream = vec![3, 10, 20, 30];
 //! let unit = Unit {
 //!     fields: vec![Field {
@@ -26,7 +26,7 @@
 //! };
 //! unit.check()?;
 //! unit.check_values(&stream)?;
-//! // Without its body, the packet says that it has none.
+//! // Removes the body and sets the length to 0.
 //! let length = &unit.fields[0];
 //! length.coding.write(&mut stream, &length.bits, 0)?;
 //! stream.truncate(1);
@@ -34,10 +34,10 @@
 //! # Ok::<(), articula_core::Mismatch>(())
 //! ```
 //!
-//! Level 0 is the finest in every number here; the bytes come coarsest level first.
+//! Level 0 is the finest in every number; the bytes start with the coarsest level.
 //!
-//! What is deliberately absent: files, sockets, clocks and threads (bytes come in and go out), and
-//! any choice of what to send; nothing here panics for any bytes.
+//! There are no files, sockets, clocks or threads here (bytes in, bytes out), and no decision on
+//! what to send. No input causes a panic.
 
 mod coding;
 mod error;

@@ -1,14 +1,14 @@
-//! How much a stream may ask for, so that a hostile one cannot exhaust memory or time.
+//! Limits on decoding, so that a hostile stream cannot exhaust memory or time.
 
 #[cfg(feature = "codecs")]
 use crate::error::StreamError;
 
-/// Upper bounds that every decoder keeps. The defaults pass any character made by people.
+/// Upper bounds that every decoder observes. The defaults admit any realistic character.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StreamLimits {
-    /// Bytes of one stream.
+    /// Maximum size of a stream in bytes.
     pub bytes: u64,
-    /// Elements that all decoded arrays of one level may hold together.
+    /// Maximum number of elements in all decoded arrays of one level together.
     pub elements: u64,
 }
 
@@ -23,7 +23,7 @@ impl Default for StreamLimits {
 
 #[cfg(feature = "codecs")]
 impl StreamLimits {
-    /// Refuses `found` above `limit`.
+    /// Returns an error if `found` exceeds `limit`.
     pub(crate) fn check(
         at: &str,
         which: &'static str,

@@ -1,56 +1,56 @@
-//! A neutral map of a coded stream: which bits are what, without knowing the codec.
+//! Codec-independent map of a coded stream: which bits hold what.
 //!
-//! Source: ISO/IEC 21000-7 (generic bitstream syntax description), thesis 3.2 and annex B. Codecs
-//! write it while they encode, adaptation reads it while it cuts: a gBSD is its XML spelling.
-//! Words are owned or our own, so that a description that somebody else wrote fits too.
+//! Source: ISO/IEC 21000-7 (generic bitstream syntax description, gBSD), thesis 3.2 and annex B.
+//! Codecs write it while they encode, adaptation reads it while it cuts; a gBSD is its XML form.
+//! Strings are owned or static, so that descriptions from other programs fit too.
 
 use crate::coding::Coding;
 use articula_core::Mismatch;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// What a unit stands for, so that a rule can keep or drop it: in the schemes of this
-/// crate `level` (0 is the finest), `object`, `mesh`, `region`, with numbers as in the codec.
+/// A label by which a rule keeps or drops a unit. The schemes of this crate are `level` (0 is the
+/// finest), `object`, `mesh` and `region`, with the numbers of the codec.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Marker {
-    /// Which scale the number is on.
+    /// Scale of the number.
     pub scheme: Cow<'static, str>,
-    /// The number.
+    /// The number on this scale.
     pub value: u32,
 }
 
-/// A number in the stream that a cut must write anew, such as a length or a count.
+/// A number in the stream that a cut must rewrite, such as a length or a count.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Field {
-    /// What it says.
+    /// Name of the number.
     pub name: Cow<'static, str>,
-    /// Its bits, from the start of the stream.
+    /// Its bits, counted from the start of the stream.
     pub bits: Range<u64>,
-    /// What stands there.
+    /// Its value.
     pub value: u64,
-    /// How it stands there.
+    /// Its encoding.
     pub coding: Coding,
 }
 
-/// A stretch of a coded stream.
+/// A section of a coded stream.
 ///
-/// The example of the crate's page makes one and cuts by it.
+/// The [crate page](crate) has an example of a unit and a cut.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Unit {
-    /// What it is called in a description.
+    /// Name in a description.
     pub label: Cow<'static, str>,
-    /// Its bits, from the start of the stream.
+    /// Its bits, counted from the start of the stream.
     pub bits: Range<u64>,
-    /// What it stands for.
+    /// Labels by which rules select it.
     pub markers: Vec<Marker>,
-    /// Numbers in it that change with what is cut.
+    /// Numbers in it that change when the stream is cut.
     pub fields: Vec<Field>,
-    /// Its parts, rising and apart.
+    /// Its parts, in rising order and disjoint.
     pub children: Vec<Unit>,
 }
 
 impl Unit {
-    /// A unit of whole bytes without parts.
+    /// Creates a unit of whole bytes without parts.
     pub fn of_bytes(label: impl Into<Cow<'static, str>>, bytes: Range<usize>) -> Self {
         Self {
             label: label.into(),
@@ -61,16 +61,16 @@ impl Unit {
         }
     }
 
-    /// Length in whole bytes, rounded up.
+    /// Returns the length in bytes, rounded up.
     pub fn bytes(&self) -> u64 {
         (self.bits.end - self.bits.start).div_ceil(8)
     }
 
-    /// Checks that parts and fields lie within their unit, parts after each other, and that the
-    /// value of each field can stand in its bits.
+    /// Checks that parts and fields lie inside their unit, that parts are in order, and that each
+    /// field's value fits its bits.
     ///
     /// # Errors
-    /// A [`Mismatch`] that names the first unit or field that does not.
+    /// A [`Mismatch`] that names the first unit or field that violates this.
     pub fn check(&self) -> Result<(), Mismatch> {
         let mut at = self.bits.start;
         for child in &self.children {
@@ -95,7 +95,7 @@ impl Unit {
     /// Checks that a stream holds the value of every field of this unit and its parts.
     ///
     /// # Errors
-    /// A [`Mismatch`] that names the first field of which it does not, or that lies beyond it.
+    /// A [`Mismatch`] that names the first field with another value or beyond the end.
     pub fn check_values(&self, stream: &[u8]) -> Result<(), Mismatch> {
         for field in &self.fields {
             let found = field.coding.read(stream, &field.bits)?;
@@ -110,7 +110,7 @@ impl Unit {
     }
 }
 
-/// The bits of whole bytes.
+/// Converts a byte range to a bit range.
 pub(crate) fn bits_of(bytes: Range<usize>) -> Range<u64> {
     8 * bytes.start as u64..8 * bytes.end as u64
 }

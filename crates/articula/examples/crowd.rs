@@ -1,4 +1,4 @@
-//! A crowd of a thousand of your own character; motions of other files are put onto it.
+//! Plays 1000 instances of one character, with motions from further files retargeted to it.
 
 use articula::crowd::{Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Viewport};
 use articula::{AddClipsOptions, Executor, Figure, Result, fs, glam::Vec3, reference_human};

@@ -1,4 +1,4 @@
-//! One figure: its skin, posed by its first clip.
+//! Poses and skins one character, frame by frame, in its first clip.
 
 use articula::{Figure, PosedMesh, Result, SkinnedMesh, Wrap, fs, reference_human, sample_morphs};
 

@@ -1,5 +1,5 @@
-//! Where a camera goes, as JSON: `[{"t": 0, "eye": [0, 1.6, 25], "target": [0, 1, 0]}, …]`, seconds
-//! and metres.
+//! Camera paths as JSON: `[{"t": 0, "eye": [0, 1.6, 25], "target": [0, 1, 0]}, …]`, in seconds and
+//! metres.
 
 use crate::error::{Error, Result};
 use articula_build::evaluate::CameraKey;
@@ -7,10 +7,10 @@ use articula_formats::ReadError;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Most display frames that are played.
+/// Maximum number of display frames of a path.
 const MAX_FRAMES: f64 = 36_000.0;
 
-/// A key frame as files have it.
+/// A key frame as written in files.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Key {
@@ -29,11 +29,11 @@ impl From<&CameraKey> for Key {
     }
 }
 
-/// Reads the key frames of a camera path from a JSON list of `t`, `eye` and `target`; `display_hz`
-/// bounds the number of frames.
+/// Reads a camera path from a JSON list of key frames with `t`, `eye` and `target`; `display_hz` is
+/// the frame rate by which the length of the path is limited.
 ///
 /// # Errors
-/// An [`Error`] that names the line, or the key frame that is wrong.
+/// An [`Error`] that names the line or key frame that is wrong.
 pub fn read_camera_path(bytes: &[u8], display_hz: f64) -> Result<Vec<CameraKey>> {
     let keys: Vec<Key> = serde_json::from_slice(bytes).map_err(|e| {
         let form = "expected a list of {\"t\", \"eye\": [x, y, z], \"target\": [x, y, z]}";
@@ -42,14 +42,14 @@ pub fn read_camera_path(bytes: &[u8], display_hz: f64) -> Result<Vec<CameraKey>>
     checked(&keys, display_hz)
 }
 
-/// JSON that is none, or not of the form.
+/// Converts a JSON error into an [`Error`], with advice.
 pub(crate) fn malformed(error: &serde_json::Error, mend: &str) -> Error {
     let at = format!("line {} column {}", error.line(), error.column());
     let what = format!("{error}; {mend}");
     ReadError::Malformed { at, what }.into()
 }
 
-/// An error unless something holds.
+/// Returns an error unless `holds`.
 pub(crate) fn ensure(holds: bool, what: impl FnOnce() -> String) -> Result<()> {
     if holds {
         Ok(())
@@ -58,7 +58,7 @@ pub(crate) fn ensure(holds: bool, what: impl FnOnce() -> String) -> Result<()> {
     }
 }
 
-/// Key frames of a file, checked.
+/// Checks key frames and converts them.
 pub(crate) fn checked(keys: &[Key], display_hz: f64) -> Result<Vec<CameraKey>> {
     check(keys, display_hz)?;
     let key = |key: &Key| CameraKey {

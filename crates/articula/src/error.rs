@@ -1,4 +1,4 @@
-//! Why something could not be done, sorted by blame.
+//! Errors of the library, grouped by cause.
 
 use articula_core::Mismatch;
 use articula_flat::planar::PlanarError;
@@ -8,62 +8,63 @@ use articula_stream::StreamError;
 use std::fmt::Display;
 use thiserror::Error;
 
-/// Why a step of the library failed. The text is one line: place, what was found, the mend.
+/// Error of a library function. The text is one line: location, cause, remedy.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// What went wrong, and in which file or part of it.
+    /// An error with its location.
     #[error("{place}: {cause}")]
     At {
-        /// The file, or a path into it.
+        /// The file, or a path inside it.
         place: String,
-        /// What went wrong there.
+        /// The error at that location.
         cause: Box<Error>,
     },
-    /// The bytes are malformed, use what is not read, ask for too much, or lack a neighbour.
+    /// A file is malformed, uses an unsupported feature, exceeds a limit, or refers to a missing
+    /// file.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A stream of mesh levels is malformed, of a form that is not read, or asks for too much.
+    /// A stream of mesh levels is malformed, of an unsupported form, or exceeds a limit.
     #[error(transparent)]
     Stream(#[from] StreamError),
-    /// Values were paired that do not fit.
+    /// Arguments do not fit each other.
     #[error(transparent)]
     Mismatch(#[from] Mismatch),
-    /// The file is good, but what was asked for cannot be made of it.
+    /// The file is valid, but the requested result cannot be made from it.
     #[error("{0}")]
     Unsuited(String),
-    /// An argument is wrong by itself or names something that is not there.
+    /// An argument is invalid, or names something that does not exist.
     #[error("{0}")]
     Argument(String),
-    /// A list of locked vertices that does not fit the meshes.
+    /// A list of locked vertices does not fit the meshes.
     #[error("locked vertices: {0}")]
     Locked(String),
-    /// A motion whose skeleton is missing: `.amc` without its `.asf`.
+    /// The skeleton of a motion is missing: `.amc` without its `.asf`.
     #[error("{0}")]
     Skeleton(String),
-    /// Nothing says which joint is which; a joint map mends it
-    /// ([`OpenOptions::profiles`](crate::OpenOptions::profiles)).
+    /// The joints could not be identified; a joint map solves this
+    /// ([`OpenOptions::joint_maps`](crate::OpenOptions::joint_maps)).
     #[error("{0}")]
     Unmapped(String),
-    /// A format could not hold what was to be written.
+    /// A format cannot hold the data to be written.
     #[error(transparent)]
     Write(Box<dyn std::error::Error + Send + Sync>),
-    /// A picture or a file of vector graphics could not be made.
+    /// A picture or vector graphics file could not be made.
     #[error(transparent)]
     Picture(Box<dyn std::error::Error + Send + Sync>),
     /// A file could not be read or written.
     #[error("{0}")]
     Io(String),
-    /// The caller's progress callback asked to stop.
+    /// The caller's progress callback stopped the work.
     #[error("cancelled")]
     Cancelled,
 }
 
-/// What the functions of this crate give.
+/// Result type of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
-    /// Whether the caller asked for something that cannot be, rather than gave a bad file.
+    /// Returns whether the caller passed an invalid argument, as opposed to a bad file.
     pub fn is_argument(&self) -> bool {
         match self {
             Self::At { cause, .. } => cause.is_argument(),
@@ -72,7 +73,7 @@ impl Error {
         }
     }
 
-    /// The error itself, without the places it was met at.
+    /// Returns the innermost error, without its locations.
     pub fn cause(&self) -> &Self {
         match self {
             Self::At { cause, .. } => cause.cause(),
@@ -80,7 +81,7 @@ impl Error {
         }
     }
 
-    /// The error at a place within the outermost one.
+    /// Inserts a location inside the outermost one.
     #[cfg(not(target_family = "wasm"))]
     pub(crate) fn within(self, inner: String) -> Self {
         let at = |place, cause| Self::At { place, cause };
@@ -101,11 +102,11 @@ impl Error {
     }
 }
 
-/// Puts a place in front of an error.
+/// Adds a location to an error.
 pub(crate) trait Context<T> {
-    /// In front of this error stands `place`.
+    /// Prefixes the error with `place`.
     fn context(self, place: impl Display) -> Result<T>;
-    /// The same with a place that is only spelled out when it is needed.
+    /// Prefixes the error with a location that is formatted on error only.
     fn with_context<P: Display>(self, place: impl FnOnce() -> P) -> Result<T>;
 }
 

@@ -1,11 +1,11 @@
-//! Where a figure looks.
+//! Facing direction of a character.
 
 use articula_core::{ModelPose, Rig};
 use glam::Vec3;
 
-/// Direction in which a figure looks at rest, radians from +Z to its left: square to the line
-/// from its right to its left side. Files of VRM 0 look along -Z, some others sideways; without
-/// known sides +Z is the front.
+/// Returns the direction that a character faces at rest, in radians from +Z towards its left:
+/// perpendicular to the line from its right to its left side. VRM 0 files face -Z, some others
+/// sideways. Returns 0 (+Z) if the sides are unknown.
 pub fn facing(rig: &Rig, rest: &ModelPose) -> f32 {
     let joints = &rig.articulation().joints;
     let place = |name: &str| {

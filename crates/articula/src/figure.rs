@@ -1,16 +1,16 @@
-//! A character ready to be played: rig, mesh and clips built from what was opened.
+//! A character ready for playback: rig, mesh and clips built from an opened file.
 
 use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, choose};
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 
-/// A character that was opened, and what a frame needs of it.
+/// An opened character with its runtime data: rig, mesh and clips.
 #[derive(Debug)]
 pub struct Figure {
-    /// The file as it was opened.
+    /// The editable character and the file that it was read from.
     pub opened: CharacterFile,
-    /// Rig, mesh and clips at a uniform rate.
+    /// Rig, mesh and uniformly sampled clips.
     pub asset: Asset,
 }
 
@@ -18,8 +18,8 @@ impl Figure {
     /// Builds rig, mesh and clips.
     ///
     /// # Errors
-    /// An [`Error`] that names the file and what of it does not fit: no joint and no mesh, a tree
-    /// with circles, more motion than memory should hold.
+    /// An [`Error`] that names the file and the cause: neither joint nor mesh, a cycle in the node
+    /// hierarchy, or more motion than fits in memory.
     pub fn new(opened: CharacterFile) -> Result<Self> {
         if opened.character.skeleton.joints.is_empty() {
             let what = "nodes: no joint and no mesh; give a file that shows a character";
@@ -35,10 +35,11 @@ impl Figure {
         Ok(Self { opened, asset })
     }
 
-    /// The index of the clip of this name, or of the first; `None` if there is no clip.
+    /// Returns the index of the clip called `name`, or of the first clip if `name` is `None`;
+    /// `None` if there is no clip.
     ///
     /// # Errors
-    /// [`Error::Argument`] if no clip is called so; it lists those there are.
+    /// [`Error::Argument`] if no clip has this name; the message lists the clips.
     pub fn clip(&self, name: Option<&str>) -> Result<Option<usize>> {
         let names = self.opened.character.clips.iter().map(|c| c.name.as_str());
         match name {

@@ -1,36 +1,40 @@
-//! Animates virtual humans and adapts them, while they move, to whatever must show them.
+//! Animates virtual humans and adapts their level of detail to the viewer, the device and the frame
+//! budget.
 //!
-//! A crowd of your own character (`cargo run --release -p articula --example crowd -- my.glb
-//! [walk.bvh …]`; without a path it is the reference human):
+//! A crowd of one character (`cargo run --release -p articula --example crowd -- my.glb [walk.bvh
+//! …]`; without a path, the built-in reference human):
 //!
 //! ```
 #![doc = include_str!("../examples/crowd.rs")]
 //! ```
 //!
-//! One figure (`--example hero -- my.glb`):
+//! A single character (`--example hero -- my.glb`):
 //!
 //! ```
 #![doc = include_str!("../examples/hero.rs")]
 //! ```
 //!
-//! What there is:
+//! Entry points:
 //!
-//! - [`fs::open`], [`open()`], [`CharacterFile`]: GLB, glTF, VRM, VRMA, BVH, ASF and AMC, BVA, X3D and BAP files as
-//!   one editable [`Character`](articula_core::source::Character), with what is needed to write
-//!   them back; [`CharacterFile::add_clips`] puts the motions of other files onto it
-//! - [`Figure`]: rig, mesh and clips, as a frame needs them
-//! - [`crowd`]: thousands of one character, each at the level of detail that its viewer can see
-//! - [`prepare()`]: what is made once of a character goes into its GLB: mesh levels, motion tables
-//! - [`convert()`]: between formats, clips edited, levels of articulation saved
-//! - [`flatten`]: a character in motion as animated SVG, player, Lottie or portrait
-//! - [`evaluate`]: a clip played under methods of motion level of detail, what they save and cost
-//! - [`inspect`]: what is in a file, and what is odd about it
+//! - [`fs::open`], [`open()`], [`CharacterFile`]: reads GLB, glTF, VRM, VRMA, BVH, ASF and AMC,
+//!   BVA, X3D and BAP files into one editable [`Character`](articula_core::source::Character) and
+//!   keeps what writing them back needs; [`CharacterFile::add_clips`] adds the motions of other
+//!   files
+//! - [`Figure`]: rig, mesh and clips in the form that a frame reads
+//! - [`crowd`]: thousands of instances of one character, each at a level of detail chosen by
+//!   projected error or by a time budget
+//! - [`prepare()`]: computes motion tables and, on request, mesh levels, and stores them in a GLB
+//! - [`convert()`]: converts between formats, edits clips, selects levels of articulation
+//! - [`flatten`]: a moving character as animated SVG, 2D player, Lottie or portrait
+//! - [`evaluate`]: error and cost of motion level-of-detail methods on a clip
+//! - [`inspect`]: contents of a file, and warnings about it
 //!
-//! What is deliberately absent: arguments, consoles, clocks, threads, and paths outside of [`fs`].
-//! Long work takes a [`Executor`], which reports steps, may end it, and hands out [`Job`]s that the
-//! caller runs on threads of its own. Units are metres, seconds and radians, but angles that a
-//! person names are degrees and say so (`_deg`); +Y is up and a character faces +Z. Level 0 is the
-//! finest.
+//! The library does not parse arguments, write to a console, read a clock or start threads, and it
+//! touches paths in [`fs`] alone. Long operations take an [`Executor`], which reports progress, can
+//! cancel, and hands out [`Job`]s that the caller may run on its own threads.
+//!
+//! Units are metres, seconds and radians; angles entered by a user are in degrees, with the suffix
+//! `_deg`. +Y is up and a character faces +Z. Level 0 is the finest.
 
 mod camera_path;
 pub mod convert;

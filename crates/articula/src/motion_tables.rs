@@ -1,7 +1,7 @@
-//! The motion tables of a GLB: made by `build`, checked whenever the file is played.
+//! Motion tables of a GLB: made by `prepare`, checked whenever the file is played.
 //!
-//! Source: `docs/methods/motion-lod.md` 9. A table that was made for another rig, clip or mesh is an
-//! error, never a warning.
+//! Source: `docs/methods/motion-lod.md` part 9. A table that was made for another rig, clip or mesh
+//! is an error, not a warning.
 
 use crate::error::{Context, Result};
 use crate::figure::Figure;
@@ -17,21 +17,21 @@ use serde::Serialize;
 /// Names of the tables in the file.
 pub(crate) const SEGS: &str = "segs";
 pub(crate) const POSE_KEYS: &str = "posekeys";
-/// Vertices that whole-pose keys watch.
+/// Number of vertices that whole-pose keys are computed from.
 const WATCHED: usize = 700;
 
-/// The tables of one clip, as bytes.
+/// Motion tables of one clip, encoded.
 #[derive(Debug)]
 pub struct ClipTables {
-    /// Keys of every joint by tolerance, as `docs/formats` describes them.
+    /// Keys of each joint by tolerance, as in `docs/formats`.
     pub segs: Vec<u8>,
     /// Keys of the whole pose.
     pub pose_keys: Vec<u8>,
-    /// Keys of all joints at each level, from the finest.
+    /// Number of keys over all joints at each level, finest first.
     pub keys: Vec<usize>,
 }
 
-/// What the tables of all clips of an asset are made from.
+/// Shared inputs of the tables of all clips.
 #[derive(Debug)]
 pub(crate) struct TableMaker<'a> {
     asset: &'a Asset,
@@ -40,7 +40,7 @@ pub(crate) struct TableMaker<'a> {
 }
 
 impl<'a> TableMaker<'a> {
-    /// Chooses the vertices that pose keys watch by `seed`.
+    /// Prepares table making; `seed` selects the vertices of whole-pose keys.
     pub(crate) fn new(asset: &'a Asset, seed: u64) -> Self {
         Self {
             asset,
@@ -49,7 +49,7 @@ impl<'a> TableMaker<'a> {
         }
     }
 
-    /// The tables of one clip.
+    /// Computes the tables of one clip.
     pub(crate) fn tables(&self, clip: usize) -> ClipTables {
         let clip = &self.asset.clips[clip];
         let table = key_table(self.asset, clip, &self.levers, KeyMode::Hold);
@@ -66,27 +66,26 @@ impl<'a> TableMaker<'a> {
     }
 }
 
-/// Bytes of the tables that a clip has in its file.
+/// Sizes of the motion tables stored for one clip, in bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct StoredTables {
-    /// Bytes of the key table.
+    /// Size of the key table.
     pub segs: usize,
-    /// Bytes of the whole-pose keys.
+    /// Size of the whole-pose keys.
     pub posekeys: usize,
 }
 
 impl StoredTables {
-    /// Whether the clip has any table.
+    /// Returns whether the clip has any table.
     pub fn any(self) -> bool {
         self.segs + self.posekeys > 0
     }
 }
 
-/// Reads and checks the tables of every clip of a file as it was stored; empty for files that
-/// have none.
+/// Reads and checks the stored tables of every clip; sizes are 0 where a clip has none.
 ///
 /// # Errors
-/// An [`Error`](crate::Error) that names the table that is malformed or was made for another rig,
+/// An [`Error`](crate::Error) that names a table that is malformed or was made for another rig,
 /// clip or mesh.
 pub fn stored_tables(figure: &Figure) -> Result<Vec<StoredTables>> {
     let asset = &figure.asset;
@@ -128,7 +127,7 @@ fn check_segs(asset: &Asset, clip: usize, table: &KeyTable) -> Result<(), Mismat
 }
 
 fn check_pose_keys(asset: &Asset, clip: usize, keys: &PoseKeys) -> Result<(), Mismatch> {
-    // The hashes of both tables are checked by the one rule that is there.
+    // Pose keys have the same hashes, so they are checked by the same rule.
     let as_table = KeyTable {
         hashes: keys.hashes,
         rate_hz: keys.tick_hz,

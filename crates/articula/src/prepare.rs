@@ -1,4 +1,4 @@
-//! `prepare`: what is made once of a character goes into one GLB.
+//! `prepare`: computes offline data of a character and stores it in one GLB.
 
 use crate::error::{Context, Result};
 use crate::figure::Figure;
@@ -10,12 +10,12 @@ use articula_core::Mesh;
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document};
 
-/// What is prepared.
+/// Options of [`prepare`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrepareOptions {
-    /// Seed of the choice of vertices that whole-pose keys watch.
+    /// Seed of the selection of vertices that whole-pose keys are computed from.
     pub seed: u64,
-    /// Mesh levels, if they are wanted.
+    /// Options of the mesh levels; `None` makes none.
     pub mesh_levels: Option<MeshLevelOptions>,
 }
 
@@ -28,26 +28,26 @@ impl Default for PrepareOptions {
     }
 }
 
-/// An asset, and what went into it.
+/// A prepared asset and the data that was stored in it.
 #[derive(Debug)]
 pub struct PreparedAsset {
-    /// The asset as a GLB that every glTF viewer opens.
+    /// The asset as a GLB that any glTF viewer opens.
     pub glb: Vec<u8>,
-    /// The character as the asset has it. Its document went into the asset: `opened.gltf` is
-    /// `None`.
+    /// The character as stored in the asset. Its document was moved into the asset, so
+    /// `opened.gltf` is `None`.
     pub figure: Figure,
-    /// Motion tables of each clip.
+    /// Motion tables, one for each clip.
     pub tables: Vec<ClipTables>,
-    /// Mesh levels, if they were wanted.
+    /// Mesh levels, if they were requested.
     pub mesh_levels: Option<CodedMeshLevels>,
-    /// Bytes of the GLB that its meshes take.
+    /// Number of bytes of the GLB that meshes take.
     pub mesh_bytes: usize,
 }
 
-/// Prepares a character: articulation, motion tables and, if wanted, mesh levels go into its
-/// document; everything else in it passes through.
+/// Computes articulation, motion tables and, on request, mesh levels, and stores them in the
+/// character's document; other contents of the document are preserved.
 ///
-/// Jobs are the clips' tables. The bytes do not depend on who runs them.
+/// There is one job per clip. The output does not depend on threads or order.
 ///
 /// # Errors
 /// An [`Error`](crate::Error) that names the file and what of it does not fit, or
@@ -63,7 +63,7 @@ pub fn prepare(
     let mut levels = None;
     if let Some(wanted) = &options.mesh_levels {
         let made = mesh_levels::add(&figure, &mut gltf, wanted, work).with_context(|| &name)?;
-        // Tables are bound to the order of the vertices, which is new; rig and clips stay.
+        // Tables depend on the order of the vertices, which has changed; rig and clips have not.
         let character = made.levels.character(&figure.opened.character);
         figure.opened.character = character.with_context(|| &name)?;
         let (meshes, joints) = (&figure.opened.character.meshes, figure.asset.rig.len());
@@ -83,8 +83,8 @@ pub fn prepare(
     })
 }
 
-/// A character with the document that shows it: its own, with the clips that it has by now, or
-/// the one that a character of another format will be.
+/// Returns the character and its glTF document: its own with the current clips, or a new document
+/// for a character from another format.
 fn with_document(mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource)> {
     let Some(mut gltf) = opened.gltf.take() else {
         let document = Document::from_character(&opened.character)?;
@@ -98,7 +98,7 @@ fn with_document(mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource
     gltf.document.replace_clips(clips, joints, meshes)?;
     let before = gltf.node_of_joint;
     let (mut opened, again) = shown_by(gltf.document, opened)?;
-    // Nodes that only clips moved are no joints without them.
+    // Nodes that only a removed clip animated are not joints any more.
     let joints = &mut opened.mapping.articulation.joints;
     let joint_of = |node: &usize| before.iter().position(|n| n == node);
     let was = |node: &usize| Some(joints[joint_of(node)?].clone());
@@ -107,7 +107,7 @@ fn with_document(mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource
     Ok((opened, again))
 }
 
-/// A character as a document shows it: joints, meshes and clips in the document's order.
+/// Reads a document again, so that joints, meshes and clips are in its order.
 fn shown_by(document: Document, mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource)> {
     let file = gltf::read_document(document, &Limits::default())?.value;
     let (character, gltf) = GltfSource::split(file);
@@ -115,7 +115,7 @@ fn shown_by(document: Document, mut opened: CharacterFile) -> Result<(CharacterF
     Ok((opened, gltf))
 }
 
-/// The bytes of the asset, and how many of them are its meshes.
+/// Returns the bytes of the GLB and how many of them meshes take.
 fn written(figure: &Figure, gltf: GltfSource, tables: &[ClipTables]) -> Result<(Vec<u8>, usize)> {
     let mut document = gltf.document;
     document.set_articulation(&figure.opened.articulation(), &gltf.node_of_joint)?;

@@ -1,7 +1,7 @@
-//! How long work is followed, stopped and spread over threads, by the caller alone.
+//! Progress, cancellation and parallel execution of long operations, controlled by the caller.
 //!
-//! Nothing here starts a thread: functions that can be split hand the caller a slice of [`Job`]s,
-//! whose results do not depend on the order or the thread that they run on.
+//! No function here starts a thread: work that can be split is passed to the caller as a slice of
+//! [`Job`]s, whose results do not depend on order or thread.
 
 use crate::error::{Error, Result};
 use articula_core::Progress;
@@ -9,25 +9,25 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Parts of a step that says how far it is as a share.
+/// Number of parts of a step whose progress is reported as a fraction.
 const HUNDRED: usize = 100;
 
-/// How far a step has come.
+/// Progress of one step of a long operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Step {
-    /// What is being done, such as `making motion tables`.
+    /// The step in words, such as `making motion tables`.
     pub what: &'static str,
-    /// Parts that are done.
+    /// Number of finished parts.
     pub done: usize,
-    /// Parts in all.
+    /// Total number of parts.
     pub of: usize,
 }
 
-/// One independent piece of a longer work.
+/// One independent piece of a long operation.
 pub struct Job<'a>(Option<Box<dyn FnOnce() + Send + 'a>>);
 
 impl Job<'_> {
-    /// Does the piece; does nothing a second time.
+    /// Runs the job; a second call does nothing.
     pub fn run(&mut self) {
         if let Some(work) = self.0.take() {
             work();
@@ -41,13 +41,14 @@ impl fmt::Debug for Job<'_> {
     }
 }
 
-/// What is called after every part of a step; `Break` stops the work with [`Error::Cancelled`].
+/// Callback after each part of a step; `Break` stops the work with [`Error::Cancelled`].
 pub type StepCallback<'a> = &'a (dyn Fn(Step) -> ControlFlow<()> + Sync);
 
-/// Runs every job it is given, on whatever threads it likes.
+/// Callback that runs all given jobs, on any threads.
 pub type JobRunner<'a> = &'a (dyn Fn(&mut [Job<'_>]) + Sync);
 
-/// How a long work reports, whether it may go on, and who runs its jobs.
+/// Reports progress, allows cancellation and runs jobs. The default reports nothing and runs jobs
+/// one after the other.
 ///
 /// ```
 /// use articula::{Executor, Step};
@@ -83,7 +84,7 @@ impl fmt::Debug for Executor<'_> {
 }
 
 impl<'a> Executor<'a> {
-    /// Reports every part of a step.
+    /// Sets the callback that receives progress.
     #[must_use]
     pub fn on_step(self, on_step: StepCallback<'a>) -> Self {
         Self {
@@ -92,7 +93,7 @@ impl<'a> Executor<'a> {
         }
     }
 
-    /// Has the caller run the jobs; without it they run one after the other.
+    /// Sets the callback that runs the jobs; without it they run one after the other.
     #[must_use]
     pub fn run_jobs(self, run_jobs: JobRunner<'a>) -> Self {
         Self {
@@ -101,7 +102,7 @@ impl<'a> Executor<'a> {
         }
     }
 
-    /// Reports a part.
+    /// Reports one finished part.
     pub(crate) fn step(&self, what: &'static str, done: usize, of: usize) -> Result<()> {
         let step = Step { what, done, of };
         match self.on_step.map(|tell| tell(step)) {
@@ -110,7 +111,7 @@ impl<'a> Executor<'a> {
         }
     }
 
-    /// Hears the progress of a step that says how far it is as a share; in hundredths.
+    /// Runs `make` with a progress hook that takes a fraction and reports it in hundredths.
     pub(crate) fn with_progress<T>(
         &self,
         what: &'static str,
@@ -126,7 +127,7 @@ impl<'a> Executor<'a> {
         make(&mut Progress::new(&mut hook))
     }
 
-    /// Makes something of every item, each as a job of its own; results are in the items' order.
+    /// Applies `make` to each item, one job per item; results are in the order of the items.
     pub(crate) fn map<T: Send, R: Send>(
         &self,
         what: &'static str,
@@ -158,7 +159,7 @@ impl<'a> Executor<'a> {
         if let Some(run) = self.run_jobs {
             run(&mut jobs);
         }
-        // All of them if nobody else runs them, and those that were forgotten.
+        // Runs the jobs that the caller did not run, or all of them without a callback.
         jobs.iter_mut().for_each(Job::run);
         drop(jobs);
         if is_cancelled.load(Ordering::Relaxed) {

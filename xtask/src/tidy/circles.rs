@@ -1,19 +1,17 @@
-//! No circle of imports between the files of a crate: what a file is made of can be read from the
-//! bottom up.
+//! No cyclic imports between the files of a crate, so that a crate can be read from the bottom up.
 //!
-//! A file's imports are the paths of its own crate, outside of its tests. A name that a module only
-//! hands on (`pub use`) counts as an import of the file that it comes from. What a module takes
-//! from the files in its own folder does not count: it stands above them, and they may use what it
-//! defines.
+//! The imports of a file are the paths of its own crate, outside of its tests. A re-exported name
+//! (`pub use`) counts as an import of the file that defines it. Imports of a module from the files
+//! in its own folder do not count: these files may in turn use what the module defines.
 
 use super::Fault;
 use super::tree::Tree;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Most re-exports that are followed for one name.
+/// Maximum number of re-exports that are followed for one name.
 const MAX_HOPS: usize = 8;
 
-/// Finds files that import each other, straight or by way of others.
+/// Finds files that import each other, directly or indirectly.
 pub(crate) fn circles(tree: &Tree) -> Vec<Fault> {
     let mut crates: BTreeMap<&str, Vec<(&str, &str)>> = BTreeMap::new();
     for (path, text) in tree.sources() {
@@ -41,11 +39,11 @@ struct House {
 
 struct File {
     name: String,
-    /// Paths that it names, from the root of the crate.
+    /// Paths used by the file, from the root of the crate.
     paths: Vec<Vec<String>>,
-    /// Names that it hands on, and from where.
+    /// Re-exported names, with their paths.
     handed_on: BTreeMap<String, Vec<String>>,
-    /// Modules of which everything is handed on.
+    /// Modules of which all names are re-exported.
     handed_on_whole: Vec<Vec<String>>,
 }
 
@@ -60,7 +58,7 @@ impl House {
         }
     }
 
-    /// Files that stand in a circle, each circle sorted by name.
+    /// Returns the cycles of files, each sorted by name.
     fn circles(&self) -> Vec<Vec<String>> {
         let edges: BTreeMap<&Vec<String>, BTreeSet<&Vec<String>>> = self
             .files
@@ -98,7 +96,7 @@ impl House {
         circles
     }
 
-    /// The module whose file defines what a path names.
+    /// Returns the module whose file defines the target of a path.
     fn definer(&self, path: &[String]) -> Option<&Vec<String>> {
         let mut path = path.to_vec();
         for _ in 0..MAX_HOPS {
@@ -139,7 +137,7 @@ impl File {
         };
         let mut rest = String::new();
         let mut words = code.as_str();
-        // Statements that begin with `use`, and everything between them.
+        // Statements that begin with `use`, and the code between them.
         while let Some(at) = find_use(words) {
             rest.push_str(&words[..at]);
             let is_public = rest.trim_end().ends_with("pub") || rest.trim_end().ends_with(')');
@@ -183,7 +181,7 @@ impl File {
     }
 }
 
-/// The module path of a file below `src`.
+/// Returns the module path of a file below `src`.
 fn module_of(name: &str) -> Vec<String> {
     let stem = name.trim_end_matches(".rs");
     let parts = stem.split('/').map(str::to_owned);
@@ -195,10 +193,10 @@ fn module_of(name: &str) -> Vec<String> {
     parts
 }
 
-/// A path of the crate from its root; `None` for one of another crate.
+/// Returns a path from the root of the crate; `None` for a path of another crate.
 fn resolved(path: &str, module: &[String]) -> Option<Vec<String>> {
     let mut parts = path.split("::").map(str::trim).peekable();
-    // A path that begins otherwise names a child of this module, or another crate.
+    // A path with any other beginning names a child of this module, or another crate.
     let from_root = parts.next_if_eq(&"crate").is_some();
     let _ = parts.next_if_eq(&"self");
     let mut base = if from_root {
@@ -217,7 +215,7 @@ fn resolved(path: &str, module: &[String]) -> Option<Vec<String>> {
     Some(base)
 }
 
-/// All paths of a `use`, its groups written out.
+/// Appends all paths of a `use`, with groups expanded.
 fn expand(text: &str, before: &str, out: &mut Vec<String>) {
     let text = text.trim();
     let Some(open) = text.find('{') else {
@@ -258,7 +256,7 @@ fn expand(text: &str, before: &str, out: &mut Vec<String>) {
     expand(rest.get(close + 1..).unwrap_or_default(), before, out);
 }
 
-/// Where the next statement `use …` begins.
+/// Returns the position of the next `use …` statement.
 fn find_use(code: &str) -> Option<usize> {
     let starts = |at: usize| {
         let before = code[..at].trim_end();
@@ -276,7 +274,7 @@ fn find_use(code: &str) -> Option<usize> {
     None
 }
 
-/// Paths in code that begin with `crate::` or `super::`.
+/// Returns the paths in code that begin with `crate::` or `super::`.
 fn inline_paths(code: &str) -> Vec<String> {
     let is_part = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
     let words = code.split(|c: char| !is_part(c));
@@ -284,7 +282,7 @@ fn inline_paths(code: &str) -> Vec<String> {
     ours.map(|w| w.trim_end_matches(':').to_owned()).collect()
 }
 
-/// Code without comments, and without the tests at its end.
+/// Returns the code without comments and without the tests at its end.
 fn code_of(text: &str) -> String {
     let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
     let lines = code

@@ -1,7 +1,7 @@
-//! Edges between crates: siblings never name each other, but for the edges that are told here;
-//! the core names one library.
+//! Dependencies between crates: siblings never depend on each other, except for the edges listed
+//! here; the core depends on one library.
 //!
-//! Only what a product links is looked at; a dev-dependency may name any crate.
+//! Only linked dependencies count; a dev-dependency may be any crate.
 
 use super::Fault;
 use super::tree::Tree;
@@ -15,20 +15,20 @@ const SIBLINGS: &[&str] = &[
     "articula-human",
 ];
 
-/// What one sibling may name of another: (who, whom). The reference human is thinned out by the one
-/// simplifier.
+/// Allowed dependencies between siblings, as (crate, dependency). The reference human uses the
+/// simplifier of build, so that there is only one.
 const SIBLING_EDGES: &[(&str, &str)] = &[("articula-human", "articula-build")];
 
-/// Programs: nothing stands on them.
+/// Programs: no crate depends on them.
 const PROGRAMS: &[&str] = &["articula-cli", "articula-lab"];
 
-/// Pictures and plots of reports: the programs' alone.
+/// Pictures and plots of reports: for programs only.
 const REPORT: &str = "articula-report";
 
-/// All that the core may ever use.
+/// All allowed dependencies of the core.
 const CORE_MAY_USE: &[&str] = &["glam"];
 
-/// Finds an edge that the crate map in ARCHITECTURE.md does not draw.
+/// Finds dependencies that the crate map in ARCHITECTURE.md does not have.
 pub(crate) fn crate_edges(tree: &Tree) -> Vec<Fault> {
     let mut faults = Vec::new();
     for (path, text) in tree.texts() {
@@ -60,7 +60,7 @@ pub(crate) fn reasons(tree: &Tree) -> Vec<Fault> {
         .collect()
 }
 
-/// Why `package` may not use `dependency`, if it may not.
+/// Returns why `package` may not use `dependency`, if it may not.
 fn refusal(package: &str, dependency: &str) -> Option<String> {
     let ours = dependency.starts_with("articula");
     if package == "articula-core" && !CORE_MAY_USE.contains(&dependency) {
@@ -103,8 +103,8 @@ fn package_name(manifest: &str) -> Option<String> {
     None
 }
 
-/// Every (line, package) below `[dependencies]`, `[build-dependencies]`, their dotted forms and
-/// those of one target or of the whole workspace. A renamed dependency gives its real name.
+/// Returns every (line, package) below `[dependencies]`, `[build-dependencies]`, their dotted forms
+/// and those of one target or of the whole workspace. A renamed dependency has its real name.
 fn dependencies(manifest: &str) -> Vec<(usize, String)> {
     let mut found: Vec<(usize, String)> = Vec::new();
     let mut linked = false;
@@ -120,7 +120,7 @@ fn dependencies(manifest: &str) -> Vec<(usize, String)> {
                 found.push((index + 1, name.trim_matches('"').to_owned()));
             }
         } else if linked && dotted {
-            // `package = "…"` of the dotted form tells the real name of the entry just found.
+            // `package = "…"` of the dotted form is the real name of the entry just found.
             if let (Some(real), Some(last)) = (value_of(line, "package"), found.last_mut()) {
                 last.1 = real;
             }
@@ -139,10 +139,11 @@ fn dependencies(manifest: &str) -> Vec<(usize, String)> {
     found
 }
 
-/// For the header of a table of linked dependencies: the dependency it names, or `""`.
+/// Returns the dependency in the header of a table of linked dependencies, or `""` if it lists
+/// several.
 fn dependency_table(header: &str) -> Option<&str> {
     let header = match header.strip_prefix("target.") {
-        // The target's own name may hold dots, so its end is found from the right.
+        // The target's own name may contain dots.
         Some(rest) => &rest[rest.find("dependencies")?..],
         None => header.strip_prefix("workspace.").unwrap_or(header),
     };
@@ -152,7 +153,7 @@ fn dependency_table(header: &str) -> Option<&str> {
     rest.strip_prefix('.').or(rest.is_empty().then_some(""))
 }
 
-/// The quoted value of `key = "value"`.
+/// Returns the quoted value of `key = "value"`.
 fn value_of(line: &str, key: &str) -> Option<String> {
     let (found, value) = line.split_once('=')?;
     (found.trim() == key).then(|| value.trim().trim_matches('"').to_owned())

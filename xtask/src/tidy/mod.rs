@@ -1,7 +1,8 @@
-//! What lints cannot see: edges between crates, sizes and names of files, records that must
-//! stay true. Every rule is one function from the tree of files to its faults.
+//! Rules that lints cannot check: dependencies between crates, sizes and names of files,
+//! cross-references. Every rule is one function from the tree of files to its faults.
 
 mod circles;
+mod citations;
 mod manifest;
 mod record;
 mod source;
@@ -12,12 +13,12 @@ use std::fmt;
 use std::path::Path;
 use tree::Tree;
 
-/// One broken rule.
+/// A violation of a rule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Fault {
     /// Path of the file, from the root.
     file: String,
-    /// Line, counted from 1, where one line is to blame.
+    /// Line number from 1, if the fault belongs to a line.
     line: Option<usize>,
     /// What was found and what was expected.
     what: String,
@@ -49,9 +50,11 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Every rule. A new one is one line here and one function with a test that shows it can fail.
+/// All rules. A new one is one line here and one function with a test that shows it can fail.
 const RULES: &[fn(&Tree) -> Vec<Fault>] = &[
     circles::circles,
+    citations::cited_pages,
+    citations::readme_results,
     manifest::crate_edges,
     manifest::reasons,
     source::length,
@@ -67,7 +70,7 @@ const RULES: &[fn(&Tree) -> Vec<Fault>] = &[
     record::lock_files,
 ];
 
-/// Reads the tree below `root` and gives every fault, in the order of the rules.
+/// Reads the tree below `root` and returns all faults, in the order of the rules.
 pub(crate) fn check(root: &Path) -> Result<Vec<Fault>> {
     let tree = Tree::read(root)?;
     Ok(RULES.iter().flat_map(|rule| rule(&tree)).collect())

@@ -1,5 +1,4 @@
-//! Rules on what is written beside the code: the thesis map, data folders, links, schemas,
-//! lock files.
+//! Rules on files other than code: the thesis map, data folders, links, schemas, lock files.
 
 use super::Fault;
 use super::tree::Tree;
@@ -8,9 +7,9 @@ const THESIS_MAP: &str = "docs/thesis-map.md";
 
 /// Finds rows of the thesis map whose module or test does not exist.
 ///
-/// A row is `| section | module | test | difference |`. Modules and tests stand in backquotes,
-/// several with commas between; a module is a Rust path (`articula_core::loa::joint_set`) or the
-/// path of a file, a test the name of a `#[test]` function of that crate or of its `tests/`.
+/// A row is `| section | module | test | difference |`. Modules and tests are in backquotes,
+/// separated by commas; a module is a Rust path (`articula_core::loa::joint_set`) or the path of a
+/// file, a test is the name of a `#[test]` function of any crate.
 pub(crate) fn thesis_map(tree: &Tree) -> Vec<Fault> {
     let Some(text) = tree.text(THESIS_MAP) else {
         return vec![Fault::file(THESIS_MAP, "is missing")];
@@ -36,7 +35,7 @@ pub(crate) fn thesis_map(tree: &Tree) -> Vec<Fault> {
     faults
 }
 
-/// The four cells of a table row, but not of its heading and ruler.
+/// Returns the four cells of a table row; `None` for its heading and ruler.
 fn cells(line: &str) -> Option<[&str; 4]> {
     let inner = line.trim().strip_prefix('|')?.strip_suffix('|')?;
     let cells: Vec<&str> = inner.split('|').map(str::trim).collect();
@@ -45,7 +44,7 @@ fn cells(line: &str) -> Option<[&str; 4]> {
     (!heading).then_some(cells)
 }
 
-/// What stands in backquotes.
+/// Returns the texts in backquotes.
 fn quoted(cell: &str) -> Vec<&str> {
     cell.split('`').skip(1).step_by(2).collect()
 }
@@ -61,7 +60,7 @@ fn has_module(tree: &Tree, module: &str) -> bool {
     tree.text(&file).is_some() || tree.text(&format!("{folder}/{path}/mod.rs")).is_some()
 }
 
-/// Whether some Rust source has a `#[test]` function of this name.
+/// Returns whether some Rust source has a `#[test]` function of this name.
 fn has_test(tree: &Tree, test: &str) -> bool {
     let name = test.rsplit("::").next().unwrap_or(test);
     let head = format!("fn {name}(");
@@ -78,9 +77,9 @@ fn has_test(tree: &Tree, test: &str) -> bool {
     })
 }
 
-/// Finds data folders without a README that tells licence and origin.
+/// Finds data folders without a README that states licence and origin.
 ///
-/// It may lie in the `data` folder itself or in the set's own folder below it.
+/// It may be in the `data` folder itself or in the data set's own folder below it.
 pub(crate) fn data_readmes(tree: &Tree) -> Vec<Fault> {
     let mut faults: Vec<Fault> = Vec::new();
     for path in tree.paths() {
@@ -102,7 +101,7 @@ pub(crate) fn data_readmes(tree: &Tree) -> Vec<Fault> {
     faults
 }
 
-/// The `data` folder that holds a file, and the file's path below it.
+/// Returns the `data` folder of a file, and the file's path below it.
 fn data_folder(path: &str) -> Option<(String, &str)> {
     let (before, below) = match path.strip_prefix("data/") {
         Some(below) => (String::new(), below),
@@ -118,7 +117,7 @@ fn tells_origin(readme: &str) -> bool {
     text.contains("licence") && (text.contains("origin") || text.contains("source"))
 }
 
-/// Finds schemas that are no JSON.
+/// Finds schemas that are not valid JSON.
 pub(crate) fn schemas(tree: &Tree) -> Vec<Fault> {
     tree.texts()
         .filter(|(path, _)| path.starts_with("docs/formats/") && path.ends_with(".schema.json"))
@@ -129,7 +128,7 @@ pub(crate) fn schemas(tree: &Tree) -> Vec<Fault> {
         .collect()
 }
 
-/// Finds links between pages that lead nowhere.
+/// Finds links between pages whose target does not exist.
 pub(crate) fn links(tree: &Tree) -> Vec<Fault> {
     let mut faults = Vec::new();
     for (path, text) in tree.texts().filter(|(path, _)| path.ends_with(".md")) {
@@ -151,7 +150,7 @@ pub(crate) fn links(tree: &Tree) -> Vec<Fault> {
     faults
 }
 
-/// `folder/target` with its `.` and `..` resolved.
+/// Returns `folder/target` with `.` and `..` resolved.
 fn joined(folder: &str, target: &str) -> String {
     let mut parts: Vec<&str> = Vec::new();
     for part in folder.split('/').chain(target.split('/')) {

@@ -1,22 +1,22 @@
-//! Rules on files of source text: length, head, names, and marks that must not stay.
+//! Rules on source files: length, head comment, names, and marks that must not remain.
 //!
-//! Words that a rule looks for are put together here from halves, so that this file keeps them.
+//! The words that a rule searches for are assembled from halves, so that this file passes.
 
 use super::Fault;
 use super::tree::Tree;
 
-/// Lines above which a hand-written file is to be split.
+/// Maximum number of lines of a hand-written file.
 const LINES_MAX: usize = 800;
 
-/// Names that say nothing about what is inside.
+/// Module names that say nothing about their content.
 const EMPTY_NAMES: &[&str] = &[
     "utils", "util", "common", "helpers", "helper", "misc", "types",
 ];
 
-/// Notes to oneself; each needs the number of an issue: `(#12)`.
+/// Marks of open work; each needs the number of an issue: `(#12)`.
 const MARKS: &[&str] = &[concat!("TO", "DO"), concat!("FIX", "ME")];
 
-/// Beginnings of paths that exist on one machine only.
+/// Prefixes of paths that exist on one machine only.
 const MACHINE_ROOTS: &[&str] = &[
     concat!("/ho", "me/"),
     concat!("/Us", "ers/"),
@@ -42,7 +42,7 @@ pub(crate) fn length(tree: &Tree) -> Vec<Fault> {
         .collect()
 }
 
-/// Finds Rust files without a head comment, and tables whose first line names no origin.
+/// Finds Rust files without a head comment.
 pub(crate) fn head(tree: &Tree) -> Vec<Fault> {
     tree.sources()
         .filter(|(path, text)| {
@@ -53,7 +53,7 @@ pub(crate) fn head(tree: &Tree) -> Vec<Fault> {
         .collect()
 }
 
-/// Finds modules whose name says nothing.
+/// Finds modules whose name says nothing about their content.
 pub(crate) fn module_names(tree: &Tree) -> Vec<Fault> {
     let mut faults = Vec::new();
     for (path, text) in tree.sources() {
@@ -79,7 +79,7 @@ fn empty_name(name: &str) -> String {
     format!("a module called `{name}`: name it after its noun or verb")
 }
 
-/// Finds tests that are switched off.
+/// Finds tests that are disabled.
 pub(crate) fn ignored_tests(tree: &Tree) -> Vec<Fault> {
     let off = |line: &str| line.trim_start().starts_with("#[ignore");
     lines(
@@ -90,7 +90,7 @@ pub(crate) fn ignored_tests(tree: &Tree) -> Vec<Fault> {
     )
 }
 
-/// Finds notes to oneself without the number of an issue.
+/// Finds marks of open work without the number of an issue.
 pub(crate) fn marks(tree: &Tree) -> Vec<Fault> {
     lines(
         tree,
@@ -113,7 +113,7 @@ fn has_bare_mark(line: &str) -> bool {
     })
 }
 
-/// Finds absolute paths that another machine does not have.
+/// Finds absolute paths of one machine.
 pub(crate) fn machine_paths(tree: &Tree) -> Vec<Fault> {
     lines(
         tree,
@@ -127,13 +127,13 @@ fn has_machine_path(line: &str) -> bool {
     MACHINE_ROOTS.iter().any(|root| {
         line.match_indices(root).any(|(at, _)| {
             let before = line[..at].chars().next_back();
-            // A relative path or an address goes on with the same letters: `../home/x`, `a.org/home/`.
+            // A relative path or a URL may contain the same letters: `../home/x`, `a.org/home/`.
             !before.is_some_and(|c| c.is_alphanumeric() || "._-})~*".contains(c))
         })
     })
 }
 
-/// One fault for each line, of the files that count, that `is_bad`.
+/// Returns a fault for each line for which `is_bad` is true, of the files selected by path.
 fn lines(
     tree: &Tree,
     counts: impl Fn(&str) -> bool,

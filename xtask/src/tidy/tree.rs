@@ -1,11 +1,11 @@
-//! The files of the repository as the rules see them, so that a test can make a tree of strings.
+//! The files of the repository as seen by the rules; tests build a tree from strings.
 
 use anyhow::{Context, Result};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// Folders that hold nothing written by hand; `.gitignore` names the same ones.
+/// Folders without hand-written files, as in `.gitignore`.
 const SKIPPED: &[&str] = &[
     ".git",
     "target",
@@ -15,7 +15,7 @@ const SKIPPED: &[&str] = &[
     "artifacts",
 ];
 
-/// Endings of the files whose text the rules read.
+/// Extensions of the files whose text is read.
 const TEXTS: &[&str] = &[
     "rs", "toml", "md", "json", "mjs", "js", "ts", "sh", "yml", "yaml", "html", "css",
 ];
@@ -27,42 +27,42 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
-    /// Reads everything below `root` but the skipped folders.
+    /// Reads everything below `root` except the skipped folders.
     pub(crate) fn read(root: &Path) -> Result<Self> {
         let mut tree = Self::default();
         tree.read_folder(root, "")?;
         Ok(tree)
     }
 
-    /// Paths of all files, sorted.
+    /// Returns the paths of all files, sorted.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &str> {
         self.files.keys().map(String::as_str)
     }
 
-    /// Text files as (path, text), sorted by path.
+    /// Returns the text files as (path, text), sorted by path.
     pub(crate) fn texts(&self) -> impl Iterator<Item = (&str, &str)> {
         self.files
             .iter()
             .filter_map(|(path, text)| Some((path.as_str(), text.as_deref()?)))
     }
 
-    /// Rust sources as (path, text), sorted by path.
+    /// Returns the Rust sources as (path, text), sorted by path.
     pub(crate) fn sources(&self) -> impl Iterator<Item = (&str, &str)> {
         self.texts().filter(|(path, _)| path.ends_with(".rs"))
     }
 
-    /// Text of one file.
+    /// Returns the text of a file.
     pub(crate) fn text(&self, path: &str) -> Option<&str> {
         self.files.get(path)?.as_deref()
     }
 
-    /// Whether there is such a file or folder.
+    /// Returns whether there is such a file or folder.
     pub(crate) fn has(&self, path: &str) -> bool {
         let folder = format!("{path}/");
         self.files.contains_key(path) || self.paths().any(|p| p.starts_with(&folder))
     }
 
-    /// A tree made of (path, text), for tests of the rules.
+    /// Creates a tree from (path, text), for tests of the rules.
     #[cfg(test)]
     pub(crate) fn of(files: &[(&str, &str)]) -> Self {
         let own = |(path, text): &(&str, &str)| ((*path).to_owned(), Some((*text).to_owned()));

@@ -1,14 +1,15 @@
-//! One channel: the floats of its keys, its value at a time, one more key without a change.
+//! Operations on one channel: the floats of its keys, its value at a time, inserting a key without
+//! a change of the motion.
 
 use super::spline;
 use articula_core::Mismatch;
 use articula_core::source::{Channel, Interpolation, RawClip, evaluate};
 
-/// Two times of a clip that are nearer than this are one: single precision tells no more apart
-/// after half a minute.
+/// Two times of a clip that differ by less than this are equal: after half a minute single
+/// precision does not resolve more.
 pub(super) const SAME_SECS: f32 = 2e-6;
 
-/// How many arrays of floats a key has: in-tangent, value and out-tangent, or the value alone.
+/// Number of float arrays per key: in-tangent, value and out-tangent, or the value alone.
 pub(super) fn parts(interpolation: Interpolation) -> usize {
     match interpolation {
         Interpolation::CubicSpline => 3,
@@ -16,12 +17,13 @@ pub(super) fn parts(interpolation: Interpolation) -> usize {
     }
 }
 
-/// Floats of one value of a checked channel.
+/// Number of floats in one value of a checked channel.
 pub(super) fn width(channel: &Channel) -> usize {
     channel.values.len() / (channel.times_secs.len() * parts(channel.interpolation))
 }
 
-/// Refuses channels without keys, with times that do not rise or numbers that are none.
+/// Rejects channels without keys, with times that do not increase, or with floats that are not
+/// finite.
 ///
 /// # Errors
 /// A [`Mismatch`] that names the channel.
@@ -64,7 +66,7 @@ pub(super) fn key_value(channel: &Channel, key: usize) -> &[f32] {
     &channel.values[first..first + width]
 }
 
-/// The same, to be changed.
+/// The value stored with a key, mutable.
 pub(super) fn key_value_mut(channel: &mut Channel, key: usize) -> &mut [f32] {
     let width = width(channel);
     let parts = parts(channel.interpolation);
@@ -79,8 +81,8 @@ pub(super) fn key_at(channel: &Channel, time_secs: f32) -> Option<usize> {
     (after < times.len() && times[after] <= time_secs + SAME_SECS).then_some(after)
 }
 
-/// Puts a key at a time without changing the motion; gives its index. Splines of rotations get
-/// more keys than one where they need them to stay the same curve (see [`spline`]).
+/// Inserts a key at a time without changing the motion and returns its index. Splines of rotations
+/// get more than one key where that is needed to keep the curve (see [`spline`]).
 pub(super) fn put_key(channel: &mut Channel, time_secs: f32) -> usize {
     if let Some(key) = key_at(channel, time_secs) {
         return key;
@@ -97,15 +99,15 @@ pub(super) fn put_key(channel: &mut Channel, time_secs: f32) -> usize {
     channel.times_secs.partition_point(|t| *t < time_secs)
 }
 
-/// Gives a channel a key at the end of the clip if no channel has one: the formats say a clip's
-/// length by its last key.
+/// Gives a channel a key at the end of the clip if no channel has one: file formats store the
+/// length of a clip as the time of its last key.
 pub(super) fn keep_length(clip: &mut RawClip) {
     let end = clip.duration_secs;
     let reaches = |c: &Channel| c.times_secs.last().is_some_and(|t| *t >= end - SAME_SECS);
     if clip.channels.iter().any(reaches) {
         return;
     }
-    // A spline would need a tangent there, and any other channel will do.
+    // A spline would need a tangent there; any other channel will do.
     let plain = |c: &&mut Channel| c.interpolation != Interpolation::CubicSpline;
     if let Some(channel) = clip.channels.iter_mut().find(plain) {
         put_key(channel, end);

@@ -3,11 +3,11 @@
 use super::channel::SAME_SECS;
 use articula_core::source::RawClip;
 
-/// Least rate of the grid that an edit is verified on.
+/// Minimum rate of the grid on which an edit is verified.
 pub(super) const VERIFIED_HZ: f32 = 120.0;
 
-/// All key times of some clips, the ticks of [`VERIFIED_HZ`] up to `end_secs`, and the middle
-/// between two keys that are nearer than these.
+/// All key times of some clips, the ticks of [`VERIFIED_HZ`] up to `end_secs`, and the midpoints of
+/// keys that are at most two ticks apart.
 pub(super) fn grid<'a>(clips: impl IntoIterator<Item = &'a RawClip>, end_secs: f32) -> Vec<f32> {
     let channels = clips.into_iter().flat_map(|clip| &clip.channels);
     let keys = channels.flat_map(|c| &c.times_secs).copied();
@@ -19,7 +19,7 @@ pub(super) fn grid<'a>(clips: impl IntoIterator<Item = &'a RawClip>, end_secs: f
     rising(keys.iter().copied().chain(ticks).chain(middles).collect())
 }
 
-/// Sorted, times that are one only once.
+/// Sorts times and removes those that count as equal to their predecessor.
 pub(super) fn rising(mut times: Vec<f32>) -> Vec<f32> {
     times.sort_by(f32::total_cmp);
     times.dedup_by(|b, a| *b - *a <= SAME_SECS);

@@ -1,9 +1,10 @@
-//! Which way a turned body faces.
+//! Heading of a rotated body.
 
 use glam::Quat;
 
-/// The part of a turn that is about the vertical, radians from -pi to pi: the twist of its
-/// swing-twist split. A turn by half a circle about a level axis has none, and gives 0.
+/// Returns the part of a rotation that is about the vertical, radians from -pi to pi: the twist of
+/// its swing-twist decomposition. A rotation by half a circle about a level axis has none and
+/// yields 0.
 pub(crate) fn yaw(turn: Quat) -> f32 {
     let half = turn.y.atan2(turn.w);
     wrapped(2.0 * half)
@@ -30,7 +31,7 @@ mod tests {
                 (yaw(-turn) - angle).abs() < 1e-5,
                 "q and -q are one rotation"
             );
-            // What leans on top does not change it.
+            // Leaning on top does not change it.
             let leaning = turn * Quat::from_rotation_x(0.4);
             assert!((yaw(leaning) - angle).abs() < 1e-5);
         }

@@ -1,12 +1,12 @@
-//! Clips made clean before anything else is done with them.
+//! Editing of source clips: trimming, resampling, loops, root motion and key reduction.
 //!
-//! - [`trim`]: a part of a clip, its keys at both cuts exact
-//! - [`resample`]: every channel keyed at one rate
-//! - [`find`], [`close`]: the part that loops, and its ends made to meet
-//! - [`split`]: the way over the ground apart from the rest
-//! - [`reduce_keys`]: fewer keys, with a bound in metres of the character
+//! - [`trim`]: cuts a part out of a clip, with exact keys at both cuts
+//! - [`resample`]: keys every channel at one rate
+//! - [`find`], [`close`]: find the part that loops and make its ends meet
+//! - [`split`]: separates the travel over the ground from the rest
+//! - [`reduce_keys`]: removes keys, with a bound in metres of the character
 //!
-//! All of them take a source clip and give a source clip. What is done is stated in numbers.
+//! All of them take a source clip and return a source clip, with measurements of the change.
 
 mod channel;
 mod grid;

@@ -1,18 +1,18 @@
-//! Every channel keyed at one rate.
+//! Resampling of source clips: every channel keyed at one rate.
 
 use super::channel::{self, SAME_SECS};
 use crate::clip::steps_at;
 use articula_core::Mismatch;
 use articula_core::source::{Channel, Interpolation, RawClip};
 
-/// The clip with keys at every `1 / rate_hz` seconds and at its end, each the exact value; the
-/// last interval is shorter where the length is no multiple. Splines become straight lines
-/// between the keys, steps stay steps (their jumps move to the next key). A channel with one key
-/// keeps it alone.
+/// Returns the clip with exact keys at every `1 / rate_hz` seconds and at its end; the last
+/// interval is shorter where the length is no multiple. Splines become straight lines between the
+/// keys, steps stay steps (their jumps move to the next key). A channel with one key keeps it
+/// unchanged.
 ///
 /// # Errors
-/// A [`Mismatch`] if the rate is not positive, the clip is malformed, or it would have more than
-/// a million keys a channel or more numbers than memory should hold.
+/// A [`Mismatch`] if the rate is not positive, the clip is malformed, or it would have more than a
+/// million keys per channel or more floats than the memory limit allows.
 pub fn resample(clip: &RawClip, rate_hz: f32) -> Result<RawClip, Mismatch> {
     channel::check(clip)?;
     let numbers = clip.channels.iter().map(channel::width).sum();
@@ -38,7 +38,7 @@ fn keyed(source: &Channel, times: &[f32]) -> Channel {
             ..source.clone()
         };
     }
-    // A key that lies beside the time by a rounding is meant, to the last bit.
+    // A key that differs from the time by rounding is copied, to the last bit.
     let value = |t: &f32| match channel::key_at(source, *t) {
         Some(key) => channel::key_value(source, key).to_vec(),
         None => channel::value(source, *t),
@@ -57,7 +57,7 @@ fn keyed(source: &Channel, times: &[f32]) -> Channel {
 fn times(duration_secs: f32, rate_hz: f32) -> Vec<f32> {
     let end = f64::from(duration_secs);
     let time = |i: usize| i as f64 / f64::from(rate_hz);
-    // A key just before the end would only be the end again.
+    // A key just before the end would only duplicate the end.
     let near = (1e-3 / f64::from(rate_hz)).max(f64::from(SAME_SECS));
     let mut times: Vec<f32> = (0..)
         .map(time)
@@ -83,7 +83,7 @@ mod tests {
         let out = resample(&clip, 0.4 * 4.0).unwrap();
         assert_eq!(out.channels[0].times_secs, [0.0, 0.625, 1.0]);
         assert_eq!(out.channels[0].values[3], 1.25);
-        // 2751 frames at 120 Hz end a rounding after the last but one.
+        // 2751 frames at 120 Hz end by rounding after the second to last one.
         let clip = line(&[0.0, 22.925], &[0.0, 2.0]);
         let times = resample(&clip, 120.0).unwrap().channels[0]
             .times_secs

@@ -1,18 +1,18 @@
-//! One more key in a cubic spline without a change of the curve.
+//! Inserts a key into a cubic spline without a change of the curve.
 //!
-//! Source: glTF 2.0, appendix C.5. A part of a cubic is a cubic, so for vectors one key with the
-//! curve's value and slope is exact. A rotation is the normalised value of such a cubic, which
-//! is none itself: its parts get keys on the unit sphere until they are the same within
+//! Source: the glTF 2.0 specification, appendix C.5. A part of a cubic is a cubic, so for vectors
+//! one key with the curve's value and slope is exact. A rotation is the normalised value of such a
+//! cubic, which is no cubic itself: its parts get keys on the unit sphere until they agree within
 //! [`SAME_RADIANS`].
 
 use articula_core::angle_between;
 use articula_core::source::{Channel, Property};
 use glam::Quat;
 
-/// How far a rotation may turn from the curve that it was cut from.
+/// Maximum angle between a rotation and the curve that it was cut from.
 pub(super) const SAME_RADIANS: f32 = 1e-5;
 
-/// Halvings of one interval at most.
+/// Maximum number of halvings of one interval.
 const MAX_HALVINGS: usize = 6;
 
 /// One end of a cubic: value and slope per second.
@@ -23,7 +23,7 @@ struct End {
     slope: Vec<f32>,
 }
 
-/// Puts a key at a time that has none.
+/// Inserts a key at a time that has none.
 pub(super) fn put_key(channel: &mut Channel, time_secs: f32) {
     let keys = channel.times_secs.len();
     let width = channel.values.len() / (3 * keys);
@@ -79,7 +79,7 @@ fn hold(channel: &mut Channel, time_secs: f32, width: usize) {
     let before = time_secs < channel.times_secs[0];
     let (near, slope_part) = if before { (0, 0) } else { (keys - 1, 2) };
     let still = vec![0.0; width];
-    // What was not used so far would bend the way to the new key.
+    // This slope was unused so far and would bend the curve to the new key.
     set(channel, near, slope_part, &still);
     let first = (3 * near + 1) * width;
     let value = channel.values[first..first + width].to_vec();
@@ -230,7 +230,7 @@ mod tests {
                 angle_between(p, q)
             });
             let worst = worst.fold(0.0, f32::max);
-            // The quarter points that are tested see the greatest difference but for a little.
+            // The quarter points that are tested come close to the maximum difference.
             assert!(
                 worst <= 1.5 * SAME_RADIANS,
                 "{worst} after {} keys",

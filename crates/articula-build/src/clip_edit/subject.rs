@@ -1,4 +1,4 @@
-//! The character whose clips are edited, as all edits see it.
+//! The character whose clips are edited, as all edits use it.
 
 use super::channel;
 use crate::clip::check;
@@ -6,7 +6,7 @@ use articula_core::source::{Character, Property, RawClip, Skeleton, evaluate};
 use articula_core::{Articulation, LocalPose, Mesh, Mismatch, ModelPose, Rig, local_to_model};
 use glam::Vec3;
 
-/// Joints, skin and the names that an edit needs to know where a motion shows.
+/// Joints, skin and names that an edit needs to measure its effect on a character.
 #[derive(Debug, Clone)]
 pub struct EditSubject<'a> {
     pub(super) skeleton: &'a Skeleton,
@@ -18,11 +18,11 @@ pub struct EditSubject<'a> {
 }
 
 impl<'a> EditSubject<'a> {
-    /// Looks at a character; `articulation` says which joint is which. `ends` are points that
+    /// Prepares a character for clip edits; `articulation` maps its joints. `ends` are points that
     /// hang from joints besides the skin, such as the end sites of a BVH file.
     ///
     /// # Errors
-    /// A [`Mismatch`] that names the part of the character that does not fit.
+    /// A [`Mismatch`] that names the inconsistent part of the character.
     pub fn new(
         character: &'a Character,
         articulation: Articulation,
@@ -44,12 +44,13 @@ impl<'a> EditSubject<'a> {
         })
     }
 
-    /// Refuses clips that are malformed or of another character.
+    /// Rejects clips that are malformed or belong to another character.
     pub(super) fn check(&self, clip: &RawClip) -> Result<(), Mismatch> {
         channel::check(clip)?;
         for (c, channel) in clip.channels.iter().enumerate() {
             if channel.property == Property::Expression {
-                // Any number of them: a library of clips may drive expressions of its users.
+                // Any index is accepted: a library of clips may drive expressions of the characters
+                // that use it.
                 continue;
             }
             check(channel, self.rig.len(), &self.morph_counts).map_err(|what| {
@@ -59,8 +60,8 @@ impl<'a> EditSubject<'a> {
         Ok(())
     }
 
-    /// The joint that carries the body: the root of the humanoid, its sacrum where no joint
-    /// stands for the root, else the first joint of the skin.
+    /// The joint that carries the body: the root of the humanoid, its sacroiliac where no joint is
+    /// mapped to the root, else the first joint of the skin.
     pub(super) fn hips(&self) -> usize {
         let joints = &self.rig.articulation().joints;
         let named = |name: &str| joints.iter().position(|j| j.hanim.as_deref() == Some(name));
@@ -74,26 +75,26 @@ impl<'a> EditSubject<'a> {
         self.rig.name(joint)
     }
 
-    /// Where a clip has every joint at a time.
+    /// Poses every joint at a time of a clip.
     pub(super) fn pose(&self, clip: &RawClip, time_secs: f32, posed: &mut Posed) {
         evaluate::pose(clip, self.skeleton, time_secs, &mut posed.local);
         local_to_model(&self.rig, &posed.local, &mut posed.model);
     }
 
-    /// Metres of one unit in a joint's own space, at rest.
+    /// Metres per unit in a joint's own space, at rest.
     pub(super) fn scale_at_rest(&self, joint: usize) -> f32 {
         let axes = self.rest.model.matrices[joint].matrix3;
         let longest = axes.x_axis.length().max(axes.y_axis.length());
         longest.max(axes.z_axis.length()).max(1e-12)
     }
 
-    /// Room for a pose, at rest.
+    /// A pose buffer at rest.
     pub(super) fn rest(&self) -> Posed {
         self.rest.clone()
     }
 }
 
-/// A pose in both forms.
+/// A pose in local and in model space.
 #[derive(Debug, Clone)]
 pub(super) struct Posed {
     pub(super) local: LocalPose,

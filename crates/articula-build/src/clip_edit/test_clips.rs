@@ -1,4 +1,4 @@
-//! Clips for the tests of this folder: by hand and at random.
+//! Clips for the tests of this folder: hand-made and random.
 
 use super::channel;
 use articula_core::source::{
@@ -77,7 +77,7 @@ pub(super) fn clips() -> impl Strategy<Value = RawClip> {
             duration_secs: ends.copied().fold(0.0, f32::max),
             channels,
         };
-        // Lengths of next to nothing are tested by hand.
+        // Clips of nearly zero length are tested by hand.
         clip.duration_secs = clip.duration_secs.max(0.5);
         channel::keep_length(&mut clip);
         clip
@@ -112,7 +112,7 @@ fn channel_of(
         times_secs.push(time);
         let value = if property == Property::Rotation {
             let turn = Quat::from_vec4(Vec4::from_slice(numbers).normalize_or(Vec4::W));
-            // Steps of at most 0.6 rad, so that no spline comes near the centre of the sphere.
+            // Rotations of at most 0.6 rad, so that no spline comes near the centre of the sphere.
             let axis = Vec3::new(turn.x, turn.y, turn.z);
             let step = Quat::from_scaled_axis(0.6 * axis);
             before = same_hemisphere(before, (before * step).normalize());
@@ -139,8 +139,8 @@ fn channel_of(
     }
 }
 
-/// The greatest difference of any float of two clips at 100 times from 0 to `span`, each mapped
-/// to both clips' own; a rotation and its negative are the same.
+/// The maximum difference of any float of two clips at 100 times from 0 to `span`, each mapped to
+/// the time of either clip; a rotation and its negative are equal.
 pub(super) fn greatest_difference(
     a: &RawClip,
     b: &RawClip,
@@ -152,7 +152,7 @@ pub(super) fn greatest_difference(
     for (ca, cb) in a.channels.iter().zip(&b.channels) {
         for i in 0..=100 {
             let t = span * i as f32 / 100.0;
-            // A jump of a step may lie on either side of a rounding.
+            // A jump of a step may be on either side because of rounding.
             let jumps = |c: &Channel, t: f32| {
                 c.interpolation == Interpolation::Step
                     && c.times_secs.iter().any(|k| (k - t).abs() < 1e-4)

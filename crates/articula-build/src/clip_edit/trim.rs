@@ -1,16 +1,16 @@
-//! A part of a clip.
+//! Cutting a part out of a clip.
 
 use super::channel::{self, SAME_SECS};
 use articula_core::Mismatch;
 use articula_core::source::{Channel, RawClip};
 use std::ops::RangeInclusive;
 
-/// The part of a clip between two times, which starts at 0. Both cuts have a key with the exact
-/// value; in between nothing changes (splines of rotations: by 1e-5 rad at most). A channel with
-/// one key keeps it alone.
+/// Returns the part of a clip between two times, moved to start at 0. Both cuts have a key with the
+/// exact value; in between nothing changes (splines of rotations: by 1e-5 rad at most). A channel
+/// with one key keeps it unchanged.
 ///
 /// # Errors
-/// A [`Mismatch`] if the times are not a rising part of the clip, or the clip is malformed.
+/// A [`Mismatch`] if the times are not an ascending interval of the clip, or the clip is malformed.
 pub fn trim(clip: &RawClip, secs: RangeInclusive<f32>) -> Result<RawClip, Mismatch> {
     channel::check(clip)?;
     let (from, to) = (*secs.start(), *secs.end());
@@ -36,7 +36,7 @@ fn part(whole: &Channel, from: f32, to: f32) -> Channel {
     }
     channel::put_key(&mut cut, to);
     let first = channel::put_key(&mut cut, from);
-    // The keys before the cut went up by those that the cut has put there.
+    // The keys before the cut have shifted by those that the cut has inserted.
     let last = channel::put_key(&mut cut, to);
     let floats = cut.values.len() / cut.times_secs.len();
     cut.values.truncate((last + 1) * floats);
@@ -46,7 +46,7 @@ fn part(whole: &Channel, from: f32, to: f32) -> Channel {
     for t in &mut cut.times_secs {
         *t -= from;
     }
-    // Keys that were there already may lie beside the cut by a rounding.
+    // Existing keys may differ from the cut by rounding.
     let keys = cut.times_secs.len();
     cut.times_secs[0] = 0.0;
     cut.times_secs[keys - 1] = to - from;

@@ -1,16 +1,16 @@
-//! The levels of one object put together: which triangles are stored once for several levels,
-//! and in which order everything lies so that a level is a few ranges.
+//! Clustering of the levels of one object: stores triangles that several levels share once, in an
+//! order in which a level is a few ranges.
 //!
-//! What counts is the *life* of a triangle, the interval of levels that show it. Triangles with
-//! one life (and region) become one [`Cluster`]; a vertex belongs to the coarsest level that uses
-//! it. Both can be told from the triangle lists of any simplifier that keeps original vertices:
-//! no log of collapses is needed.
+//! The *life* of a triangle is the interval of levels that show it. Triangles with the same life
+//! and region form a [`Cluster`]; a vertex belongs to the coarsest level that uses it. Both follow
+//! from the triangle lists of any simplifier that keeps original vertices; no log of collapses is
+//! needed.
 //!
-//! Source: thesis 3.1.2, `docs/methods/clustered-mesh.md` 3 to 5. Different: lives instead of the
-//! thesis' sets (its `C(k,j)` lives from `k` to `j - 1`), so levels need not be chained; lists of
-//! the written form lie in a serpentine order that needs half the ranges ([`ClusterOrder::Store`]).
-//! Level 0 is the finest for every caller; inside, a *step* counts levels from the coarsest, as
-//! the thesis does and as everything is stored.
+//! Source: thesis 3.1.2, `docs/methods/clustered-mesh.md` parts 3 to 5. In place of the sets of the
+//! thesis there are lives (its `C(k,j)` live from `k` to `j - 1`), so levels need not be chained,
+//! and the stored lists are in a serpentine order that halves the number of ranges
+//! ([`ClusterOrder::Store`]). In the interface level 0 is the finest; internally a *step* counts
+//! levels from the coarsest, as the thesis and the stored order do.
 
 mod order;
 mod vertex_cache;
@@ -21,34 +21,33 @@ use articula_core::{Cluster, Clusters, Mismatch};
 use std::cmp::Reverse;
 use std::collections::HashMap;
 
-/// An object with all its levels, each vertex and triangle where it is stored.
+/// All levels of an object, with each vertex and triangle stored once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clustered {
-    /// Which levels show what.
+    /// Clusters, and the vertex count of each level.
     pub clusters: Clusters,
-    /// Triangles of all levels in the order of `clusters`, numbering the vertices below.
+    /// Triangles of all levels in the order of `clusters`; they index `vertices`.
     pub triangles: Vec<[u32; 3]>,
-    /// Original number of each stored vertex: those of the coarsest level, those that the next
-    /// finer one adds, and so on. Vertices that no level uses are left out.
+    /// Original index of each stored vertex: those of the coarsest level first, then those that
+    /// each finer level adds. Vertices that no level uses are left out.
     pub vertices: Vec<u32>,
-    /// Triangles that are stored again because they vanish and come back. 0 if each level is made
+    /// Number of triangles stored again because they vanish and return; 0 if each level is made
     /// from the next finer one.
     pub copies: usize,
-    /// Coarsest level up to which regions may be at different levels: from it to the finest no
-    /// step changes a triangle that has corners in two regions, so the seam between them is the
-    /// same.
+    /// Coarsest level up to which regions may be at different levels. From it to the finest no step
+    /// changes a triangle with corners in two regions, so the seam between them stays the same.
     pub mixable_to: usize,
 }
 
-/// Clusters the levels of one object, finest first, whose triangles name original vertices.
+/// Clusters the levels of one object, finest first, whose triangles index original vertices.
 ///
-/// `regions` is the region of each original vertex, or empty for one region; a triangle belongs
-/// to the lowest region of its corners. Triangles are the same if they differ by rotation alone;
-/// one that a level names twice is stored twice.
+/// `regions` is the region of each original vertex, or empty for one region; a triangle belongs to
+/// the lowest region of its corners. Triangles that differ by rotation only are the same; one that
+/// a level contains twice is stored twice.
 ///
 /// # Errors
 /// A [`Mismatch`] if there is no level, a vertex is not below `vertex_count`, or `regions` is
-/// neither empty nor one for each vertex.
+/// neither empty nor one per vertex; also above 65535 levels or `u32::MAX / 3` triangles in all.
 pub fn cluster<L: AsRef<[[u32; 3]]>>(
     levels: &[L],
     vertex_count: usize,
@@ -129,12 +128,13 @@ struct Life {
     last: u16,
 }
 
-/// The lives of all triangles, in the order in which they come up from the coarsest level, and
-/// how many of them are not the first of their triangle.
+/// Lives of all triangles, in order of appearance from the coarsest level, and the number of those
+/// that repeat a triangle.
 fn lives<L: AsRef<[[u32; 3]]>>(levels: &[L]) -> (Vec<Life>, usize) {
     let mut lives: Vec<Life> = Vec::new();
     let mut copies = 0;
-    // Where the last life of the n-th triangle with these corners is. Only looked up, never walked.
+    // Index of the last life of the n-th triangle with these corners. Used for look-up only; its
+    // order has no effect.
     let mut latest = HashMap::<([u32; 3], u32), usize>::new();
     for (l, level) in levels.iter().rev().enumerate() {
         let l = l as u16;
@@ -146,7 +146,7 @@ fn lives<L: AsRef<[[u32; 3]]>>(levels: &[L]) -> (Vec<Life>, usize) {
             *time += 1;
             match lives.get_mut(*at) {
                 Some(life) if life.last + 1 == l => {
-                    // The finest level that shows a triangle decides which corner stands first.
+                    // The finest level that shows a triangle determines its first corner.
                     (life.last, life.triangle) = (l, triangle);
                     continue;
                 }
@@ -164,7 +164,8 @@ fn lives<L: AsRef<[[u32; 3]]>>(levels: &[L]) -> (Vec<Life>, usize) {
     (lives, copies)
 }
 
-/// The triangle that begins with its lowest corner: triangles that differ by rotation are one.
+/// Rotates a triangle so that its lowest corner comes first; triangles that differ by rotation only
+/// become equal.
 pub(crate) fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {
         [a, b, c]
@@ -175,8 +176,8 @@ pub(crate) fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     }
 }
 
-/// Original vertices in stored order, and how many of them each level has, finest first: inside a
-/// level they come as its triangles use them.
+/// Original vertices in stored order, and the number of vertices of each level, finest first.
+/// Inside a level vertices are in order of first use.
 fn vertex_order(
     clusters: &[Cluster],
     triangles: &[[u32; 3]],
@@ -187,7 +188,7 @@ fn vertex_order(
     by_level.sort_by_key(|c| Reverse(c.coarsest_level));
     let mut is_stored = vec![false; vertex_count];
     let mut vertices = Vec::new();
-    // From the coarsest up: a level has what all coarser ones have, and what it adds.
+    // From the coarsest: a level has the vertices of all coarser ones and those it adds.
     let mut counts = Vec::with_capacity(levels);
     for group in by_level.chunk_by(|a, b| a.coarsest_level == b.coarsest_level) {
         let coarser = levels - 1 - usize::from(group[0].coarsest_level);
@@ -216,7 +217,7 @@ fn renumber(triangles: &mut [[u32; 3]], vertices: &[u32], vertex_count: usize) {
     }
 }
 
-/// The last step at which a triangle between regions begins or after which one ends.
+/// The last step at which a triangle between regions appears or after which one disappears.
 fn mixable_from(lives: &[Life], regions: &[u16], levels: usize) -> usize {
     if regions.is_empty() {
         return 0;
@@ -247,7 +248,7 @@ mod tests {
     )]
     use super::*;
 
-    /// The worked example of the specification.
+    /// The worked example of `docs/methods/clustered-mesh.md` part 4.
     fn example() -> [Vec<[u32; 3]>; 3] {
         [
             vec![
@@ -263,7 +264,7 @@ mod tests {
         ]
     }
 
-    /// Original corners of some stored triangles, as a set.
+    /// Original corners of a range of stored triangles, as a sorted set.
     fn named(c: &Clustered, range: std::ops::Range<usize>) -> Vec<[u32; 3]> {
         let name = |t: &[u32; 3]| rotated(t.map(|v| c.vertices[v as usize]));
         let mut set: Vec<_> = c.triangles[range].iter().map(name).collect();
@@ -367,8 +368,8 @@ mod tests {
         );
     }
 
-    /// Two regions that touch in one triangle: level 1 thins out region 0 alone, level 2 also
-    /// takes the seam.
+    /// Two regions that touch in one triangle: level 1 simplifies region 0 only, level 2 also
+    /// changes the seam.
     #[test]
     fn regions_mix_while_their_seam_is_whole() {
         let levels = [

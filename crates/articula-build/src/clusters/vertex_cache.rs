@@ -1,16 +1,17 @@
-//! Triangles in an order that a GPU's small cache of transformed vertices likes.
+//! Triangle order for the vertex cache of a GPU.
 //!
 //! Source: P. Sander, D. Nehab, J. Barczak, "Fast triangle reordering for vertex locality and
-//! reduced overdraw", SIGGRAPH 2007, section 3 (Tipsify): fans around one vertex after the other,
-//! each next to what the cache still holds; linear time. Different: no clustering for overdraw;
-//! dead ends go back to the latest vertex with triangles left, then to the lowest.
+//! reduced overdraw", SIGGRAPH 2007, section 3 (Tipsify): one fan around a vertex after another,
+//! each close to what the cache still holds; linear time. Unlike the paper, triangles are not
+//! clustered for overdraw, and dead ends go back to the latest vertex with triangles left, then to
+//! the lowest.
 
 use std::collections::HashMap;
 
-/// Vertices that the cache is taken to hold; small caches profit too.
+/// Assumed number of vertices in the cache; smaller caches benefit too.
 const CACHE: u32 = 16;
 
-/// The same triangles in a better order; the same for the same input.
+/// Reorders triangles for the cache. Deterministic.
 pub(super) fn order(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     if triangles.len() < 3 {
         return triangles.to_vec();
@@ -53,8 +54,8 @@ pub(super) fn order(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     out
 }
 
-/// Of the vertices just used that have triangles left: the one that entered the cache first
-/// among those that stay in it until their fan is drawn.
+/// Of the recently used vertices with triangles left, the one that entered the cache first among
+/// those that stay in it until their fan is drawn.
 fn best(near: impl Iterator<Item = u32>, live: &[u32], entered: &[u32], time: u32) -> Option<u32> {
     let mut found = None;
     let mut priority = 0;
@@ -69,7 +70,7 @@ fn best(near: impl Iterator<Item = u32>, live: &[u32], entered: &[u32], time: u3
     found
 }
 
-/// Triangles around each vertex. Vertices are numbered as they are met.
+/// Triangles around each vertex. Vertices are numbered in order of first use.
 struct Fans {
     corners: Vec<[u32; 3]>,
     starts: Vec<u32>,
@@ -123,7 +124,7 @@ mod tests {
     use super::*;
     use crate::split_mix::SplitMix;
 
-    /// Vertices that a first-in-first-out cache of 16 has to fetch.
+    /// Number of misses of a first-in-first-out cache of 16 vertices.
     fn misses(triangles: &[[u32; 3]]) -> usize {
         let mut cache = std::collections::VecDeque::new();
         let mut misses = 0;
@@ -160,7 +161,7 @@ mod tests {
         same.sort_unstable();
         before.sort_unstable();
         assert_eq!(same, before);
-        // Without order nearly 3 a triangle. The paper reports 0.6 to 0.8 for a cache of 16.
+        // Unordered, nearly 3 a triangle. The paper reports 0.6 to 0.8 for a cache of 16.
         assert!(misses(&grid) as f64 > 2.8 * grid.len() as f64);
         let ratio = misses(&ordered) as f64 / grid.len() as f64;
         assert!(ratio < 0.8, "{ratio} misses a triangle");

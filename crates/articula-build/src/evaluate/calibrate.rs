@@ -1,10 +1,11 @@
-//! The best parameter of a method under an error limit: calibrate, then compare.
+//! Calibration: the best parameter of a method under an error limit, so that methods are compared
+//! at equal error.
 
 use super::method::Method;
 use super::playbacks::play;
 use super::stage::{ClipEvaluator, MethodRun};
 
-/// Parameters that a sweep tries, from gentle to harsh: 24 or 26 geometric steps, as in the
+/// Parameter values of a sweep, in order of increasing error: 24 or 26 geometric steps, as in the
 /// published numbers; every whole number of frames up to 26; every level.
 fn parameters(method: &Method) -> Vec<f32> {
     let geometric = |from: f32, to: f32, steps: usize| -> Vec<f32> {
@@ -20,7 +21,7 @@ fn parameters(method: &Method) -> Vec<f32> {
     }
 }
 
-/// Plays a method over its whole range of parameters.
+/// Runs a method at every parameter value of its sweep.
 pub fn sweep(stage: &ClipEvaluator<'_>, method: &Method) -> Vec<MethodRun> {
     parameters(method)
         .into_iter()
@@ -28,8 +29,8 @@ pub fn sweep(stage: &ClipEvaluator<'_>, method: &Method) -> Vec<MethodRun> {
         .collect()
 }
 
-/// The swept trial with the greatest gain whose p95 error at a distance is at most `limit_px`.
-/// Where none meets it, the one that errs least; `None` only of an empty sweep.
+/// Returns the swept run with the largest gain whose p95 error at a distance is at most `limit_px`.
+/// Where no run meets it, returns the one with the smallest error; `None` only for an empty sweep.
 pub fn calibrate(
     stage: &ClipEvaluator<'_>,
     swept: &[MethodRun],

@@ -1,7 +1,7 @@
-//! A clip played for a moving perspective camera, under the drift controller.
+//! Playback of a clip along a path of a perspective camera, under the drift controller.
 //!
-//! Source: `docs/methods/motion-lod.md` 4.5 and 12. What is measured here is the controller that runs
-//! in a frame, not a table: its bound holds while the view moves.
+//! Source: `docs/methods/motion-lod.md` 4.5 and 12. This measures the controller that runs in a
+//! frame, not a table: its bound holds while the view moves.
 
 use super::stage::{ClipEvaluator, FrameErrors};
 use crate::motion_error::bounds::joint_bounds;
@@ -14,26 +14,26 @@ use articula_core::{
 };
 use glam::Vec3;
 
-/// Nearer than this to the camera plane a vertex is not judged.
+/// Minimum depth of a vertex in front of the camera for its error to be measured.
 const NEAR_METRES: f32 = 0.05;
 
-/// Where the camera stands at a time; between keys it moves straight.
+/// Camera position and target at a time; between keys both are interpolated linearly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraKey {
     /// Time in seconds.
     pub secs: f64,
-    /// Where it stands, metres in model space.
+    /// Position of the camera, metres in model space.
     pub eye: Vec3,
-    /// What it looks at.
+    /// Point that the camera faces, metres in model space.
     pub target: Vec3,
 }
 
-/// One display frame.
+/// Measurements of one display frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathFrame {
     /// Time in seconds.
     pub secs: f64,
-    /// The camera.
+    /// Camera of the frame.
     pub camera: Camera,
     /// Distance of the camera to the root, metres.
     pub distance_m: f32,
@@ -43,21 +43,22 @@ pub struct PathFrame {
     pub updated: JointSet,
     /// State of each joint.
     pub states: Vec<JointState>,
-    /// What was shown.
+    /// Pose that was shown.
     pub shown: LocalPose,
-    /// 95th percentile over the watched vertices of the distance between shown and true
+    /// 95th percentile over the sampled vertices of the distance between shown and true
     /// projections, pixels.
     pub error_px: f32,
-    /// Greatest `lever * angle * pixels per metre` of any joint: what the controller bounds.
+    /// Maximum over the joints of `lever * angle * pixels per metre`, the quantity that the
+    /// controller bounds, pixels.
     pub joint_error_px: f32,
 }
 
-/// A whole run.
+/// Playback along a camera path, with statistics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathRun {
-    /// The frames.
+    /// Display frames in order of time.
     pub frames: Vec<PathFrame>,
-    /// Share of joint updates saved, of moving joints times frames after the first.
+    /// Saved joint updates as a share of moving joints times frames after the first.
     pub joint_update_gain: f32,
     /// Share of frames after the first at which no joint changed.
     pub evaluations_saved: f32,
@@ -65,7 +66,8 @@ pub struct PathRun {
     pub error_px: FrameErrors,
 }
 
-/// Plays a clip (looping) along a camera path at a display rate. `None` without a key.
+/// Plays a looping clip along a camera path at a display rate in hertz. Returns `None` if the path
+/// has no key.
 pub fn play_camera_path(
     stage: &ClipEvaluator<'_>,
     path: &[CameraKey],
@@ -90,7 +92,7 @@ pub fn play_camera_path(
         if stage.options.protect_contacts {
             attention(asset, &stage.contacts, at.before, &mut care);
         }
-        // Where the clip starts again it may jump, which no bound on its speed foresees.
+        // Where the clip starts again it may jump, which exceeds any bound on its speed.
         let now = at.before as f64 + f64::from(at.blend);
         if now <= before || f64::from(clip.duration_secs()) * display_hz <= 1.0 {
             drift.invalidate();
@@ -168,7 +170,8 @@ fn summary(stage: &ClipEvaluator<'_>, frames: Vec<PathFrame>) -> PathRun {
     }
 }
 
-/// The camera at a time: straight between keys, still outside them. `None` without a key.
+/// The camera at a time: interpolated linearly between keys, constant outside them. `None` without
+/// a key.
 pub(crate) fn camera_at(path: &[CameraKey], secs: f64, viewport: Viewport) -> Option<Camera> {
     let after = path.partition_point(|k| k.secs <= secs);
     let before = path.get(after.saturating_sub(1))?;
@@ -187,8 +190,8 @@ pub(crate) fn camera_at(path: &[CameraKey], secs: f64, viewport: Viewport) -> Op
 }
 
 impl ClipEvaluator<'_> {
-    /// 95th percentile over the watched vertices of the distance between the projections of
-    /// two poses, pixels. Vertices at or behind the camera are left out.
+    /// 95th percentile over the sampled vertices of the distance between the projections of two
+    /// poses, pixels. Vertices at or behind the camera are excluded.
     fn projected_error(&self, camera: &Camera, shown: &LocalPose, truth: &LocalPose) -> f32 {
         let shown = self.points().posed(self.asset, shown);
         let truth = self.points().posed(self.asset, truth);

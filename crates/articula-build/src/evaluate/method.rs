@@ -1,4 +1,4 @@
-//! The methods and what they are told.
+//! The evaluated methods and their options.
 //!
 //! Source: `docs/methods/motion-lod.md` 3 (thesis, Ahn), 4 (ours), 11 (baselines).
 
@@ -9,41 +9,42 @@ use articula_core::JointSet;
 use articula_core::joint_state::{PassivePolicy, TransitionOptions};
 use glam::Quat;
 
-/// Form of our metric.
+/// Form of the `skin-px` method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SkinPxVariant {
-    /// Holds the last key until the drift exceeds the tolerance (4.2).
+    /// Holds the last key until its error exceeds the tolerance (4.2).
     #[default]
     Hold,
-    /// As `Hold`, with the error as each camera sees it (4.1); one playback for each azimuth.
+    /// Like `Hold`, with the error projected to each camera (4.1); one playback per azimuth.
     View,
     /// Shows one central rotation for each run of frames.
     KeyPose,
-    /// Holds, and lets children cancel their ancestors' error (4.4).
+    /// Holds keys and lets children cancel the error of their ancestors (4.4).
     ClosedLoop,
-    /// Blends between keys; every frame still blends, keys alone are counted.
+    /// Interpolates between keys; each frame still blends, only keys are counted as updates.
     Linear,
 }
 
-/// A way to save joint updates. Its one parameter is given when it is played.
+/// A method of saving joint updates. Its only parameter is given when it is played.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Method {
-    /// Ours; the parameter is the tolerance in metres of skin.
+    /// Error metric `skin-px` on each joint; the parameter is the tolerance in metres of skin.
     SkinPx(SkinPxVariant),
     /// The thesis' two-step metric; the parameter is the threshold on the normalised error.
     Thesis,
-    /// Posture clusters of each joint; the parameter is the threshold in metres.
+    /// Posture clusters of each joint, after Ahn and Wohn; the parameter is the threshold in
+    /// metres.
     Ahn,
     /// Updates all joints every n-th frame and holds; the parameter is n.
     SkipHold,
-    /// Updates all joints every n-th frame and blends ideally; the parameter is n.
+    /// Updates all joints every n-th frame and interpolates ideally; the parameter is n.
     SkipLerp,
     /// A fixed level of articulation; the parameter is the index of the level.
     Loa(Vec<JointSet>),
 }
 
 impl Method {
-    /// Name as the command line spells it.
+    /// Returns the name of the method on the command line.
     pub fn name(&self) -> &'static str {
         match self {
             Self::SkinPx(_) => "skin-px",
@@ -56,18 +57,18 @@ impl Method {
     }
 }
 
-/// What methods need besides their parameter.
+/// Options of the methods besides their parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MethodOptions {
-    /// The formula of the thesis' first step.
+    /// Parameters of the first step of the thesis' metric.
     pub thesis: ThesisMetricOptions,
-    /// The threshold of its second step, used where no parameter is given.
+    /// Threshold of the second step of the thesis' metric, used where no parameter is given.
     pub threshold: Threshold,
-    /// Transitions of the thesis' joints, and what passive joints of a fixed level show.
+    /// Transitions of joints under the thesis' metric, and the passive policy of a fixed level.
     pub transition: TransitionOptions,
-    /// How the drift controller shares its tolerance along a chain of joints (4.4).
+    /// Distribution of the drift controller's tolerance along a chain of joints (4.4).
     pub chain: ChainTolerance,
-    /// Whether joints on the way to a standing foot get a quarter of the tolerance (4.6).
+    /// Whether joints from the root to a foot in contact get a quarter of the tolerance (4.6).
     pub protect_contacts: bool,
 }
 

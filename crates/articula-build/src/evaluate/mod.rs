@@ -1,12 +1,13 @@
-//! A clip played under a method: what it saved, and what it cost in pixels.
+//! Evaluation of motion LOD methods: saved updates and error in pixels of a clip played with a
+//! method.
 //!
-//! Source: the protocol of `docs/methods/motion-lod.md` 11.1 and 12. One pass of the clip at its own
-//! frames; the camera follows the root's horizontal motion; weak perspective at the root's
-//! distance, level cameras at several azimuths. Calibrate, then compare: every method has one
-//! parameter, and gains are reported at the parameter that meets an error target.
+//! Source: the protocol of `docs/methods/motion-lod.md` 11.1 and 12. One pass of the clip at its
+//! own frames; the camera follows the root's horizontal motion; weak perspective at the root's
+//! distance, level cameras at several azimuths. Methods are calibrated before they are compared:
+//! each has one parameter, and gains are reported at the parameter that meets an error target.
 //!
-//! The gate is on rotations ("orientation updates", thesis 5.2); local translations, scales,
-//! the root and morph weights always follow the clip.
+//! Methods act on rotations ("orientation updates", thesis 5.2); local translations, scales, the
+//! root and morph weights always follow the clip.
 
 mod baselines;
 mod calibrate;

@@ -1,4 +1,4 @@
-//! The methods played, each as the rotations that it shows at every frame of one pass.
+//! Playback of each method: the rotations that it shows at every frame of one pass.
 //!
 //! Source: `docs/methods/motion-lod.md` 3 (thesis, Ahn), 4 (ours), 11 (baselines).
 
@@ -14,7 +14,8 @@ use articula_core::joint_state::{JointState, JointStates, PassivePolicy, Transit
 use articula_core::{JointSet, nlerp};
 use glam::{Quat, Vec3};
 
-/// Plays a method at one parameter.
+/// Plays a clip with a method at one parameter; returns its statistics, and one playback or one for
+/// each azimuth.
 pub fn play(
     stage: &ClipEvaluator<'_>,
     method: &Method,
@@ -24,7 +25,7 @@ pub fn play(
     (stage.trial(parameter, &playbacks), playbacks)
 }
 
-/// Plays a method: one pass, or one for each azimuth where the view decides.
+/// One playback of a method, or one per azimuth where the method depends on the view.
 fn playbacks(stage: &ClipEvaluator<'_>, method: &Method, parameter: f32) -> Vec<Playback> {
     match method {
         Method::SkinPx(SkinPxVariant::View) => stage
@@ -71,7 +72,7 @@ fn skin_px(stage: &ClipEvaluator<'_>, variant: SkinPxVariant, tolerance: f32) ->
     }
 }
 
-/// Starts from the truth; `per_joint` then rewrites the moving joints one by one.
+/// Starts from the true motion; `rewrite` then replaces the moving joints one by one.
 fn per_joint(
     stage: &ClipEvaluator<'_>,
     mut rewrite: impl FnMut(usize, &[Quat], &mut Playback),

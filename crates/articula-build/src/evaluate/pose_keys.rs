@@ -1,20 +1,21 @@
-//! How many whole-pose keys a clip needs for a limit in pixels: counts of evaluations saved.
+//! Counts of whole-pose keys that a clip needs under a limit in pixels.
 //!
-//! Source: the last paragraph of `docs/methods/motion-lod.md` part 11, by the protocol of 11.1: the clip's
-//! own frames, the root's horizontal motion removed, weak perspective; at every frame between two
-//! keys the 95th percentile over the watched vertices, as the worst azimuth sees it, stays within
-//! the limit. Spans are greedy: each goes as far as all frames in it are within the limit.
+//! Source: `docs/methods/motion-lod.md` 11.2, by the protocol of 11.1: the clip's own frames, the
+//! root's horizontal motion removed, weak perspective; at every frame between two keys the 95th
+//! percentile over the sampled vertices stays within the limit at the worst azimuth. Spans are
+//! greedy: each is the longest in which all frames are within the limit.
 //!
 //! These are counts for comparison. The keys that a crowd plays are those of
-//! [`crate::motion_error::pose_keys`]: in metres, for the farthest vertex, and also tested
-//! between the clip's own frames.
+//! [`crate::motion_error::pose_keys`]: in metres, for the farthest vertex, and also tested between
+//! the clip's own frames.
 
 use super::stage::ClipEvaluator;
 use articula_core::percentile;
 use glam::Vec3;
 
-/// Frames at which the pose is evaluated, the first and the last among them; all others are the
-/// straight line between their neighbours. `limit_metres` is the limit as projected.
+/// Returns the frames at which the pose is evaluated, including the first and the last; all others
+/// are interpolated linearly between their neighbours. `limit_metres` is the limit on the projected
+/// error.
 pub fn pose_key_frames(stage: &ClipEvaluator<'_>, limit_metres: f32) -> Vec<usize> {
     let seen = ViewedPoints::new(stage);
     let last = seen.places.len() - 1;
@@ -27,8 +28,8 @@ pub fn pose_key_frames(stage: &ClipEvaluator<'_>, limit_metres: f32) -> Vec<usiz
     keys
 }
 
-/// The same with a key at every n-th frame and at the last one, for the greatest n whose spans
-/// are all within the limit.
+/// Returns key frames at every n-th frame and at the last one, for the largest n whose spans are
+/// all within the limit.
 pub fn uniform_key_frames(stage: &ClipEvaluator<'_>, limit_metres: f32) -> Vec<usize> {
     let seen = ViewedPoints::new(stage);
     let last = seen.places.len() - 1;
@@ -42,7 +43,7 @@ pub fn uniform_key_frames(stage: &ClipEvaluator<'_>, limit_metres: f32) -> Vec<u
     keys(best.unwrap_or(1))
 }
 
-/// Places of the watched skin under a camera that follows the root over the ground.
+/// Positions of the sampled skin under a camera that follows the root over the ground.
 struct ViewedPoints {
     views: Vec<Vec3>,
     places: Vec<Vec<Vec3>>,
@@ -56,7 +57,7 @@ impl ViewedPoints {
         }
     }
 
-    /// Whether every frame of a span is within a limit, as every camera sees it.
+    /// Whether every frame of a span is within a limit, for all cameras.
     fn is_straight(&self, from: usize, to: usize, limit_metres: f32) -> bool {
         (from + 1..to).all(|f| {
             let u = (f - from) as f32 / (to - from) as f32;

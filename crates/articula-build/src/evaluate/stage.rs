@@ -1,4 +1,4 @@
-//! The set-up of an evaluation, the truth of a clip, and the statistics of one run.
+//! The set-up of an evaluation, the reference motion of a clip, and the statistics of one run.
 
 use super::baselines::thesis::error_matrix;
 use super::baselines::thesis_metric::ErrorMatrix;
@@ -15,21 +15,21 @@ use articula_core::{
 use glam::{Quat, Vec3};
 use std::cell::OnceCell;
 
-/// Where the viewers stand and which skin is watched.
+/// Cameras of an evaluation and the sampled part of the skin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvaluationSetup {
-    /// Picture size and opening.
+    /// Picture size in pixels and field of view.
     pub viewport: Viewport,
-    /// Directions of the level cameras, degrees from the front.
+    /// Azimuths of the level cameras, degrees from the front.
     pub azimuths_deg: Vec<f32>,
-    /// Vertices that are watched.
+    /// Number of sampled vertices.
     pub points: usize,
-    /// Seed of their choice.
+    /// Seed of the vertex sample.
     pub seed: u64,
 }
 
 impl Default for EvaluationSetup {
-    /// 1280 x 720 at 45 degrees; 0, 45 and 90 degrees; 700 vertices.
+    /// 1280 x 720 at 45 degrees; azimuths of 0, 45 and 90 degrees; 700 vertices.
     fn default() -> Self {
         Self {
             viewport: Viewport::default(),
@@ -40,77 +40,76 @@ impl Default for EvaluationSetup {
     }
 }
 
-/// A clip ready to be played under methods: its truth is worked out once.
+/// A clip prepared for evaluation under any method; its reference motion is computed once.
 pub struct ClipEvaluator<'a> {
-    /// The character.
+    /// The character that plays the clip.
     pub asset: &'a Asset,
-    /// The clip at the rate of its keys: frames that were added between them would count as
-    /// saved.
+    /// The clip at the rate of its keys: frames inserted between them would count as saved.
     pub clip: Clip,
-    /// The viewers.
+    /// Cameras and sampled skin.
     pub setup: EvaluationSetup,
-    /// Parameters of the methods.
+    /// Options of the methods.
     pub options: MethodOptions,
-    /// Joints that move, the root left out.
+    /// Joints that move, without the root.
     pub moving: JointSet,
-    /// How the skin hangs on each joint.
+    /// Levers of all joints.
     pub levers: Vec<JointLever>,
-    /// When feet stand still.
+    /// Contacts of the feet.
     pub(crate) contacts: Vec<Contact>,
-    /// True local poses of all frames.
+    /// Unreduced local poses of all frames.
     pub truth: Vec<LocalPose>,
-    /// True model-space rotations of all frames.
+    /// Unreduced model-space rotations of all frames.
     pub(super) true_models: Vec<Vec<Quat>>,
     points: Points,
     true_points: Vec<Vec<Vec3>>,
     matrix: OnceCell<ErrorMatrix>,
 }
 
-/// Displacement as projected, in metres or, from a distance, in pixels: percentiles over frames of
-/// the 95th over vertices, the worst azimuth.
+/// Projected displacement of the skin: percentiles over frames of the 95th percentile over
+/// vertices, at the worst azimuth. In metres, or for a given distance in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrameErrors {
     /// Median over frames.
     pub p50: f32,
     /// 95th percentile over frames.
     pub p95: f32,
-    /// Worst frame.
+    /// Maximum over frames.
     pub max: f32,
 }
 
-/// One run of a method at one parameter. Under weak perspective it is the same from every
-/// distance, but for the scale of its error.
+/// Statistics of a method at one parameter. Under weak perspective they are the same from every
+/// distance, except for the scale of the error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MethodRun {
-    /// The method's parameter.
+    /// Parameter of the method.
     pub parameter: f32,
-    /// Share of joint updates saved, of moving joints times frames after the first.
+    /// Saved joint updates as a share of moving joints times frames after the first.
     pub joint_update_gain: f32,
     /// Share of frames after the first at which no joint was updated.
     pub evaluations_saved: f32,
-    /// Mean number of joints sampled a frame.
+    /// Mean number of joints sampled per frame.
     pub joints_sampled: f32,
-    /// Mean number of joints a frame whose model matrix changed, relative to the root.
+    /// Mean number of joints per frame whose model matrix changed, relative to the root.
     pub fk_joints: f32,
     /// Displacement of the skin, metres.
     pub error: FrameErrors,
-    /// Mean way that feet slide during contacts because of what is held, metres.
+    /// Mean distance in metres by which feet slide during contacts because joints are held.
     pub foot_slide_metres: f32,
 }
 
-/// A [`MethodRun`] as seen from a distance.
+/// A [`MethodRun`] seen from a given distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DistanceRow {
     /// Distance of the camera to the root, metres.
     pub distance_m: f32,
-    /// What was saved, and the parameter.
+    /// Statistics of the run, with its parameter.
     pub trial: MethodRun,
-    /// What it cost, pixels.
+    /// Error of the run, pixels.
     pub error_px: FrameErrors,
 }
 
 impl<'a> ClipEvaluator<'a> {
-    /// Works out the truth of a clip.
+    /// Computes the reference motion of a clip.
     pub fn new(
         asset: &'a Asset,
         clip: &Clip,
@@ -151,7 +150,7 @@ impl<'a> ClipEvaluator<'a> {
         })
     }
 
-    /// True places of the watched skin at all frames, the root's way over the ground taken out.
+    /// True positions of the sampled skin at all frames, without the root's travel over the ground.
     pub(super) fn places_around_root(&self) -> Vec<Vec<Vec3>> {
         let mut model = ModelPose::new(self.asset.rig.len());
         let frames = self.truth.iter().zip(&self.true_points);
@@ -168,7 +167,7 @@ impl<'a> ClipEvaluator<'a> {
         &self.points
     }
 
-    /// The row of a trial at a distance.
+    /// Converts a run to a camera distance in metres.
     pub fn row(&self, trial: MethodRun, distance_m: f32) -> DistanceRow {
         let ppm = self.setup.viewport.pixels_per_metre(distance_m);
         let FrameErrors { p50, p95, max } = trial.error;
@@ -184,8 +183,9 @@ impl<'a> ClipEvaluator<'a> {
         }
     }
 
-    /// The parameter that a method takes at a distance when it is not calibrated: one pixel of
-    /// tolerance for ours and Ahn's, the thesis' own threshold, every second frame.
+    /// Returns the default parameter of a method at a distance, without calibration: a tolerance of
+    /// one pixel for `skin-px` and Ahn's method, the threshold of [`MethodOptions`] for the thesis,
+    /// every second frame for skipping, level 0 for fixed levels.
     pub fn usual_parameter(&self, method: &Method, distance_m: f32) -> f32 {
         let pixel_metres = 1.0 / self.setup.viewport.pixels_per_metre(distance_m);
         match method {
@@ -202,7 +202,7 @@ impl<'a> ClipEvaluator<'a> {
         })
     }
 
-    /// Everything as the clip has it, nothing counted yet.
+    /// The unreduced playback, without any counted update.
     pub(super) fn true_playback(&self) -> Playback {
         Playback {
             shown: self.truth.iter().map(|p| p.rotations.clone()).collect(),
@@ -235,8 +235,8 @@ impl<'a> ClipEvaluator<'a> {
         }
     }
 
-    /// During each contact: how far the shown joint has moved over the ground since the contact
-    /// began, less how far the true one has; the mean over all frames of all contacts.
+    /// Displacement over the ground of the shown joint relative to the true one since the contact
+    /// began; the mean over all frames of all contacts.
     fn foot_slide(&self, playback: &Playback) -> f32 {
         let mut pose = self.truth[0].clone();
         let mut model = ModelPose::new(self.asset.rig.len());
@@ -277,7 +277,7 @@ impl<'a> ClipEvaluator<'a> {
         let views: Vec<Vec3> = self.view_directions().collect();
         let mut worst = FrameErrors::default();
         for (p, playback) in playbacks.iter().enumerate() {
-            // A playback made for one view is judged from there, a common one from everywhere.
+            // A playback made for one view is measured in that view, a common one in all.
             let seen = if playbacks.len() == views.len() && views.len() > 1 {
                 &views[p..=p]
             } else {
@@ -292,8 +292,8 @@ impl<'a> ClipEvaluator<'a> {
         worst
     }
 
-    /// For each view and frame, the 95th percentile over the watched vertices of the distance
-    /// between shown and true places as seen from there.
+    /// For each view and frame, the 95th percentile over the sampled vertices of the projected
+    /// distance between shown and true positions.
     fn displacements(&self, playback: &Playback, views: &[Vec3]) -> Vec<Vec<f32>> {
         let mut pose = self.truth[0].clone();
         let mut out = vec![Vec::with_capacity(self.truth.len()); views.len()];

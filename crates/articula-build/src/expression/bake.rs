@@ -1,7 +1,7 @@
-//! A clip with its expressions written out.
+//! Baking of a clip's expressions into morph weights and joint transforms.
 //!
-//! What several expressions do to one morph target or joint adds up, on top of what the clip
-//! itself does to it.
+//! The effects of several expressions on one morph target or joint add up, on top of the clip's own
+//! channels.
 
 use super::resolve;
 use crate::clip::{MAX_NUMBERS, source_rate_hz};
@@ -13,24 +13,24 @@ use glam::{Quat, Vec3};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-/// Rotations closer than this, and other numbers closer than the second, are not driven.
+/// Differences from rest, as an angle and for other values, up to which a property counts as not
+/// driven.
 const STILL_RADIANS: f32 = 1e-6;
 const STILL: f32 = 1e-7;
 
-/// Where values bend or jump between keys, there is a frame at least this often.
+/// Minimum frame rate where values bend or jump between keys.
 const MIN_RATE_HZ: f32 = 30.0;
 
-/// The clip with its expressions written out: each channel that drives an expression goes, and
-/// what it did stands in channels of morph weights and joints. The clip itself if it drives no
-/// expression.
+/// Converts the expressions of a clip to channels of morph weights and joints, which replace the
+/// channels that drive expressions. Returns the clip itself if it drives no expression.
 ///
-/// Where everything is straight between keys, the result is exact; where it bends or jumps
-/// (masks, binary expressions, values beyond 0 and 1, splines) it is exact at frames of the
-/// clip's own rate, at least 30 a second, and straight between them.
+/// Where everything is linear between keys, the result is exact; where it bends or jumps (masks,
+/// binary expressions, values beyond 0 and 1, splines) it is exact at frames of the clip's own
+/// rate, at least 30 per second, and linear between them.
 ///
 /// # Errors
-/// A [`Mismatch`] if a channel or a binding names what is not there or has too few values, or
-/// the result would be more than memory should hold.
+/// A [`Mismatch`] if a channel or a binding refers to something that does not exist or has too few
+/// values, or if the result would exceed the memory limit.
 pub fn bake<'a>(character: &Character, clip: &'a RawClip) -> Result<Cow<'a, RawClip>, Mismatch> {
     let is_driver = |c: &Channel| c.property == Property::Expression;
     if !clip.channels.iter().any(is_driver) {
@@ -59,13 +59,13 @@ pub fn bake<'a>(character: &Character, clip: &'a RawClip) -> Result<Cow<'a, RawC
     }))
 }
 
-/// One clip whose expressions are being written out.
+/// State of baking one clip.
 struct Baking<'a> {
     character: &'a Character,
     clip: &'a RawClip,
-    /// The channels that drive expressions, one for each expression at most.
+    /// The channels that drive expressions, at most one per expression.
     drivers: Vec<&'a Channel>,
-    /// What the driven expressions move.
+    /// Meshes that the driven expressions change.
     meshes: BTreeSet<usize>,
     joints: Vec<(usize, Property)>,
 }
@@ -99,7 +99,7 @@ impl<'a> Baking<'a> {
         self.drivers.iter().map(|c| &expressions[c.target])
     }
 
-    /// Whether a channel of the clip itself goes into one that is written anew.
+    /// Whether a channel of the clip is merged into a generated one.
     fn is_replaced(&self, channel: &Channel) -> bool {
         match channel.property {
             Property::Weights => self.meshes.contains(&channel.target),
@@ -124,19 +124,19 @@ impl<'a> Baking<'a> {
             .all(|c| c.interpolation == Interpolation::Step)
     }
 
-    /// Whether straight lines between the keys would say something else.
+    /// Whether straight lines between the keys would be wrong.
     fn bends(&self) -> bool {
         let is_plain = |e: &Expression| !e.is_binary && e.masks.is_empty();
         let within = |c: &&Channel| c.values.iter().all(|v| (0.0..=1.0).contains(v));
         let straight = self
             .involved()
             .all(|c| c.interpolation == Interpolation::Linear);
-        // Two turns of one joint do not blend along a line.
+        // Two rotations of one joint do not combine linearly.
         let turns = self.joints.iter().any(|(_, p)| *p == Property::Rotation);
         turns || !straight || !self.driven().all(is_plain) || !self.drivers.iter().all(within)
     }
 
-    /// The times of the keys that are written, sorted.
+    /// The times of the generated keys, sorted.
     fn times(&self) -> Result<Vec<f32>, Mismatch> {
         let duration = self.clip.duration_secs.max(0.0);
         let mut times: Vec<f32> = Vec::new();
@@ -173,9 +173,9 @@ impl<'a> Baking<'a> {
         Err(Mismatch::new(format!("clip \"{}\"", self.clip.name), what))
     }
 
-    /// What each driver's expression shows at each time, in the order of the drivers.
+    /// The resolved value of each driver's expression at each time, in the order of the drivers.
     fn values(&self, times: &[f32]) -> Vec<Vec<f32>> {
-        // Expressions that are not driven show nothing and weaken nothing.
+        // Expressions that are not driven have no effect and mask nothing.
         let mut place = vec![usize::MAX; self.character.expressions.len()];
         for (i, driver) in self.drivers.iter().enumerate() {
             place[driver.target] = i;
@@ -272,8 +272,8 @@ impl<'a> Baking<'a> {
     }
 }
 
-/// Whether the targets of a channel that drives an expression are there, and the keys have
-/// values. Other channels are looked at when they are resampled, but must have what is read here.
+/// Checks that the targets of a channel that drives an expression exist and that its keys have
+/// values. Other channels are checked when they are resampled, but must have the values read here.
 fn check(character: &Character, channel: &Channel) -> Result<(), String> {
     let meshes = &character.meshes;
     let joints = character.skeleton.joints.len();
@@ -329,7 +329,7 @@ fn check(character: &Character, channel: &Channel) -> Result<(), String> {
     }
 }
 
-/// Which parts of a joint's transform a binding changes.
+/// The parts of a joint's transform that a binding changes.
 fn driven_parts(rest: Transform, full: Transform) -> impl Iterator<Item = Property> {
     let differs = |a: Vec3, b: Vec3| (a - b).abs().max_element() > STILL;
     let turns = articula_core::angle_between(rest.rotation, full.rotation) > STILL_RADIANS;
@@ -345,7 +345,7 @@ fn driven_parts(rest: Transform, full: Transform) -> impl Iterator<Item = Proper
     .filter_map(|(property, is_driven)| is_driven.then_some(property))
 }
 
-/// Adds what a binding does at a value to one part of its joint's transform.
+/// Adds the effect of a binding at a value to one part of its joint's transform.
 fn drive(
     part: &mut [f32],
     property: Property,

@@ -1,7 +1,7 @@
-//! Channels that drive expressions, turned into morph weights and joint transforms.
+//! Conversion of expression channels to morph weights and joint transforms.
 //!
-//! - `resolve`: what expressions show that are driven at once (binary ones, masks)
-//! - `bake`: a clip with its expressions written out
+//! - `resolve`: the resulting values of expressions that are driven together (binary ones, masks)
+//! - `bake`: a clip whose expressions are converted to other channels
 
 mod bake;
 mod resolve;

@@ -1,19 +1,18 @@
-//! What expressions show that are driven at once.
+//! Resulting values of expressions that are driven together.
 //!
 //! Source: VRM 1.0 `expressions` (binary expressions, overrides and how the two interact), the
 //! draft `KHR_character_expression_mask`.
 
 use articula_core::source::{Expression, MaskKind};
 
-/// What each expression shows when all of them are driven at once.
+/// Returns the resulting value of each expression when all are driven together.
 ///
-/// `drivers` holds one value for each expression; values beyond 0 and 1 are clamped, what is no
-/// number counts as 0. A binary expression shows 0 or 1: 1 above 0.5. What it shows is what
-/// weakens others, and it goes out wholly if anything weakens it. Masks act on values before any
-/// mask, so their order does not matter.
+/// `drivers` holds one value per expression; values are clamped to 0 to 1, NaN counts as 0. A
+/// binary expression has the value 0 or 1: 1 above 0.5. That value masks others, and it becomes 0
+/// if anything masks it. Masks act on unmasked values, so their order does not matter.
 ///
 /// # Panics
-/// If there is not one driver for each expression.
+/// If `drivers` and `expressions` differ in length.
 pub fn resolve(expressions: &[Expression], drivers: &[f32]) -> Vec<f32> {
     assert_eq!(expressions.len(), drivers.len(), "one driver each");
     let shown = |(e, x): (&Expression, &f32)| match e.is_binary {
@@ -90,7 +89,7 @@ mod tests {
 
     #[test]
     fn overrides_of_vrm_add_up() {
-        // Blink is weakened by happy and sad: 1 - (0.3 + 0.5) of 0.9; by more than 1 not at all.
+        // Blink is reduced by happy and sad: 1 - (0.3 + 0.5) of 0.9; by more than 1, to 0.
         let blend = [mask(2, MaskKind::Blend, true)];
         let [happy, sad] = [expression(&blend, false), expression(&blend, false)];
         let all = [happy.clone(), sad.clone(), expression(&[], false)];
@@ -104,7 +103,7 @@ mod tests {
 
     #[test]
     fn masks_of_khr_character_multiply() {
-        // (1 - 0.5 * 0.6) * (1 - 1 if above 0.2): with 0.2 the block does nothing.
+        // (1 - 0.5 * 0.6) * (1 - 1 if above 0.2): at 0.2 the block has no effect.
         let half = Mask {
             amount: 0.5,
             ..mask(2, MaskKind::Blend, false)

@@ -1,25 +1,25 @@
-//! The chain of levels along the cheapest that each tolerance allows.
+//! The chain of levels through the cheapest candidates within rising tolerances.
 
 use super::FigureLevel;
 use articula_core::{Mesh, Part};
 
-/// A level is worth having if it costs at most this part of the one before.
+/// Maximum cost of a level relative to the level before.
 const WORTH: f32 = 0.88;
 
-/// From tolerance to tolerance: half an octave.
+/// Ratio of successive tolerances: half an octave.
 const STEP: f32 = std::f32::consts::SQRT_2;
 
-/// What could be shown.
+/// A combination of skin and mesh level, with its error.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     pub(super) skin: usize,
     pub(super) level: FigureLevel,
-    /// Over all clips.
+    /// Maximum over all clips, in metres.
     pub(super) error_metres: f32,
 }
 
 impl Candidate {
-    /// Whether it has nothing that the other has not.
+    /// Whether it has no more joints, triangles or influences than `other`.
     fn is_within(&self, other: &FigureLevel) -> bool {
         let level = &self.level;
         level.joint_level >= other.joint_level
@@ -28,8 +28,8 @@ impl Candidate {
     }
 }
 
-/// For rising tolerances the cheapest candidate that has nothing more than the one before. The
-/// full character is the first.
+/// Selects, for rising tolerances, the cheapest candidate that has no more joints, triangles or
+/// influences than the one before. The full character comes first.
 pub(super) fn choose(mut all: Vec<Candidate>, first_metres: f32, most: usize) -> Vec<Candidate> {
     let Some(full) = all.iter().copied().reduce(|a, b| {
         let finer = b.is_within(&a.level);
@@ -49,7 +49,7 @@ pub(super) fn choose(mut all: Vec<Candidate>, first_metres: f32, most: usize) ->
         ..full
     }];
     let mut tolerance = first_metres.max(1e-6);
-    // Beyond a kilometre nothing is left to drop.
+    // Beyond a kilometre there is nothing left to drop.
     while tolerance < 1e3 {
         let last = chain[chain.len() - 1];
         let fits = |c: &&Candidate| c.error_metres <= tolerance && c.is_within(&last.level);
@@ -63,7 +63,7 @@ pub(super) fn choose(mut all: Vec<Candidate>, first_metres: f32, most: usize) ->
         }
         tolerance *= STEP;
     }
-    // Too many: the one whose neighbours cost nearly the same is missed least.
+    // Too many levels: drop the inner level whose neighbours have the most similar cost.
     while chain.len() > most.max(1) {
         let ratio = |i: usize| chain[i + 1].level.cost / chain[i - 1].level.cost;
         let inner = 1..chain.len() - 1;
@@ -75,7 +75,7 @@ pub(super) fn choose(mut all: Vec<Candidate>, first_metres: f32, most: usize) ->
     chain
 }
 
-/// Joints, triangles and influences of all vertices as parts of the full character's.
+/// Joints, triangles and influences of all vertices, as fractions of those of the full character.
 fn cost(level: &FigureLevel, full: &FigureLevel) -> f32 {
     let part = |own: usize, all: usize| own as f32 / all.max(1) as f32;
     part(level.joints, full.joints)
@@ -86,7 +86,7 @@ fn cost(level: &FigureLevel, full: &FigureLevel) -> f32 {
         )
 }
 
-/// Number of different vertices that some triangles use.
+/// Number of different vertices that the triangles use.
 pub(super) fn vertices(triangles: &[[u32; 3]]) -> usize {
     let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
     used.sort_unstable();
@@ -94,8 +94,8 @@ pub(super) fn vertices(triangles: &[[u32; 3]]) -> usize {
     used.len()
 }
 
-/// The parts of a mesh with the triangles that a level has of each: triangles of one part follow
-/// each other, and a triangle is of the part of its vertices.
+/// The parts of a mesh with their triangles at a level. Triangles of a part are contiguous, and a
+/// triangle belongs to the part of its vertices.
 pub(super) fn parts(full: &Mesh, triangles: &[[u32; 3]]) -> Vec<Part> {
     let of = |part: &Part| {
         let is_in = |t: &[u32; 3]| part.vertices.contains(&(t[0] as usize));
@@ -113,7 +113,7 @@ pub(super) fn parts(full: &Mesh, triangles: &[[u32; 3]]) -> Vec<Part> {
 mod tests {
     use super::*;
 
-    /// Of a character with 100 joints, 1000 triangles, 500 vertices and 4 influences.
+    /// For a character with 100 joints, 1000 triangles, 500 vertices and 4 influences.
     fn candidate(joints: usize, triangles: usize, influences: usize, error_mm: f32) -> Candidate {
         Candidate {
             skin: 0,
@@ -140,13 +140,14 @@ mod tests {
         let all = vec![
             candidate(20, 100, 1, 40.0),
             candidate(100, 1000, 4, 0.0),
-            // 1 mm: fewer triangles are the cheaper of both.
+            // 1 mm: fewer triangles is the cheaper choice.
             candidate(50, 1000, 4, 0.9),
             candidate(100, 400, 4, 1.0),
-            // 2 mm: the cheapest has all joints again and is not below the one before; this has.
+            // 2 mm: the cheapest has all joints again, more than the level before; this one does
+            // not.
             candidate(50, 400, 4, 1.9),
             candidate(50, 400, 2, 1.95),
-            // Hardly cheaper: not worth a level.
+            // Hardly cheaper: not a level.
             candidate(49, 400, 2, 3.0),
             candidate(100, 100, 4, 7.0),
         ];

@@ -1,4 +1,4 @@
-//! How far the skin's points are from where they should be, joints and mesh reduced together.
+//! Error of the skin's points with joints and mesh reduced together.
 
 use super::chain::Candidate;
 use crate::character::Asset;
@@ -10,7 +10,7 @@ use crate::surface_distance::{SkinPoint, corners};
 use articula_core::{Binding, Mesh};
 use glam::Vec3;
 
-/// What is shown: a skin, and the points on a mesh level.
+/// A displayed combination: index of a skin, and index of the points of a mesh level.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DisplayedLevel {
     pub(super) skin: usize,
@@ -26,13 +26,13 @@ impl DisplayedLevel {
     }
 }
 
-/// Skins and points, cut down to the vertices that are looked at.
+/// Skins and points, reduced to the vertices that are used.
 pub(super) struct LevelMeasurement<'a> {
     asset: &'a Asset,
     watched: &'a Watched,
-    /// Each skin over the same few vertices.
+    /// Each skin over these vertices.
     skins: Vec<Mesh>,
-    /// Points of each mesh level, by places among these vertices.
+    /// Points of each mesh level, with corners as indices into these vertices.
     points: Vec<Vec<SkinPoint>>,
 }
 
@@ -59,7 +59,8 @@ impl<'a> LevelMeasurement<'a> {
         }
     }
 
-    /// For each clip, the error of each thing shown, over about `frames` frames of all clips.
+    /// Returns, for each clip, the error of each displayed level, over about `frames` frames of all
+    /// clips.
     pub(super) fn measure(&self, shown: &[DisplayedLevel], frames: usize) -> Vec<Vec<Tally>> {
         let asset = self.asset;
         let mut truth = Poser::new(&asset.mesh, self.watched.vertices.clone());

@@ -1,12 +1,13 @@
-//! Levels of a figure: a level of its joints and a level of its mesh that are shown together.
+//! Figure levels: a joint LOD and a mesh level that are shown together.
+//!
+//! Every combination of joint LOD, mesh level and number of influences is compared with the full
+//! character in motion, and the cheapest within each tolerance is taken. From level to level
+//! neither joints nor triangles nor influences grow, so that a stream only appends. Errors are
+//! measured at the points of the skin (`docs/metrics.md`) and are comparable with those of joint
+//! LODs alone.
 //!
 //! Source: thesis 5.1 (levels for bodies of several resolutions), `docs/methods/clustered-mesh.md`,
-//! `docs/methods/motion-lod.md` part 8. Differs: which joints go with which triangles, and how many joints
-//! move a vertex, is not told but measured: every pair that could be shown is compared with the
-//! full character in motion, and of all that stay within a tolerance the cheapest is taken. From
-//! level to level neither joints nor triangles nor influences grow, so that a stream only ever
-//! adds. Errors are those of the skin's own points (`docs/metrics.md`), so that they stand beside
-//! those of joints alone.
+//! `docs/methods/motion-lod.md` part 8.
 
 mod chain;
 mod measure;
@@ -24,44 +25,45 @@ use chain::Candidate;
 use glam::{Affine3A, Vec3};
 use measure::{DisplayedLevel, LevelMeasurement};
 
-/// Influences that a level may be limited to, besides those that its joint level has.
+/// Limits on influences that are tried, besides the number that the joint LOD has.
 const INFLUENCES: [usize; 3] = [4, 2, 1];
 
-/// One level of a figure.
+/// One level of a figure: joints, mesh level and influences.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FigureLevel {
-    /// Level of the ladder that it was made from: which joints it keeps.
+    /// Joint LOD that it was made from.
     pub joint_level: usize,
-    /// Mesh level, 0 the original.
+    /// Mesh level; 0 is the original.
     pub mesh_level: usize,
-    /// Joints that it keeps.
+    /// Number of joints kept.
     pub joints: usize,
-    /// Triangles that are drawn.
+    /// Number of triangles drawn.
     pub triangles: usize,
-    /// Vertices that are skinned for them.
+    /// Number of vertices skinned for them.
     pub vertices: usize,
-    /// Most influences of a vertex.
+    /// Maximum number of influences of a vertex.
     pub influences: usize,
-    /// Joints, triangles, and influences of all vertices, each as a part of the full character's,
-    /// added up: 3 for the full character.
+    /// Sum of joints, triangles, and influences of all vertices, each as a fraction of the full
+    /// character's: 3 for the full character.
     pub cost: f32,
 }
 
 /// Levels of a figure, the full character first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FigureLevels {
-    /// What each level shows; neither joints nor triangles nor influences grow.
+    /// Contents of each level; neither joints nor triangles nor influences grow from level to
+    /// level.
     pub levels: Vec<FigureLevel>,
-    /// The same as levels of a crowd, one for one: a ladder (neighbours may keep the same joints),
-    /// skins, and the errors of joints and mesh together.
+    /// The same levels in the form of a crowd: joint LODs (successive ones may keep the same
+    /// joints), skins, and the errors of joints and mesh together.
     pub merged: MergedLevels,
 }
 
 impl FigureLevels {
-    /// The mesh of a level: the skin of its joints, and the triangles of its mesh level.
+    /// Returns the mesh of a level: the skin of its joints with the triangles of its mesh level.
     ///
     /// # Panics
-    /// If there is no such level, or mesh and levels are not those it was made from.
+    /// If the level does not exist, or mesh and mesh levels are not those it was made from.
     pub fn mesh(&self, level: usize, full: &Mesh, mesh_levels: &[&[[u32; 3]]]) -> Mesh {
         let mut mesh = self.merged.skins.mesh(level, full);
         mesh.triangles = mesh_levels[self.levels[level].mesh_level].to_vec();
@@ -70,16 +72,16 @@ impl FigureLevels {
     }
 }
 
-/// Chooses levels of joints and mesh together.
+/// Selects joint LODs and mesh levels that are shown together.
 ///
-/// `merged` are the levels of the joints (far ones are left out), `mesh_levels` the triangles of
-/// each mesh level over the vertices of the asset's mesh, the original first;
-/// `poses` are positions of all vertices, the rest pose first, that decide which point of a level
-/// stands for which vertex ([`attach`]). Tolerances begin at `opts.first_metres` and grow by half
-/// an octave; there are at most `opts.most_levels` levels.
+/// `merged` holds the joint LODs (far levels are ignored), and `mesh_levels` the triangles of each
+/// mesh level over the vertices of the asset's mesh, the original first. `poses` are positions of
+/// all vertices, the rest pose first; they determine which point of a level corresponds to which
+/// vertex ([`attach`]). Tolerances start at `opts.first_metres` and grow by half an octave; there
+/// are at most `opts.most_levels` levels.
 ///
 /// # Errors
-/// A [`Mismatch`] if a part is of another character, or a level has no triangle.
+/// A [`Mismatch`] if an argument belongs to another character, or a level has no triangle.
 pub fn figure_levels(
     asset: &Asset,
     merged: &MergedLevels,
@@ -163,7 +165,7 @@ fn check(
     Ok(())
 }
 
-/// Watched vertices that are drawn.
+/// Watched vertices that some triangle uses.
 fn watched(asset: &Asset, opts: &LevelOptions) -> Watched {
     let mesh = &asset.mesh;
     let mut is_used = vec![false; mesh.len()];
@@ -176,7 +178,7 @@ fn watched(asset: &Asset, opts: &LevelOptions) -> Watched {
     Watched { vertices, drawn }
 }
 
-/// Every skin on every mesh level.
+/// Every combination of skin and mesh level.
 fn candidates(
     merged: &MergedLevels,
     skins: &[Dressed],
@@ -185,7 +187,7 @@ fn candidates(
     let vertices: Vec<usize> = mesh_levels.iter().map(|l| chain::vertices(l)).collect();
     let mut all = Vec::with_capacity(skins.len() * mesh_levels.len());
     for (s, skin) in skins.iter().enumerate() {
-        // Of two that are as good the coarser mesh is taken: it comes first.
+        // Of two equally good ones the coarser mesh is taken: it comes first.
         for (mesh_level, triangles) in mesh_levels.iter().enumerate().rev() {
             let level = FigureLevel {
                 joint_level: skin.joint_level,
@@ -206,13 +208,13 @@ fn candidates(
     all
 }
 
-/// A skin that may be shown.
+/// A candidate skin.
 struct Dressed {
     joint_level: usize,
     skin: LevelSkin,
 }
 
-/// The skin of every joint level, with all its influences and with fewer.
+/// Skins of all joint LODs, with all influences and with fewer.
 fn all_skins(skins: &LevelSkins, full: &Mesh) -> Vec<Dressed> {
     let mut out = Vec::new();
     for (joint_level, skin) in skins.levels.iter().enumerate() {
@@ -235,7 +237,8 @@ fn limited(skin: &LevelSkin, mut mesh: Mesh, most: usize) -> LevelSkin {
     }
 }
 
-/// Errors of the levels in each clip, rising; speed and seam are the full character's.
+/// Errors of the levels in each clip, which never fall; speed and seam are those of the full
+/// character.
 fn table(merged: &MergedLevels, tallies: &[Vec<Tally>]) -> LodErrors {
     let clips = merged.errors.clips.iter().zip(tallies);
     let clips = clips.map(|(own, levels)| ClipLodErrors {
@@ -248,7 +251,7 @@ fn table(merged: &MergedLevels, tallies: &[Vec<Tally>]) -> LodErrors {
     }
 }
 
-/// The levels as a ladder of a crowd has them.
+/// The levels as joint LODs of a crowd.
 fn stacked(
     asset: &Asset,
     merged: &MergedLevels,

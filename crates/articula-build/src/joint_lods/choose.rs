@@ -1,31 +1,31 @@
-//! Which prefixes of the joint order become levels.
+//! Selects which prefixes of the joint order become levels.
 //!
-//! A level is worth having if its error is what a farther viewer tolerates, about twice that of
-//! the level before, and if it drops enough joints to be felt.
+//! A level is kept if its error is about twice that of the level before, so that it suits a more
+//! distant view, and if it drops a significant share of the joints.
 
 use super::LevelOptions;
 use super::order::Order;
 
-/// A level drops at least this part of the joints of the level before.
+/// Minimum share of the joints of the previous level that a level drops.
 const MIN_STEP: f32 = 0.12;
 
-/// Numbers of joints that near and far levels keep.
+/// Numbers of joints that near and far levels keep, finest first.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct KeptCounts {
-    /// All joints first.
+    /// Starts with all joints.
     pub(super) near: Vec<u16>,
     /// Empty if there are no far levels.
     pub(super) far: Vec<u16>,
 }
 
-/// One order of the joints and the fewest of them that a level may keep.
+/// A joint order and the minimum number of its joints that a level may keep.
 pub(super) struct Choice<'a> {
     pub(super) order: &'a Order,
     pub(super) floor: usize,
 }
 
-/// The fewest joints that stay within each of a row of doubling tolerances: of the near order up
-/// to `far_from_metres`, of the far one, if there is one, beyond.
+/// Returns the smallest joint counts within a series of doubling tolerances: of the near order up
+/// to `far_from_metres`, of the far order, if given, beyond.
 pub(super) fn levels(
     near: &Choice<'_>,
     far: Option<&Choice<'_>>,
@@ -34,7 +34,7 @@ pub(super) fn levels(
     let all = near.order.joints.len();
     let mut kept = vec![(all, false)];
     let mut tolerance = opts.first_metres.max(1e-6);
-    // Beyond a kilometre nothing is left to drop.
+    // Beyond a kilometre there is nothing left to drop.
     while tolerance < 1e3 {
         let far = far.filter(|_| tolerance >= opts.far_from_metres);
         let choice = far.unwrap_or(near);
@@ -48,7 +48,7 @@ pub(super) fn levels(
         }
         tolerance *= 2.0;
     }
-    // Too many: the level whose neighbours lie closest together is missed least.
+    // Too many levels: drop the inner level whose neighbours have the most similar counts.
     while kept.len() > opts.most_levels.max(1) {
         let ratio = |i: usize| kept[i + 1].0 as f32 / kept[i - 1].0 as f32;
         let inner = 1..kept.len() - 1;
@@ -96,7 +96,7 @@ mod tests {
             ..LevelOptions::default()
         };
         let choice = |order| Choice { order, floor: 1 };
-        // Near 1 mm: 5. Far 4 mm: 3, 8 mm: 2, 64 mm: 1.
+        // Near, 1 mm: 5. Far, 4 mm: 3, 8 mm: 2, 64 mm: 1.
         let kept = super::levels(&choice(&near), Some(&choice(&far)), &opts);
         assert_eq!((kept.near, kept.far), (vec![6, 5], vec![3, 2, 1]));
     }

@@ -1,6 +1,6 @@
-//! What each level costs in each clip: the table that the frame works with.
+//! Error of each level in each clip: the table that the frame loop uses for level selection.
 //!
-//! Source: `docs/methods/motion-lod.md` 4.3 and 8; definitions in `docs/metrics.md`.
+//! Source: `docs/methods/motion-lod.md` parts 4.3 and 8; definitions in `docs/metrics.md`.
 
 use super::measure::{Poser, measure};
 use super::moments::{model_of, pose_of, share_frames, spread_frames};
@@ -13,17 +13,19 @@ use articula_core::percentile;
 use articula_core::{Binding, Clip, ClipLodErrors, JointLods, LodErrors, Mesh, Mismatch};
 use glam::Vec3;
 
-/// Frames of all clips that errors are measured at; shorter clips are seen frame by frame.
+/// Maximum number of frames, over all clips, at which errors are measured; shorter clips are
+/// sampled at every frame.
 pub(crate) const MAX_FRAMES: usize = 3000;
 
-/// Measures every level in every clip: full character against the level's skin, the kept joints
-/// in their true transforms. For a character without mesh, points on its bones are compared.
+/// Measures the error of every level in every clip: the full character against the skin of the
+/// level, with kept joints at their true transforms. Without a mesh, points on the bones are
+/// compared.
 ///
-/// Rising with the level; morph targets are left out, and the way of the root counts for speed
-/// and seam as far as it is in the clip.
+/// Errors never fall from one level to the next coarser one. Morph targets are ignored. Root motion
+/// counts for the speed and the seam as far as the clip contains it.
 ///
 /// # Errors
-/// A [`Mismatch`] if a clip, the mesh, the ladder or the skins are of another character.
+/// A [`Mismatch`] if a clip, the mesh, the joint LODs or the skins belong to another character.
 pub fn lod_errors(
     asset: &Asset,
     joint_lods: &JointLods,
@@ -43,11 +45,11 @@ pub fn lod_errors(
         let what = "the skins are of another character";
         return Err(Mismatch::new("skins", what));
     }
-    // Level 0 is the full character: nothing to measure.
+    // Level 0 is the full character and has no error.
     table(asset, &full, &skins.levels[1..], &skins.bindings, opts)
 }
 
-/// Measures the full mesh against coarser and coarser skins, whose bindings are of the full rig.
+/// Measures coarser skins, whose bindings refer to the full rig, against the full mesh.
 pub(super) fn table(
     asset: &Asset,
     full: &Mesh,
@@ -77,7 +79,7 @@ pub(super) fn table(
     Ok(errors)
 }
 
-/// Adds an error of each clip to all levels but the full one.
+/// Adds an error per clip to all levels but the full one.
 pub(super) fn add(errors: &mut LodErrors, metres: &[f32]) {
     for (clip, extra) in errors.clips.iter_mut().zip(metres) {
         let percentiles = clip.levels_metres.iter_mut().skip(1);
@@ -86,7 +88,7 @@ pub(super) fn add(errors: &mut LodErrors, metres: &[f32]) {
     }
 }
 
-/// The errors of near levels and, after them, of far ones.
+/// Errors of the near levels followed by those of the far levels.
 pub(super) fn joined(near: LodErrors, far: &LodErrors) -> LodErrors {
     let after = |near: &[f32], far: &[f32]| rising(near.iter().chain(&far[1..]).copied().skip(1));
     let clips = near.clips.into_iter().zip(&far.clips);
@@ -100,14 +102,14 @@ pub(super) fn joined(near: LodErrors, far: &LodErrors) -> LodErrors {
     }
 }
 
-/// The vertices of the plain sample.
+/// Vertices of the uniform random sample.
 fn drawn(watched: &Watched) -> Vec<u32> {
     let all = watched.vertices.iter().zip(&watched.drawn);
     all.filter(|(_, d)| **d).map(|(v, _)| *v).collect()
 }
 
-/// Zero for the full character, then each the greatest so far: a coarser level never counts
-/// as better.
+/// Zero for the full character, then the running maximum, so that a coarser level never has a
+/// smaller error.
 pub(crate) fn rising(errors: impl Iterator<Item = f32>) -> Vec<f32> {
     let mut last = 0.0f32;
     let climbed = errors.map(|e| {
@@ -128,7 +130,7 @@ fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
     percentile(&mut lengths, 0.95)
 }
 
-/// Greatest speed from a frame to the next.
+/// Maximum speed of the skin between consecutive frames, in m/s.
 fn speed(asset: &Asset, clip: &Clip, poser: &mut Poser<'_>, count: usize) -> f32 {
     let mut greatest = 0.0f32;
     let mut last: Option<(usize, Vec<Vec3>)> = None;

@@ -1,12 +1,12 @@
-//! Far levels: a rig of its own for the few joints that coarse levels keep.
+//! Far levels: coarse levels on a separate rig that contains their few joints only.
 //!
-//! Source: `docs/methods/motion-lod.md` part 8, `docs/methods/runtime.md` 4.1 ("the fold that adds least vertex
-//! error"). Where ancestors need not stay, a hand or a head outlasts the joints between it and
-//! the hips: at 16 joints the error is a fifth. The kept joints then form a tree of their own,
-//! each under its nearest ancestor that outlasts it, and their clips are what the full rig does
-//! between the two. At the frames of a clip nothing is lost; between them a joint that is farther
-//! from its parent runs on a chord, centimetres off in a fast blow. Such clips get more frames,
-//! what is left counts as error, and near levels keep the rig's own tree.
+//! Source: `docs/methods/motion-lod.md` part 8, `docs/methods/runtime.md` 4.1. Where ancestors may
+//! be dropped, a hand or a head can outlast the joints between it and the hips: at 16 joints the
+//! error is one fifth of that of a near level. The kept joints form a tree in which each is a child
+//! of its nearest ancestor that outlasts it, and their clips are computed from the full rig. They
+//! are exact at the frames of a clip; between frames a joint moves on a chord relative to its
+//! parent, which in a fast motion may be centimetres off. Such clips get more frames, and the
+//! remaining distance is added to the error.
 
 use super::errors::{add, table};
 use super::moments::pose_at;
@@ -22,41 +22,45 @@ use articula_core::{
 };
 use glam::{Affine3A, Quat, Vec3};
 
-/// Differences that are rounding, not motion: metres, radians, parts of a scale.
+/// Differences below these are rounding, not motion: metres and radians, then ratio of a scale.
 const STILL: f32 = 1e-5;
 const STILL_SCALE: f32 = 1e-4;
 
-/// How far a joint may run from its true way between frames before a clip gets more of them,
-/// metres, and the most frames for one of the source's.
+/// Maximum distance of a joint from its true trajectory between frames, in metres, above which a
+/// clip gets more frames; and the maximum number of frames per frame of the source.
 const MAX_CHORD_METRES: f32 = 2e-3;
 const MAX_FRAMES_FOR_ONE: usize = 4;
 
-/// Part of its size by which a product of transforms may differ from one without shear.
+/// Maximum difference, relative to the scale, between a product of transforms and its form without
+/// shear.
 const MAX_SHEAR: f32 = 1e-2;
 
-/// The coarse levels of a character on a rig of their own.
+/// The far levels of a character, with their rig and clips.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FarLevels {
-    /// The joints that the finest far level keeps, in the order of the ladder.
+    /// Joints that the finest far level keeps, in the joint order of the far levels.
     pub rig: Rig,
-    /// Joint of the full rig for each.
+    /// Joint of the full rig for each joint of this one.
     pub joints: Vec<u16>,
-    /// The clips of the character for this rig, of the same length; fast ones have two or four
-    /// frames for one.
+    /// The clips of the character for this rig, with unchanged duration; fast clips have two or
+    /// four times the frames.
     pub clips: Vec<Clip>,
-    /// Its levels: the first is the finest far one.
+    /// Joint order and levels of this rig; level 0 is the finest far level.
     pub joint_lods: JointLods,
-    /// Skins of its levels; bindings name joints of this rig.
+    /// Skins of these levels; bindings refer to joints of this rig.
     pub skins: LevelSkins,
 }
 
-/// Builds the far rig of an order of all joints, the clips and skins of levels that keep the first
-/// `kept` joints of it, and measures them; errors start with the 0 of the full character. `None`
-/// if a chain of scaled joints shears, which no joint can show.
+/// Builds the rig, clips and skins of far levels and measures their errors.
+///
+/// `order` lists all joints of the full rig, and level `l` keeps the first `kept[l]` of them. The
+/// errors start with 0 for the full character. Returns `None` if a chain of scaled joints shears,
+/// since no single joint can represent that.
 ///
 /// # Errors
-/// A [`Mismatch`] if `order` is not one of the rig's joints, `kept` does not fall from at most
-/// all of them to at least one, or a clip, the mesh or the mean pose is of another rig.
+/// A [`Mismatch`] if `order` is not a permutation of the rig's joints, `kept` does not fall
+/// strictly from at most all of them to at least one, or a clip, the mesh or the mean pose belongs
+/// to another rig.
 pub fn far_levels(
     asset: &Asset,
     order: &[u16],
@@ -108,7 +112,7 @@ pub fn far_levels(
     Ok(Some((levels, errors)))
 }
 
-/// Checks that an order names every joint once, and that the counts fall.
+/// Checks that an order lists every joint once, and that the counts fall.
 fn check_order(rig: &Rig, order: &[u16], kept: &[u16], mean: &LocalPose) -> Result<(), Mismatch> {
     let inside = order.iter().filter(|j| usize::from(**j) < rig.len());
     let named: JointSet = inside.map(|j| usize::from(*j)).collect();
@@ -131,7 +135,7 @@ fn check_order(rig: &Rig, order: &[u16], kept: &[u16], mean: &LocalPose) -> Resu
     Ok(())
 }
 
-/// The joints of the full rig from below the far parent down to a joint.
+/// Joints of the full rig from below the far parent of a far joint down to that joint.
 struct Chain {
     links: Vec<usize>,
 }
@@ -149,7 +153,7 @@ impl Chain {
         Self { links }
     }
 
-    /// The product of its local transforms; `None` if it shears.
+    /// Product of the local transforms; `None` if it shears.
     fn local(&self, pose: &LocalPose) -> Option<Transform> {
         if let [joint] = self.links[..] {
             return Some(pose.get(joint));
@@ -173,13 +177,13 @@ impl Chain {
     }
 }
 
-/// Local transforms of the far joints in a pose of the full rig.
+/// Local transforms of the far joints for a pose of the full rig.
 fn composed(chains: &[Chain], pose: &LocalPose) -> Option<LocalPose> {
     chains.iter().map(|c| c.local(pose)).collect()
 }
 
-/// A clip for the far rig with as many frames as its fast joints ask for, and what is left of
-/// their distance from the true way; `None` if a chain shears.
+/// Returns the clip for the far rig, with more frames where joints are fast, and its remaining
+/// distance from the true motion in metres; `None` if a chain shears.
 fn clip_for(
     asset: &Asset,
     clip: &Clip,
@@ -304,7 +308,7 @@ fn holds<T>(tracks: &[Track<T>], joint: usize) -> bool {
         .any(|t| usize::from(t.target) == joint && t.step)
 }
 
-/// A track of all values, of one if they stand still, or none if they rest.
+/// A track with all values, with one if they are constant, or `None` if they equal the rest pose.
 fn track<T: Copy>(
     target: u16,
     step: bool,
@@ -326,7 +330,7 @@ fn track<T: Copy>(
     })
 }
 
-/// A track of morph weights at more frames.
+/// Resamples a track of morph weights to `each` times the frames.
 fn more_frames(track: &Track<f32>, each: usize) -> Track<f32> {
     if each == 1 || track.values.len() == 1 {
         return track.clone();
@@ -349,7 +353,7 @@ mod tests {
     use super::super::test_figures::{arm, moving};
     use super::*;
 
-    /// An arm of three joints whose shoulder swings; the hand outlasts the elbow.
+    /// An arm of three joints with a swinging shoulder; the hand outlasts the elbow.
     fn swung(turn: f32) -> (FarLevels, LodErrors) {
         let mut asset = arm(3);
         let angles = (0..5).map(|i| Quat::from_rotation_z(turn * i as f32));
@@ -364,7 +368,7 @@ mod tests {
         let (levels, errors) = swung(0.05);
         assert_eq!(levels.joints, [0, 2]);
         assert_eq!(levels.rig.parent(1), Some(0));
-        // Two bones of a metre, the second turned with the first: 1 up, then along the turn.
+        // Two bones of 1 m, the second rotated with the first: 1 up, then along the rotation.
         let clip = &levels.clips[0];
         let hand = clip.tracks().translations[0].values[2];
         let angle = 0.1f32;
@@ -375,11 +379,11 @@ mod tests {
 
     #[test]
     fn a_fast_limb_gets_more_frames() {
-        // A bone of a metre turned by 0.3 rad a frame: its end's chord misses the arc by 11 mm,
-        // with two frames for one by 2.8 mm, with four by 0.7 mm.
+        // A bone of 1 m rotated by 0.3 rad a frame: the chord of its end misses the arc by 11 mm,
+        // by 2.8 mm with two frames per frame, by 0.7 mm with four.
         let clip = &swung(0.3).0.clips[0];
         assert_eq!((clip.frames(), clip.rate_hz()), (17, 120.0));
-        // What is left counts: 0.31 mm at 0.05 rad, on top of the folded elbow's error.
+        // The rest is added: 0.31 mm at 0.05 rad, on top of the error of the folded elbow.
         let mut asset = arm(3);
         asset.clips = vec![moving(3, 1, &[Quat::IDENTITY, Quat::from_rotation_z(0.05)])];
         let whole = far_levels(

@@ -1,32 +1,33 @@
-//! One vertex at one level: weights onto kept joints, rest position so that the mean pose stays.
+//! Skinning of one vertex at one level: weights moved to kept joints, and a rest position that
+//! preserves the mean pose.
 //!
-//! The palette of a level is a prefix of the full one, so inverse binds stay the same. What a
-//! merged joint's place in the mean pose adds goes into the vertex instead: with `F` the full
-//! blend of matrices in the mean pose and `L` the level's, its rest position becomes
-//! `L⁻¹ F x`, so that the level shows the mean pose exactly.
+//! The palette of a level is a prefix of the full one, so inverse binds stay the same. The
+//! transform of a merged joint in the mean pose goes into the vertex instead: with `F` the blend of
+//! matrices of the full character in the mean pose and `L` that of the level, the rest position
+//! becomes `L⁻¹ F x`, so that the level shows the mean pose exactly.
 
 use super::plan::Plan;
 use crate::influences::keep_largest;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
-/// Least volume of a blended matrix against the matrices that it blends; below it, matrices that
-/// point apart cancel out, and the inverse would throw the vertex far off.
+/// Minimum volume of a blended matrix relative to the matrices it blends; below it, opposing
+/// matrices cancel out and the inverse would move the vertex far away.
 const MIN_VOLUME: f64 = 0.05;
 
-/// A vertex whose skinning differs from the full character's.
+/// A vertex whose skinning differs from that of the full character.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FoldedVertex {
     /// Index into the plan's bindings, and weight.
     pub(super) influences: Vec<(u16, f32)>,
-    /// `None` if no rest position gives the mean pose: it stays.
+    /// `None` if no rest position reproduces the mean pose: the position stays as it is.
     pub(super) correction: Option<Correction>,
 }
 
-/// What becomes of rest positions, normals and their morph offsets.
+/// Transform of rest positions, normals and their morph offsets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Correction {
     position: DAffine3,
-    /// Up to scale.
+    /// Scale is arbitrary.
     normal: DMat3,
 }
 
@@ -39,7 +40,7 @@ impl Correction {
         self.position.transform_vector3(d.as_dvec3()).as_vec3()
     }
 
-    /// The unit normal at rest, and what scales its morph offsets with it.
+    /// Returns the unit normal at rest, and the scale of its morph offsets.
     pub(super) fn normal(&self, n: Vec3) -> (Vec3, f64) {
         let turned = self.normal * n.as_dvec3();
         match turned.try_normalize() {
@@ -53,8 +54,8 @@ impl Correction {
     }
 }
 
-/// The skinning of a vertex at a level with at most `most` influences; `None` if it is the full
-/// character's.
+/// Returns the skinning of a vertex at a level with at most `most` influences; `None` if it equals
+/// that of the full character.
 pub(super) fn fold(
     plan: &mut Plan<'_>,
     level: usize,
@@ -107,7 +108,8 @@ fn correct(plan: &Plan<'_>, full: &DAffine3, folded: &[(u16, f32)]) -> Option<Co
     (position.is_finite() && normal.is_finite()).then_some(Correction { position, normal })
 }
 
-/// As the skinning of normals has it: signed so that they point outwards when a matrix mirrors.
+/// Cofactor matrix, signed as in the skinning of normals: they point outwards when a matrix
+/// mirrors.
 fn cofactor(m: DMat3) -> DMat3 {
     let cross = |a: DVec3, b: DVec3| a.cross(b);
     let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };

@@ -1,30 +1,30 @@
-//! One mean pose for each rig: where merged joints stand.
+//! Mean pose of a rig, in which merged joints are shown.
 //!
-//! Source: `docs/methods/motion-lod.md` part 8. Rotations are averaged as Markley, Cheng, Crassidis and
-//! Oshman (Averaging Quaternions, 2007): the eigenvector of the summed outer products, for which
-//! `q` and `-q` are one rotation.
+//! Source: `docs/methods/motion-lod.md` part 8. Rotations are averaged as in Markley, Cheng,
+//! Crassidis and Oshman (Averaging Quaternions, 2007): the principal eigenvector of the summed
+//! outer products, for which `q` and `-q` are the same rotation.
 
 use super::moments::{pose_of, share_frames, spread_frames};
 use crate::character::Asset;
 use articula_core::{LocalPose, Transform, same_hemisphere};
 use glam::{DMat4, DVec3, DVec4, Quat, Vec3};
 
-/// A clip counts by its length up to this, so that a long one does not drown the others.
+/// A clip is weighted by its duration up to this value, so that a long one does not dominate.
 const WHOLE_WEIGHT_SECS: f32 = 1.0;
 
-/// A pose without length still counts a little.
+/// Minimum weight, so that a clip of a single pose still counts.
 const MIN_WEIGHT_SECS: f32 = 1.0 / 30.0;
 
-/// Poses looked at, over all clips.
+/// Maximum number of poses that are averaged, over all clips.
 const MAX_POSES: usize = 2048;
 
-/// The mean pose of a character over all its clips; rest for one without clips.
+/// Returns the mean pose of a character over all its clips, or the rest pose without clips.
 ///
-/// A clip counts by its length, but not beyond one second. A joint that no clip moves keeps its
+/// A clip is weighted by its duration, up to one second. A joint that no clip moves keeps its
 /// transform bit for bit. O(joints).
 ///
 /// # Panics
-/// If a clip is of another rig.
+/// If a clip belongs to another rig.
 pub fn mean_pose(asset: &Asset) -> LocalPose {
     let rest = asset.rig.rest_pose();
     let mut means: Vec<Mean> = (0..rest.rotations.len())
@@ -46,7 +46,7 @@ pub fn mean_pose(asset: &Asset) -> LocalPose {
     means.iter().map(Mean::get).collect()
 }
 
-/// Running sums of one joint.
+/// Running sums for one joint.
 struct Mean {
     rest: Transform,
     first: Option<Transform>,
@@ -99,7 +99,7 @@ impl Mean {
     }
 }
 
-/// Eigenvector of the greatest eigenvalue, by squaring the matrix until one direction is left.
+/// Returns the eigenvector of the largest eigenvalue, by repeated squaring of the matrix.
 pub(crate) fn principal(outer: DMat4, fallback: Quat) -> Quat {
     let mut m = outer;
     for _ in 0..48 {
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn a_long_clip_counts_as_one_of_a_second() {
         let mut asset = arm(2);
-        // One second at 0 and a hundred at 1: 0.5 on the average.
+        // One second at 0 and a hundred at 1: 0.5 on average.
         asset.clips = vec![
             moving(2, 1, &[Quat::IDENTITY; 31]),
             moving(2, 1, &[Quat::from_rotation_x(1.0); 3001]),
@@ -159,7 +159,7 @@ mod tests {
     fn no_clips_give_rest_and_opposite_turns_a_rotation() {
         let mut asset = arm(2);
         assert_eq!(mean_pose(&asset), *asset.rig.rest_pose());
-        // Half a turn apart there is no mean; anything of unit length will do.
+        // Half a turn apart there is no mean; any unit quaternion is valid.
         let turned = Quat::from_rotation_x(std::f32::consts::PI);
         asset.clips = vec![moving(2, 1, &[Quat::IDENTITY, turned])];
         assert!(mean_pose(&asset).rotations[1].is_normalized());

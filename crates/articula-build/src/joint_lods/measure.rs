@@ -1,4 +1,4 @@
-//! How far skins of coarser levels lie from the full character, in motion.
+//! Distance between the skins of coarser levels and the full character, in motion.
 
 use super::moments::{model_of, pose_of, share_frames, spread_frames};
 use super::watch::Watched;
@@ -7,12 +7,12 @@ use articula_core::percentile;
 use articula_core::{Mesh, ModelPose, palette, skin_points};
 use glam::{Affine3A, Vec3};
 
-/// Error of one skin: the greatest over frames.
+/// Error of one skin, as the maximum over frames.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Tally {
-    /// 95th percentile over the plain sample of vertices.
+    /// 95th percentile over the uniform random sample of vertices.
     pub(crate) percentile_metres: f32,
-    /// The greatest over all watched vertices.
+    /// Maximum over all watched vertices.
     pub(crate) worst_metres: f32,
 }
 
@@ -25,7 +25,7 @@ impl Tally {
     }
 }
 
-/// Skins watched vertices again and again.
+/// Skins the watched vertices repeatedly, with reused buffers.
 pub(crate) struct Poser<'a> {
     mesh: &'a Mesh,
     vertices: Vec<u32>,
@@ -50,8 +50,8 @@ impl<'a> Poser<'a> {
     }
 }
 
-/// For each clip, the error of each skin (of the watched vertices alone) against the full mesh,
-/// over about `frames` frames of all clips.
+/// Returns, for each clip, the error of each skin (of the watched vertices only) against the full
+/// mesh, over about `frames` frames of all clips.
 pub(super) fn measure(
     asset: &Asset,
     full: &Mesh,
@@ -80,7 +80,7 @@ pub(super) fn measure(
     out
 }
 
-/// Compares one frame; what is not finite in either does not count.
+/// Compares one frame; distances that are not finite count as 0.
 pub(crate) fn compare(
     truth: &[Vec3],
     shown: &[Vec3],

@@ -1,19 +1,22 @@
-//! Merged levels of a crowd: which joints go first, the skins without them, what each costs.
+//! Joint levels of detail: the order in which joints are merged, the skins of the levels, and their
+//! errors.
+//!
+//! A level keeps a prefix of a joint order that is derived from the character's own motion. A
+//! merged joint stays in the mean pose of the rig relative to its nearest kept ancestor and gives
+//! it its skin weights, so a coarser level computes fewer matrices and is otherwise the same.
 //!
 //! Source: `docs/methods/motion-lod.md` part 8, `docs/methods/runtime.md` 4.1; thesis 5.1 (levels of
-//! articulation) and its multi-resolution bodies. Differs: which joints a level keeps is decided
-//! by the character's own motion, a merged joint stands in one mean pose of the rig, and the
-//! skin follows, so that a coarser level computes fewer matrices and nothing else changes.
+//! articulation, multi-resolution bodies).
 //!
-//! [`merged_levels`] does it all; its steps stand alone too:
+//! [`merged_levels`] does all of it. Its steps are available separately:
 //!
-//! - [`mean_pose`]: where merged joints stand
+//! - [`mean_pose`]: the pose in which merged joints are shown
 //! - [`joint_lods`]: the greedy joint order and the levels chosen from it
-//! - [`named_joint_lods`]: levels that a user names, such as `loa(Medium)`
-//! - [`far_order`], [`far_levels`]: coarse levels that keep hands and heads, on a rig of their own
-//! - [`level_skins`]: the skin of every level, all on one palette
-//! - [`lod_errors`]: what each level costs in each clip
-//! - [`skin_of`]: what errors are measured on, also without a mesh
+//! - [`named_joint_lods`]: levels given by expressions, such as `loa(Medium)`
+//! - [`far_order`], [`far_levels`]: coarse levels that keep hands and heads, on a separate rig
+//! - [`level_skins`]: the skins of all levels, on one palette
+//! - [`lod_errors`]: error of each level in each clip
+//! - [`skin_of`]: the points at which errors are measured, also without a mesh
 
 mod choose;
 mod errors;
@@ -48,32 +51,32 @@ use articula_core::{JointLods, JointSet, LocalPose, LodErrors, Mismatch};
 use choose::Choice;
 use order::Folds;
 
-/// How the levels of a character are made.
+/// Options of [`merged_levels`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelOptions {
-    /// Joints that every level keeps, such as those that carry attachments; their ancestors
-    /// stay with them.
+    /// Joints that every level keeps, such as those that carry attachments; their ancestors are
+    /// kept too.
     pub protected: JointSet,
-    /// Most levels, the full character counted; at most [`JointLods::MAX_LEVELS`].
+    /// Maximum number of levels, including the full character; at most [`JointLods::MAX_LEVELS`].
     pub most_levels: usize,
-    /// Fewest joints that the coarsest level keeps.
+    /// Minimum number of joints of the coarsest level.
     pub fewest_joints: usize,
-    /// Error that the first coarser level may have, metres; each further one may have twice
-    /// as much.
+    /// Maximum error of the first coarser level, in metres; each further level is allowed twice the
+    /// error of the one before.
     pub first_metres: f32,
-    /// Error from which on levels may drop ancestors of what they keep, metres: such far levels
-    /// have a rig of their own. Infinite for none.
+    /// Error in metres from which levels may drop ancestors of kept joints; such far levels use a
+    /// separate rig. Infinite for no far levels.
     pub far_from_metres: f32,
-    /// Watched vertices.
+    /// Number of vertices in the random sample that errors are measured on.
     pub vertices: usize,
-    /// Frames, over all clips, that the order is judged on.
+    /// Number of frames, over all clips, that the joint order is computed from.
     pub frames: usize,
-    /// Seed of the watched vertices.
+    /// Seed of the random sample of vertices.
     pub seed: u64,
 }
 
 impl Default for LevelOptions {
-    /// At most 8 levels from 0.5 mm on, the coarsest of 8 joints, no far ones; 700 vertices, 256
+    /// At most 8 levels starting at 0.5 mm, at least 8 joints, no far levels; 700 vertices, 256
     /// frames.
     fn default() -> Self {
         Self {
@@ -89,23 +92,23 @@ impl Default for LevelOptions {
     }
 }
 
-/// A ladder with the skins and errors of its levels.
+/// Joint LODs of a character with the skins and errors of all levels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MergedLevels {
     /// Joint order, levels and mean pose.
     pub joint_lods: JointLods,
-    /// Skins of the levels and their palette.
+    /// Skins of these levels and their palette.
     pub skins: LevelSkins,
-    /// Levels beyond those of the ladder, on a rig of their own.
+    /// Levels coarser than those of `joint_lods`, on a separate rig.
     pub far: Option<FarLevels>,
-    /// What each level costs in each clip: those of the ladder first, then the far ones.
+    /// Error of each level in each clip: those of `joint_lods` first, then the far ones.
     pub errors: LodErrors,
 }
 
-/// Prepares a character for crowds: joint order by data, levels, skins, errors.
+/// Computes the joint LODs of a character: joint order, levels, skins and errors.
 ///
 /// # Errors
-/// A [`Mismatch`] if a clip or the mesh is of another rig.
+/// A [`Mismatch`] if a clip or the mesh belongs to another rig.
 pub fn merged_levels(asset: &Asset, opts: &LevelOptions) -> Result<MergedLevels, Mismatch> {
     check(asset)?;
     let mean = mean_pose(asset);
@@ -139,10 +142,10 @@ pub fn merged_levels(asset: &Asset, opts: &LevelOptions) -> Result<MergedLevels,
     })
 }
 
-/// The joint order of far levels, which may drop ancestors of what they keep.
+/// Returns the joint order of far levels, which may drop ancestors of kept joints.
 ///
 /// # Errors
-/// A [`Mismatch`] if a clip or the mesh is of another rig.
+/// A [`Mismatch`] if a clip or the mesh belongs to another rig.
 pub fn far_order(
     asset: &Asset,
     mean: &LocalPose,
@@ -153,7 +156,7 @@ pub fn far_order(
     Ok(order::order(asset, mean, Folds::Any, &opts).joints)
 }
 
-/// Far levels keep what is asked for, and the root that carries the figure's way.
+/// Options of far levels: the joint that carries root motion is protected as well.
 fn far_options(asset: &Asset, opts: &LevelOptions) -> LevelOptions {
     let mut protected = opts.protected.intersection(&asset.rig.all());
     protected.insert(asset.rig.root());
@@ -167,10 +170,10 @@ fn capped(opts: &LevelOptions) -> LevelOptions {
     }
 }
 
-/// Skins and errors of a ladder that is already there, such as one of named levels.
+/// Computes the skins and errors of existing joint LODs, such as those of named levels.
 ///
 /// # Errors
-/// A [`Mismatch`] if a clip, the mesh or the ladder is of another rig.
+/// A [`Mismatch`] if a clip, the mesh or the joint LODs belong to another rig.
 pub fn levels_of(
     asset: &Asset,
     joint_lods: JointLods,
@@ -186,10 +189,10 @@ pub fn levels_of(
     })
 }
 
-/// Orders the joints of a character by what their fold costs and chooses levels.
+/// Orders the joints of a character by the error of merging each, and selects levels.
 ///
 /// # Errors
-/// A [`Mismatch`] if a clip or the mesh is of another rig.
+/// A [`Mismatch`] if a clip or the mesh belongs to another rig.
 pub fn joint_lods(
     asset: &Asset,
     mean: &LocalPose,
@@ -206,12 +209,13 @@ pub fn joint_lods(
     JointLods::new(&asset.rig, order.joints, kept, mean)
 }
 
-/// The ladder of levels that a user names, finest first, such as `loa(High)`, `loa(Low)`. The
-/// full character stands in front; joints that carry a second root's skin stay in all of them.
+/// Returns joint LODs from expressions, finest first, such as `loa(High)`, `loa(Low)`.
+///
+/// The full character is added as level 0. Roots with skin are kept at all levels.
 ///
 /// # Errors
-/// A [`Mismatch`] if an expression names an unknown joint or keeps one that the expression
-/// before has merged.
+/// A [`Mismatch`] if an expression names an unknown joint or keeps a joint that the expression
+/// before it has merged.
 pub fn named_joint_lods(
     asset: &Asset,
     mean: &LocalPose,
@@ -229,7 +233,7 @@ pub fn named_joint_lods(
     JointLods::of_sets(&asset.rig, &sets, mean)
 }
 
-/// Checks that clips and mesh are of the rig.
+/// Checks that clips and mesh belong to the rig.
 pub(crate) fn check(asset: &Asset) -> Result<(), Mismatch> {
     let joints = asset.rig.len();
     if let Some(c) = asset.clips.iter().position(|c| c.joints() != joints) {
@@ -244,7 +248,7 @@ pub(crate) fn check(asset: &Asset) -> Result<(), Mismatch> {
     Ok(())
 }
 
-/// Checks that a ladder is of the rig.
+/// Checks that joint LODs belong to the rig.
 pub(crate) fn check_tolerances(asset: &Asset, joint_lods: &JointLods) -> Result<(), Mismatch> {
     let parent = |j: usize| asset.rig.parent(j).map(|p| joint_lods.place(p));
     let stored = |j: usize| joint_lods.parents()[joint_lods.place(j)].map(usize::from);

@@ -1,10 +1,10 @@
-//! Poses of all clips at spread frames: what the order and the errors are judged on.
+//! Poses of all clips at evenly spread frames, for the joint order and the errors.
 
 use crate::character::Asset;
 use articula_core::{Clip, LocalPose, ModelPose, Wrap, local_to_model, sample};
 
-/// Frames of a clip, spread evenly from the first to the last; all of them if there are no more
-/// than `count`, the middle one if only one is asked for.
+/// Returns frames of a clip spread evenly from the first to the last: all of them if there are at
+/// most `count`, the middle one if `count` is 0 or 1.
 pub(crate) fn spread_frames(frames: usize, count: usize) -> Vec<usize> {
     let last = frames - 1;
     match count.min(frames) {
@@ -13,8 +13,8 @@ pub(crate) fn spread_frames(frames: usize, count: usize) -> Vec<usize> {
     }
 }
 
-/// How many frames of each clip are looked at, so that all clips together have about `total`:
-/// every clip the same number, what short ones leave over goes to the long ones.
+/// Returns the number of frames to sample in each clip, about `total` in all: the same for every
+/// clip, with what short clips do not use shared among the longer ones; at least 1.
 pub(crate) fn share_frames(clips: &[Clip], total: usize) -> Vec<usize> {
     let mut by_length: Vec<usize> = (0..clips.len()).collect();
     by_length.sort_by_key(|&c| clips[c].frames());
@@ -28,12 +28,12 @@ pub(crate) fn share_frames(clips: &[Clip], total: usize) -> Vec<usize> {
     counts
 }
 
-/// The local pose of a frame: rest where the clip drives nothing.
+/// Local pose at a frame: rest where the clip has no track.
 pub(crate) fn pose_of(asset: &Asset, clip: &Clip, frame: usize) -> LocalPose {
     pose_at(asset, clip, frame as f64 / f64::from(clip.rate_hz()))
 }
 
-/// The same at a time.
+/// Local pose at a time in seconds.
 pub(super) fn pose_at(asset: &Asset, clip: &Clip, secs: f64) -> LocalPose {
     let mut pose = asset.rig.rest_pose().clone();
     sample(clip, secs, Wrap::Clamp, &asset.rig.all(), &mut pose);

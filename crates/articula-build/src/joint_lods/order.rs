@@ -1,10 +1,11 @@
-//! The order in which joints are merged: greedily, the one whose fold harms the skin least.
+//! The order in which joints are merged: greedily, the joint whose fold adds the least error.
 //!
-//! Source: `docs/methods/motion-lod.md` part 8, `docs/methods/runtime.md` 4.1. A fold puts the skin of a joint
-//! onto its parent, where the joint stands in the mean pose; the kept joints keep their true
-//! transforms. For near levels only leaves among the kept joints are folded, so that each holds
-//! the ancestors of what it holds. Work is bounded: a candidate is judged on the watched vertices
-//! that it moves, and anew only after a fold that touched one of them.
+//! Source: `docs/methods/motion-lod.md` part 8, `docs/methods/runtime.md` 4.1. A fold moves the
+//! skin of a joint to its parent, relative to which the joint then stays in the mean pose; kept
+//! joints keep their true transforms. For near levels only leaves among the kept joints are folded,
+//! so that a level contains the ancestors of its joints. To bound the work, the cost of a candidate
+//! is evaluated on the watched vertices that it moves, and again only after a fold that touched one
+//! of them.
 
 use super::LevelOptions;
 use super::moments::{model_of, pose_of, share_frames, spread_frames};
@@ -14,29 +15,29 @@ use articula_core::percentile;
 use articula_core::{JointSet, LocalPose, Mesh, ModelPose, Transform};
 use glam::{Affine3A, Vec3A};
 
-/// Most products of frames and joints that are looked at.
+/// Maximum product of frames and joints.
 const MAX_MATRICES: usize = 40_000;
 
-/// The order of a rig's joints, and what each prefix of it costs.
+/// Order of a rig's joints, with the error of each prefix.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Order {
-    /// Joints, what goes last standing first.
+    /// Joints in the reverse order of merging: the last to be merged comes first.
     pub(super) joints: Vec<u16>,
-    /// `errors_metres[n]` is the error with the first `n` joints kept, for `n` of at least 1: the
-    /// 95th percentile over watched vertices, the greatest over frames. Falls with `n`.
+    /// `errors_metres[n]` is the error with the first `n` joints kept, for `n` of at least 1: 95th
+    /// percentile over the sampled vertices, maximum over frames. Never rises with `n`.
     pub(super) errors_metres: Vec<f32>,
 }
 
-/// Which joints may be folded.
+/// Selects which joints may be folded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Folds {
-    /// Leaves among the kept joints: a level holds the ancestors of what it holds.
+    /// Leaves among the kept joints, so that a level contains the ancestors of its joints.
     Leaves,
-    /// Any: what hangs below keeps its true transform, under the next ancestor.
+    /// Any joint: its children keep their true transforms and attach to the next ancestor.
     Any,
 }
 
-/// Drops one joint after the other; what is protected goes last.
+/// Merges one joint after another; protected joints go last.
 pub(super) fn order(asset: &Asset, mean: &LocalPose, folds: Folds, opts: &LevelOptions) -> Order {
     let mut fold = Fold::new(asset, mean, folds, opts);
     let count = asset.rig.len();
@@ -52,7 +53,7 @@ pub(super) fn order(asset: &Asset, mean: &LocalPose, folds: Folds, opts: &LevelO
             fold.error_metres()
         };
     }
-    // Errors of different joints may cancel out; a longer prefix never counts as worse.
+    // Errors of different joints may cancel out; a longer prefix never has a larger error.
     for n in 1..=count {
         errors_metres[n] = errors_metres[n].min(errors_metres[n - 1]);
     }
@@ -63,7 +64,7 @@ pub(super) fn order(asset: &Asset, mean: &LocalPose, folds: Folds, opts: &LevelO
     }
 }
 
-/// The joints that no level may merge: what is asked for, the roots that carry skin, and their
+/// Joints that no level may merge: the protected ones, the roots that carry skin, and their
 /// ancestors.
 pub(super) fn never_merged(asset: &Asset, mesh: &Mesh, protected: &JointSet) -> JointSet {
     let asked = protected.intersection(&asset.rig.all());
@@ -71,7 +72,7 @@ pub(super) fn never_merged(asset: &Asset, mesh: &Mesh, protected: &JointSet) -> 
     articula_core::loa::with_ancestors(&asset.rig, &all)
 }
 
-/// The roots that have skin on them or below.
+/// Roots with skin on themselves or a descendant.
 pub(super) fn skinned_roots(asset: &Asset, mesh: &Mesh) -> JointSet {
     let used = (0..mesh.len()).flat_map(|v| mesh.influences_of(v));
     let mut carriers = JointSet::EMPTY;
@@ -86,7 +87,7 @@ pub(super) fn skinned_roots(asset: &Asset, mesh: &Mesh) -> JointSet {
 }
 
 /// Skin of one watched vertex on one joint: the summed weight, and the weighted position in the
-/// joint's space.
+/// space of the joint.
 #[derive(Debug, Clone, Copy)]
 struct Hang {
     vertex: u32,
@@ -94,22 +95,22 @@ struct Hang {
     point: Vec3A,
 }
 
-/// The state of the greedy search.
+/// State of the greedy search.
 struct Fold {
     folds: Folds,
-    /// Nearest kept ancestor of each joint, and where the mean pose puts the joint in it.
+    /// Nearest kept ancestor of each joint, and the mean transform of the joint relative to it.
     above: Vec<Option<usize>>,
     mean: Vec<Affine3A>,
     models: Vec<ModelPose>,
     watched: Watched,
-    /// Skin that hangs on each joint, by rising vertex.
+    /// Skin attached to each joint, in ascending order of vertices.
     hangs: Vec<Vec<Hang>>,
-    /// `errors[frame][watched vertex]`: displacement so far.
+    /// `errors[frame][watched vertex]`: displacement so far, in metres.
     errors: Vec<Vec<Vec3A>>,
     children: Vec<u16>,
     depths: Vec<u16>,
     kept: JointSet,
-    /// What folding each joint would add; `None` where that must be worked out.
+    /// Error that folding each joint would add; `None` where it must be computed again.
     costs: Vec<Option<f64>>,
 }
 
@@ -151,7 +152,7 @@ impl Fold {
         }
     }
 
-    /// The kept joint that costs least; what is protected, and roots with skin, come last.
+    /// The kept joint with the smallest cost; protected joints and roots with skin come last.
     fn cheapest(&mut self, protected: &JointSet) -> usize {
         let may = |j: &usize| self.folds == Folds::Any || self.children[*j] == 0;
         let candidates: Vec<usize> = self.kept.iter().filter(may).collect();
@@ -170,15 +171,15 @@ impl Fold {
             let (ra, rb) = (rank(a), rank(b));
             let order = (ra.0, ra.1).cmp(&(rb.0, rb.1));
             let order = order.then(ra.2.total_cmp(&rb.2));
-            // Of equal ones the deeper goes first, then the later.
+            // Ties: the deeper joint first, then the one with the larger index.
             order.then((self.depths[b], b).cmp(&(self.depths[a], a)))
         };
         let first = candidates.into_iter().min_by(|a, b| better(*a, *b));
-        // What is not empty has a leaf.
+        // A non-empty set has a leaf.
         first.unwrap_or(0)
     }
 
-    /// What folding a joint would add over all frames and watched vertices.
+    /// Error that folding a joint would add over all frames and watched vertices.
     fn cost(&self, joint: usize) -> f64 {
         let mut added = 0.0;
         for (model, errors) in self.models.iter().zip(&self.errors) {
@@ -240,7 +241,7 @@ impl Fold {
         }
     }
 
-    /// 95th percentile over the plain sample of vertices, the greatest over frames.
+    /// 95th percentile over the uniform random sample of vertices, maximum over frames.
     fn error_metres(&self) -> f32 {
         let mut lengths = Vec::with_capacity(self.watched.vertices.len());
         let mut worst = 0.0f32;
@@ -254,8 +255,8 @@ impl Fold {
     }
 }
 
-/// Harm of a displacement. The fourth power lies between the mean, which lets a hand fly off for
-/// the sake of a still chest, and the maximum, which sees one vertex alone.
+/// Cost of a displacement. The fourth power lies between the mean, which lets a hand fly off for
+/// the sake of a still chest, and the maximum, which depends on a single vertex.
 fn harm(displacement: Vec3A) -> f64 {
     let squared = f64::from(displacement.length_squared());
     squared * squared
@@ -309,7 +310,7 @@ fn hangs(mesh: &Mesh, watched: &Watched, joints: usize) -> Vec<Vec<Hang>> {
     hangs
 }
 
-/// Two lists by rising vertex as one.
+/// Merges two lists that are sorted by vertex.
 fn joined(a: &[Hang], mut b: Vec<Hang>) -> Vec<Hang> {
     let mut all = a.to_vec();
     all.append(&mut b);
@@ -354,7 +355,7 @@ mod tests {
 
     #[test]
     fn what_moves_least_goes_first_and_ancestors_stay() {
-        // A star: four arms of one joint that swing by different angles.
+        // A star: four arms on one joint that swing by different angles.
         let mut asset = figure(&[None, Some(0), Some(0), Some(0), Some(0)]);
         for (joint, angle) in [(1, 0.2), (2, 0.6), (3, 0.1), (4, 0.4)] {
             asset.clips.push(swing(5, joint, angle));
@@ -369,8 +370,8 @@ mod tests {
 
     #[test]
     fn the_error_of_a_fold_by_hand() {
-        // Two joints; the upper swings by 0.2 about its mean. Its own skin lies half a metre
-        // above and 0.1 from the axis in x: the chord of the farther corner.
+        // Two joints; the upper swings by 0.2 about its mean. Its own skin lies half a metre above
+        // and 0.1 from the axis in x: the chord of the farther corner.
         let mut asset = arm(2);
         asset.clips = vec![swing(2, 1, 0.2)];
         let order = order_of(&asset, JointSet::EMPTY);
@@ -381,7 +382,7 @@ mod tests {
     #[test]
     fn joints_without_skin_cost_nothing_and_go_first() {
         let mut asset = arm(4);
-        // The end of the arm moves most, but carries nothing.
+        // The end of the arm moves most but has no skin.
         asset.clips = vec![swing(4, 3, 1.0), swing(4, 1, 0.1)];
         let bare = asset.mesh.positions.len() - 8;
         asset.mesh.positions.truncate(bare);

@@ -1,7 +1,7 @@
-//! Which binding the skin of a merged joint goes to, and the matrices of the mean pose.
+//! Bindings that take over the skin of merged joints, and matrices of the mean pose.
 //!
-//! A vertex stays in the space of its own mesh, so a merged joint's weight goes to the binding
-//! that this mesh has for the target joint. Where it has none, one is made from the rest pose.
+//! A vertex stays in the space of its mesh, so the weight of a merged joint goes to the binding
+//! that this mesh has for the target joint. If there is none, one is derived from the rest pose.
 
 use super::moments::model_of;
 use super::prefixes::Prefixes;
@@ -10,10 +10,10 @@ use articula_core::{Binding, Mesh, ModelPose};
 use glam::{Affine3A, DAffine3};
 use std::collections::BTreeMap;
 
-/// Part of its size by which a stored inverse bind may differ from the one that would be made.
+/// Maximum relative difference between a stored inverse bind and a derived one that may share it.
 const SAME_BINDING: f32 = 1e-3;
 
-/// Bindings of the full mesh, those added for merged joints, and where each stands in the mean
+/// Bindings of the full mesh and those added for merged joints, with their matrices in the mean
 /// pose.
 pub(super) struct Plan<'a> {
     pub(super) mesh: &'a Mesh,
@@ -38,7 +38,7 @@ impl<'a> Plan<'a> {
                 let index = mesh.binding_indices[i];
                 let joint = mesh.bindings[usize::from(index)].joint;
                 if mesh.weights[i] > 0.0 {
-                    // Of several the smallest, whatever the order of the vertices.
+                    // The smallest index, regardless of the order of vertices.
                     let entry = by_joint.entry((*group, joint)).or_insert(index);
                     *entry = (*entry).min(index);
                 }
@@ -57,12 +57,12 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// All bindings: the mesh's own first.
+    /// All bindings, those of the mesh first.
     pub(super) fn bindings(&self) -> &[Binding] {
         &self.bindings
     }
 
-    /// The influences of a vertex; the first one without weight if it has none.
+    /// Influences of a vertex; if all weights are 0, the first one.
     pub(super) fn influences(&self, vertex: usize) -> Vec<(u16, f32)> {
         let at = vertex * self.mesh.influences..(vertex + 1) * self.mesh.influences;
         let indices = &self.mesh.binding_indices[at.clone()];
@@ -78,7 +78,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// The binding that takes over another's weight on a vertex at a level.
+    /// Returns the binding that takes over the weight of another on a vertex at a level.
     pub(super) fn target(&mut self, level: usize, vertex: usize, binding: u16) -> u16 {
         let from = self.bindings[usize::from(binding)];
         let joint = usize::from(from.joint);
@@ -95,7 +95,7 @@ impl<'a> Plan<'a> {
         made
     }
 
-    /// Sum of weighted mean-pose matrices.
+    /// Sum of the mean-pose matrices times their weights.
     pub(super) fn blend(&self, influences: &[(u16, f32)]) -> DAffine3 {
         let mut sum = DAffine3::ZERO;
         for (binding, weight) in influences {
@@ -111,7 +111,8 @@ impl<'a> Plan<'a> {
         &self.mean[usize::from(binding)]
     }
 
-    /// A binding of `joint` in the mesh space of another: a stored one that fits, or a new one.
+    /// Returns a binding of `joint` in the mesh space of `like`: a stored one that fits, or a new
+    /// one.
     fn bind(&mut self, joint: u16, like: &Binding) -> u16 {
         let matrices = &self.rest.matrices;
         let wanted = matrices[usize::from(joint)].inverse()

@@ -1,12 +1,12 @@
-//! Which joint the skin of a merged joint goes to, for both kinds of levels.
+//! Target joint for the skin of each merged joint, for near and far levels.
 //!
-//! A near level holds the ancestors of what it holds, a far one need not. Either way a level
-//! keeps the first places of one order, and a merged joint moves with its nearest kept ancestor.
+//! A near level contains the ancestors of its joints; a far level need not. Both keep a prefix of a
+//! joint order, and a merged joint moves with its nearest kept ancestor.
 
 use articula_core::{JointLods, LocalPose, Rig};
 use glam::DAffine3;
 
-/// Levels as prefixes of an order of a rig's joints, and the mean pose.
+/// Levels as prefixes of a joint order, and the mean pose.
 #[derive(Debug, Clone)]
 pub(super) struct Prefixes<'a> {
     rig: &'a Rig,
@@ -69,8 +69,8 @@ impl<'a> Prefixes<'a> {
         self.places[joint]
     }
 
-    /// The joint that a joint moves with at a level. One without a kept ancestor has nobody to
-    /// move with: the first joint of the order stands in.
+    /// Joint that moves the skin of `joint` at a level: its nearest kept ancestor, or the first
+    /// joint of the order if there is none.
     pub(super) fn target(&self, joint: usize, level: usize) -> u16 {
         let mut at = Some(joint);
         while let Some(j) = at {

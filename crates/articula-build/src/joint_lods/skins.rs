@@ -1,4 +1,4 @@
-//! The skin of every level, all on one palette.
+//! Skins of all levels, on one palette.
 
 use super::fold::{Correction, fold};
 use super::measure::{Tally, measure};
@@ -10,50 +10,50 @@ use crate::character::Asset;
 use articula_core::{Binding, JointLods, Mesh, Mismatch, Morph, PaletteMap};
 use glam::{Affine3A, Vec3};
 
-/// Influences that a coarser level may try, besides all.
+/// Numbers of influences that a coarser level tries, besides all of them.
 const INFLUENCES: [usize; 3] = [1, 2, 4];
 
-/// Part of a level's own error that fewer influences may add.
+/// Share of a level's own error that fewer influences may add.
 const MIN_SHARE: f32 = 0.1;
 
-/// Error below which fewer influences are always good enough, metres.
+/// Added error in metres that is always accepted for fewer influences.
 const UNSEEN_METRES: f32 = 1e-4;
 
-/// The skin of a character at one level, as arrays over the vertices of the full mesh.
+/// Skin of a character at one level, as arrays over the vertices of the full mesh.
 ///
-/// Texture coordinates, colours, triangles and parts are the full mesh's.
+/// Texture coordinates, colours, triangles and parts are those of the full mesh.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LevelSkin {
-    /// Rest positions, each in its own mesh's space.
+    /// Rest positions, each in the space of its own mesh.
     pub positions: Vec<Vec3>,
     /// Rest normals.
     pub normals: Vec<Vec3>,
-    /// Influences a vertex (unused ones weigh 0).
+    /// Number of influences per vertex; unused ones have weight 0.
     pub influences: usize,
     /// `positions.len() * influences` indices into [`LevelSkins::bindings`].
     pub binding_indices: Vec<u16>,
-    /// As many weights.
+    /// `positions.len() * influences` weights.
     pub weights: Vec<f32>,
-    /// Morph targets; slots are the full mesh's.
+    /// Morph targets; slots are those of the full mesh.
     pub morphs: Vec<Morph>,
-    /// Number of palette matrices that it needs: the first ones.
+    /// Number of palette matrices that the level needs: the first ones.
     pub palette: usize,
 }
 
-/// The skins of all levels of a character.
+/// Skins of all levels of a character.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LevelSkins {
-    /// Joints and inverse binds in the order of the ladder: a level's are the first ones.
+    /// Joints and inverse binds in the order of the joint LODs; a level uses a prefix.
     pub bindings: Vec<Binding>,
-    /// The same by place, for the frame.
+    /// The bindings by position in the joint order, as the frame loop needs them.
     pub palette: PaletteMap,
-    /// One skin for each level; the first is the full character's, bit for bit but for the
-    /// order of its bindings.
+    /// One skin per level; the first equals the full character's bit for bit, except for the order
+    /// of its bindings.
     pub levels: Vec<LevelSkin>,
 }
 
 impl LevelSkins {
-    /// Those of a character without mesh.
+    /// Skins of a character without a mesh.
     pub(super) fn none(joint_lods: &JointLods) -> Result<Self, Mismatch> {
         Ok(Self {
             bindings: Vec::new(),
@@ -62,10 +62,10 @@ impl LevelSkins {
         })
     }
 
-    /// The mesh of a level, such as for drawing it; `full` is the mesh they were made from.
+    /// Returns the mesh of a level; `full` is the mesh that the skins were made from.
     ///
     /// # Panics
-    /// If there is no such level, or the mesh is another one.
+    /// If the level does not exist, or the number of vertices differs.
     pub fn mesh(&self, level: usize, full: &Mesh) -> Mesh {
         let skin = &self.levels[level];
         assert_eq!(skin.positions.len(), full.len(), "another mesh");
@@ -87,7 +87,7 @@ impl LevelSkins {
     }
 }
 
-/// Some vertices of a level's skin alone.
+/// Mesh of the given vertices of a level's skin.
 pub(crate) fn skin_part(skin: &LevelSkin, bindings: &[Binding], vertices: &[u32]) -> Mesh {
     let of = |v: &u32| {
         let first = *v as usize * skin.influences;
@@ -112,14 +112,14 @@ pub(crate) fn skin_part(skin: &LevelSkin, bindings: &[Binding], vertices: &[u32]
     }
 }
 
-/// Makes the skin of every level of a ladder. Empty for a character without mesh.
+/// Computes the skin of every level. The skins are empty for a character without a mesh.
 ///
-/// The number of influences of a coarser level (1, 2, 4 or all) is the least that adds little to
+/// The number of influences of a coarser level (1, 2, 4 or all) is the smallest that adds little to
 /// its error. O(levels x vertices).
 ///
 /// # Errors
-/// A [`Mismatch`] if a clip, the mesh or the ladder is of another rig, or more than 65536
-/// bindings would be needed.
+/// A [`Mismatch`] if a clip, the mesh or the joint LODs belong to another rig, or more than 65535
+/// bindings are needed.
 pub fn level_skins(
     asset: &Asset,
     joint_lods: &JointLods,
@@ -139,7 +139,8 @@ pub fn level_skins(
     placed.on(joint_lods, |binding, _| binding)
 }
 
-/// Skins of levels whose bindings stand by place and name joints of the full rig.
+/// Skins of levels whose bindings are sorted by position in the joint order and refer to the full
+/// rig.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PlacedSkins {
     pub(super) bindings: Vec<Binding>,
@@ -148,7 +149,7 @@ pub(super) struct PlacedSkins {
 }
 
 impl PlacedSkins {
-    /// The skins for a ladder, bindings named as it names joints.
+    /// The skins for joint LODs; `named` maps a binding and its position to the stored binding.
     pub(super) fn on(
         &self,
         joint_lods: &JointLods,
@@ -165,7 +166,7 @@ impl PlacedSkins {
     }
 }
 
-/// The skins of a mesh, the character's own or one that stands for it.
+/// The skins of a mesh: the character's own or its substitute from [`skin_of`](super::skin_of).
 pub(super) fn placed_skins(
     asset: &Asset,
     mesh: &Mesh,
@@ -182,8 +183,7 @@ pub(super) fn placed_skins(
     Ok(assemble(&plan, levels))
 }
 
-/// Every level with each number of influences that is worth a try, fewest first; the last one
-/// has all.
+/// Every level with each number of influences to try, fewest first; the last one has all.
 fn candidates(plan: &mut Plan<'_>) -> Vec<Vec<LevelSkin>> {
     let all = plan.mesh.influences;
     let mut out = Vec::new();
@@ -197,7 +197,7 @@ fn candidates(plan: &mut Plan<'_>) -> Vec<Vec<LevelSkin>> {
     out
 }
 
-/// Takes the fewest influences whose extra error is a small part of the level's own.
+/// Selects the smallest number of influences whose extra error is a small share of the level's own.
 fn choose(
     asset: &Asset,
     mesh: &Mesh,
@@ -232,7 +232,7 @@ fn choose(
     chosen
 }
 
-/// The skin of one level with at most so many influences; binding indices are the plan's.
+/// Skin of one level with at most `most` influences; binding indices are those of the plan.
 fn skin_at(plan: &mut Plan<'_>, level: usize, most: usize) -> LevelSkin {
     let mesh = plan.mesh;
     let mut skin = LevelSkin {
@@ -266,7 +266,7 @@ fn skin_at(plan: &mut Plan<'_>, level: usize, most: usize) -> LevelSkin {
     }
     skin.influences = lists.iter().map(Vec::len).max().unwrap_or(1);
     for list in &lists {
-        // A padded influence repeats the vertex's first binding, with no weight.
+        // Padding repeats the first binding of the vertex, with weight 0.
         let filler = (list[0].0, 0.0);
         let padded = list.iter().copied().chain(std::iter::repeat(filler));
         for (binding, weight) in padded.take(skin.influences) {
@@ -277,7 +277,7 @@ fn skin_at(plan: &mut Plan<'_>, level: usize, most: usize) -> LevelSkin {
     skin
 }
 
-/// Puts the bindings in use into the order of the places.
+/// Sorts the used bindings by position in the joint order.
 fn assemble(plan: &Plan<'_>, mut levels: Vec<LevelSkin>) -> PlacedSkins {
     let place = |b: &u16| {
         let joint = plan.bindings()[usize::from(*b)].joint;

@@ -1,4 +1,4 @@
-//! Small figures for the tests of this room.
+//! Small figures for the tests of this module.
 
 use crate::character::Asset;
 use articula_core::source::{Joint, Skeleton};
@@ -7,7 +7,7 @@ use articula_core::{
 };
 use glam::{Affine3A, Quat, Vec3};
 
-/// A rig of joints one metre above their parents.
+/// A rig of joints, each 1 m above its parent.
 pub(crate) fn rig(parents: &[Option<usize>]) -> Rig {
     let joint = |(j, parent): (usize, &Option<usize>)| Joint {
         name: format!("j{j}"),
@@ -32,8 +32,8 @@ pub(crate) fn rig(parents: &[Option<usize>]) -> Rig {
     Rig::new(&Skeleton { joints }, articulation).unwrap()
 }
 
-/// A figure with a square tube of skin around every joint's bone: four vertices at the joint,
-/// shared with its parent, and four half a metre above, its own.
+/// A figure with a square tube of skin around the bone of each joint: four vertices at the joint,
+/// shared with its parent, and four half a metre above, on the joint alone.
 pub(crate) fn figure(parents: &[Option<usize>]) -> Asset {
     let rig = rig(parents);
     let mut mesh = Mesh {
@@ -74,7 +74,7 @@ pub(crate) fn arm(joints: usize) -> Asset {
     figure(&parents)
 }
 
-/// A clip at 30 Hz that turns one joint.
+/// A clip at 30 Hz that rotates one joint.
 pub(crate) fn moving(joints: usize, joint: usize, rotations: &[Quat]) -> Clip {
     let tracks = Tracks {
         rotations: vec![Track {

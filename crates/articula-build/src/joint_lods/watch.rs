@@ -1,4 +1,5 @@
-//! The vertices that stand for the skin, and what stands for it on a character without mesh.
+//! The sample of vertices that errors are measured on, and its substitute for a character without a
+//! mesh.
 
 use super::moments::model_of;
 use crate::character::Asset;
@@ -7,24 +8,24 @@ use articula_core::{Binding, Mesh};
 use glam::{Affine3A, Vec3};
 use std::borrow::Cow;
 
-/// Vertices that every joint with skin has among the watched ones, so that a small part of the
-/// body is not lost by chance.
+/// Minimum number of watched vertices of each joint with skin, so that a small body part is not
+/// missed by chance.
 const MIN_FOR_A_JOINT: usize = 4;
 
-/// Shortest bone that stands for skin, metres.
+/// Minimum length of a bone that is used as skin, in metres.
 const MIN_BONE_METRES: f32 = 0.01;
 
-/// Watched vertices of a mesh, rising.
+/// Watched vertices of a mesh, ascending.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Watched {
-    /// All of them.
+    /// All watched vertices.
     pub(crate) vertices: Vec<u32>,
-    /// Which of them are the plain seeded sample, over which percentiles are taken.
+    /// Whether each belongs to the uniform random sample, over which percentiles are computed.
     pub(crate) drawn: Vec<bool>,
 }
 
 impl Watched {
-    /// Draws `count` vertices and adds the heaviest ones of joints that got too few.
+    /// Draws `count` random vertices and adds those of the largest weight for each joint.
     pub(crate) fn draw(mesh: &Mesh, joints: usize, count: usize, seed: u64) -> Self {
         let finite = |v: &u32| mesh.positions[*v as usize].is_finite();
         let mut drawn = draw_vertices(mesh.len(), count, seed);
@@ -52,8 +53,8 @@ impl Watched {
     }
 }
 
-/// The mesh of a character; for one without, points on its bones, each on one joint: what errors
-/// of levels are measured on.
+/// Returns the mesh of a character, or points on its bones if it has none. Errors of levels are
+/// measured on it.
 pub fn skin_of(asset: &Asset) -> Cow<'_, Mesh> {
     if asset.mesh.is_empty() {
         Cow::Owned(bones(asset))
@@ -62,7 +63,7 @@ pub fn skin_of(asset: &Asset) -> Cow<'_, Mesh> {
     }
 }
 
-/// Points at each joint, half-way to its children, and half a bone beyond a last joint.
+/// Points at each joint, half-way to its children, and half a bone beyond each end joint.
 fn bones(asset: &Asset) -> Mesh {
     let rig = &asset.rig;
     let model = model_of(asset, rig.rest_pose());
@@ -113,7 +114,7 @@ mod tests {
 
     #[test]
     fn bones_stand_for_the_skin() {
-        // Joints at 0, 1 and 2 along y: three joints, two halves, one end.
+        // Joints at 0, 1 and 2 along y: three joints, two midpoints, one end.
         let mut asset = arm(3);
         asset.mesh = Mesh::default();
         let mesh = skin_of(&asset);

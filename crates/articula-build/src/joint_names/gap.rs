@@ -1,25 +1,25 @@
-//! Joints of a rig that the standard does not have, or not twice.
+//! Joints of a rig without a counterpart in H-Anim.
 
-/// Why a joint of a rig maps to no joint of the standard.
+/// Reason why a joint of a rig maps to no H-Anim joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum GapReason {
-    /// The profile does not know the name.
+    /// The joint map has no entry for the name.
     NoEntry,
-    /// Another joint already stands for the same joint of the standard.
+    /// Another joint is already mapped to the same H-Anim joint.
     Duplicate,
-    /// The profile knows it as a detail of a region, such as a finger tip or the tongue.
+    /// The joint map lists it as a detail of a region, such as a finger tip or the tongue.
     Helper,
-    /// The profile leaves it out, such as a twist joint.
+    /// The joint map lists it as ignored, such as a twist joint.
     Ignored,
 }
 
-/// A joint of a rig that maps to no joint of the standard.
+/// A joint of a rig that maps to no H-Anim joint.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Gap {
     /// Index in the skeleton.
     pub joint: usize,
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
-    /// Why it maps to nothing.
+    /// Reason why it is not mapped.
     pub reason: GapReason,
 }

@@ -1,13 +1,13 @@
-//! Whether a lone hand is a left or a right one.
+//! Side of a rig that is a single hand.
 //!
-//! Source: WebXR Hand Input, where a joint's -Z points to the finger tip and +Y out of the
-//! back of the hand; seen from above, the thumb of a left hand is then at +X of its wrist.
+//! Source: WebXR Hand Input, where a joint's -Z points to the finger tip and +Y out of the back of
+//! the hand; seen from above, the thumb of a left hand is then at +X of its wrist.
 
 use super::rest;
 use articula_core::joint_names::{Side, folded};
 use articula_core::source::Skeleton;
 
-/// The side told by the rest pose; left if there is no wrist or no thumb.
+/// The side according to the rest pose; left if there is no wrist or no thumb.
 pub(super) fn side(skeleton: &Skeleton) -> Side {
     let find = |wanted: &str| {
         skeleton

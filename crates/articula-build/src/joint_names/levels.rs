@@ -1,10 +1,9 @@
-//! Level and region of the joints that the standard does not know.
+//! Level and region of joints without a counterpart in H-Anim.
 //!
-//! Source: spec of motion levels 1.1: an unknown joint takes the region of its parent and the
-//! level above, so helper, twist and cloth joints drop first.
-//! Differs: a profile may place helpers that people know (tongue, finger tips) at the last
-//! level of their own region; branches beside the human (controls, props) are at the last
-//! level too.
+//! Source: `docs/methods/motion-lod.md` 1.1: such a joint takes the region of its parent and the
+//! level above that of its parent, so helper, twist and cloth joints drop first. A joint map may
+//! assign known helpers (tongue, finger tips) to the last level of their own region; branches
+//! outside the human (controls, props) are at the last level too.
 
 use super::gap::GapReason;
 use articula_core::joint_names::JointTarget;
@@ -12,7 +11,7 @@ use articula_core::loa::MAX_LEVEL;
 use articula_core::source::Skeleton;
 use articula_core::{JointArticulation, Region};
 
-/// Fills in every joint from what the mapped ones are.
+/// Derives level and region of every joint from the mapped ones.
 pub(super) fn articulated(
     skeleton: &Skeleton,
     meanings: &[Result<JointTarget, GapReason>],
@@ -44,7 +43,7 @@ pub(super) fn articulated(
     joints
 }
 
-/// Without a human: each joint's depth in the tree, and one region for all.
+/// For rigs that are no humanoid: each joint's depth in the tree, and one region for all.
 pub(super) fn by_depth(skeleton: &Skeleton) -> Vec<JointArticulation> {
     let mut joints: Vec<JointArticulation> = Vec::with_capacity(skeleton.joints.len());
     for joint in &skeleton.joints {

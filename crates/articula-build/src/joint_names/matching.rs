@@ -1,9 +1,8 @@
-//! Which joint of a rig is which joint of the standard, under one profile.
+//! Matching of a rig's joints to H-Anim with one joint map.
 //!
-//! Source: spec of the H-Anim mapping, rule 1: hips, both upper legs and both upper arms must
-//! be found or the profile does not fit.
-//! Differs: a joint whose name says the other side than the limb it hangs from goes with the
-//! limb (rigs with crossed thumbs exist).
+//! Source: `docs/methods/hanim.md` part 7, rule 1: hips, both upper legs and both upper arms must
+//! be found or the joint map does not fit. A joint whose name contradicts the side of the limb it
+//! hangs from is mapped with the limb (rigs with crossed thumbs exist).
 
 use super::gap::GapReason;
 use super::spine;
@@ -19,21 +18,21 @@ const BODY: [&str; 5] = [
     "r_shoulder",
 ];
 
-/// Fewest finger joints of a rig that is a hand and nothing else.
+/// Minimum number of finger joints of a rig that is a single hand.
 const HAND_FINGER_JOINTS: usize = 5;
 
-/// A profile's answer for every joint of one skeleton.
+/// Result of one joint map for every joint of a skeleton.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Candidate {
     pub(super) profile: String,
-    /// One for each joint: what it is, or why it is nothing.
+    /// One entry per joint: its target, or the reason why it has none.
     pub(super) meanings: Vec<Result<JointTarget, GapReason>>,
-    /// Joints whose name says the wrong side.
+    /// Joints whose name contradicts their side.
     pub(super) crossed: Vec<usize>,
 }
 
 impl Candidate {
-    /// Matches a skeleton's names; `None` if the profile does not fit.
+    /// Matches a skeleton's names; `None` if the joint map does not fit.
     pub(super) fn by_name(
         skeleton: &Skeleton,
         profile: &JointMap,
@@ -57,7 +56,8 @@ impl Candidate {
         Self::new(skeleton, &profile.name, found.collect(), profile.scope)
     }
 
-    /// Cleans up what each joint was found to mean; `None` if required joints are missing.
+    /// Removes contradictions from the targets found for each joint; `None` if required joints are
+    /// missing.
     pub(super) fn new(
         skeleton: &Skeleton,
         profile: &str,
@@ -76,7 +76,7 @@ impl Candidate {
         candidate.fits(scope).then_some(candidate)
     }
 
-    /// Number of joints mapped to the standard, then of all joints that the profile knows.
+    /// Number of joints mapped to H-Anim, then of all joints that the joint map knows.
     pub(super) fn score(&self) -> (usize, usize) {
         let known = self.meanings.iter().filter(|m| m.is_ok()).count();
         (self.names().count(), known)
@@ -101,8 +101,8 @@ impl Candidate {
     }
 }
 
-/// Whether a name counts: a mesh node beside the skeleton is often called `Head` or `Hand.L`
-/// as well, so in a file with a skin only nodes of its trees count.
+/// Whether a name counts: mesh nodes outside the skeleton are often called `Head` or `Hand.L` as
+/// well, so in a file with a skin only nodes of its trees count.
 fn eligible(skeleton: &Skeleton) -> Vec<bool> {
     let joints = &skeleton.joints;
     let any_skin = joints.iter().any(|j| j.in_skin);
@@ -139,7 +139,7 @@ fn uncross(skeleton: &Skeleton, found: &mut [Option<JointTarget>]) -> Vec<usize>
     crossed
 }
 
-/// Keeps the first joint of each standard name; joints of a skin go before other nodes.
+/// Keeps the first joint of each H-Anim name; joints of a skin precede other nodes.
 fn without_duplicates(
     skeleton: &Skeleton,
     found: Vec<Option<JointTarget>>,

@@ -1,6 +1,7 @@
-//! What the joints of a skeleton are, told by their names, by a map of the file or by their tree.
+//! Mapping of a skeleton's joints to H-Anim, by their names, a map in the file or the shape of the
+//! tree.
 //!
-//! - [`map`]: the profile that fits a skeleton best, applied
+//! - [`map`]: applies the joint map that fits a skeleton best
 //! - [`segments`]: the same for segments without a hierarchy
 //!
 //! Source: thesis 3.1.3; H-Anim 1.1 and 2 (ISO/IEC 19774); the mapping rules are described in
@@ -23,34 +24,33 @@ use articula_core::source::Skeleton;
 use matching::Candidate;
 use std::collections::BTreeSet;
 
-/// Highest level whose joints [`Mapping::missing`] lists: below it fingers and single
-/// vertebrae begin, which most rigs lack on purpose.
+/// Maximum level of the joints listed in [`Mapping::missing`]: finer levels contain fingers and
+/// single vertebrae, which most rigs lack intentionally.
 const EXPECTED_LEVEL: u8 = 2;
 
-/// What the joints of a skeleton are.
+/// Mapping of a skeleton's joints to H-Anim.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mapping {
-    /// Level and region of every joint; its profile is empty if none fits.
+    /// Level and region of every joint, and the name of the joint map; empty if none fits.
     pub articulation: Articulation,
-    /// Joints without a twin in the standard, in the skeleton's order.
+    /// Joints without a counterpart in H-Anim, in the skeleton's order.
     pub gaps: Vec<Gap>,
-    /// Joints of the standard up to level 2 that the rig lacks.
+    /// H-Anim joints up to level 2 that the rig lacks.
     pub missing: Vec<&'static str>,
-    /// Joints whose name says the other side than the limb they hang from; they are mapped
-    /// with the limb.
+    /// Joints whose name contradicts the side of the limb they hang from; they are mapped with the
+    /// limb.
     pub crossed: Vec<usize>,
-    /// Whether hips, both legs and both arms were found. Without them levels are tree depths
-    /// and everything is torso, unless the rig is a lone hand.
+    /// Whether hips, both legs and both arms were found. Otherwise levels are tree depths and every
+    /// joint belongs to the torso, unless the rig is a single hand.
     pub humanoid: bool,
 }
 
-/// Maps a skeleton by its names, under the profile that matches the most joints among those
-/// that fit. On a tie the first in the list wins, so put the user's own before those that
-/// come with formats.
+/// Maps a skeleton by its joint names, with the joint map that matches the most joints among those
+/// that fit. On a tie the first in the list is used, so pass the user's own before built-in ones.
 ///
-/// `given` is a map that the file brings itself: joint index and VRM human bone. If it names
-/// hips, legs and arms it decides alone. A rig whose names say nothing is told by the shape of
-/// its tree at rest, if it is a plain human one; the profile's name is then `shape`.
+/// `given` is a map from the file itself: joint index and VRM human bone. If it names hips, legs
+/// and arms it is used alone. A rig whose names match nothing is recognised by the shape of its
+/// tree at rest, if that is a plain human one; the name of the joint map is then `shape`.
 pub fn map(
     skeleton: &Skeleton,
     profiles: &[JointMap],
@@ -69,7 +69,7 @@ pub fn map(
     }
 }
 
-/// Tells segments side by side by their names; `None` if no profile knows them as a human.
+/// Maps segments without a hierarchy by their names; `None` if no joint map recognises a human.
 pub fn segments(skeleton: &Skeleton, profiles: &[JointMap]) -> Option<Segments> {
     let mapping = map(skeleton, profiles, None);
     let name = mapping.articulation.profile;
@@ -112,7 +112,7 @@ fn by_humanoid_map(
     bones: &[(usize, String)],
 ) -> Option<Candidate> {
     let name = profile_of(bones);
-    // The last of that name: the user's own stand before those that come along.
+    // The last of that name: the user's own precede the built-in ones.
     let profile = profiles.iter().rfind(|p| p.name == name)?;
     let mut found = vec![None; skeleton.joints.len()];
     for (joint, bone) in bones {
@@ -123,8 +123,8 @@ fn by_humanoid_map(
     Candidate::new(skeleton, name, found, RigScope::Body)
 }
 
-/// Name of the profile that explains the bones of a humanoid map: the two versions
-/// differ in what they call the joints of the thumb.
+/// Name of the joint map for the bones of a humanoid map: the two versions differ in the names of
+/// the thumb's joints.
 fn profile_of(bones: &[(usize, String)]) -> &'static str {
     let old = bones
         .iter()

@@ -1,4 +1,4 @@
-//! Where the joints of a skeleton are at rest.
+//! Joint transforms at rest.
 
 use articula_core::source::Skeleton;
 use glam::{Affine3A, Vec3};

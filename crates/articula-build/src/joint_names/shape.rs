@@ -1,9 +1,9 @@
-//! A human without names: told from the shape of the joint tree at rest.
+//! Recognition of a human without joint names, by the shape of the joint tree at rest.
 //!
-//! Some exporters drop joint names. Then two branches that go down to the floor on either side
-//! of a joint are legs, the branch that goes up is the spine, and where that splits into three
-//! the outer two are arms. Only plain rigs are taken (3 or 4 joints a limb), and only if the
-//! hands are above the knees, so that animals on four legs are none.
+//! Some exporters drop joint names. Then two branches that go down to the floor on either side of a
+//! joint are legs, the branch that goes up is the spine, and where that splits into three the outer
+//! two are arms. Only plain rigs are accepted (3 or 4 joints per limb), and only if the hands are
+//! above the knees, which excludes four-legged animals.
 
 use super::rest;
 use articula_core::hanim_table;
@@ -11,7 +11,7 @@ use articula_core::joint_names::{JointTarget, StandardJoint};
 use articula_core::source::Skeleton;
 use glam::Vec3;
 
-/// Share of the figure's height by which a foot may miss the floor.
+/// Maximum height of a foot above the lowest joint, as a share of the figure's height.
 const NEAR_FLOOR: f32 = 0.15;
 
 const LEG: [&str; 4] = ["hip", "knee", "ankle", "metatarsal"];
@@ -24,14 +24,14 @@ struct Tree {
     high: f32,
 }
 
-/// What each joint is, if the tree has the shape of a human.
+/// The target of each joint, if the tree has the shape of a human.
 pub(super) fn human(skeleton: &Skeleton) -> Option<Vec<Option<JointTarget>>> {
     let tree = Tree::new(skeleton)?;
     (0..tree.places.len()).find_map(|joint| tree.human_from_hips(joint))
 }
 
 impl Tree {
-    /// Joints of the skin alone; a node between two of them is passed over.
+    /// Joints of the skin alone; other nodes between them are skipped.
     fn new(skeleton: &Skeleton) -> Option<Self> {
         let joints = &skeleton.joints;
         let any_skin = joints.iter().any(|j| j.in_skin);

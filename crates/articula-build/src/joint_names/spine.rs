@@ -1,9 +1,9 @@
-//! Which vertebra each spine joint of a rig stands for.
+//! Assignment of vertebrae to the spine joints of a rig.
 //!
-//! Source: spec of the H-Anim mapping, rule 3. `n` spine joints take the first `n` vertebrae
-//! of a preference list in the order of the body, so a rig with one has `vl5`, one with three
-//! has `vl5`, `vt10`, `vt6`; a rig with more joints than the list takes the joints nearest to
-//! the vertebrae by arc length between hips and neck.
+//! Source: `docs/methods/hanim.md` part 7, rule 3. `n` spine joints take the first `n` vertebrae of
+//! a preference list in the order of the body, so a rig with one has `vl5`, one with three has
+//! `vl5`, `vt10`, `vt6`; in a rig with more joints than the list, those nearest to the vertebrae by
+//! arc length between hips and neck are mapped.
 
 use super::gap::GapReason;
 use super::rest;
@@ -11,7 +11,7 @@ use articula_core::hanim_table::{self, JOINTS};
 use articula_core::joint_names::{JointTarget, StandardJoint};
 use articula_core::source::Skeleton;
 
-/// Most telling vertebra first.
+/// Vertebrae in order of preference.
 const PREFERENCE: [&str; 9] = [
     "vl5", "vt10", "vt6", "vl1", "vt1", "vl3", "vt3", "vt8", "vt12",
 ];
@@ -47,7 +47,7 @@ pub(super) fn name_by_arc_length(
     }
 }
 
-/// The vertebrae of so many spine joints, at most as many as are preferred, lowest first.
+/// The vertebrae of `count` spine joints, at most as many as the preference list has, lowest first.
 pub(super) fn vertebrae(count: usize) -> Vec<usize> {
     let preferred = PREFERENCE.iter().take(count);
     let mut vertebrae: Vec<usize> = preferred.filter_map(|n| hanim_table::find(n)).collect();
@@ -93,7 +93,7 @@ fn fractions(skeleton: &Skeleton, chain: &[usize], spine: &[usize]) -> Vec<f32> 
     below.iter().map(|b| b / f32::max(length, 1e-9)).collect()
 }
 
-/// The same of the standard's vertebrae, between root and vc4.
+/// Likewise for the vertebrae of H-Anim, between root and vc4.
 fn standard_fractions(vertebrae: &[usize]) -> Vec<f32> {
     let mut length = 0.0;
     let mut below = Vec::new();
@@ -115,8 +115,8 @@ fn standard_fractions(vertebrae: &[usize]) -> Vec<f32> {
     vertebrae.iter().map(|&v| of(JOINTS[v].name)).collect()
 }
 
-/// For each target the nearest joint, in order, each joint once; there are at least as many
-/// joints as targets.
+/// For each target the nearest joint, in order, each joint once; there are at least as many joints
+/// as targets.
 fn pick(joints: &[f32], targets: &[f32]) -> Vec<usize> {
     let mut picked: Vec<usize> = Vec::with_capacity(targets.len());
     for (index, target) in targets.iter().enumerate() {

@@ -1,9 +1,9 @@
-//! All levels of a character's meshes: simplified by how it moves, measured on other poses,
-//! stored as ranges.
+//! Mesh levels of a character: simplified by its own motion, measured on other poses, stored as
+//! index ranges.
 //!
-//! Source: thesis 3.1.2, `docs/methods/clustered-mesh.md`. One queue over all parts of the character
-//! (`simplify`), one object for each part (`clusters`), one error for each level of the whole
-//! character (`surface_distance`).
+//! Source: thesis 3.1.2, `docs/methods/clustered-mesh.md`. One queue covers all parts of the
+//! character (`simplify`), each part is clustered as one object (`clusters`), and each level of the
+//! whole character has one error (`surface_distance`).
 
 mod reordered;
 
@@ -15,36 +15,38 @@ use crate::surface_distance::{DistanceOptions, LevelDistances, surface_distances
 use articula_core::source::Character;
 use articula_core::{LevelRow, LevelTable, Mismatch, Part};
 
-/// How mesh levels are made and measured.
+/// Options of [`mesh_levels`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshLevelOptions {
-    /// How the mesh is simplified.
+    /// Simplification: targets, weights and constraints.
     pub simplify: SimplifyOptions,
-    /// Which poses it is simplified by, and which it is measured on.
+    /// Selection of the poses for simplification and for measurement.
     pub poses: PoseOptions,
-    /// Which points are measured.
+    /// Selection of the points that are measured.
     pub distance: DistanceOptions,
 }
 
 /// All mesh levels of a character; level 0 is the original, the last the coarsest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshLevels {
-    /// What each level shows and loses, at rest and in poses that it was not made by.
+    /// Triangles, vertices and errors of each level, at rest and in poses that simplification did
+    /// not use.
     pub table: LevelTable,
-    /// One object for each part of the character's mesh; vertices are numbered within the part.
+    /// One object per part of the character's mesh; vertices are numbered within the part.
     pub objects: Vec<Clustered>,
-    /// Triangles of each part at each level, vertices numbered within the part.
+    /// Triangles of each part at each level, as `parts[part][level]`; vertices are numbered within
+    /// the part.
     pub parts: Vec<Vec<Vec<[u32; 3]>>>,
-    /// What errors in motion were measured on.
+    /// Number of poses of each kind that errors in motion were measured on.
     pub measured: MeasurementPoses,
 }
 
-/// Poses that errors in motion were measured on; those at rest alone if there is none.
+/// Number of measured poses by kind; all 0 if errors were measured at rest only.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct MeasurementPoses {
-    /// Moments of the character's clips.
+    /// Frames of the character's clips.
     pub clips: usize,
-    /// Bends of its joints.
+    /// Random bends of its joints.
     pub bends: usize,
     /// Single morph targets.
     pub morphs: usize,
@@ -66,14 +68,15 @@ impl MeasurementPoses {
 }
 
 impl MeshLevels {
-    /// The character with these levels, its vertices in the order in which they are stored.
+    /// Returns the character with these levels, its vertices in stored order.
     ///
-    /// It equals, bit for bit, what is read of a document that was given the levels, so that what
-    /// is bound to the order of vertices can be made without reading it again. Vertices that no
-    /// level shows are gone, and so are coarser forms of a mesh that the file had.
+    /// The result equals, bit for bit, what is read back from a document that these levels were
+    /// written to, so data bound to the vertex order can be prepared without reading it again.
+    /// Vertices that no level uses are removed, and so are coarser forms of a mesh in the source
+    /// file.
     ///
     /// # Errors
-    /// A [`Mismatch`] if the meshes are not those that the levels were made of.
+    /// A [`Mismatch`] if the meshes are not those that the levels were made from.
     pub fn character(&self, source: &Character) -> Result<Character, Mismatch> {
         Ok(Character {
             meshes: reordered::meshes(&source.meshes, &self.objects)?,
@@ -83,10 +86,11 @@ impl MeshLevels {
     }
 }
 
-/// Makes all mesh levels of a character and measures them.
+/// Computes and measures all mesh levels of a character.
 ///
 /// # Errors
-/// A [`Mismatch`] if options do not fit the mesh, or the asset's parts are of another character.
+/// A [`Mismatch`] if the options do not fit the mesh, or the asset's parts belong to another
+/// character.
 pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels, Mismatch> {
     let mesh = &asset.mesh;
     let poses = poses(asset, &opts.poses)?;
@@ -128,7 +132,7 @@ pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels,
     })
 }
 
-/// Triangles of one part at each level, vertices numbered within it.
+/// Triangles of one part at each level, vertices numbered within the part.
 fn part_levels(simplified: &Simplified, p: usize, part: &Part) -> Vec<Vec<[u32; 3]>> {
     let first = part.vertices.start as u32;
     let local = |t: &[u32; 3]| t.map(|v| v - first);
@@ -152,7 +156,7 @@ fn measured(
     let rest = positions(asset, &poses.shaping[..1]);
     let motion = positions(asset, &poses.measuring);
     let coarser = surface_distances(&original.triangles, &coarser, &rest[0], &motion, opts)?;
-    // The original lies on itself.
+    // The original has no error.
     let original = std::iter::once(LevelDistances::default());
     Ok(original.chain(coarser).collect())
 }

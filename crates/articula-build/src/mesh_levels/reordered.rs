@@ -1,10 +1,10 @@
-//! Source meshes with their vertices in the order of the levels.
+//! Source meshes with their vertices in the order of the mesh levels.
 
 use crate::clusters::Clustered;
 use articula_core::source::{MorphTarget, Primitive, RawMesh};
 use articula_core::{ClusteredTriangles, Mismatch};
 
-/// Meshes whose primitives, counted over all of them, have these levels.
+/// Reorders the primitives of `meshes`, counted over all meshes, by the objects of their levels.
 pub(super) fn meshes(meshes: &[RawMesh], objects: &[Clustered]) -> Result<Vec<RawMesh>, Mismatch> {
     let primitives: usize = meshes.iter().map(|m| m.primitives.len()).sum();
     if primitives != objects.len() {
@@ -64,7 +64,7 @@ fn reordered(primitive: &Primitive, object: &Clustered) -> Primitive {
     }
 }
 
-/// Some elements of so many values each; nothing of nothing.
+/// Selects elements of `each` values by index; empty for an absent attribute.
 fn picked<T: Copy>(values: &[T], each: usize, order: &[u32]) -> Vec<T> {
     if values.is_empty() {
         return Vec::new();

@@ -1,11 +1,11 @@
-//! What holds a character in each second of each of its clips, from every vertex.
+//! Bounding volumes of a character for each second of each clip, made from every vertex.
 //!
-//! Source: `docs/methods/motion-lod.md` part 5. The skin is posed once or more often between every two
-//! frames; where it may go from there is covered by a bound on its speed. So the
-//! bounds hold for every vertex at every time, not just at those that were looked at.
+//! Source: `docs/methods/motion-lod.md` part 5. The skin is posed one or more times between every
+//! two frames; its motion between these times is covered by a bound on its speed. The bounds
+//! therefore hold for every vertex at every time, not only at the sampled ones.
 //!
-//! Without a mesh the joints stand for the skin, each with the floor of the levers around it.
-//! Morph weights move as the clip moves them; a face that is driven from elsewhere needs a margin.
+//! Without a mesh the joints are the skin, each with the minimum lever around it. Morph weights
+//! follow the clip; a face that is driven otherwise needs a margin.
 
 pub(crate) mod reach;
 
@@ -19,22 +19,22 @@ use glam::Vec3;
 use reach::Reach;
 use std::ops::RangeInclusive;
 
-/// How far the skin may go from a pose that was looked at, where looking more often helps.
+/// Distance of the skin from a sampled pose above which the interval gets more samples.
 const SLACK_METRES: f32 = 0.01;
 
-/// Looks between two frames, at most.
+/// Maximum number of samples between two frames.
 const MAX_LOOKS: usize = 8;
 
-/// Covers the rounding of f32 in a pose that is worked out in another order.
+/// Covers f32 rounding in a pose that is computed in a different order.
 const ROUNDING_METRES: f32 = 1e-4;
 
-/// Measures every clip of a character.
+/// Computes the bounds of every clip of a character.
 ///
-/// `margin_metres` is added all around: for cloth, hair, or a face that the clips do not drive.
+/// `margin_metres` is added on all sides, for cloth, hair, or a face that the clips do not drive.
 ///
 /// # Errors
-/// A [`Mismatch`] if the margin is negative or no number, or a clip moves the skin to where
-/// there are no finite numbers.
+/// A [`Mismatch`] if the margin is negative or not finite, or a clip moves the skin to positions
+/// that are not finite.
 pub fn motion_bounds(asset: &Asset, margin_metres: f32) -> Result<MotionBounds, Mismatch> {
     if !(margin_metres.is_finite() && margin_metres >= 0.0) {
         let what = format!("{margin_metres} is no margin");
@@ -69,8 +69,8 @@ fn measure(asset: &Asset, reach: &Reach, clip: &Clip, margin: f32) -> Result<Cli
             .map_or(Vec3::ZERO, |j| body.posed.model.position(j));
         anchor.hold(at, sample.slack);
     }
-    // The ball of a second stands in the middle of its box and is just large enough, which is
-    // less than the box's corners ask for.
+    // The sphere of a second is centred in its box and just encloses the skin: it is smaller than
+    // one around the corners of the box.
     let mut radii = vec![0.0f32; boxes.len()];
     for sample in &sample_times {
         let skin = body.pose(clip, sample.secs);
@@ -104,21 +104,22 @@ fn measure(asset: &Asset, reach: &Reach, clip: &Clip, margin: f32) -> Result<Cli
     ClipBounds::new(clip.duration_secs(), seconds, anchors)
 }
 
-/// One time at which the skin is posed.
+/// A time at which the skin is posed.
 pub(crate) struct SampleTime {
     pub(crate) secs: f64,
     /// Seconds of the clip that it belongs to.
     seconds: RangeInclusive<usize>,
-    /// How far the skin may be from here at any time that the look stands for.
+    /// Maximum distance of the skin from this pose over the part of the interval that it covers.
     slack: f32,
-    /// The frame before it, and the part of the way to the next one that it stands for on either
-    /// side.
+    /// The frame before it, and the fraction of the interval to the next frame that it covers on
+    /// either side.
     pub(crate) frame: usize,
     pub(crate) part: f32,
 }
 
-/// Looks in the middle of equal parts of every stretch between two frames, and at the last frame.
-/// A value that steps keeps within a stretch, so a part is as its middle but for what moves.
+/// Sample times in the middle of equal parts of every interval between two frames, and at the last
+/// frame. A stepped value is constant in an interval, so a part differs from its middle by motion
+/// only.
 pub(crate) fn sample_times(asset: &Asset, reach: &Reach, clip: &Clip) -> Vec<SampleTime> {
     let last_second = ClipBounds::count(clip.duration_secs()) - 1;
     let rate = f64::from(clip.rate_hz());
@@ -126,7 +127,7 @@ pub(crate) fn sample_times(asset: &Asset, reach: &Reach, clip: &Clip) -> Vec<Sam
     for frame in 0..clip.frames() - 1 {
         let half_way = 0.5 * reach.way(asset, clip, frame);
         let parts = ((half_way / SLACK_METRES).ceil() as usize).clamp(1, MAX_LOOKS);
-        // A border between two seconds belongs to both.
+        // A boundary between two seconds belongs to both.
         let border = 1e-6;
         let first = (frame as f64 / rate - border).max(0.0) as usize;
         let last = ((frame + 1) as f64 / rate + border) as usize;
@@ -168,7 +169,7 @@ impl Corners {
     fn hold(&mut self, point: Vec3, slack: f32) {
         self.least = self.least.min(point - slack);
         self.greatest = self.greatest.max(point + slack);
-        // `min` and `max` pass over what is no number.
+        // `min` and `max` ignore NaN.
         self.is_finite &= point.is_finite() && slack.is_finite();
     }
 
@@ -190,7 +191,7 @@ pub(crate) struct Body<'a> {
     pub(crate) posed: PosedMesh<'a>,
     morph_weights: Vec<f32>,
     skinned: SkinnedMesh,
-    /// What must be around each point of the skin.
+    /// Margin around each point of the skin: the minimum lever for joints, 0 for vertices.
     floor: f32,
 }
 

@@ -1,7 +1,7 @@
-//! How far the skin can be from a joint, and how far it can go from one frame to the next.
+//! Reach of the skin from its joints, and its maximum travel between frames.
 //!
-//! Lengths are taken along the joints, each at the longest that any clip makes it, so that they
-//! hold in every pose and in every blend of poses.
+//! Lengths are added along the joints, each at its maximum over all clips, so that they hold in
+//! every pose and in every blend of poses.
 
 use crate::character::Asset;
 use crate::motion_error::joint_lever::JointLever;
@@ -10,14 +10,14 @@ use glam::Vec3;
 
 /// Lengths of one character, over all its clips.
 pub(crate) struct Reach {
-    /// Farthest skin at or below each joint, from the joint, in the joint's own unscaled space;
-    /// `None` where it carries no skin.
+    /// Maximum distance of skin at or below each joint from the joint, in the joint's own unscaled
+    /// space; `None` where it carries no skin.
     local: Vec<Option<f32>>,
-    /// Greatest scale of each joint's own space against the model.
+    /// Maximum scale of each joint's own space relative to the model.
     scales: Vec<f32>,
     anchor: Option<usize>,
     anchor_metres: f32,
-    /// How far each morph slot at weight one can move a vertex, in model space.
+    /// Maximum displacement of a vertex by each morph slot at weight 1, in model space.
     morphs: Vec<f32>,
 }
 
@@ -68,25 +68,25 @@ impl Reach {
         }
     }
 
-    /// The joint that everything hangs on and whose place blends in a straight line; `None`
-    /// stands for the origin of the model.
+    /// The joint from which all skin hangs and whose position blends linearly; `None` for the
+    /// origin of the model.
     pub(super) fn anchor(&self) -> Option<usize> {
         self.anchor
     }
 
-    /// The farthest that skin can be from the anchor; metres.
+    /// Maximum distance of skin from the anchor, in metres.
     pub(super) fn anchor_metres(&self) -> f32 {
         self.anchor_metres
     }
 
-    /// The longest way that any skin can go from one frame to the next; metres.
+    /// Maximum travel of any skin from one frame to the next, in metres.
     pub(super) fn way(&self, asset: &Asset, clip: &Clip, frame: usize) -> f32 {
         let ways = self.ways(asset, clip, frame);
         let carried = ways.iter().zip(&self.local).filter(|(_, l)| l.is_some());
         carried.map(|(way, _)| *way).fold(0.0, f32::max)
     }
 
-    /// The same for the skin that each joint itself moves. Of the last frame there is none.
+    /// Maximum travel of the skin that each joint itself moves, in metres; 0 at the last frame.
     pub(crate) fn ways(&self, asset: &Asset, clip: &Clip, frame: usize) -> Vec<f32> {
         let rig = &asset.rig;
         let mut ways = vec![0.0f32; rig.len()];
@@ -95,7 +95,7 @@ impl Reach {
         }
         let above = |joint: usize| rig.parent(joint).map_or(1.0, |p| self.scales[p]);
         for (joint, [a, b]) in moved(&clip.tracks().rotations, frame) {
-            // A normalised blend is fastest in its middle: as if it turned by 4 tan(angle / 4).
+            // A normalised blend is fastest in its middle: as if the angle were 4 tan(angle / 4).
             let turn = 4.0 * (0.25 * angle_between(a, b)).tan();
             ways[joint] += turn * self.scales[joint] * self.local[joint].unwrap_or(0.0);
         }
@@ -118,7 +118,7 @@ impl Reach {
     }
 }
 
-/// What blends from a frame to the next, by its target.
+/// Values of the non-constant tracks at a frame and the next one, with their targets.
 fn moved<T: Copy>(tracks: &[Track<T>], frame: usize) -> impl Iterator<Item = (usize, [T; 2])> {
     let blends = |track: &&Track<T>| !track.step && track.values.len() > 1;
     let tracks = tracks.iter().filter(blends);
@@ -130,7 +130,7 @@ fn moved<T: Copy>(tracks: &[Track<T>], frame: usize) -> impl Iterator<Item = (us
     })
 }
 
-/// The greatest size of a property of each joint, at rest and in all clips.
+/// Maximum size of a property of each joint, at rest and in all clips.
 fn greatest<'a>(
     rig: &Rig,
     asset: &'a Asset,
@@ -146,13 +146,13 @@ fn greatest<'a>(
     sizes
 }
 
-/// The farthest vertex that each joint itself moves, in the joint's own space.
+/// Distance of the farthest vertex that each joint itself moves, in the joint's own space.
 fn own_skin(asset: &Asset) -> Vec<Option<f32>> {
     let mesh = &asset.mesh;
     if mesh.is_empty() {
         return vec![Some(JointLever::FLOOR_METRES); asset.rig.len()];
     }
-    // How far morphs may take each vertex, in the space of its mesh.
+    // Maximum displacement of each vertex by morphs, in the space of its mesh.
     let mut morphed = vec![0.0f32; mesh.len()];
     let weights = morph_weights(asset);
     for morph in &mesh.morphs {
@@ -176,7 +176,7 @@ fn own_skin(asset: &Asset) -> Vec<Option<f32>> {
     own
 }
 
-/// The greatest weight of each morph slot, either sign, at rest and in all clips.
+/// Maximum absolute weight of each morph slot, at rest and in all clips.
 fn morph_weights(asset: &Asset) -> Vec<f32> {
     let mut weights: Vec<f32> = asset.mesh.morph_weights.iter().map(|w| w.abs()).collect();
     for track in asset.clips.iter().flat_map(|c| &c.tracks().morphs) {
@@ -200,20 +200,20 @@ fn morph_ways(asset: &Asset, scales: &[f32]) -> Vec<f32> {
             .map(|p| p.length())
             .fold(0.0, f32::max);
         let of = &mut ways[usize::from(morph.slot)];
-        // Each vertex stands in one mesh, so the slot's greatest offset is the way.
+        // A vertex belongs to one mesh, so the largest offset of the slot bounds its travel.
         *of = of.max(longest * stretch);
     }
     ways
 }
 
-/// A bound on how much longer a matrix makes a vector: the root of the sum of its squares.
+/// Upper bound on the factor by which a matrix lengthens a vector: its Frobenius norm.
 fn stretch(matrix: &glam::Affine3A) -> f32 {
     let m = matrix.matrix3;
     let squares = m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared();
     squares.sqrt()
 }
 
-/// Goes down from the root while a joint neither turns nor scales nor has skin of its own, and
+/// Descends from the root while a joint has no rotation or scale track and no skin of its own, and
 /// one child carries everything.
 fn anchor(asset: &Asset, carries: &[Option<f32>]) -> Option<usize> {
     let rig = &asset.rig;

@@ -1,24 +1,24 @@
-//! What the drift controller judges each joint by while a clip plays.
+//! Error bounds of each joint for the drift controller while a clip plays.
 
 use super::levers::chain_counts;
 use crate::character::Asset;
 use articula_core::{Clip, JointErrorBounds, JointSet, angle_between};
 
-/// How a tolerance is shared along a chain of joints.
+/// Distribution of a tolerance along a chain of joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ChainTolerance {
     /// Every joint has the whole tolerance; errors of a chain may add up.
     #[default]
     Whole,
-    /// The tolerance over the square root of the joints of the chain: errors that are
-    /// independent of each other stay within it on average.
+    /// The tolerance is divided by the square root of the number of joints of the chain:
+    /// independent errors stay within it on average.
     Root,
-    /// The tolerance over the number of joints of the chain: errors stay within it always.
+    /// The tolerance is divided by the number of joints of the chain: errors always stay within it.
     Split,
 }
 
-/// Joints that move in a clip by the rule of the published numbers: all but the root whose
-/// rotation ranges over more than `1e-4` in any quaternion component.
+/// Returns the joints that move in a clip: all except the root whose rotation ranges over more than
+/// `1e-4` in any quaternion component, as in the published numbers.
 pub fn moving_joints(asset: &Asset, clip: &Clip) -> JointSet {
     let mut moving: JointSet = clip
         .tracks()
@@ -39,12 +39,12 @@ pub fn moving_joints(asset: &Asset, clip: &Clip) -> JointSet {
     moving
 }
 
-/// Bounds of all joints for one clip, within one pass of it: where an open clip loops, everyone
-/// is to be woken.
+/// Computes the error bounds of all joints for one pass of a clip; where a clip that does not close
+/// loops, all joints must be woken.
 ///
-/// `levers_metres` turns the radians of each joint into metres: with the levers at rest
-/// ([`rest_metres`](crate::JointLever::rest_metres)) a good estimate, with the reach in any
-/// pose ([`reach_metres`](crate::JointLever::reach_metres)) a bound.
+/// `levers_metres` converts the rotation of each joint to metres: with the levers at rest
+/// ([`rest_metres`](crate::JointLever::rest_metres)) a good estimate, with the reach in any pose
+/// ([`reach_metres`](crate::JointLever::reach_metres)) an upper bound.
 pub fn joint_bounds(
     asset: &Asset,
     clip: &Clip,
@@ -54,7 +54,7 @@ pub fn joint_bounds(
     let counts = match share {
         ChainTolerance::Whole => vec![1; asset.rig.len()],
         _ => {
-            // Whatever turns adds to the chain's error, the root too.
+            // Every rotating joint adds to the chain's error, the root too.
             let turning = clip
                 .tracks()
                 .rotations
@@ -78,8 +78,8 @@ pub fn joint_bounds(
         })
         .collect();
     for track in &clip.tracks().rotations {
-        // A normalised linear blend turns fastest in the middle of its interval: an interval
-        // of angle a passes there at 4 tan(a / 4) a frame, a little more than its mean.
+        // A normalised linear blend rotates fastest in the middle of its interval: for an angle a
+        // per frame, 4 tan(a / 4) per frame, slightly more than its mean.
         let fastest = track
             .values
             .windows(2)
@@ -97,8 +97,7 @@ pub fn joint_bounds(
     bounds
 }
 
-/// The speed a frame of a track whose frames differ by at most `fastest`: no bound where values
-/// jump.
+/// Speed per frame of a track whose frames differ by at most `fastest`; infinite where values jump.
 fn jumps(step: bool, fastest: f32) -> f32 {
     if step && fastest > 0.0 {
         f32::INFINITY

@@ -1,13 +1,13 @@
-//! Held keys in which a child cancels the error of its ancestors.
+//! Held keys with which a child cancels the error of its ancestors.
 //!
-//! Source: `docs/methods/motion-lod.md` 4.4. Walking parents first, the model-space error of each
-//! joint under its *shown* parent decides; a renewed joint takes the local rotation that puts
-//! it where it truly is.
+//! Source: `docs/methods/motion-lod.md` 4.4. Joints are processed parents first, by the model-space
+//! error of each joint under its *shown* parent; a renewed joint takes the local rotation that
+//! gives it its true model-space rotation.
 
 use articula_core::{JointSet, Rig, angle_between};
 use glam::Quat;
 
-/// Local rotations shown at each frame, and which joints were renewed.
+/// Local rotations shown at each frame, and the joints renewed there.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ClosedLoop {
     /// `shown[frame][joint]`.

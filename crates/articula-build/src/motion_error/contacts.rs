@@ -1,4 +1,4 @@
-//! When feet and hands stand still: intervals in which errors show as sliding.
+//! Contacts: intervals in which feet and hands stand still and errors are visible as sliding.
 //!
 //! Source: `docs/methods/motion-lod.md` 4.6: slower than 0.15 m/s and, for feet, within 5 cm of the
 //! lowest height of the clip, for 80 ms or more.
@@ -24,8 +24,8 @@ pub(crate) struct Contact {
     pub(crate) frames: Range<usize>,
 }
 
-/// Contacts of the feet (and toes) of a clip, found by their H-Anim names; hands count only
-/// where they rest, which for them is slowness alone, and are left out unless `hands`.
+/// Contacts of the feet (and toes) of a clip, identified by their H-Anim names; hands only if
+/// `hands` is set, and for them low speed alone decides.
 pub(crate) fn contacts(asset: &Asset, clip: &Clip, hands: bool) -> Vec<Contact> {
     let is = |names: &[&str]| -> Vec<usize> {
         let joints = &asset.rig.articulation().joints;
@@ -69,8 +69,8 @@ pub(crate) fn contacts(asset: &Asset, clip: &Clip, hands: bool) -> Vec<Contact> 
     found
 }
 
-/// Attention of every joint at a frame: [`CONTACT_ATTENTION`] on the way from the root to a
-/// joint in contact, 1 elsewhere.
+/// Attention of every joint at a frame: [`CONTACT_ATTENTION`] from the root to a joint in contact,
+/// 1 elsewhere.
 pub(crate) fn attention(asset: &Asset, contacts: &[Contact], frame: usize, out: &mut [f32]) {
     out.fill(1.0);
     for contact in contacts.iter().filter(|c| c.frames.contains(&frame)) {
@@ -82,8 +82,8 @@ pub(crate) fn attention(asset: &Asset, contacts: &[Contact], frame: usize, out: 
     }
 }
 
-/// When feet stand still in a clip, as intervals in which less is tolerated of the whole body;
-/// with `hands`, when hands do too.
+/// Returns the intervals in which feet stand still in a clip, where the tolerance of the whole body
+/// is reduced; with `hands`, also those of the hands.
 pub fn contact_intervals(asset: &Asset, clip: &Clip, hands: bool) -> Vec<AttentionInterval> {
     intervals(&contacts(asset, clip, hands), clip)
 }
@@ -92,7 +92,8 @@ pub fn contact_intervals(asset: &Asset, clip: &Clip, hands: bool) -> Vec<Attenti
 fn intervals(contacts: &[Contact], clip: &Clip) -> Vec<AttentionInterval> {
     let interval = |contact: &Contact| AttentionInterval {
         start_secs: contact.frames.start as f32 / clip.rate_hz(),
-        // Up to the first frame that moves: a pose between the two is still half of the contact.
+        // Up to the first frame that moves: a pose between the two still belongs half to the
+        // contact.
         end_secs: (contact.frames.end as f32 / clip.rate_hz()).min(clip.duration_secs()),
         factor: CONTACT_ATTENTION,
     };

@@ -1,23 +1,25 @@
-//! What a held joint costs: levers in metres, and how they look from one side.
+//! Levers of joints: displacement of the skin by a held joint, in metres and as projected to a
+//! view.
 //!
-//! Source: `docs/methods/motion-lod.md` 4.1 to 4.3, ours. A joint that shows rotation `b` in place of
-//! `a` moves the skin that hangs on it by at most its lever times the angle between them.
+//! Source: `docs/methods/motion-lod.md` 4.1 to 4.3, ours. A joint that shows rotation `b` in place
+//! of `a` moves the skin attached to it by at most its lever times the angle between them.
 
 use crate::rotation_vector::rotation_vector;
 use articula_core::angle_between;
 use glam::{Mat3, Quat, Vec3};
 
-/// How the skin hangs on one joint.
+/// Extent of the skin that one joint moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointLever {
-    /// Farthest skin that the joint moves, from the joint, in the rest pose. Metres, at least
-    /// one centimetre.
+    /// Maximum distance from the joint of the skin that it moves, in the rest pose, metres; at
+    /// least one centimetre.
     pub rest_metres: f32,
-    /// The same in whatever pose: the skin's weighted farthest way along the bones. A bound
-    /// where `rest_metres` is an estimate, because a chain that is bent at rest can stretch.
+    /// Maximum distance of that skin in any pose, metres: the longest weighted path along the
+    /// bones. An upper bound where `rest_metres` is an estimate, because a chain that is bent at
+    /// rest can stretch.
     pub reach_metres: f32,
-    /// Mean of `x x^T` over the skin below the joint, `x` the offset from the joint at rest in
-    /// the joint's own frame; square metres.
+    /// Mean of `x x^T` over the skin below the joint, `x` the offset from the joint at rest in the
+    /// joint's own frame; square metres.
     pub(crate) second_moment: SecondMoment,
     /// Fraction of the skin's area that the joint moves, 0 to 1.
     pub skin_share: f32,
@@ -28,7 +30,7 @@ pub struct JointLever {
 pub(crate) struct SecondMoment(pub(crate) [f32; 6]);
 
 impl SecondMoment {
-    /// Mean of `x x^T` over weighted points; zero without weight.
+    /// Mean of `x x^T` over weighted points; zero if the weights sum to 0.
     pub(crate) fn of(points: impl IntoIterator<Item = (Vec3, f32)>) -> Self {
         let mut sums = [0.0f64; 6];
         let mut total = 0.0f64;
@@ -64,9 +66,9 @@ impl SecondMoment {
         squared.max(0.0).sqrt()
     }
 
-    /// The same as it looks along the unit direction `view`:
-    /// `phi^2 (a^T (tr(C) I - C) a - (w x a)^T C (w x a))` with axis `a` and direction `w`,
-    /// what the rotation moves in all, less what it moves along the line of sight.
+    /// The same, projected along the unit direction `view`: `phi^2 (a^T (tr(C) I - C) a - (w x a)^T
+    /// C (w x a))` with axis `a` and direction `w`, the total displacement less the part along the
+    /// line of sight.
     pub(crate) fn projected_rms(self, rotation: Vec3, view: Vec3) -> f32 {
         let along = view.cross(rotation);
         let whole = self.rms(rotation);
@@ -77,18 +79,18 @@ impl SecondMoment {
 }
 
 impl JointLever {
-    /// Least lever, so that the skin right around a leaf joint counts.
+    /// Minimum lever, so that the skin around a leaf joint counts.
     pub(crate) const FLOOR_METRES: f32 = 0.01;
 
-    /// Bound on the displacement of the skin for showing `shown` in place of `wanted`, metres,
-    /// by the lever at rest.
+    /// Upper bound, by the lever at rest, on the displacement of the skin if `shown` is used in
+    /// place of `wanted`, metres.
     pub(crate) fn held_error(&self, shown: Quat, wanted: Quat) -> f32 {
         self.rest_metres * angle_between(shown, wanted)
     }
 
-    /// The same as it looks from `view`, a unit direction in the joint's frame: reduced by the
-    /// part of the motion that lies along the line of sight, root mean square over the skin. A
-    /// joint without skin is not reduced.
+    /// The same, projected along `view`, a unit direction in the joint's frame: reduced by the part
+    /// of the motion along the line of sight, root mean square over the skin. A joint without skin
+    /// is not reduced.
     pub(crate) fn projected_error(&self, shown: Quat, wanted: Quat, view: Vec3) -> f32 {
         let rotation = rotation_vector(shown, wanted);
         let whole = self.second_moment.rms(rotation);
@@ -116,7 +118,8 @@ mod tests {
     }
 
     proptest! {
-        /// Acceptance test 8: the formula against projecting every point's displacement.
+        /// Test 8 of `docs/methods/motion-lod.md` part 10: the formula against projecting the
+        /// displacement of every point.
         #[test]
         fn second_moments_equal_brute_force(
             points in prop::collection::vec(point(), 5..60),
@@ -133,7 +136,7 @@ mod tests {
                 .map(|d| (d - w * d.dot(w)).length_squared())
                 .sum::<f64>()
                 / points.len() as f64;
-            // Relative to the unprojected motion: seen end on, both terms cancel.
+            // Relative to the unprojected motion: seen end-on, both terms cancel.
             let whole = points.iter().map(|p| r.cross(p.as_dvec3()).length_squared()).sum::<f64>()
                 / points.len() as f64;
             prop_assert!((formula - brute).abs() <= 1e-5 * whole.max(1e-12), "{formula} {brute}");

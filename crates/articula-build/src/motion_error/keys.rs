@@ -1,18 +1,19 @@
 //! Keys of one joint at one tolerance.
 //!
-//! Source: `docs/methods/motion-lod.md` 4.5 and 11. All three take the longest run that fits before
-//! they start the next one. A run of blends or of one rotation ends after [`LONGEST_RUN`] frames
-//! at the latest: trying ever longer runs costs the square of their length.
+//! Source: `docs/methods/motion-lod.md` 4.5 and 11. All three forms take the longest run that fits
+//! before they start the next one. A run of blends or of one rotation ends after at most
+//! [`LONGEST_RUN`] frames: testing ever longer runs is quadratic in their length.
 
 use articula_core::{angle_between, nlerp, same_hemisphere};
 use glam::Quat;
 use std::f32::consts::PI;
 
-/// Most frames of a run that is found by trial. The clips of the published numbers have fewer.
+/// Maximum number of frames of a run found by trial. The clips of the published numbers are
+/// shorter.
 pub(crate) const LONGEST_RUN: usize = 512;
 
-/// A greatest angle between rotations, tested on the chord between their quaternions: many
-/// times cheaper than the angle itself, and as exact where it is small.
+/// An upper limit on the angle between rotations, tested on the chord between their quaternions:
+/// many times cheaper than the angle, and as exact where it is small.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reach {
     chord_squared: f32,
@@ -30,34 +31,34 @@ impl Reach {
         }
     }
 
-    /// Whether the angle between two unit quaternions is less, or exactly this.
+    /// Whether the angle between two unit quaternions is at most the limit.
     pub(crate) fn covers(self, a: Quat, b: Quat) -> bool {
         chord_squared(a, b) <= self.chord_squared
     }
 
-    /// Whether the angle between two unit quaternions is less.
+    /// Whether the angle between two unit quaternions is less than the limit.
     pub(crate) fn exceeds(self, a: Quat, b: Quat) -> bool {
         chord_squared(a, b) < self.chord_squared
     }
 }
 
-/// Rises with the angle between two unit quaternions: `4 sin^2(angle / 4)`.
+/// Monotone in the angle between two unit quaternions: `4 sin^2(angle / 4)`.
 fn chord_squared(a: Quat, b: Quat) -> f32 {
     (a - same_hemisphere(a, b)).length_squared()
 }
 
-/// A run of frames and the one rotation that it shows.
+/// A run of frames and the one rotation shown for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Segment {
     /// First frame of the run.
     pub start: usize,
-    /// What is shown during the run.
+    /// Rotation shown during the run.
     pub key: Quat,
 }
 
-/// Frames at which a held rotation is renewed: as soon as it is farther than `radians` from
-/// the frame's own. Frame 0 is always a key. `candidates` are frames that may be keys, rising;
-/// a coarser level passes the finer one's keys, and then its own are among them.
+/// Frames at which a held rotation is renewed: as soon as it differs from the frame's own by more
+/// than `radians`. Frame 0 is always a key. `candidates` are the frames that may be keys,
+/// ascending; a coarser level passes the keys of the finer one, so that levels nest.
 pub(crate) fn hold_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32> {
     let mut keys: Vec<u32> = candidates.first().copied().into_iter().collect();
     let mut next = 1;
@@ -66,7 +67,7 @@ pub(crate) fn hold_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Ve
         if angle_between(values[held as usize], values[frame]) <= radians {
             continue;
         }
-        // The latest candidate up to here; a frame that is none was covered by one before it.
+        // The latest candidate up to here; other frames were covered by an earlier candidate.
         while next < candidates.len() && candidates[next] as usize <= frame {
             next += 1;
         }
@@ -78,12 +79,12 @@ pub(crate) fn hold_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Ve
     keys
 }
 
-/// Frames between which a normalised linear blend stays within `radians` of every frame. Both
-/// ends are keys. `candidates` as for [`hold_keys`].
+/// Frames between which a normalised linear blend stays within `radians` of every frame. Both ends
+/// are keys. `candidates` as for [`hold_keys`].
 pub(crate) fn linear_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32> {
     let mut keys: Vec<u32> = candidates.first().copied().into_iter().collect();
     let reach = Reach::new(radians);
-    // Twice that is the whole: what stays this close to the first key fits every blend.
+    // Slightly less than half: frames this close to the first key fit every blend.
     let close = Reach::new(0.499 * radians);
     let mut at = 0;
     while at + 1 < candidates.len() {
@@ -108,8 +109,8 @@ pub(crate) fn linear_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> 
     keys
 }
 
-/// Runs of frames that one rotation stands for within `radians`: half-way between the two
-/// frames of the run that differ most.
+/// Runs of frames that one rotation represents within `radians`: halfway between the two frames of
+/// the run that differ most.
 pub(crate) fn pose_segments(values: &[Quat], radians: f32) -> Vec<Segment> {
     let (reach, twice) = (Reach::new(radians), Reach::new(2.0 * radians));
     let mut segments = Vec::new();
@@ -139,8 +140,8 @@ pub(crate) fn pose_segments(values: &[Quat], radians: f32) -> Vec<Segment> {
     segments
 }
 
-/// The rotation whose greatest angle to all values is least, nearly: half-way between the two
-/// values that differ most, or the best value where that fails (of many values, the best of some
+/// Approximation of the rotation whose maximum angle to all values is smallest: halfway between the
+/// two values that differ most, or the best value where that fails (of many values, the best of
 /// [`LONGEST_RUN`] of them).
 pub(crate) fn central_rotation(values: &[Quat]) -> Option<Quat> {
     let first = *values.first()?;
@@ -159,7 +160,8 @@ pub(crate) fn central_rotation(values: &[Quat]) -> Option<Quat> {
             .map(|v| chord_squared(q, *v))
             .fold(0.0, f32::max)
     };
-    // A candidate is given up at the first value that is no nearer than the best one's farthest.
+    // A candidate is rejected at the first value that is at least as far away as the farthest value
+    // of the best one.
     let mut best = (worst(middle), middle);
     for q in values.iter().step_by(values.len().div_ceil(LONGEST_RUN)) {
         if values.iter().all(|v| chord_squared(*q, *v) < best.0) {
@@ -193,7 +195,7 @@ mod tests {
     #[test]
     fn a_steady_turn_by_hand() {
         let values = turn(&[0.0, 0.1, 0.2, 0.3, 0.4, 0.5]);
-        // 0.25 rad: frames 0, 1, 2 are within it of 0; frame 3 is not, and holds to the end.
+        // 0.25 rad: frames 0, 1, 2 are within it of frame 0; frame 3 is not, and holds to the end.
         assert_eq!(hold_keys(&values, 0.25, &all(&values)), [0, 3]);
         assert_eq!(linear_keys(&values, 0.01, &all(&values)), [0, 5]);
         let segments = pose_segments(&values, 0.105);

@@ -1,16 +1,17 @@
-//! How the skin hangs on each joint: levers, second moments, shares of the area.
+//! Levers, second moments and area shares of the skin of each joint.
 //!
-//! Source: `docs/methods/motion-lod.md` 4.1. Differs: besides the lever at rest, a reach is kept that
-//! bounds every pose; the lever at rest underestimates where a chain is bent at rest.
+//! Source: `docs/methods/motion-lod.md` 4.1. Besides the lever at rest there is a reach that bounds
+//! every pose: the lever at rest is too small for a chain that is bent at rest.
 
 use super::joint_lever::{JointLever, SecondMoment};
 use articula_core::{Mesh, PosedMesh, Rig};
 use glam::{Quat, Vec3};
 
-/// A vertex belongs to a joint's skin from this summed weight on.
+/// Minimum summed weight with which a vertex belongs to a joint's skin.
 const MIN_WEIGHT: f32 = 0.3;
 
-/// Levers of all joints, in the rig's order. Without a mesh they come from the bones.
+/// Computes the levers of all joints, in the rig's order. Without a mesh they follow from the
+/// bones.
 pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
     let rest = Rest::of(rig, mesh);
     let mut gathered = vec![Gathered::default(); rig.len()];
@@ -48,9 +49,9 @@ pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
         .collect()
 }
 
-/// For each joint, the most moving joints on the ways from the root to any vertex below it:
-/// what a tolerance must be divided by so that errors along a chain stay within it. Without a
-/// mesh, the ways to the joints themselves.
+/// For each joint, the maximum number of moving joints on the paths from the root to any vertex
+/// below it: the divisor of a tolerance with which errors along a chain stay within it. Without a
+/// mesh, the paths to the joints themselves.
 pub(crate) fn chain_counts(rig: &Rig, mesh: &Mesh, moving: &articula_core::JointSet) -> Vec<usize> {
     let mut counts = vec![1; rig.len()];
     let mut count = |ends: &mut dyn Iterator<Item = usize>| {
@@ -161,8 +162,8 @@ struct BoneLever {
     reach: f32,
 }
 
-/// Farthest descendant plus half of the last bone on the way to it: straight at rest, and along
-/// the bones.
+/// Distance of the farthest descendant plus half of the last bone on the path to it: straight at
+/// rest, and along the bones.
 fn bone_levers(rig: &Rig, rest: &Rest) -> Vec<BoneLever> {
     let mut levers = vec![BoneLever::default(); rig.len()];
     for joint in 0..rig.len() {

@@ -1,10 +1,11 @@
-//! The first step of every motion error metric: what is worked out before a clip plays.
+//! The first step of every motion error metric: tables computed before a clip plays.
 //!
-//! - [`levers`]: how the skin hangs on each joint
+//! - [`levers`]: extent of the skin that each joint moves
 //! - [`moving_joints`], [`joint_bounds`]: speed bounds and shares for the drift controller
-//! - [`key_table`]: nested keys for a ladder of tolerances, held, posed or blended, with [`table_hashes`]
-//! - [`pose_keys`]: whole-pose keys between which palettes blend
-//! - [`contact_intervals`]: when feet and hands stand still
+//! - [`key_table`]: nested keys for increasing tolerances, held, posed or blended, with
+//!   [`table_hashes`]
+//! - [`pose_keys`]: whole-pose keys between which palettes are blended
+//! - [`contact_intervals`]: intervals in which feet and hands stand still
 
 pub(crate) mod bounds;
 pub(crate) mod closed_loop;

@@ -1,12 +1,12 @@
 //! Whole-pose keys: ticks between which blended palettes follow the motion.
 //!
 //! Source: `docs/methods/motion-lod.md` part 6. Skinning is linear in the palette, so blending two
-//! palettes moves every vertex on a straight line between the two skinned poses. Keys are
-//! chosen on a grid of at least 120 Hz and tested on all of it, between the clip's own frames
-//! too; a level whose spans would hardly be longer than two display frames is marked to be
-//! evaluated. Differs: a span is found by doubling and halving, so that the work grows with the
-//! clip and not with its square, and none crosses the border of a block of some thousand ticks,
-//! so that only one block of poses is held at a time.
+//! palettes moves every vertex on a straight line between the two skinned poses. Keys are chosen on
+//! a grid of at least 120 Hz and tested on all of it, between the clip's own frames too; a level
+//! whose spans would hardly be longer than two display frames is marked to be evaluated. A span is
+//! found by doubling and halving, so that the cost is proportional to the clip's length and not
+//! quadratic, and none crosses the border of a block of some thousand ticks, so that only one block
+//! of poses is in memory at a time.
 
 use super::runs::long_runs;
 use super::tables::{FINEST_TOLERANCE_METRES, TOLERANCE_LEVELS, table_hashes};
@@ -15,18 +15,18 @@ use crate::points::Points;
 use articula_core::{Clip, PoseKeys};
 use glam::Vec3;
 
-/// Least rate at which straightness is tested.
+/// Minimum rate at which straightness is tested.
 const MIN_TICK_HZ: f32 = 120.0;
 
 /// Ticks of a block: half a minute.
 const BLOCK_TICKS: usize = 4096;
 
-/// Spans that are no longer than this on average are not worth their blending: two display
-/// frames at 60 Hz.
+/// Minimum average length of the spans of a level for blending to pay off: two display frames at 60
+/// Hz.
 const MIN_SPAN_SECS: f32 = 2.0 / 60.0;
 
-/// Keys for every level of the usual ladder. `watched` vertices of the skin, chosen by `seed`,
-/// are looked at. Root motion is part of it: the palette moves on straight lines too.
+/// Computes whole-pose keys for every tolerance level, tested on `watched` vertices of the skin
+/// drawn with `seed`. Root motion is included: the palette moves on straight lines too.
 pub fn pose_keys(asset: &Asset, clip: &Clip, watched: usize, seed: u64) -> PoseKeys {
     let points = Points::draw(asset, watched, seed);
     let per_frame = (MIN_TICK_HZ / clip.rate_hz()).ceil().max(1.0);
@@ -58,7 +58,7 @@ pub fn pose_keys(asset: &Asset, clip: &Clip, watched: usize, seed: u64) -> PoseK
     }
 }
 
-/// The ends of long straight runs that follow each other, the last the end of the poses.
+/// The ends of consecutive long straight runs, the last one at the end of the poses.
 fn straight_runs(skins: &[Vec<Vec3>], tolerance: f32) -> Vec<usize> {
     long_runs(skins.len() - 1, |from, to| {
         is_straight(skins, from, to, tolerance)
@@ -88,7 +88,7 @@ mod tests {
         });
         let skins: Vec<_> = path.collect();
         assert_eq!(straight_runs(&skins, 1e-3), [8, 16]);
-        // Nothing but corners.
+        // Every tick is a corner.
         let zigzag: Vec<_> = (0..=3).map(|t| vec![Vec3::Y * (t % 2) as f32]).collect();
         assert_eq!(straight_runs(&zigzag, 1e-3), [1, 2, 3]);
         assert!(straight_runs(&zigzag[..1], 1e-3).is_empty());

@@ -1,8 +1,8 @@
-//! Long runs of keys for which one straight piece is good enough.
+//! Long runs of keys that one straight piece approximates.
 
-/// Splits `0..=last` into runs that fit and gives the end of each, the last one `last`. A run
-/// of one step always fits. Each is found by doubling and then halving its length, so that the
-/// work grows with the runs and not with their squares.
+/// Splits `0..=last` into runs that fit and returns the end of each, the last one `last`. A run of
+/// one step always fits. Each is found by doubling and then halving its length, so that the cost is
+/// proportional to the runs and not quadratic.
 pub(crate) fn long_runs(last: usize, fits: impl Fn(usize, usize) -> bool) -> Vec<usize> {
     let mut ends = Vec::new();
     let mut at = 0;

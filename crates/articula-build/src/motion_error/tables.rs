@@ -1,4 +1,5 @@
-//! Nested keys of every joint for a ladder of tolerances, and fingerprints of what they fit.
+//! Nested keys of every joint for increasing tolerances, and hashes of the data that they belong
+//! to.
 //!
 //! Source: `docs/methods/motion-lod.md` 4.5 and 9 (`segs`).
 
@@ -8,13 +9,13 @@ use super::keys::{hold_keys, linear_keys};
 use crate::character::Asset;
 use articula_core::{Clip, KeyMode, KeyTable, Mesh, Rig, TableHashes};
 
-/// Finest tolerance of the usual ladder, that of level 0.
+/// Tolerance of level 0, the finest.
 pub(super) const FINEST_TOLERANCE_METRES: f32 = 0.0005;
-/// Number of levels of the usual ladder: 0.5 mm to 256 mm.
+/// Number of tolerance levels: 0.5 mm to 256 mm, each twice the one before.
 pub(super) const TOLERANCE_LEVELS: usize = 10;
 
-/// Fingerprints of a rig, a clip and a mesh: FNV-1a over their numbers, the same on every
-/// machine. They tell a stale table from a fitting one; they are no protection.
+/// Computes the hashes of a rig, a clip and a mesh: FNV-1a over their data, the same on every
+/// platform. They detect stale tables; they are no protection against tampering.
 pub fn table_hashes(rig: &Rig, clip: &Clip, mesh: &Mesh) -> TableHashes {
     TableHashes {
         rig: rig_hash(rig),
@@ -23,7 +24,7 @@ pub fn table_hashes(rig: &Rig, clip: &Clip, mesh: &Mesh) -> TableHashes {
     }
 }
 
-/// Keys of all moving joints at every level of the usual ladder, finest first.
+/// Computes keys of all moving joints at every tolerance level, finest first.
 pub fn key_table(asset: &Asset, clip: &Clip, levers: &[JointLever], mode: KeyMode) -> KeyTable {
     let moving = moving_joints(asset, clip);
     let mut keys = vec![vec![Vec::new(); TOLERANCE_LEVELS]; asset.rig.len()];

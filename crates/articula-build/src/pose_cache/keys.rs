@@ -1,4 +1,4 @@
-//! Which moments of a clip are keys: long spans in which straight lines stay near the skin.
+//! Selection of the key times of a clip: long spans in which linear blends stay close to the skin.
 
 use super::skins::Skins;
 use crate::motion_error::runs::long_runs;
@@ -6,22 +6,21 @@ use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
 use articula_core::{Backend, ClipSet, Mismatch, PaletteForm, PaletteMap, PaletteRows};
 use glam::Vec3;
 
-/// Least rate of the moments that may be keys.
+/// Minimum rate of the times that may become keys.
 const MIN_TICK_HZ: f32 = 120.0;
 
-/// Ticks of a block: so many poses are held at a time, and a block's end is a key.
+/// Ticks in a block: limits the number of poses in memory; the end of a block is a key.
 const BLOCK_TICKS: usize = 2048;
 
-/// Keys that are no farther apart than this on average are not worth their blending: two
-/// display frames at 60 Hz.
+/// Minimum mean distance of keys for which blending pays: two display frames at 60 Hz.
 const MIN_SPAN_SECS: f64 = 2.0 / 60.0;
 
-/// The grid of a clip: its frames are ticks, and there are at least 120 a second. Keys stand on
-/// ticks; straightness is tested half-way between ticks too.
+/// Time grid of a clip: its frames are ticks, and there are at least 120 ticks a second. Keys are
+/// at ticks; straightness is tested half-way between ticks too.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ticks {
     hz: f64,
-    /// The last tick, at the clip's end.
+    /// Index of the last tick, at the end of the clip.
     last: usize,
     end_secs: f32,
 }
@@ -41,12 +40,12 @@ impl Ticks {
         Self::new(MIN_TICK_HZ, 1, 0.0)
     }
 
-    /// Number of half ticks, both ends counted.
+    /// Number of half ticks, including both ends.
     pub(super) fn halves(&self) -> usize {
         2 * self.last + 1
     }
 
-    /// Time of a half tick; every second one is a tick.
+    /// Time of a half tick in seconds; every second one is a tick.
     pub(super) fn secs(&self, half: usize) -> f32 {
         if half == 2 * self.last {
             return self.end_secs;
@@ -63,11 +62,11 @@ impl Ticks {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Chosen {
     pub(super) times_secs: Vec<f32>,
-    /// Whether blending them follows the motion and is worth it.
+    /// Whether their blends follow the motion and are far enough apart.
     pub(super) follows: bool,
 }
 
-/// The full palettes of half ticks, one after the other.
+/// Full palettes at the half ticks, one after another.
 pub(super) fn evaluated(
     clips: &ClipSet,
     (clip, ticks): (usize, &Ticks),
@@ -90,8 +89,7 @@ pub(super) fn evaluated(
     Ok(rows)
 }
 
-/// Keys of a clip for several levels, each with its tolerances; a list of keys for each
-/// tolerance.
+/// Returns the keys of a clip for several levels: one list for each tolerance of each level.
 pub(super) fn choose(
     clips: &ClipSet,
     (clip, ticks): (usize, &Ticks),
@@ -132,8 +130,8 @@ pub(super) fn choose(
     Ok(found.into_iter().map(each).collect())
 }
 
-/// Whether the 95th percentile over points stays within the tolerance of the straight way
-/// between two poses, at each pose between them.
+/// Whether the 95th percentile over points stays within the tolerance of the straight lines between
+/// two poses, at each pose between them.
 fn is_straight(poses: &[Vec<Vec3>], from: usize, to: usize, tolerance: f32) -> bool {
     let limit = tolerance * tolerance;
     let (a, b) = (&poses[from], &poses[to]);
@@ -146,8 +144,8 @@ fn is_straight(poses: &[Vec<Vec3>], from: usize, to: usize, tolerance: f32) -> b
     })
 }
 
-/// How many of so many values may be larger than their 95th percentile, as `percentile` draws
-/// its line between two of them: those behind the upper one.
+/// Number of values of `count` that may exceed their 95th percentile as `percentile` interpolates
+/// it: those beyond the upper of its two neighbours.
 fn points_beyond(count: usize) -> usize {
     let below = (0.95 * count.saturating_sub(1) as f32) as usize;
     count.saturating_sub(below + 2)
@@ -177,7 +175,7 @@ mod tests {
         let ticks = Ticks::new(30.0, 4, 0.1);
         assert_eq!((ticks.last, ticks.halves()), (12, 25));
         assert_eq!([0, 8, 24].map(|h| ticks.secs(h)), [0.0, 1.0 / 30.0, 0.1]);
-        // A twelfth of a second and a bit: one span is worth it, three are not.
+        // A little over a twelfth of a second: one span pays, three do not.
         assert!(ticks.pays(1) && ticks.pays(2) && !ticks.pays(3));
         let single = Ticks::single();
         assert_eq!((single.halves(), single.secs(0)), (1, 0.0));
@@ -194,7 +192,7 @@ mod tests {
         let poses: Vec<_> = (0..=8).map(at).collect();
         assert!(is_straight(&poses, 0, 4, 1e-3) && is_straight(&poses, 4, 8, 1e-3));
         assert!(!is_straight(&poses, 2, 6, 1e-3));
-        // The corner lies half a diagonal of two off the way from (2, 0) to (4, 2).
+        // The corner is half the diagonal of a square of side 2 off the line from (2, 0) to (4, 2).
         assert!(is_straight(&poses, 2, 6, 1.415) && !is_straight(&poses, 2, 6, 1.414));
     }
 }

@@ -1,8 +1,8 @@
-//! How far blended palettes put the skin from evaluated ones.
+//! Error of blended palettes, measured on the skin against evaluated ones.
 //!
-//! Error of a moment: per vertex, as `docs/metrics.md` has it for levels. Between two moments of
-//! the grid the true way of a vertex bends; how far it may do so is told by the moment between
-//! them and added, so that the stated error holds at any time.
+//! The error at a time is measured per vertex, as `docs/metrics.md` defines it for levels. Between
+//! two times of the grid the true trajectory of a vertex is curved; its curvature is estimated from
+//! the time half-way and added, so that the stated error holds at any time.
 
 use super::keys::{Ticks, evaluated};
 use super::skins::Skins;
@@ -12,23 +12,23 @@ use articula_core::{
 };
 use glam::Vec3;
 
-/// Half ticks that are evaluated at once.
+/// Number of half ticks that are evaluated at once.
 const BLOCK_HALVES: usize = 512;
 
-/// Part of the bend over one tick that counts as error between its half ticks: a steady bend
-/// would show a quarter there.
+/// Share of the bend over one tick that is added between its half ticks: a constant curvature would
+/// need a quarter.
 const BEND_SHARE: f32 = 0.5;
 
-/// Error of one clip at one level, the greatest over its moments.
+/// Error of one clip at one level, as the maximum over time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct BlendError {
     /// 95th percentile over vertices.
     pub(super) percentile_metres: f32,
-    /// Greatest over vertices.
+    /// Maximum over vertices.
     pub(super) worst_metres: f32,
 }
 
-/// What is known of the last three half ticks at one level.
+/// State of the last three half ticks at one level.
 #[derive(Default)]
 struct Recent {
     truth: [Vec<Vec3>; 3],
@@ -68,7 +68,7 @@ pub(super) fn measure(
     Ok(recent.iter().map(|r| r.error).collect())
 }
 
-/// The palette that the cache shows.
+/// Palette given by the cache.
 fn blended(cache: &PoseCache, clip: usize, level: usize, secs: f32) -> Option<Vec<[f32; 4]>> {
     let records = [cache.locate(clip, level, secs)?];
     let len = cache.matrices(level) * 3;
@@ -93,9 +93,9 @@ fn blended(cache: &PoseCache, clip: usize, level: usize, secs: f32) -> Option<Ve
 }
 
 impl Recent {
-    /// Takes in a half tick, whose true and shown points `skin` writes.
+    /// Adds a half tick, whose true and shown points `skin` writes.
     fn take(&mut self, half: usize, skin: impl FnOnce(&mut Vec<Vec3>, &mut Vec<Vec3>)) {
-        // A tick, the half tick behind it, the next tick.
+        // A tick, the half tick after it, the next tick.
         let slot = if half == 0 { 0 } else { 2 - half % 2 };
         let truth = &mut self.truth[slot];
         skin(truth, &mut self.shown);
@@ -113,7 +113,7 @@ impl Recent {
         }
     }
 
-    /// Error of each vertex within the tick that just ended.
+    /// Error of each vertex within the last tick.
     fn span(&mut self) {
         let [before, middle, after] = &self.truth;
         let [a, b, c] = &self.off;
@@ -139,8 +139,8 @@ mod tests {
 
     #[test]
     fn by_hand() {
-        // One vertex on a parabola through (0, 0), (1, 1), (2, 4) in half ticks; shown on the
-        // chord over two ticks (four half ticks): at 4 t it misses by 0, 3, 4, 3, 0.
+        // One vertex on a parabola through (0, 0), (1, 1), (2, 4) in half ticks; shown on the chord
+        // over two ticks (four half ticks): at 4 t it misses by 0, 3, 4, 3, 0.
         let mut recent = Recent::default();
         for half in 0..=4usize {
             let t = half as f32;
@@ -149,7 +149,7 @@ mod tests {
                 *shown = vec![Vec3::Y * (4.0 * t)];
             });
         }
-        // Each tick bends by 1 in its middle, of which a half counts.
+        // Each tick bends by 1 in its middle, half of which counts.
         assert_eq!(recent.error.worst_metres, 4.5);
         assert_eq!(recent.error.percentile_metres, 4.5);
         let mut single = Recent::default();

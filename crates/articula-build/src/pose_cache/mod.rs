@@ -1,11 +1,12 @@
-//! Pose keys for all clips and levels of a character, baked into one cache.
+//! Pose cache: baked palettes at key poses of every clip and level of a character, to be blended
+//! linearly.
 //!
-//! Source: `docs/methods/motion-lod.md` part 6 with its cautions, `docs/methods/runtime.md` 4.1. For each clip and
-//! level as few whole poses are kept as the level's tolerance allows. Differs: the tolerance is a
-//! share of what the level itself costs in that clip, because the two errors add up, and fast
-//! clips get more as long as the next level alone is worse; what is measured is what the frame shows, through [`PoseCache`] itself, at twice the rate that keys
-//! were chosen at; and the cache is filled from the coarsest level up, since most of a crowd is
-//! far away.
+//! Source: `docs/methods/motion-lod.md` part 6, `docs/methods/runtime.md` part 4.1. Each clip and
+//! level has as few keys as its tolerance allows. The tolerance is a share of the error of the
+//! level itself in that clip, since the two errors add up; fast clips are allowed more as long as
+//! the next level alone is worse. Errors are measured on the result, through [`PoseCache`] itself,
+//! at twice the rate at which keys were chosen. The cache is filled from the coarsest level up,
+//! since most of a crowd is far away.
 
 mod keys;
 mod measure;
@@ -21,32 +22,32 @@ use keys::{Ticks, choose};
 use measure::measure;
 use skins::Skins;
 
-/// How often a tolerance may be doubled for a clip that is too fast for it.
+/// Maximum number of times that a tolerance is doubled for a fast clip.
 const MAX_DOUBLINGS: u32 = 3;
 
-/// How a cache is made.
+/// Options of [`cached_poses`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CacheOptions {
-    /// How palettes are written: [`PaletteForm::Matrix`] or [`PaletteForm::HalfMatrix`], the two
-    /// that may be blended linearly.
+    /// Form of the palettes: [`PaletteForm::Matrix`] or [`PaletteForm::HalfMatrix`], which can be
+    /// blended linearly.
     pub form: PaletteForm,
-    /// Error that blending may add, as a part of the level's own error in the clip; more for fast
-    /// clips, see `CacheOptions::tolerances_metres`.
+    /// Error that blending may add, as a fraction of the level's own error in the clip. Where keys
+    /// would be too close, it is doubled up to three times, as long as both errors together do not
+    /// exceed that of the next level.
     pub share: f32,
-    /// Error that blending may add at level 0 however small the level's own is, metres; twice as
-    /// much at each further level.
+    /// Error that blending may always add at level 0, in metres; doubled at each further level.
     pub least_metres: f32,
-    /// Most bytes of all palettes together.
+    /// Maximum size of all palettes together, in bytes.
     pub palette_bytes: usize,
-    /// Watched vertices.
+    /// Number of vertices that errors are measured on.
     pub vertices: usize,
-    /// Seed of the watched vertices.
+    /// Seed of the sample of vertices.
     pub seed: u64,
 }
 
 impl Default for CacheOptions {
-    /// f32 palettes of at most 16 MiB; a quarter of the level's own error, but 0.5 mm at level 0,
-    /// 1 mm at level 1 and so on; the 700 vertices that level errors are measured with.
+    /// f32 palettes of at most 16 MiB; a quarter of the level's own error, but at least 0.5 mm at
+    /// level 0, 1 mm at level 1 and so on; the 700 vertices that level errors are measured on.
     fn default() -> Self {
         Self {
             form: PaletteForm::Matrix,
@@ -60,9 +61,9 @@ impl Default for CacheOptions {
 }
 
 impl CacheOptions {
-    /// What blending may cost at a level, by the errors of all levels of the clip: the share or
-    /// the least, and where keys would stand too close for that, twice as much and again, as long
-    /// as the two errors together stay below the next level's own.
+    /// Tolerances for blending at a level, tightest first, given the errors of all levels of the
+    /// clip: the share or the minimum, then doubled as long as both errors together do not exceed
+    /// that of the next level.
     pub(crate) fn tolerances_metres(&self, level: usize, levels_metres: &[f32]) -> Vec<f32> {
         let own = levels_metres.get(level).copied().unwrap_or(0.0);
         let next = levels_metres.get(level + 1).copied().unwrap_or(0.0);
@@ -73,55 +74,55 @@ impl CacheOptions {
     }
 }
 
-/// What became of a clip at a level.
+/// Whether a clip is cached at a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum CacheDecision {
-    /// It is in the cache.
+    /// In the cache.
     Cached,
-    /// Evaluate: keys would stand two display frames apart or less, or the clip jumps.
+    /// Not cached: keys would be two display frames apart or less, or the clip jumps.
     TooFast,
-    /// Evaluate: what was cached before left no room.
+    /// Not cached: not enough space left.
     NoRoom,
 }
 
-/// One clip at one level.
+/// Result for one clip at one level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CacheReport {
-    /// The clip.
+    /// Index of the clip.
     pub clip: usize,
-    /// The level.
+    /// Index of the level.
     pub level: usize,
-    /// What became of it.
+    /// Whether the clip is cached at this level.
     pub fate: CacheDecision,
-    /// Keys that the tolerance asks for.
+    /// Number of keys that the tolerance requires.
     pub keys: usize,
-    /// Bytes of their palettes.
+    /// Size of their palettes in bytes.
     pub bytes: usize,
-    /// The tolerance that keys were chosen for.
+    /// Tolerance that the keys were chosen for, in metres.
     pub tolerance_metres: f32,
-    /// Error as the cache states it; 0 where nothing is cached.
+    /// Error that the cache states, the 95th percentile over vertices, in metres; 0 if not cached.
     pub error_metres: f32,
-    /// The same with the greatest over the watched vertices.
+    /// Maximum error over the watched vertices, in metres; 0 if not cached.
     pub worst_metres: f32,
 }
 
-/// A cache, and what is in it and what is not.
+/// A pose cache and a report of its contents.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CachedPoses {
-    /// For the frame.
+    /// The cache.
     pub cache: PoseCache,
-    /// One entry for each clip and level, clip by clip.
+    /// One entry per clip and level, ordered by clip.
     pub report: Vec<CacheReport>,
 }
 
-/// Chooses keys, bakes their palettes with the evaluator of the frame and measures the result.
+/// Chooses keys, bakes their palettes with the evaluator of the frame loop and measures the result.
 ///
-/// `clips` are the character's in the order of its ladder. A character without mesh has no
-/// palette, so all its poses are to be evaluated.
+/// `clips` are the clips of the character, in the order of its joint LODs. A character without a
+/// mesh has no palette, so nothing is cached.
 ///
 /// # Errors
-/// A [`Mismatch`] if clips, levels and character do not belong together, the form cannot be
-/// blended, or an option is no number.
+/// A [`Mismatch`] if clips, levels and character do not belong together, the form cannot be blended
+/// linearly, or an option is negative or not finite.
 pub fn cached_poses(
     asset: &Asset,
     levels: &MergedLevels,
@@ -203,7 +204,7 @@ fn check(
     Ok(())
 }
 
-/// The grid of each clip; a single moment for a rig without clips.
+/// The time grid of each clip; a single time for a rig without clips.
 fn ticks_of(asset: &Asset, clips: &ClipSet) -> Vec<Ticks> {
     let of = |clip: usize| match asset.clips.get(clip) {
         None => Ticks::single(),
@@ -212,7 +213,7 @@ fn ticks_of(asset: &Asset, clips: &ClipSet) -> Vec<Ticks> {
     (0..clips.clips()).map(of).collect()
 }
 
-/// The keys that one clip needs at one level.
+/// Keys of one clip at one level.
 struct Plan {
     times_secs: Vec<f32>,
     report: CacheReport,
@@ -234,7 +235,7 @@ fn planned(
     let map = &levels.skins.palette;
     let chosen = choose(clips, (clip, ticks), map, skins, &tolerances)?;
     let plans = chosen.into_iter().enumerate().map(|(level, mut chosen)| {
-        // The tightest one that is worth it, or else the tightest.
+        // The tightest tolerance whose keys pay, or else the tightest.
         let at = chosen.iter().position(|c| c.follows).unwrap_or(0);
         let tolerance_metres = tolerances[level][at];
         let chosen = chosen.swap_remove(at);
@@ -262,7 +263,7 @@ fn planned(
     Ok(plans.collect())
 }
 
-/// Leaves out what does not fit, the coarsest levels served first.
+/// Drops what does not fit; the coarsest levels come first.
 fn allot(plans: &mut [Vec<Plan>], most_bytes: usize) {
     let mut left = most_bytes;
     let levels = plans.first().map_or(0, Vec::len);
@@ -278,7 +279,7 @@ fn allot(plans: &mut [Vec<Plan>], most_bytes: usize) {
     }
 }
 
-/// Palettes at all keys, the coarsest level first, and where they stand.
+/// Palettes at all keys, the coarsest level first, and their positions.
 fn bake(
     baker: &BatchEvaluator<'_>,
     clips: &ClipSet,

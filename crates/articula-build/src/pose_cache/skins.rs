@@ -1,4 +1,4 @@
-//! Watched vertices of the skin of every level.
+//! Watched vertices of the skins of all levels.
 
 use super::CacheOptions;
 use crate::character::Asset;
@@ -7,7 +7,7 @@ use crate::points::draw_vertices;
 use articula_core::{Mesh, skin_points};
 use glam::{Affine3A, Vec3};
 
-/// The skins, and the sample of their vertices that stands for all.
+/// The skins of all levels and the sample of vertices to measure.
 pub(super) struct Skins {
     meshes: Vec<Mesh>,
     vertices: Vec<u32>,
@@ -15,7 +15,7 @@ pub(super) struct Skins {
 }
 
 impl Skins {
-    /// Draws the vertices that level errors are measured at, given the same seed.
+    /// Draws the vertices that level errors are measured at, if the seed is the same.
     pub(super) fn new(asset: &Asset, levels: &MergedLevels, opts: &CacheOptions) -> Self {
         let full = &asset.mesh;
         let mut vertices = draw_vertices(full.len(), opts.vertices, opts.seed);
@@ -33,8 +33,8 @@ impl Skins {
         self.meshes.len()
     }
 
-    /// Where a palette puts the watched vertices of a level; it may hold more than the level's
-    /// own matrices.
+    /// Posed positions of the watched vertices of a level; the palette may hold more matrices than
+    /// the level needs.
     pub(super) fn points(&mut self, level: usize, rows: &[[f32; 4]], out: &mut Vec<Vec3>) {
         let mesh = &self.meshes[level];
         self.palette.clear();

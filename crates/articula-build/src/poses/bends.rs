@@ -1,8 +1,8 @@
 //! Random poses for a character without motion: every joint bent within its limits.
 //!
 //! Limits are round numbers below the ranges of motion that clinical tables give for adults
-//! (American Academy of Orthopaedic Surgeons, Joint Motion, 1965), so that most poses look
-//! possible. Elbows and knees bend about their hinge and to one side only; a character faces +Z.
+//! (American Academy of Orthopaedic Surgeons, Joint Motion, 1965), so that most poses are
+//! plausible. Elbows and knees bend about their hinge to one side only; a character faces +Z.
 
 use super::skin_pose::{PoseOrigin, SkinPose};
 use crate::character::Asset;
@@ -10,25 +10,26 @@ use crate::split_mix::SplitMix;
 use articula_core::{JointArticulation, ModelPose, Region, local_to_model};
 use glam::{Quat, Vec3};
 
-/// Mapped joints from which on a rig counts as a human.
+/// Minimum number of mapped joints for a rig to be treated as human.
 const MIN_MAPPED: usize = 10;
 
-/// Limit of a joint of which nothing is known, degrees.
+/// Limit of a joint of an unknown kind, in degrees.
 const ANY_DEGREES: f32 = 40.0;
 
-/// Limit of a joint of a human that the standard does not have: a twist, a lock of hair.
+/// Limit of a joint of a human rig that the H-Anim standard does not have, such as a twist joint or
+/// a lock of hair, in degrees.
 const HELPER_DEGREES: f32 = 10.0;
 
-/// How a joint bends.
+/// Range of motion of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Bend {
-    /// About any axis, to at most so many radians.
+    /// About any axis, by at most this angle in radians.
     Ball(f32),
-    /// About one axis in the joint's own frame, one way.
+    /// About one axis in the joint's own frame, from 0 to this angle in radians.
     Hinge(Vec3, f32),
 }
 
-/// Makes poses.
+/// Generator of random poses.
 #[derive(Debug)]
 pub(super) struct Bends {
     joints: Vec<Bend>,
@@ -66,7 +67,7 @@ impl Bends {
         }
     }
 
-    /// The next pose.
+    /// Returns the next pose.
     pub(super) fn next(&mut self, asset: &Asset) -> SkinPose {
         let mut pose = SkinPose::rest(asset);
         let number = self.count;
@@ -118,7 +119,7 @@ fn limit_degrees(joint: &JointArticulation) -> f32 {
     }
 }
 
-/// Which way the far end of a hinge goes when it bends; `None` for what is no hinge.
+/// Direction in which the far end of a hinge moves when it bends; `None` for other joints.
 fn front_of_hinge(joint: &JointArticulation) -> Option<Vec3> {
     match joint.hanim.as_deref()? {
         "l_elbow" | "r_elbow" => Some(Vec3::Z),
@@ -127,7 +128,7 @@ fn front_of_hinge(joint: &JointArticulation) -> Option<Vec3> {
     }
 }
 
-/// The axis, in the joint's own frame at rest, about which its first child goes towards `front`.
+/// Axis, in the joint's own frame at rest, about which its first child moves towards `front`.
 fn hinge(asset: &Asset, model: &ModelPose, joint: usize, front: Vec3) -> Option<Vec3> {
     let child = (0..asset.rig.len()).find(|c| asset.rig.parent(*c) == Some(joint))?;
     let along = model.position(child) - model.position(joint);
@@ -163,7 +164,7 @@ mod tests {
                 let limit = limit_degrees(&rig.articulation().joints[j]).to_radians();
                 assert!(turned <= limit + 1e-4, "{} {turned}", rig.name(j));
             }
-            // Bent alone, the far end comes forwards or goes back.
+            // Bent alone, the far end moves forwards or backwards.
             let alone = |joint: usize, end: usize| {
                 let mut local = rig.rest_pose().clone();
                 let mut model = ModelPose::new(rig.len());

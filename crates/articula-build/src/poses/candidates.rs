@@ -1,4 +1,4 @@
-//! The poses that are chosen from.
+//! The poses to choose from.
 
 use super::bends::Bends;
 use super::shape::{Sample, Shape};
@@ -7,13 +7,13 @@ use crate::character::Asset;
 use crate::joint_lods::{share_frames, spread_frames};
 use articula_core::Morph;
 
-/// Frames looked at, over all clips.
+/// Maximum number of frames, over all clips.
 const MAX_FRAMES: usize = 600;
 
-/// Random bends of a character that no clip moves.
+/// Number of random bends for a character whose clips do not move it.
 const BENDS: usize = 64;
 
-/// Morph targets that move no vertex by this part of what the largest moves are left out.
+/// Minimum displacement of a morph target relative to the largest one; smaller ones are ignored.
 const SMALL_MORPH: f32 = 0.1;
 
 /// A pose with its shape.
@@ -21,11 +21,11 @@ const SMALL_MORPH: f32 = 0.1;
 pub(super) struct Candidate {
     pub(super) pose: SkinPose,
     pub(super) shape: Shape,
-    /// What it shares with others: the clip that it is from.
+    /// Index of its group: the clip, or the kind of pose.
     pub(super) group: usize,
 }
 
-/// Poses that are chosen from.
+/// A list of candidate poses in groups.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Candidates {
     pub(super) list: Vec<Candidate>,
@@ -58,7 +58,7 @@ impl Candidates {
         all
     }
 
-    /// Each big morph target at weight 1, one group; none if a clip drives morph targets.
+    /// Each large morph target at weight 1, one group; none if a clip drives morph targets.
     pub(super) fn of_morphs(asset: &Asset, sample: &Sample) -> Self {
         let mut all = Self::default();
         if asset.clips.iter().any(|c| !c.tracks().morphs.is_empty()) {
@@ -82,17 +82,17 @@ impl Candidates {
         all
     }
 
-    /// Whether some two of them differ by at least so much.
+    /// Whether two candidates may differ by at least `least_metres`; false only if none do.
     pub(super) fn differ(&self, least_metres: f32) -> bool {
         let Some(first) = self.list.first() else {
             return false;
         };
         let apart = |c: &Candidate| first.shape.apart_metres(&c.shape);
-        // Half of the widest distance is not above the distance from any one of them.
+        // Half of the largest distance is at most the distance from some candidate to the first.
         self.list.iter().any(|c| apart(c) >= 0.5 * least_metres)
     }
 
-    /// These and others, whose groups are others.
+    /// Appends other candidates with groups of their own.
     pub(super) fn and(mut self, others: Self) -> Self {
         let first = self.groups;
         let moved = others.list.into_iter().map(|c| Candidate {
@@ -109,7 +109,7 @@ impl Candidates {
         self.groups
     }
 
-    /// Adds a pose to the group that is being filled, unless it is not finite.
+    /// Adds a pose to the current group, unless it is not finite.
     fn push(&mut self, asset: &Asset, sample: &Sample, pose: SkinPose) {
         if let Some(shape) = sample.shape(asset, &pose) {
             let group = self.groups;
@@ -118,7 +118,7 @@ impl Candidates {
     }
 }
 
-/// The farthest that a morph target moves a vertex.
+/// Maximum displacement of a vertex by a morph target.
 fn farthest(morph: &Morph) -> f32 {
     let lengths = morph.positions.iter().map(|p| p.length());
     lengths.filter(|l| l.is_finite()).fold(0.0, f32::max)

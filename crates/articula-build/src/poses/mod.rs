@@ -1,14 +1,15 @@
-//! Poses that stand for how a character moves: some to simplify its mesh by, others to measure on.
+//! Representative poses of a character: one set to simplify its mesh by, another to measure errors
+//! on.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 6 and 9; pose-summed quadrics after Mohr and Gleicher
+//! Source: `docs/methods/clustered-mesh.md` part 6; pose-summed quadrics after Mohr and Gleicher
 //! (Deformation Sensitive Decimation, 2003) and DeCoro and Rusinkiewicz (Pose-independent
-//! Simplification of Articulated Meshes, 2005). Differs: poses are those of the character's own
-//! clips that differ most in shape (farthest-point sampling, Gonzalez 1985), and what is measured
-//! on is kept apart from them.
+//! Simplification of Articulated Meshes, 2005). Poses are those of the character's own clips that
+//! differ most in shape (farthest-point sampling, Gonzalez 1985); those to measure on are distinct
+//! from those to simplify by.
 //!
-//! Two poses are as far apart as their skins are once one is laid onto the other by the best
-//! rigid motion (root mean square over a seeded sample of vertices), so that the way of a
-//! character through the world does not count.
+//! The distance of two poses is the root mean square distance of their skins, over a seeded sample
+//! of vertices, after the best rigid motion. Motion of the whole character through the world
+//! therefore does not count.
 
 mod bends;
 mod candidates;
@@ -25,19 +26,19 @@ use candidates::Candidates;
 use shape::Sample;
 use spread::Picked;
 
-/// Poses closer than this part of the skin's diagonal at rest count as one.
+/// Distance below which two poses count as one, relative to the diagonal of the skin at rest.
 const SAME_SHAPE: f32 = 0.0025;
 
-/// How many poses are looked for.
+/// Options of [`poses`]: the number of poses of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PoseOptions {
-    /// Poses to simplify by, besides the rest pose.
+    /// Maximum number of poses to simplify by, besides the rest pose.
     pub shaping: usize,
-    /// Further ones of single morph targets, where no clip drives any.
+    /// Maximum number of further ones of single morph targets, where no clip drives any.
     pub morphs: usize,
-    /// Poses to measure on.
+    /// Maximum number of poses to measure on.
     pub measuring: usize,
-    /// Seed of the watched vertices and of bends.
+    /// Seed of the sample of vertices and of bends.
     pub seed: u64,
 }
 
@@ -53,39 +54,38 @@ impl Default for PoseOptions {
     }
 }
 
-/// Where the poses of a character come from.
+/// Source of the poses of a character.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SkinPoseSource {
-    /// Its clips.
+    /// The character's clips.
     Clips,
-    /// Random bends of its joints within what a human can do, since no clip changes its shape.
+    /// Random bends of the joints within human limits, since no clip changes the shape.
     Bends,
-    /// Its morph targets alone: neither clips nor joints change its shape.
+    /// Morph targets only: neither clips nor joints change the shape.
     Morphs,
-    /// Nothing changes its shape: the rest pose is all there is.
+    /// Nothing changes the shape: there is the rest pose only.
     Rest,
 }
 
-/// Poses of a character.
+/// Selected poses of a character.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Poses {
-    /// Where they come from.
+    /// Source of the poses.
     pub source: SkinPoseSource,
-    /// What a mesh is simplified by: the rest pose, then those that differ most in shape.
+    /// Poses to simplify by: the rest pose, then those that differ most in shape.
     pub shaping: Vec<SkinPose>,
-    /// What it is measured on: spread over all clips, none of them like one of `shaping`.
+    /// Poses to measure on: spread over all clips and different from all of `shaping`.
     pub measuring: Vec<SkinPose>,
-    /// Shape distance that the two sets keep at least, metres; infinite if one is empty.
+    /// Minimum shape distance between the two sets, in metres; infinite if one is empty.
     pub apart_metres: f32,
 }
 
-/// Chooses poses of a character; fewer than asked for if there are not as many different ones.
+/// Selects poses of a character; fewer than asked for if there are not enough different ones.
 ///
-/// The same asset and options give the same poses. O(frames looked at, which are limited, times
-/// watched vertices times poses).
+/// Deterministic. O(sampled frames, which are limited, times sampled vertices times poses).
 ///
 /// # Errors
-/// A [`Mismatch`] if a clip, the mesh or a morph target is of another character.
+/// A [`Mismatch`] if a clip, the mesh or a morph target belongs to another character.
 pub fn poses(asset: &Asset, opts: &PoseOptions) -> Result<Poses, Mismatch> {
     check(asset)?;
     let mut picked = Picked::new(opts);
@@ -162,7 +162,7 @@ mod tests {
     use articula_core::{Clip, Morph, Track, Tracks};
     use glam::{Quat, Vec3};
 
-    /// An arm of three joints whose middle one swings by up to `radians` in 61 frames.
+    /// An arm of three joints; the middle one swings by up to `radians` in 61 frames.
     fn swinging(radians: f32) -> Asset {
         let mut asset = arm(3);
         let turn = |i: usize| Quat::from_rotation_z(radians * i as f32 / 60.0);
@@ -177,7 +177,7 @@ mod tests {
         }
     }
 
-    /// Number of different clips that are measured on.
+    /// Number of different clips among the measuring poses.
     fn clips_measured(found: &Poses) -> usize {
         let clips = found.measuring.iter().filter_map(|p| match p.origin {
             PoseOrigin::Clip { clip, .. } => Some(clip),
@@ -195,7 +195,7 @@ mod tests {
         assert_eq!(found.shaping.len(), 6);
         assert_eq!(secs(&found.shaping[1]), 2.0, "the last frame bends most");
         assert!((secs(&found.shaping[2]) - 1.0).abs() < 0.2);
-        // Every other frame is another pose: as many as asked for.
+        // Every second frame is another pose: as many as asked for.
         assert_eq!((found.measuring.len(), clips_measured(&found)), (24, 1));
         let used: Vec<f64> = found.shaping[1..].iter().map(secs).collect();
         assert!(found.measuring.iter().all(|p| !used.contains(&secs(p))));
@@ -262,7 +262,7 @@ mod tests {
             positions: vec![Vec3::X * size],
             normals: vec![Vec3::ZERO],
         };
-        // The last one is small and does not count.
+        // The last one is too small to count.
         let sizes = [0.2, 0.3, 0.25, 0.1, 0.2, 0.001];
         let morphs = sizes
             .iter()

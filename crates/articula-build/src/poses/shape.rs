@@ -1,7 +1,7 @@
-//! The shape of the skin in a pose, and how far two shapes are apart.
+//! Shape of the skin in a pose, and the distance of two shapes.
 //!
-//! Source: Horn, Closed-form solution of absolute orientation using unit quaternions (1987):
-//! the best rotation is the eigenvector of the greatest eigenvalue of a symmetric 4 x 4 matrix.
+//! Source: Horn, Closed-form solution of absolute orientation using unit quaternions (1987): the
+//! best rotation is the principal eigenvector of a symmetric 4 x 4 matrix.
 
 use super::skin_pose::SkinPose;
 use crate::character::Asset;
@@ -10,16 +10,16 @@ use crate::points::draw_vertices;
 use articula_core::{Mesh, Morph};
 use glam::{DMat3, DMat4, DVec3, DVec4, Quat, Vec3};
 
-/// Vertices that stand for the whole skin.
+/// Number of vertices in the sample of the skin.
 const WATCHED: usize = 512;
 
-/// Watched vertices of a mesh, as a mesh of their own.
+/// The sampled vertices of a mesh, as a mesh.
 #[derive(Debug)]
 pub(super) struct Sample {
     mesh: Mesh,
 }
 
-/// Watched vertices in one pose, around their mean.
+/// The sampled vertices in one pose, relative to their mean.
 #[derive(Debug, Clone)]
 pub(super) struct Shape {
     points: Vec<DVec3>,
@@ -28,7 +28,7 @@ pub(super) struct Shape {
 }
 
 impl Sample {
-    /// Draws finite vertices; those that morph targets move are among them as they are among all.
+    /// Draws a random sample of vertices and keeps the finite ones.
     pub(super) fn draw(mesh: &Mesh, seed: u64) -> Self {
         let mut vertices = draw_vertices(mesh.len(), WATCHED, seed);
         vertices.retain(|v| mesh.positions[*v as usize].is_finite());
@@ -54,7 +54,7 @@ impl Sample {
         Self { mesh }
     }
 
-    /// The shape in a pose; `None` if there is no vertex or one is not finite.
+    /// Returns the shape in a pose; `None` if there is no vertex or one is not finite.
     pub(super) fn shape(&self, asset: &Asset, pose: &SkinPose) -> Option<Shape> {
         if self.mesh.is_empty() {
             return None;
@@ -67,7 +67,7 @@ impl Sample {
         size.is_finite().then_some(Shape { points, size })
     }
 
-    /// Diagonal of the box around the watched vertices, each in its own mesh's space.
+    /// Diagonal of the bounding box of the sampled vertices, each in the space of its own mesh.
     pub(super) fn diagonal_metres(&self) -> f32 {
         let far = Vec3::splat(f32::INFINITY);
         let points = self.mesh.positions.iter();
@@ -77,8 +77,8 @@ impl Sample {
 }
 
 impl Shape {
-    /// Root mean square distance to another shape of the same sample, laid onto this one by the
-    /// best rotation; metres.
+    /// Root mean square distance to another shape of the same sample after the best rotation, in
+    /// metres.
     pub(super) fn apart_metres(&self, other: &Self) -> f32 {
         let mut sum = DMat3::ZERO;
         for (a, b) in self.points.iter().zip(&other.points) {
@@ -86,7 +86,7 @@ impl Shape {
         }
         let horn = horn(&sum);
         // The trace is 0: shifted by its size the matrix has no negative eigenvalue, so that the
-        // greatest one is the greatest in size too.
+        // largest eigenvalue is also the largest in magnitude.
         let shift = self.size + other.size;
         let q = principal(horn + DMat4::IDENTITY * shift, Quat::IDENTITY);
         let q = DVec4::from_array(q.to_array().map(f64::from)).normalize();
@@ -112,7 +112,7 @@ fn horn(sum: &DMat3) -> DMat4 {
     )
 }
 
-/// What a morph target moves of some vertices (rising), by their places among them.
+/// The part of a morph target that moves the given vertices (ascending), with indices into these.
 fn part(morph: &Morph, vertices: &[u32]) -> Morph {
     let mut out = Morph {
         slot: morph.slot,
@@ -151,7 +151,7 @@ mod tests {
             (line(1.0).apart_metres(&upright) - 0.5).abs() < 1e-6,
             "turned"
         );
-        // Mirrored shapes are not one: the best rotation leaves the third axis wrong.
+        // Mirrored shapes differ: the best rotation leaves the third axis wrong.
         let cross = |z: f64| {
             let ends = [DVec3::X * 3.0, DVec3::Y * 2.0, DVec3::Z * z];
             shape(&[ends[0], ends[1], ends[2], -ends[0] - ends[1] - ends[2]])
@@ -174,7 +174,7 @@ mod tests {
             prop_assert!(here.apart_metres(&shape(&moved)) < 1e-5);
             moved[0].x += push;
             let apart = here.apart_metres(&shape(&moved));
-            // Of all motions the one that leaves the others alone is no better than the best.
+            // The motion that leaves all other points in place is no better than the best one.
             prop_assert!(apart <= (push * push / points.len() as f64).sqrt() as f32 + 1e-5);
             prop_assert!((apart - shape(&moved).apart_metres(&here)).abs() < 1e-5);
         }

@@ -1,4 +1,4 @@
-//! One pose of the whole skin: joints and morph weights, and the vertices under them.
+//! A pose of the whole skin: joints, morph weights and the resulting vertices.
 
 use crate::character::Asset;
 use articula_core::{
@@ -7,34 +7,34 @@ use articula_core::{
 };
 use glam::{Affine3A, Vec3, Vec3A};
 
-/// Where a pose comes from.
+/// Origin of a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PoseOrigin {
-    /// The rest pose, morph weights at rest.
+    /// The rest pose, with morph weights at rest.
     Rest,
     /// A frame of a clip.
     Clip {
         /// Index of the clip.
         clip: usize,
-        /// Time in it.
+        /// Time in the clip, in seconds.
         secs: f64,
     },
     /// Random bends of all joints.
     Bend {
-        /// Which of them.
+        /// Number of the random pose, from 0.
         number: usize,
     },
     /// One morph target at weight 1, the others at rest.
     Morph {
-        /// Its slot.
+        /// Slot of the morph target.
         slot: u16,
     },
 }
 
-/// Joints and morph weights of one moment.
+/// Local joint transforms and morph weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkinPose {
-    /// Where it comes from.
+    /// Origin of the pose.
     pub origin: PoseOrigin,
     /// Local transforms of all joints.
     pub joints: LocalPose,
@@ -52,10 +52,10 @@ impl SkinPose {
         }
     }
 
-    /// A frame of a clip.
+    /// Pose at a frame of a clip.
     ///
     /// # Panics
-    /// If there is no such clip, or it is of another rig.
+    /// If the clip does not exist or belongs to another rig.
     pub(crate) fn of_clip(asset: &Asset, clip: usize, frame: usize) -> Self {
         let motion = &asset.clips[clip];
         let secs = frame as f64 / f64::from(motion.rate_hz());
@@ -67,11 +67,10 @@ impl SkinPose {
         pose
     }
 
-    /// Model-space matrices of all joints, the character carried back so that its root stands
-    /// where it does at rest.
+    /// Model-space matrices of all joints, translated so that the root is at its rest position.
     ///
     /// # Panics
-    /// If the pose is of another rig.
+    /// If the pose belongs to another rig.
     pub(crate) fn model(&self, asset: &Asset) -> ModelPose {
         let rig = &asset.rig;
         let mut model = ModelPose::new(rig.len());
@@ -86,27 +85,27 @@ impl SkinPose {
         model
     }
 
-    /// All vertices of the character's mesh in this pose, morph targets and skin applied; in
-    /// model space, the root where it stands at rest.
+    /// Positions of all vertices in model space, with morph targets and skinning applied and the
+    /// root at its rest position.
     ///
     /// # Panics
-    /// If the pose is of another character.
+    /// If the pose belongs to another character.
     pub(crate) fn positions(&self, asset: &Asset) -> Vec<Vec3> {
         self.positions_of(asset, &asset.mesh)
     }
 
-    /// The same for another mesh on the same rig, such as that of a coarser level.
+    /// Positions of the vertices of another mesh on the same rig, such as that of a coarser level.
     ///
     /// # Panics
-    /// If the pose or the mesh is of another character.
+    /// If the pose or the mesh belongs to another character.
     pub(crate) fn positions_of(&self, asset: &Asset, mesh: &Mesh) -> Vec<Vec3> {
         self.skinned(asset, mesh).positions
     }
 
-    /// The same with the normals.
+    /// Skins a mesh in this pose, with morph targets; the root is at its rest position.
     ///
     /// # Panics
-    /// If the pose or the mesh is of another character.
+    /// If the pose or the mesh belongs to another character.
     pub fn skinned(&self, asset: &Asset, mesh: &Mesh) -> SkinnedMesh {
         let mut posed = PosedMesh::new(&asset.rig, mesh);
         posed.model = self.model(asset);
@@ -114,10 +113,10 @@ impl SkinPose {
     }
 }
 
-/// All vertices of the character's mesh in each pose.
+/// Returns the positions of all vertices of the character's mesh in each pose.
 ///
 /// # Panics
-/// If a pose is of another character.
+/// If a pose belongs to another character.
 pub fn positions(asset: &Asset, poses: &[SkinPose]) -> Vec<Vec<Vec3>> {
     poses.iter().map(|p| p.positions(asset)).collect()
 }

@@ -1,18 +1,18 @@
-//! Farthest-point choice: each pose that is picked is the farthest from all picked before.
+//! Farthest-point sampling: each selected pose is the farthest from all selected before.
 
 use super::PoseOptions;
 use super::candidates::Candidates;
 use super::shape::Shape;
 use super::skin_pose::SkinPose;
 
-/// What was picked so far.
+/// The poses selected so far.
 #[derive(Debug)]
 pub(super) struct Picked {
-    /// Shapes that further ones keep away from.
+    /// Shapes that further poses must differ from.
     pub(super) known: Vec<Shape>,
     /// Distance below which two poses count as one.
     pub(super) least_metres: f32,
-    /// Least distance of a held-out pose to one that was picked before.
+    /// Minimum distance of a measuring pose to the poses selected before.
     pub(super) apart_metres: f32,
 }
 
@@ -25,7 +25,8 @@ impl Picked {
         }
     }
 
-    /// The farthest from all that are known, `count` times or until all others are like one.
+    /// Selects the pose farthest from all known ones, `count` times or until all remaining ones
+    /// equal a known one.
     pub(super) fn farthest(&mut self, from: &Candidates, count: usize) -> Vec<SkinPose> {
         let mut nearest = self.nearest(from);
         let mut poses = Vec::new();
@@ -41,8 +42,8 @@ impl Picked {
         poses
     }
 
-    /// Poses unlike all that are known: each time the farthest, of the groups that have the
-    /// fewest so far.
+    /// Selects poses that differ from all known ones: each time the farthest one of the groups with
+    /// the fewest so far.
     pub(super) fn held_out(&mut self, from: &Candidates, count: usize) -> Vec<SkinPose> {
         let known = self.nearest(from);
         let is_new = |i: usize| known[i] >= self.least_metres;
@@ -86,7 +87,7 @@ fn approach(nearest: &mut [f32], from: &Candidates, shape: &Shape) {
     }
 }
 
-/// Place of the greatest among those that fit; the first of equal ones.
+/// Index of the maximum among those that fit; the first of equal ones.
 fn greatest(values: &[f32], fits: impl Fn(usize) -> bool) -> Option<usize> {
     (0..values.len())
         .filter(|i| fits(*i))

@@ -1,25 +1,26 @@
-//! Which way a figure stands and faces at rest, and how long its legs are.
+//! Orientation of a figure at rest, and the length of its legs.
 //!
-//! A rest pose may face any way; names of left and right joints tell where its front is.
+//! A rest pose may face any direction; the names of left and right joints determine its front.
 
 use super::rest::Rest;
 use articula_core::Mismatch;
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
-/// A rest pose that leans less than this stands upright.
+/// Minimum cosine between up axis and vertical of an upright rest pose.
 const UPRIGHT_COSINE: f32 = 0.8;
-/// A rest pose that is turned by less than this from an axis faces along it.
+/// A rest pose that is turned from an axis by less than this faces along the axis.
 const SQUARE_RADIANS: f32 = 0.35;
-/// Share of the leg below which a lowest joint is still taken to stand on the floor at 0.
+/// Maximum height of the lowest joint, as a share of the leg, with which a figure counts as
+/// standing on a floor at height 0.
 const NEAR_FLOOR: f32 = 0.15;
-/// Height of the joint of the toes above the floor where the rest pose does not tell, as a share
-/// of the leg: about the middle of 20 rigs, whose values run from 0 to 0.07.
+/// Height of the toe joint above the floor where the rest pose does not determine it, as a share of
+/// the leg: about the middle of 20 rigs, whose values range from 0 to 0.07.
 const TOE_HEIGHT: f32 = 0.03;
-/// The same of the ankle, which is a joint at the heel in some rigs: 0.02 to 0.39.
+/// Height of the ankle, likewise; it is a joint at the heel in some rigs: 0.02 to 0.39.
 const ANKLE_HEIGHT: f32 = 0.1;
 
-/// One leg: hip, knee, ankle and the joint where the toes bend.
+/// One leg: hip, knee, ankle and the joint at which the toes bend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Leg {
     pub(super) hip: usize,
@@ -28,16 +29,16 @@ pub(super) struct Leg {
     pub(super) toe: Option<usize>,
 }
 
-/// What a figure's rest pose says of its body.
+/// Measurements of a figure's body in its rest pose.
 #[derive(Debug, Clone)]
 pub(super) struct Body {
-    /// From left, up, forward to model space.
+    /// Rotation from (left, up, forward) to model space.
     pub(super) axes: Quat,
-    /// The turn about +Y that takes +Z to where the figure faces.
+    /// Rotation about +Y that takes +Z to the direction in which the figure faces.
     pub(super) heading: Quat,
-    /// Left and right.
+    /// Left and right leg.
     pub(super) legs: [Leg; 2],
-    /// From hip over knee to ankle at rest, mean of both sides; at least a millimetre.
+    /// Length from hip over knee to ankle at rest, mean of both sides; at least a millimetre.
     pub(super) leg_metres: f32,
     /// Height of the ankles above the floor with a flat foot.
     pub(super) ankle_height: f32,
@@ -45,9 +46,9 @@ pub(super) struct Body {
     pub(super) toe_height: f32,
     /// Whether the rest pose stands on the floor at height 0.
     pub(super) stands_on_floor: bool,
-    /// The joint that the legs hang from in the body: the sacroiliac or the root joint.
+    /// The joint from which the legs hang in the body: the sacroiliac or the root joint.
     pub(super) pelvis: usize,
-    /// The root joint of the standard.
+    /// The joint mapped to the H-Anim root.
     pub(super) root: usize,
 }
 
@@ -92,12 +93,12 @@ impl Body {
         self.axes * Vec3::Z
     }
 
-    /// Middle between the hips.
+    /// Midpoint of the hips.
     pub(super) fn middle(&self, positions: &[Vec3]) -> Vec3 {
         0.5 * (positions[self.legs[0].hip] + positions[self.legs[1].hip])
     }
 
-    /// Finds the heights of ankles and toes above the floor.
+    /// Computes the heights of ankles and toes above the floor.
     fn stand(&mut self, rest: &Rest) {
         let mean = |of: &dyn Fn(&Leg) -> Option<usize>| {
             let found: Vec<f32> = self
@@ -194,7 +195,8 @@ fn axes(rest: &Rest, legs: &[Leg; 2]) -> Quat {
     Quat::from_mat3(&Mat3::from_cols(left, up, left.cross(up))).normalize()
 }
 
-/// The axis of model space along which a direction lies if it is near one; else its unit.
+/// The axis of model space nearest to a direction if it is close enough; else the normalised
+/// direction.
 fn squared(direction: Vec3, cosine: f32) -> Option<Vec3> {
     let unit = direction.try_normalize()?;
     let along = [Vec3::X, Vec3::Y, Vec3::Z]
@@ -204,11 +206,11 @@ fn squared(direction: Vec3, cosine: f32) -> Option<Vec3> {
     Some(along.unwrap_or(unit))
 }
 
-/// The turn about +Y that takes +Z to where a body with these axes faces.
+/// Rotation about +Y that takes +Z to the direction in which a body with these axes faces.
 fn heading(axes: Quat) -> Quat {
     let forward = axes * Vec3::Z;
     let flat = |v: Vec3| Vec3::new(v.x, 0.0, v.z);
-    // Of a figure that lies, the side tells better than the front.
+    // For a lying figure the side is more reliable than the front.
     let facing = if flat(forward).length() > 0.5 {
         flat(forward)
     } else {

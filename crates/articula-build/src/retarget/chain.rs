@@ -1,10 +1,10 @@
-//! Spines and necks of any number of joints: where each joint lies, and what share of the
-//! bend it takes.
+//! Spines and necks of any number of joints: the position of each joint along the chain, and its
+//! share of the bend.
 //!
-//! A chain's orientation is known where its segments are; a target joint takes the orientation
-//! at the middle of its own segment, counted in rest length from pelvis to chest (and from
-//! chest to head). The last joint of the chain always agrees with the last one of the source,
-//! so that shoulders and head point the same way.
+//! A chain's orientation is known at its segments; a target joint takes the orientation at the
+//! middle of its segment, measured in rest length from pelvis to chest (and from chest to head).
+//! The last joint of the chain always agrees with the last one of the source, so that shoulders and
+//! head point in the same direction.
 
 use super::body::Body;
 use super::rest::Rest;
@@ -13,9 +13,9 @@ use super::rest::Rest;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Chain {
     pelvis: usize,
-    /// Joint and place of its segment's middle, 0 at the pelvis and 1 for the last.
+    /// Each joint with the position of its segment's middle, 0 at the pelvis and 1 for the last.
     spine: Vec<(usize, f32)>,
-    /// The same from chest to head.
+    /// Likewise from chest to head.
     neck: Vec<(usize, f32)>,
     head: Option<usize>,
 }
@@ -84,7 +84,7 @@ fn is_vertebra(title: &str, kinds: &[&str]) -> bool {
     })
 }
 
-/// Middles of the joints' segments by rest length from `start`, scaled so that the last is 1.
+/// Midpoints of the joints' segments by rest length from `start`, scaled so that the last is 1.
 fn middles(rest: &Rest, start: usize, joints: &[usize], end: Option<usize>) -> Vec<(usize, f32)> {
     let mut at = 0.0;
     let mut last = start;
@@ -111,12 +111,12 @@ fn middles(rest: &Rest, start: usize, joints: &[usize], end: Option<usize>) -> V
 /// Two source joints and the share of the second.
 type Share = (usize, usize, f32);
 
-/// What each joint of the target's chain takes: `None` if the source has no such part.
+/// The source joints of each joint of the target's chain: `None` if the source has no such part.
 pub(super) fn shares(source: &Chain, target: &Chain) -> Vec<(usize, Option<Share>)> {
     let mut shares = parts(&source.spine, source.pelvis, &target.spine);
     let top = source.base_of_neck();
     if source.neck.is_empty() {
-        // Between chest and head: half way for one joint, thirds for two.
+        // Between chest and head: halfway for one joint, thirds for two.
         let count = target.neck.len() as f32 + 1.0;
         for (i, &(joint, _)) in target.neck.iter().enumerate() {
             let share = source.head.map(|h| (top, h, (i + 1) as f32 / count));

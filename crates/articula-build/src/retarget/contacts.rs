@@ -1,39 +1,39 @@
-//! When feet and hands of the source stand still.
+//! Contacts: intervals in which feet and hands of the source stand still.
 //!
-//! Source: the idea of `motion_error::contacts`, on the source's own joints. Differs: speeds
-//! and heights are in lengths of the leg, so that a child and a giant are judged alike; two
-//! thresholds instead of one, so that a contact does not flicker; heel and toe are told apart,
-//! because a step rolls from one to the other; and what rests on something higher than the
-//! floor is found by standing still for longer.
+//! Source: the method of `motion_error::contacts`, on the source's joints, with these differences:
+//! speeds and heights are in leg lengths, so that they are independent of the figure's size; two
+//! thresholds instead of one, so that a contact does not flicker; heel and toe are separate points,
+//! because a step rolls from one to the other; and rest on something higher than the floor is
+//! detected by standing still for longer.
 
 use super::motion::Motion;
 use glam::Vec3;
 use std::ops::Range;
 
-/// Speeds in leg lengths a second below which a contact begins and above which it ends.
+/// Speeds in leg lengths per second below which a contact begins and above which it ends.
 const FLOOR_SPEEDS: [f32; 2] = [0.18, 0.35];
 /// Heights in leg lengths above the floor, likewise.
 const FLOOR_HEIGHTS: [f32; 2] = [0.06, 0.11];
-/// Least time of a contact with the floor.
+/// Minimum duration of a contact with the floor.
 const FLOOR_SECS: f32 = 0.07;
-/// The same for something above the floor, where height does not tell.
+/// Speeds for contact with something above the floor, where height gives no indication.
 const RAISED_SPEEDS: [f32; 2] = [0.06, 0.15];
 const RAISED_SECS: f32 = 0.3;
-/// Farthest that a point in contact comes from where it began, in leg lengths.
+/// Maximum distance of a point in contact from where the contact began, in leg lengths.
 const FARTHEST: f32 = 0.12;
-/// Speeds are taken over this time, so that noise of fast captures does not end a contact.
+/// Time over which speeds are measured, so that noise of fast captures does not end a contact.
 const SPEED_SECS: f32 = 0.04;
 
 /// One contact of one point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Contact {
-    /// Frames during which it stands still.
+    /// Frames during which the point stands still.
     pub(super) frames: Range<usize>,
-    /// Whether it stands on the floor, not on something above.
+    /// Whether it stands on the floor rather than on something above.
     pub(super) on_floor: bool,
 }
 
-/// Contacts of a point that moves along a path, above a floor.
+/// Finds the contacts of a point that moves along a path above a floor.
 pub(super) fn contacts(path: &[Vec3], motion: &Motion, leg: f32, floor: f32) -> Vec<Contact> {
     let rate = motion.rate_hz;
     let speeds = speeds(path, rate, leg);
@@ -67,7 +67,7 @@ pub(super) fn contacts(path: &[Vec3], motion: &Motion, leg: f32, floor: f32) -> 
     found
 }
 
-/// Drops contacts during which a point goes far: it slides on purpose, or the whole clip is in
+/// Drops contacts during which a point moves far: it slides on purpose, or the whole clip is in
 /// slow motion.
 fn keep_still(contacts: &mut Vec<Contact>, path: &[Vec3], leg: f32) {
     contacts.retain(|c| {
@@ -77,7 +77,7 @@ fn keep_still(contacts: &mut Vec<Contact>, path: &[Vec3], leg: f32) {
     });
 }
 
-/// Contacts of a point that may rest on anything, such as a hand.
+/// Finds the contacts of a point that may rest on anything, such as a hand.
 pub(super) fn rests(path: &[Vec3], motion: &Motion, leg: f32) -> Vec<Contact> {
     let speeds = speeds(path, motion.rate_hz, leg);
     let least = ((RAISED_SECS * motion.rate_hz).ceil() as usize).max(1);
@@ -101,7 +101,7 @@ fn still(speeds: &[f32], least: usize) -> Vec<Range<usize>> {
     )
 }
 
-/// Leg lengths a second at each frame, over a short time around it.
+/// Speed at each frame in leg lengths per second, measured over a short time around it.
 fn speeds(path: &[Vec3], rate_hz: f32, leg: f32) -> Vec<f32> {
     let around = ((0.5 * SPEED_SECS * rate_hz).round() as usize).max(1);
     (0..path.len())
@@ -113,8 +113,8 @@ fn speeds(path: &[Vec3], rate_hz: f32, leg: f32) -> Vec<f32> {
         .collect()
 }
 
-/// Runs of at least `least` frames that begin where `enters` holds, in both directions of time,
-/// and last as long as `stays` holds.
+/// Runs of at least `least` frames that begin where `enters` holds, in both directions of time, and
+/// last as long as `stays` holds.
 fn runs(
     frames: usize,
     enters: impl Fn(usize) -> bool,
@@ -132,7 +132,8 @@ fn runs(
         while f < frames && stays(f) {
             f += 1;
         }
-        // Within what is calm enough to stay, from the first calm frame to the last.
+        // Within frames that are calm enough to stay, from the first to the last that is calm
+        // enough to enter.
         let first = (start..f).find(|g| enters(*g));
         let last = (start..f).rev().find(|g| enters(*g));
         if let (Some(first), Some(last)) = (first, last)

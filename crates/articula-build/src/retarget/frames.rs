@@ -1,38 +1,40 @@
-//! Anatomical frames: how each part of a body lies at rest, told from joint positions alone.
+//! Anatomical frames: the orientation of each part of a body at rest, derived from joint positions
+//! alone.
 //!
-//! Two rigs are compared through these frames, never through the axes of their joints, so the
-//! axes may be anything, and the rest pose a T, an A, an I or any other. A frame's x axis runs
-//! along the segment, its y axis is where the segment's front is: the side to which elbows
-//! bend, to which knees point, the thumb's side of hand and fingers, the top of the foot.
-//! Trunk, collars and face have the frame of the body: their rest poses stand upright.
+//! Two rigs are compared through these frames, never through the axes of their joints, so the axes
+//! may be arbitrary, and the rest pose may be a T, an A, an I or any other. A frame's x axis runs
+//! along the segment, its y axis to the front of the segment: the side to which elbows bend, to
+//! which knees point, the thumb's side of hand and fingers, the top of the foot. Trunk, collars and
+//! face have the frame of the body: their rest poses stand upright.
 
 use super::body::Body;
 use super::rest::Rest;
 use glam::{Mat3, Quat, Vec3};
 use std::collections::BTreeMap;
 
-/// Fronts of the upper segments of limbs, at rest in model space, by their upper joint.
+/// Fronts of the upper segments of limbs, at rest in model space, by upper joint.
 pub(super) type Fronts = BTreeMap<usize, Vec3>;
 
-/// Sines of the bend of an elbow or knee at rest below which it tells nothing about its hinge,
-/// and above which it tells all: 5 and 15 degrees.
+/// Sines of the bend of an elbow or knee at rest below which it does not determine the hinge at
+/// all, and above which it does so fully: 5 and 15 degrees.
 const HINGE_SINES: [f32; 2] = [0.087, 0.26];
-/// Shortest segment that has a direction, as a share of the leg.
+/// Minimum length of a segment that has a direction, as a share of the leg.
 const SHORTEST: f32 = 0.004;
-/// How far the root of the thumb lies towards the palm from the knuckles' line, seen along the
-/// hand: the median of ten rigs with all five fingers, whose values run from 0 to 35 degrees.
+/// Angle by which the root of the thumb is offset towards the palm from the line of the knuckles,
+/// seen along the hand: the median of ten rigs with all five fingers, whose values range from 0 to
+/// 35 degrees.
 const THUMB_RADIANS: f32 = 0.37;
 
 /// Frames of all joints of one rig.
 #[derive(Debug, Clone)]
 pub(super) struct Frames {
-    /// Frame from the part's own direction, where it has one.
+    /// Frame of the segment; `None` if it has no direction.
     pub(super) own: Vec<Option<Quat>>,
-    /// Frame of the whole part it belongs to (body, hand, foot), which every joint has.
+    /// Frame of the part to which the joint belongs (body, hand, foot); every joint has one.
     pub(super) part: Vec<Quat>,
 }
 
-/// A hand's direction and the thumb's side.
+/// Direction and front of a segment.
 #[derive(Debug, Clone, Copy)]
 struct Axes {
     along: Vec3,
@@ -44,7 +46,7 @@ impl Axes {
         basis(self.along, self.front)
     }
 
-    /// The same with the front that a motion showed, as far as the rest pose is not sure.
+    /// Blends the front with the one detected in a motion, by the uncertainty of the rest pose.
     fn corrected(self, seen: Option<&Vec3>, sure: f32) -> Self {
         let front = seen.map_or(self.front, |seen| self.front * sure + *seen * (1.0 - sure));
         let front = front - self.along * self.along.dot(front);
@@ -54,7 +56,7 @@ impl Axes {
         }
     }
 
-    /// The same axes, turned on the short way so that they run along another direction.
+    /// The same axes, rotated by the shortest arc so that they run along another direction.
     fn turned(self, along: Vec3) -> Self {
         Self {
             along,
@@ -63,7 +65,7 @@ impl Axes {
     }
 }
 
-/// Finds the frames of a rig; `seen` are fronts of upper segments that a motion showed.
+/// Computes the frames of a rig; `seen` are fronts of upper segments detected in a motion.
 pub(super) fn frames(rest: &Rest, body: &Body, seen: &Fronts) -> Frames {
     let mut frames = Frames {
         own: vec![None; rest.len()],
@@ -90,7 +92,7 @@ pub(super) fn frames(rest: &Rest, body: &Body, seen: &Fronts) -> Frames {
     frames
 }
 
-/// Whether a joint of the standard belongs to trunk or head, or is a collar.
+/// Whether an H-Anim joint belongs to trunk or head, or is a collar.
 fn is_trunk(title: &str) -> bool {
     let limb = ["index", "middle", "ring", "pinky", "thumb", "carpal"];
     let foot = ["tarsal", "metatars", "cuneonavicular", "calcaneo", "talo"];
@@ -138,8 +140,8 @@ fn arm((rest, body, seen): Figure<'_>, side: char, known: &mut Known) {
     hand(rest, body, side, lower, known);
 }
 
-/// The front of a limb from the way its lower part bends away, or from `axes` if it is straight;
-/// and how sure that is, from 0 to 1.
+/// The front of a limb from the bend of its lower part, or from `axes` if it is straight; and the
+/// reliability of it, from 0 to 1.
 fn hinged(axes: Axes, bend: Vec3, cosine: f32) -> (Vec3, f32) {
     let [none, all] = HINGE_SINES;
     let sine = bend.length();
@@ -150,7 +152,8 @@ fn hinged(axes: Axes, bend: Vec3, cosine: f32) -> (Vec3, f32) {
         t * t * (3.0 - 2.0 * t)
     };
     let bend = bend.normalize_or_zero();
-    // A slight bend to the wrong side is noise; a strong one is how the figure was drawn.
+    // A slight bend to the wrong side is noise; a strong one is intended by the author of the
+    // figure.
     if bend == Vec3::ZERO || (bend.dot(axes.front) < 0.2 && sine < 2.0 * all) {
         return (axes.front, 0.0);
     }
@@ -219,7 +222,7 @@ fn finger(rest: &Rest, body: &Body, (side, name): (char, &str), hand: Axes, know
         let next = joints.get(i + 1).map(|n| n.1);
         let tip = || rest.children(joint).next();
         let along = segment(rest, body, Some(joint), next.or_else(tip)).or(last);
-        // The bones of the palm lie as the hand does, wherever a rig starts them.
+        // The bones of the palm have the hand's frame, wherever a rig starts them.
         let own = along.filter(|_| digit > 0).map(|a| hand.turned(a).frame());
         known[joint] = Some((hand.frame(), own));
         last = along;
@@ -231,7 +234,7 @@ fn leg((rest, body, seen): Figure<'_>, side: char, known: &mut Known) {
     let (up, forward) = (body.up(), body.forward());
     let flat = |v: Vec3| v - up * up.dot(v);
     let to_toe = leg.ankle.zip(leg.toe).map(|(a, t)| rest.way(a, t));
-    // A foot that points down at rest says nothing about where it points on the floor.
+    // A foot that points down at rest has no direction on the floor.
     let ahead = to_toe
         .filter(|v| flat(*v).length() > 0.5 * v.length())
         .map(|v| flat(v).normalize_or_zero())
@@ -279,7 +282,7 @@ fn segment(rest: &Rest, body: &Body, from: Option<usize>, to: Option<usize>) -> 
     (way.length() > SHORTEST * body.leg_metres).then(|| way.normalize())
 }
 
-/// The rotation whose x axis is `x`, and whose y axis lies towards `y`.
+/// The rotation whose x axis is `x`, and whose y axis is the direction nearest to `y`.
 pub(super) fn basis(x: Vec3, y: Vec3) -> Quat {
     let x = x.normalize_or(Vec3::X);
     let y = (y - x * x.dot(y)).normalize_or(x.any_orthonormal_vector());

@@ -1,22 +1,22 @@
-//! The side to which elbows and knees bend, seen in a motion.
+//! Detection in a motion of the side to which elbows and knees bend.
 //!
-//! Straight limbs at rest do not tell it, and not every capture means the same by a T-pose:
-//! elbows of the CMU figures bend 30 degrees above forward. Where the rest pose leaves it open,
-//! the bends of a clip decide.
+//! Straight limbs at rest do not determine it, and T-poses of captures differ: elbows of the CMU
+//! figures bend 30 degrees above forward. Where the rest pose is ambiguous, the bends of a clip
+//! decide.
 
 use super::frames::Fronts;
 use super::motion::Motion;
 use super::side::Side;
 use glam::Vec3;
 
-/// Mean sine of the bend that a clip must show at least: 12 degrees.
+/// Minimum root mean square of the sine of the bends of a clip: 12 degrees.
 const ENOUGH: f32 = 0.2;
-/// Length of the mean bend over the mean length of the bends: 1 is a perfect hinge.
+/// Minimum length of the mean bend over the mean length of the bends: 1 is a perfect hinge.
 const STEADY: f32 = 0.9;
-/// Cosine between what is seen and what the rest pose suggests, at least: 75 degrees.
+/// Minimum cosine between the detected front and that of the rest pose: 75 degrees.
 const PLAUSIBLE: f32 = 0.26;
 
-/// What a motion shows of the hinges of its figure.
+/// Fronts of the limbs that a motion determines.
 pub(super) fn seen(source: &Side, motion: &Motion) -> Fronts {
     let mut fronts = Fronts::new();
     for side in ['l', 'r'] {
@@ -44,7 +44,7 @@ fn front(source: &Side, motion: &Motion, joints: [usize; 3], sign: f32) -> Optio
         let lower = (places[end] - places[middle]).normalize_or_zero();
         let lower = motion.deltas(f)[upper].inverse() * lower;
         let bend = lower - along * along.dot(lower);
-        // Slight bends are noise; the square makes the strong ones decide.
+        // Slight bends are noise; the square gives weight to the strong ones.
         sum += bend * bend.length();
         total += bend.length_squared();
     }

@@ -1,27 +1,27 @@
-//! A limb of two segments, and the rotations that bring its end to a place.
+//! A limb of two segments, and two-bone inverse kinematics that brings its end to a position.
 //!
-//! Source: the law of cosines; the way that every two-bone solver goes. The side to which the
-//! middle joint bends is kept.
+//! Source: the law of cosines, as in common two-bone solvers. The side to which the middle joint
+//! bends is kept.
 
 use super::pose::Pose;
 use super::side::Side;
 use glam::{Quat, Vec3};
 
-/// Share of a limb's length that its end may be away from its start: just less than straight,
-/// so that the bend keeps its side.
+/// Maximum distance of a limb's end from its start, as a share of its length: slightly less than
+/// straight, so that the bend keeps its side.
 const REACH: f32 = 0.9995;
-/// Angle between the segments of a limb that is folded as far as flesh allows, radians.
+/// Minimum angle between the segments of a limb, radians; soft tissue prevents a smaller one.
 const FOLDED: f32 = 0.45;
-/// Largest bend to the wrong side, as a sine, that is taken for noise of a capture: 25 degrees.
+/// Maximum sine of a bend to the wrong side that is attributed to capture noise: 25 degrees.
 const OVERSTRETCH: f32 = 0.42;
 
-/// A leg or an arm: upper, middle and end joint, and what turns with each segment.
+/// A leg or an arm: upper, middle and end joint, and the joints that turn with each segment.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Limb {
     pub(super) upper: usize,
     pub(super) middle: usize,
     pub(super) end: usize,
-    /// Joints that turn with the upper segment, `upper` among them.
+    /// Joints that turn with the upper segment, including `upper`.
     with_upper: Vec<usize>,
     /// Joints that turn with the lower segment.
     with_middle: Vec<usize>,
@@ -29,8 +29,8 @@ pub(super) struct Limb {
     with_end: Vec<usize>,
     /// Lengths of both segments, metres.
     lengths: [f32; 2],
-    /// Where the middle joint points when the limb is bent, at rest in model space: to the
-    /// front for a knee, to the back for an elbow.
+    /// Direction in which the middle joint points when the limb is bent, at rest in model space: to
+    /// the front for a knee, to the back for an elbow.
     point: Vec3,
 }
 
@@ -60,7 +60,7 @@ impl Limb {
         if lengths.iter().any(|l| *l < least) {
             return None;
         }
-        // Each joint goes with the nearest of the three above it.
+        // Each joint belongs to the nearest of the three at or above it.
         let mut with: Vec<Option<usize>> = Vec::with_capacity(rest.len());
         for j in 0..rest.len() {
             let own = [upper, middle, end].into_iter().find(|l| *l == j);
@@ -80,7 +80,7 @@ impl Limb {
         })
     }
 
-    /// The least and the most that the end may be away from the start.
+    /// Minimum and maximum distance of the end from the start.
     pub(super) fn span(&self) -> [f32; 2] {
         let [a, b] = self.lengths;
         let folded = a * a + b * b - 2.0 * a * b * FOLDED.cos();
@@ -88,7 +88,7 @@ impl Limb {
     }
 
     /// Turns both segments so that the end comes to `place`, or as near as it reaches; the end
-    /// joint keeps its rotation. Positions are not renewed.
+    /// joint keeps its rotation. Positions are not updated.
     pub(super) fn reach(&self, pose: &mut Pose, place: Vec3) {
         let [start, bend, end] = [self.upper, self.middle, self.end].map(|j| pose.positions[j]);
         let first = bend - start;
@@ -104,16 +104,16 @@ impl Limb {
         let bent = first - from * from.dot(first);
         let weight = (bent.length() / (0.05 * first.length())).min(1.0);
         let aside = bent.normalize_or_zero() * weight + point * (1.0 - weight);
-        // That side stays where it is in the world; a little of it goes along with the limb,
-        // for the case that the limb turns towards it.
+        // That side stays fixed in the world; a small part of it turns with the limb, in case the
+        // limb turns towards it.
         let along = Quat::from_rotation_arc(from, toward) * aside;
         let sideways = |v: Vec3| v - toward * toward.dot(v);
         let side = sideways(aside + 0.3 * along).normalize_or(toward.any_orthonormal_vector());
         self.bend(pose, toward * wanted.length().min(far), side);
     }
 
-    /// Bends a limb that is stretched beyond straight by as much to the right side; whether it
-    /// was so. Positions are not renewed.
+    /// Bends a limb that is hyperextended by the same amount to the right side; returns whether it
+    /// was. Positions are not updated.
     pub(super) fn unstretch(&self, pose: &mut Pose) -> bool {
         let [start, bend, end] = [self.upper, self.middle, self.end].map(|j| pose.positions[j]);
         let Some(along) = (end - start).try_normalize() else {
@@ -135,7 +135,7 @@ impl Limb {
         true
     }
 
-    /// Turns the end and what hangs from it.
+    /// Turns the end and the joints that hang from it.
     pub(super) fn turn_end(&self, pose: &mut Pose, turn: Quat) {
         turn_all(pose, &self.with_end, turn);
     }

@@ -1,18 +1,18 @@
-//! A motion of one skeleton put onto another.
+//! Retargeting: transfers a motion from one skeleton to another.
 //!
-//! Stands on the PREPARE line: a source clip and two figures give a source clip for the second
-//! figure. In the order of the work:
+//! A step of the PREPARE line: a source clip and two figures give a source clip for the second
+//! figure. In the order of processing:
 //!
-//! - `rest`, `body`, `frames`: what two rest poses say of two bodies, told from joint positions
-//! - `chain`, `plan`: which source joint turns which target joint
-//! - `motion`, `hinge`, `contacts`, `steps`: the source's poses, how its limbs bend, what it
-//!   stands on
+//! - `rest`, `body`, `frames`: body measurements from joint positions at rest
+//! - `chain`, `plan`: which source joint drives which target joint
+//! - `motion`, `hinge`, `contacts`, `steps`: the source's poses, the bends of its limbs, its
+//!   contacts with the floor
 //! - `transfer`, `pose`: the target's poses
-//! - `limb`, `pin`, `planted`, `twist`: feet and hands that rest, limbs that do not wrap
-//! - `tracks`, `quality`, `report`: the keys, how good they are, where they come from
+//! - `limb`, `pin`, `planted`, `twist`: pinning of feet and hands, distribution of twist
+//! - `tracks`, `quality`, `report`: the keys, their quality, their origin
 //!
-//! Source: M. Gleicher, Retargetting Motion to New Characters, SIGGRAPH 1998, for what must be
-//! kept; the method is another: anatomical frames instead of constraints on one skeleton.
+//! Source: M. Gleicher, Retargetting Motion to New Characters, SIGGRAPH 1998, for the properties to
+//! preserve; the method differs: anatomical frames instead of constraints on one skeleton.
 
 mod body;
 mod chain;
@@ -43,31 +43,31 @@ pub use report::{JointReport, RetargetReport, RotationOrigin};
 use articula_core::Articulation;
 use articula_core::source::{RawClip, Skeleton};
 
-/// A skeleton and what its joints are.
+/// A skeleton with the mapping of its joints to H-Anim.
 #[derive(Debug, Clone, Copy)]
 pub struct RetargetFigure<'a> {
-    /// The joints at rest.
+    /// Joints in the rest pose.
     pub skeleton: &'a Skeleton,
-    /// Their twins in the standard, one entry for each joint.
+    /// Mapping to H-Anim, one entry per joint.
     pub articulation: &'a Articulation,
 }
 
-/// How a motion is put onto another figure.
+/// Options of retargeting a clip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RetargetOptions {
-    /// Frames per second of the result; `None` takes the rate of the source's keys.
+    /// Frames per second of the result; `None` uses the rate of the source's keys.
     pub rate_hz: Option<f32>,
-    /// What is kept in place while it rests.
+    /// Ends of limbs that are pinned during their contacts.
     pub pinning: ContactPinning,
-    /// Height of the floor in the source's world, metres; `None` finds it.
+    /// Height of the floor in the source's world, metres; `None` detects it.
     pub floor_metres: Option<f32>,
 }
 
-/// A motion of the target, and how it came about.
+/// A motion of the target, with a report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Retargeted {
     /// Channels for the target's skeleton: linear, at one rate, times from 0 to the end.
     pub clip: RawClip,
-    /// Where each joint's motion comes from, and numbers of quality.
+    /// Origin of each joint's motion, and quality measures.
     pub report: RetargetReport,
 }

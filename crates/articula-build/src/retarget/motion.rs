@@ -1,4 +1,4 @@
-//! A source clip as rotations from rest and places in model space, frame by frame.
+//! A source clip as rotations from rest and positions in model space, frame by frame.
 
 use super::rest::Rest;
 use crate::clip::{MAX_NUMBERS, source_rate_hz};
@@ -6,7 +6,7 @@ use articula_core::source::{Interpolation, Property, RawClip, Skeleton, evaluate
 use articula_core::{LocalPose, Mismatch, Transform, angle_between};
 use glam::{Affine3A, Quat, Vec3};
 
-/// Most frames of one clip.
+/// Maximum number of frames of one clip.
 const MAX_FRAMES: f64 = 1e6;
 
 /// A motion in model space.
@@ -22,7 +22,7 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// Samples a clip at a rate; `None` is the rate of its own keys.
+    /// Samples a clip at a rate; `None` uses the rate of its keys.
     pub(super) fn new(
         clip: &RawClip,
         skeleton: &Skeleton,
@@ -75,8 +75,8 @@ impl Motion {
         &self.deltas[frame * self.joints..][..self.joints]
     }
 
-    /// Fastest turn of a mapped joint against its parent between two frames: joint, radians a
-    /// second.
+    /// Maximum rotation speed of a mapped joint relative to its parent between two frames: joint,
+    /// radians per second.
     pub(super) fn fastest(&self, rest: &Rest) -> Option<(usize, f32)> {
         let local = |frame: usize, j: usize| {
             let deltas = self.deltas(frame);
@@ -140,7 +140,7 @@ fn times(clip: &RawClip, rate_hz: Option<f32>, joints: usize) -> Result<(f32, Ve
     if steps == 0 {
         return Ok((wanted, vec![0.0]));
     }
-    // Stretched by less than half a frame, so that the last frame is the end.
+    // Scaled by less than half a frame, so that the last frame is the end.
     let times = (0..=steps).map(|i| duration * (i as f32 / steps as f32));
     Ok((steps as f32 / duration, times.collect()))
 }

@@ -1,4 +1,4 @@
-//! Two figures compared once, and clips carried from one to the other.
+//! Retargeting of any number of clips between two figures that are compared once.
 
 use super::frames::Fronts;
 use super::hinge;
@@ -18,7 +18,7 @@ use super::{RetargetFigure, RetargetOptions, RetargetReport, Retargeted};
 use articula_core::Mismatch;
 use articula_core::source::RawClip;
 
-/// Two figures that were compared once, for any number of clips.
+/// A prepared pair of figures that retargets any number of clips from one to the other.
 #[derive(Debug, Clone)]
 pub struct Retargeter<'a> {
     figure: RetargetFigure<'a>,
@@ -30,8 +30,8 @@ impl<'a> Retargeter<'a> {
     /// Compares two figures.
     ///
     /// # Errors
-    /// A [`Mismatch`] if a figure's map is not of its skeleton, if no joint stands for the root
-    /// or a hip, or if a rest transform is not finite.
+    /// A [`Mismatch`] if an articulation does not fit its skeleton, if no joint is mapped to the
+    /// root or a hip, or if a rest transform is not finite.
     pub fn new(source: RetargetFigure<'a>, target: RetargetFigure<'_>) -> Result<Self, Mismatch> {
         let figure = source;
         let source = Side::new(&source, "source")?;
@@ -43,11 +43,11 @@ impl<'a> Retargeter<'a> {
         })
     }
 
-    /// Puts one clip of the source onto the target.
+    /// Retargets one clip of the source to the target.
     ///
     /// # Errors
-    /// A [`Mismatch`] if a channel names a joint that is not there or lacks values, if a pose
-    /// is not finite, or if the clip has more frames than memory should hold.
+    /// A [`Mismatch`] if a channel names a joint that does not exist or lacks values, if a pose is
+    /// not finite, or if the clip has more frames than the memory limit allows.
     pub fn retarget(
         &self,
         clip: &RawClip,
@@ -102,14 +102,14 @@ impl<'a> Retargeter<'a> {
         })
     }
 
-    /// What a motion shows of the source's hinges, of limbs that the target has otherwise.
+    /// Fronts that a motion shows of the source's limbs, for limbs that differ in the target.
     fn seen(&self, motion: &Motion) -> Fronts {
         let mut seen = hinge::seen(&self.source, motion);
         seen.retain(|upper, _| !self.alike(*upper));
         seen
     }
 
-    /// Whether the target has a joint of the source with the same name and rest transform.
+    /// Whether the target has a twin of the joint with the same name and rest transform.
     fn alike(&self, joint: usize) -> bool {
         let twin = self.target.rest.find(self.source.rest.title(joint));
         twin.is_some_and(|t| self.source.alike(joint, &self.target, t))

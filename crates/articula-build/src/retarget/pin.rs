@@ -1,9 +1,9 @@
-//! Feet and hands kept in place while they rest: where each end joint has to be.
+//! Pinning of feet and hands during contacts: target positions of the end joints.
 //!
-//! Source: L. Kovar, J. Schreiner, M. Gleicher, Footskate Cleanup for Motion Capture Editing,
-//! SCA 2002, for the order: constraints, then the root, then the limbs, blended at their ends.
-//! Differs: a foot's heel and toe hand over to each other while it is flat, so that it may
-//! roll; a flat foot keeps its direction; limbs never stretch; the root only sinks.
+//! Source: L. Kovar, J. Schreiner, M. Gleicher, Footskate Cleanup for Motion Capture Editing, SCA
+//! 2002, for the order: constraints, then the root, then the limbs, blended at their ends. Differs:
+//! a foot's heel and toe hand over to each other while it is flat, so that it may roll; a flat foot
+//! keeps its direction; limbs never stretch; the root moves vertically only.
 
 use super::contacts::Contact;
 use super::steps::Sole;
@@ -13,7 +13,7 @@ use std::ops::Range;
 
 /// Time over which a correction fades in before a contact and out after it.
 const FADE_SECS: f32 = 0.15;
-/// Most that a foot is turned to be flat and keep its direction; 30 degrees.
+/// Maximum angle by which a foot is turned to be flat and keep its direction; 30 degrees.
 const MAX_TURN: f32 = 0.5;
 
 /// Path of an end joint before pinning.
@@ -21,27 +21,27 @@ const MAX_TURN: f32 = 0.5;
 pub(super) struct Path {
     /// Position of the end joint at each frame.
     pub(super) places: Vec<Vec3>,
-    /// Its rotation from rest.
+    /// Rotation of the end joint from rest at each frame.
     pub(super) deltas: Vec<Quat>,
 }
 
-/// Where an end joint belongs at a frame.
+/// Target of an end joint at a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Goal {
-    /// Its position.
+    /// Position of the end joint.
     pub(super) place: Vec3,
-    /// What it turns in addition, in model space.
+    /// Additional rotation, in model space.
     pub(super) turn: Quat,
 }
 
 impl Path {
-    /// Where a point that goes with the joint is.
+    /// Position of a point that is fixed to the joint.
     fn point(&self, frame: usize, sole: Sole) -> Vec3 {
         sole.at(self.places[frame], self.deltas[frame])
     }
 }
 
-/// A contact with the place where its point stays.
+/// A contact with the fixed position of its point.
 #[derive(Debug, Clone)]
 struct Pin {
     frames: Range<usize>,
@@ -50,7 +50,7 @@ struct Pin {
     on_floor: bool,
 }
 
-/// Where the end joint belongs so that its points rest during their contacts; `points` go with
+/// Targets of the end joint with which its points rest during their contacts; `points` are fixed to
 /// the joint, `floor` is the target's.
 pub(super) fn goals(
     path: &Path,
@@ -80,7 +80,7 @@ pub(super) fn goals(
         .collect()
 }
 
-/// The places of all contacts, those of one foot in keeping with each other.
+/// The positions of all contacts, those of one foot consistent with each other.
 fn pins(path: &Path, points: &[(Sole, &[Contact])], floor: f32) -> Vec<Pin> {
     let mut contacts: Vec<(Sole, &Contact)> = points
         .iter()
@@ -92,7 +92,7 @@ fn pins(path: &Path, points: &[(Sole, &[Contact])], floor: f32) -> Vec<Pin> {
         let frames = contact.frames.clone();
         let count = frames.len().max(1) as f32;
         let mean = frames.clone().map(|f| path.point(f, sole)).sum::<Vec3>() / count;
-        // A foot that is flat already stands somewhere: the other point follows from it.
+        // For a foot that is already flat, the position of the second point follows from the first.
         let mut before = pins.iter().rev().filter(|p| p.frames.end > frames.start);
         let mut place = before.next().map_or(mean, |before| {
             let until = before.frames.end.min(frames.end);
@@ -111,7 +111,7 @@ fn pins(path: &Path, points: &[(Sole, &[Contact])], floor: f32) -> Vec<Pin> {
     pins
 }
 
-/// The way between two points of a foot that lies flat on the floor.
+/// The offset between two points of a foot that lies flat on the floor.
 fn along_floor(way: Vec3, to: Sole, from: Sole) -> Vec3 {
     let flat = Vec3::new(way.x, 0.0, way.z);
     let rise = to.drop - from.drop;
@@ -119,8 +119,8 @@ fn along_floor(way: Vec3, to: Sole, from: Sole) -> Vec3 {
     flat.normalize_or_zero() * length.max(0.0).sqrt()
 }
 
-/// How a flat foot has to turn so that heel and toe both keep their places; `None` unless both
-/// rest.
+/// The rotation of a flat foot with which heel and toe both keep their positions; `None` unless
+/// both are in contact.
 fn turn(delta: Quat, active: &[&Pin]) -> Option<Vec3> {
     let (first, last) = (active.first()?, active.last()?);
     let is = delta * (last.sole.offset - first.sole.offset);
@@ -132,19 +132,19 @@ fn turn(delta: Quat, active: &[&Pin]) -> Option<Vec3> {
     (first.on_floor == last.on_floor && vector.length() < MAX_TURN).then_some(vector)
 }
 
-/// How far the end joint has to move at a frame; `None` without contact.
+/// Displacement of the end joint at a frame; `None` without contact.
 fn shift(path: &Path, frame: usize, turn: Quat, active: &[&Pin]) -> Option<Vec3> {
     let delta = turn * path.deltas[frame];
     let need = |pin: &Pin| pin.place - pin.sole.at(path.places[frame], delta);
     let (first, last) = (active.first()?, active.last()?);
-    // Where two overlap, the first hands over to the second.
+    // Where two overlap, the first is blended into the second.
     let start = first.frames.start.max(last.frames.start);
     let end = first.frames.end.min(last.frames.end);
     let share = (frame - start + 1) as f32 / (end - start + 1) as f32;
     Some(need(first).lerp(need(last), smooth(share)))
 }
 
-/// Fills the frames without a value: what is before and what is after, fading.
+/// Fills frames without a value by fading the values before and after the gap.
 fn fade(values: &mut [Option<Vec3>], rate_hz: f32) {
     let reach = (FADE_SECS * rate_hz).max(1.0);
     let known: Vec<usize> = (0..values.len()).filter(|f| values[*f].is_some()).collect();
@@ -155,7 +155,7 @@ fn fade(values: &mut [Option<Vec3>], rate_hz: f32) {
         let next = known.partition_point(|k| *k < f);
         let before = next.checked_sub(1).map(|i| known[i]);
         let after = known.get(next).copied();
-        // Between two neither reaches beyond the other.
+        // In a gap, neither fade reaches beyond the other's contact.
         let gap = match (before, after) {
             (Some(b), Some(a)) => (a - b) as f32,
             _ => reach,

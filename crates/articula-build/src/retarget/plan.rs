@@ -1,46 +1,46 @@
-//! Which source joint turns each target joint: twins, shared spines, twist, held joints.
+//! Assignment of source joints to target joints: twins, shared spines, twist, held joints.
 
 use super::chain;
 use super::rest::Rest;
 use super::side::Side;
 use glam::{Quat, Vec3};
 
-/// A source joint whose rotation is read, and what carries it over.
+/// A source joint whose rotation is read, and its conversion to the target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RotationSource {
-    /// The joint.
+    /// Index of the joint in the source.
     pub(super) joint: usize,
     /// Applied before the source's rotation from rest: from the target's frame to the source's.
     pub(super) frame: Quat,
-    /// Where the direction of a limb must be taken from places, because dropped joints bend it:
-    /// from joint, to joint.
+    /// Start and end joint of a limb whose direction must be taken from positions, because dropped
+    /// joints bend it.
     pub(super) along: Option<(usize, usize)>,
 }
 
-/// How a target joint gets its rotation.
+/// Source of a target joint's rotation.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Drive {
-    /// As at rest, relative to its parent.
+    /// The rest rotation, relative to the parent.
     Held,
-    /// As one source joint.
+    /// The rotation of one source joint.
     Twin(RotationSource),
-    /// Between two source joints; the number is the share of the second.
+    /// A blend of two source joints; the number is the share of the second.
     Between(RotationSource, RotationSource, f32),
 }
 
-/// The plan of a pair of rigs.
+/// The plan for a pair of rigs.
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
-    /// One for each target joint.
+    /// One entry per target joint.
     pub(super) drives: Vec<Drive>,
-    /// The joint that a target joint is fixed to where that is not its parent: such joints get
+    /// The joint to which a target joint is attached where that is not its parent: such joints get
     /// a translation as well.
     pub(super) floats: Vec<Option<usize>>,
-    /// Target joints, each after the joint that it is fixed to.
+    /// Target joints, each after the joint to which it is attached.
     pub(super) order: Vec<usize>,
-    /// The turn from the source's world to the target's.
+    /// Rotation from the source's world to the target's.
     pub(super) world: Quat,
-    /// Size of the target, measured by the legs, over that of the source.
+    /// Leg length of the target over that of the source.
     pub(super) scale: f32,
 }
 
@@ -81,7 +81,7 @@ fn drives(source: &Side, target: &Side) -> Vec<Drive> {
     drives
 }
 
-/// Root joint and sacroiliac: the joint that the legs hang from follows its like.
+/// Root joint and sacroiliac: the joint that the legs hang from follows its counterpart.
 fn pelvis(pairer: &Pairer<'_>, drives: &mut [Drive]) {
     let (source, target) = (&pairer.source.body, &pairer.target.body);
     let follow = |s: usize, t: usize| Drive::Twin(pairer.whole(s, t));
@@ -95,7 +95,7 @@ fn pelvis(pairer: &Pairer<'_>, drives: &mut [Drive]) {
     }
 }
 
-/// The source joint of the same standard name for each target joint, or of the same name where
+/// The source joint with the same H-Anim name for each target joint, or with the same name where
 /// neither rig maps it and both hang from twins.
 fn twins(source: &Side, target: &Side) -> Vec<Option<usize>> {
     let mut twins: Vec<Option<usize>> = Vec::with_capacity(target.rest.len());
@@ -124,7 +124,7 @@ struct Pairer<'a> {
 }
 
 impl Pairer<'_> {
-    /// A source joint read as a whole part: frames of the part, not of the segment.
+    /// A source joint treated as a whole part: with the frame of the part, not of the segment.
     fn whole(&self, s: usize, t: usize) -> RotationSource {
         let (a, b) = (self.source.frames.part[s], self.target.frames.part[t]);
         RotationSource {
@@ -164,7 +164,7 @@ impl Pairer<'_> {
         read
     }
 
-    /// The fingers of a rig whose fingers move as one: they follow that one.
+    /// Drive of a finger where the source has one chain for all fingers: it follows that chain.
     fn mitten(&self, t: usize) -> Option<Drive> {
         let title = self.target.rest.title(t);
         let (side, finger) = title.split_once('_')?;
@@ -194,7 +194,7 @@ impl Pairer<'_> {
     }
 }
 
-/// The joint of the standard at the lower end of a limb's segment.
+/// The H-Anim joint at the lower end of a limb's segment.
 pub(super) fn next_title(title: &str) -> Option<String> {
     let (side, name) = title.split_once('_')?;
     let next = match name {
@@ -216,7 +216,7 @@ pub(super) fn next_title(title: &str) -> Option<String> {
     Some(format!("{side}_{next}"))
 }
 
-/// Joints that hang in the tree from another part than in the body.
+/// Joints whose parent in the tree is not the joint that they are attached to in the body.
 fn floats(target: &Side, drives: &[Drive]) -> Vec<Option<usize>> {
     let (rest, body) = (&target.rest, &target.body);
     let mut floats = vec![None; rest.len()];
@@ -236,7 +236,7 @@ fn floats(target: &Side, drives: &[Drive]) -> Vec<Option<usize>> {
     floats
 }
 
-/// The joint that a joint is fixed to in a body.
+/// The joint to which a joint is attached in a body.
 fn base(target: &Side, j: usize) -> Option<usize> {
     let rest = &target.rest;
     let (side, name) = rest.title(j).split_once('_')?;
@@ -253,7 +253,7 @@ fn base(target: &Side, j: usize) -> Option<usize> {
         _ => return None,
     };
     let found = above.iter().find_map(|name| rest.sided(side, name));
-    // In-line joints of a limb turn about it, which keeps its end in place.
+    // In-line joints of a limb turn about it, which keeps the position of its end.
     let inline = found.filter(|f| rest.between(*f, j).is_none());
     match name {
         "shoulder" | "acromioclavicular" => found.or_else(|| target.spine.chest()),
@@ -261,7 +261,8 @@ fn base(target: &Side, j: usize) -> Option<usize> {
     }
 }
 
-/// Every joint after the one it is fixed to; a ring of floating joints is broken at its first.
+/// Every joint after the one to which it is attached; a cycle of such joints is broken at its
+/// first.
 fn order(rest: &Rest, floats: &[Option<usize>]) -> Vec<usize> {
     let mut order = Vec::with_capacity(rest.len());
     let mut placed = vec![false; rest.len()];
@@ -278,7 +279,7 @@ fn order(rest: &Rest, floats: &[Option<usize>]) -> Vec<usize> {
     order
 }
 
-/// Turns a direction so that it follows a limb's places.
+/// Extends a rotation so that the direction `rest` points along `now`.
 pub(super) fn swing(delta: Quat, rest: Vec3, now: Vec3) -> Quat {
     let (is, should) = ((delta * rest).normalize_or_zero(), now.normalize_or_zero());
     if is == Vec3::ZERO || should == Vec3::ZERO {

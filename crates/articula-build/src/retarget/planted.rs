@@ -1,4 +1,4 @@
-//! Feet and hands that rest: their limbs bent, and the hips lowered, so that they do.
+//! Bends limbs and lowers the hips so that pinned feet and hands stay in place.
 
 use super::contacts::Contact;
 use super::limb::Limb;
@@ -8,24 +8,24 @@ use super::steps::{Sole, rest_floor, soles};
 use super::transfer::Transfer;
 use glam::Vec3;
 
-/// Most that the hips sink so that both feet reach the floor, in leg lengths.
+/// Maximum distance by which the hips sink so that both feet reach the floor, in leg lengths.
 const MAX_SINK: f32 = 0.12;
-/// Most that the hips rise so that folded legs have room, in leg lengths.
+/// Maximum distance by which the hips rise so that folded legs have room, in leg lengths.
 const MAX_RISE: f32 = 0.4;
-/// Time over which the hips sink or rise, and back.
+/// Time over which the hips sink or rise, and return.
 const SINK_SECS: f32 = 0.2;
-/// Share of its length that a leg may have before the hips sink.
+/// Share of its length to which a leg may extend before the hips sink.
 const STRETCH: f32 = 0.999;
 
-/// Which ends of limbs are kept in place while the source's rest.
+/// Ends of limbs that are pinned while those of the source rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ContactPinning {
-    /// None.
+    /// No limb is pinned.
     Nothing,
-    /// The feet, which also stay above the floor.
+    /// The feet, which are also kept above the floor.
     #[default]
     Feet,
-    /// Feet, and hands that rest on something.
+    /// The feet, and hands that rest on something.
     FeetAndHands,
 }
 
@@ -62,10 +62,10 @@ pub(super) fn limbs(transfer: &Transfer<'_>) -> Vec<Planted> {
     limbs
 }
 
-/// Where the ends of the limbs belong and how far the hips sink, frame by frame.
+/// Targets of the limb ends and vertical displacement of the hips, frame by frame.
 #[derive(Debug, Clone)]
 pub(super) struct Goals {
-    /// One for each limb that is pinned: its place in the list of limbs, goals of its end.
+    /// One entry per pinned limb: its index in the list of limbs, targets of its end.
     ends: Vec<(usize, Vec<Goal>)>,
     sinks: Vec<f32>,
     rises: Vec<f32>,
@@ -73,7 +73,7 @@ pub(super) struct Goals {
 }
 
 impl Goals {
-    /// Plans over a whole clip.
+    /// Computes the targets for a whole clip.
     pub(super) fn new(transfer: &Transfer<'_>, limbs: &[Planted], pinning: ContactPinning) -> Self {
         let frames = transfer.motion.frames();
         let rate_hz = transfer.motion.rate_hz;
@@ -135,7 +135,7 @@ impl Goals {
         }
     }
 
-    /// Notes by how much the hips are too high or too low for a leg.
+    /// Records by how much the hips are too high or too low for a leg.
     fn lift(&mut self, starts: &[Vec3], ends: &[Goal], [least, most]: [f32; 2]) {
         for (f, (start, end)) in starts.iter().zip(ends).enumerate() {
             let way = *start - end.place;
@@ -146,7 +146,7 @@ impl Goals {
         }
     }
 
-    /// Bends the limbs of a pose that was just carried over.
+    /// Bends the limbs of a transferred pose to their targets.
     pub(super) fn apply(
         &self,
         transfer: &Transfer<'_>,
@@ -170,7 +170,7 @@ impl Goals {
     }
 }
 
-/// Widens each need to its neighbourhood and smooths it, so that the hips move gently.
+/// Extends each displacement to its neighbourhood and smooths it, so that the hips move gently.
 fn smoothed(sinks: &mut [f32], reach: usize, most: f32) {
     let reach = reach.max(1);
     let window = |f: usize| f.saturating_sub(reach)..(f + reach + 1).min(sinks.len());
@@ -183,7 +183,7 @@ fn smoothed(sinks: &mut [f32], reach: usize, most: f32) {
                 .min(most)
         })
         .collect();
-    // The mean over the same window is nowhere below what the middle frame needs.
+    // The mean over the same window is nowhere below the displacement that its middle frame needs.
     let means: Vec<f32> = (0..sinks.len())
         .map(|f| {
             let around = &widest[window(f)];

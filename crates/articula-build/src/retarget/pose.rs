@@ -1,4 +1,4 @@
-//! A pose of the target in model space: rotations from rest, and the places that follow.
+//! A pose of the target in model space: rotations from rest, and the resulting positions.
 
 use super::plan::Plan;
 use super::side::Side;
@@ -22,7 +22,7 @@ impl Pose {
         }
     }
 
-    /// Puts every joint where the rotations bring it, the root joint at `root`.
+    /// Computes the position of every joint from the rotations, with the root joint at `root`.
     pub(super) fn place(&mut self, plan: &Plan, target: &Side, root: Vec3) {
         let rest = &target.rest;
         for &j in &plan.order {
@@ -43,13 +43,13 @@ impl Pose {
         (turn * rest.locals[j].0).normalize()
     }
 
-    /// Local translation of a joint that does not stay fixed to its parent.
+    /// Local translation of a joint that is not attached to its parent.
     pub(super) fn local_translation(&self, target: &Side, j: usize) -> Vec3 {
         let rest = &target.rest;
         let Some(p) = rest.parents[j] else {
             return self.positions[j];
         };
-        // The parent's matrix is its rest matrix, turned and moved.
+        // The parent's matrix is its rest matrix, rotated and translated.
         let way = self.deltas[p].inverse() * (self.positions[j] - self.positions[p]);
         let local = Vec3::from(rest.matrices[p].matrix3.inverse() * Vec3A::from(way));
         if local.is_finite() {

@@ -1,4 +1,4 @@
-//! How good a retargeted motion is, in numbers that mean the same on any figure.
+//! Quality measures of a retargeted motion, independent of the size of the figure.
 
 use super::contacts::Contact;
 use super::frames;
@@ -8,55 +8,55 @@ use super::steps::{Sole, rest_floor};
 use super::transfer::Transfer;
 use glam::Vec3;
 
-/// Sine of the angle by which a knee or elbow may bend to its wrong side: straight limbs do,
-/// by measurement noise.
+/// Sine of the angle up to which a knee or elbow may bend to its wrong side: straight limbs do, by
+/// measurement noise.
 const WRONG_SINE: f32 = 0.1;
 
-/// Distances over which resting feet moved.
+/// Distances by which feet moved during contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FootSlide {
     /// Number of contacts of heels and toes.
     pub contacts: usize,
-    /// Mean over the contacts of the farthest that a point came from where it began, metres.
+    /// Mean over the contacts of the maximum distance of a point from where it began, metres.
     pub mean_metres: f32,
-    /// The farthest of all, metres.
+    /// Maximum of that distance over all contacts, metres.
     pub max_metres: f32,
 }
 
-/// How far ends of limbs are from where the source has them, relative to where the limb begins
-/// and in lengths of the limb.
+/// Error of limb end positions relative to the start of the limb, compared with the source; in
+/// lengths of the limb.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EndEffectorError {
     /// Mean over frames and sides.
     pub mean: f32,
-    /// Largest.
+    /// Maximum over frames and sides.
     pub max: f32,
 }
 
-/// Numbers of quality of one clip.
+/// Quality measures of one retargeted clip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RetargetQuality {
-    /// Slide of the feet as the rotations alone give it.
+    /// Foot slide after the transfer of rotations alone, before pinning.
     pub slide_before: FootSlide,
-    /// Slide of the feet in the result.
+    /// Foot slide in the result.
     pub slide: FootSlide,
-    /// Slide of the source's own feet, scaled to the target.
+    /// Foot slide of the source, scaled to the target.
     pub slide_source: FootSlide,
-    /// Deepest that a sole is below the floor as the rotations alone give it, metres.
+    /// Maximum depth of a sole below the floor after the transfer of rotations alone, metres.
     pub below_floor_before_metres: f32,
-    /// Deepest that a sole is below the floor in the result, metres.
+    /// Maximum depth of a sole below the floor in the result, metres.
     pub below_floor_metres: f32,
-    /// Wrists, from the shoulders.
+    /// Error of the wrists, relative to the shoulders.
     pub hands: EndEffectorError,
-    /// Ankles, from the hips.
+    /// Error of the ankles, relative to the hips.
     pub feet: EndEffectorError,
-    /// Head, from the hips.
+    /// Error of the head, relative to the hips.
     pub head: EndEffectorError,
     /// Share of frames and sides in which a knee bends forward or an elbow backward.
     pub hinge_wrong_share: f32,
 }
 
-/// Gathers the numbers while frames are made.
+/// Accumulates the measures while frames are processed.
 #[derive(Debug)]
 pub(super) struct Gauge<'a> {
     limbs: &'a [Planted],
@@ -70,7 +70,7 @@ pub(super) struct Gauge<'a> {
     frames: usize,
 }
 
-/// An end of a limb on both sides.
+/// An end of a limb in both figures.
 #[derive(Debug)]
 struct End {
     kind: usize,
@@ -86,7 +86,7 @@ struct Error {
     max: f32,
 }
 
-/// Where the contacts of all feet began and how far they came; how deep the soles are.
+/// Start positions and slide of the contacts of all feet; depth of the soles.
 #[derive(Debug, Default)]
 struct Feet {
     starts: Vec<Option<Vec3>>,
@@ -95,7 +95,7 @@ struct Feet {
 }
 
 impl Feet {
-    /// Takes the points of one frame: for each point its place and its contacts.
+    /// Adds the points of one frame: the position of each point and its contacts.
     fn push<'p>(
         &mut self,
         frame: usize,
@@ -146,13 +146,13 @@ impl<'a> Gauge<'a> {
         }
     }
 
-    /// Looks at a pose before limbs are bent.
+    /// Measures a pose before limbs are bent.
     pub(super) fn before(&mut self, transfer: &Transfer<'_>, frame: usize, pose: &Pose) {
         let floor = rest_floor(transfer.target);
         self.before.push(frame, floor, points(self.limbs, pose));
     }
 
-    /// Looks at a finished pose.
+    /// Measures a finished pose.
     pub(super) fn after(&mut self, transfer: &Transfer<'_>, frame: usize, pose: &Pose) {
         let floor = rest_floor(transfer.target);
         self.after.push(frame, floor, points(self.limbs, pose));
@@ -187,7 +187,7 @@ impl<'a> Gauge<'a> {
         }
     }
 
-    /// The numbers.
+    /// Returns the accumulated measures.
     pub(super) fn quality(&self, scale: f32) -> RetargetQuality {
         let error = |e: &Error| EndEffectorError {
             mean: e.sum / e.count.max(1) as f32,
@@ -257,8 +257,8 @@ fn ends(transfer: &Transfer<'_>) -> Vec<End> {
     ends
 }
 
-/// Elbows and knees: the three joints of the limb, its front at rest, and the side of it to
-/// which the lower segment goes.
+/// Elbows and knees: the three joints of the limb, its front at rest, and the sign of the side to
+/// which the lower segment bends.
 fn hinges(transfer: &Transfer<'_>) -> Vec<(usize, usize, usize, Vec3, f32)> {
     let target = transfer.target;
     let mut hinges = Vec::new();

@@ -1,57 +1,58 @@
-//! What became of each joint, and how good a retargeted motion is.
+//! Report of a retargeted motion: the origin of each joint's rotation, and quality measures.
 
 use super::plan::{Drive, Plan};
 use super::quality::RetargetQuality;
 use super::side::Side;
 use super::twist::Twists;
 
-/// Where a target joint's rotation comes from.
+/// Origin of a target joint's rotation.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RotationOrigin {
-    /// One source joint that stands for the same joint.
+    /// One source joint with the same mapping.
     Mapped {
         /// Index in the source skeleton.
         source: usize,
     },
-    /// Source joints of the same chain, each with its share. The shares sum to 1, except of a
-    /// twist joint: its one share is of the turn about the limb.
+    /// Source joints of the same chain, each with its share. The shares sum to 1, except for a
+    /// twist joint: its only share is that of the twist of the limb.
     Shared {
         /// Index in the source skeleton, and share.
         sources: Vec<(usize, f32)>,
     },
-    /// It stays as at rest, relative to its parent.
+    /// The rest rotation, relative to the parent.
     Held,
 }
 
-/// What became of one target joint.
+/// Treatment of one target joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointReport {
     /// Index in the target skeleton.
     pub joint: usize,
-    /// Where its rotation comes from.
+    /// Origin of its rotation.
     pub origin: RotationOrigin,
-    /// Whether it is moved as well as turned.
+    /// Whether it is translated as well as rotated.
     pub moved: bool,
 }
 
-/// How a motion was put onto another figure.
+/// Report of a retargeted clip.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RetargetReport {
-    /// One for each target joint, in its order.
+    /// One entry per target joint, in the order of the target.
     pub joints: Vec<JointReport>,
-    /// Mapped source joints that nothing of the target follows.
+    /// Mapped source joints that no target joint follows.
     pub dropped: Vec<usize>,
-    /// Size of the target over that of the source, measured by the legs.
+    /// Leg length of the target over that of the source.
     pub scale: f32,
-    /// Fastest turn of a joint relative to its parent: joint of the target, radians a second.
+    /// Maximum rotation speed of a target joint relative to its parent: joint, radians per second.
     pub fastest: Option<(usize, f32)>,
-    /// The same of the source's mapped joints: joint of the source, radians a second.
+    /// Maximum rotation speed of a mapped source joint relative to its parent: joint, radians per
+    /// second.
     pub fastest_source: Option<(usize, f32)>,
-    /// How good it is.
+    /// Quality measures of the clip.
     pub quality: RetargetQuality,
 }
 
-/// The report without what the frames tell.
+/// The report without what is measured frame by frame.
 pub(super) fn report(source: &Side, target: &Side, plan: &Plan, twists: &Twists) -> RetargetReport {
     let mut used = vec![false; source.rest.len()];
     let joints = plan
@@ -95,7 +96,7 @@ pub(super) fn report(source: &Side, target: &Side, plan: &Plan, twists: &Twists)
     }
 }
 
-/// What a joint is that the plan holds: twist may be spread to it.
+/// Origin of a joint that the plan holds, to which twist may be distributed.
 fn held_or_twisted(plan: &Plan, twists: &Twists, joint: usize) -> RotationOrigin {
     let share = twists.shares().find(|s| s.0 == joint);
     match share.map(|(_, turns, share)| (&plan.drives[turns], share)) {

@@ -1,11 +1,11 @@
-//! A skeleton at rest, as retargeting reads it: where each joint is and which way it stands.
+//! A skeleton at rest, in the form that retargeting needs: joint positions, orientations and names.
 
 use super::RetargetFigure;
 use articula_core::Mismatch;
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use std::collections::BTreeMap;
 
-/// Places and orientations at rest, and which joint is which joint of the standard.
+/// Positions and orientations at rest, and the mapping to H-Anim.
 #[derive(Debug, Clone)]
 pub(super) struct Rest {
     pub(super) parents: Vec<Option<usize>>,
@@ -13,20 +13,20 @@ pub(super) struct Rest {
     pub(super) matrices: Vec<Affine3A>,
     /// Positions in model space, metres.
     pub(super) positions: Vec<Vec3>,
-    /// Rotation part of `matrices`; of a mirrored joint, of the negated matrix. Conjugation
-    /// with it carries a rotation between the joint's space and model space in both cases.
+    /// Rotation part of `matrices`; of a mirrored joint, of the negated matrix. Conjugation with it
+    /// converts a rotation between the joint's space and model space in both cases.
     pub(super) rotations: Vec<Quat>,
     /// Local rotations and translations.
     pub(super) locals: Vec<(Quat, Vec3)>,
     /// H-Anim name of each mapped joint.
     pub(super) hanim: Vec<Option<String>>,
-    /// The rig's own names.
+    /// Joint names of the rig.
     pub(super) names: Vec<String>,
     by_hanim: BTreeMap<String, usize>,
 }
 
 impl Rest {
-    /// Reads a figure.
+    /// Converts a figure.
     pub(super) fn new(figure: &RetargetFigure<'_>, which: &str) -> Result<Self, Mismatch> {
         let joints = &figure.skeleton.joints;
         let known = &figure.articulation.joints;
@@ -77,7 +77,7 @@ impl Rest {
         self.parents.len()
     }
 
-    /// The joint that stands for a joint of the standard.
+    /// The joint that is mapped to an H-Anim name.
     pub(super) fn find(&self, hanim: &str) -> Option<usize> {
         self.by_hanim.get(hanim).copied()
     }
@@ -92,8 +92,8 @@ impl Rest {
         self.hanim[joint].as_deref().unwrap_or("")
     }
 
-    /// The joints strictly between `above` and `joint`, upper first; `None` if `above` does
-    /// not stand above.
+    /// The joints strictly between `above` and `joint`, upper first; `None` if `above` is no
+    /// ancestor of `joint`.
     pub(super) fn between(&self, above: usize, joint: usize) -> Option<Vec<usize>> {
         let mut path = Vec::new();
         let mut at = self.parents[joint];
@@ -113,7 +113,7 @@ impl Rest {
         self.parents[joint].map_or(Quat::IDENTITY, |p| self.rotations[p])
     }
 
-    /// From one joint to another at rest, in model space.
+    /// Offset from one joint to another at rest, in model space.
     pub(super) fn way(&self, from: usize, to: usize) -> Vec3 {
         self.positions[to] - self.positions[from]
     }
@@ -123,7 +123,7 @@ impl Rest {
     }
 }
 
-/// The rotation in a linear map, scale and shear taken off; of the negated map if it mirrors.
+/// The rotation in a linear map, without scale and shear; of the negated map if it mirrors.
 pub(super) fn proper_rotation(linear: Mat3) -> Quat {
     let linear = if linear.determinant() < 0.0 {
         -linear

@@ -1,4 +1,4 @@
-//! One of the two rigs, measured.
+//! One of the two rigs, with its measurements.
 
 use super::RetargetFigure;
 use super::body::Body;
@@ -7,7 +7,7 @@ use super::frames::{Frames, Fronts, frames};
 use super::rest::Rest;
 use articula_core::{Mismatch, angle_between};
 
-/// A rig as the plan sees it.
+/// A rig with the measurements that the plan uses.
 #[derive(Debug, Clone)]
 pub(super) struct Side {
     pub(super) rest: Rest,
@@ -30,15 +30,15 @@ impl Side {
 }
 
 impl Side {
-    /// The same figure with what a motion showed of its hinges.
+    /// The same figure with fronts of limbs detected in a motion.
     pub(super) fn with_fronts(&self, seen: &Fronts) -> Self {
         let mut side = self.clone();
         side.frames = frames(&self.rest, &self.body, seen);
         side
     }
 
-    /// Whether a joint has the same name and rest transform in both figures, but for their
-    /// sizes: what is unknown of one is as unknown of the other then.
+    /// Whether a joint has the same name and, up to size, the same rest transform in both figures:
+    /// then whatever is ambiguous in one is equally so in the other.
     pub(super) fn alike(&self, joint: usize, other: &Self, theirs: usize) -> bool {
         let (a, b) = (self.rest.locals[joint], other.rest.locals[theirs]);
         self.rest.names[joint] == other.rest.names[theirs]

@@ -1,4 +1,5 @@
-//! What a source motion stands on: the floor, when its feet and hands rest, how flat they lie.
+//! Ground contact of a source motion: floor height, contacts of feet and hands, orientation of flat
+//! feet.
 
 use super::body::Leg;
 use super::contacts::{self, Contact};
@@ -7,42 +8,42 @@ use super::side::Side;
 use crate::rotation_vector::rotation_vector;
 use glam::{Quat, Vec3};
 
-/// Length of a foot from ankle to toes where no joint tells, in leg lengths.
+/// Length of a foot from ankle to toes where no joint determines it, in leg lengths.
 const FOOT: f32 = 0.15;
-/// Angles of a foot against flat during its contacts below which the rest pose is believed and
-/// above which the contacts are, radians. Feet of figures that stand at rest are within 5
-/// degrees, those of captures that spread their legs at rest are off by 15 to 25.
+/// Angles of a foot against flat during its contacts below which the rest pose is trusted and above
+/// which the contacts are, radians. Feet of figures that stand at rest are within 5 degrees, those
+/// of captures that spread their legs at rest are off by 15 to 25.
 const UNEVEN_RADIANS: [f32; 2] = [0.07, 0.14];
-/// A foot that is turned by more than this from flat during its contacts was not misdrawn at
-/// rest: it stands on tiptoe, or on something else.
+/// A foot that is turned from flat by more than this during its contacts is not an error of the
+/// rest pose: it stands on tiptoe, or on something else.
 const LEVEL_RADIANS: f32 = 0.6;
-/// Share of the frames in which a foot may lie below the floor: noise, and feet that dip.
+/// Share of the frames in which a foot may be below the floor: noise, and feet that dip.
 const BELOW_FLOOR: f32 = 0.05;
 
-/// Feet that are usually farther from the floor of the rest pose than this, in leg lengths,
-/// may belong to a motion with another floor.
+/// Minimum median distance of the feet from the floor of the rest pose, in leg lengths, for a
+/// motion that may have another floor.
 const OTHER_FLOOR: f32 = 0.1;
-/// Contacts of heels that make a walk, and how far they are apart in leg lengths.
+/// Minimum number of heel contacts of a walk, and their minimum extent in leg lengths.
 const STEPS: usize = 4;
 const STEP: f32 = 0.3;
 
-/// A point that goes with an end joint: where a sole touches the floor, or the wrist itself.
+/// A point that is fixed to an end joint: where a sole touches the floor, or the wrist itself.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Sole {
-    /// From the end joint at rest, in model space; it turns with the joint.
+    /// Offset from the end joint at rest, in model space; it turns with the joint.
     pub(super) offset: Vec3,
-    /// How far below that, straight down whatever the joint does.
+    /// Distance of the point below that offset, vertical regardless of the joint's rotation.
     pub(super) drop: f32,
 }
 
 impl Sole {
-    /// Where it is, if the end joint is at `place` and turned by `delta` from rest.
+    /// Position of the point if the end joint is at `place` and turned by `delta` from rest.
     pub(super) fn at(self, place: Vec3, delta: Quat) -> Vec3 {
         place + delta * self.offset - Vec3::Y * self.drop
     }
 }
 
-/// Heel and toe of a foot; without a joint of the toes a foot of usual length is taken.
+/// Heel and toe of a foot; without a toe joint the usual length of a foot is assumed.
 pub(super) fn soles(side: &Side, leg: &Leg) -> Option<[Sole; 2]> {
     let body = &side.body;
     let ankle = leg.ankle?;
@@ -72,7 +73,7 @@ pub(super) struct Foot {
     pub(super) toe: Vec<Contact>,
 }
 
-/// The ground under a motion.
+/// Ground contact of one motion.
 #[derive(Debug, Clone)]
 pub(super) struct Steps {
     /// Height of the floor in the source's world, metres.
@@ -81,13 +82,13 @@ pub(super) struct Steps {
     pub(super) feet: [Foot; 2],
     /// Contacts of the wrists, left and right.
     pub(super) hands: [Vec<Contact>; 2],
-    /// For each source joint, the turn from its rest pose to a foot that is flat on the floor.
+    /// For each source joint, the rotation from its rest pose to a foot that is flat on the floor.
     pub(super) level: Vec<Quat>,
 }
 
 impl Steps {
-    /// Looks at a whole motion; `floor` overrides what would be found, and joints that are
-    /// `alike` in both figures need no levelling.
+    /// Analyses a whole motion; `floor` overrides the detected height, and joints for which `alike`
+    /// holds need no levelling.
     pub(super) fn new(
         source: &Side,
         motion: &Motion,
@@ -127,7 +128,7 @@ impl Steps {
         steps
     }
 
-    /// Finds how a foot lies when heel and toe are both on the floor.
+    /// Computes the orientation of a foot when heel and toe are both on the floor.
     fn level(&mut self, source: &Side, motion: &Motion, leg: &Leg, i: usize) {
         let rest = &source.rest;
         let foot = &self.feet[i];
@@ -163,15 +164,15 @@ impl Steps {
     }
 }
 
-/// Path of a point that goes with a joint.
+/// Path of a point that is fixed to a joint.
 fn path(motion: &Motion, joint: usize, sole: Sole) -> Vec<Vec3> {
     (0..motion.frames())
         .map(|f| sole.at(motion.positions(f)[joint], motion.deltas(f)[joint]))
         .collect()
 }
 
-/// Height of the floor under a motion: that of the rest pose if it stands on one and nothing
-/// speaks against it, otherwise where the soles are when they are lowest.
+/// Height of the floor under a motion: that of the rest pose if it stands on one, unless the motion
+/// contradicts it; otherwise the height of the soles when they are lowest.
 fn found_floor(source: &Side, motion: &Motion) -> f32 {
     let body = &source.body;
     let feet: Vec<(usize, [Sole; 2])> = body
@@ -195,8 +196,9 @@ fn found_floor(source: &Side, motion: &Motion) -> f32 {
     if !body.stands_on_floor {
         return found;
     }
-    // Who rises out of the ground, lies or sits is not where the feet are; who mostly stands,
-    // is; and above the floor of the rest pose only who takes steps there.
+    // A figure that rises out of the ground, lies or sits does not have its floor at its feet; one
+    // that mostly stands does; and above the floor of the rest pose only one that takes steps
+    // there.
     let far = OTHER_FLOOR * body.leg_metres;
     let mostly_there = usual - found < far;
     let steps = || walks(source, motion, &feet, found);

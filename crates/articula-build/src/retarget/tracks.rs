@@ -1,4 +1,4 @@
-//! Frames of the target as a clip of keyed channels.
+//! Converts frames of the target to a clip of keyed channels.
 
 use super::plan::{Drive, Plan};
 use super::pose::Pose;
@@ -7,11 +7,11 @@ use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{angle_between, same_hemisphere};
 use glam::{Quat, Vec3};
 
-/// Differences between keys below which a channel stands still and keeps one key.
+/// Differences between keys below which a channel is constant and keeps one key.
 const STILL_RADIANS: f32 = 1e-6;
 const STILL_METRES: f32 = 1e-7;
 
-/// Keys of one clip as they come, frame by frame.
+/// Keys of one clip, collected frame by frame.
 #[derive(Debug)]
 pub(super) struct Tracks {
     rotations: Vec<(usize, Vec<Quat>)>,
@@ -19,7 +19,7 @@ pub(super) struct Tracks {
 }
 
 impl Tracks {
-    /// Room for every joint that the plan or `more` turns.
+    /// Allocates keys for every joint that the plan or `more` rotates.
     pub(super) fn new(plan: &Plan, target: &Side, more: &[usize], frames: usize) -> Self {
         let turned = |j: &usize| plan.drives[*j] != Drive::Held || more.contains(j);
         let moved = |j: &usize| plan.floats[*j].is_some() || *j == target.body.root;
@@ -36,11 +36,11 @@ impl Tracks {
         }
     }
 
-    /// Takes one frame.
+    /// Appends one frame.
     pub(super) fn push(&mut self, target: &Side, pose: &Pose) {
         for (j, keys) in &mut self.rotations {
             let key = pose.local_rotation(target, *j);
-            // Neighbours lie in one hemisphere, so that any blend takes the short way.
+            // Neighbouring keys are in one hemisphere, so that any blend takes the shorter arc.
             let last = keys.last().copied().unwrap_or(Quat::IDENTITY);
             keys.push(same_hemisphere(last, key));
         }
@@ -49,7 +49,7 @@ impl Tracks {
         }
     }
 
-    /// Fastest turn between two frames, radians a second, and its joint.
+    /// Maximum rotation speed between two frames, radians per second, and its joint.
     pub(super) fn fastest(&self, rate_hz: f32) -> Option<(usize, f32)> {
         let speed = |keys: &[Quat]| {
             let steps = keys.windows(2).map(|w| angle_between(w[0], w[1]));

@@ -1,5 +1,5 @@
-//! One frame of the source carried over to the target: rotations by the plan, the hips by the
-//! length of the legs.
+//! Transfers one frame of the source to the target: rotations by the plan, the hips scaled by leg
+//! length.
 
 use super::limb::Limb;
 use super::motion::Motion;
@@ -10,7 +10,7 @@ use super::steps::{Steps, rest_floor};
 use articula_core::same_hemisphere;
 use glam::{Quat, Vec3};
 
-/// All that is needed to carry over the frames of one clip.
+/// Everything needed to transfer the frames of one clip.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Transfer<'a> {
     pub(super) source: &'a Side,
@@ -23,7 +23,7 @@ pub(super) struct Transfer<'a> {
 }
 
 impl Transfer<'_> {
-    /// Poses the target as the source at a frame, nothing pinned.
+    /// Poses the target like the source at a frame, without pinning.
     pub(super) fn pose(&self, frame: usize, pose: &mut Pose) {
         self.turn(frame, pose);
         let target = self.target;
@@ -38,7 +38,7 @@ impl Transfer<'_> {
         }
     }
 
-    /// Turns every joint as the plan says.
+    /// Rotates every joint by the plan.
     fn turn(&self, frame: usize, pose: &mut Pose) {
         let target = self.target;
         for (j, drive) in self.plan.drives.iter().enumerate() {
@@ -63,7 +63,7 @@ impl Transfer<'_> {
         self.plan.world * delta * self.steps.level[from.joint] * from.frame
     }
 
-    /// Where the middle between the target's hips belongs.
+    /// Target position of the midpoint of the hips.
     fn middle(&self, frame: usize) -> Vec3 {
         let (source, target) = (self.source, self.target);
         let scale = self.plan.scale;

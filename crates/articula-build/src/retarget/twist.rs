@@ -1,12 +1,12 @@
-//! The turn of a limb about its own length, spread so that the skin does not wrap.
+//! Distribution of a limb's twist about its length, so that the skin does not wrap.
 //!
-//! A rig that has joints for it along the limb, in line or beside, gives each its share: of the
-//! upper arm and thigh the turn against the trunk, none at the top and all at the bottom; of
-//! forearm and shin the turn of hand and foot, all at the bottom. A forearm without such joints
-//! takes what a wrist cannot: beyond [`WRIST_RADIANS`] the skin of the wrist would wrap.
-//! Joint positions do not change.
+//! A rig that has twist joints along the limb, in line or as siblings, gives each its share: of the
+//! upper arm and thigh the twist against the trunk, none at the top and all at the bottom; of
+//! forearm and shin the twist of hand and foot, all at the bottom. A forearm without such joints
+//! takes what exceeds the range of a wrist: beyond [`WRIST_RADIANS`] the skin of the wrist would
+//! wrap. Joint positions do not change.
 //!
-//! Source: swing-twist decomposition of a rotation; the shares are by place along the limb.
+//! Source: swing-twist decomposition of a rotation; the shares are by position along the limb.
 
 use super::plan::{Drive, Plan, swing};
 use super::pose::Pose;
@@ -14,9 +14,9 @@ use super::side::Side;
 use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
 
-/// How far a hand turns against the forearm's joint before the forearm follows: 40 degrees.
+/// Angle by which a hand turns against the forearm's joint before the forearm follows: 40 degrees.
 const WRIST_RADIANS: f32 = 0.7;
-/// How far beside a limb a joint for its twist may lie, as a share of the segment.
+/// Maximum distance of a sibling twist joint from the limb's axis, as a share of the segment.
 const BESIDE: f32 = 0.25;
 
 /// A joint that takes a share of a segment's twist.
@@ -34,8 +34,8 @@ struct Part {
 struct Segment {
     upper: usize,
     lower: usize,
-    /// What the twist is measured against: the joint above for an upper segment, the lower end
-    /// itself for a lower one.
+    /// Reference of the twist: the joint above for an upper segment, the lower end itself for a
+    /// lower one.
     against: Against,
     /// Share that stays in the upper joint itself, where others take the rest.
     own: f32,
@@ -52,7 +52,7 @@ enum Against {
     Below,
 }
 
-/// Spreads twist frame by frame; remembers the last turns so that none jumps by a whole one.
+/// Distributes twist frame by frame; keeps the last angles so that none jumps by a full turn.
 #[derive(Debug, Clone)]
 pub(super) struct Twists {
     segments: Vec<Segment>,
@@ -77,13 +77,13 @@ impl Twists {
         }
     }
 
-    /// Joints that get a turn although the plan holds them.
+    /// Joints that are rotated although the plan holds them.
     pub(super) fn joints(&self) -> Vec<usize> {
         let parts = self.segments.iter().flat_map(|s| &s.parts);
         parts.map(|p| p.joint).collect()
     }
 
-    /// Each joint that shares twist, with the joint whose turn it is and its share.
+    /// Each joint that shares twist, with the joint that provides the twist and its share.
     pub(super) fn shares(&self) -> impl Iterator<Item = (usize, usize, f32)> + '_ {
         self.segments.iter().flat_map(|segment| {
             let turns = match segment.against {
@@ -94,7 +94,7 @@ impl Twists {
         })
     }
 
-    /// Spreads the twist of a pose whose limbs are bent.
+    /// Distributes the twist of a pose whose limbs are bent.
     pub(super) fn spread(&mut self, plan: &Plan, target: &Side, pose: &mut Pose) {
         if self.segments.is_empty() {
             return;
@@ -118,7 +118,7 @@ impl Twists {
     }
 }
 
-/// A segment if there is something to spread on it.
+/// A segment, if it has joints that share its twist.
 fn segment(
     plan: &Plan,
     target: &Side,
@@ -184,15 +184,15 @@ fn segment(
     })
 }
 
-/// Whether a rig calls a joint one for twist.
+/// Whether the name of a joint marks it as a twist joint.
 fn is_twist(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     name.contains("twist") || name.contains("roll")
 }
 
 impl Segment {
-    /// The turn about the segment at a pose, radians: of the segment against what it hangs
-    /// from, or of its lower end against the segment.
+    /// The twist of a segment in a pose, radians: of the segment against its parent, or of its
+    /// lower end against the segment.
     fn twist(&self, pose: &Pose) -> f32 {
         let own = pose.deltas[self.upper];
         let relative = match self.against {
@@ -209,7 +209,7 @@ impl Segment {
         let full = pose.deltas[self.upper];
         let about = |radians: f32| Quat::from_axis_angle(self.along, radians);
         let end = pose.positions[self.lower];
-        // Of an upper segment all of the twist is in it already; of a lower one, none.
+        // An upper segment contains all of its twist already; a lower one, none.
         let given = match self.against {
             Against::Above(_) => 1.0,
             Against::Below => 0.0,
@@ -224,7 +224,7 @@ impl Segment {
             let turned = full * about((part.share - given) * twist);
             let way = rest.way(above, part.joint);
             if part.in_line {
-                // A joint that lies a little beside the line must still lead to its end.
+                // A joint slightly off the axis must still lead to the segment's end.
                 let place = pose.positions[above] + pose.deltas[above] * way;
                 pose.positions[part.joint] = place;
                 let to_end = rest.way(part.joint, self.lower);
@@ -247,10 +247,10 @@ fn twist_about(rotation: Quat, axis: Vec3) -> f32 {
     angle - TAU * (angle / TAU).round()
 }
 
-/// The angle that is nearest to the last one among those that mean the same.
+/// The angle equal to `angle` up to full turns that is nearest to the last one.
 fn near(angle: f32, last: Option<f32>) -> f32 {
     let near = last.map_or(angle, |last| angle - TAU * ((angle - last) / TAU).round());
-    // No limb is wound up: what seems so came from a jump of the source.
+    // No limb is wound up; a large angle is caused by a jump of the source.
     if near.abs() > 0.75 * TAU { angle } else { near }
 }
 

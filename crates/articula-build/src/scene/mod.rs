@@ -1,6 +1,7 @@
-//! Who stands where in a crowd, what everyone plays, and where the camera goes: values only.
+//! Crowd scenes: positions of characters, their clips and the camera path, as plain values.
 //!
-//! [`plaza`] makes the default scenes from a seed; a scene file is read into the same [`Scene`]. Nothing here opens a file or knows how a pose is evaluated.
+//! [`plaza`] makes the default scenes from a seed; a scene file is read into the same [`Scene`].
+//! Nothing here opens a file or evaluates a pose.
 
 mod plaza;
 
@@ -10,50 +11,50 @@ use crate::evaluate::{CameraKey, camera_at};
 use articula_core::{Camera, Viewport};
 use glam::{Affine3A, Quat, Vec3};
 
-/// One character of a scene; it is animated in place.
+/// One character of a scene, animated in place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneCharacter {
-    /// Where it stands, metres in the world.
+    /// Position in the world, in metres.
     pub position: Vec3,
-    /// Turn about +Y; at 0 it faces +Z.
+    /// Rotation about +Y in radians; at 0 the character faces +Z.
     pub yaw_radians: f32,
-    /// What it plays.
+    /// Clip that the character plays.
     pub play: ClipPlayback,
-    /// A second clip that it goes over to and back from, again and again.
+    /// Permanent cross-fade to a second clip and back.
     pub cross_fade: Option<CrossFade>,
 }
 
-/// A looping clip at a speed.
+/// A looping clip with start phase and speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClipPlayback {
     /// Index of the clip among those of the character.
     pub clip: usize,
-    /// Where in the clip it starts: 0 is the first frame, 1 the last.
+    /// Start position as a fraction of the clip: 0 is the first frame, 1 the last.
     pub phase: f32,
-    /// Seconds of the clip in a second of the scene.
+    /// Playback speed: seconds of the clip per second of the scene.
     pub speed: f32,
 }
 
 impl ClipPlayback {
-    /// Clip time at a time of the scene, not wrapped.
+    /// Returns the clip time at a time of the scene, in seconds, not wrapped.
     pub fn clip_secs(&self, secs: f64, duration_secs: f32) -> f64 {
         secs * f64::from(self.speed) + f64::from(self.phase) * f64::from(duration_secs)
     }
 }
 
-/// A cross-fade that never ends: to the other clip, and back, in equal times.
+/// A permanent cross-fade: to another clip and back, in equal times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossFade {
-    /// The clip that is blended in.
+    /// The clip to fade to.
     pub other: ClipPlayback,
-    /// Time from one clip to the other.
+    /// Duration of the fade in one direction, in seconds.
     pub fade_secs: f32,
-    /// How far it is at the scene's beginning, 0 to 1 of the way there and back.
+    /// Phase of the fade at the start of the scene, 0 to 1; one cycle is there and back.
     pub start: f32,
 }
 
 impl CrossFade {
-    /// Share of the other clip at a time of the scene, 0 to 1.
+    /// Returns the weight of the other clip at a time of the scene, 0 to 1.
     pub fn share(&self, secs: f64) -> f32 {
         let there_and_back = 2.0 * f64::from(self.fade_secs);
         let turns = if there_and_back > 0.0 {
@@ -67,7 +68,7 @@ impl CrossFade {
 }
 
 impl SceneCharacter {
-    /// Its place as a matrix.
+    /// Returns the world transform of the character.
     pub fn world_from_model(&self) -> Affine3A {
         let turn = Quat::from_rotation_y(self.yaw_radians);
         Affine3A::from_rotation_translation(turn, self.position)
@@ -79,21 +80,21 @@ impl SceneCharacter {
 pub struct Scene {
     /// The characters.
     pub members: Vec<SceneCharacter>,
-    /// Size and opening of the picture.
+    /// Picture size in pixels and field of view.
     pub viewport: Viewport,
-    /// Where the camera goes, in the order of time from 0 on.
+    /// Keys of the camera path, in order of time, starting at 0.
     pub camera: Vec<CameraKey>,
-    /// Whether the camera starts again after its last key, or stays there.
+    /// Whether the camera path repeats after its last key; otherwise the camera stays there.
     pub camera_loops: bool,
 }
 
 impl Scene {
-    /// Time of the camera's last key: one lap where it loops.
+    /// Returns the time of the last camera key in seconds: one lap of a looping path.
     pub fn lap_secs(&self) -> f64 {
         self.camera.last().map_or(0.0, |key| key.secs)
     }
 
-    /// The camera at a time. `None` if the scene has no camera key.
+    /// Returns the camera at a time; `None` if the scene has no camera key.
     pub fn camera_at(&self, secs: f64) -> Option<Camera> {
         let lap = self.lap_secs();
         let secs = if self.camera_loops && lap > 0.0 {

@@ -1,9 +1,8 @@
-//! The default scenes: a square of characters seen from its edge, and the same from a moving camera.
+//! The default scenes: a square of characters seen from its edge, with a fixed or a moving camera.
 //!
-//! Source: `docs/methods/runtime.md` part 4. Differs: any number of characters, not 10,000 only; and what
-//! the text leaves open is settled here: the dolly goes straight ahead to the centre and backs out
-//! again, so that a lap closes; every fifth character, drawn by the seed, is in a cross-fade all
-//! the time.
+//! Source: `docs/methods/runtime.md` part 4. The number of characters is free. The moving camera
+//! goes straight to the centre and backs out again, so that a lap closes; of each five characters,
+//! one drawn by the seed is in a permanent cross-fade.
 
 use super::{ClipPlayback, CrossFade, Scene, SceneCharacter};
 use crate::evaluate::CameraKey;
@@ -12,45 +11,45 @@ use articula_core::Viewport;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
-/// Characters of the plaza that numbers are published for: 100 rows of 100.
+/// Number of characters of the plaza of published measurements: 100 rows of 100.
 pub const PLAZA_COUNT: usize = 10_000;
 
-/// From one character to its neighbours.
+/// Distance between neighbouring characters.
 pub(crate) const SPACING_METRES: f32 = 2.0;
 
 /// Height of the camera.
 pub(crate) const EYE_METRES: f32 = 1.7;
 
-/// From the first row out to the camera.
+/// Distance of the camera from the first row.
 const OUTSIDE_METRES: f32 = 1.0;
 
-/// Speed of the dolly.
+/// Speed of the moving camera.
 const DOLLY_METRES_PER_SEC: f32 = 5.0;
 
-/// One of so many characters is in a cross-fade.
+/// One in this many characters is in a cross-fade.
 const FADING_ONE_OF: usize = 5;
 
-/// Time from one clip of a cross-fade to the other.
+/// Duration of a cross-fade in one direction.
 const FADE_SECS: f32 = 1.0;
 
-/// What moves on the plaza besides its characters.
+/// Variants of the plaza.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Plaza {
-    /// Nothing: the camera stands still, and no clip goes over into another.
+    /// Fixed camera, no cross-fades.
     #[default]
     Still,
     /// The camera drives at 5 m/s to the centre and back, and a fifth of the characters is in a
-    /// cross-fade of two clips (of two phases of the one clip, if there is no other).
+    /// cross-fade of two clips (of two phases of one clip if there is only one).
     Moving,
-    /// The same, all characters at phase 0 of their clips.
+    /// As `Moving`, with all characters at phase 0 of their clips.
     InPhase,
 }
 
-/// The plaza: a square of characters 2 m apart with drawn yaw, clip (of `clips`) and phase. The
-/// camera starts between two characters in the middle of the +Z side, 1 m outside the first row
-/// and 1.7 m high, and looks level along -Z.
+/// Returns the plaza: a square of characters 2 m apart, each with yaw, clip (of `clips`) and phase
+/// drawn from `seed`. The camera starts between two characters in the middle of the +Z side, 1 m
+/// outside the first row and 1.7 m high, and looks level along -Z.
 ///
-/// Members are in rows from the camera on; a number that is no square leaves the last row short.
+/// Rows are ordered from the camera; if `count` is not a square number, the last row is incomplete.
 pub fn plaza(count: usize, clips: usize, seed: u64, kind: Plaza) -> Scene {
     match kind {
         Plaza::Still => still(count, clips, seed),
@@ -105,13 +104,13 @@ fn moving(count: usize, clips: usize, seed: u64, in_phase: bool) -> Scene {
     scene
 }
 
-/// Characters in a row of the smallest square that holds `count`.
+/// Number of characters in a row of the smallest square that holds `count`.
 fn side_of(count: usize) -> usize {
     let root = count.isqrt();
     root + usize::from(root * root < count)
 }
 
-/// From the centre to the first row.
+/// Distance from the centre to the first row.
 fn half_metres(side: usize) -> f32 {
     0.5 * SPACING_METRES * side.saturating_sub(1) as f32
 }
@@ -137,7 +136,7 @@ fn play(clip: usize, random: &mut SplitMix) -> ClipPlayback {
     }
 }
 
-/// A fade from the member's own clip to another one.
+/// A cross-fade from the character's own clip to another one.
 fn cross_fade(member: Option<&SceneCharacter>, clips: usize, random: &mut SplitMix) -> CrossFade {
     let own = member.map_or(0, |m| m.play.clip);
     let further = 1 + random.below(clips.saturating_sub(1));
@@ -148,9 +147,9 @@ fn cross_fade(member: Option<&SceneCharacter>, clips: usize, random: &mut SplitM
     }
 }
 
-/// The camera after so many metres of its way in.
+/// Key of the camera after `way_metres` towards the centre.
 fn camera_key(side: usize, secs: f64, way_metres: f32) -> CameraKey {
-    // Of an odd number the one in the middle stands at 0.
+    // With an odd number, the middle character is at 0.
     let x = if side.is_multiple_of(2) {
         0.0
     } else {
@@ -179,17 +178,17 @@ mod tests {
         let camera = scene.camera_at(3.0).unwrap();
         assert_eq!(camera.eye, Vec3::new(0.0, 1.7, 100.0));
         assert!((camera.forward() - Vec3::NEG_Z).length() < 1e-6);
-        // Its neighbours are 1 m to the left and right, 1 m ahead.
+        // The neighbours are 1 m to the left and right, 1 m ahead.
         assert!((camera.view(at(49)) - Vec3::new(-1.0, -1.7, 1.0)).length() < 1e-4);
         assert!((camera.view(at(50)) - Vec3::new(1.0, -1.7, 1.0)).length() < 1e-4);
     }
 
-    /// The three facts that the specification states of the view.
+    /// The three facts of `docs/methods/runtime.md` part 4.
     #[test]
     fn the_view_is_the_one_of_the_specification() {
         let scene = plaza(PLAZA_COUNT, 4, 7, Plaza::Still);
         let camera = scene.camera_at(0.0).unwrap();
-        // Half a metre of body around the place where each stands, at the height of the camera.
+        // A body extends half a metre around its position, at the height of the camera.
         let mut depths: Vec<f32> = scene
             .members
             .iter()
@@ -271,7 +270,7 @@ mod tests {
                 let apart = others.iter().all(|o| o.position.distance(m.position) > 1.99);
                 prop_assert!(apart);
             }
-            // The camera never drives through anyone.
+            // The camera does not drive through any character.
             for secs in 0..20 {
                 let eye = scene.camera_at(f64::from(secs)).unwrap().eye.with_y(0.0);
                 prop_assert!(scene.members.iter().all(|m| m.position.distance(eye) > 0.99));

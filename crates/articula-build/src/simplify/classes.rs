@@ -1,18 +1,19 @@
-//! Vertices that are one to the simplifier: position classes, and wedges within them.
+//! Vertices that the simplifier treats as one: position classes, and wedges within them.
 //!
-//! A position class holds vertices that lie and move together: equal in rest position, skin
-//! binding and morph deltas, over all parts. A wedge holds those that agree in all attributes.
-//! Source: `docs/methods/clustered-mesh.md` 5. Differs: the part that draws a vertex and the classes that
-//! a caller names tell wedges apart too.
+//! A position class holds vertices that stay together: equal in rest position, skin influences and
+//! morph deltas, over all parts. A wedge holds vertices that agree in all attributes, in the part
+//! that draws them and in the classes given by the caller. Source: `docs/methods/clustered-mesh.md`
+//! part 5.
 
 use articula_core::{Mesh, Morph};
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// Part of the extent within which members of a class have to stay in every pose.
+/// Maximum distance between members of a class in any pose, relative to the extent.
 const TOGETHER: f32 = 1e-5;
 
-/// Classes of one place, skin and morph that are looked through for one that stays together.
+/// Maximum number of existing classes with the same position, skin and morphs that a vertex is
+/// compared with.
 const MAX_ALIKE: usize = 8;
 
 /// Classes and wedges of a mesh.
@@ -20,12 +21,12 @@ const MAX_ALIKE: usize = 8;
 pub(super) struct Classes {
     /// Position class of each vertex.
     pub(super) of_vertex: Vec<u32>,
-    /// First vertex of each class, rising.
+    /// First vertex of each class, ascending.
     pub(super) first: Vec<u32>,
     /// First vertex that equals each vertex in all attributes.
     pub(super) wedge: Vec<u32>,
-    /// First vertex of its class that equals it in part, texture coordinates and colour: all but
-    /// its normal.
+    /// First vertex of the class that equals it in part, texture coordinates and colour: all but
+    /// the normal.
     pub(super) chart: Vec<u32>,
     /// Part of each vertex.
     pub(super) part: Vec<u32>,
@@ -37,7 +38,7 @@ impl Classes {
         self.first.len()
     }
 
-    /// Groups the vertices. `finer` is a class of each vertex that wedges must not mix, or empty.
+    /// Groups the vertices. `finer` is a class per vertex that wedges must not mix, or empty.
     pub(super) fn new(mesh: &Mesh, poses: &[Vec<Vec3>], finer: &[u32]) -> Self {
         let skins = skin_ids(mesh);
         let morphs = morph_ids(mesh, |m, i| m.positions[i]);
@@ -81,7 +82,7 @@ impl Classes {
     }
 }
 
-/// First vertex with the key of each vertex.
+/// For each vertex, the first vertex with the same key.
 fn firsts<K: std::hash::Hash + Eq>(count: usize, key: impl Fn(usize) -> K) -> Vec<u32> {
     let mut first = HashMap::with_capacity(count);
     (0..count)
@@ -93,7 +94,7 @@ fn near(a: Vec3, b: Vec3, tolerance: f32) -> bool {
     bits(a) == bits(b) || a.distance(b) <= tolerance
 }
 
-/// Greatest extent of the finite points along an axis.
+/// Largest extent of the finite points along an axis.
 pub(super) fn extent(points: &[Vec3]) -> f32 {
     let mut finite = points.iter().filter(|p| p.is_finite());
     let Some(first) = finite.next() else {
@@ -103,7 +104,7 @@ pub(super) fn extent(points: &[Vec3]) -> f32 {
     (hi - lo).max_element()
 }
 
-/// Bits of a number, one pattern for both zeros.
+/// Bits of a number, the same for both zeros.
 fn flat_bits(x: f32) -> u32 {
     (x + 0.0).to_bits()
 }
@@ -112,7 +113,7 @@ fn bits(p: Vec3) -> [u32; 3] {
     p.to_array().map(flat_bits)
 }
 
-/// The same number for vertices of equal influences, in any order.
+/// Ids of influences: equal for vertices with the same influences in any order.
 fn skin_ids(mesh: &Mesh) -> Vec<u32> {
     let mut known = HashMap::<Vec<(usize, u32)>, u32>::new();
     let mut influences = Vec::new();
@@ -131,7 +132,7 @@ fn skin_ids(mesh: &Mesh) -> Vec<u32> {
         .collect()
 }
 
-/// The same number for vertices that every morph target changes alike.
+/// Ids of morph deltas: equal for vertices that every morph target changes equally.
 fn morph_ids(mesh: &Mesh, delta: impl Fn(&Morph, usize) -> Vec3) -> Vec<u32> {
     let mut ids = vec![0u32; mesh.len()];
     let mut known = HashMap::<(u32, u16, [u32; 3]), u32>::new();

@@ -1,7 +1,7 @@
-//! The queue of half-edge collapses and which of them are allowed.
+//! The queue of half-edge collapses and the conditions under which they are allowed.
 //!
-//! Each vertex has its cheapest move in the queue; moves are looked at more closely when they
-//! come up, and one that is not allowed gives way to the vertex' next one.
+//! The queue holds the cheapest collapse of each vertex. Conditions are checked when an entry
+//! reaches the front; a refused collapse is replaced with the next one of the same vertex.
 
 use super::SimplifyOptions;
 use super::classes::Classes;
@@ -18,52 +18,52 @@ use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Cosine of the angle that a face may turn by: 80 degrees.
+/// Cosine of the maximum angle by which a face may turn: 80 degrees.
 const MIN_COSINE: f64 = 0.173_648;
-/// Faces around a class after something moved onto it.
+/// Maximum number of faces around the target after a collapse.
 const MAX_FACES_AFTER: usize = 40;
-/// Part of the extent that normals wrong by one radian weigh as much as.
+/// Length, relative to the extent, that weighs as much as a normal that is off by one radian.
 const NORMAL_LENGTH: f64 = 0.01;
 
-/// A move in the queue: bits of its cost, vertex, target, version, and whether the change of
-/// normals is in the cost.
+/// A collapse in the queue: bits of its cost, vertex, target, version, and whether the cost
+/// includes the changes of attributes and the distance of removed vertices.
 type Entry = Reverse<(u64, u32, u32, u32, bool)>;
 
-/// Target of an entry that is of a whole component.
+/// Target of an entry that removes a whole component.
 const WHOLE: u32 = u32::MAX;
-/// What the squared distance of removed vertices counts beside the mean of quadrics.
+/// Factor of the squared distance of removed vertices in the cost.
 const STRAY: f64 = 2.0;
 
-/// All are looked at again only after more than one face in this many went.
+/// The queue is refilled only after more than one in this many faces was removed.
 const LOOK_AGAIN: usize = 500;
 
-/// Classes between regions, when there are several.
+/// Region of classes whose vertices lie in several regions.
 const BETWEEN: u16 = u16::MAX;
 
-/// A mesh on its way from finest to coarsest.
+/// State of a mesh during simplification.
 pub(super) struct Simplifier<'a> {
     wedges: Wedges<'a>,
     surface: Surface,
     costs: Costs,
     components: Components,
     kept: Vec<bool>,
-    /// Region of each class; empty if there is but one.
+    /// Region of each class; empty if there is only one.
     regions: Vec<u16>,
     seams_open: bool,
-    /// Whether each class lies on the border that the surface is mirrored at; empty if there is
-    /// none. Collapses go along a border or inside of it, so none changes sides.
+    /// Whether each class lies on the border that the surface is mirrored at; empty if not
+    /// mirrored. Collapses go along the border or inside, so no class changes sides.
     rim: Vec<bool>,
     versions: Vec<u32>,
     queue: BinaryHeap<Entry>,
-    /// Length of the queue at which it is looked through for entries gone by.
+    /// Length of the queue from which outdated entries are removed.
     crowded: usize,
-    /// Squared length that a change of normals is multiplied with.
+    /// Squared length that a change of attributes is multiplied by.
     normal_weight: f64,
     ring: Ring,
     images: Images,
-    /// Removed vertices; none if their distances do not count.
+    /// Removed vertices; `None` if their distances do not count.
     removed_vertices: Option<RemovedVertices>,
-    /// Stamps of neighbours of the target that is looked at.
+    /// Marks the neighbours of the current target.
     stamps: Vec<u32>,
     stamp: u32,
 }
@@ -113,7 +113,7 @@ impl<'a> Simplifier<'a> {
         simplifier
     }
 
-    /// Whether vertices between regions may go from now on.
+    /// Sets whether vertices between regions may be removed from now on.
     pub(super) fn open_seams(&mut self, open: bool) {
         if open && !self.regions.is_empty() {
             self.seams_open = true;
@@ -121,18 +121,19 @@ impl<'a> Simplifier<'a> {
         }
     }
 
-    /// What is left now.
+    /// The remaining triangles.
     pub(super) fn level(&mut self, sources: &Sources) -> LevelTriangles {
         sources.left(&mut self.surface)
     }
 
-    /// Collapses until no more than `target` faces are left or nothing may go.
+    /// Collapses until at most `target` faces are left or no collapse is allowed.
     pub(super) fn run(&mut self, target: usize) {
         let mut filled = self.surface.live;
         while self.surface.live > target {
             self.forget_stale();
             let Some(Reverse((bits, from, to, version, priced))) = self.queue.pop() else {
-                // What was refused may be allowed by now; another look must be worth its while.
+                // Refused collapses may be allowed by now; a refill must have enough progress
+                // behind it.
                 if filled - self.surface.live <= filled / LOOK_AGAIN {
                     return;
                 }
@@ -165,7 +166,7 @@ impl<'a> Simplifier<'a> {
         }
     }
 
-    /// Squared distance that a move just looked at would leave removed vertices at.
+    /// Squared distance that removed vertices would have after a collapse that was just checked.
     fn stray(&mut self, from: u32, to: u32) -> f64 {
         let (costs, ring) = (&self.costs, &self.ring);
         let removed_vertices = self.removed_vertices.as_mut();
@@ -174,8 +175,8 @@ impl<'a> Simplifier<'a> {
         })
     }
 
-    /// Takes entries of versions gone by out of a queue that is mostly made of them: they would be
-    /// passed over anyway, but a large queue is a slow one.
+    /// Removes entries with outdated versions once the queue mostly consists of them. They would be
+    /// skipped anyway, but a large queue is slow.
     fn forget_stale(&mut self) {
         if self.queue.len() < self.crowded {
             return;
@@ -187,7 +188,7 @@ impl<'a> Simplifier<'a> {
         self.crowded = 2 * self.queue.len() + versions.len();
     }
 
-    /// Puts the cheapest move of each vertex into the queue.
+    /// Fills the queue with the cheapest collapse of each vertex.
     fn fill(&mut self) {
         self.queue.clear();
         for class in 0..self.versions.len() as u32 {
@@ -200,7 +201,7 @@ impl<'a> Simplifier<'a> {
         }
     }
 
-    /// Puts the next move of a vertex after the given cost and target into the queue.
+    /// Adds the collapse of a vertex that follows the given cost and target to the queue.
     fn push_next(&mut self, from: u32, after: Option<(u64, u32)>) {
         let valence = self.surface.valence(from);
         if self.kept[from as usize] || valence == 0 || valence > MAX_FACES {
@@ -229,7 +230,7 @@ impl<'a> Simplifier<'a> {
         }
     }
 
-    /// Whether a move keeps the surface whole. Leaves the images of wedges behind.
+    /// Whether a collapse keeps the surface intact. Leaves the images of the wedges in `images`.
     fn is_allowed(&mut self, from: u32, to: u32) -> bool {
         if !self.within_region(from) {
             return false;
@@ -261,8 +262,8 @@ impl<'a> Simplifier<'a> {
         region != BETWEEN && faces.all(|(f, _)| self.surface.faces[f].iter().all(inside))
     }
 
-    /// The link condition: neighbours of both lie opposite to the edge, and no face comes to lie
-    /// where another one is.
+    /// The link condition: all common neighbours lie opposite to the edge, and no face comes to
+    /// coincide with another.
     fn keeps_links(&mut self, to: u32) -> bool {
         self.stamp += 1;
         let stamp = self.stamp;
@@ -296,8 +297,8 @@ impl<'a> Simplifier<'a> {
         !stay.any(|f| near(f.2) && near(f.3) && exists(f.2, f.3))
     }
 
-    /// Whether no edge comes to lie across the inside between two vertices of the mirrored border.
-    /// Called after [`Self::keeps_links`], whose stamps tell the neighbours of `to`.
+    /// Whether no inner edge would join two vertices of the mirrored border. Uses the stamps that
+    /// [`Self::keeps_links`] leaves at the neighbours of `to`.
     fn keeps_rim(&self, from: u32, to: u32) -> bool {
         let on_rim = |v: u32| self.rim.get(v as usize).copied().unwrap_or(false);
         if !on_rim(to) || on_rim(from) {
@@ -308,7 +309,7 @@ impl<'a> Simplifier<'a> {
         others.all(|n| !on_rim(*n) || near(*n))
     }
 
-    /// Whether a face that stays would turn by too much or vanish in some pose.
+    /// Whether a remaining face would turn by too much or vanish in some pose.
     fn turns_over(&self, from: u32, to: u32) -> bool {
         let (start, end) = (self.costs.points(from), self.costs.points(to));
         for (_, _, a, b) in &self.ring.faces {
@@ -328,7 +329,7 @@ impl<'a> Simplifier<'a> {
         false
     }
 
-    /// What changes of attributes cost.
+    /// Cost of changes of attributes.
     fn change_cost(&self, from: u32, to: u32) -> f64 {
         if self.images.changes.iter().all(|c| *c == 0.0) {
             return 0.0;

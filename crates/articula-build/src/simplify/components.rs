@@ -1,25 +1,25 @@
-//! Separate pieces of a surface, such as buttons: small ones may vanish as a whole.
+//! Connected components of a surface, such as buttons: small ones may be removed as a whole.
 
 use super::cost::Costs;
 use super::topology::Surface;
 use glam::Vec3;
 
-/// Part of the extent of everything above which a piece never vanishes.
+/// Diagonal, relative to the extent of the mesh, above which a component is never removed.
 const TINY: f32 = 0.5;
 
-/// Pieces that hang together by position classes.
+/// Components connected by position classes.
 #[derive(Debug, Default)]
 pub(super) struct Components {
     /// Faces, component by component.
     faces: Vec<u32>,
-    /// Where those of each component start, and the end.
+    /// Start of each component in `faces`, and the end.
     starts: Vec<u32>,
-    /// Greatest squared size over all poses, times the greatest weight of its vertices.
+    /// Maximum squared diagonal over all poses, times the largest weight of the vertices.
     sizes: Vec<f64>,
 }
 
 impl Components {
-    /// Finds the pieces of a surface. One with a class of `kept` never vanishes.
+    /// Finds the components of a surface. One with a class of `kept` is never removed.
     pub(super) fn new(surface: &Surface, costs: &Costs, kept: &[bool], extent: f32) -> Self {
         let (of_face, count) = labels(surface, kept.len());
         let mut components = Self {
@@ -48,13 +48,13 @@ impl Components {
         components
     }
 
-    /// Faces of a component, those that went among them.
+    /// Faces of a component, including removed ones.
     pub(super) fn faces(&self, component: u32) -> &[u32] {
         let at = component as usize;
         &self.faces[self.starts[at] as usize..self.starts[at + 1] as usize]
     }
 
-    /// Those that may vanish, with their squared sizes.
+    /// Components that may be removed, with their squared sizes.
     pub(super) fn tiny(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
         let sizes = self.sizes.iter().enumerate();
         sizes
@@ -90,7 +90,7 @@ impl Components {
     }
 }
 
-/// Component of each face alive, numbered in the order of first faces, and how many there are.
+/// Component of each live face, numbered in the order of first faces, and the number of components.
 fn labels(surface: &Surface, classes: usize) -> (Vec<Option<u32>>, usize) {
     let mut parent: Vec<u32> = (0..classes as u32).collect();
     for (f, [a, b, c]) in surface.faces.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What it costs to move a position class onto another one, over all poses.
+//! Cost of moving a position class onto another one, over all poses.
 
 use super::classes::Classes;
 use super::quadric::Quadric;
@@ -8,32 +8,32 @@ use super::{ErrorWeighting, SimplifyOptions};
 use articula_core::Mesh;
 use glam::{DVec3, Vec3};
 
-/// Weight of a border plane over that of a face of the edge's squared length.
+/// Weight of a border plane, relative to a face whose area is the squared edge length.
 const BORDER: f64 = 1.0;
-/// The same of an edge at which texture coordinates, colours or parts differ.
+/// Weight of the plane of an edge at which texture coordinates, colours or parts differ.
 const SEAM: f64 = 0.3;
-/// Faces around a class beyond which its edges are not looked at.
+/// Number of faces around a class above which its edges get no planes and it is not collapsed.
 pub(super) const MAX_FACES: usize = 64;
 
 /// Points and quadrics of all classes in all poses.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Costs {
     poses: usize,
-    /// Class by class, its point in each pose.
+    /// Points of each class in all poses, class by class.
     points: Vec<Vec3>,
     quadrics: Vec<Quadric>,
-    /// How much an error at each class counts.
+    /// Weight of an error at each class.
     factors: Vec<f32>,
-    /// Area around each class, with all that it stands for; the mean over poses.
+    /// Area around each class and all classes merged into it, averaged over poses.
     areas: Vec<f64>,
-    /// Mean of the areas at the start.
+    /// Mean of these areas at the start.
     mean_area: f64,
     /// Classes without a finite point in some pose.
     pub(super) lost: Vec<bool>,
 }
 
 impl Costs {
-    /// Quadrics of the faces, their borders and seams.
+    /// Computes the quadrics of faces, borders and seams.
     pub(super) fn new(
         mesh: &Mesh,
         poses: &[Vec<Vec3>],
@@ -81,7 +81,7 @@ impl Costs {
         }
     }
 
-    /// Planes along borders and seams, upright on their faces.
+    /// Adds planes along borders and seams, perpendicular to their faces.
     fn hold_edges(&mut self, surface: &Surface, classes: &Classes) {
         let mut ring = Ring::default();
         for class in 0..classes.len() as u32 {
@@ -128,9 +128,9 @@ impl Costs {
         self.factors = factors;
     }
 
-    /// Squared distances are sums over area divided by a mean of a class's own area and that of
-    /// all: by its own alone, small faces of little worth would be kept; by one for all, dense
-    /// parts such as faces and hands would go first.
+    /// Computes the areas by which sums weighted by area are divided: the divisor is the geometric
+    /// mean of the area of a class and the mean area. The area of the class alone would keep small
+    /// faces of little value; a common one would remove dense parts such as faces and hands first.
     fn scale(&mut self) {
         let poses = self.poses as f64;
         let areas = self.quadrics.chunks_exact(self.poses);
@@ -140,12 +140,12 @@ impl Costs {
         self.mean_area = self.areas.iter().sum::<f64>() / used as f64;
     }
 
-    /// How much an error at a class counts.
+    /// Weight of an error at a class.
     pub(super) fn factor(&self, class: u32) -> f32 {
         self.factors[class as usize]
     }
 
-    /// What makes a squared distance of an area times squared distances in all poses.
+    /// Converts a sum over poses of area times squared distance into a squared distance.
     pub(super) fn squared_distance(&self, class: u32, cost: f64) -> f64 {
         let area = (self.areas[class as usize] * self.mean_area).sqrt();
         if area > 0.0 {
@@ -170,7 +170,7 @@ impl Costs {
         &self.points[at..at + self.poses]
     }
 
-    /// The cost of a move; infinite instead of no number.
+    /// Cost of a collapse; infinite instead of NaN.
     pub(super) fn of_move(&self, from: u32, to: u32) -> f64 {
         let at = from as usize * self.poses;
         let quadrics = &self.quadrics[at..at + self.poses];
@@ -180,7 +180,7 @@ impl Costs {
         if sum.is_nan() { f64::INFINITY } else { sum }
     }
 
-    /// What one class stands for, another one stands for from now on.
+    /// Adds the quadrics and the area of one class to another.
     pub(super) fn merge(&mut self, from: u32, to: u32) {
         for pose in 0..self.poses {
             let moved = self.quadrics[from as usize * self.poses + pose];
@@ -190,7 +190,7 @@ impl Costs {
     }
 }
 
-/// Doubled area vector of a triangle.
+/// Normal of a triangle with twice its area as length.
 pub(super) fn area_vector([a, b, c]: [Vec3; 3]) -> DVec3 {
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     (b - a).cross(c - a)

@@ -1,4 +1,4 @@
-//! Levels as lists of triangles, part by part, each triangle once.
+//! Levels as lists of triangles, part by part, without duplicates.
 
 use super::LevelTriangles;
 use super::classes::Classes;
@@ -8,16 +8,16 @@ use articula_core::Mesh;
 use std::collections::HashSet;
 use std::ops::Range;
 
-/// The triangles that levels are made of.
+/// The triangles that simplification starts from.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sources {
-    /// Corners as first vertices of their wedges.
+    /// Corners as the first vertices of their wedges.
     pub(super) triangles: Vec<[u32; 3]>,
     /// Triangles of each part.
     pub(super) parts: Vec<Range<usize>>,
 }
 
-/// The triangles of a mesh, without copies and without those that have a vertex twice.
+/// Triangles of a mesh, without duplicates and degenerate ones.
 pub(super) fn faces(mesh: &Mesh, classes: &Classes) -> Sources {
     let mut sources = Sources::default();
     let mut known = HashSet::new();
@@ -36,7 +36,7 @@ pub(super) fn faces(mesh: &Mesh, classes: &Classes) -> Sources {
 }
 
 impl Sources {
-    /// All of them as a level.
+    /// All triangles as a level.
     pub(super) fn level(&self) -> LevelTriangles {
         LevelTriangles {
             triangles: self.triangles.clone(),
@@ -44,7 +44,7 @@ impl Sources {
         }
     }
 
-    /// What is left of them; copies that collapses made of one another go for good.
+    /// The remaining triangles; duplicates that collapses created are removed from the surface.
     pub(super) fn left(&self, surface: &mut Surface) -> LevelTriangles {
         let mut level = LevelTriangles::default();
         let mut known = HashSet::new();

@@ -1,15 +1,15 @@
-//! Fewer triangles for a character that moves: chained levels over the original vertices.
+//! Mesh simplification for animated characters: chained levels over the original vertices.
 //!
-//! Half-edge collapses, cheapest first: a vertex goes onto a neighbour, so that no position is
-//! ever made and the vertices of a level are among those of every finer one. What a collapse
-//! costs is the quadric error summed over poses, and the greatest distance over all poses that
-//! it leaves a removed vertex at.
+//! Half-edge collapses, cheapest first: a vertex moves onto a neighbour, so no new position is made
+//! and the vertices of a level are a subset of those of every finer level. The cost of a collapse
+//! is the quadric error summed over poses plus the maximum distance, over all poses, of removed
+//! vertices. Collapses act on position classes over all parts of a character, and attributes are
+//! kept by wedges.
 //!
 //! Source: Garland and Heckbert (1997) for quadrics; Mohr and Gleicher, *Deformation Sensitive
-//! Decimation* (2003), and DeCoro and Rusinkiewicz, *Pose-independent Simplification of
-//! Articulated Meshes* (2005), for their sum over poses; thesis 3.1.2 for levels of one mesh and
-//! the weight of joints; `docs/methods/clustered-mesh.md` 5, 6 and 9. Differs: collapses act on position
-//! classes over all parts of a character, attributes are kept by wedges.
+//! Decimation* (2003), and DeCoro and Rusinkiewicz, *Pose-independent Simplification of Articulated
+//! Meshes* (2005), for their sum over poses; thesis 3.1.2 for levels of one mesh and the weight of
+//! joints; `docs/methods/clustered-mesh.md` parts 5, 6 and 9.
 
 mod classes;
 mod collapse;
@@ -29,50 +29,50 @@ use articula_core::{Mesh, Mismatch};
 use glam::Vec3;
 use std::ops::Range;
 
-/// Which errors count how much.
+/// Selects the poses whose errors count, and the weights of the errors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ErrorWeighting {
-    /// The errors of all poses, summed.
+    /// Sum of the errors over all poses.
     #[default]
     PoseSummed,
-    /// The error at rest alone.
+    /// Error in the rest pose only.
     Rest,
-    /// The error at rest, heavier near joints (the thesis' level of animation): times
-    /// 1 + strength (1 - greatest skin weight of the vertex).
+    /// Error in the rest pose, weighted more near joints (the thesis' level of animation): the
+    /// factor is 1 + `strength` (1 - largest skin weight of the vertex).
     Joint {
-        /// How much heavier.
+        /// Additional weight at a vertex without a dominant joint.
         strength: f32,
     },
 }
 
-/// How a mesh is simplified.
+/// Options of [`simplify`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimplifyOptions {
-    /// Shares of the triangle count, finest first; the first is 1.
+    /// Fractions of the triangle count, finest first; the first is 1.
     pub targets: Vec<f64>,
-    /// Which errors count.
+    /// Poses whose errors count.
     pub weighting: ErrorWeighting,
-    /// How much an error at each vertex counts; all 1 if empty.
+    /// Weight of an error at each vertex; all 1 if empty.
     pub vertex_weights: Vec<f32>,
-    /// Vertices that no level removes, such as facial feature points.
+    /// Vertices that are never removed, such as facial feature points.
     pub locked: Vec<u32>,
-    /// Region of each vertex, or empty. A vertex between regions goes in the last step only.
+    /// Region of each vertex, or empty. Vertices between regions are removed in the last step only.
     pub regions: Vec<u8>,
     /// Class of each vertex by attributes that [`Mesh`] does not hold (tangents, further texture
-    /// coordinates), or empty. Vertices of different classes are never taken for each other.
+    /// coordinates), or empty. Vertices of different classes are never merged into one wedge.
     pub wedges: Vec<u32>,
-    /// Whether the mesh is one half of a surface and its other half the mirror image beyond its
-    /// open border. No edge inside is then made between two vertices of the border, where the
-    /// whole would have four faces at one edge.
+    /// Whether the mesh is one half of a mirrored surface that continues beyond its open border. No
+    /// inner edge is then made between two vertices of the border, since four faces would meet
+    /// there in the whole surface.
     pub mirrored: bool,
-    /// Whether the distance that removed vertices have from what is left counts beside the
-    /// quadrics. Without it a level is less exact and made about three times as fast: enough for
-    /// the first step down from a surface that is far finer than what is wanted.
+    /// Whether the distance of removed vertices from the remaining surface counts in addition to
+    /// the quadrics. Without it, simplification is less accurate and about three times as fast:
+    /// enough for the first reduction of a surface that is far finer than needed.
     pub measured: bool,
 }
 
 impl Default for SimplifyOptions {
-    /// Five levels: 100, 50, 25, 10 and 1.5 % of the triangles, by all poses.
+    /// Five levels: 100, 50, 25, 10 and 1.5 % of the triangles, with the errors of all poses.
     fn default() -> Self {
         Self {
             targets: vec![1.0, 0.5, 0.25, 0.1, 0.015],
@@ -90,35 +90,35 @@ impl Default for SimplifyOptions {
 /// The triangles of one level.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct LevelTriangles {
-    /// Vertices of the original mesh, part by part.
+    /// Triangles over the vertices of the original mesh, part by part.
     pub triangles: Vec<[u32; 3]>,
-    /// Triangles of each part.
+    /// Range of triangles of each part.
     pub parts: Vec<Range<usize>>,
 }
 
-/// A mesh at several levels.
+/// A mesh at several levels of detail.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Simplified {
-    /// Levels, the original first, then coarser and coarser ones.
+    /// Levels, from the original to the coarsest.
     ///
-    /// The original has each triangle once: copies of one (the same corners in the same turn and part) and
-    /// those with a vertex twice are left out, and of vertices that equal each other in all
-    /// attributes the first stands for all.
+    /// Level 0 is the original without duplicate triangles (same corners, orientation and part) and
+    /// without those that use a vertex twice; of vertices that are equal in all attributes it uses
+    /// the first.
     pub levels: Vec<LevelTriangles>,
-    /// Position class of each vertex: those of one class lie and move together.
+    /// Position class of each vertex: vertices of one class stay together in all poses.
     pub position_classes: Vec<u32>,
 }
 
-/// Simplifies a character to all levels. `poses` are the positions of all vertices in one common
-/// space, the rest pose first.
+/// Simplifies a mesh to all levels. `poses` are the positions of all vertices in one common space,
+/// the rest pose first.
 ///
-/// A level may keep more triangles than its target where no further collapse is allowed. Vertices
-/// without a finite position in some pose stay. The same input gives the same levels.
-/// O(n log n) for n triangles, times poses.
+/// A level has more triangles than its target where no further collapse is allowed. Vertices
+/// without a finite position in some pose are kept. Deterministic. O(n log n) for n triangles,
+/// times poses.
 ///
 /// # Errors
-/// A [`Mismatch`] if there is no pose, a length is not that of the mesh, an index is out of range
-/// or targets do not fall from 1.
+/// A [`Mismatch`] if there is no pose, a length differs from that of the mesh, an index is out of
+/// range or the targets do not fall strictly from 1.
 pub fn simplify(
     mesh: &Mesh,
     poses: &[Vec<Vec3>],
@@ -192,7 +192,7 @@ fn check(mesh: &Mesh, poses: &[Vec<Vec3>], options: &SimplifyOptions) -> Result<
     Ok(())
 }
 
-/// Parts, bindings and morph targets are of the mesh.
+/// Checks that parts, bindings and morph targets are valid for the mesh.
 fn check_nested(mesh: &Mesh, count: usize) -> Result<(), Mismatch> {
     let bindings = mesh.bindings.len();
     if let Some(b) = mesh

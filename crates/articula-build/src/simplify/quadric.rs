@@ -1,10 +1,10 @@
-//! Squared distances to planes, summed: the cost of moving a vertex.
+//! Sums of squared distances to planes: the cost of moving a vertex.
 //!
 //! Source: Garland and Heckbert, *Surface simplification using quadric error metrics* (1997).
 
 use glam::DVec3;
 
-/// A symmetric quadratic form over points.
+/// A symmetric quadratic form over points in space.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Quadric {
     /// xx, xy, xz, yy, yz, zz.
@@ -16,7 +16,8 @@ pub(super) struct Quadric {
 }
 
 impl Quadric {
-    /// `weight` times the squared distance to the plane through `point` with a unit normal.
+    /// `weight` times the squared distance to the plane through `point` with the unit normal
+    /// `normal`.
     pub(super) fn plane(normal: DVec3, point: DVec3, weight: f64) -> Self {
         let (n, d) = (normal, -normal.dot(point));
         Self {
@@ -35,7 +36,7 @@ impl Quadric {
         }
     }
 
-    /// Adds another one.
+    /// Adds another quadric.
     pub(super) fn add(&mut self, o: &Self) {
         for (a, b) in self.a.iter_mut().zip(o.a) {
             *a += b;
@@ -45,7 +46,7 @@ impl Quadric {
         self.weight += o.weight;
     }
 
-    /// Its value at a point; never below 0.
+    /// Value at a point; never below 0.
     pub(super) fn at(&self, p: DVec3) -> f64 {
         let [xx, xy, xz, yy, yz, zz] = self.a;
         let row = DVec3::new(

@@ -1,13 +1,14 @@
-//! Weights of vertices by the region of the body that moves them most.
+//! Vertex weights by body region.
 
 use articula_core::{Mesh, Mismatch, Region, Rig};
 
-/// How much an error at each vertex counts, by the region of the joint that weighs most on it:
-/// `("hands", 4.0)` makes errors of hands count four times. Regions that are not named count 1.
+/// Returns the weight of an error at each vertex, by the region of the joint with the largest
+/// weight on it: `("hands", 4.0)` makes errors of hands count four times. The weight is 1 in
+/// regions that are not listed.
 ///
 /// # Errors
-/// A [`Mismatch`] if there is no region of a name, a factor is not a positive number or the mesh
-/// is of another rig.
+/// A [`Mismatch`] if a name is not that of a region, a factor is not positive and finite, or the
+/// mesh belongs to another rig.
 pub fn region_weights(
     mesh: &Mesh,
     rig: &Rig,
@@ -85,8 +86,8 @@ mod tests {
     fn the_heaviest_joint_decides() {
         let (mesh, rig) = hand();
         let weights = region_weights(&mesh, &rig, &[("hands", 4.0), ("Hands", 0.5)]).unwrap();
-        // Eight vertices for each joint: those of the hand alone are its last four; the four
-        // shared half and half go to the one that is named first.
+        // Eight vertices for each joint: the last four are on the hand alone; those shared half and
+        // half belong to the joint that is listed first.
         assert_eq!(weights[..8], [1.0; 8]);
         assert_eq!(weights[12..], [2.0; 4]);
         assert_eq!(weights[8..12], [2.0; 4]);

@@ -1,9 +1,9 @@
-//! Removed vertices, each remembered by a face near it: how far a collapse would leave them from
-//! the surface, in every pose.
+//! Removed vertices, each attached to a near face, and their distance from the surface after a
+//! collapse, in every pose.
 //!
-//! Source: Klein, Liebich and Strasser, *Mesh reduction with error control* (1996), who keep the
-//! distance of removed vertices below a bound. Differs: the distance is part of the cost, is the
-//! greatest over all poses, and is taken to the faces of one ring only, so it may be too great.
+//! Source: Klein, Liebich and Strasser, *Mesh reduction with error control* (1996), who bound the
+//! distance of removed vertices. Here it is part of the cost and the maximum over all poses, and it
+//! may be too large, since only the faces of one ring are searched.
 
 use super::cost::Costs;
 use super::ring::Ring;
@@ -12,17 +12,17 @@ use glam::Vec3;
 /// No vertex.
 const NONE: u32 = u32::MAX;
 
-/// The removed vertices of each face, as lists.
+/// Linked lists of the removed vertices of each face.
 #[derive(Debug, Default)]
 pub(super) struct RemovedVertices {
-    /// First one of each face.
+    /// First removed vertex of each face.
     head: Vec<u32>,
     next: Vec<u32>,
-    /// Those of the ring that is looked at, with the place of their face in it.
+    /// Removed vertices of the current ring, with the index of their face in `fans`.
     found: Vec<(u32, u32)>,
-    /// Faces of the ring that stay, their moved corner left out.
+    /// Remaining faces of the ring, without their moved corner.
     fans: Vec<(u32, [u32; 2])>,
-    /// The face of `fans` that each of `found` is closest to.
+    /// Index in `fans` of the closest face to each of `found`.
     closest: Vec<u32>,
 }
 
@@ -35,10 +35,10 @@ impl RemovedVertices {
         }
     }
 
-    /// Greatest weighted squared distance over poses that the removed vertices of a ring, and
-    /// its centre, have from the faces that are left once the centre is moved to `to`.
+    /// Maximum over poses of the weighted squared distance from the removed vertices of a ring, and
+    /// its centre, to the faces that remain once the centre has moved to `to`.
     ///
-    /// If no face is left, the distance from the place it was moved to.
+    /// If no face remains, the distance to the new position of the centre is taken.
     pub(super) fn distance_squared(
         &mut self,
         costs: &Costs,
@@ -55,7 +55,7 @@ impl RemovedVertices {
             for (pose, point) in costs.points(*stray).iter().enumerate() {
                 let mut best = f32::INFINITY;
                 for at in 0..self.fans.len().max(1) {
-                    // The face that was closest last comes first.
+                    // Start with the face that was closest last.
                     let at = match at {
                         0 => hint,
                         at if at <= hint => at - 1,
@@ -104,7 +104,8 @@ impl RemovedVertices {
         self.found.push((from, 0));
     }
 
-    /// After a collapse whose distance was just taken: removed vertices go to the faces found.
+    /// Attaches the removed vertices to their closest faces, after the collapse that
+    /// [`Self::distance_squared`] was last called for.
     pub(super) fn apply(&mut self, ring: &Ring) {
         for (face, ..) in &ring.faces {
             self.head[*face] = NONE;
@@ -120,9 +121,9 @@ impl RemovedVertices {
 
 /// Squared distance of a point to a triangle (Ericson, *Real-Time Collision Detection*, 5.1.5).
 ///
-/// It rounds otherwise than [`articula_core::triangle_distance_squared`], which is right for thin triangles too: there this
-/// one may be off by the length of a side. The order of collapses hangs on every bit of it, so it
-/// ranks candidates here and measures nothing that is stated.
+/// [`articula_core::triangle_distance_squared`] is also accurate for thin triangles, where this one
+/// may be off by the length of a side. It is kept because the order of collapses depends on its
+/// rounding; it ranks candidates and is not used for reported errors.
 fn squared_distance(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));

@@ -1,24 +1,24 @@
-//! What lies around one position class: its neighbours, its borders, whether it is one fan.
+//! The neighbourhood of a position class: its neighbours, borders and fans.
 
 use super::classes::Classes;
 use super::topology::Surface;
 
-/// The surroundings of a class, refilled for each one looked at.
+/// The one-ring of a class. Reused for different classes.
 #[derive(Debug, Default)]
 pub(super) struct Ring {
-    /// Faces around it, as (face, place of the class, next class, class before).
+    /// Faces around the class, as (face, corner of the class, next class, previous class).
     pub(super) faces: Vec<(usize, usize, u32, u32)>,
-    /// Neighbours, in the order in which they were met.
+    /// Neighbours, in the order of first use.
     pub(super) neighbours: Vec<u32>,
-    /// Different classes opposite to the edge towards each neighbour: 2 inside a surface, 1 on a
-    /// border. Faces that lie back to back count once, so both sides of a sheet are one.
+    /// Number of different classes opposite to the edge towards each neighbour: 2 inside a surface,
+    /// 1 on a border. Faces that lie back to back count once, so both sides of a sheet are one.
     pub(super) degrees: Vec<u32>,
     edges: Vec<(u32, u32)>,
     seen: Vec<bool>,
 }
 
 impl Ring {
-    /// Looks around a class.
+    /// Fills the ring with the neighbourhood of a class.
     pub(super) fn look(&mut self, surface: &Surface, class: u32) {
         self.faces.clear();
         self.neighbours.clear();
@@ -40,7 +40,7 @@ impl Ring {
         }
     }
 
-    /// Place of a neighbour, which is added if it is new.
+    /// Index of a neighbour, which is added if it is new.
     fn place(&mut self, class: u32) -> u32 {
         let at = self.neighbours.iter().position(|n| *n == class);
         at.unwrap_or_else(|| {
@@ -65,8 +65,8 @@ impl Ring {
         ends.any(|e| Some(e) != first)
     }
 
-    /// Whether the class may go along the edge to the neighbour at `place`, as far as borders
-    /// tell: inside a surface along any edge, on a border only along it, elsewhere never.
+    /// Whether borders allow the class to move to the neighbour at `place`: from inside a surface
+    /// along any edge, from a border only along the border, otherwise never.
     pub(super) fn keeps_border(&self, place: usize) -> bool {
         let mut ends = 0;
         let mut degree = 2;
@@ -84,14 +84,14 @@ impl Ring {
         }
     }
 
-    /// Whether all faces hang together by edges.
+    /// Whether all faces are connected by edges.
     pub(super) fn is_one_fan(&mut self) -> bool {
         self.seen.clear();
         self.seen.resize(self.neighbours.len(), false);
         if let Some(first) = self.seen.first_mut() {
             *first = true;
         }
-        // Each pass reaches at least one further neighbour, and around most classes all at once.
+        // Each pass reaches at least one more neighbour, and around most classes all of them.
         loop {
             let mut reached = false;
             for (i, j) in &self.edges {

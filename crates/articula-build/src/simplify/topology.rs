@@ -1,30 +1,30 @@
-//! Faces over position classes, and the corners around each class, as flat arrays.
+//! Faces over position classes, and the corners around each class, in flat arrays.
 
 use super::classes::Classes;
 
 /// No corner.
 const NONE: u32 = u32::MAX;
 
-/// A surface whose vertices are merged one by one.
+/// A surface whose vertices are merged one after another.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Surface {
     /// Vertices (wedges) of each face.
     pub(super) wedges: Vec<[u32; 3]>,
-    /// Their position classes.
+    /// Position classes of each face.
     pub(super) faces: Vec<[u32; 3]>,
     alive: Vec<bool>,
-    /// Number of faces alive.
+    /// Number of live faces.
     pub(super) live: usize,
-    /// First corner around each class; corner `3 f + k` is that of `faces[f][k]`.
+    /// First corner around each class; corner `3 f + k` belongs to `faces[f][k]`.
     head: Vec<u32>,
     next: Vec<u32>,
-    /// Live corners around each class, and all that are still in its list.
+    /// Number of live corners around each class, and number of corners in its list.
     valence: Vec<u32>,
     listed: Vec<u32>,
 }
 
 impl Surface {
-    /// The faces that span three different classes.
+    /// Builds the surface of the faces that have three different classes.
     pub(super) fn new(triangles: &[[u32; 3]], classes: &Classes) -> Self {
         let mut surface = Self {
             wedges: triangles.to_vec(),
@@ -39,7 +39,7 @@ impl Surface {
             valence: vec![0; classes.len()],
             listed: vec![0; classes.len()],
         };
-        // From the last to the first, so that each list rises.
+        // From last to first, so that each list is ascending.
         for f in (0..triangles.len()).rev() {
             let [a, b, c] = surface.faces[f];
             if a == b || b == c || c == a {
@@ -58,12 +58,12 @@ impl Surface {
         surface
     }
 
-    /// Whether a face is still there.
+    /// Whether a face has not been removed.
     pub(super) fn is_alive(&self, face: usize) -> bool {
         self.alive[face]
     }
 
-    /// Corners around a class, as (face, place of the class in it).
+    /// Corners around a class, as (face, index of the corner in it).
     pub(super) fn around(&self, class: u32) -> impl Iterator<Item = (usize, usize)> + '_ {
         let mut at = self.head[class as usize];
         std::iter::from_fn(move || {
@@ -95,8 +95,8 @@ impl Surface {
         }
     }
 
-    /// Moves the corners of `from` to `to`; faces that have both go. `images` gives each moved
-    /// corner its new wedge, in the order of [`Self::around`] without the faces that go.
+    /// Moves the corners of `from` to `to` and removes faces that have both. `images` holds the new
+    /// wedge of each moved corner, in the order of [`Self::around`] without the removed faces.
     pub(super) fn collapse(&mut self, from: u32, to: u32, images: &[u32]) {
         let mut images = images.iter();
         let mut at = self.head[from as usize];
@@ -125,7 +125,7 @@ impl Surface {
         }
     }
 
-    /// Takes corners of faces that went out of the list around a class.
+    /// Unlinks corners of removed faces from the list around a class.
     fn prune(&mut self, class: u32) {
         let mut kept = NONE;
         let mut at = self.head[class as usize];

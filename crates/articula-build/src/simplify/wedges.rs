@@ -1,25 +1,25 @@
-//! Where the wedges of a vertex go when it is moved onto a neighbour.
+//! Images of the wedges of a vertex that is moved onto a neighbour.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 5: a wedge goes to the one that shares a removed face with
-//! it, which keeps seams, creases and material borders. Differs: where that gives none but the
-//! two agree in all but normals, the nearest normal is taken, at a cost; otherwise meshes whose
-//! every face has normals of its own could not be simplified at all. Seams of texture coordinates
-//! and colours go the same way at a far higher cost, so in coarse levels only; parts never mix.
-//! A wedge whose normal looks away from the faces that it comes to costs more too.
+//! Source: `docs/methods/clustered-mesh.md` part 5. A wedge maps to the one that shares a removed
+//! face with it, which keeps seams, creases and material borders. If there is none, it maps to the
+//! wedge with the nearest normal among those with equal other attributes, at a cost; otherwise a
+//! mesh with one normal per face could not be simplified at all. Wedges that differ in texture
+//! coordinates or colour follow at a far higher cost, hence in coarse levels only; parts never mix.
+//! A stored normal that leans away from its new face also adds to the cost.
 
 use super::classes::Classes;
 use super::ring::Ring;
 use super::topology::Surface;
 use articula_core::Mesh;
 
-/// A change of texture coordinates by 1 counts as much as this change of a unit normal, squared.
+/// Squared change of a unit normal that a change of texture coordinates by 1 counts as.
 const TEXCOORDS: f32 = 2500.0;
-/// The same of linear colours.
+/// Squared change of a unit normal that a change of linear colour by 1 counts as.
 const COLORS: f32 = 100.0;
-/// The same of a corner whose stored normal leans away from its face, squared beyond the free part.
+/// Weight of a corner whose stored normal leans from its face, times the squared excess in cosine.
 const LEANING: f32 = 8.0;
-/// Cosine up to which a stored normal may lean from its face for nothing: coarse faces under smooth
-/// normals do.
+/// Cosine down to which a stored normal may lean from its face at no cost, as happens on coarse
+/// faces with smooth normals.
 const FREE_COSINE: f32 = 0.5;
 
 /// The wedges of a mesh.
@@ -43,8 +43,8 @@ impl Wedges<'_> {
 }
 
 impl Wedges<'_> {
-    /// How much more the stored normals of a face lean away from it once its corner `at` is the
-    /// wedge `image`: a vertex that was inside an eye socket or a lip shades the skin black.
+    /// Increase of the cost of leaning normals of a face when its corner `at` becomes the wedge
+    /// `image`: a vertex from inside an eye socket or a lip would shade the skin black.
     fn leaning(&self, corners: [u32; 3], at: usize, image: u32) -> f32 {
         let mut moved = corners;
         moved[at] = image;
@@ -64,21 +64,22 @@ impl Wedges<'_> {
     }
 }
 
-/// Images of the corners around a class, refilled for each collapse looked at.
+/// Images of the corners around a class. Reused for different collapses.
 #[derive(Debug, Default)]
 pub(super) struct Images {
-    /// New wedge of each face around the class that stays, in the ring's order.
+    /// New wedge of each remaining face around the class, in the order of the ring.
     pub(super) of_corners: Vec<u32>,
-    /// Squared change of attributes at each of them beyond what the shape asks for.
+    /// Squared change of attributes at each of them, with the cost of leaning normals.
     pub(super) changes: Vec<f32>,
-    /// Wedges that share a removed face.
+    /// Pairs of wedges that share a removed face.
     pairs: Vec<(u32, u32)>,
     /// All wedges around the target.
     targets: Vec<u32>,
 }
 
 impl Images {
-    /// Finds the images for the class that `ring` is of moved to `to`; whether there are all.
+    /// Finds the images of the wedges of `ring`'s class when it moves to `to`. Returns whether all
+    /// have one.
     pub(super) fn find(
         &mut self,
         surface: &Surface,
@@ -119,15 +120,15 @@ impl Images {
         true
     }
 
-    /// The one wedge that shares removed faces with `wedge`.
+    /// The wedge that shares removed faces with `wedge`, if it is unique.
     fn strict(&self, wedge: u32) -> Option<u32> {
         let mut images = self.pairs.iter().filter(|p| p.0 == wedge).map(|p| p.1);
         let first = images.next()?;
         images.all(|i| i == first).then_some(first)
     }
 
-    /// The wedge of the class `to` that differs least from `wedge` among those that removed faces
-    /// tell to agree with it in all but normals or, if none does, of its part.
+    /// The wedge of the class `to` that differs least from `wedge`, among those in the chart given
+    /// by removed faces or, without one, in the same part.
     fn nearest(
         &mut self,
         surface: &Surface,
@@ -154,7 +155,7 @@ impl Images {
         targets.min_by(|a, b| change(a).total_cmp(&change(b)))
     }
 
-    /// The one chart that shares removed faces with that of `wedge`.
+    /// The chart that shares removed faces with that of `wedge`, if it is unique.
     fn chart_of_image(&self, classes: &Classes, wedge: u32) -> Option<u32> {
         let chart = |w: u32| classes.chart[w as usize];
         let beside = self.pairs.iter().filter(|p| chart(p.0) == chart(wedge));
@@ -187,14 +188,14 @@ mod tests {
             mesh: &mesh,
             classes: &classes,
         };
-        // The face looks along +Z, the new normal along -Z: its cosine is -1.
+        // The face points along +Z, the new normal along -Z: its cosine is -1.
         let beyond = FREE_COSINE + 1.0;
         let expected = LEANING * beyond * beyond;
         assert_eq!(wedges.leaning([0, 1, 2], 2, 3), expected);
-        // Leaning by 53 degrees is free, and what leans already costs nothing more.
+        // Leaning by 53 degrees is free, and an existing lean costs nothing more.
         assert_eq!(wedges.leaning([0, 1, 2], 2, 4), 0.0);
         assert_eq!(wedges.leaning([0, 1, 3], 1, 1), 0.0);
-        // Getting better is no credit.
+        // An improvement is no credit.
         assert_eq!(wedges.leaning([0, 1, 3], 2, 2), 0.0);
     }
 }

@@ -1,22 +1,23 @@
-//! Which point of a coarser surface stands for which vertex of the original.
+//! Correspondence between the vertices of the original and points of a coarser surface.
 //!
-//! The closest point at rest may lie on another part of the body: on the other lip, on the arm
-//! that hangs beside the hip. So only the same part of the mesh counts, the closest points in
-//! several poses are tried, and the one whose distance, over all of these poses, stays smallest
-//! is taken.
+//! The closest point at rest may lie on another part of the body: on the other lip, or on the arm
+//! beside the hip. Therefore only the same part of the mesh is searched, the closest points in
+//! several poses are tried, and the one with the smallest maximum distance over these poses is
+//! taken.
 
 use super::skin_point::SkinPoint;
 use super::tree::SurfaceTree;
 use articula_core::Part;
 use glam::Vec3;
 
-/// The point of a level's surface that stands for each of some vertices of the original, on the
-/// same part of the mesh as long as the level has any of it; a vertex without any finite distance
-/// to the level stands for itself. `poses` are positions of all vertices; at least one is needed.
-/// O(poses² · vertices + poses · vertices · log(triangles)).
+/// Returns, for each of the given vertices of the original, the corresponding point of a level's
+/// surface, on the same part of the mesh if the level has triangles of it. A vertex without a
+/// finite distance to the level corresponds to itself. `poses` are positions of all vertices;
+/// without any, all vertices correspond to themselves. O(poses² · vertices + poses · vertices ·
+/// log(triangles)).
 ///
 /// # Panics
-/// If a vertex or triangle is not in the poses.
+/// If a vertex or a triangle is out of range of the poses.
 pub fn attach(
     triangles: &[[u32; 3]],
     vertices: &[u32],
@@ -58,7 +59,8 @@ pub fn attach(
     found
 }
 
-/// Takes the closest point in one pose if over all of them it stays closer than the one so far.
+/// Takes the closest point in one pose if its maximum distance over all poses is smaller than that
+/// of the point so far.
 fn nearer(
     tree: &SurfaceTree,
     vertex: u32,
@@ -89,7 +91,7 @@ mod tests {
 
     #[test]
     fn the_other_lip_is_closer_at_rest_but_not_for_long() {
-        // Two sheets a millimetre apart; the upper one's middle vertex 3 is gone at the level.
+        // Two sheets a millimetre apart; the level lacks the middle vertex 3 of the upper one.
         let mut rest: Vec<Vec3> = [[0, 0], [2, 0], [0, 2]]
             .iter()
             .map(|[x, z]| Vec3::new(*x as f32, 0.010, *z as f32))
@@ -114,7 +116,7 @@ mod tests {
         );
         let both = attach(&level, &[3], &[rest.clone(), open.clone()], &[]);
         assert_eq!(both[0].corners, [0, 1, 2]);
-        // Of another part the lower sheet does not count, but for a part that is gone.
+        // The lower sheet as another part is ignored, except for a part without triangles.
         let part = |vertices| Part {
             name: String::new(),
             mesh: 0,

@@ -1,13 +1,13 @@
-//! How far the surface of a mesh level lies from the original surface, at rest and in motion.
+//! Distance of the surface of a mesh level from the original surface, at rest and in motion.
 //!
 //! Source: the one-sided distance of Metro (Cignoni, Rocchini and Scopigno, Metro: measuring error
 //! on simplified surfaces, 1998), from points of the original to the closest point of the level.
-//! Differs: both surfaces are posed alike, pose after pose, and points are the original's vertices
-//! and face centres. Definition and example: `docs/metrics.md`.
+//! Unlike there, both surfaces are in the same pose, pose after pose, and the points are the
+//! original's vertices and face centres. Definition and example: `docs/metrics.md`.
 //!
-//! What a pose does to a surface is local, so one tree of boxes is built over the triangles of a
-//! level at rest and only fitted anew for each pose, and the search for each point starts at the
-//! triangle that was closest in the pose before.
+//! Near triangles stay near each other in a pose, so one bounding box tree is built over the
+//! triangles of a level at rest and refitted for each pose, and the search for each point starts at
+//! the triangle that was closest in the pose before.
 
 mod attach;
 mod skin_point;
@@ -25,23 +25,23 @@ use articula_core::{Mismatch, SurfaceError};
 use glam::Vec3;
 use tree::{NO_TRIANGLE, SurfaceTree};
 
-/// Which points distances are taken at.
+/// Options of [`surface_distances`]: the points at which distances are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DistanceOptions {
-    /// Most vertices of the original; if it has more, a seeded sample of them.
+    /// Maximum number of vertices of the original; if it has more, a seeded sample is taken.
     pub vertices: usize,
-    /// Most face centres of the original, likewise.
+    /// Maximum number of face centres of the original; if it has more, a seeded sample is taken.
     pub face_centres: usize,
-    /// Whether the way back is measured too, from face centres and edge midpoints of the level to
-    /// the original surface; each number is then the greater of both ways. It finds a level that
-    /// spans a gap, such as a web between fingers.
+    /// Whether the reverse distance is measured too, from face centres and edge midpoints of the
+    /// level to the original surface; each value is then the larger of both. It detects a level
+    /// that spans a gap, such as a web between fingers.
     pub both_ways: bool,
     /// Seed of the samples.
     pub seed: u64,
 }
 
 impl Default for DistanceOptions {
-    /// Up to 100,000 vertices and 10,000 face centres, one way.
+    /// Up to 100,000 vertices and 10,000 face centres, one-sided.
     fn default() -> Self {
         Self {
             vertices: 100_000,
@@ -52,28 +52,28 @@ impl Default for DistanceOptions {
     }
 }
 
-/// Distances of one level.
+/// Distances of one level from the original.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LevelDistances {
-    /// At rest.
+    /// Distances at rest.
     pub rest: SurfaceError,
-    /// In motion: the greatest over all poses, percentiles over the points of all poses together,
-    /// the mean of the means. Those at rest if there is no pose.
+    /// Distances in motion: the maximum over all poses, percentiles over the points of all poses
+    /// together, the mean of the means. Those at rest if there is no pose.
     pub motion: SurfaceError,
-    /// The same for each pose.
+    /// Distances in each pose.
     pub poses: Vec<SurfaceError>,
 }
 
-/// Distance from the original surface to each of some levels, whose triangles are of the same
-/// vertices; at rest and in poses, each given as the positions of all vertices.
+/// Returns the distance from the original surface to each level, at rest and in poses. Triangles of
+/// all levels index the same vertices; a pose is the positions of all vertices.
 ///
-/// A point that is not finite in a pose does not count there, and a triangle with such a corner is
-/// not there. A triangle without area is the segment or point that is left of it. Points are
-/// vertices in use, not area: dense parts count more. O(points · log(triangles)) for each pose.
+/// Points that are not finite in a pose and triangles with such corners are ignored there. A
+/// degenerate triangle counts as the segment or point it covers. Points are the vertices in use,
+/// not samples by area: dense regions weigh more. O(points · log(triangles)) for each pose.
 ///
 /// # Errors
-/// A [`Mismatch`] if a pose has another number of vertices than the rest pose, or a triangle
-/// names a vertex that is not there.
+/// A [`Mismatch`] if a pose has a different number of vertices than the rest pose, or a triangle
+/// indexes a vertex that does not exist.
 pub fn surface_distances(
     original: &[[u32; 3]],
     levels: &[&[[u32; 3]]],
@@ -111,7 +111,7 @@ pub fn surface_distances(
     Ok(found)
 }
 
-/// From points of each level to the original.
+/// Distances from points of each level to the original.
 fn way_back(
     original: &[[u32; 3]],
     levels: &[&[[u32; 3]]],
@@ -146,7 +146,7 @@ fn check(which: &str, triangles: &[[u32; 3]], vertices: usize) -> Result<(), Mis
     Err(Mismatch::new(format!("{which}[{t}]"), what))
 }
 
-/// Points on a surface: means of one, two or three vertices.
+/// Points on a surface: vertices, and means of two or three of them.
 #[derive(Debug, Clone, Default)]
 struct Points {
     vertices: Vec<u32>,
@@ -186,7 +186,7 @@ impl Points {
         self.vertices.len() + self.edges.len() + self.centres.len()
     }
 
-    /// Where they are in a pose.
+    /// Positions of the points in a pose.
     fn posed<'a>(&'a self, pose: &'a [Vec3]) -> impl Iterator<Item = Vec3> + 'a {
         let at = |v: &u32| pose[*v as usize];
         let vertices = self.vertices.iter().map(at);
@@ -198,7 +198,7 @@ impl Points {
     }
 }
 
-/// One level, the points that are measured to it, and where each was closest before.
+/// One level, the points measured against it, and the closest triangle of each so far.
 struct Search {
     tree: SurfaceTree,
     points: Points,
@@ -207,7 +207,7 @@ struct Search {
 
 impl Search {
     fn new(tree: SurfaceTree, level: &[[u32; 3]], points: Points, vertices: usize) -> Self {
-        // A vertex that the level still has is found at once.
+        // A vertex that the level still has is found immediately.
         let mut of_vertex = vec![NO_TRIANGLE; vertices];
         for (t, triangle) in level.iter().enumerate() {
             for v in triangle {
@@ -248,7 +248,7 @@ fn distances(tree: &SurfaceTree, points: &Points, hints: &mut [u32], pose: &[Vec
 #[derive(Debug, Default)]
 struct Tally {
     poses: Vec<SurfaceError>,
-    /// Of all poses but the first.
+    /// Distances in all poses but the first.
     all: Vec<f32>,
 }
 
@@ -280,7 +280,7 @@ impl Tally {
     }
 }
 
-/// The greater of both, number by number.
+/// The larger of each pair of values.
 fn greater(a: &SurfaceError, b: &SurfaceError) -> SurfaceError {
     SurfaceError {
         max_metres: a.max_metres.max(b.max_metres),
@@ -305,7 +305,7 @@ fn summary(distances: &mut [f32]) -> SurfaceError {
     let sum: f64 = distances.iter().map(|d| f64::from(*d)).sum();
     let mut at = |fraction| {
         let value = percentile(distances, fraction);
-        // Between two infinite ones lies no number.
+        // The difference of two infinite values is NaN.
         if value.is_nan() { f32::INFINITY } else { value }
     };
     SurfaceError {

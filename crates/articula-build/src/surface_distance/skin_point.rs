@@ -2,17 +2,17 @@
 
 use glam::Vec3;
 
-/// A point of the skin: a mean of three vertices.
+/// A point of the skin: a weighted mean of three vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinPoint {
-    /// The vertices.
+    /// Indices of the vertices.
     pub corners: [u32; 3],
-    /// How much each counts; they sum to 1.
+    /// Weights of the vertices, which sum to 1.
     pub weights: [f32; 3],
 }
 
 impl SkinPoint {
-    /// A vertex itself.
+    /// The point at a vertex.
     pub(crate) fn at(vertex: u32) -> Self {
         Self {
             corners: [vertex; 3],
@@ -20,7 +20,7 @@ impl SkinPoint {
         }
     }
 
-    /// The same point, its corners named by their places among some vertices, which rise and hold
+    /// The same point with corners as indices into `vertices`, which are ascending and contain
     /// them.
     #[must_use]
     pub(crate) fn among(&self, vertices: &[u32]) -> Self {
@@ -32,10 +32,10 @@ impl SkinPoint {
         }
     }
 
-    /// Where it is, given where all vertices are.
+    /// Returns the position of the point, given the positions of all vertices.
     ///
     /// # Panics
-    /// If there are too few vertices.
+    /// If there are too few positions.
     #[inline]
     pub fn posed(&self, positions: &[Vec3]) -> Vec3 {
         let [a, b, c] = self.corners.map(|v| positions[v as usize]);
@@ -47,15 +47,15 @@ impl SkinPoint {
     }
 }
 
-/// The vertices that some points name, rising, and the points with their corners named by their
-/// places among these.
+/// Returns the vertices that the points use, ascending, and the points with corners as indices into
+/// these.
 pub fn compact(points: &[SkinPoint]) -> (Vec<u32>, Vec<SkinPoint>) {
     let vertices = corners(points);
     let points = points.iter().map(|p| p.among(&vertices)).collect();
     (vertices, points)
 }
 
-/// All corners of some points, rising.
+/// All corners of some points, ascending.
 pub(crate) fn corners(points: &[SkinPoint]) -> Vec<u32> {
     let mut vertices: Vec<u32> = points.iter().flat_map(|p| p.corners).collect();
     vertices.sort_unstable();

@@ -1,5 +1,5 @@
-//! The plain, slow distance of a point to a surface, which the fast one is held against; also by the
-//! tests in `tests/it/surface_distance.rs`.
+//! Reference implementation of the distance of a point to a surface, for tests; also used by
+//! `tests/it/surface_distance.rs`.
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
@@ -22,7 +22,7 @@ fn slow_distance(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     }
 }
 
-/// Distance to the closest of the triangles whose corners are numbers.
+/// Distance to the closest of the triangles whose corners are finite.
 pub(crate) fn slow(point: Vec3, triangles: &[[u32; 3]], positions: &[Vec3]) -> f64 {
     let at = |v: u32| positions[v as usize].as_dvec3();
     let finite = |t: &&[u32; 3]| t.iter().all(|v| positions[*v as usize].is_finite());
@@ -34,7 +34,7 @@ pub(crate) fn slow(point: Vec3, triangles: &[[u32; 3]], positions: &[Vec3]) -> f
 /// Random triangles over random points.
 pub(crate) fn surface() -> impl Strategy<Value = (Vec<Vec3>, Triangles)> {
     let point = prop::array::uniform3(-1.0f32..1.0).prop_map(Vec3::from_array);
-    // Some corners are equal, some triangles without area.
+    // Some corners are equal, some triangles degenerate.
     let corner = prop_oneof![9 => point, 1 => Just(Vec3::X)];
     prop::collection::vec(corner, 3..40).prop_flat_map(|points| {
         let vertex = 0..points.len() as u32;

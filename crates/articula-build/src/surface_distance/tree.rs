@@ -1,32 +1,32 @@
-//! A tree of boxes over the triangles of a surface, fitted anew when the surface moves.
+//! A bounding box tree over the triangles of a surface, refitted when the surface moves.
 //!
-//! Built once by halving the triangles at the median of their centres along the longest side
-//! (Kay and Kajiya 1986); refitted from the leaves up (van den Bergh, Efficient Collision
-//! Detection of Complex Deformable Models using AABB Trees, 1997).
+//! Built once by splitting the triangles at the median of their centres along the longest side (Kay
+//! and Kajiya 1986); refitted from the leaves up (van den Bergh, Efficient Collision Detection of
+//! Complex Deformable Models using AABB Trees, 1997).
 
 use super::skin_point::SkinPoint;
 use articula_core::{triangle_distance_squared, triangle_weights};
 use glam::Vec3;
 
-/// The hint of a point about which nothing is known.
+/// Hint for a point without a known close triangle.
 pub(super) const NO_TRIANGLE: u32 = u32::MAX;
 
-/// Triangles of a leaf.
+/// Number of triangles in a leaf.
 const LEAF: usize = 2;
 
-/// Deepest tree: halving `u32::MAX` triangles ends well above it.
+/// Maximum depth: halving `u32::MAX` triangles ends well above it.
 const DEEPEST: usize = 40;
 
-/// The triangles of a surface, ready to be asked for the closest one.
+/// Triangles of a surface for closest-point queries.
 #[derive(Debug, Clone)]
 pub(super) struct SurfaceTree {
-    /// Depth first: the left child of an inner node is the next one.
+    /// Depth first: the left child of an inner node follows it.
     nodes: Vec<Node>,
-    /// Vertex ids, leaf by leaf.
+    /// Vertex indices of the triangles, leaf by leaf.
     triangles: Vec<[u32; 3]>,
-    /// Place of each given triangle in `triangles`.
+    /// Position of each given triangle in `triangles`.
     places: Vec<u32>,
-    /// Corners of `triangles` in the pose of the last fit.
+    /// Corners of `triangles` in the last fitted pose.
     corners: Vec<[Vec3; 3]>,
 }
 
@@ -36,12 +36,12 @@ struct Node {
     hi: Vec3,
     /// First triangle of a leaf, right child of an inner node.
     at: u32,
-    /// Triangles of a leaf; 0 for an inner node.
+    /// Number of triangles of a leaf; 0 for an inner node.
     count: u32,
 }
 
 impl Node {
-    /// Nothing: no point is near it.
+    /// The empty box, at infinite distance from every point.
     const EMPTY: Self = Self {
         lo: Vec3::INFINITY,
         hi: Vec3::NEG_INFINITY,
@@ -57,10 +57,10 @@ impl Node {
 }
 
 impl SurfaceTree {
-    /// Builds the tree over some triangles of vertices at these positions, and fits it to them.
+    /// Builds the tree over triangles and fits it to these positions of the vertices.
     ///
     /// # Panics
-    /// If a triangle names a vertex that is not there.
+    /// If a triangle indexes a vertex that does not exist.
     pub(super) fn new(triangles: &[[u32; 3]], positions: &[Vec3]) -> Self {
         let centre = |t: &[u32; 3]| {
             let sum: Vec3 = t.iter().map(|v| positions[*v as usize]).sum();
@@ -84,8 +84,8 @@ impl SurfaceTree {
         tree
     }
 
-    /// Fits the boxes to other positions of the same vertices. Triangles with a corner that is
-    /// not finite are not there. O(triangles), does not allocate.
+    /// Fits the boxes to other positions of the same vertices. Triangles with a corner that is not
+    /// finite are ignored. O(triangles), does not allocate.
     ///
     /// # Panics
     /// If there are fewer positions than vertices.
@@ -115,8 +115,7 @@ impl SurfaceTree {
         }
     }
 
-    /// The closest point of the surface, by the corners of its triangle; `None` if there is no
-    /// triangle.
+    /// Closest point of the surface; `None` if there is no triangle.
     pub(super) fn closest_point(&self, point: Vec3) -> Option<SkinPoint> {
         let (_, place) = self.closest(point, NO_TRIANGLE);
         let corners = self.corners.get(place as usize)?;
@@ -126,13 +125,13 @@ impl SurfaceTree {
         })
     }
 
-    /// Place of a given triangle, as [`Self::closest`] names it.
+    /// Position of a given triangle, for use as a hint of [`Self::closest`].
     pub(super) fn place(&self, triangle: usize) -> u32 {
         self.places[triangle]
     }
 
-    /// Squared distance from a finite point to the surface, infinite if there is none, and the place
-    /// of the closest triangle. A good guess of that place makes it fast.
+    /// Squared distance from a finite point to the surface, infinite if there is none, and the
+    /// position of the closest triangle. A hint that is close speeds up the search.
     pub(super) fn closest(&self, point: Vec3, hint: u32) -> (f32, u32) {
         let mut best = f32::INFINITY;
         let mut place = hint;
@@ -167,7 +166,7 @@ impl SurfaceTree {
             if last.0 < first.0 {
                 (first, last) = (last, first);
             }
-            // The nearer one is looked at first.
+            // The nearer child is searched first.
             for child in [last, first] {
                 if child.0 < best {
                     stack[depth] = child;
@@ -179,7 +178,7 @@ impl SurfaceTree {
     }
 }
 
-/// Adds the nodes of some triangles, which stand from place `first` on; puts them into order.
+/// Adds the nodes of the triangles `order`, which start at position `first`, and sorts them.
 fn build(nodes: &mut Vec<Node>, centres: &[Vec3], order: &mut [u32], first: usize) {
     let count = order.len();
     if count <= LEAF {
@@ -201,7 +200,7 @@ fn build(nodes: &mut Vec<Node>, centres: &[Vec3], order: &mut [u32], first: usiz
     let axis = (hi - lo).max_position();
     let half = count / 2;
     let by = |t: &u32| centres[*t as usize][axis];
-    // Ties by the triangle's number, so that the tree is the same everywhere.
+    // Ties by the index of the triangle, so that the tree is the same on all platforms.
     order.select_nth_unstable_by(half, |a, b| by(a).total_cmp(&by(b)).then(a.cmp(b)));
     let (left, right) = order.split_at_mut(half);
     build(nodes, centres, left, first);

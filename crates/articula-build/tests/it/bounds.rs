@@ -1,5 +1,5 @@
-//! Acceptance test 5 of `docs/methods/motion-lod.md` part 10: errors of held joints stay within their
-//! bounds, on random rigs, skins and clips.
+//! Test 5 of `docs/methods/motion-lod.md` part 10: errors of held joints stay within their bounds,
+//! on random rigs, skins and clips.
 
 use crate::random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
@@ -20,7 +20,7 @@ fn asset(rows: &[Row]) -> Asset {
     character(&source, Some(flat(rows.len())), &opts).unwrap()
 }
 
-/// All places of the skin in a pose; those of the joints where there is no skin.
+/// Positions of all vertices in a pose; those of the joints where there is no skin.
 fn places(asset: &Asset, pose: &LocalPose) -> Vec<Vec3> {
     let mut posed = PosedMesh::new(&asset.rig, &asset.mesh);
     posed.pose(pose);
@@ -34,7 +34,7 @@ fn places(asset: &Asset, pose: &LocalPose) -> Vec<Vec3> {
     out
 }
 
-/// Rounding of f32 positions up to some metres, several products deep.
+/// Rounding of f32 positions of up to some metres, after several products.
 const ROUNDING_METRES: f32 = 2e-5;
 
 proptest! {

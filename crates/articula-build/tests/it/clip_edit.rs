@@ -1,4 +1,4 @@
-//! Edited clips on random figures: key reduction moves nothing farther than it says.
+//! Clip edits on random figures: key reduction moves nothing farther than it reports.
 
 use crate::random_figure::{Row, character_of, flat, rows};
 use articula_build::clip_edit::EditSubject;
@@ -13,7 +13,7 @@ use glam::{Quat, Vec3};
 use proptest::prelude::*;
 use std::f32::consts::FRAC_PI_2;
 
-/// Rounding of f32 positions up to some metres, several products deep.
+/// Rounding of f32 positions of up to some metres, after several products.
 const ROUNDING_METRES: f32 = 2e-5;
 
 /// The figure of some rows below an armature of another scale and up axis, with a root that
@@ -89,7 +89,7 @@ fn armatures() -> impl Strategy<Value = Transform> {
     })
 }
 
-/// Where a clip has every joint and every vertex, morph targets applied.
+/// Positions of every joint and every vertex in a clip, morph targets applied.
 fn shown(character: &Character, rig: &Rig, mesh: &Mesh, clip: &RawClip, secs: f32) -> Vec<Vec3> {
     let mut pose = rig.rest_pose().clone();
     evaluate::pose(clip, &character.skeleton, secs, &mut pose);
@@ -105,8 +105,8 @@ fn shown(character: &Character, rig: &Rig, mesh: &Mesh, clip: &RawClip, secs: f3
     joints.chain(skinned.positions).collect()
 }
 
-/// The greatest distance of any joint or vertex between two clips, at times that none of the
-/// grids of the reduction has.
+/// Maximum distance of any joint or vertex between two clips, at times on none of the grids of the
+/// reduction.
 fn worst(character: &Character, reduced: &ReducedClip) -> f32 {
     let rig = Rig::new(&character.skeleton, flat(character.skeleton.joints.len())).unwrap();
     let mesh = Mesh::new(&character.meshes, rig.len()).unwrap();
@@ -120,8 +120,8 @@ fn worst(character: &Character, reduced: &ReducedClip) -> f32 {
     apart.fold(0.0, f32::max)
 }
 
-/// The figure with a hips joint that travels over the ground, turns and sways, and a second
-/// joint below the armature that goes its own way.
+/// The figure with a hips joint that travels over the ground, turns and sways, and a second,
+/// independent joint below the armature.
 fn traveller(rows: &[Row], armature: Transform, how: Interpolation) -> Character {
     let mut character = figure_of(rows, armature);
     let joints = &mut character.skeleton.joints;
@@ -178,7 +178,7 @@ fn interpolations() -> impl Strategy<Value = Interpolation> {
     prop::sample::select(vec![Linear, Step, CubicSpline])
 }
 
-/// Times between the keys, some of them within no thousandth of a second of a jump.
+/// Times between the keys, except those within a thousandth of a second of a jump.
 fn moments(clip: &RawClip) -> impl Iterator<Item = f32> {
     let end = clip.duration_secs;
     (0..150)
@@ -213,7 +213,7 @@ proptest! {
         let mode = RootMotionMode::Extract;
         let out = split(&subject, &character.clips[0], &RootMotionOptions { mode, smooth_secs }).unwrap();
         prop_assert_eq!(out.carrier, Some(0));
-        // Rounding, and what straight pieces between keys may differ by.
+        // Rounding, and the permitted error of straight pieces between keys.
         prop_assert!(out.worst_metres <= 3e-4, "{}", out.worst_metres);
         let rig = Rig::new(&character.skeleton, flat(count)).unwrap();
         let first = joints(&character, &rig, &out.clip, 0.0).matrices[0];
@@ -228,7 +228,7 @@ proptest! {
             prop_assert!((step.transform_vector3(Vec3::Y) - Vec3::Y).length() < 1e-4);
             prop_assert!((b.position(0).y - first.translation.y).abs() < 1e-4);
         }
-        // And takes the hips' way.
+        // And travels with the hips.
         let last = out.trajectory.last().unwrap();
         let [a, b] = [0.0, character.clips[0].duration_secs]
             .map(|t| joints(&character, &rig, &character.clips[0], t).position(1));
@@ -251,7 +251,7 @@ proptest! {
         let rig = Rig::new(&character.skeleton, flat(count)).unwrap();
         let end = clip.duration_secs;
         let [a, b] = [0.0, end].map(|t| joints(&character, &rig, &out.clip, t));
-        // One step over the ground takes the whole body from the first pose to the last.
+        // One rigid transform over the ground takes the whole body from the first pose to the last.
         let step = b.matrices[1] * a.matrices[1].inverse();
         prop_assert!((step.transform_vector3(Vec3::Y) - Vec3::Y).length() < 1e-4);
         prop_assert!((b.position(1).y - a.position(1).y).abs() < 1e-4, "the height is closed");
@@ -259,7 +259,7 @@ proptest! {
             let taken = step.transform_point3(a.position(j));
             prop_assert!(taken.distance(b.position(j)) < 1e-4, "joint {j}");
         }
-        // The way over the ground is as long as before.
+        // The distance travelled over the ground is unchanged.
         let [p, q] = [0.0, end].map(|t| joints(&character, &rig, clip, t).position(1));
         let way = Vec3::new((q - p).x, 0.0, (q - p).z).length();
         prop_assert!((out.travel_metres - way).abs() < 1e-3 * way.max(1.0));
@@ -301,7 +301,7 @@ proptest! {
             }
             prop_assert!((a_hips.y - b_hips.y).abs() < 1e-4, "height stays with the hips");
         }
-        // What is in place has no trajectory left.
+        // An in-place clip has no trajectory left.
         let again = split(&subject, &out.clip, &RootMotionOptions::default()).unwrap();
         for key in &again.trajectory {
             prop_assert!(key.x_metres.abs() < 3e-4 && key.z_metres.abs() < 3e-4 && key.yaw_radians.abs() < 1e-3);
@@ -326,8 +326,8 @@ proptest! {
         prop_assert!(reduced.worst_metres <= bound_metres);
         prop_assert!(reduced.after.bytes <= reduced.before.bytes);
         let found = worst(&character, &reduced);
-        // Between two times of the grid, at most 1/120 s apart, an error that is nowhere greater
-        // on it can bulge by the bend of the motion: these turn by up to 0.5 rad a frame.
+        // Between two times of the grid, at most 1/120 s apart, the error can exceed that on the
+        // grid by the curvature of the motion: these turn by up to 0.5 rad a frame.
         prop_assert!(found <= 1.02 * bound_metres + ROUNDING_METRES, "{found} of {bound_metres}");
         let again = reduce_keys(&subject, &reduced.clip, &opts).unwrap();
         prop_assert!(again.after.keys <= reduced.after.keys);

@@ -1,4 +1,5 @@
-//! Laws of clustered levels (`docs/methods/clustered-mesh.md` 10, checks 1, 2, 3 and 5), on random levels.
+//! Properties of clustered levels (`docs/methods/clustered-mesh.md` 10, checks 1, 2, 3 and 5), on
+//! random levels.
 
 use articula_build::{ClusterOrder, Clustered, cluster};
 use proptest::prelude::*;
@@ -57,7 +58,7 @@ fn levels(side: u32, picks: &[Vec<(usize, usize)>], chained: bool) -> Vec<Level>
     levels
 }
 
-/// How often a triangle is there, whichever corner stands first.
+/// Number of occurrences of each triangle, regardless of which corner is first.
 fn counted(triangles: impl Iterator<Item = [u32; 3]>) -> HashMap<[u32; 3], u32> {
     let mut counts = HashMap::new();
     for [a, b, c] in triangles {
@@ -142,7 +143,7 @@ proptest! {
         }
     }
 
-    /// Left and right half thinned out apart, the triangles between them untouched: any mix of
+    /// Left and right half simplified separately, the triangles between them untouched: any mix of
     /// levels is the left half of one and the right half of another.
     #[test]
     fn regions_are_chosen_apart(side in 2_u32..9, picks in picks(), mix: (u16, u16)) {

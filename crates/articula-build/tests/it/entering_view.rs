@@ -1,5 +1,6 @@
-//! Acceptance test 9 of `docs/methods/motion-lod.md` part 10, its half on visibility: who walks into view
-//! is awake before any of its skin is seen, and is seen when any of its skin is.
+//! Test 9 of `docs/methods/motion-lod.md` part 10, the part on visibility: a character that walks
+//! into view is inside the cull margin before any of its skin is visible, and visible when any of
+//! its skin is.
 
 use crate::random_figure::{RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
@@ -18,7 +19,7 @@ fn asset(rows: &[Row]) -> Asset {
     character(&character_of(rows), Some(flat(rows.len())), &opts).unwrap()
 }
 
-/// Someone who walks, or rides, along a bent way through the origin, playing the clip.
+/// A character that moves along an arc through the origin while it plays the clip.
 #[derive(Debug, Clone, Copy)]
 struct Walker {
     heading: f32,
@@ -48,7 +49,7 @@ impl Walker {
         self.heading + self.turning * (secs - self.passes_secs)
     }
 
-    /// The way that the heading and the speed give, in closed form: an arc of a circle.
+    /// The position that heading and speed give, in closed form: on an arc of a circle.
     fn position_at(&self, secs: f32) -> Vec3 {
         let t = secs - self.passes_secs;
         // Half the chord over half the angle; its direction is the mean heading.
@@ -82,7 +83,7 @@ impl Walker {
         let world = bound.carried(self.position_at(secs), self.rotation_at(secs), self.scale);
         let mut turned = bound;
         turned.centre *= self.scale;
-        // The way of the root and the arc of the bound's centre about it.
+        // The distance of the root and the arc of the bound's centre about it.
         let margin = (self.speed + self.turning.abs() * turned.centre.length()) * horizon;
         let mut seen = [CullResult::default()];
         cull(views, Bodies::new(&[world], &[margin]).unwrap(), &mut seen);
@@ -124,11 +125,11 @@ fn depth_in_picture(camera: &Camera, point: Vec3) -> Option<f32> {
     let (px, depth) = camera.project(point);
     let size = Vec2::new(camera.viewport.width_px, camera.viewport.height_px);
     let inside = px.cmpge(Vec2::ZERO).all() && px.cmple(size).all();
-    // What is nearer than a millimetre is projected as if it were a millimetre away.
+    // Points nearer than a millimetre are projected as if they were a millimetre away.
     (inside && depth > 0.001).then_some(depth)
 }
 
-/// Frames at which someone came into view who was not seen before.
+/// Number of frames at which a character came into view that was not visible before.
 static ENTERED: AtomicUsize = AtomicUsize::new(0);
 
 #[test]
@@ -156,7 +157,7 @@ fn who_walks_into_view_was_awake_before() {
             before = Some(found);
         }
     });
-    // Were it never so, nothing would have been tested.
+    // If this never happened, nothing would have been tested.
     assert!(
         ENTERED.load(Ordering::Relaxed) > 0,
         "nobody came into view from beside it"
@@ -166,7 +167,8 @@ fn who_walks_into_view_was_awake_before() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// A cut shows from its first frame on whom the new camera sees, however hidden before.
+    /// After a cut, every character that the new camera sees is visible from the first frame, even
+    /// if it was hidden before.
     #[test]
     fn a_cut_of_the_camera_is_seen_at_once(
         rows in rows(),

@@ -1,4 +1,4 @@
-//! Runs of every method on motions whose answers are known on paper.
+//! All methods on motions whose results are computed by hand.
 
 use articula_build::ClipOptions;
 use articula_build::evaluate::{
@@ -21,7 +21,7 @@ use glam::{Affine3A, Quat, Vec3};
 
 const RATE: f32 = 30.0;
 const FRAMES: usize = 61;
-/// Radians that the arm turns in a frame.
+/// Rotation of the arm per frame, radians.
 const STEP: f32 = 0.01;
 
 /// A root, and an arm of one metre along x that turns about z, seen square on from the front.
@@ -116,7 +116,7 @@ fn skipping_holds_one_step_less_than_it_skips() {
     let t = run(&Method::SkipHold, 4.0);
     assert!(near(t.joint_update_gain, 0.75) && near(t.evaluations_saved, 0.75));
     assert!(near(t.error.max, 3.0 * STEP), "{:?}", t.error);
-    // A steady turn loses nothing to ideal blending.
+    // A steady rotation loses nothing under ideal interpolation.
     let t = run(&Method::SkipLerp, 4.0);
     assert!(near(t.joint_update_gain, 0.75) && t.error.max < 1e-5);
 }
@@ -129,7 +129,7 @@ fn ours_holds_as_long_as_the_tolerance_allows() {
         near(t.joint_update_gain, 0.75) && near(t.error.max, 3.0 * STEP),
         "{t:?}"
     );
-    // A central key serves three and a half steps to either side: runs of eight frames.
+    // A central key covers three and a half steps to either side: runs of eight frames.
     let t = run(&Method::SkinPx(SkinPxVariant::KeyPose), 0.036);
     assert!(
         near(t.joint_update_gain, 1.0 - 7.0 / 60.0) && near(t.error.max, 3.5 * STEP),
@@ -174,7 +174,8 @@ fn what_moves_along_the_line_of_sight_is_held_longer() {
 
 #[test]
 fn the_thesis_freezes_a_steady_turn_for_ever() {
-    // Neighbouring frames always differ alike: above the threshold always, below it never.
+    // The difference of neighbouring frames is constant: above the threshold always, below it
+    // never.
     assert_eq!(run(&Method::Thesis, 0.5).joint_update_gain, 0.0);
     let frozen = run(&Method::Thesis, 1.01);
     assert_eq!(frozen.joint_update_gain, 1.0);
@@ -192,7 +193,7 @@ fn fixed_levels_hold_what_is_not_in_them() {
     let all = run(&Method::Loa(levels.clone()), 0.0);
     assert!(all.joint_update_gain == 0.0 && all.error.max < 1e-6);
     let none = run(&Method::Loa(levels), 1.0);
-    // The key pose lies half-way: thirty steps to either end.
+    // The key pose lies halfway: thirty steps to either end.
     assert!(none.joint_update_gain == 1.0 && near(none.error.max, 2.0 * (0.15f32).sin()));
 }
 
@@ -284,14 +285,13 @@ fn palettes_blended_between_pose_keys_stay_within_their_level() {
     }
 }
 
-/// The arm's clip again, longer or otherwise keyed.
 /// The frames of one pass at which whole poses are evaluated: a chord over `n` frames misses the
 /// fist's arc by `1 - cos(n / 2 · 0.01)` metres, 1.25 mm for ten frames and 1.5 mm for eleven.
 #[test]
 fn straight_lines_between_whole_poses_leave_an_arc_as_paper_says() {
     let asset = asset();
     let still = &asset.clips[0];
-    // The same arm on a root that is thrown about over the ground: the camera goes with it.
+    // The same arm on a root that jumps over the ground: the camera follows it.
     let thrown = |i: usize| Vec3::new((3.0 * i as f32).sin(), 0.0, (7 * i % 5) as f32);
     let tracks = Tracks {
         rotations: still.tracks().rotations.to_vec(),
@@ -313,7 +313,7 @@ fn straight_lines_between_whole_poses_leave_an_arc_as_paper_says() {
         let tens: Vec<usize> = (0..=60).step_by(10).collect();
         assert_eq!(pose_key_frames(&stage, 0.0013), tens);
         assert_eq!(uniform_key_frames(&stage, 0.0013), tens);
-        // Just too little for ten frames: nines, and what is left of sixty.
+        // Slightly too little for ten frames: spans of nine, and the remainder of sixty.
         assert_eq!(
             pose_key_frames(&stage, 0.0012),
             [0, 9, 18, 27, 36, 45, 54, 60]
@@ -349,7 +349,7 @@ fn with_motion(frames: usize, interpolation: Interpolation, angle: impl Fn(usize
 
 #[test]
 fn a_clip_of_ten_minutes_takes_seconds() {
-    // A tremor that coarse levels never see: the longest runs there are.
+    // A tremor below the tolerance of coarse levels: the longest possible runs.
     let asset = with_motion(18_000, Interpolation::Linear, |i| {
         2e-3 * (0.3 * i as f32).sin()
     });
@@ -421,7 +421,8 @@ fn an_open_loop_is_shown_at_once_from_afar_too() {
     }
 }
 
-/// Acceptance test 3: one joint turns by a degree a second for a minute, another quickly.
+/// Test 3 of `docs/methods/motion-lod.md` part 10: one joint turns by a degree a second for a
+/// minute, another quickly.
 #[test]
 fn the_thesis_never_updates_a_slow_joint_beside_a_quick_one() {
     let slow = |i: usize| Quat::from_rotation_z((i as f32 / RATE).to_radians());
@@ -473,7 +474,7 @@ fn the_thesis_never_updates_a_slow_joint_beside_a_quick_one() {
     };
     // Frame to frame it turns by 6e-4 rad; the quick joint by up to 0.7.
     assert_eq!(updates(&Method::Thesis, 1e-3), 0);
-    // A pixel at 5 m is 5.8 mm: on the floor of 10 mm, a correction every 33 degrees.
+    // A pixel at 5 m is 5.8 mm: with the minimum lever of 10 mm, a correction every 33 degrees.
     let pixel = stage.usual_parameter(&Method::SkinPx(SkinPxVariant::Hold), 5.0);
     assert_eq!(updates(&Method::SkinPx(SkinPxVariant::Hold), pixel), 1);
 }

@@ -1,4 +1,4 @@
-//! Levels of joints and mesh together: what they promise, and that it is so.
+//! Properties of levels of joints and mesh that are shown together.
 
 use crate::reference_human::asset_of_4000;
 use articula_build::Asset;
@@ -16,7 +16,7 @@ type Triangles = Vec<[u32; 3]>;
 struct Figure {
     asset: Asset,
     merged: MergedLevels,
-    /// Finest first.
+    /// Mesh levels, finest first.
     mesh_levels: Vec<Triangles>,
     poses: Vec<Vec<Vec3>>,
 }
@@ -29,7 +29,7 @@ fn options() -> LevelOptions {
     }
 }
 
-/// The reference human with mesh levels by the cells of grids.
+/// The reference human with mesh levels made by grid cells.
 fn someone() -> &'static Figure {
     static HUMAN: OnceLock<Figure> = OnceLock::new();
     HUMAN.get_or_init(|| {
@@ -120,7 +120,7 @@ fn nothing_grows_but_the_error_and_every_step_is_worth_it() {
         .check(clips, found.levels.len())
         .unwrap();
     assert_eq!(found.merged.joint_lods.levels(), found.levels.len());
-    // Both change, and not always together.
+    // Both joint and mesh levels change, and not always together.
     let changes = |of: fn(&articula_build::FigureLevel) -> usize| {
         found
             .levels
@@ -156,8 +156,8 @@ fn what_is_stated_is_what_the_slow_way_sees() {
                 .map(|(p, t)| p.posed(&shown).distance(*t));
             worst = worst.max(apart.fold(0.0, f32::max));
         }
-        // The tables watch a sample of the vertices, but those of every joint; the slow way sees
-        // a sample of the frames.
+        // The tables use a sample of the vertices, but those of every joint; the slow method uses a
+        // sample of the frames.
         let stated = found.merged.errors.clips[0].worst_metres[l];
         assert!(
             worst <= 1.6 * stated + 1e-4,
@@ -196,7 +196,7 @@ fn without_coarser_meshes_errors_are_those_of_the_joints() {
                 stated.worst_metres[l],
                 joints.worst_metres[level.joint_level],
             );
-            // Both take the greatest so far, over other levels.
+            // Both are running maxima over other levels.
             assert!(a <= b + 1e-6, "level {l}: {a} m, joints alone {b} m");
         }
     }
@@ -222,7 +222,7 @@ fn one_joint_is_enough_for_levels_and_what_does_not_fit_is_refused() {
         "mesh_levels[0]"
     );
 
-    // Everything on the root: only the mesh can become coarser.
+    // All skin on the root: only the mesh can become coarser.
     let mut still = asset.clone();
     let root = still.mesh.bindings.len() as u16;
     still.mesh.bindings.push(still.mesh.bindings[0]);

@@ -1,4 +1,4 @@
-//! Laws of merged levels, on random rigs, skins and clips.
+//! Properties of merged levels, on random rigs, skins and clips.
 
 use crate::random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
@@ -18,7 +18,7 @@ use articula_core::{
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 
-/// Rounding of f32 positions up to some metres, several products deep.
+/// Rounding of f32 positions of up to some metres, after several products.
 const ROUNDING_METRES: f32 = 5e-5;
 
 fn asset(rows: &[Row]) -> Asset {
@@ -66,7 +66,7 @@ fn farthest(a: &SkinnedMesh, b: &SkinnedMesh) -> f32 {
     all.map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
-/// Every prefix of a ladder's order as a level, as far as levels go.
+/// Every prefix of the joint order as a level, up to the maximum number of levels.
 fn all_prefixes(asset: &Asset) -> JointLods {
     let mean = mean_pose(asset);
     let joint_lods = joint_lods(asset, &mean, &options()).unwrap();

@@ -1,4 +1,4 @@
-//! What is built keeps its promises, on figures made at random and by hand.
+//! Properties of prepared data, on random and hand-made figures.
 //!
 //! One program: linking one is faster than linking many.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]

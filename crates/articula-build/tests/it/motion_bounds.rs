@@ -1,4 +1,5 @@
-//! Bounds of clips hold every vertex at every time, on random figures and on the reference human.
+//! Bounds of clips contain every vertex at every time, on random figures and on the reference
+//! human.
 
 use crate::random_figure::{RATE, Row, character_of, flat, rows, vector};
 use crate::reference_human::asset_of_4000;
@@ -11,7 +12,7 @@ use articula_core::{
 use glam::Vec3;
 use proptest::prelude::*;
 
-/// What a random figure does besides turning its joints.
+/// Motion of a random figure besides the rotation of its joints.
 #[derive(Debug, Clone)]
 struct Extra {
     joint: f32,
@@ -36,7 +37,8 @@ fn extra() -> impl Strategy<Value = Extra> {
     )
 }
 
-/// The random figure with one clip more, which also moves, scales and morphs, some of it by steps.
+/// The random figure with an additional clip that also translates, scales and morphs, partly in
+/// steps.
 fn asset(rows: &[Row], extra: &Extra) -> Asset {
     let source = character_of(rows);
     let opts = ClipOptions {
@@ -91,7 +93,7 @@ fn asset(rows: &[Row], extra: &Extra) -> Asset {
     asset
 }
 
-/// A character to be posed anyhow.
+/// A character that is posed arbitrarily.
 struct Body<'a> {
     asset: &'a Asset,
     morph_weights: Vec<f32>,
@@ -114,7 +116,7 @@ impl<'a> Body<'a> {
         pose
     }
 
-    /// Skin, or joints where there is none.
+    /// Positions of the skin, or of the joints where there is none.
     fn points(&self, pose: &LocalPose) -> Vec<Vec3> {
         let (rig, mesh) = (&self.asset.rig, &self.asset.mesh);
         let mut posed = PosedMesh::new(rig, mesh);
@@ -189,7 +191,7 @@ proptest! {
         for (s, t) in times {
             let a = body.sampled(&asset.clips[0], s, Wrap::Loop);
             let b = body.sampled(&asset.clips[1], t, Wrap::Loop);
-            // Each joint by a weight of its own, as with masks of parts of the body.
+            // A separate weight for each joint, as with masks of parts of the body.
             let pose = blended(&a, &b, |joint| weights[joint]);
             let sphere = bounds.blended(0, 1);
             for p in body.points(&pose) {
@@ -216,14 +218,14 @@ fn bounds_of_the_reference_human_are_close() {
                 greatest = greatest.max(p);
             }
         }
-        // What is between the looks adds centimetres, not a second body.
+        // The margin between sampled times adds centimetres, not the size of a body.
         let whole = bounds.whole();
         let spare = (least - whole.least).max(whole.greatest - greatest);
         assert!(spare.max_element() < 0.08, "{}: {spare}", clip.name);
         let ball = (0.5 * (greatest - least)).length();
         assert!(whole.sphere.radius < ball + 0.08, "{}", clip.name);
     }
-    // Hips to fingertips or toes of someone of 1.75 m, whatever the pose.
+    // From the hips to fingertips or toes of a figure of 1.75 m, in any pose.
     let reach = bounds.reach_metres;
     assert!((1.0..1.8).contains(&reach), "{reach} m");
 }

@@ -1,4 +1,4 @@
-//! What a body is said to hide, it hides: every line of sight to a capsule meets the skin first.
+//! Occluder capsules are inside the body: every line of sight to a capsule meets the skin first.
 
 use crate::random_figure::{RATE, character_of, flat, rows};
 use crate::reference_human::asset_of_2000;
@@ -41,7 +41,7 @@ fn every_line_of_sight_to_a_capsule_meets_the_skin() {
     let mut draw = || unit.new_tree(&mut runner).unwrap().current();
     for clip in asset.clips.iter().filter(|c| c.name == "walk") {
         let capsules = occluders(asset, clip, 3);
-        // A trunk at least; hands swing.
+        // At least a trunk; hands swing.
         let trunk = capsules.first().unwrap();
         let tall = trunk.ends[0].distance(trunk.ends[1]);
         assert!(
@@ -75,7 +75,7 @@ fn a_figure_without_an_inside_hides_nothing() {
     proptest!(ProptestConfig::with_cases(16), |(rows in rows())| {
         let opts = ClipOptions { rate_hz: Some(RATE) };
         let asset = character(&character_of(&rows), Some(flat(rows.len())), &opts).unwrap();
-        // Ten triangles in the air are no body.
+        // Ten unconnected triangles are no body.
         prop_assert_eq!(occluders(&asset, &asset.clips[0], 3), vec![]);
         let bare = Asset { mesh: Mesh::default(), ..asset };
         prop_assert_eq!(occluders(&bare, &bare.clips[0], 3), vec![]);

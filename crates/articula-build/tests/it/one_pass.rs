@@ -1,4 +1,4 @@
-//! Mesh levels in memory are those of the file: nothing has to be written and read again.
+//! Mesh levels in memory equal those read back from the file.
 
 use crate::reference_human::of_2000;
 use articula_build::{
@@ -16,7 +16,7 @@ fn reread(document: &Document) -> GltfFile {
     read(&bytes, &Limits::default(), nothing).unwrap().value
 }
 
-/// The human, one of its meshes with a morph target and colours, so that all arrays are there.
+/// The human, one of its meshes with a morph target and colours, so that all arrays exist.
 fn source() -> Character {
     let mut source = of_2000().clone();
     let lips = &mut source.meshes[1];
@@ -36,7 +36,7 @@ fn source() -> Character {
     source
 }
 
-/// Gives a file the levels, as a program that writes them does.
+/// Stores the levels in a file, as an exporter does.
 fn store(file: &mut GltfFile, made: &MeshLevels) {
     let mut objects = made.objects.iter();
     let mut meshes = Vec::new();
@@ -75,7 +75,7 @@ fn what_is_in_memory_is_what_is_read_back() {
         read_back.character.meshes, file.character.meshes,
         "a new order"
     );
-    // Part by part first: all of it is too much to read.
+    // Part by part first: a difference in the whole is too much to read.
     assert_eq!(read_back.character.mesh_levels, in_memory.mesh_levels);
     for (read, made) in read_back.character.meshes.iter().zip(&in_memory.meshes) {
         for (read, made) in read.clustered.iter().zip(&made.clustered) {

@@ -1,4 +1,4 @@
-//! Laws of baked pose caches, on random rigs, skins and clips.
+//! Properties of baked pose caches, on random rigs, skins and clips.
 
 use crate::random_figure::{RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
@@ -13,7 +13,7 @@ use articula_core::{
 use glam::{Affine3A, Vec3};
 use proptest::prelude::*;
 
-/// Rounding of f32 positions up to some metres.
+/// Rounding of f32 positions of up to some metres.
 const ROUNDING_METRES: f32 = 1e-5;
 
 struct Figure {
@@ -49,7 +49,7 @@ impl Figure {
         cached_poses(&self.asset, &self.levels, &self.clips, opts).unwrap()
     }
 
-    /// All vertices of a level, as a palette puts them.
+    /// Positions of all vertices of a level under a palette.
     fn points(&self, level: usize, rows: &[[f32; 4]]) -> Vec<Vec3> {
         let mesh = self.levels.skins.mesh(level, &self.asset.mesh);
         let matrices = rows.chunks(3).map(|r| {
@@ -97,7 +97,7 @@ impl Figure {
         self.points(level, &floats)
     }
 
-    /// 95th percentile and greatest distance between blended and evaluated skin.
+    /// 95th percentile and maximum of the distance between blended and evaluated skin.
     fn error(&self, made: &CachedPoses, level: usize, secs: f32) -> (f32, f32) {
         let (truth, shown) = (self.evaluated(level, secs), self.blended(made, level, secs));
         let apart = truth.iter().zip(&shown).map(|(t, s)| t.distance(*s));
@@ -129,8 +129,8 @@ proptest! {
         };
         let made = figure.cached(&opts);
         let end = figure.clips.duration_secs(0);
-        // Half floats round what is cached and what is written: their noise at a moment between
-        // those measured may be greater, by twice half a step of four numbers within 4 m.
+        // Half floats round what is cached and what is written: at a time between those measured
+        // their noise may be greater, by twice half a step of four numbers within 4 m.
         let noise = if half { 2.0 * 4.0 * 4.0 / 4096.0 } else { ROUNDING_METRES };
         for report in made.report.iter().filter(|r| r.fate == CacheDecision::Cached) {
             prop_assert_eq!(made.cache.error_metres(0, report.level), Some(report.error_metres));
@@ -144,7 +144,7 @@ proptest! {
                     "level {}: {percentile} and {worst} m at {} s, stated {report:?}", report.level, at * end
                 );
             }
-            // At a key nothing is added but what half floats round.
+            // At a key the only error is the rounding of half floats.
             for key in keys {
                 let (_, worst) = figure.error(&made, report.level, key);
                 prop_assert!(worst <= if half { noise } else { ROUNDING_METRES }, "{worst}");
@@ -164,7 +164,7 @@ proptest! {
             let tolerance = report.tolerance_metres;
             prop_assert!(tolerance == least || (tolerance <= wider && tolerance <= 8.0 * least));
             prop_assert_eq!((tolerance / least).log2().fract(), 0.0, "doubled, or not");
-            // Chosen within the tolerance at half ticks; on top comes half of the bend of a tick.
+            // Chosen within the tolerance at half ticks, plus half of the curvature within a tick.
             prop_assert!(report.error_metres <= 1.5 * report.tolerance_metres + ROUNDING_METRES, "{report:?}");
             prop_assert_eq!(made.cache.error_metres(0, report.level).is_some(), report.fate == CacheDecision::Cached);
         }
@@ -193,7 +193,7 @@ proptest! {
     }
 }
 
-/// Three joints, some way apart.
+/// Three joints at some distance from each other.
 fn three() -> Vec<Row> {
     let turn = Vec3::new(0.1, -0.05, 0.02);
     let rest = glam::Quat::from_rotation_x(0.3);

@@ -1,23 +1,23 @@
-//! The reference human, made once for all tests: its body takes seconds.
+//! The reference human, built once for all tests, because its body takes seconds.
 
 use articula_build::{Asset, ClipOptions, character};
 use articula_core::source::Character;
 use articula_human::{HumanOptions, human};
 use std::sync::OnceLock;
 
-/// Of 2,000 triangles, as it is written.
+/// The source character, of 2,000 triangles.
 pub(crate) fn of_2000() -> &'static Character {
     static HUMAN: OnceLock<Character> = OnceLock::new();
     HUMAN.get_or_init(|| human(&HumanOptions { triangles: 2000 }).unwrap())
 }
 
-/// Of 2,000 triangles, as it plays.
+/// The runtime character, of 2,000 triangles.
 pub(crate) fn asset_of_2000() -> &'static Asset {
     static HUMAN: OnceLock<Asset> = OnceLock::new();
     HUMAN.get_or_init(|| character(of_2000(), None, &ClipOptions::default()).unwrap())
 }
 
-/// Of 4,000 triangles, as it plays.
+/// The runtime character, of 4,000 triangles.
 pub(crate) fn asset_of_4000() -> &'static Asset {
     static HUMAN: OnceLock<Asset> = OnceLock::new();
     HUMAN.get_or_init(|| {

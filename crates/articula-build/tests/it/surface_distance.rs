@@ -1,4 +1,5 @@
-//! Distances between posed surfaces are those of the plain slow way, on random and real shapes.
+//! Distances between posed surfaces equal those of the plain, slow method, on random and real
+//! shapes.
 
 use crate::reference_human::asset_of_2000;
 use crate::slow::{Triangles, slow, surface};
@@ -102,7 +103,7 @@ fn a_folded_square_by_hand() {
     let motion = found[0].motion;
     assert_eq!(motion.max_metres, 1.0);
     assert!((motion.mean_metres - 0.2).abs() < 1e-6, "one of five");
-    // At 0.95 of the way from the first to the fifth: four fifths between the last two.
+    // At 95 % of the way from the first to the fifth: four fifths between the last two.
     assert!((motion.p95_metres - 0.8).abs() < 1e-6);
     let with_centres = surface_distances(
         &full,
@@ -181,7 +182,7 @@ fn hostile_surfaces() {
     assert_eq!(at(&full, &none, &[points[1..].to_vec()]), "motion[0]");
 }
 
-/// A level by the cells of a grid: each vertex becomes the first one of its cell.
+/// A level made by grid cells: each vertex becomes the first one of its cell.
 fn clustered(asset: &Asset, cell_metres: f32) -> Triangles {
     let mut first = BTreeMap::new();
     let representative: Vec<u32> = (0..asset.mesh.len() as u32)

@@ -1,4 +1,4 @@
-//! `articula completions SHELL`: what the shell needs to complete commands and flags.
+//! `articula completions SHELL`: prints a completion script.
 
 use crate::console::Console;
 use anyhow::Context;
@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Arguments of `completions`.
 #[derive(Debug, Args)]
 pub(crate) struct CompletionsArgs {
-    /// The shell
+    /// Shell to complete for
     shell: Shell,
 }
 
@@ -29,7 +29,7 @@ pub(crate) fn run(
     clap_complete::generate(args.shell, &mut program, "articula", &mut script);
     let report = CompletionsReport {
         shell: args.shell.to_string(),
-        script: String::from_utf8(script).context("the completions are no text")?,
+        script: String::from_utf8(script).context("the completion script is not UTF-8")?,
     };
     console.result(&report, |report| report.script.clone())
 }

@@ -1,4 +1,4 @@
-//! `articula human OUT.glb`: the procedural reference human as a file.
+//! `articula human OUT.glb`: writes the procedural reference human.
 
 use crate::console::Console;
 use crate::{fault, files};
@@ -16,7 +16,7 @@ use std::path::PathBuf;
 pub(crate) struct HumanArgs {
     /// File to write (.glb)
     out: PathBuf,
-    /// Triangles of all meshes together, 2000 to 70000
+    /// Number of triangles of all meshes together, 2000 to 70000
     #[arg(long, value_name = "N", default_value_t = HumanOptions::default().triangles)]
     triangles: usize,
 }
@@ -63,7 +63,7 @@ pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
     })
 }
 
-/// The reference human with about so many triangles.
+/// The reference human with approximately this number of triangles.
 pub(crate) fn made(triangles: usize, console: &Console) -> anyhow::Result<Character> {
     if !TRIANGLES.contains(&triangles) {
         return Err(fault::usage(format!(
@@ -72,7 +72,7 @@ pub(crate) fn made(triangles: usize, console: &Console) -> anyhow::Result<Charac
             TRIANGLES.end()
         )));
     }
-    let bar = console.progress("shaping the human", 1);
+    let bar = console.progress("building the human", 1);
     let character = human(&HumanOptions { triangles }).context("the reference human")?;
     bar.finish_and_clear();
     Ok(character)

@@ -1,4 +1,4 @@
-//! One file for each command; a command reads, calls the libraries, and prints.
+//! One module per command; a command reads files, calls the libraries and prints the result.
 
 pub(crate) mod build;
 pub(crate) mod completions;

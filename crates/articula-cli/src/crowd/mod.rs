@@ -1,13 +1,13 @@
-//! A crowd of one character, played and measured: what `crowd` and `demo` have in common.
+//! Playing and measuring a crowd of one character, shared by `crowd` and `demo`.
 //!
 //! A run has two passes over the same frames. The first is timed and does nothing else; the second
-//! looks at what the first has shown: true errors, levels, a hash of every palette. What a frame
-//! does is the library's ([`articula::crowd`]).
+//! measures what the first one showed: true errors, levels, a hash of every palette. The frame
+//! itself is computed by the library ([`articula::crowd`]).
 //!
-//! - [`stage`]: frames on one thread or several, and the time that they take
-//! - [`timing`]: processor time of threads, and its spread over frames
+//! - [`stage`]: frames on one or several threads, timed
+//! - [`timing`]: processor time of threads, and its median and percentiles over frames
 //! - [`run`]: both passes
-//! - [`picture`]: the same to look at, coloured by level
+//! - [`picture`]: a picture of the crowd, coloured by level
 
 pub(crate) mod picture;
 pub(crate) mod run;

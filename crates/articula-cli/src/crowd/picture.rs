@@ -1,4 +1,4 @@
-//! A moment of a crowd as its camera sees it, every character in the colour of its level.
+//! A picture of the first frame of a crowd, each character in the colour of its level.
 
 use super::stage::{Settings, TimedCrowd};
 use anyhow::Context;
@@ -8,10 +8,10 @@ use articula_core::{Camera, Viewport};
 use articula_flat::Picture;
 use articula_report::CrowdPicture;
 
-/// Most triangles that are drawn; who is farther away than they reach is left out.
+/// Maximum number of triangles to draw; the farthest characters beyond it are left out.
 const MAX_TRIANGLES: usize = 4_000_000;
 
-/// Draws the scene at its beginning.
+/// Draws the scene at time 0.
 pub(crate) fn draw(
     asset: &CrowdAsset,
     scene: &Scene,
@@ -39,7 +39,7 @@ pub(crate) fn draw(
     crowd.draw(&camera, &legend).context("drawing the crowd")
 }
 
-/// The skins of those who are shown, nearest first, and how many these are.
+/// The skins of the nearest visible characters, and the number of these characters.
 fn gathered(player: &CrowdPlayer, camera: &Camera) -> (CrowdPicture, usize) {
     let asset = player.asset();
     let sources = player.sources();
@@ -64,7 +64,7 @@ fn gathered(player: &CrowdPlayer, camera: &Camera) -> (CrowdPicture, usize) {
     (picture, drawn)
 }
 
-/// Says which colour is which level, how many are shown at it, and how many of all are drawn.
+/// The legend: the colour and number of characters of each level, and the number drawn.
 fn legend(player: &CrowdPlayer, drawn: usize) -> Vec<(Option<usize>, String)> {
     let asset = player.asset();
     let count = player.positions().len();
@@ -86,7 +86,7 @@ fn legend(player: &CrowdPlayer, drawn: usize) -> Vec<(Option<usize>, String)> {
     };
     let mut lines: Vec<_> = levels.map(line_of).collect();
     if drawn < shown {
-        lines.push((None, format!("nearest {drawn} drawn")));
+        lines.push((None, format!("nearest {drawn} characters drawn")));
     }
     lines
 }

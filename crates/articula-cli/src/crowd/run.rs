@@ -1,7 +1,7 @@
-//! Both passes over a scene: timed, then looked at.
+//! The two passes over a scene: timed, then measured.
 //!
-//! The second pass decides every frame as the first did, so it shows the same palettes; whatever it
-//! measures takes no time and no cache from what is timed.
+//! The second pass repeats every decision of the first, so it shows the same palettes; measuring
+//! takes no time and no cache from the timed pass.
 
 use super::stage::{DISPLAY_HZ, Settings, TimedCrowd};
 use super::timing::{Spread, thread_ns};
@@ -15,14 +15,14 @@ use articula_core::budget::AllocationReport;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Frames at a standstill before the first one that counts: levels and caches settle, costs are
-/// learnt.
+/// Frames before the first one that counts, at a standstill, in which levels and caches settle
+/// and costs are learnt.
 const WARM_UP_FRAMES: usize = 30;
 
-/// Frames at which true errors are measured, spread over the run.
+/// Number of frames at which true errors are measured, spread over the run.
 const LOOKS: usize = 16;
 
-/// What one frame took.
+/// Times of one frame.
 #[derive(Debug, Clone, Copy)]
 struct FrameTime {
     cpu_ns: f64,
@@ -30,7 +30,7 @@ struct FrameTime {
     tick_ns: f64,
 }
 
-/// What a run found.
+/// Result of a run.
 #[derive(Debug)]
 pub(crate) struct Run {
     pub(crate) frames: usize,
@@ -38,47 +38,47 @@ pub(crate) struct Run {
     pub(crate) in_cull_margin: Spread,
     /// Processor time of a frame, all threads together, milliseconds.
     pub(crate) frame_ms: Spread,
-    /// The same on the wall.
+    /// Wall-clock time of a frame, milliseconds.
     pub(crate) wall_ms: Spread,
-    /// Part of it before evaluation.
+    /// Processor time of a frame before evaluation, milliseconds.
     pub(crate) tick_ms: Spread,
-    /// Share of the budget that a frame takes beyond it, 95th percentile over frames.
+    /// Time beyond the budget as a fraction of it, 95th percentile over frames.
     pub(crate) overrun_p95: Option<f64>,
     pub(crate) budget: Option<BudgetFound>,
     pub(crate) written_mb: Spread,
     pub(crate) memory: Memory,
     pub(crate) poses: Poses,
-    /// Greatest error that levels and shared poses were chosen for, pixels.
+    /// Maximum error in pixels by which levels and shared poses were chosen.
     pub(crate) bound_px: Option<f32>,
     pub(crate) tiers: Vec<LevelUse>,
     pub(crate) error: ErrorSummary,
     pub(crate) hash: String,
-    /// Time of the scene, and what a frame took there.
+    /// Time of the scene in seconds and time of the frame in milliseconds, for each frame.
     pub(crate) over_time: Vec<(f64, f64)>,
-    /// The moments that were looked at.
+    /// Errors at the sampled frames.
     pub(crate) looks: Vec<ErrorSample>,
 }
 
-/// Poses that a frame evaluates, on average.
+/// Poses evaluated in a frame, on average.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub(crate) struct Poses {
-    /// For one character alone.
+    /// Used by one character.
     pub(crate) own: f64,
-    /// For several.
+    /// Used by several characters.
     pub(crate) shared: f64,
-    /// Characters that show one of several.
+    /// Characters that show a pose of another one.
     pub(crate) followers: f64,
-    /// Own ones that blend two clips.
+    /// Poses of one character that blend two clips.
     pub(crate) blended: f64,
-    /// Blended from the cache, by the CPU or by the GPU.
+    /// Poses blended from the pose cache, by the CPU or by the GPU.
     pub(crate) cached: f64,
 }
 
-/// What a crowd holds in memory.
+/// Memory of a crowd.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Memory {
     pub(crate) clips_bytes: usize,
-    /// Cached poses.
+    /// The pose cache.
     pub(crate) cache_bytes: usize,
     /// Palettes and records of the largest frame.
     pub(crate) output_bytes: usize,
@@ -86,18 +86,18 @@ pub(crate) struct Memory {
     pub(crate) state_bytes_per_character: usize,
 }
 
-/// What a budget made of the frames, on average.
+/// Result of choosing levels by a budget, on average over frames.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub(crate) struct BudgetFound {
-    /// What evaluation was allowed, by the clock and the learnt costs, milliseconds.
+    /// Time available for evaluation by the clock and the learnt costs, milliseconds.
     pub(crate) allowed_ms: f64,
-    /// What it was expected to take.
+    /// Expected time of the chosen levels, milliseconds.
     pub(crate) used_ms: f64,
-    /// What it would take without a limit.
+    /// Expected time without a limit, milliseconds.
     pub(crate) demand_ms: f64,
-    /// Mean error of the visible ones, pixels.
+    /// Mean error of visible characters, pixels.
     pub(crate) mean_px: f64,
-    /// Greatest error of a visible one in any frame, pixels.
+    /// Maximum error of a visible character in any frame, pixels.
     pub(crate) worst_px: f64,
     /// Characters above the cap.
     pub(crate) above_cap: f64,
@@ -105,7 +105,7 @@ pub(crate) struct BudgetFound {
     pub(crate) changes: f64,
 }
 
-/// Plays a scene twice: for its time, and for what is seen.
+/// Plays a scene twice: once for its time, once for its errors.
 pub(crate) fn run(
     asset: &CrowdAsset,
     scene: &Scene,
@@ -128,9 +128,9 @@ pub(crate) fn run(
     Ok(found)
 }
 
-/// Time from the frame before.
+/// Time since the previous frame, seconds.
 fn step_secs(frame: usize) -> f64 {
-    // At a standstill while it warms up; the first frame that counts is that of time 0.
+    // No time passes during warm-up; the first frame that counts is that of time 0.
     if frame > WARM_UP_FRAMES {
         1.0 / DISPLAY_HZ
     } else {
@@ -190,7 +190,7 @@ fn looked_at(
     let mut reports = Vec::with_capacity(settings.frames);
     let looks = settings.frames.min(LOOKS);
     let mut looked = Vec::with_capacity(looks);
-    let bar = console.progress("looking", looks);
+    let bar = console.progress("measuring errors", looks);
     for frame in 0..WARM_UP_FRAMES + settings.frames {
         let report = stage.plan(step_secs(frame), allowances.get(frame))?;
         let Some(counted) = frame.checked_sub(WARM_UP_FRAMES) else {
@@ -204,7 +204,7 @@ fn looked_at(
         let palettes = crowd.drawn().matrices * asset.model().parts().form.bytes();
         let bytes = palettes + size_of_val(crowd.drawn().records.as_slice());
         reports.push((report, bytes));
-        // The first frame, then evenly on.
+        // The first frame, then at even intervals.
         if counted * looks / settings.frames >= looked.len() && looked.len() < looks {
             looked.push(meter.measure(player, stage.scene.secs(), &stage.scene.camera()?));
             bar.inc(1);
@@ -245,7 +245,7 @@ fn looked_at(
             blended: mean(&|r| r.blended),
             cached: mean(&|r| r.cached),
         },
-        // Nothing is chosen by its error where everyone is seen in full detail.
+        // In full detail nothing is chosen by its error.
         bound_px: (settings.detail != DetailGoal::Full).then_some(bound),
         tiers: tally.levels(asset, &looked),
         error: ErrorSummary::of(&looked),
@@ -255,7 +255,7 @@ fn looked_at(
     })
 }
 
-/// What the budget made of the frames that count.
+/// Averages the reports of the budget over the frames that count.
 fn budget_of(reports: &[(CrowdReport, usize)], allowances: &[FrameBudget]) -> Option<BudgetFound> {
     let found: Vec<AllocationReport> = reports.iter().filter_map(|r| r.0.budget).collect();
     if found.is_empty() {

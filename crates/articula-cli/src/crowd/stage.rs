@@ -1,4 +1,4 @@
-//! A scene on one thread or several: the library's frames, timed.
+//! A scene on one or several threads: the frames of the library, timed.
 
 use super::timing::thread_ns;
 use anyhow::Context;
@@ -10,26 +10,26 @@ use articula_build::Scene;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-/// Frames a second of the display.
+/// Refresh rate of the display, hertz.
 pub(crate) const DISPLAY_HZ: f64 = 60.0;
 
-/// Parts of a frame for each thread: more than one, so that none waits long for the others.
+/// Parts of a frame per thread: more than one, so that no thread waits long for the others.
 const PARTS_PER_THREAD: usize = 4;
 
-/// How a scene is played.
+/// Options for playing a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Settings {
     pub(crate) detail: DetailGoal,
     /// Whether characters may share poses within their tolerance.
     pub(crate) share: bool,
-    /// Who blends cached poses.
+    /// What blends cached poses: CPU, GPU or no cache.
     pub(crate) cache: CacheUse,
     pub(crate) threads: usize,
-    /// Frames that count.
+    /// Number of frames that count.
     pub(crate) frames: usize,
 }
 
-/// A scene and the threads that it is played on.
+/// A scene and the threads that evaluate it.
 #[derive(Debug)]
 pub(crate) struct TimedCrowd<'a> {
     pub(crate) scene: ScenePlayer<'a>,
@@ -38,7 +38,7 @@ pub(crate) struct TimedCrowd<'a> {
 }
 
 impl<'a> TimedCrowd<'a> {
-    /// Puts everyone in place at time 0.
+    /// Places all characters at time 0.
     pub(crate) fn new(
         asset: &CrowdAsset,
         scene: &'a Scene,
@@ -65,7 +65,7 @@ impl<'a> TimedCrowd<'a> {
         })
     }
 
-    /// Goes on by some time and plans the frame.
+    /// Advances the scene and plans the frame.
     pub(crate) fn plan(
         &mut self,
         dt_secs: f64,
@@ -74,7 +74,7 @@ impl<'a> TimedCrowd<'a> {
         Ok(self.scene.plan(dt_secs, allowance)?)
     }
 
-    /// Writes all palettes; gives the processor time that it took, on all threads together.
+    /// Writes all palettes; returns the processor time of all threads together, nanoseconds.
     pub(crate) fn evaluate(&mut self) -> u64 {
         let timed = |part: &mut FramePart<'_>| {
             let start = thread_ns();

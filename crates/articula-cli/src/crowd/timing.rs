@@ -1,17 +1,17 @@
-//! Processor time of threads, and its spread over frames.
+//! Processor time of threads, and its percentiles over frames.
 
 use articula_core::percentile;
 use serde::Serialize;
 
-/// Processor time that this thread has had, nanoseconds.
+/// Processor time of this thread, nanoseconds.
 #[cfg(unix)]
 pub(crate) fn thread_ns() -> u64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    // Neither part of a thread's own time is ever negative.
+    // Neither part of a thread's processor time is ever negative.
     time.tv_sec.unsigned_abs() * 1_000_000_000 + time.tv_nsec.unsigned_abs()
 }
 
-/// Time on the wall: elsewhere there is no processor time of a thread that is as fine.
+/// Wall-clock time in nanoseconds: other systems have no equally precise time of a thread.
 #[cfg(not(unix))]
 pub(crate) fn thread_ns() -> u64 {
     use std::sync::OnceLock;
@@ -20,7 +20,7 @@ pub(crate) fn thread_ns() -> u64 {
     START.get_or_init(Instant::now).elapsed().as_nanos() as u64
 }
 
-/// Middle and upper end of some values.
+/// Median and 95th percentile of a set of values.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub(crate) struct Spread {
     pub(crate) median: f64,
@@ -28,7 +28,7 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    /// Of values in any order; zeros if there is none.
+    /// Of values in any order; zeros if there are none.
     pub(crate) fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let mut values: Vec<f64> = values.into_iter().collect();
         Self {

@@ -1,4 +1,4 @@
-//! What was played as pictures and curves: the drawing is that of `articula_report`.
+//! Contact sheets and plots of evaluated methods, drawn by `articula_report`.
 
 use super::motion_plots::{CostBy, cost_plot};
 use articula::evaluate::{Cost, Costs, EvaluatedClip, MethodRow, MethodTable};
@@ -7,10 +7,10 @@ use articula_core::{ModelPose, local_to_model};
 use articula_flat::{Appearance, Picture, PictureError};
 use articula_report::{Artist, MotionLine, Plot, Series, motion_sheet};
 
-/// Width and height of a tile on a sheet of its own, pixels.
+/// Width and height of a tile of a separate contact sheet, pixels.
 pub(crate) const LARGE: (u32, u32) = (200, 290);
 
-/// An artist whose pictures have a size in pixels.
+/// An artist that draws pictures of this size in pixels.
 pub(crate) fn artist(figure: &Figure, size: (u32, u32)) -> Artist<'_> {
     let character = &figure.opened.character;
     let (look, _) = Appearance::new(&character.materials, &character.images);
@@ -21,13 +21,13 @@ pub(crate) fn artist(figure: &Figure, size: (u32, u32)) -> Artist<'_> {
     Artist::new(&asset.rig, &asset.mesh, look, facing, size)
 }
 
-/// One line for each distance of a table.
+/// One line of a contact sheet for each distance of a table.
 pub(crate) fn lines_by_distance(table: &MethodTable) -> Vec<MotionLine<'_>> {
     let line = |row: &MethodRow| line(table, format!("{} m", row.distance_m), row);
     table.rows.iter().map(line).collect()
 }
 
-/// One line for each method, all at one of the distances.
+/// One line of a contact sheet for each method, all at the same distance.
 pub(crate) fn lines_by_method(tables: &[MethodTable], distance: usize) -> Vec<MotionLine<'_>> {
     let rows = tables
         .iter()
@@ -45,7 +45,7 @@ fn line<'a>(table: &'a MethodTable, label: String, row: &MethodRow) -> MotionLin
     }
 }
 
-/// A sheet of three moments as a page shows it, pixel for pixel.
+/// A contact sheet of three frames at the size of a page.
 pub(crate) fn small_sheet(
     scene: &EvaluatedClip<'_>,
     lines: &[MotionLine<'_>],
@@ -55,7 +55,7 @@ pub(crate) fn small_sheet(
     motion_sheet(&scene.stage(), &mut artist, lines, 3, title, Vec::new())
 }
 
-/// A value of every row over distance; ours are drawn through, the baselines dashed.
+/// A value of every row over distance; `skin-px` is drawn solid, the baselines dashed.
 pub(crate) fn series(tables: &[MethodTable], value: impl Fn(&MethodRow) -> f32) -> Vec<Series> {
     let point = |r: &MethodRow| (f64::from(r.distance_m), f64::from(value(r)));
     let line = |table: &MethodTable| Series {

@@ -1,4 +1,4 @@
-//! Which method plays, and the parameters of the thesis: from words of the command line.
+//! The flags that choose a method of motion level of detail, and the parameters of the thesis.
 
 use crate::fault;
 use anyhow::Context;
@@ -14,40 +14,40 @@ use clap::{Args, ValueEnum};
 
 use crate::arguments::{not_negative, positive};
 
-/// Heading of the thesis' own parameters in the help.
+/// Heading of the thesis' parameters in the help.
 const THESIS: &str = "Parameters of the method thesis";
 
 /// A method, or all of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodName {
-    /// Ours: drift of the skin against what is shown
+    /// Drift of the skin against the shown pose (Articula's method)
     SkinPx,
-    /// The two-step metric of the thesis
+    /// Two-step metric of the thesis
     Thesis,
-    /// Posture clusters of each joint
+    /// Clusters of similar postures of each joint (after Ahn)
     Ahn,
-    /// Every n-th frame, held
+    /// Every n-th frame, held until the next
     SkipHold,
-    /// Every n-th frame, blended ideally
+    /// Every n-th frame, interpolated to the next
     SkipLerp,
-    /// A fixed level of articulation
+    /// Fixed level of articulation
     Loa,
-    /// Every one of them
+    /// All methods
     All,
 }
 
-/// Form of our metric.
+/// Variant of `skin-px`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Variant {
     /// Hold the last key until the drift exceeds the tolerance
     Hold,
-    /// The same, with the error as each camera sees it
+    /// As hold, with the error as seen by each camera
     View,
-    /// One central rotation for each run of frames
+    /// One central rotation per run of frames
     KeyPose,
-    /// Hold, children cancel their ancestors' error
+    /// As hold; children cancel the error of their ancestors
     ClosedLoop,
-    /// Blend between keys
+    /// Interpolate between keys
     Linear,
 }
 
@@ -63,18 +63,18 @@ impl Variant {
     }
 }
 
-/// What joints outside a fixed level show.
+/// Pose of joints outside a fixed level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Passive {
-    /// The clip's first frame
+    /// First frame of the clip
     Hold,
-    /// The rest pose
+    /// Rest pose
     Rest,
-    /// The rotation nearest to all frames
+    /// Rotation with the smallest maximum angle to all frames
     KeyPose,
 }
 
-/// The curve of the thesis' threshold over distance.
+/// Curve of the thesis' threshold over distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Curve {
     /// As printed; dips near the viewer
@@ -83,7 +83,7 @@ pub(crate) enum Curve {
     Fixed,
 }
 
-/// Which direction the thesis' position term turns.
+/// Direction whose rotation the position term of the thesis measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Turning {
     /// From the joint to the mean of its children
@@ -92,18 +92,18 @@ pub(crate) enum Turning {
     Path,
 }
 
-/// How a tolerance is shared along a chain of joints.
+/// Division of a tolerance among the joints of a chain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Chain {
-    /// Every joint has all of it; errors of a chain may add up
+    /// Full tolerance for every joint; errors of a chain may add up
     Whole,
-    /// Divided by the square root of the chain's length: right on average
+    /// Divided by the square root of the chain's length: sufficient on average
     Root,
-    /// Divided by the chain's length: right always
+    /// Divided by the chain's length: always sufficient
     Split,
 }
 
-/// The lever arm of the thesis' position term.
+/// Lever arm of the thesis' position term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Lever {
     /// Length-weighted mean
@@ -112,59 +112,59 @@ pub(crate) enum Lever {
     Sum,
 }
 
-/// Choice of the method and its parameters.
+/// The method and its parameters.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct MethodArgs {
-    /// How detail is reduced
-    /// [default: skin-px, or loa where --loa is given]
+    /// Method that reduces the detail
+    /// [default: skin-px, or loa if --loa is given]
     #[arg(long, value_enum, value_name = "M")]
     method: Option<MethodName>,
-    /// Form of skin-px
+    /// Variant of skin-px
     /// [default: hold]
     #[arg(long, value_enum, value_name = "V")]
     variant: Option<Variant>,
     /// Joints that may move, such as "loa(Low) + zone(hands)" (with --method loa)
     #[arg(long, value_name = "EXPR")]
     pub(crate) loa: Option<String>,
-    /// Let every joint above one that may move, move too (with --loa)
+    /// Also move the ancestors of joints that may move (with --loa)
     #[arg(long, requires = "loa")]
     with_ancestors: bool,
-    /// What joints outside the level show (with --method loa)
+    /// Pose of joints outside the level (with --method loa)
     /// [default: key-pose]
     #[arg(long, value_enum, value_name = "POLICY")]
     passive: Option<Passive>,
-    /// How joints of a chain share the tolerance (with --camera-path)
+    /// Division of the tolerance among the joints of a chain (with --camera-path)
     #[arg(long, value_enum, default_value = "root", requires = "camera_path")]
     chain: Chain,
-    /// Give the joints on the way to a standing foot a quarter of the tolerance (skin-px)
+    /// Reduce the tolerance of joints between the root and a planted foot to a quarter (skin-px)
     #[arg(long)]
     protect_contacts: bool,
-    /// Weight of the angle terms against the position term, metres a radian
+    /// Weight of the angle terms against the position term in metres per radian
     #[arg(long, help_heading = THESIS, default_value_t = 1.0, value_parser = not_negative, value_name = "A")]
     alpha: f32,
-    /// 1 judges orientation only, 0 angular velocity only
+    /// Weight of orientation against angular velocity: 1 orientation only, 0 velocity only
     #[arg(long, help_heading = THESIS, default_value_t = 0.5, value_parser = share, value_name = "B")]
     beta: f32,
-    /// Threshold at the closest view
+    /// Threshold at the closest distance
     #[arg(long, help_heading = THESIS, default_value_t = 1e-4, value_parser = not_negative, value_name = "E")]
     thr_init: f32,
-    /// Threshold at the farthest view [default: 10 times --thr-init]
+    /// Threshold at the farthest distance [default: 10 times --thr-init]
     #[arg(long, help_heading = THESIS, value_parser = not_negative, value_name = "E")]
     thr_max: Option<f32>,
-    /// Closest view, metres
+    /// Closest viewing distance in metres
     #[arg(long, help_heading = THESIS, default_value_t = 3.5, value_parser = not_negative, value_name = "M")]
     d_min: f32,
-    /// Farthest view, metres
+    /// Farthest viewing distance in metres
     #[arg(long, help_heading = THESIS, default_value_t = 16.0, value_parser = positive, value_name = "M")]
     d_max: f32,
-    /// How long a joint takes between active and passive, milliseconds [default: thesis 0,
-    /// along a camera path 200]
+    /// Duration of the transition between active and passive in milliseconds [default: thesis 0,
+    /// with --camera-path 200]
     #[arg(long, value_parser = not_negative, value_name = "MS")]
     transition_ms: Option<f32>,
-    /// Threshold over distance
+    /// Curve of the threshold over distance
     #[arg(long, help_heading = THESIS, value_enum, default_value = "literal")]
     curve: Curve,
-    /// Which direction turns
+    /// Direction whose rotation the position term measures
     #[arg(long, help_heading = THESIS, value_enum, default_value = "bone")]
     direction: Turning,
     /// Lever arm of the position term
@@ -179,7 +179,7 @@ fn share(text: &str) -> Result<f32, String> {
 }
 
 impl MethodArgs {
-    /// The method asked for: a level of articulation asks for itself.
+    /// The method to play; `--loa` implies the method `loa`.
     pub(crate) fn method(&self) -> MethodName {
         let usual = match self.loa {
             Some(_) => MethodName::Loa,
@@ -192,7 +192,7 @@ impl MethodArgs {
         self.variant.unwrap_or(Variant::Hold)
     }
 
-    /// Flags that the method would not heed are wrong usage.
+    /// Refuses flags that the method would ignore.
     pub(crate) fn check(&self) -> anyhow::Result<()> {
         if self.d_min >= self.d_max {
             let (near, far) = (self.d_min, self.d_max);
@@ -203,17 +203,17 @@ impl MethodArgs {
         let method = self.method();
         let what = match method {
             MethodName::SkinPx if self.passive.is_some() => {
-                "--passive says what a fixed level shows; add --loa EXPR or --method loa"
+                "--passive sets the pose of joints outside a fixed level; add --loa EXPR or --method loa"
             }
             MethodName::SkinPx => return Ok(()),
             MethodName::All if self.variant.is_some() => {
-                "--method all plays the forms of skin-px anyway; leave --variant out"
+                "--method all plays all variants of skin-px; leave --variant out"
             }
             _ if self.variant.is_some() => {
-                "--variant is a form of skin-px; leave it out, or play --method skin-px"
+                "--variant chooses a variant of skin-px; leave it out, or play --method skin-px"
             }
             _ if self.protect_contacts && method != MethodName::All => {
-                "--protect-contacts belongs to skin-px; leave it out, or play --method skin-px"
+                "--protect-contacts applies to skin-px; leave it out, or play --method skin-px"
             }
             _ => return Ok(()),
         };
@@ -224,7 +224,7 @@ impl MethodArgs {
     pub(crate) fn chosen(&self, rig: &Rig) -> anyhow::Result<Vec<NamedMethod>> {
         if self.loa.is_some() && !matches!(self.method(), MethodName::Loa | MethodName::All) {
             return Err(fault::usage(
-                "--loa chooses fixed joints; add --method loa (or --method all)",
+                "--loa chooses a fixed set of joints; add --method loa (or --method all)",
             ));
         }
         Ok(vec![match self.method() {
@@ -247,14 +247,14 @@ impl MethodArgs {
         match &self.loa {
             Some(text) if self.with_ancestors => {
                 let set = loa::with_ancestors(rig, &joints(text, rig)?);
-                Ok(NamedMethod::fixed(&format!("{text}, close up"), set))
+                Ok(NamedMethod::fixed(&format!("{text} with ancestors"), set))
             }
             Some(text) => Ok(NamedMethod::fixed(text, joints(text, rig)?)),
             None => Ok(NamedMethod::complexity_levels(rig)),
         }
     }
 
-    /// The parameters that are not the method's own one.
+    /// The parameters besides the calibrated one.
     pub(crate) fn options(&self) -> MethodOptions {
         let mut options = MethodOptions::default();
         options.thesis.alpha = self.alpha;
@@ -292,7 +292,7 @@ impl MethodArgs {
 }
 
 impl MethodArgs {
-    /// The controller that holds joints while a camera moves, at a tolerance in pixels.
+    /// Options of the drift controller for a moving camera, with a tolerance in pixels.
     pub(crate) fn drift(&self, epsilon_px: f32) -> anyhow::Result<DriftOptions> {
         let ours = self.method() == MethodName::SkinPx && self.variant() == Variant::Hold;
         if !ours {
@@ -310,7 +310,7 @@ impl MethodArgs {
     }
 }
 
-/// The joints of an expression; a mistake in it is wrong usage.
+/// The joints of an expression; a mistake in it is a usage error.
 pub(crate) fn joints(text: &str, rig: &Rig) -> anyhow::Result<JointSet> {
     let expression = text
         .parse::<LoaExpression>()

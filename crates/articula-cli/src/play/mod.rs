@@ -1,8 +1,8 @@
-//! A clip played under motion level of detail: what `lod` and `demo` have in common.
+//! A clip played under motion level of detail, shared by `lod` and `demo`.
 //!
-//! - [`methods`]: which method, with which parameters
-//! - [`drawn`]: what was played as pictures and curves
-//! - [`motion_plots`]: what such a clip saves and costs, as curves and bars
+//! - [`methods`]: the method and its parameters
+//! - [`drawn`]: the results as contact sheets and plots
+//! - [`motion_plots`]: updates saved, error and cost as line and bar plots
 
 pub(crate) mod drawn;
 pub(crate) mod methods;
@@ -15,13 +15,13 @@ use articula_formats::Limits;
 use std::path::Path;
 use std::time::Instant;
 
-/// Reads the key frames of a camera path, a JSON list.
+/// Reads the key frames of a camera path from a JSON list.
 pub(crate) fn read_camera_path(path: &Path, display_hz: f64) -> anyhow::Result<Vec<CameraKey>> {
     let bytes = files::read(path, Limits::default().bytes)?;
     articula::read_camera_path(&bytes, display_hz).with_context(|| files::shown(path))
 }
 
-/// Runs something once; how long it took by the clock.
+/// Runs a closure once; returns its wall-clock time in nanoseconds.
 pub(crate) fn nanoseconds(run: &mut dyn FnMut()) -> f64 {
     let start = Instant::now();
     run();

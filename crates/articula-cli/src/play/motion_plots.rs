@@ -1,6 +1,6 @@
-//! Gain, error and cost as curves and bars (SVG).
+//! Updates saved, error and cost as line and bar plots (SVG).
 //!
-//! Source: thesis figures 6.14 and 6.15; `docs/methods/motion-lod.md` 12.
+//! Source: thesis figures 6.14 and 6.15; `docs/methods/motion-lod.md` part 12.
 
 use articula_build::evaluate::{ClipEvaluator, PathFrame, PathRun, play};
 use articula_core::JointSet;
@@ -40,18 +40,18 @@ pub(crate) fn error_plot(series: &[Series], heading: &str, limit_px: Option<f32>
     }
 }
 
-/// What tells the sets of joints of a cost plot apart.
+/// Property by which a cost plot groups joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum CostBy {
     /// Zone of the body.
     Zone,
-    /// Depth in the tree of joints.
+    /// Depth in the joint hierarchy.
     Depth,
     /// Level of complexity.
     Complexity,
 }
 
-/// Joints of each set, joints sampled and matrices changed a frame, side by side.
+/// Joints in each set, joints sampled and matrices changed per frame, side by side.
 pub(crate) fn cost_plot(
     by: CostBy,
     names: &[String],
@@ -66,7 +66,7 @@ pub(crate) fn cost_plot(
     let options = PlotOptions {
         title: format!("Cost by {by}, {heading}"),
         x_label: x.into(),
-        y_label: "joints a frame".into(),
+        y_label: "joints per frame".into(),
         ..PlotOptions::default()
     };
     let names_of_bars = ["in the set", "sampled", "matrices changed"];
@@ -97,7 +97,7 @@ pub(crate) fn updates_plot(
         let point = |(frame, set): (usize, &JointSet)| (frame as f64 / rate, set.len() as f64);
         Series {
             name: line.label.clone(),
-            // Nothing is updated at the first frame: every method starts from the truth.
+            // Nothing is updated at the first frame: every method starts from the true pose.
             points: updated.iter().enumerate().skip(1).map(point).collect(),
             dashed: line.method.name() != "skin-px",
         }
@@ -106,7 +106,7 @@ pub(crate) fn updates_plot(
     let last = (stage.clip.frames() - 1) as f64 / rate;
     let moving = stage.moving.len() as f64;
     series.push(Series {
-        name: "every moving joint".into(),
+        name: "all moving joints".into(),
         points: vec![(1.0 / rate, moving), (last.max(1.0 / rate), moving)],
         dashed: true,
     });
@@ -122,8 +122,8 @@ pub(crate) fn updates_plot(
     }
 }
 
-/// Distance, joints updated and error over the time of a path; `bound_px` is what the error of one
-/// joint never exceeds.
+/// Distance, joints updated and error over the time of a path; `bound_px` is the upper bound of
+/// the error of a single joint.
 pub(crate) fn path_plots(run: &PathRun, bound_px: f32, heading: &str) -> Vec<Plot> {
     let plot = |name, y: &str, target: Option<(f64, String)>, of: &dyn Fn(&PathFrame) -> f64| {
         let options = PlotOptions {
@@ -142,7 +142,7 @@ pub(crate) fn path_plots(run: &PathRun, bound_px: f32, heading: &str) -> Vec<Plo
             svg: line_plot(&options, &[series]),
         }
     };
-    let bound = format!("bound of a joint {bound_px} px");
+    let bound = format!("bound per joint {bound_px} px");
     let bound = Some((f64::from(bound_px), bound));
     vec![
         plot(
@@ -156,7 +156,7 @@ pub(crate) fn path_plots(run: &PathRun, bound_px: f32, heading: &str) -> Vec<Plo
         }),
         plot(
             "path-joint-error.svg",
-            "Greatest joint error (px)",
+            "Maximum joint error (px)",
             bound,
             &|f| f64::from(f.joint_error_px),
         ),

@@ -145,7 +145,7 @@ fn zones_and_locked_vertices_are_kept_apart() {
     assert!(line.contains("skin: vertex 999999 of"), "{line}");
     std::fs::write(here.join("lock.json"), "[1]").unwrap();
     let line = fault(&here, 1, &[&["build", human, "t.glb"], &words[..]].concat());
-    assert!(line.contains("the form is"), "{line}");
+    assert!(line.contains("the expected form is"), "{line}");
     assert!(!here.join("t.glb").exists());
 }
 

@@ -91,7 +91,7 @@ fn wrong_usage_says_what_would_be_right() {
         (&["build", human, "a.vrm"], ".glb"),
         (
             &["convert", human, "a.obj"],
-            "the extension names no format; converted are glb, gltf",
+            "unknown extension; supported conversions: glb, gltf",
         ),
         (&["convert", human, "a.vrm"], "glb to vrm is not converted"),
         (&["convert", human, "a.glb", "--passive", "rest"], "--loa"),

@@ -1,4 +1,4 @@
-//! What every bench works on: the reference human, so that none needs a file.
+//! The input of all benches: the reference human, so that no file is needed.
 
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
@@ -15,7 +15,7 @@ pub(crate) fn asset() -> &'static Asset {
     &ASSET
 }
 
-/// The walk, and distinct times within it, without any order.
+/// The walk, and distinct times within it in random order.
 pub(crate) fn walk(count: usize) -> (&'static Clip, Vec<f32>) {
     let clip = asset().clips.iter().find(|c| c.name == "walk");
     let clip = clip.expect("the human walks");

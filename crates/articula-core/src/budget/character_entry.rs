@@ -1,13 +1,13 @@
-//! How one character stands in the budget: what it asks for, and what was made of it.
+//! State of one character in the budget allocator: its request, its chosen option and its ageing.
 //!
-//! Source: `docs/methods/motion-lod.md` part 7 (what has a character judged anew, ageing).
+//! Source: `docs/methods/motion-lod.md` part 7 (updates of an entry, ageing).
 
 use super::lod_options::{LodOptionSet, LodOptionSetId, Point, Step};
 
-/// A change of scale below this factor leaves a character's judgement as it is.
+/// A change of pixels per metre by less than this factor does not update an entry.
 const SCALE_HYSTERESIS: f32 = 1.1;
-/// The same for weights, which go with the third power of the scale (pixels per metre times the
-/// pixels covered).
+/// The same for weights, which vary with the third power of the pixels per metre (pixels per metre
+/// times covered pixels).
 const WEIGHT_HYSTERESIS: f32 = 1.331;
 /// Bounds that keep every product of weight, ageing and gain a normal number.
 const WEIGHTS: (f32, f32) = (1e-12, 1e15);
@@ -16,24 +16,24 @@ const MAX_PIXELS_PER_METRE: f32 = 1e9;
 /// Marks upgrades of a character that is above the cap: they come before all others.
 const URGENT: u32 = 1 << 31;
 
-/// What the budget aims at.
+/// Goals of a budget allocator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BudgetPolicy {
     /// Error that no character should exceed, pixels. Upgrades of those above it come first.
-    /// Infinite: there is no cap.
+    /// Infinity: no cap.
     pub cap_px: f32,
-    /// Error below which a character is not improved any more, pixels; 0 spends the whole
-    /// budget, the cap spends no more than the cap asks for.
+    /// Error below which a character is not improved further, pixels; 0 spends the whole budget,
+    /// `cap_px` only what the cap requires.
     pub enough_px: f32,
-    /// A character that stays above the cap gains weight each time it has waited for so many
-    /// frames: after `w` frames it counts `(1 + w / patience)³` times. 0: nobody ages.
+    /// Interval in frames at which a character above the cap gains weight: after waiting `w` frames
+    /// its weight is multiplied by `(1 + w / patience_frames)³`. 0 disables ageing.
     pub patience_frames: u32,
-    /// For so many frames a character that had to wait keeps the weight that it gained.
+    /// Number of frames for which a character keeps the gained weight after it was served.
     pub hold_frames: u32,
 }
 
 impl Default for BudgetPolicy {
-    /// A cap of one pixel, the whole budget is spent, 16 frames each to wait and to hold.
+    /// A cap of one pixel, the whole budget spent, patience and hold of 16 frames each.
     fn default() -> Self {
         Self {
             cap_px: 1.0,
@@ -44,19 +44,19 @@ impl Default for BudgetPolicy {
     }
 }
 
-/// What a visible character asks for.
+/// Option set, weight and size on screen of a visible character.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LodRequest {
-    /// Its options.
+    /// Its LOD option set.
     pub option_set: LodOptionSetId,
-    /// What a metre of its error counts: salience × pixels per metre × covered pixels. What is
-    /// negative or no number counts as 0: such a character is brought to the cap, no further.
+    /// Weight of one metre of its error: importance × pixels per metre × covered pixels. Negative
+    /// and NaN count as 0: such a character is improved up to the cap only.
     pub weight: f32,
-    /// Pixels that one metre spans at its nearest depth; several views: the largest.
+    /// Pixels that one metre spans at its nearest depth, the maximum over views.
     pub pixels_per_metre: f32,
 }
 
-/// How one character was judged last.
+/// State of one character as of its last update.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CharacterEntry {
     pub(super) option_set: u32,
@@ -64,21 +64,21 @@ pub(super) struct CharacterEntry {
     pub(super) pixels_per_metre: f32,
     /// Factor of the weight while it is above the cap.
     pub(super) ageing: f32,
-    /// Frame since which it waits, or at which its turn began.
+    /// Frame since which it waits, and frame at which its turn began.
     pub(super) waits_since: u32,
     pub(super) turn_since: u32,
-    /// Points up to this one are needed for the cap, up to `last` they are wanted.
+    /// Points up to this one are needed for the cap, those up to `last` within the policy.
     pub(super) target: u8,
     pub(super) last: u8,
     pub(super) chosen: u8,
     pub(super) visible: bool,
-    /// Above the cap for want of budget.
+    /// Above the cap for lack of budget.
     pub(super) starved: bool,
-    /// It waited, and was served less than the hold ago.
+    /// It waited, and was served less than `hold_frames` ago.
     pub(super) turn: bool,
 }
 
-/// Hidden.
+/// Entry of a hidden character.
 pub(super) const EMPTY: CharacterEntry = CharacterEntry {
     option_set: 0,
     weight: 0.0,
@@ -103,7 +103,7 @@ impl CharacterEntry {
         key | if urgent { URGENT } else { 0 }
     }
 
-    /// Key and cost of every wanted upgrade from point `from` on; keys fall.
+    /// Key and cost of every upgrade from point `from` to point `last`; keys fall.
     pub(super) fn upgrades<'a>(
         &'a self,
         option_set: &'a LodOptionSet,
@@ -114,13 +114,14 @@ impl CharacterEntry {
         numbered.map(|(i, step)| (self.key(i, step), step.cost))
     }
 
-    /// Key of the upgrade that it would take next, 0 if there is none.
+    /// Key of its next upgrade, 0 if there is none.
     pub(super) fn next_key(&self, option_set: &LodOptionSet) -> u32 {
         let mut upgrades = self.upgrades(option_set, self.chosen);
         upgrades.next().map_or(0, |u| u.0)
     }
 
-    /// Takes over what is asked for, and finds what is needed and what is wanted.
+    /// Updates the entry from a request, and finds the points needed for the cap and those within
+    /// the policy.
     pub(super) fn judge(
         &mut self,
         option_set: &LodOptionSet,
@@ -142,7 +143,7 @@ impl CharacterEntry {
         }
     }
 
-    /// The factor that its wait has earned it.
+    /// Factor of the weight by the time waited.
     pub(super) fn aged(&mut self, frame: u32, policy: &BudgetPolicy) -> f32 {
         if self.turn && frame.wrapping_sub(self.turn_since) >= policy.hold_frames {
             self.turn = false;
@@ -152,14 +153,14 @@ impl CharacterEntry {
             return 1.0;
         }
         let waited = frame.wrapping_sub(self.waits_since) as f32 / policy.patience_frames as f32;
-        // Others are looked at up to one patience earlier or later; two keep a turn from them.
+        // Others are visited up to one patience earlier or later; a lead of two keeps the turn.
         let lead = if self.turn { 2.0 } else { 0.0 };
         (1.0 + waited + lead).powi(3).min(MAX_AGEING)
     }
 }
 
 impl LodRequest {
-    /// Without what would break sums and products.
+    /// Clamped to ranges that keep sums and products finite.
     pub(super) fn tamed(self) -> Self {
         Self {
             option_set: self.option_set,
@@ -169,12 +170,12 @@ impl LodRequest {
     }
 }
 
-/// Clamps; what is no number is the least.
+/// Clamps to `least` and `most`; NaN gives `least`.
 fn tamed(x: f32, least: f32, most: f32) -> f32 {
     if x >= least { x.min(most) } else { least }
 }
 
-/// What a request must be like for its character to stay as it was judged.
+/// Ranges of a request within which the entry of its character is not updated.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Watch {
     option_set: u32,
@@ -182,7 +183,7 @@ pub(super) struct Watch {
     weight: (f32, f32),
 }
 
-/// No request is like this.
+/// Contains no request.
 pub(super) const ALARM: Watch = Watch {
     option_set: 0,
     scale: (f32::NAN, f32::NAN),
@@ -190,11 +191,11 @@ pub(super) const ALARM: Watch = Watch {
 };
 
 impl Watch {
-    /// Within the hysteresis of how a character was judged.
+    /// Ranges of the hysteresis around an entry.
     pub(super) fn around(entry: &CharacterEntry) -> Self {
         let least = match entry.weight > WEIGHTS.0 {
             true => entry.weight / WEIGHT_HYSTERESIS,
-            // Whatever does not count.
+            // Any weight that counts as 0.
             false => 0.0,
         };
         let scale = entry.pixels_per_metre;
@@ -205,7 +206,7 @@ impl Watch {
         }
     }
 
-    /// Without branches: nearly all requests are like this.
+    /// Whether a request is within the ranges. Without branches: nearly all requests are.
     pub(super) fn is_quiet(&self, request: &LodRequest) -> bool {
         let (scale, weight) = (request.pixels_per_metre, request.weight);
         (self.option_set == request.option_set.0)
@@ -216,7 +217,7 @@ impl Watch {
     }
 }
 
-/// The first point whose error is within a limit, or the best one.
+/// Index of the first point whose error is within a limit, or of the last one.
 fn first_within(points: &[Point], pixels_per_metre: f32, limit_px: f32) -> u8 {
     let outside = points
         .iter()

@@ -1,23 +1,23 @@
-//! What an evaluation costs on this machine, learnt from times that the caller measured.
+//! Cost of evaluation on this machine, learned from times that the caller measured.
 //!
-//! Source: `docs/methods/motion-lod.md` part 7: running means of the nanoseconds per sampled joint, per
-//! joint of forward kinematics and per matrix. A caller mostly knows the time of a whole frame,
+//! Source: `docs/methods/motion-lod.md` part 7: running means of the nanoseconds per sampled joint,
+//! per joint of forward kinematics and per matrix. A caller mostly knows the time of a whole frame,
 //! so the means are those of least squares with forgetting (Ljung, *System Identification*, 1999,
-//! 11.2): the costs that explain the frames of late best. What these frames leave open, such as
-//! how to divide a sum that always occurs together, stays in the proportion it began with.
+//! 11.2): the costs that explain recent frames best. What these frames leave undetermined, such as
+//! the division between kinds of work that always occur together, keeps its initial proportion.
 
 use std::ops::{Add, AddAssign};
 
-/// How much was computed.
+/// Amount of each kind of evaluation work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Workload {
-    /// Characters that were evaluated at all.
+    /// Number of characters evaluated.
     pub characters: u64,
-    /// Joints whose channels were sampled.
+    /// Number of joints whose channels were sampled.
     pub sampled_joints: u64,
-    /// Joints whose model transforms were computed.
+    /// Number of joints whose model transforms were computed.
     pub fk_joints: u64,
-    /// Matrices that were written.
+    /// Number of matrices written.
     pub matrices: u64,
 }
 
@@ -51,22 +51,22 @@ impl AddAssign for Workload {
     }
 }
 
-/// Nanoseconds for one piece of each kind of work.
+/// Nanoseconds per unit of each kind of work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct UnitCosts {
-    /// For a character, whatever it does.
+    /// Per character.
     pub character_ns: f64,
-    /// For a sampled joint.
+    /// Per sampled joint.
     pub sampled_joint_ns: f64,
-    /// For a joint of forward kinematics.
+    /// Per joint of forward kinematics.
     pub fk_joint_ns: f64,
-    /// For a matrix.
+    /// Per matrix.
     pub matrix_ns: f64,
 }
 
 impl Default for UnitCosts {
-    /// The sums are those of the batched floor of `docs/methods/runtime.md` part 1 (8 joints 22 ns, 67
-    /// joints 179 ns); how a joint's 2.7 ns divide is a guess, observations correct it.
+    /// The sums are those of the batched floor of `docs/methods/runtime.md` part 1 (8 joints 22 ns,
+    /// 67 joints 179 ns); the division of a joint's 2.7 ns is a guess, which observations correct.
     fn default() -> Self {
         Self {
             character_ns: 0.7,
@@ -77,32 +77,34 @@ impl Default for UnitCosts {
     }
 }
 
-/// What is left of an observation's weight after the next one: about fifty count.
+/// Factor of the weight of earlier observations at each new one: about fifty count.
 const KEPT: f64 = 0.98;
-/// Weight of the first costs beside that of one observation: it decides only what the
-/// observations leave open.
+/// Weight of the initial costs relative to one observation: it decides only what the observations
+/// leave undetermined.
 const FIRST_WEIGHT: f64 = 1e-6;
-/// Share of a new observation in the mean spread.
+/// Weight of a new observation in the mean spread.
 const GAIN: f64 = 0.05;
-/// Share of observations that keep within what is spendable, and how fast that is learnt.
+/// Fraction of observations that stay within the planned time, and the step by which it is learned.
 const LATE_SHARE: f64 = 0.95;
 const LATE_STEP: f64 = 0.01;
-/// However unsteady times are, half the budget is spent.
+/// Maximum of `late`: however unsteady times are, half of the budget is planned.
 const MAX_LATE: f64 = 2.0;
-/// Spread that is expected before anything was seen.
+/// Spread assumed before the first observation.
 const FIRST_SPREAD: f64 = 1.0;
-/// An observation is out of line if it is off by so many mean deviations, and by half at least.
+/// An observation is an outlier if it is off by more than this number of mean deviations and by
+/// more than `MIN_DEVIATION`.
 const DEVIATIONS: f64 = 4.0;
 const MIN_DEVIATION: f64 = 0.5;
-/// So many observations out of line in a row are no accident: the machine has changed.
+/// Number of consecutive outliers after which the machine is taken to have changed.
 const PERSISTENT: u32 = 8;
 
-/// Running means of unit costs; one that observes nothing never changes.
+/// Cost of evaluation as running means of unit costs. A model that observes nothing has fixed
+/// costs.
 ///
 /// ```
 /// use articula_core::budget::{CostModel, Workload};
 ///
-/// // What one character at some level takes, and a frame of a thousand of them.
+/// // The work of one character at some level, and of a frame with a thousand of them.
 /// let one = Workload { characters: 1, sampled_joints: 24, fk_joints: 24, matrices: 24 };
 /// let all = (0..1000).fold(Workload::default(), |sum, _| sum + one);
 /// let mut model = CostModel::default();
@@ -115,22 +117,21 @@ const PERSISTENT: u32 = 8;
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostModel {
     costs: [f64; 4],
-    /// The costs it began with; all below is in shares of them, so that they weigh alike.
+    /// Initial costs; the fields below are relative to them, so that they have equal weight.
     first: [f64; 4],
     /// Sums over the observations, normal equations of least squares.
     squares: [[f64; 4]; 4],
     sums: [f64; 4],
     observed: u32,
     out_of_line: u32,
-    /// Mean of how far observations are off, as a factor less one.
+    /// Mean deviation of the observations, as a factor less one.
     spread: f64,
-    /// Measured over expected time that one observation in twenty exceeds.
+    /// Ratio of measured to expected time that one observation in twenty exceeds.
     late: f64,
 }
 
 impl CostModel {
-    /// A model that begins with some costs and learns. A negative cost counts as 0; one that begins
-    /// at 0 stays there.
+    /// A model with initial costs. A negative cost counts as 0; a cost of 0 stays 0.
     pub(crate) fn measured(first: UnitCosts) -> Self {
         let first = [
             first.character_ns,
@@ -151,7 +152,7 @@ impl CostModel {
         }
     }
 
-    /// Expected time of some work, nanoseconds.
+    /// Expected time of some work in nanoseconds.
     pub fn cost_ns(&self, work: &Workload) -> f64 {
         dot(&self.costs, &work.parts())
     }
@@ -167,23 +168,24 @@ impl CostModel {
         }
     }
 
-    /// What may be planned so that only one stretch of work in twenty takes longer than `budget_ns`:
-    /// times spread around what is expected of them.
+    /// Expected time in nanoseconds that may be planned so that only one frame in twenty takes
+    /// longer than `budget_ns`, since measured times vary around the expected ones.
     pub fn spendable_ns(&self, budget_ns: f64) -> f64 {
         budget_ns / self.late.max(1.0)
     }
 
-    /// Learns from one stretch of work and the nanoseconds it took, by the caller's clock. A time
-    /// far out of line, such as that of a frame that was interrupted, is not believed; eight in a
-    /// row are. Returns whether it was believed.
+    /// Learns from some work and its time in nanoseconds by the caller's clock. An outlier, such as
+    /// the time of an interrupted frame, is ignored unless eight follow each other. Returns whether
+    /// the time was used.
     pub fn observe(&mut self, work: &Workload, measured_ns: f64) -> bool {
         let expected = self.cost_ns(work);
         let sound = measured_ns > 0.0 && measured_ns.is_finite() && expected > 0.0;
         if !sound {
             return false;
         }
-        // A step up for each late one and a nineteenth of it down for each other keeps the 95th
-        // percentile (Robbins and Monro, 1951). One interrupted frame is one step, however long.
+        // A step up for each late observation and a nineteenth of it down for each of the rest
+        // tracks the 95th percentile (Robbins and Monro, 1951). One interrupted frame is one step,
+        // however long.
         let is_late = measured_ns > expected * self.late;
         self.late += LATE_STEP
             * if is_late {
@@ -199,7 +201,7 @@ impl CostModel {
             if self.out_of_line < PERSISTENT {
                 return false;
             }
-            // Begin anew from here, everything slower or faster alike.
+            // Restart from here, with all costs slower or faster by the same factor.
             self.first = self.costs.map(|c| c * measured_ns / expected);
             (self.squares, self.sums) = ([[0.0; 4]; 4], [0.0; 4]);
             (self.observed, self.spread) = (0, FIRST_SPREAD);
@@ -212,8 +214,8 @@ impl CostModel {
         true
     }
 
-    /// Adds one equation: the shares of the first costs, times what each is now, give the time.
-    /// Divided by the expected time, so that large and small frames count alike.
+    /// Adds one equation: the parts of the time at initial costs, each times its factor, sum to the
+    /// measured time. Divided by the expected time, so that large and small frames count equally.
     fn learn(&mut self, parts: &[f64; 4], expected: f64, measured: f64) {
         let shares: [f64; 4] = std::array::from_fn(|i| self.first[i] * parts[i] / expected);
         for i in 0..4 {
@@ -227,7 +229,8 @@ impl CostModel {
     }
 }
 
-/// Factors, none negative, that solve the equations best; where these do not decide, near 1.
+/// Non-negative factors of the least-squares solution; near 1 where the equations leave them
+/// undetermined.
 fn least_squares(squares: &[[f64; 4]; 4], sums: &[f64; 4]) -> [f64; 4] {
     let mut free = [true; 4];
     loop {
@@ -236,12 +239,12 @@ fn least_squares(squares: &[[f64; 4]; 4], sums: &[f64; 4]) -> [f64; 4] {
         if !(0..4).any(|i| negative(&i)) {
             return factors;
         }
-        // A factor that wants to be negative is 0, and the others are solved without it.
+        // A negative factor is set to 0, and the others are solved without it.
         (0..4).filter(negative).for_each(|i| free[i] = false);
     }
 }
 
-/// Elimination; the matrix is symmetric and positive, so no pivot is needed.
+/// Gaussian elimination; the matrix is symmetric and positive definite, so no pivot is needed.
 fn solve(squares: &[[f64; 4]; 4], sums: &[f64; 4], free: [bool; 4]) -> [f64; 4] {
     let (mut a, mut b) = (*squares, *sums);
     for i in 0..4 {
@@ -303,7 +306,7 @@ mod tests {
         });
         let late = late.count();
         assert!((10..=100).contains(&late), "{late} of 1000");
-        // Costs that nothing was observed of are taken at their word.
+        // Without observations the whole budget may be planned.
         let first = CostModel::measured(model.unit_costs());
         assert_eq!(first.spendable_ns(1e6), 1e6);
     }
@@ -315,7 +318,7 @@ mod tests {
         matrix_ns: 1.0,
     };
 
-    /// Some numbers from 0 to 1.
+    /// A pseudo-random number from 0 to 1.
     fn random(state: &mut u32) -> f64 {
         *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         f64::from(*state >> 8) / f64::from(1 << 24)
@@ -359,8 +362,8 @@ mod tests {
             sampled_joints: n,
             ..Workload::default()
         };
-        // The first time is believed in full: 300 ns for 100 joints are 3 ns each, not 2. In shares
-        // of 2 ns and of the expected 200 ns: 1 · f = 1.5.
+        // The first time counts in full: 300 ns for 100 joints are 3 ns each, not 2. In shares of 2
+        // ns and of the expected 200 ns: 1 · f = 1.5.
         assert!(model.observe(&sampled(100), 300.0));
         assert!((model.unit_costs().sampled_joint_ns - 3.0).abs() < 1e-5);
         // Then 40 ns where 30 are expected: (20 / 30) f = 40 / 30, so
@@ -425,7 +428,7 @@ mod tests {
             let work = frame(&mut state);
             let off = model.cost_ns(&work) / (slower * truth.cost_ns(&work)) - 1.0;
             assert!(off.abs() < 0.02, "{slower}: {off}");
-            // Seven frames were not believed at each change.
+            // Seven frames were ignored at each change.
         }
         assert_eq!(doubted, 14);
     }

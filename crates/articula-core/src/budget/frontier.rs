@@ -1,13 +1,13 @@
-//! Where the budget ends in the list of all upgrades, best first, without sorting it.
+//! Finds where the budget ends in the list of all upgrades, best first, without sorting it.
 //!
-//! Greedy takes upgrades by falling gain per cost until the next one does not fit. The taken
-//! ones are those above one key, and that key is found byte by byte, as a radix sort would,
-//! with the costs summed for each value of a byte. The sums by the two high bytes are kept from
-//! frame to frame, so a change costs its own upgrades only; they leave a span of keys that differ
-//! by less than a hundredth, in which the upgrades are summed by the two low bytes.
+//! The greedy method takes upgrades by falling gain per cost until the next one does not fit. The
+//! upgrades taken are those above one key, which is found byte by byte, as in a radix sort, from
+//! the costs summed for each value of a byte. The sums over the two high bytes are kept from frame
+//! to frame, so a change costs only its own upgrades; they leave a span of keys that differ by less
+//! than a hundredth, in which the upgrades are summed by the two low bytes.
 //!
-//! A key is a positive `f32` as its bits, which order as the numbers do; the sign bit, free in a
-//! positive number, marks the upgrades that come first.
+//! A key is the bits of a positive `f32`, which have the order of the numbers; the sign bit, free
+//! in a positive number, marks the upgrades that come first.
 
 const BYTE: usize = 256;
 
@@ -19,7 +19,7 @@ pub(super) struct Frontier {
     by_second: Vec<u64>,
 }
 
-/// The keys with the same high bytes, and the room for them.
+/// The keys with the same high bytes, and the budget left for them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Span {
     pub(super) least: u32,
@@ -27,7 +27,7 @@ pub(super) struct Span {
     pub(super) room: u64,
 }
 
-/// The last key that is taken, and the room for upgrades of just this key.
+/// The lowest key that is taken, and the budget left for upgrades of exactly this key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Break {
     pub(super) key: u32,
@@ -42,7 +42,7 @@ impl Frontier {
         }
     }
 
-    /// Forgets all upgrades.
+    /// Removes all upgrades.
     pub(super) fn clear(&mut self) {
         self.by_first.fill(0);
         self.by_second.fill(0);
@@ -58,7 +58,7 @@ impl Frontier {
         self.by_second[(key >> 16) as usize] -= u64::from(cost);
     }
 
-    /// The span in which the room ends; the lowest one if everything fits.
+    /// Returns the span in which the budget ends; the lowest one if everything fits.
     pub(super) fn seek(&self, mut room: u64) -> Span {
         let first = descend(&self.by_first, &mut room);
         let second = descend(&self.by_second[first * BYTE..][..BYTE], &mut room);
@@ -72,8 +72,8 @@ impl Frontier {
 }
 
 impl Span {
-    /// The exact key at which the room ends. `upgrades` calls back with key and cost of every
-    /// upgrade of the span; it is asked twice.
+    /// Returns the exact key at which the budget ends. `upgrades` calls back with key and cost of
+    /// every upgrade of the span; it is called twice.
     pub(super) fn find(mut self, upgrades: impl Fn(&mut dyn FnMut(u32, u32))) -> Break {
         let mut sums = [0; BYTE];
         upgrades(&mut |key, cost| sums[(key >> 8 & 0xff) as usize] += u64::from(cost));
@@ -92,8 +92,8 @@ impl Span {
     }
 }
 
-/// The highest byte whose sum does not fit any more, or the lowest of all; `room` loses what
-/// lies above.
+/// Returns the highest byte whose sum no longer fits, or 0; subtracts the sums above it from
+/// `room`.
 fn descend(sums: &[u64], room: &mut u64) -> usize {
     for byte in (1..sums.len()).rev() {
         if sums[byte] > *room {
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Sorting and adding up: what the digits must agree with.
+    /// The plain version by sorting and adding.
     fn plain(upgrades: &[(u32, u32)], mut room: u64) -> (Vec<u32>, u64) {
         let mut sorted = upgrades.to_vec();
         sorted.sort_by_key(|u| std::cmp::Reverse(u.0));

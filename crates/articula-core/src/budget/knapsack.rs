@@ -1,11 +1,11 @@
-//! The choice for everyone: greedy by gain per cost, repaired from frame to frame.
+//! Choice of one option for each character: greedy by gain per cost, repaired from frame to frame.
 //!
-//! Source: `docs/methods/motion-lod.md` part 7. The plain form starts everyone at the cheapest option
-//! and takes the upgrade with the greatest error drop per cost until the budget is used; its
-//! total error differs from the least possible by at most one upgrade. Differs: no heap. The
-//! taken upgrades are those above one key, which [`super::frontier`] finds; a repair gives
-//! exactly what solving anew would, and looks at the characters that changed and at those whose
-//! next or last upgrade lies near that key.
+//! Source: `docs/methods/motion-lod.md` part 7. The plain form starts every character at the
+//! cheapest option and takes the upgrade with the largest error drop per cost until the budget is
+//! used; its total error exceeds the least possible by at most one upgrade. This form needs no
+//! heap: the upgrades taken are those above one key, which [`super::frontier`] finds. A repair
+//! gives exactly the solution of a new start, and visits only the characters that changed and those
+//! whose next or last upgrade lies near that key.
 
 use super::character_entry::{ALARM, BudgetPolicy, CharacterEntry, EMPTY, LodRequest, Watch};
 use super::frontier::{Break, Frontier, Span};
@@ -13,32 +13,34 @@ use super::lod_options::{LodOption, LodOptionSet, LodOptionSetId, from_fixed, to
 use super::report::{AllocationReport, OptionChange, survey};
 use crate::Mismatch;
 
-/// A key for characters that must be looked at in any case; no upgrade has it.
+/// Key of characters that must be visited in any case; no upgrade has it.
 const TOUCHED: u32 = u32::MAX;
-/// Characters that are tested at once.
+/// Number of characters tested at once.
 const ROW: usize = 16;
 /// No option: hidden.
 const NOTHING: u8 = u8::MAX;
 
-/// The choice for a fixed number of characters, all hidden at first.
+/// Allocator of a cost budget: chooses an LOD option for each of a fixed number of characters, all
+/// hidden at first.
 ///
-/// Each frame: [`request`](Self::request) or [`hide`](Self::hide) for every character whose view
-/// may have changed, then [`solve`](Self::solve).
+/// Each frame: [`request`](Self::request) or [`hide`](Self::hide) for every character whose
+/// visibility or size on screen may have changed, then [`solve`](Self::solve).
 #[derive(Debug, Clone)]
 pub struct BudgetAllocator {
     policy: BudgetPolicy,
     option_sets: Vec<LodOptionSet>,
     entries: Vec<CharacterEntry>,
     watches: Vec<Watch>,
-    /// Keys of the upgrade that each would take next and of the one it took last.
+    /// Keys of the next upgrade of each character and of the last one taken.
     next_key: Vec<u32>,
     last_key: Vec<u32>,
-    /// What is shown now: error, scale, option.
+    /// Error, pixels per metre and option that are shown now.
     error_metres: Vec<f32>,
     pixels_per_metre: Vec<f32>,
     shown: Vec<u8>,
     frontier: Frontier,
-    /// Cost of the cheapest options, of those chosen and of all that is wanted, fixed point.
+    /// Cost of the cheapest options, of the chosen ones and of the best ones within the policy, in
+    /// fixed point.
     base: u64,
     used: u64,
     demand: u64,
@@ -47,14 +49,14 @@ pub struct BudgetAllocator {
     stirred: bool,
     frame: u32,
     looked_at: Vec<u32>,
-    /// Whose turn began in the frame before.
+    /// Characters whose turn began in the frame before.
     newly_served: Vec<u32>,
     changes: Vec<OptionChange>,
     per_option: Vec<u32>,
 }
 
 impl BudgetAllocator {
-    /// A budget for `characters` that are all hidden.
+    /// Makes an allocator for `characters` characters, all hidden.
     pub fn new(characters: usize, policy: BudgetPolicy) -> Self {
         Self {
             policy,
@@ -81,11 +83,11 @@ impl BudgetAllocator {
         }
     }
 
-    /// Adds the options of a kind of character. Allocates: menus are made when things are put
-    /// together.
+    /// Adds the options of a kind of character. Allocates; for set-up, not for frames.
     ///
     /// # Errors
-    /// If there is none or more than 255, or a cost or an error is negative or not a number.
+    /// If there are no options or more than 255, a cost is negative or not finite, or an error is
+    /// negative or NaN.
     pub fn add_options(&mut self, lod_options: &[LodOption]) -> Result<LodOptionSetId, Mismatch> {
         let id = LodOptionSetId(self.option_sets.len() as u32);
         self.option_sets.push(LodOptionSet::new(lod_options)?);
@@ -94,13 +96,15 @@ impl BudgetAllocator {
         Ok(id)
     }
 
-    /// Says how a visible character stands in this frame. It is judged anew only if it was hidden,
-    /// has another menu, or its scale changed by more than 10 % (its weight: by more than a
-    /// third) since it was judged last; so its error may grow to a tenth above the cap before it is
-    /// seen. O(1), does not allocate.
+    /// Sets the request of a visible character for this frame.
+    ///
+    /// Its entry is updated only if it was hidden, has another option set, or its pixels per metre
+    /// changed by more than 10 % or its weight by more than a third since the last update; so its
+    /// error may exceed the cap by a tenth before that. O(1); does not allocate.
     ///
     /// # Panics
-    /// If there is no such character, or the menu is of another budget with more menus.
+    /// If there is no such character, or the option set is of another allocator with more option
+    /// sets.
     #[inline]
     pub fn request(&mut self, character: usize, request: LodRequest) {
         if self.watches[character].is_quiet(&request) {
@@ -110,7 +114,7 @@ impl BudgetAllocator {
         }
     }
 
-    /// Says that nobody sees a character: it costs nothing and has no error.
+    /// Hides a character: it costs nothing and has no error.
     pub fn hide(&mut self, character: usize) {
         if self.entries[character].visible {
             self.retract(character);
@@ -120,19 +124,21 @@ impl BudgetAllocator {
         }
     }
 
-    /// Has a character judged anew at its next request: its hold ended.
+    /// Forces an update of a character's entry at its next request, for example because a hold
+    /// ended.
     pub fn requeue(&mut self, character: usize) {
         self.watches[character] = ALARM;
     }
 
-    /// Replaces the policy; everyone is judged anew by it. O(characters), does not allocate.
+    /// Replaces the policy and updates all entries. O(characters); does not allocate.
     pub fn set_policy(&mut self, policy: BudgetPolicy) {
         self.policy = policy;
         self.rebuild();
     }
 
-    /// Gives every option a new cost, by its menu and index. A cost that is no number makes the
-    /// option too dear to be taken, a negative one free. Everyone is placed anew. O(characters + options), does not allocate.
+    /// Sets the cost of every option, by its option set and its index in it, and updates all
+    /// entries. NaN makes an option too expensive to be chosen, a negative cost makes it free.
+    /// O(characters + options); does not allocate.
     pub fn reprice(&mut self, mut cost: impl FnMut(LodOptionSetId, usize) -> f32) {
         for (id, option_set) in self.option_sets.iter_mut().enumerate() {
             option_set.reprice(|option| cost(LodOptionSetId(id as u32), option));
@@ -140,8 +146,8 @@ impl BudgetAllocator {
         self.rebuild();
     }
 
-    /// Chooses for everyone within `budget`, in the units of the menus; what is no number counts
-    /// as 0. Does not allocate. Costs hardly more than the report if nothing changed.
+    /// Chooses an option for every character within `budget`, in the cost units of the options; NaN
+    /// counts as 0. Does not allocate. If nothing changed, it costs little more than the report.
     pub fn solve(&mut self, budget: f32) -> AllocationReport {
         self.frame = self.frame.wrapping_add(1);
         self.changes.clear();
@@ -156,18 +162,18 @@ impl BudgetAllocator {
         self.report(budget)
     }
 
-    /// The option a character is shown with, by its index in the menu's offers; nothing if it is
-    /// hidden.
+    /// Option of a character, as an index into those given to [`BudgetAllocator::add_options`];
+    /// `None` if it is hidden.
     pub fn choice(&self, character: usize) -> Option<usize> {
         option(self.shown[character]).map(usize::from)
     }
 
-    /// Who changed in the frame that was solved last, in the order of characters.
+    /// Changes made by the last [`BudgetAllocator::solve`], in the order of characters.
     pub fn changes(&self) -> &[OptionChange] {
         &self.changes
     }
 
-    /// How many characters are shown with each option, by its index in the menus' offers.
+    /// Number of characters with each option, by the index of the option in its set.
     pub fn per_option(&self) -> &[u32] {
         &self.per_option
     }
@@ -184,7 +190,7 @@ impl BudgetAllocator {
         self.enter(character);
     }
 
-    /// Takes a visible character's options out of all sums.
+    /// Removes a visible character's options from all sums.
     fn retract(&mut self, character: usize) {
         let entry = &self.entries[character];
         let option_set = &self.option_sets[entry.option_set as usize];
@@ -198,7 +204,7 @@ impl BudgetAllocator {
         self.visible -= 1;
     }
 
-    /// Puts a visible character's options into all sums, itself at the cheapest.
+    /// Adds a visible character's options to all sums, with the cheapest one chosen.
     fn enter(&mut self, character: usize) {
         let entry = &mut self.entries[character];
         entry.chosen = 0;
@@ -243,15 +249,16 @@ impl BudgetAllocator {
         }
     }
 
-    /// Looks at one block of characters, another one each frame, so that everyone comes up once in
-    /// `patience_frames`: who waits gains weight, who was served long enough loses it again.
+    /// Visits one block of characters, the next one each frame, so that each is visited once in
+    /// `patience_frames`: characters that wait gain weight, those that were served for long enough
+    /// lose it again.
     fn age(&mut self) {
         let patience = self.policy.patience_frames as usize;
         if patience == 0 {
             self.newly_served.clear();
             return;
         }
-        // Whose turn began is set apart at once, before those who wait overtake it.
+        // Characters whose turn began are aged at once, before those that wait overtake them.
         for k in 0..self.newly_served.len() {
             self.age_one(self.newly_served[k] as usize);
         }
@@ -274,7 +281,7 @@ impl BudgetAllocator {
         }
     }
 
-    /// Finds where the room ends now and moves those characters across who stand on the wrong side.
+    /// Finds where the budget ends now and moves the characters on the wrong side across.
     fn repair(&mut self) {
         let span = self.frontier.seek(self.room);
         self.look_for(span);
@@ -283,7 +290,8 @@ impl BudgetAllocator {
             let (entry, option_set) =
                 entry_and_options(&mut self.entries, &self.option_sets, character);
             let before = entry.chosen;
-            // Keys fall, but counting on costs less than guessing where they pass the span.
+            // Keys fall, but counting all of them costs less than a branch where they pass the
+            // span.
             let above = entry
                 .upgrades(option_set, 0)
                 .filter(|u| u.0 > span.greatest);
@@ -308,7 +316,8 @@ impl BudgetAllocator {
         self.settle(end);
     }
 
-    /// Characters that changed, or have an upgrade on the wrong side of the span or in it.
+    /// Finds the characters that changed, or have an upgrade on the wrong side of the span or in
+    /// it.
     fn look_for(&mut self, span: Span) {
         self.looked_at.clear();
         let near = |next: u32, last: u32| (next >= span.least) | (last <= span.greatest);
@@ -328,7 +337,8 @@ impl BudgetAllocator {
         note(next.len() * ROW, next_rest, last_rest);
     }
 
-    /// Takes what lies above the break, and of what lies on it the first that fit, by character.
+    /// Takes the upgrades above the break, and of those on it the first that fit, in the order of
+    /// characters.
     fn settle(&mut self, mut end: Break) {
         for k in 0..self.looked_at.len() {
             let character = self.looked_at[k] as usize;
@@ -344,8 +354,8 @@ impl BudgetAllocator {
                 if key == end.key && cost <= end.room {
                     end.room -= cost;
                 } else if key == end.key {
-                    // Nothing behind the first that does not fit, so that a larger budget never
-                    // takes anything back.
+                    // Nothing after the first that does not fit, so that a larger budget never
+                    // takes an upgrade back.
                     end.room = 0;
                     break;
                 } else if key < end.key {
@@ -359,7 +369,7 @@ impl BudgetAllocator {
         }
     }
 
-    /// Writes down what follows from a character's choice.
+    /// Updates everything that follows from a character's choice.
     fn show(&mut self, character: usize) {
         let entry = &mut self.entries[character];
         let (mut now, mut error) = (NOTHING, 0.0);

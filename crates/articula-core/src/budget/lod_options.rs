@@ -1,39 +1,39 @@
-//! The options of a kind of character that are worth their cost: the lower convex hull of
-//! (cost, error).
+//! LOD option sets: the options of a kind of character on the lower convex hull of (cost, error).
 //!
-//! Source: `docs/methods/motion-lod.md` part 7; the hull is what remains of a multiple-choice knapsack
-//! once dominated options are gone (Kellerer, Pferschy, Pisinger, *Knapsack Problems*, 2004,
-//! 11.2). Errors are metres of skin, so one menu serves all characters that play the same clip:
-//! a character's own error is the menu's times its weight, and a factor leaves a hull a hull.
+//! Source: `docs/methods/motion-lod.md` part 7; the hull is what remains of a multiple-choice
+//! knapsack once dominated options are removed (Kellerer, Pferschy, Pisinger, *Knapsack Problems*,
+//! 2004, 11.2). Errors are metres of skin, so one option set serves all characters that play the
+//! same clip: a character's error is that of the set times its weight, and a factor preserves the
+//! hull.
 
 use crate::Mismatch;
 
-/// Fixed-point parts of one unit of cost. Sums of whole numbers are exact, so they neither
-/// drift from frame to frame nor depend on the order of the characters.
+/// Fixed-point parts of one unit of cost. Sums of integers are exact, so they neither drift from
+/// frame to frame nor depend on the order of the characters.
 const PARTS: f64 = 64.0;
-/// Errors beyond this count as this: farther than any figure reaches.
+/// Errors above this count as this, which is more than the size of any character.
 const ERROR_CEILING_METRES: f32 = 1e6;
-/// Most options of one menu.
+/// Maximum number of options of a set.
 const MAX_OPTIONS: usize = 255;
 
-/// One way to show a character: what it costs and how far the skin is off.
+/// Cost and error of one way to show a character.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LodOption {
-    /// Cost in the units of the budget, by habit nanoseconds; counted in steps of 1/64, up to
-    /// 67 million.
+    /// Cost in the units of the budget, usually nanoseconds; counted in steps of 1/64, up to 67
+    /// million.
     pub cost: f32,
-    /// Distance of the skin from its true place, metres; infinite where nothing is shown.
+    /// Distance of the skin from its true position, metres; infinite where nothing is shown.
     pub error_metres: f32,
 }
 
-/// Which menu of a budget.
+/// Identifier of an option set of a [`BudgetAllocator`](super::BudgetAllocator).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LodOptionSetId(pub(super) u32);
 
-/// An option that is worth its cost.
+/// An option on the lower hull.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Point {
-    /// Index among the offers.
+    /// Index among the options of the set.
     pub option: u8,
     /// Error, metres of skin.
     pub error_metres: f32,
@@ -41,17 +41,17 @@ pub(crate) struct Point {
     pub(super) cost: u32,
 }
 
-/// What going from one point to the next brings.
+/// Upgrade from one point to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Step {
-    /// Metres of error that one part of cost takes away.
+    /// Decrease of the error in metres per part of cost.
     pub(super) gain_per_cost: f32,
-    /// What the step costs, in fixed point.
+    /// Cost of the upgrade in fixed point.
     pub(super) cost: u32,
 }
 
-/// Offers and their lower convex hull: cost rises, error falls, and each step brings at most as
-/// much for its cost as the one before.
+/// Options and their lower convex hull: cost rises, error falls, and the gain per cost does not
+/// rise from step to step.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LodOptionSet {
     lod_options: Vec<LodOption>,
@@ -60,10 +60,11 @@ pub(crate) struct LodOptionSet {
 }
 
 impl LodOptionSet {
-    /// Finds the hull of some offers.
+    /// Finds the hull of some options.
     ///
     /// # Errors
-    /// If there is none or more than 255, or a cost or an error is negative or not a number.
+    /// If there are no options or more than 255, a cost is negative or not finite, or an error is
+    /// negative or NaN.
     pub(crate) fn new(lod_options: &[LodOption]) -> Result<Self, Mismatch> {
         if lod_options.is_empty() || lod_options.len() > MAX_OPTIONS {
             let what = format!("{} offers, not 1 to {MAX_OPTIONS}", lod_options.len());
@@ -83,13 +84,13 @@ impl LodOptionSet {
         Ok(option_set)
     }
 
-    /// The options that are worth their cost, the cheapest first; at least one.
+    /// Options on the lower hull, the cheapest first; at least one.
     pub(crate) fn points(&self) -> &[Point] {
         &self.points
     }
 
-    /// Gives every offer a new cost by its index and finds the hull anew. A cost that is no
-    /// number makes the offer too dear to be taken, a negative one free. Does not allocate.
+    /// Sets the cost of every option by its index and finds the hull again. NaN makes an option too
+    /// expensive to be chosen, a negative cost makes it free. Does not allocate.
     pub(crate) fn reprice(&mut self, mut cost: impl FnMut(usize) -> f32) {
         for (i, lod_option) in self.lod_options.iter_mut().enumerate() {
             let new = cost(i);
@@ -103,8 +104,8 @@ impl LodOptionSet {
         &self.steps
     }
 
-    /// Monotone chain over the offers by rising cost (O(k²) in their number: menus are short,
-    /// and a selection needs no second buffer).
+    /// Monotone chain over the options by rising cost (O(k²) in their number: sets are small, and
+    /// selection needs no second buffer).
     fn find_hull(&mut self) {
         self.points.clear();
         self.steps.clear();
@@ -124,8 +125,8 @@ impl LodOptionSet {
         }
     }
 
-    /// The cheapest offer that is better than the last point: of equal cost the best one, of
-    /// equals the first.
+    /// The cheapest option with a smaller error than the last point: of equal cost the one with the
+    /// least error, of equal options the first.
     fn next_better(&self) -> Option<Point> {
         let reached = self.points.last().map_or(f32::INFINITY, |p| p.error_metres);
         let points = self
@@ -153,12 +154,12 @@ fn step(from: &Point, to: &Point) -> Step {
     }
 }
 
-/// Units to parts; what is no number or negative is nothing, what is too much is all there is.
+/// Converts units to parts; NaN and negative values give 0, too large values saturate.
 pub(super) fn to_fixed(units: f32) -> u64 {
     (f64::from(units) * PARTS).round() as u64
 }
 
-/// Parts to units.
+/// Converts parts to units.
 pub(super) fn from_fixed(parts: u64) -> f64 {
     parts as f64 / PARTS
 }
@@ -179,9 +180,9 @@ mod tests {
 
     #[test]
     fn a_hull_by_hand() {
-        // From (1, 10): to (2, 6) 4 a unit, to (3, 5) 1, to (5, 0) 2.5 a unit. So (3, 5) lies
-        // above the line from (2, 6) to (5, 0); (4, 7) is worse than (2, 6) and dearer; (1, 12)
-        // is worse at the same cost; (6, 0) is dearer at the same error.
+        // From (1, 10): to (2, 6) 4 a unit, to (3, 5) 1, to (5, 0) 2.5 a unit. So (3, 5) lies above
+        // the line from (2, 6) to (5, 0); (4, 7) is worse than (2, 6) and more expensive; (1, 12)
+        // is worse at the same cost; (6, 0) is more expensive at the same error.
         let lod_options = [
             (6.0, 0.0),
             (1.0, 12.0),
@@ -203,7 +204,7 @@ mod tests {
         // Points on the line stay: they make smaller upgrades.
         let line = option_set(&[(0.0, 3.0), (1.0, 2.0), (2.0, 1.0)]).unwrap();
         assert_eq!(kept(&line), [0, 1, 2]);
-        // Equals: the first.
+        // Of equal options the first.
         assert_eq!(kept(&option_set(&[(1.0, 1.0), (1.0, 1.0)]).unwrap()), [0]);
     }
 
@@ -239,7 +240,7 @@ mod tests {
             for pair in option_set.steps().windows(2) {
                 prop_assert!(pair[0].gain_per_cost >= pair[1].gain_per_cost);
             }
-            // Below every line through two neighbours of the hull there is no offer.
+            // Below every line through two neighbours of the hull there is no option.
             let fixed = |cost| to_fixed(cost) as f64;
             for (from, step) in points.iter().zip(option_set.steps()) {
                 for (cost, error) in &lod_options {

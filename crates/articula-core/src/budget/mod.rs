@@ -1,22 +1,23 @@
-//! Who gets how much of a frame: one option for each character, least error within a budget.
+//! Choice of one LOD option for each character, with the least total error within a cost budget.
 //!
-//! Source: `docs/methods/motion-lod.md` part 7. On the FRAME line this stands between the view and the
-//! level: before it, what each character may cost and how wrong it would look; after it, the
-//! option that each character is shown with, and which characters changed theirs.
+//! Source: `docs/methods/motion-lod.md` part 7. Input: cost and error of the options of each
+//! character, its weight and its size on screen. Output: the chosen option of each character, and
+//! the characters whose option changed.
 //!
-//! - [`LodOption`]: one way to show a kind of character; [`BudgetAllocator::add_options`] keeps those worth their cost
-//! - [`BudgetAllocator`]: the choice for everyone, repaired from frame to frame
-//! - [`CostModel`]: what an option costs, from times that the caller measured
+//! - [`LodOption`]: cost and error of one way to show a kind of character;
+//!   [`BudgetAllocator::add_options`] keeps those on the lower hull
+//! - [`BudgetAllocator`]: the choice for all characters, repaired from frame to frame
+//! - [`CostModel`]: the cost of an option, learned from times that the caller measured
 //!
 //! ```
 //! use articula_core::budget::{BudgetAllocator, LodOption, BudgetPolicy, LodRequest};
 //!
-//! // Two ways to show a figure: coarse, 50 mm off, or all of its joints.
+//! // Two options of a character: coarse with an error of 50 mm, or all joints.
 //! let lod_options = [(40.0, 0.050), (200.0, 0.0)].map(|(cost, error_metres)| LodOption { cost, error_metres });
 //! let mut budget = BudgetAllocator::new(2, BudgetPolicy::default());
 //! let option_set = budget.add_options(&lod_options)?;
 //!
-//! // The first is near, the second far; there is room for one of them in full.
+//! // The first is near, the second far; the budget allows one of them all joints.
 //! let request = |pixels_per_metre| LodRequest { option_set, weight: pixels_per_metre, pixels_per_metre };
 //! budget.request(0, request(200.0));
 //! budget.request(1, request(10.0));

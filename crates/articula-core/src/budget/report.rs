@@ -1,44 +1,47 @@
-//! What one frame of the budget did.
+//! Report of one frame of the budget allocator.
 
-/// A character whose option is another one than in the frame before.
+/// Change of a character's option since the frame before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OptionChange {
-    /// Which character.
+    /// Index of the character.
     pub character: u32,
-    /// Its option before; nothing if it was hidden.
+    /// Index of its option before; `None` if it was hidden.
     pub from: Option<u8>,
-    /// Its option now; nothing if it is hidden.
+    /// Index of its option now; `None` if it is hidden.
     pub to: Option<u8>,
 }
 
-/// Sums over all visible characters after a frame was solved.
+/// Costs and errors of all visible characters after
+/// [`BudgetAllocator::solve`](super::BudgetAllocator::solve).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct AllocationReport {
-    /// What could be spent.
+    /// Available cost.
     pub budget: f64,
-    /// What is spent. More than the budget only if the cheapest options together cost more.
+    /// Cost of the chosen options. More than the budget only if the cheapest options together cost
+    /// more.
     pub used: f64,
-    /// What would be spent if there were no limit.
+    /// Cost that would be used without a limit.
     pub demand: f64,
-    /// Characters that are not hidden.
+    /// Number of characters that are not hidden.
     pub visible: usize,
-    /// Visible characters whose error exceeds the cap.
+    /// Number of visible characters whose error exceeds the cap.
     pub above_cap: usize,
     /// Largest error of a visible character, pixels.
     pub worst_px: f32,
     /// Mean error of the visible characters, pixels.
     pub mean_px: f32,
-    /// Characters whose option changed.
+    /// Number of characters whose option changed.
     pub changes: usize,
 }
 
-/// Number of lanes of the sums below: what the widest usual registers hold.
+/// Number of lanes of the sums below, which fits the widest common registers.
 const LANES: usize = 8;
-/// Entries that are summed before the sum is widened, so that large crowds lose no digits.
+/// Number of entries summed in `f32` before the sum is added in `f64`, so that large crowds keep
+/// precision.
 const BLOCK: usize = 1024;
 
-/// Worst, sum and number above the cap of `error_metres · pixels_per_metre`. Every entry counts:
-/// a hidden character has no error.
+/// Maximum, sum and number above the cap of `error_metres · pixels_per_metre`. Every entry counts,
+/// since a hidden character has no error.
 pub(super) fn survey(
     error_metres: &[f32],
     pixels_per_metre: &[f32],
@@ -65,7 +68,7 @@ pub(super) fn survey(
     (worst.into_iter().fold(0.0, f32::max), sum, above)
 }
 
-/// One row of products, zeros behind the end.
+/// One row of products, with zeros beyond the end.
 fn row(errors: &[f32], scales: &[f32]) -> [f32; LANES] {
     let mut px = [0.0; LANES];
     if let (Ok(errors), Ok(scales)) = (

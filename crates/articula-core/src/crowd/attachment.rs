@@ -1,15 +1,16 @@
-//! Where an attachment hangs: the true place of one joint, at every level and when hidden.
+//! Attachments: the transform of one joint at full detail, at every level and for hidden
+//! characters.
 //!
-//! Sockets need the joints above them at every frame, whatever the viewer sees
-//! (`docs/methods/motion-lod.md` part 5), so they are computed by themselves from the clips: O(depth),
-//! no palette is read.
+//! An attachment needs the joints above it in every frame, whatever is visible
+//! (`docs/methods/motion-lod.md` part 5), so it is computed directly from the clips: O(depth), no
+//! palette is read.
 
 use crate::batch::BatchPose;
 use crate::clip_set::ClipSet;
 use crate::math::{Transform, nlerp};
 use glam::Affine3A;
 
-/// Model-from-joint matrix of one joint of the rig, as the full character has it.
+/// Returns the model-from-joint matrix of one joint of the rig at full detail.
 ///
 /// Does not allocate.
 ///
@@ -26,7 +27,7 @@ pub fn attachment(clips: &ClipSet, shown: &BatchPose, joint: usize) -> Affine3A 
     model
 }
 
-/// Local transform of the joint at a place.
+/// Local transform of the joint at a place of the LOD order.
 fn local(clips: &ClipSet, shown: &BatchPose, place: usize) -> Transform {
     let from = clips.local(&shown.from, place);
     if shown.fade == 0.0 {

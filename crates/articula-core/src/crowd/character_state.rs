@@ -1,31 +1,33 @@
-//! What one character plays: a clip, or a cross-fade of two, each with its own speed and phase.
+//! Playback state of one character: a clip, or a cross-fade of two, each with its own speed and
+//! phase.
 
 use super::events::{ClipEvent, Step, for_events};
 use crate::batch::BatchPose;
 use crate::clip_set::ClipSet;
 use crate::sample::Wrap;
 
-/// Fastest speed of play; faster ones count as this, slower ones than its negative likewise.
+/// Maximum magnitude of the playback speed; larger ones are clamped.
 pub(crate) const MAX_SPEED: f32 = 1000.0;
 
-/// Longest step of time; longer ones count as this, so that events of a pause do not pile up.
+/// Maximum time step in seconds; longer ones count as this, so that events of a pause do not pile
+/// up.
 pub(crate) const MAX_STEP_SECS: f32 = 60.0;
 
-/// One clip at a time and a speed.
+/// Playback state of one clip: time, speed and wrap mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClipState {
-    /// Time within the clip, 0 to its duration.
+    /// Time within the clip in seconds, 0 to its duration.
     pub(crate) secs: f32,
-    /// Seconds of the clip in a second of the crowd; negative runs backwards.
+    /// Seconds of the clip per second of the crowd; negative plays backwards.
     pub(crate) speed: f32,
     /// Index of the clip.
     pub(crate) clip: u16,
-    /// What happens at its end.
+    /// Behaviour at the end of the clip.
     pub(crate) wrap: Wrap,
 }
 
 impl ClipState {
-    /// A looping clip from its first frame at its own speed.
+    /// Plays a clip in a loop, from its first frame, at speed 1.
     ///
     /// # Panics
     /// If there is no such clip.
@@ -39,7 +41,7 @@ impl ClipState {
         }
     }
 
-    /// The same at another speed, within ±1000; one that is no number counts as 0.
+    /// Returns the state with another speed, clamped to ±1000; NaN counts as 0.
     #[must_use]
     pub fn at_speed(self, speed: f32) -> Self {
         let speed = if speed.is_nan() { 0.0 } else { speed };
@@ -49,8 +51,8 @@ impl ClipState {
         }
     }
 
-    /// The same at a time of its clip: wrapped if it loops, clamped if it does not. A time that
-    /// is no finite number counts as 0.
+    /// Returns the state at another time of its clip, in seconds: wrapped if it loops, clamped if
+    /// not. A time that is not finite counts as 0.
     #[must_use]
     pub fn at_secs(self, clips: &ClipSet, secs: f32) -> Self {
         let duration = clips.duration_secs(self.clip());
@@ -62,7 +64,7 @@ impl ClipState {
         Self { secs, ..self }
     }
 
-    /// The same, holding its last frame instead of looping.
+    /// Returns the state with the last frame held at the end instead of looping.
     #[must_use]
     pub fn once(self) -> Self {
         Self {
@@ -81,7 +83,7 @@ impl ClipState {
         self.secs
     }
 
-    /// Goes on, telling the events that it passes; gives how often it passed the clip's end
+    /// Advances the time and reports the events passed; returns how often the clip's end was passed
     /// forwards, less how often backwards.
     pub(crate) fn advance(
         &mut self,
@@ -93,7 +95,7 @@ impl ClipState {
         let way = self.speed * dt_secs;
         let to = self.secs + way;
         let (laps, landed) = if (0.0..duration).contains(&to) {
-            // By far the most frequent: the step stays within the clip.
+            // By far the most frequent case: the step stays within the clip.
             (0, to)
         } else if self.wrap == Wrap::Clamp {
             (0, to.clamp(0.0, duration))
@@ -119,14 +121,14 @@ impl ClipState {
     }
 }
 
-/// What one character plays. 32 bytes.
+/// Clip states of one character and the cross-fade between them. 32 bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CharacterState {
     pub(crate) from: ClipState,
     pub(crate) to: ClipState,
     /// 0 shows `from`, 1 shows `to`.
     pub(crate) fade: f32,
-    /// How fast `fade` grows; 0 if the caller sets it.
+    /// Growth of `fade` per second; 0 if the caller sets it.
     pub(crate) fade_per_sec: f32,
 }
 
@@ -142,8 +144,8 @@ impl From<ClipState> for CharacterState {
 }
 
 impl CharacterState {
-    /// A blend whose weight the caller sets: 0 shows `from`, 1 shows `to`; it is clamped, and no
-    /// number counts as 0.
+    /// Blends two clips by a weight that the caller sets: 0 shows `from`, 1 shows `to`. The weight
+    /// is clamped; NaN counts as 0.
     pub fn blend(from: ClipState, to: ClipState, weight: f32) -> Self {
         let fade = if weight.is_nan() { 0.0 } else { weight };
         Self {
@@ -154,8 +156,8 @@ impl CharacterState {
         }
     }
 
-    /// A fade that is under way: `share` is what `to` has of the pose by now, `secs` what the whole
-    /// fade takes. A time of 0 or less, or no number, shows `to` at once.
+    /// A cross-fade in progress: `share` is the current weight of `to`, `secs` the duration of the
+    /// whole fade. A duration of 0 or less, or NaN, shows `to` at once.
     pub fn fading(from: ClipState, to: ClipState, share: f32, secs: f32) -> Self {
         let mut player = Self::from(from);
         player.fade_to(to, secs);
@@ -165,8 +167,9 @@ impl CharacterState {
         player
     }
 
-    /// Starts to fade to another clip. A fade that is under way goes on from the clip that
-    /// weighs more. A time of 0 or less, or no number, switches at once.
+    /// Starts a cross-fade to another clip over `secs` seconds. It replaces a fade in progress and
+    /// starts from the clip with the larger weight. A duration of 0 or less, or NaN, switches at
+    /// once.
     pub fn fade_to(&mut self, clip_state: ClipState, secs: f32) {
         if self.fade >= 0.5 {
             self.from = self.to;
@@ -180,28 +183,28 @@ impl CharacterState {
         }
     }
 
-    /// The clip that it plays, or comes from.
+    /// State of the current clip, or of the clip faded from.
     pub fn clip_state(&self) -> &ClipState {
         &self.from
     }
 
-    /// The clip that it goes to while it fades: while two count, now or as soon as time goes on.
+    /// State of the clip faded to; `None` if only one clip is played.
     pub fn next(&self) -> Option<&ClipState> {
         self.is_fading().then_some(&self.to)
     }
 
-    /// Share of the clip that it goes to, 0 to 1.
+    /// Weight of the clip faded to, 0 to 1.
     pub fn fade(&self) -> f32 {
         self.fade
     }
 
-    /// Whether two clips count, now or as soon as time goes on.
+    /// Whether two clips have a weight, now or as soon as time advances.
     #[inline]
     pub(crate) fn is_fading(&self) -> bool {
         self.fade != 0.0 || self.fade_per_sec != 0.0
     }
 
-    /// The two clips that count; the same twice if it does not fade.
+    /// Indices of the two clips that are blended; the same twice if there is no fade.
     #[inline]
     pub(crate) fn clips(&self) -> (usize, usize) {
         let to = if self.is_fading() {
@@ -212,7 +215,7 @@ impl CharacterState {
         (self.from.clip(), usize::from(to))
     }
 
-    /// Moves the weight on; a fade that is done leaves the clip it went to.
+    /// Advances the weight; a finished fade leaves only the clip faded to.
     pub(crate) fn advance_fade(&mut self, dt_secs: f32) {
         if self.fade_per_sec != 0.0 {
             self.fade += self.fade_per_sec * dt_secs;
@@ -222,7 +225,7 @@ impl CharacterState {
         }
     }
 
-    /// Where it is in its clips.
+    /// Pose at the current times: cursors of the clips and the blend between them.
     #[inline]
     pub(crate) fn shown(&self, clips: &ClipSet) -> BatchPose {
         let from = clips.cursor(self.from.clip(), self.from.secs);
@@ -255,7 +258,7 @@ mod tests {
         assert_eq!(player.fade(), 0.75);
         player.advance_fade(0.5);
         assert_eq!(player, CharacterState::from(clip_state(1)));
-        // From the very beginning it is a fade too; without a time there is nothing to fade.
+        // A fade at weight 0 is a fade too; without a duration there is none.
         assert!(CharacterState::fading(clip_state(0), clip_state(1), f32::NAN, 1.0).is_fading());
         let at_once = CharacterState::fading(clip_state(0), clip_state(1), 0.5, 0.0);
         assert_eq!(at_once, CharacterState::from(clip_state(1)));

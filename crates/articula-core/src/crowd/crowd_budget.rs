@@ -1,4 +1,4 @@
-//! The levels of a crowd as options of a budget.
+//! Levels of a crowd as LOD options of the budget allocator.
 
 use super::character_state::CharacterState;
 use super::model::CrowdModel;
@@ -11,11 +11,11 @@ use crate::sphere::Sphere;
 use crate::visibility::{CullResult, Visibility};
 use std::ops::Range;
 
-/// Options of the characters within a budget.
+/// Budget allocator of a crowd, with the LOD option sets of its clips.
 #[derive(Debug, Clone)]
 pub(crate) struct CrowdBudget {
     budget: BudgetAllocator,
-    /// Menu of each clip, and of blends.
+    /// Option set of each clip, and one for blends.
     option_sets: Vec<LodOptionSetId>,
     blends: LodOptionSetId,
 }
@@ -44,7 +44,7 @@ impl CrowdBudget {
         self.budget.reprice(|_, level| cost(model, costs, level));
     }
 
-    /// Chooses for everyone.
+    /// Chooses a level for every visible character.
     pub(crate) fn spend(
         &mut self,
         budget: f32,
@@ -63,7 +63,7 @@ impl CrowdBudget {
             } else {
                 self.option_sets[player.clips().0]
             };
-            // A bound covers so many pixels, and each is wrong by the error.
+            // The error in pixels, times the pixels that the bound covers.
             let side = bounds[character].radius * seen.pixels_per_metre;
             let request = LodRequest {
                 option_set,
@@ -75,13 +75,13 @@ impl CrowdBudget {
         self.budget.solve(budget)
     }
 
-    /// What was chosen for a character.
+    /// Level chosen for a character; `None` if it is hidden.
     pub(crate) fn level(&self, character: usize) -> Option<usize> {
         self.budget.choice(character)
     }
 }
 
-/// Every level as an offer, with the greatest error over some clips.
+/// LOD options of all levels, each with its largest error over a range of clips.
 fn lod_options(model: &CrowdModel, costs: &CostModel, clips: Range<usize>) -> Vec<LodOption> {
     let error = |level: usize| {
         let errors = clips
@@ -101,7 +101,7 @@ fn cost(model: &CrowdModel, costs: &CostModel, level: usize) -> f32 {
     costs.cost_ns(&work(model, level, 1)) as f32
 }
 
-/// What evaluating so many poses at a level is.
+/// Workload of evaluating `poses` poses at a level.
 pub(crate) fn work(model: &CrowdModel, level: usize, poses: u64) -> Workload {
     let kept = model.parts().clips.joint_lods().kept(level);
     Workload {

@@ -1,20 +1,20 @@
-//! Marks on a clip that game logic is told of, however the character is shown.
+//! Events of a clip, which are reported whatever the level and visibility of the character.
 
 use crate::Mismatch;
 
-/// A mark on a clip, such as a footstep.
+/// An event at a time of a clip, such as a footstep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClipEvent {
-    /// Time within the clip.
+    /// Time within the clip in seconds.
     pub secs: f32,
-    /// What the caller knows it by.
+    /// Identifier given by the caller.
     pub id: u32,
 }
 
 /// Sorts the events of a clip by time.
 ///
 /// # Errors
-/// A [`Mismatch`] if a time lies outside the clip or is no number.
+/// A [`Mismatch`] if a time lies outside the clip or is NaN.
 pub(crate) fn sorted(events: &[ClipEvent], duration_secs: f32) -> Result<Vec<ClipEvent>, Mismatch> {
     for (i, event) in events.iter().enumerate() {
         if !(0.0..=duration_secs).contains(&event.secs) {
@@ -27,7 +27,7 @@ pub(crate) fn sorted(events: &[ClipEvent], duration_secs: f32) -> Result<Vec<Cli
     Ok(events)
 }
 
-/// A step within a clip.
+/// A time step within a clip.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Step {
     pub(crate) from_secs: f32,
@@ -35,16 +35,16 @@ pub(crate) struct Step {
     /// How often the end was passed; negative if backwards.
     pub(crate) laps: i32,
     pub(crate) forwards: bool,
-    /// Whether it ran against an end that it stops at.
+    /// Whether it reached an end at which the clip stops.
     pub(crate) stopped: bool,
 }
 
-/// Tells every event passed by a step, in the order passed, those of whole laps as often as they
-/// are passed.
+/// Reports every event passed by a step, in the order passed, those of whole laps once for each
+/// lap.
 ///
-/// A step tells what lies from its start, included, up to its end, not included, so that steps
-/// that follow each other tell everything once. An end at which the clip stops is told by the
-/// step that reaches it.
+/// A step reports the events from its start, included, to its end, excluded, so that consecutive
+/// steps report every event once. An end at which the clip stops is reported by the step that
+/// reaches it.
 pub(crate) fn for_events(events: &[ClipEvent], step: Step, tell: &mut dyn FnMut(&ClipEvent)) {
     // Beyond every event, at both ends.
     let (start, end) = (f32::NEG_INFINITY, f32::INFINITY);
@@ -116,7 +116,7 @@ mod tests {
         let mut v = clip_state(0.0, 1.0, Wrap::Loop);
         assert_eq!(told(&mut v, 1.0, 0.5, &marks), [0]);
         assert_eq!(told(&mut v, 1.0, 0.25, &marks), [1]);
-        // Over the end: the end's mark, then the beginning's.
+        // Over the end: the event of the end, then that of the start.
         assert_eq!(told(&mut v, 1.0, 0.5, &marks), [2, 0]);
         // Two and a half laps.
         let mut v = clip_state(0.25, 1.0, Wrap::Loop);
@@ -124,14 +124,14 @@ mod tests {
         // Backwards.
         let mut v = clip_state(0.25, -1.0, Wrap::Loop);
         assert_eq!(told(&mut v, 1.0, 0.5, &marks), [0, 2]);
-        // A clip that stops tells its end once.
+        // A clip that stops reports its end once.
         let mut v = clip_state(0.75, 1.0, Wrap::Clamp);
         assert_eq!(told(&mut v, 1.0, 0.5, &marks), [2]);
         assert!(told(&mut v, 1.0, 0.5, &marks).is_empty());
     }
 
     proptest! {
-        /// However time is cut into steps, everything is told as often.
+        /// However time is divided into steps, every event is reported equally often.
         #[test]
         fn nothing_is_skipped_or_told_twice(
             times in prop::collection::vec(0.01f32..0.99, 1..6),
@@ -147,7 +147,7 @@ mod tests {
                 let events = sorted(&events, 1.0).unwrap();
                 laps += v.advance(1.0, *dt, &events, &mut |_| heard += 1);
             }
-            // What lies between the start and the place that was reached, laps included.
+            // Events between the start and the time reached, laps included.
             let passed = |to: f32| times.iter().filter(|t| **t < to).count() as i64;
             let expected = i64::from(laps) * times.len() as i64 + passed(v.secs) - passed(start);
             prop_assert_eq!(heard as i64, expected);

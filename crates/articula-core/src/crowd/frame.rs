@@ -1,135 +1,134 @@
-//! What goes into a frame and what comes out of it, but for the palettes.
+//! Input and output of one frame of a crowd, except palettes.
 
 use super::character_state::MAX_STEP_SECS;
 use crate::budget::{self, Workload};
 use crate::visibility::View;
 use glam::{Quat, Vec3};
 
-/// What the caller says of one frame; slices have one entry for each character.
+/// Input of one frame; slices have one entry for each character.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame<'a> {
-    /// Time since the frame before; negative or no number counts as 0, more than
-    /// 60 s as that.
+    /// Seconds since the frame before; negative and NaN count as 0, more than 60 as 60.
     pub dt_secs: f32,
-    /// Where each root is in the world, metres.
+    /// Position of each root in the world, metres.
     pub positions: &'a [Vec3],
-    /// How each is turned.
+    /// World-from-model rotation of each character, unit length.
     pub rotations: &'a [Quat],
     /// Uniform scale of each; empty: all 1.
     pub scales: &'a [f32],
-    /// How far each may go until it is looked for again, metres; empty: nowhere.
+    /// Distance that each character may move until the next culling test, metres; empty: all 0.
     pub cull_margin_metres: &'a [f32],
-    /// How important each is: 1 is neutral, 2 halves its tolerance; empty: all 1.
+    /// Importance of each character: 1 is neutral, 2 halves its tolerance; empty: all 1.
     pub importance: &'a [f32],
-    /// Who can be seen.
+    /// Culling of the characters.
     pub culling: Culling<'a>,
-    /// How much detail each gets.
+    /// Choice of the level of detail.
     pub detail: Detail,
     /// Whether characters whose poses agree within their tolerance may share one palette.
     pub share: bool,
-    /// What may be shown from the model's pose cache, where its error is within the tolerance.
+    /// Use of the model's pose cache, for characters for which its error is within the tolerance.
     pub cache: CacheUse,
 }
 
-/// Who blends the palettes of a [pose cache](crate::pose_cache::PoseCache).
+/// Where the palettes of a [pose cache](crate::PoseCache) are blended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CacheUse {
-    /// Nobody: every pose is evaluated.
+    /// Nowhere: every pose is evaluated.
     #[default]
     Never,
-    /// [`Crowd::evaluate`](super::Crowd::evaluate), among the other palettes.
+    /// On the CPU, by [`Crowd::evaluate`](super::Crowd::evaluate), among the other palettes.
     Cpu,
-    /// The caller's vertex shader, by [`Drawn::records`](super::Drawn::records): 16 bytes a
-    /// character, no palette.
+    /// In the caller's vertex shader, from [`DrawList::records`](super::DrawList::records): 16
+    /// bytes per character, no palette.
     Gpu,
 }
 
-/// Who can be seen.
+/// Culling of the characters.
 #[derive(Debug, Clone, Copy)]
 pub enum Culling<'a> {
-    /// Whoever meets one of these views.
+    /// Characters whose bounds meet one of these views are visible.
     Views(&'a [View<'a>]),
-    /// Everyone, in full detail.
+    /// All characters are visible, at an unlimited number of pixels per metre, so that any
+    /// tolerance gives full detail.
     Off,
 }
 
-/// How much detail each character gets.
+/// Choice of the level of detail of visible characters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Detail {
-    /// Every joint of everyone who is seen.
+    /// All joints of every visible character.
     Full,
-    /// The same level for everyone who is seen; beyond the coarsest, the coarsest.
+    /// The same level for every visible character, at most the coarsest.
     Level(usize),
-    /// The coarsest level whose error stays within so many pixels. A tolerance that is no
-    /// number counts as 0.
+    /// The coarsest level whose error is within a tolerance.
     Tolerance {
-        /// Pixels.
+        /// Tolerated error in pixels; NaN counts as 0.
         px: f32,
     },
-    /// The least visible error that a cost allows, after [`set_budget`](super::Crowd::set_budget);
-    /// everyone at the coarsest level before it.
+    /// The least visible error within a cost, after [`set_budget`](super::Crowd::set_budget);
+    /// without it, the coarsest level for every visible character.
     Budget {
-        /// Cost, in the units of the cost model (nanoseconds).
+        /// Available cost, in the units of the cost model (nanoseconds).
         cost: f32,
     },
 }
 
-/// What game logic is told during a tick.
+/// Event reported by [`Crowd::tick`](super::Crowd::tick).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CrowdEvent {
-    /// A mark on a clip was passed.
+    /// An event of a clip was passed.
     Clip {
-        /// The character.
+        /// Index of the character.
         character: usize,
-        /// Its clip.
+        /// Index of the clip.
         clip: usize,
-        /// The event's id.
+        /// Identifier of the event.
         id: u32,
-        /// Share that the clip has in the pose, 0 to 1.
+        /// Weight of the clip in the pose, 0 to 1.
         weight: f32,
     },
-    /// A character is shown at another level, or no more (`None`), or again.
+    /// A character changes its level, appears or disappears.
     Level {
-        /// The character.
+        /// Index of the character.
         character: usize,
-        /// The level before.
+        /// Level before; `None` if the character was not shown.
         from: Option<usize>,
-        /// The level now.
+        /// Level now; `None` if the character is no longer shown.
         to: Option<usize>,
-        /// The most that the skin may jump by, pixels; 0 if it came into view.
+        /// Upper bound on the jump of the skin in pixels; 0 if the character appears or disappears.
         jump_px: f32,
     },
 }
 
-/// What was done in a frame.
+/// Counts and error bound of one tick.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CrowdReport {
-    /// Characters that a view sees.
+    /// Number of characters that a view sees.
     pub visible: usize,
-    /// Characters that are near to being seen.
+    /// Number of characters inside the cull margin.
     pub in_margin: usize,
-    /// Poses to evaluate for single characters.
+    /// Number of poses to evaluate for single characters.
     pub own: usize,
-    /// Poses to evaluate that several share.
+    /// Number of shared poses to evaluate.
     pub leaders: usize,
-    /// Characters that show a shared pose.
+    /// Number of characters that show a shared pose.
     pub followers: usize,
-    /// Poses to evaluate that blend two clips.
+    /// Number of poses to evaluate that blend two clips.
     pub blended: usize,
-    /// Poses that are blended from the cache.
+    /// Number of poses blended from the cache.
     pub cached: usize,
-    /// What evaluating them is.
+    /// Workload of the poses to evaluate.
     pub work: Workload,
-    /// Greatest error that the chosen levels and shared poses may show, pixels.
+    /// Upper bound on the error of the chosen levels and shared poses, pixels.
     pub bound_px: f32,
-    /// What the budget made of it, if there was one.
+    /// Report of the budget allocator, with [`Detail::Budget`].
     pub budget: Option<budget::AllocationReport>,
 }
 
 impl Frame<'_> {
-    /// The step of time that counts.
+    /// Time step in seconds, clamped to 0 to 60.
     pub(crate) fn step_secs(&self) -> f32 {
-        // No number fails the comparison too.
+        // NaN fails the comparison too.
         if self.dt_secs > 0.0 {
             self.dt_secs.min(MAX_STEP_SECS)
         } else {

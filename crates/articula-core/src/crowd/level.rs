@@ -1,24 +1,24 @@
-//! The level of one character: the coarsest whose error its viewer cannot see.
+//! Choice of the level of one character: the coarsest whose error is within the tolerance.
 
 use super::character_state::CharacterState;
 use super::model::CrowdModel;
 use crate::attention::multiplier;
 
-/// What was chosen for a visible character.
+/// Level chosen for a visible character.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Choice {
     pub(crate) level: usize,
     /// Error of the level, metres of the unscaled character.
     pub(crate) error_metres: f32,
-    /// What the tolerance leaves beyond that, metres.
+    /// Tolerance less that error, metres.
     pub(crate) slack_metres: f32,
     pub(crate) pixels_per_metre: f32,
     /// Whether the pose comes from the cache.
     pub(crate) cached: bool,
 }
 
-/// The coarsest level whose cached palettes stay within a tolerance, at most `coarsest`, and
-/// their error with the level's own.
+/// The coarsest level whose cached palettes stay within a tolerance, at most `coarsest`, and the
+/// sum of the level's own error and that of the cache.
 #[inline]
 pub(crate) fn cached_within(
     model: &CrowdModel,
@@ -34,7 +34,8 @@ pub(crate) fn cached_within(
     })
 }
 
-/// Factor of the tolerance: what the clip shows now, and how important the character is.
+/// Multiplier of the tolerance, from the attention factor of the clip now and the importance of the
+/// character.
 #[inline]
 pub(crate) fn attention(model: &CrowdModel, player: &CharacterState, importance: f32) -> f32 {
     let (from, to) = player.clips();

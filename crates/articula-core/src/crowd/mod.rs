@@ -1,29 +1,33 @@
-//! The FRAME line of a crowd: clocks, views, levels, batches, palettes.
+//! One frame of a crowd: clocks, culling, levels of detail, batches and palettes.
 //!
-//! Source: `docs/methods/motion-lod.md` parts 5 to 8, `docs/methods/runtime.md` parts 3 and 4. [`Crowd::tick`]
-//! does what is cheap and serial: it runs every clock on, tells the events, looks who is seen,
-//! chooses a level for each and sorts them into batches. [`Crowd::evaluate`] writes palettes for
-//! any range of batches and changes nothing, so the caller may give ranges to its threads.
+//! Source: `docs/methods/motion-lod.md` parts 5 to 8, `docs/methods/runtime.md` parts 3 and 4.
+//! [`Crowd::tick`] does the cheap, serial part: it advances all clocks, reports events, culls,
+//! chooses a level for each character and sorts the characters into batches. [`Crowd::evaluate`]
+//! writes the palettes of any range of batches and changes no state, so the caller may distribute
+//! ranges over threads.
 //!
-//! - [`CrowdModel`]: what all share, made once
-//! - [`CharacterState`], [`ClipState`]: what one character plays
-//! - [`ClipEvent`], [`RootTrajectory`], [`attachment`]: what is never skipped, whatever is shown
+//! - [`CrowdModel`]: the data that all characters share, made once
+//! - [`CharacterState`], [`ClipState`]: the playback state of one character
+//! - [`ClipEvent`], [`RootTrajectory`], [`attachment`]: events, root motion and attachments, which
+//!   are never skipped, whatever the level and visibility of a character
 //!
-//! No hidden policy: what a level may cost is in [`Detail`], and every change of level is told.
+//! There is no hidden policy: [`Detail`] sets the tolerance or budget of each frame, and every
+//! change of level is an event ([`CrowdEvent::Level`]).
 //!
 //! # For an engine
 //!
-//! *In* go places, views, importance and time ([`Frame`]); *out* come draws grouped by level
-//! ([`Crowd::drawn`]), palettes, events and root steps.
+//! *Input*: positions, rotations, views, importance and time ([`Frame`]). *Output*: draws grouped
+//! by level ([`Crowd::drawn`]), palettes, events and root motion ([`Crowd::root_delta`]).
 //!
 //! - **A plain renderer on wgpu** keeps one vertex buffer for each level's mesh and one storage
-//!   buffer for all palettes. Each group is one instanced draw: the instance's data is its place
-//!   and [`Draw::first_matrix`], the vertex shader reads `palettes[first_matrix + joint]`.
-//!   `evaluate` may write straight into a mapped buffer: it writes every byte once, in order.
+//!   buffer for all palettes. Each group is one instanced draw: the instance data is its world
+//!   transform and [`Draw::first_matrix`], the vertex shader reads
+//!   `palettes[first_matrix + joint]`. `evaluate` may write straight into a mapped buffer: it
+//!   writes every byte once and in order.
 //! - **Bevy**: a system in `PostUpdate` fills [`Frame`] from `GlobalTransform` and the cameras'
-//!   `Frustum`, ticks, spreads `evaluate` over the task pool, and hands the palettes to the
-//!   render world as one buffer; no entity for each joint is needed. Sockets write the
-//!   `Transform` of attached entities.
+//!   `Frustum`, ticks, spreads `evaluate` over the task pool, and hands the palettes to the render
+//!   world as one buffer; no entity per joint is needed. Attachments write the `Transform` of
+//!   attached entities.
 //! - **three.js**: through WebAssembly; the palette of a character is what `Skeleton.boneMatrices`
 //!   holds, transposed to columns, or the whole array is one `DataTexture` for an
 //!   `InstancedMesh` whose shader reads `first_matrix` from an instanced attribute.

@@ -1,4 +1,4 @@
-//! What all characters of a crowd share: one rig with its clips, levels and their errors.
+//! Data shared by all characters of a crowd: one rig with its clips, levels and their errors.
 
 use super::events::{ClipEvent, sorted};
 use super::root_path::RootTrajectory;
@@ -12,33 +12,34 @@ use crate::palette::{PaletteForm, PaletteMap};
 use crate::pose_cache::PoseCache;
 use crate::simd::Backend;
 
-/// The parts of a [`CrowdModel`], as their builders give them.
+/// The parts of a [`CrowdModel`], each from its own builder.
 #[derive(Debug, Clone)]
 pub struct CrowdParts {
-    /// All clips in ladder order.
+    /// All clips of the rig, laid out in LOD order.
     pub clips: ClipSet,
-    /// Which matrices evaluation writes.
+    /// Matrices that evaluation writes.
     pub palette: PaletteMap,
-    /// How they are written.
+    /// Format of these matrices.
     pub form: PaletteForm,
-    /// The instruction set; [`Backend::best`] unless results of two are to be compared.
+    /// Instruction set of the kernels; [`Backend::best`] unless backends are compared.
     pub backend: Backend,
-    /// What each level costs in each clip.
+    /// LOD errors of each level in each clip.
     pub errors: LodErrors,
-    /// Where the skin is in each clip.
+    /// Bounds of the skin in each clip.
     pub bounds: MotionBounds,
-    /// What is told while a clip plays, a list for each clip, in any order. Empty if there is
-    /// nothing to tell; so are the two lists that follow.
+    /// Events of each clip, in any order. Empty if no clip has events; the two lists below may be
+    /// empty likewise.
     pub events: Vec<Vec<ClipEvent>>,
-    /// The way over the ground that each clip carries its character.
+    /// Root motion of each clip.
     pub paths: Vec<Option<RootTrajectory>>,
-    /// Stretches of each clip that a viewer looks at more closely, or less.
+    /// Intervals of each clip that tolerate less error than usual, or more.
     pub attention: Vec<Option<Attention>>,
     /// Cached palettes of these clips, levels and matrices.
     pub cache: Option<PoseCache>,
 }
 
-/// What all characters of a crowd share. Read-only; one may serve many crowds and threads.
+/// Data shared by all characters of a crowd. Read-only; one model may serve many crowds and
+/// threads.
 #[derive(Debug, Clone)]
 pub struct CrowdModel {
     /// With an entry for each clip in each list.
@@ -46,7 +47,7 @@ pub struct CrowdModel {
     durations: Vec<f32>,
     /// Errors of all clips in one array, `levels` for each clip.
     lod_errors: Vec<f32>,
-    /// Whether no clip has events or a path.
+    /// Whether no clip has events or root motion.
     plain: bool,
 }
 
@@ -54,7 +55,7 @@ impl CrowdModel {
     /// Checks that the parts belong together.
     ///
     /// # Errors
-    /// A [`Mismatch`] that names the part that was made for something else, or the event that lies
+    /// A [`Mismatch`] that names the part that does not fit the others, or the event that lies
     /// outside its clip.
     pub fn new(mut parts: CrowdParts) -> Result<Self, Mismatch> {
         let (clips, errors) = (&parts.clips, &parts.errors);
@@ -94,7 +95,7 @@ impl CrowdModel {
         })
     }
 
-    /// What it was made of: an entry for each clip in each list, events in the order of their times.
+    /// The parts, with an entry for each clip in each list and events in the order of their times.
     #[inline]
     pub fn parts(&self) -> &CrowdParts {
         &self.parts
@@ -105,15 +106,15 @@ impl CrowdModel {
         self.parts.clips.joint_lods().levels()
     }
 
-    /// The evaluator of its batches.
+    /// Returns the evaluator of batches of this model.
     pub fn evaluator(&self) -> BatchEvaluator<'_> {
         let parts = &self.parts;
         BatchEvaluator::checked(&parts.clips, &parts.palette, parts.form, parts.backend)
     }
 
-    /// Error of a level in metres, as levels are chosen by it, while one clip plays, or while two
-    /// are blended: the greater. Of a clip it is the greater of the 95th percentile over vertices
-    /// and half of the worst vertex (`docs/metrics.md`).
+    /// LOD error of a level in metres; while two clips are blended, the larger of the two. For one
+    /// clip it is the larger of the 95th percentile over vertices and half of the maximum
+    /// (`docs/metrics.md`).
     ///
     /// # Panics
     /// If there is no such clip or level.
@@ -122,14 +123,14 @@ impl CrowdModel {
         self.errors_of(from)[level].max(self.errors_of(to)[level])
     }
 
-    /// Errors of the levels of a clip.
+    /// LOD errors of all levels in a clip.
     #[inline]
     pub(crate) fn errors_of(&self, clip: usize) -> &[f32] {
         let levels = self.levels();
         &self.lod_errors[clip * levels..][..levels]
     }
 
-    /// Whether nothing of a clip but its pose is to be told.
+    /// Whether no clip has events or root motion.
     #[inline]
     pub(crate) fn is_plain(&self) -> bool {
         self.plain
@@ -147,12 +148,12 @@ impl CrowdModel {
         self.parts.paths[clip].as_ref()
     }
 
-    /// Whether any clip carries its character.
+    /// Whether any clip has root motion.
     pub(crate) fn has_paths(&self) -> bool {
         self.parts.paths.iter().any(Option::is_some)
     }
 
-    /// Whether any clip has stretches that are looked at more closely, or less.
+    /// Whether any clip has attention intervals.
     pub(crate) fn has_attention(&self) -> bool {
         self.parts.attention.iter().any(Option::is_some)
     }
@@ -162,7 +163,7 @@ impl CrowdModel {
     }
 }
 
-/// Gives each clip an entry, nothing where there is none at all.
+/// Fills an empty list with a default entry for each clip, and checks the length of others.
 fn filled<T: Clone + Default>(
     at: &str,
     entries: &mut Vec<T>,
@@ -178,7 +179,7 @@ fn filled<T: Clone + Default>(
     Ok(())
 }
 
-/// Whether cached palettes are of these clips, levels and matrices.
+/// Checks that cached palettes were made for these clips, levels and matrices.
 fn check_cache(parts: &CrowdParts, cache: &PoseCache) -> Result<(), Mismatch> {
     let levels = parts.clips.joint_lods().levels();
     let of = |count, cached, what: &str| {

@@ -1,4 +1,4 @@
-//! What has to be evaluated in a frame, sorted into batches, and who shows what.
+//! Evaluation plan of a frame: poses sorted into batches, and the palette of each character.
 
 use crate::joint_lods::JointLods;
 use crate::palette::PaletteMap;
@@ -6,10 +6,10 @@ use crate::pose_cache::BlendRecord;
 use crate::simd::LANES;
 use std::ops::Range;
 
-/// Kinds of jobs at a level.
+/// Number of kinds of jobs at a level.
 const KINDS: usize = 3;
 
-/// What a job is.
+/// Kind of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// One clip is evaluated.
@@ -20,52 +20,53 @@ pub(crate) enum Kind {
     Cached,
 }
 
-/// One character that is shown.
+/// One visible character and its palette.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
 pub struct Draw {
     /// Index of the character.
     pub character: u32,
-    /// Its palette: index of the first matrix among all that are written in this frame.
+    /// Index of the first matrix of its palette, among all matrices written in this frame.
     pub first_matrix: u32,
 }
 
-/// Characters of one level: they have the same mesh and palettes of the same length.
+/// Draws of one level: their characters have the same mesh and palettes of the same length.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DrawGroup {
     /// The level.
     pub level: usize,
-    /// Its characters among the draws.
+    /// Range of [`DrawList::draws`].
     pub draws: Range<usize>,
-    /// Matrices of one palette.
+    /// Number of matrices of one palette.
     pub matrices: usize,
 }
 
-/// Characters of one level whose palettes the GPU blends.
+/// Records of one level: characters whose palettes the GPU blends.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordGroup {
     /// The level.
     pub level: usize,
-    /// Its characters among the records.
+    /// Range of [`DrawList::records`].
     pub records: Range<usize>,
-    /// Matrices of one palette.
+    /// Number of matrices of one palette.
     pub matrices: usize,
 }
 
-/// Who is shown in a frame, and where the palettes are.
+/// Visible characters of a frame, and where their palettes are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawList {
-    /// Who is shown, by level.
+    /// Draws grouped by level.
     pub groups: Vec<DrawGroup>,
-    /// Who is shown, in the order of the groups.
+    /// Visible characters with an evaluated palette, in the order of the groups.
     pub draws: Vec<Draw>,
-    /// Who the GPU blends, by level; beside the draws.
+    /// Records grouped by level; their characters are not among the draws.
     pub record_groups: Vec<RecordGroup>,
-    /// Who the GPU blends, in the order of the groups: two palettes of the model's cache each.
+    /// Characters that the GPU blends, each from two palettes of the model's cache, in the order of
+    /// the groups.
     pub records: Vec<BlendRecord>,
-    /// Batches that are to be evaluated, of up to eight poses each.
+    /// Number of batches to evaluate, of up to eight poses each.
     pub batches: usize,
-    /// Matrices that all batches together write.
+    /// Number of matrices that all batches write.
     pub matrices: usize,
 }
 
@@ -79,7 +80,7 @@ pub(crate) struct Batch {
     key: u8,
 }
 
-/// Who a job evaluates: a character, or a leader of many.
+/// Pose that a job evaluates: that of one character, or a shared one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Poser {
     Character(usize),
@@ -88,18 +89,19 @@ pub(crate) enum Poser {
 
 const LEADER: u32 = 1 << 31;
 
-/// The plan of one frame. Jobs and followers are listed by level as they come, so nothing has to
-/// be sorted.
+/// The plan of one frame. Jobs and characters that share a pose are listed by level as they are
+/// added, so nothing has to be sorted.
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {
     characters: usize,
-    /// Who poses, `characters` entries for each level and kind.
+    /// Poses to evaluate, `characters` entries for each level and kind.
     posers: Vec<u32>,
     jobs: Vec<u32>,
-    /// Who follows which job of its level, `characters` entries for each level.
+    /// Characters that share a pose and the job of their level that evaluates it, `characters`
+    /// entries for each level.
     followers: Vec<(u32, u32)>,
     following: Vec<u32>,
-    /// Records as they come, with their levels.
+    /// Records in the order added, with their levels.
     recorded: Vec<(u8, BlendRecord)>,
     batches: Vec<Batch>,
     drawn: DrawList,
@@ -126,20 +128,20 @@ impl Plan {
         }
     }
 
-    /// Forgets the frame before.
+    /// Clears the plan of the frame before.
     pub(crate) fn clear(&mut self) {
         self.jobs.fill(0);
         self.following.fill(0);
         self.recorded.clear();
     }
 
-    /// A character is blended by the GPU.
+    /// Adds a character that the GPU blends.
     #[inline]
     pub(crate) fn record(&mut self, level: usize, record: BlendRecord) {
         self.recorded.push((level as u8, record));
     }
 
-    /// Adds a job; gives its number among those of its level and kind.
+    /// Adds a job; returns its index among those of its level and kind.
     #[inline]
     pub(crate) fn add(&mut self, level: usize, kind: Kind, poser: Poser) -> u32 {
         let key = level * KINDS + kind as usize;
@@ -152,7 +154,7 @@ impl Plan {
         at
     }
 
-    /// A character shows what a job of one clip at its level gives.
+    /// Adds a character that shows the pose of a [`Kind::Clip`] job of its level.
     #[inline]
     pub(crate) fn follow(&mut self, level: usize, character: usize, job: u32) {
         let at = self.following[level] as usize;
@@ -160,7 +162,7 @@ impl Plan {
         self.followers[level * self.characters + at] = (character as u32, job);
     }
 
-    /// Cuts the jobs into batches of one level and kind, and says who shows what.
+    /// Divides the jobs into batches of one level and kind, and fills the draw list.
     pub(crate) fn finish(&mut self, palette: &PaletteMap) {
         self.batches.clear();
         self.drawn.draws.clear();
@@ -237,13 +239,13 @@ impl Plan {
         &self.drawn
     }
 
-    /// First matrix of a batch, or the number of all after the last.
+    /// Index of the first matrix of a batch, or the number of all matrices beyond the last one.
     pub(crate) fn first_matrix(&self, batch: usize) -> usize {
         let at = self.batches.get(batch);
         at.map_or(self.drawn.matrices, |b| b.first_matrix as usize)
     }
 
-    /// Who the jobs of a batch evaluate.
+    /// Poses that a batch evaluates.
     pub(crate) fn posers(&self, batch: &Batch) -> impl Iterator<Item = Poser> + '_ {
         let first = usize::from(batch.key) * self.characters + batch.first_job as usize;
         let posers = &self.posers[first..first + usize::from(batch.jobs)];
@@ -254,7 +256,7 @@ impl Plan {
     }
 }
 
-/// Batches of jobs of one level and kind.
+/// Adds the batches of the jobs of one level and kind.
 fn cut(batches: &mut Vec<Batch>, jobs: usize, key: usize, first_matrix: usize, matrices: usize) {
     for first in (0..jobs).step_by(LANES) {
         batches.push(Batch {

@@ -1,22 +1,22 @@
-//! Where a clip carries the whole character: its way over the ground, apart from the pose.
+//! Root motion of a clip: translation and heading of the whole character, apart from the pose.
 //!
-//! Root motion is never a joint (`docs/methods/motion-lod.md` part 0): it advances at every level, and
-//! for hidden characters too.
+//! Root motion is never a joint (`docs/methods/motion-lod.md` part 0): it advances at every level,
+//! and for hidden characters too.
 
 use crate::Mismatch;
 use glam::Vec3;
 
-/// A place on the ground: offset and turn about +Y, seen from where the clip began.
+/// A root transform relative to a start: offset and turn about +Y.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RootDelta {
-    /// Offset, metres, in the space of the place it starts from.
+    /// Offset in metres, in the space of the start.
     pub offset: Vec3,
-    /// Turn about +Y.
+    /// Turn about +Y in radians, not wrapped.
     pub yaw_radians: f32,
 }
 
 impl RootDelta {
-    /// First this step, then the other from where it leads.
+    /// This delta followed by `next`.
     #[must_use]
     pub(crate) fn then(self, next: Self) -> Self {
         Self {
@@ -25,7 +25,7 @@ impl RootDelta {
         }
     }
 
-    /// The step back.
+    /// The inverse delta.
     #[must_use]
     pub(crate) fn inverse(self) -> Self {
         Self {
@@ -51,7 +51,7 @@ fn turned(v: Vec3, radians: f32) -> Vec3 {
     Vec3::new(cos * v.x + sin * v.z, v.y, cos * v.z - sin * v.x)
 }
 
-/// The way of one clip, at a uniform rate from its first to its last frame.
+/// Root motion of one clip, sampled at a uniform rate from its first to its last frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RootTrajectory {
     rate_hz: f32,
@@ -59,10 +59,11 @@ pub struct RootTrajectory {
 }
 
 impl RootTrajectory {
-    /// Takes over the places at the frames of a clip; turns are not wrapped.
+    /// Makes the trajectory from the root transform at each frame, relative to the first; turns are
+    /// not wrapped.
     ///
     /// # Errors
-    /// A [`Mismatch`] if there is no place, one is not finite, or the rate is not positive.
+    /// A [`Mismatch`] if `places` is empty or not finite, or the rate is not positive and finite.
     pub fn new(rate_hz: f32, places: Vec<RootDelta>) -> Result<Self, Mismatch> {
         if !(rate_hz.is_finite() && rate_hz > 0.0) {
             return Err(Mismatch::new(
@@ -78,7 +79,7 @@ impl RootTrajectory {
         Ok(Self { rate_hz, places })
     }
 
-    /// The place at a time of the clip.
+    /// Root transform at a time of the clip, interpolated linearly and clamped to its ends.
     pub fn at(&self, secs: f32) -> RootDelta {
         let last = self.places.len() - 1;
         let at = (secs * self.rate_hz).max(0.0).min(last as f32);
@@ -87,7 +88,8 @@ impl RootTrajectory {
         self.places[before].lerp(self.places[after], at - before as f32)
     }
 
-    /// The way from one time to another, passing the end so many times (negative: backwards).
+    /// Root motion from one time to another, with the clip's end passed `laps` times (negative:
+    /// backwards).
     pub fn step(&self, from_secs: f32, to_secs: f32, laps: i32) -> RootDelta {
         let back = self.at(from_secs).inverse();
         if laps == 0 {
@@ -96,7 +98,7 @@ impl RootTrajectory {
         let start = self.places[0];
         let lap = start.inverse().then(self.places[self.places.len() - 1]);
         let lap = if laps < 0 { lap.inverse() } else { lap };
-        // Back to the start, round and round, and on to where it led.
+        // Back to the start, whole laps, then on to the end time.
         let mut way = back.then(start);
         for _ in 0..laps.unsigned_abs() {
             way = way.then(lap);

@@ -1,48 +1,49 @@
 //! Shared poses: characters whose poses agree within their tolerance show one palette.
 //!
-//! Source: `docs/methods/motion-lod.md` part 6. Each clip has one clock. The phases around it are cut
-//! into equal buckets, so few that half a bucket's way stays within the tolerance; everyone in a
-//! bucket follows its leader, whose phase is the middle. Leaders run with the clock, so a
-//! follower that plays at the clip's own speed never changes its bucket and shows no step.
+//! Source: `docs/methods/motion-lod.md` part 6. Each clip has one clock. The phases relative to it
+//! are cut into equal buckets, as few as keep half a bucket within the tolerance; all characters of
+//! a bucket show one shared pose, whose phase is the middle of the bucket. Shared poses advance
+//! with the clock, so a character that plays at the clip's own speed never changes its bucket and
+//! shows no jump.
 
-/// Fewest buckets of a clip, as a power of two: with fewer distinct leaders a crowd looks copied (McDonnell et
-/// al., "Clone attack!", 2008).
+/// Minimum number of buckets of a clip, as a power of two: with fewer distinct poses a crowd looks
+/// cloned (McDonnell et al., "Clone attack!", 2008).
 const FEWEST: u32 = 3;
-/// Most buckets, as a power of two: more are as dear as evaluating everyone.
+/// Maximum, as a power of two: more are as expensive as evaluating every character.
 const MOST: u32 = 9;
-/// Entries of one clip and level: the buckets of every fineness.
+/// Entries of one clip and level: the buckets for every power of two.
 const ENTRIES: usize = 1 << (MOST + 1);
 
-/// A leader of this frame.
+/// A shared pose of this frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Leader {
     pub(crate) clip: u16,
     pub(crate) secs: f32,
 }
 
-/// The leaders of all clips and levels.
+/// The shared poses of all clips and levels.
 #[derive(Debug, Clone)]
 pub(crate) struct Sharing {
     levels: usize,
-    /// Time of the common clock of each clip.
+    /// Time of the common clock of each clip in seconds.
     clocks: Vec<f32>,
-    /// Frame in which a bucket got its leader, and which.
+    /// For each bucket, the frame in which its shared pose was added, and the index of that pose.
     buckets: Vec<(u32, u32)>,
     frame: u32,
     leaders: Vec<Leader>,
 }
 
-/// What a character would show if it shared.
+/// A character that may show a shared pose.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Follower {
     pub(crate) clip: usize,
     pub(crate) level: usize,
     pub(crate) secs: f32,
-    /// How far its skin may be from its own pose, metres.
+    /// Allowed distance of its skin from its own pose, metres.
     pub(crate) slack_metres: f32,
 }
 
-/// What sharing a clip costs.
+/// Quantities of a clip that bound the error of shared poses.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ClipWay {
     pub(crate) duration_secs: f32,
@@ -61,11 +62,11 @@ impl Sharing {
         }
     }
 
-    /// Runs the clocks on and forgets the leaders of the frame before.
+    /// Advances the clocks and clears the shared poses of the frame before.
     pub(crate) fn begin(&mut self, dt_secs: f32, durations: &[f32]) {
         self.frame = self.frame.wrapping_add(1);
         if self.frame == 0 {
-            // Once in two years of play old stamps would look new.
+            // After two years of play the counter wraps, and old stamps would look current.
             self.buckets.fill((0, 0));
             self.frame = 1;
         }
@@ -86,8 +87,8 @@ impl Sharing {
         &self.leaders
     }
 
-    /// The leader that a character follows within its slack, new or there already; `None` if it
-    /// must be evaluated by itself.
+    /// Index of the shared pose that a character shows within its slack, added if needed; `None` if
+    /// the character must be evaluated alone.
     #[inline]
     pub(crate) fn leader(&mut self, follower: Follower, way: ClipWay) -> Option<usize> {
         let Follower {
@@ -97,7 +98,7 @@ impl Sharing {
             slack_metres,
         } = follower;
         let duration = way.duration_secs;
-        // Buckets so wide that half of one is within the slack.
+        // The widest buckets of which half of one is within the slack.
         let count = duration * way.speed_metres_per_sec / (2.0 * slack_metres);
         let most = (1u32 << MOST) as f32;
         if !(duration > 0.0 && count <= most) {
@@ -116,7 +117,7 @@ impl Sharing {
         if leads >= duration {
             leads -= duration;
         }
-        // Over the seam the way counts, and what the clip's ends differ by.
+        // Across the seam the distance between the clip's ends adds to the motion.
         let apart = (leads - secs).abs();
         let around = duration - apart;
         if around < apart && around * way.speed_metres_per_sec + way.seam_metres > slack_metres {
@@ -157,8 +158,8 @@ mod tests {
     }
 
     proptest! {
-        /// The leader is never farther off in time than the slack allows at full speed, and a
-        /// follower at the clip's own speed keeps it.
+        /// The shared pose is never farther off in time than the slack allows at full speed, and a
+        /// character at the clip's own speed keeps it.
         #[test]
         fn leaders_are_within_the_slack_and_stay(
             secs in 0.0f32..2.0,
@@ -170,7 +171,7 @@ mod tests {
             let mut sharing = Sharing::new(1, 2, 4);
             sharing.begin(start, &[2.0]);
             let Some(leader) = sharing.leader(follower(secs, slack), way) else {
-                // Too many leaders would be needed, or the seam lies between.
+                // Too many shared poses would be needed, or the seam lies between.
                 prop_assert!(2.0 * 3.0 / (2.0 * slack) > 511.0 || seam > 0.0);
                 return Ok(());
             };

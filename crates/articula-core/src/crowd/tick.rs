@@ -23,25 +23,25 @@ use crate::visibility::{Places, carry};
 use glam::Affine3A;
 use std::ops::Range;
 
-/// How long a bound is taken to hold before it is looked up anew.
+/// Seconds for which a bound is valid before it is looked up again.
 const BOUND_SECS: f32 = 1.0;
 
 /// Level of a character that is not shown.
 const HIDDEN: u8 = u8::MAX;
-/// A level to be chosen anew.
+/// Empty range of pixels per metre: the level is chosen again in the next tick.
 const ANEW: [f32; 2] = [f32::INFINITY, 0.0];
 /// Level of a character before its first frame.
 const NEW: u8 = u8::MAX - 1;
 
-/// A tolerance that is the same for everyone, so that levels may be kept while sizes on screen
-/// hardly change.
+/// A tolerance that is the same for all characters, so that levels may be kept while sizes on
+/// screen hardly change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct SteadyTolerance {
     px: f32,
 }
 
 impl SteadyTolerance {
-    /// If nothing but the size on screen and the clip decides on a level.
+    /// `Some` if the level of a character depends only on its clip and its size on screen.
     fn of(model: &CrowdModel, frame: &Frame<'_>) -> Option<Self> {
         let Detail::Tolerance { px } = frame.detail else {
             return None;
@@ -52,21 +52,21 @@ impl SteadyTolerance {
     }
 }
 
-/// The characters of one rig.
+/// The characters of one rig: playback state, levels, and the plan of the current frame.
 #[derive(Debug, Clone)]
 pub struct Crowd {
     players: Vec<CharacterState>,
     levels: Vec<u8>,
-    /// Pixels per metre between which each keeps its level: at least the first, below the
-    /// second. Nothing lies between if the level is to be chosen anew.
+    /// Range of pixels per metre in which each character keeps its level: first bound included,
+    /// second excluded. Empty if the level has to be chosen again.
     keeps: Vec<[f32; 2]>,
-    /// What `keeps` was made for.
+    /// Tolerance that `keeps` was computed for.
     kept_for: Option<SteadyTolerance>,
-    /// Model-space bound of each, and how much longer it holds.
+    /// Model-space bound of each character, and the seconds for which it is still valid.
     bounds: Vec<Sphere>,
     bound_secs: Vec<f32>,
     roots: Vec<RootDelta>,
-    // From here on: made anew each frame, kept so that nothing is allocated.
+    // The fields below are recomputed each frame and kept so that nothing is allocated.
     world: Vec<Sphere>,
     seen: Vec<CullResult>,
     ones: Vec<f32>,
@@ -78,7 +78,7 @@ pub struct Crowd {
 }
 
 impl Crowd {
-    /// So many characters, all playing the first clip from its beginning.
+    /// Makes `characters` characters, all playing the first clip from its beginning.
     pub fn new(model: &CrowdModel, characters: usize) -> Self {
         let player = CharacterState::from(ClipState::new(&model.parts().clips, 0));
         let levels = model.levels();
@@ -88,7 +88,7 @@ impl Crowd {
             keeps: vec![ANEW; characters],
             kept_for: None,
             bounds: vec![Sphere::default(); characters],
-            // Spread, so that bounds are not all looked up in one frame; below 0: at once.
+            // Below 0: looked up in the first tick, which spreads the later look-ups over frames.
             bound_secs: vec![-1.0; characters],
             roots: vec![RootDelta::default(); if model.has_paths() { characters } else { 0 }],
             world: vec![Sphere::default(); characters],
@@ -102,7 +102,7 @@ impl Crowd {
         }
     }
 
-    /// Bytes of state that a character takes, without budget and output.
+    /// Bytes of state per character, without budget and output.
     pub const BYTES_PER_CHARACTER: usize = size_of::<CharacterState>()
         + size_of::<u8>()
         + size_of::<[f32; 2]>()
@@ -114,30 +114,30 @@ impl Crowd {
         self.players.len()
     }
 
-    /// What a character plays.
+    /// Returns the playback state of a character.
     pub fn player(&self, character: usize) -> &CharacterState {
         &self.players[character]
     }
 
-    /// Has a character play something else from now on.
+    /// Replaces the playback state of a character.
     pub fn play(&mut self, character: usize, player: CharacterState) {
         self.players[character] = player;
         self.bound_secs[character] = -1.0;
         self.keeps[character] = ANEW;
     }
 
-    /// Starts a character's fade to another clip; see [`CharacterState::fade_to`].
+    /// Starts a cross-fade of a character to another clip; see [`CharacterState::fade_to`].
     pub fn fade_to(&mut self, character: usize, clip_state: ClipState, secs: f32) {
         self.players[character].fade_to(clip_state, secs);
         self.bound_secs[character] = -1.0;
         self.keeps[character] = ANEW;
     }
 
-    /// Gives every level of every clip its price, so that [`Detail::Budget`] can be asked for.
+    /// Enables [`Detail::Budget`], with the cost of every level of every clip computed by `costs`.
     /// Allocates.
     ///
     /// # Errors
-    /// A [`Mismatch`] as [`crate::budget::BudgetAllocator::add_options`] gives it.
+    /// As [`crate::budget::BudgetAllocator::add_options`].
     pub fn set_budget(
         &mut self,
         model: &CrowdModel,
@@ -148,19 +148,21 @@ impl Crowd {
         Ok(())
     }
 
-    /// Takes over what a cost model has learnt. Does not allocate.
+    /// Recomputes the costs of all levels from a cost model, if there is a budget. Does not
+    /// allocate.
     pub fn reprice(&mut self, model: &CrowdModel, costs: &CostModel) {
         if let Some(crowd_budget) = &mut self.crowd_budget {
             crowd_budget.reprice(model, costs);
         }
     }
 
-    /// One frame: time goes on, everyone is looked for, and the work is planned.
+    /// Advances every clock, culls against the views, chooses a level for each character and plans
+    /// the evaluation.
     ///
     /// O(characters); does not allocate.
     ///
     /// # Panics
-    /// If a slice of the frame has not one entry for each character (or none, where that is
+    /// If a slice of the frame does not have one entry for each character (or none, where that is
     /// allowed), or the model is not the one that the crowd was made for.
     pub fn tick(
         &mut self,
@@ -182,14 +184,14 @@ impl Crowd {
         report
     }
 
-    /// Forgets the frame before.
+    /// Clears the plan of the frame before.
     fn begin(&mut self, model: &CrowdModel, dt_secs: f32) {
         self.sharing.begin(dt_secs, model.durations());
         self.leader_jobs.clear();
         self.plan.clear();
     }
 
-    /// Runs the clocks on, tells events, carries roots, and keeps the bounds.
+    /// Advances clocks and root motion, reports events and renews bounds.
     fn advance(&mut self, model: &CrowdModel, dt_secs: f32, tell: &mut dyn FnMut(CrowdEvent)) {
         let durations = model.durations();
         let plain = model.is_plain();
@@ -197,7 +199,7 @@ impl Crowd {
             let secs = player.from.secs + player.from.speed * dt_secs;
             let within = (0.0..durations[player.from.clip()]).contains(&secs);
             if plain && within && !player.is_fading() {
-                // By far the most frequent: time goes on within one clip, and that is all.
+                // By far the most frequent case: only the time within one clip advances.
                 player.from.secs = secs;
             } else {
                 let way = advance_one(model, character, player, dt_secs, tell);
@@ -210,7 +212,7 @@ impl Crowd {
             if *left < 0.0 {
                 let (bound, secs) = bound_of(model, player);
                 self.bounds[character] = bound;
-                // The first ones are spread, so that they do not all end in one frame.
+                // The first bounds are spread, so that they do not all expire in one frame.
                 let first = self.levels[character] == NEW;
                 let part = (character % 32 + 1) as f32 / 32.0;
                 *left = if first { secs * part } else { secs };
@@ -218,7 +220,7 @@ impl Crowd {
         }
     }
 
-    /// Looks for everyone.
+    /// Culls all characters against the views.
     fn look(&mut self, frame: &Frame<'_>) {
         let count = self.len();
         let scales = or_all(frame.scales, &self.ones);
@@ -249,7 +251,7 @@ impl Crowd {
         }
     }
 
-    /// Chooses a level for everyone who is seen, and plans the evaluation.
+    /// Chooses a level for every visible character and plans the evaluation.
     fn choose(
         &mut self,
         model: &CrowdModel,
@@ -276,7 +278,7 @@ impl Crowd {
             if seen.visibility == Visibility::Visible
                 && (least..most).contains(&seen.pixels_per_metre)
             {
-                // By far the most frequent: seen as before, about as large as before.
+                // By far the most frequent case: visible, and about as large as before.
                 unchanged += 1;
                 bound_part = bound_part.max(seen.pixels_per_metre / most);
                 let level = usize::from(self.levels[character]);
@@ -306,7 +308,7 @@ impl Crowd {
         report
     }
 
-    /// The pixels per metre between which a level need not be chosen anew.
+    /// Range of pixels per metre in which a level need not be chosen again.
     fn keeping(&self, model: &CrowdModel, character: usize, level: usize) -> [f32; 2] {
         let player = &self.players[character];
         match self.kept_for {
@@ -317,7 +319,7 @@ impl Crowd {
         }
     }
 
-    /// The level of a visible character, and what it may be wrong by.
+    /// Chooses the level of a visible character.
     fn choice(&self, model: &CrowdModel, frame: &Frame<'_>, character: usize) -> Choice {
         let player = &self.players[character];
         let (from, to) = player.clips();
@@ -339,7 +341,8 @@ impl Crowd {
                 tolerance_metres = px * attention(model, player, importance) / pixels_per_metre;
                 let (a, b) = (model.errors_of(from), model.errors_of(to));
                 let error = |level: usize| a[level].max(b[level]);
-                // A leader's cost is shared, so a finer level that leaves room to share pays.
+                // The cost of a shared pose is divided, so a finer level that leaves slack for
+                // sharing pays.
                 let part = if shares(frame, player) {
                     SHARE_LEAVES
                 } else {
@@ -368,7 +371,7 @@ impl Crowd {
         choice
     }
 
-    /// Plans a pose for a character: its own, or one that it shares.
+    /// Plans the pose of a character: cached, shared or evaluated for it alone.
     fn show(
         &mut self,
         model: &CrowdModel,
@@ -436,7 +439,7 @@ impl Crowd {
             .add(choice.level, kind, Poser::Character(character));
     }
 
-    /// Notes a level, and tells if it is another.
+    /// Stores a level, and reports an event if it changed.
     #[inline]
     fn set_level(
         &mut self,
@@ -468,24 +471,24 @@ impl Crowd {
         });
     }
 
-    /// The level at which a character is shown.
+    /// Level at which a character is shown; `None` if it is not visible.
     pub fn level(&self, character: usize) -> Option<usize> {
         Some(usize::from(self.levels[character])).filter(|l| *l < usize::from(NEW))
     }
 
-    /// What the views see of a character.
+    /// Result of culling a character in the last tick.
     pub fn seen(&self, character: usize) -> CullResult {
         self.seen[character]
     }
 
-    /// Way over the ground that a character's clips carried it in the last tick, in the space of
-    /// its root; nothing if no clip has a path. Hidden characters are carried too.
+    /// Root motion of a character in the last tick, in the space of its root; zero if no clip has a
+    /// trajectory. Hidden characters move too.
     pub fn root_delta(&self, character: usize) -> RootDelta {
         self.roots.get(character).copied().unwrap_or_default()
     }
 
-    /// The true place of a joint in model space, at whatever level the character is shown, also
-    /// if it is hidden. O(depth); does not allocate.
+    /// Model-from-joint matrix of a joint at full detail, whatever the level and visibility of the
+    /// character. O(depth); does not allocate.
     ///
     /// # Panics
     /// If there is no such character or joint.
@@ -494,13 +497,12 @@ impl Crowd {
         attachment(&model.parts().clips, &shown, joint)
     }
 
-    /// What was found in this frame: who is shown, and where the palettes are.
+    /// Draw list of the last tick: the visible characters by level, and where their palettes are.
     pub fn drawn(&self) -> &DrawList {
         self.plan.drawn()
     }
 
-    /// Matrices that a range of batches writes: they follow each other from
-    /// the first batch's on.
+    /// Range of matrices that a range of batches writes, among all matrices of the frame.
     ///
     /// # Panics
     /// If the range ends beyond the batches.
@@ -509,8 +511,8 @@ impl Crowd {
         self.plan.first_matrix(batches.start)..self.plan.first_matrix(batches.end)
     }
 
-    /// Batches from `first` on that write about a share of `parts` of all matrices: the ranges
-    /// that threads take, one after the other. Empty when none are left.
+    /// Returns the batches from `first` on that write about `1 / parts` of all matrices, for
+    /// distribution over threads. Empty when no batches are left.
     pub fn share_of_batches(&self, first: usize, parts: usize) -> Range<usize> {
         let count = self.drawn().batches;
         let aim = self.plan.first_matrix(first) + self.drawn().matrices.div_ceil(parts.max(1));
@@ -521,14 +523,14 @@ impl Crowd {
         first.min(count)..end
     }
 
-    /// Writes the palettes of a range of batches. Ranges are independent of each other: whoever
-    /// evaluates them, in whatever order, the bytes are the same.
+    /// Writes the palettes of a range of batches. Ranges are independent: the bytes are the same in
+    /// whatever order and on whatever threads they are evaluated.
     ///
     /// O(joints of the batches); does not allocate.
     ///
     /// # Panics
-    /// If `out` has not the rows of [`Crowd::matrices_of`] this range, in the form of the model,
-    /// or `scratch` is not of the model's evaluator.
+    /// If `out` does not have the rows of [`Crowd::matrices_of`] this range, in the form of the
+    /// model, or `scratch` is not of the model's evaluator.
     pub fn evaluate(
         &self,
         model: &CrowdModel,
@@ -591,7 +593,7 @@ fn or_all<'a>(given: &'a [f32], all: &'a [f32]) -> &'a [f32] {
     if given.is_empty() { all } else { given }
 }
 
-/// Part of the tolerance that a level may take where poses are shared.
+/// Fraction of the tolerance that a level may use where poses are shared.
 const SHARE_LEAVES: f32 = 0.5;
 
 /// Whether a character may share its pose.
@@ -599,8 +601,8 @@ fn shares(frame: &Frame<'_>, player: &CharacterState) -> bool {
     frame.share && !player.is_fading() && player.from.wrap == Wrap::Loop
 }
 
-/// Blending two cached palettes costs a third or less of evaluating as many joints (measured),
-/// but writes as much, so a finer level from the cache pays up to this.
+/// Blending two cached palettes costs a third or less of evaluating as many joints (measured), but
+/// writes as much, so a finer level from the cache pays up to this factor in matrices.
 const CACHE_PAYS: usize = 2;
 
 /// Whether a level from the cache is cheaper than the level that would be evaluated.
@@ -609,7 +611,7 @@ fn pays(model: &CrowdModel, frame: &Frame<'_>, evaluated: Choice, cached: usize)
     frame.cache == CacheUse::Gpu || matrices(cached) <= CACHE_PAYS * matrices(evaluated.level)
 }
 
-/// Runs one character on, telling its events; gives its way over the ground.
+/// Advances one character, reports its events and returns its root motion.
 fn advance_one(
     model: &CrowdModel,
     character: usize,
@@ -639,7 +641,7 @@ fn advance_one(
     way
 }
 
-/// Way of a character whose clips went on.
+/// Root motion of a character between two playback states.
 fn root_delta(
     model: &CrowdModel,
     before: &CharacterState,
@@ -657,7 +659,7 @@ fn root_delta(
     own.lerp(step(&before.to, &after.to, laps[1]), before.fade)
 }
 
-/// Holds a character, and for how long.
+/// Model-space bound of a character, and the seconds for which it is valid.
 fn bound_of(model: &CrowdModel, player: &CharacterState) -> (Sphere, f32) {
     let (from, to) = player.clips();
     if player.is_fading() {
@@ -667,7 +669,7 @@ fn bound_of(model: &CrowdModel, player: &CharacterState) -> (Sphere, f32) {
     let ClipState {
         secs, speed, wrap, ..
     } = player.from;
-    // Clips that a bound would hold most of are held as a whole, for ever.
+    // A short clip has one bound as a whole, which never expires.
     if model.durations()[from] <= 2.0 * BOUND_SECS {
         return (bounds.whole().sphere, f32::INFINITY);
     }

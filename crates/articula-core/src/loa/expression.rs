@@ -1,6 +1,6 @@
 //! The expression language of joint sets, such as `loa(Low) + zone(hands) - joint(r_wrist)`.
 //!
-//! Source: `docs/methods/motion-lod.md` 1.2; ours, no thesis counterpart.
+//! Source: `docs/methods/motion-lod.md` part 1.2. The thesis has no counterpart.
 //!
 //! ```text
 //! expr := term (('+' | '&' | '-') term)*      left-associative
@@ -14,22 +14,22 @@ use crate::joint_set::JointSet;
 use crate::rig::Rig;
 use std::str::FromStr;
 
-/// Deepest nesting of parentheses that is read.
+/// Maximum nesting depth of parentheses.
 const MAX_NESTING: usize = 64;
 
-/// Most terms that are read; an operator's left side nests, so this bounds the tree's depth.
+/// Maximum number of terms; an operator's left side nests, so this bounds the depth of the tree.
 const MAX_TERMS: usize = 1000;
 
-/// A parsed expression, not yet resolved against a rig.
+/// A parsed expression that selects joints, not yet resolved against a rig.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LoaExpression {
     /// Joints of smaller depth.
     Depth(u32),
-    /// Joints of a complexity level.
+    /// Joints of a level of articulation.
     Loa(Complexity),
     /// Joints of some regions.
     Zone(Zone),
-    /// One joint, by name of the rig or of H-Anim.
+    /// One joint, by its name in the rig or its H-Anim name.
     Joint(String),
     /// Union.
     Plus(Box<Self>, Box<Self>),
@@ -39,7 +39,7 @@ pub enum LoaExpression {
     Minus(Box<Self>, Box<Self>),
 }
 
-/// Why an expression could not be read.
+/// A syntax error in an expression.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LoaExpressionError {
     /// Column, counted in characters from 1.
@@ -56,8 +56,8 @@ impl std::fmt::Display for LoaExpressionError {
 
 impl std::error::Error for LoaExpressionError {}
 
-/// White space between words does not count; an error names the column, what stood there and what
-/// may stand there.
+/// Parses an expression. White space between words is not significant; an error gives the column,
+/// what was found there and what was expected.
 impl FromStr for LoaExpression {
     type Err = LoaExpressionError;
 
@@ -76,10 +76,10 @@ impl FromStr for LoaExpression {
 }
 
 impl LoaExpression {
-    /// The joints that it stands for.
+    /// Returns the selected joints of a rig.
     ///
     /// # Errors
-    /// [`selection::UnknownJoint`] if it names a joint that the rig does not have.
+    /// [`selection::UnknownJoint`] if the expression names a joint that the rig does not have.
     pub fn joints(&self, rig: &Rig) -> Result<JointSet, selection::UnknownJoint> {
         Ok(match self {
             Self::Depth(k) => selection::depth(rig, *k),
@@ -169,7 +169,7 @@ impl Parser<'_> {
         self.expect('(')?;
         self.peek();
         let at = self.at;
-        // Joint names of real files hold almost any character, so only ')' ends an argument.
+        // Joint names of real files contain almost any character, so only ')' ends an argument.
         let argument = self.word(|c| c != ')').trim().to_owned();
         self.expect(')')?;
         argument_of(&selector, &argument).map_err(|what| LoaExpressionError {

@@ -1,9 +1,9 @@
-//! Levels of articulation: which joints are allowed to move.
+//! Levels of articulation: the joints that are allowed to move.
 //!
-//! Source: thesis 5.1, `docs/methods/motion-lod.md` part 1. Every selector gives a
-//! [`JointSet`](crate::JointSet), so any combination is set arithmetic. Numbers of levels are those
-//! of H-Anim, 0 the root alone, and are always called `loa`; levels of detail count the other way,
-//! from 0, the finest.
+//! Source: thesis 5.1, `docs/methods/motion-lod.md` part 1. Every selector returns a
+//! [`JointSet`](crate::JointSet), so that any combination is set arithmetic. Levels of articulation
+//! are numbered as in H-Anim, from 0, the root alone, and are always called `loa`; levels of detail
+//! are numbered in the opposite direction, from 0, the finest.
 
 mod expression;
 mod selection;

@@ -1,9 +1,9 @@
-//! The selectors of one level of articulation and the two rules that combine them.
+//! The selectors of a level of articulation and the two rules that combine them.
 //!
 //! Source: thesis 5.1 (depth, complexity, zone, single joints; annex E's property) and 3.1.3
-//! (stream adaptation keeps a joint only if it passes level and region mask).
-//! Differs: both rules are named, `minus` always wins, and a selector that is absent is told
-//! from one that selects nothing.
+//! (stream adaptation keeps a joint only if it passes level and region mask). Differences: both
+//! rules are named, `minus` always wins, and an absent selector is distinguished from one that
+//! selects nothing.
 
 use crate::articulation::{Complexity, Zone};
 use crate::joint_set::JointSet;
@@ -12,31 +12,31 @@ use crate::rig::Rig;
 /// How the selectors of a [`Selection`] combine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Rule {
-    /// `(depth | complexity | zone | plus) - minus`: authoring and run time.
+    /// `(depth | complexity | zone | plus) - minus`: for authoring and at run time.
     #[default]
     Sum,
-    /// `((depth & complexity & zone) | plus) - minus`: adaptation of streams.
+    /// `((depth & complexity & zone) | plus) - minus`: for the adaptation of streams.
     Restrict,
 }
 
-/// What an author asked for; names are resolved against a rig by [`Selection::joints`].
+/// A combination of selectors; [`Selection::joints`] resolves its names against a rig.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Selection {
-    /// How the selectors combine.
+    /// Rule by which the selectors combine.
     pub rule: Rule,
-    /// Joints of smaller depth; 1 is the root alone.
+    /// Selects the joints of smaller depth; 1 is the root alone.
     pub depth: Option<u32>,
-    /// Joints of this level of articulation complexity.
+    /// Selects the joints of this level of articulation.
     pub complexity: Option<Complexity>,
-    /// Joints of these regions.
+    /// Selects the joints of these regions.
     pub zone: Option<Zone>,
-    /// Joints that are always on, by name of the rig or of H-Anim.
+    /// Joints that are always included, by their names in the rig or their H-Anim names.
     pub plus: Vec<String>,
-    /// Joints that are always off, by name of the rig or of H-Anim.
+    /// Joints that are always excluded, by their names in the rig or their H-Anim names.
     pub minus: Vec<String>,
 }
 
-/// A joint that a selection names and the rig does not have.
+/// The error for a joint name that the rig does not have; holds the name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnknownJoint(pub String);
 
@@ -53,7 +53,7 @@ impl std::fmt::Display for UnknownJoint {
 impl std::error::Error for UnknownJoint {}
 
 impl Selection {
-    /// The joints of a rig that may move. Without any selector every joint may.
+    /// Returns the joints of a rig that may move: all of them if there is no selector.
     ///
     /// # Errors
     /// [`UnknownJoint`] if `plus` or `minus` names a joint that the rig does not have.
@@ -77,14 +77,14 @@ impl Selection {
     }
 }
 
-/// Joints with fewer than `k` skin joints above them, and the nodes above the root with them.
+/// Returns the joints with fewer than `k` skin joints above them, including nodes above the root.
 pub fn depth(rig: &Rig, k: u32) -> JointSet {
     (0..rig.len())
         .filter(|&j| rig.depth(j) < k as usize)
         .collect()
 }
 
-/// Joints whose data level the complexity includes.
+/// Returns the joints whose data level is included in the complexity.
 pub fn complexity(rig: &Rig, complexity: Complexity) -> JointSet {
     let joints = &rig.articulation().joints;
     match complexity.level() {
@@ -95,7 +95,7 @@ pub fn complexity(rig: &Rig, complexity: Complexity) -> JointSet {
     }
 }
 
-/// Joints of the zone's regions.
+/// Returns the joints whose region is part of the zone.
 pub fn zone(rig: &Rig, zone: Zone) -> JointSet {
     let joints = &rig.articulation().joints;
     (0..rig.len())
@@ -103,10 +103,10 @@ pub fn zone(rig: &Rig, zone: Zone) -> JointSet {
         .collect()
 }
 
-/// The joint of this rig name or, failing that, of this H-Anim name.
+/// Returns the joint with this name in the rig or, failing that, with this H-Anim name.
 ///
 /// # Errors
-/// [`UnknownJoint`] if there is none.
+/// [`UnknownJoint`] if there is no such joint.
 pub fn joint(rig: &Rig, name: &str) -> Result<usize, UnknownJoint> {
     let by_hanim = || {
         let joints = &rig.articulation().joints;
@@ -117,7 +117,8 @@ pub fn joint(rig: &Rig, name: &str) -> Result<usize, UnknownJoint> {
         .ok_or_else(|| UnknownJoint(name.to_owned()))
 }
 
-/// A set with all ancestors of its joints: for close-ups, where a held ancestor would show.
+/// Returns a set extended by all ancestors of its joints: for close-ups, where a held ancestor
+/// would be visible.
 pub fn with_ancestors(rig: &Rig, set: &JointSet) -> JointSet {
     let mut out = *set;
     for joint in set.iter() {

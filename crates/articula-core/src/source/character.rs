@@ -1,22 +1,22 @@
-//! A whole character as a file describes it.
+//! The editable form of a whole character: everything that one file describes.
 
 use super::{Credits, Expression, RawClip, RawMesh, Skeleton};
 use crate::articulation::Articulation;
 use crate::level_table::LevelTable;
 use glam::Vec4;
 
-/// How a surface looks, reduced to what a preview needs.
+/// The appearance of a surface, reduced to the parameters that a preview needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// Name as the file has it.
+    /// Name as stored in the file.
     pub name: String,
-    /// Linear RGBA factor.
+    /// Base colour factor, linear RGBA.
     pub base_color: Vec4,
-    /// Index into the character's images; its colours are sRGB.
+    /// Index of the base colour texture in [`Character::images`]; its colours are sRGB.
     pub base_color_image: Option<usize>,
-    /// Fragments below this alpha are not drawn; 0 draws all.
+    /// Alpha below which fragments are discarded; 0 draws all of them.
     pub alpha_cutoff: f32,
-    /// Whether both sides are drawn.
+    /// Whether back faces are drawn too.
     pub double_sided: bool,
 }
 
@@ -32,10 +32,10 @@ impl Default for Material {
     }
 }
 
-/// An encoded picture (PNG, JPEG, ...), not decoded.
+/// An encoded image (PNG, JPEG, ...), not decoded.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Image {
-    /// Name as the file has it.
+    /// Name as stored in the file.
     pub name: String,
     /// Media type such as `image/png`, or empty if unknown.
     pub mime_type: String,
@@ -43,27 +43,28 @@ pub struct Image {
     pub bytes: Vec<u8>,
 }
 
-/// Everything that one file says of one character.
+/// The editable form of a character: skeleton, meshes, clips, expressions and materials of one
+/// file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Character {
-    /// Name as the file has it, or empty.
+    /// Name as stored in the file, or empty.
     pub name: String,
-    /// Joint tree at rest.
+    /// Joint tree in the rest pose.
     pub skeleton: Skeleton,
-    /// H-Anim level and region of each joint, if the file stores them.
+    /// H-Anim name, level and region of each joint, if the file stores them.
     pub articulation: Option<Articulation>,
     /// Meshes, in the order of the file's nodes.
     pub meshes: Vec<RawMesh>,
-    /// What the levels of [`RawMesh::clustered`] lose, if the file stores them.
+    /// Errors of the levels of [`RawMesh::clustered`], if the file stores them.
     pub mesh_levels: Option<LevelTable>,
-    /// Motions, in the order of the file.
+    /// Animation clips, in the order of the file.
     pub clips: Vec<RawClip>,
-    /// Named expressions that clips may drive.
+    /// Expressions that clips can drive by name.
     pub expressions: Vec<Expression>,
-    /// Origin and licence, if the file says anything of them.
+    /// Authors, origin and licence, if the file states any.
     pub credits: Option<Credits>,
-    /// Materials that primitives name.
+    /// Materials that primitives refer to by index.
     pub materials: Vec<Material>,
-    /// Pictures that materials name.
+    /// Images that materials refer to by index.
     pub images: Vec<Image>,
 }

@@ -1,63 +1,64 @@
-//! A motion as keyed channels, as files store it.
+//! The editable form of a clip: keyed channels, as files store them.
 
-/// What a [`Channel`] drives.
+/// The property that a [`Channel`] animates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Property {
-    /// Local translation of a joint; 3 floats a key, metres.
+    /// Local translation of a joint in metres; 3 floats per key.
     Translation,
-    /// Local rotation of a joint; 4 floats a key, unit quaternion x y z w.
+    /// Local rotation of a joint, a unit quaternion x y z w; 4 floats per key.
     Rotation,
-    /// Local scale of a joint; 3 floats a key.
+    /// Local scale of a joint; 3 floats per key.
     Scale,
-    /// Morph weights of a mesh; one float for each of its morph targets a key.
+    /// Morph target weights of a mesh; one float per morph target and key.
     Weights,
-    /// Value of an expression of the character, from 0 (off) to 1 (full); one float a key.
-    /// Values beyond are clamped when it is applied.
+    /// Weight of one of the character's expressions, from 0 (off) to 1 (full); one float per key.
+    /// Values outside the range are clamped when the expression is applied.
     Expression,
 }
 
 impl Property {
-    /// Whether a channel's target is a joint.
+    /// Returns whether the target of such a channel is a joint.
     pub fn is_of_joint(self) -> bool {
         matches!(self, Self::Translation | Self::Rotation | Self::Scale)
     }
 }
 
-/// How a channel runs between its keys (the three modes of glTF 2.0).
+/// Interpolation between the keys of a channel: the three modes of glTF 2.0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Interpolation {
-    /// Straight line; spherical for rotations.
+    /// Linear; spherical linear for rotations.
     #[default]
     Linear,
-    /// The value of the key before.
+    /// The value of the previous key.
     Step,
-    /// Cubic Hermite; each key stores in-tangent, value, out-tangent.
+    /// Cubic Hermite spline; each key stores in-tangent, value and out-tangent.
     CubicSpline,
 }
 
-/// One property of one target over time.
+/// The keys of one property of one target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// Joint index; mesh index where `property` is [`Property::Weights`], index into the
-    /// expressions where it is [`Property::Expression`].
+    /// Joint index; for [`Property::Weights`] a mesh index, for [`Property::Expression`] an index
+    /// into the character's expressions.
     pub target: usize,
-    /// Which property the keys drive.
+    /// The animated property.
     pub property: Property,
-    /// How to read between keys.
+    /// Interpolation between keys.
     pub interpolation: Interpolation,
     /// Key times in seconds, strictly increasing; never empty.
     pub times_secs: Vec<f32>,
-    /// Key values, flat: `times_secs.len()` times the floats of one key (three times as many
-    /// for [`Interpolation::CubicSpline`]).
+    /// Flat array of key values: `times_secs.len()` times the number of floats per key, three times
+    /// as many for [`Interpolation::CubicSpline`].
     pub values: Vec<f32>,
 }
 
-/// A motion. It runs from 0 to `duration_secs`; before its first key a channel holds it.
+/// A keyed animation clip over `0..=duration_secs`; a channel holds its first key before the time
+/// of that key.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RawClip {
-    /// Name as the file has it, or one made from its number.
+    /// Name as stored in the file, or one generated from the clip's index.
     pub name: String,
-    /// Time of the last key.
+    /// Time of the last key in seconds.
     pub duration_secs: f32,
     /// The channels; at most one for each (target, property).
     pub channels: Vec<Channel>,

@@ -1,28 +1,29 @@
-//! Who made a character and what may be done with it.
+//! Authors, origin and licence of a character.
 //!
-//! Source: `meta` of VRM 0.x and 1.0, `asset` of glTF 2.0, Dublin Core in `KHR_xmp_json_ld`.
+//! Sources: `meta` of VRM 0.x and 1.0, `asset` of glTF 2.0, Dublin Core in `KHR_xmp_json_ld`.
 
-/// What a file says of its origin and licence. Nothing is judged: words stay as they stand.
+/// Authors, origin and licence as stated by a file. Texts are kept verbatim and are not
+/// interpreted.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Credits {
-    /// Name of the work, or empty.
+    /// Title of the work, or empty.
     pub title: String,
     /// Version of the work, or empty.
     pub version: String,
-    /// Who made it.
+    /// Names of the authors.
     pub authors: Vec<String>,
-    /// How to reach them, or empty.
+    /// Contact information of the authors, or empty.
     pub contact: String,
-    /// The copyright notice, or empty.
+    /// Copyright notice, or empty.
     pub copyright: String,
-    /// Works that this one goes back to.
+    /// Works from which this one is derived.
     pub references: Vec<String>,
-    /// Name of the licence as the file spells it, or empty.
+    /// Name of the licence as spelled in the file, or empty.
     pub licence_name: String,
-    /// Address of the licence, or empty.
+    /// URL of the licence, or empty.
     pub licence_url: String,
-    /// Terms beyond the name of the licence: name and value as the file has them.
+    /// Further terms of use: name and value as stored in the file.
     pub terms: Vec<(String, String)>,
-    /// The program that wrote the file, or empty.
+    /// Program that wrote the file, or empty.
     pub generator: String,
 }

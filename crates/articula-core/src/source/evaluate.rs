@@ -1,18 +1,19 @@
-//! The exact value of keyed channels at any time, as glTF 2.0 defines it (appendix C).
+//! Exact evaluation of keyed channels at any time, as defined by appendix C of the glTF 2.0
+//! specification.
 //!
-//! Linear rotations turn by spherical interpolation on the short way; cubic ones are Hermite
-//! splines that are normalised afterwards. Before its first key and after its last a channel
-//! holds.
+//! Linear rotations use spherical interpolation along the shorter arc; cubic ones are Hermite
+//! splines, normalised afterwards. A channel holds its first value before its first key and its
+//! last value after its last key.
 
 use super::{Channel, Interpolation, Property, RawClip, Skeleton};
 use crate::math::same_hemisphere;
 use crate::pose::LocalPose;
 use glam::{Quat, Vec3, Vec4};
 
-/// Evaluates a channel whose keys have `out.len()` floats; rotations come out normalised.
+/// Evaluates a channel with `out.len()` floats per key; rotations are normalised.
 ///
 /// # Panics
-/// If the channel has no key, or fewer values than its keys need.
+/// If the channel has no key, or too few values for its keys.
 pub fn channel(channel: &Channel, time_secs: f32, out: &mut [f32]) {
     let width = out.len();
     let times = &channel.times_secs;
@@ -61,10 +62,10 @@ pub fn channel(channel: &Channel, time_secs: f32, out: &mut [f32]) {
     }
 }
 
-/// Writes the local pose of a clip at a time; joints without a channel are at rest.
+/// Writes the local pose of a clip at a time; joints without a channel are set to the rest pose.
 ///
 /// # Panics
-/// If `out` is of another skeleton, or a channel names a joint that is not there.
+/// If `out` belongs to another skeleton, or a channel targets a joint out of range.
 pub fn pose(clip: &RawClip, skeleton: &Skeleton, time_secs: f32, out: &mut LocalPose) {
     assert_eq!(
         out.rotations.len(),

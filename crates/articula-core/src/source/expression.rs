@@ -1,70 +1,70 @@
-//! Named expressions: one number each that drives morph targets and joints together.
+//! Named expressions: one weight each that drives morph targets and joints together.
 //!
-//! Source: VRM 1.0 `expressions` (and 0.x `blendShapeMaster`), the draft `KHR_character_expression`
-//! with its masks. Differs: curves between 0 and 1 are straight lines.
+//! Sources: VRM 1.0 `expressions` (VRM 0.x `blendShapeMaster`) and the draft
+//! `KHR_character_expression` with its masks. Response curves between 0 and 1 are replaced by
+//! straight lines.
 
 use crate::math::Transform;
 
-/// A morph target that an expression drives.
+/// A morph target driven by an expression.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MorphBinding {
     /// Index into the character's meshes.
     pub mesh: usize,
     /// Index into the morph targets of the mesh.
     pub target: usize,
-    /// What the full expression adds to the weight of the target.
+    /// Weight added to that of the morph target at full expression.
     pub weight: f32,
 }
 
-/// A joint that an expression drives.
+/// A joint driven by an expression.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointBinding {
     /// Index into the joints of the skeleton.
     pub joint: usize,
-    /// Local transform that the full expression shows; parts that equal the rest are not driven.
+    /// Local transform at full expression; components equal to the rest pose are not driven.
     pub full: Transform,
 }
 
-/// How strongly a mask acts.
+/// How a mask depends on the weight of the masking expression.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MaskKind {
-    /// In proportion to the value of the masking expression.
+    /// In proportion to the weight.
     Blend,
-    /// Wholly as soon as that value is above a threshold, 0 to 1.
+    /// Fully, as soon as the weight is above a threshold.
     Block {
-        /// The value that must be exceeded.
+        /// The threshold, 0 to 1.
         above: f32,
     },
 }
 
-/// How one expression weakens another while both are shown.
+/// The attenuation of one expression by another that is active at the same time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mask {
-    /// Index of the weakened expression.
+    /// Index of the attenuated expression.
     pub target: usize,
-    /// How the weakening follows the value.
+    /// How the attenuation depends on the weight of the masking expression.
     pub kind: MaskKind,
-    /// Share that is taken away at most, 0 to 1.
+    /// Maximum fraction by which the target is reduced, 0 to 1.
     pub amount: f32,
-    /// Whether the shares of several such masks are added up to 1 at most (overrides of VRM);
-    /// otherwise what each leaves is multiplied (`KHR_character_expression_mask`).
+    /// Whether the fractions of several such masks are summed, up to 1 (overrides of VRM); if not,
+    /// the remaining fractions are multiplied (`KHR_character_expression_mask`).
     pub adds: bool,
 }
 
-/// An expression of a face or body, driven by one number from 0 (off) to 1 (full).
+/// An expression of a face or body, driven by one weight from 0 (off) to 1 (full).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Expression {
-    /// Name by which motions find it; presets of VRM 0.x go by their names in VRM 1.0.
+    /// Name by which clips refer to it; presets of VRM 0.x have their VRM 1.0 names.
     pub name: String,
-    /// Morph targets that it drives.
+    /// The driven morph targets.
     pub morphs: Vec<MorphBinding>,
-    /// Joints that it drives.
+    /// The driven joints.
     pub joints: Vec<JointBinding>,
-    /// How many bindings to materials and textures the file has beside these; they are not
-    /// applied.
+    /// Number of bindings to materials and textures in the file; these are not applied.
     pub unapplied: usize,
-    /// Whether values above 0.5 count as 1 and all others as 0.
+    /// Whether weights above 0.5 count as 1 and all others as 0.
     pub is_binary: bool,
-    /// Which expressions it weakens.
+    /// The expressions that this one attenuates.
     pub masks: Vec<Mask>,
 }

@@ -1,21 +1,21 @@
-//! Triangles, their skin and their morph targets.
+//! The editable form of meshes: triangles, skin and morph targets.
 
 use crate::clustered::ClusteredTriangles;
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
-/// Which joints move a mesh.
+/// The joints that deform a mesh.
 ///
-/// A mesh that a file hangs rigidly on a node has one joint and an identity inverse bind
-/// matrix: one rule for both kinds.
+/// A mesh attached rigidly to a node has one joint and an identity inverse bind matrix, so that
+/// both kinds are handled in the same way.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Skin {
-    /// Skeleton joints; a vertex's joint numbers index this list.
+    /// Joint indices of the skeleton; the joint numbers of a vertex index this list.
     pub joints: Vec<usize>,
-    /// Joint-from-mesh matrix at rest, one for each entry of `joints`.
+    /// Inverse bind matrices (joint from mesh, in the rest pose), one for each entry of `joints`.
     pub inverse_bind: Vec<Affine3A>,
 }
 
-/// Displacements that a weight blends in before skinning.
+/// A morph target: vertex offsets that are scaled by a weight and added before skinning.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MorphTarget {
     /// Position offsets in mesh space, one for each vertex.
@@ -24,7 +24,7 @@ pub struct MorphTarget {
     pub normals: Vec<Vec3>,
 }
 
-/// One drawable part with one material.
+/// A drawable part of a mesh with one material.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Primitive {
     /// Vertex positions in mesh space.
@@ -35,49 +35,50 @@ pub struct Primitive {
     pub texcoords: Vec<Vec2>,
     /// Linear RGBA vertex colours, or empty.
     pub colors: Vec<Vec4>,
-    /// Influences a vertex, at least 1.
+    /// Number of influences per vertex, at least 1.
     pub influences: usize,
     /// `positions.len() * influences` indices into [`Skin::joints`].
     pub joints: Vec<u16>,
-    /// As many weights, not negative, summing to 1 for each vertex.
+    /// `positions.len() * influences` weights, not negative, summing to 1 for each vertex.
     pub weights: Vec<f32>,
-    /// One for each of the mesh's morph targets.
+    /// One entry for each morph target of the mesh.
     pub morphs: Vec<MorphTarget>,
-    /// Counter-clockwise triangles.
+    /// Vertex indices of the triangles, counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
     /// Index into the character's materials.
     pub material: Option<usize>,
 }
 
-/// A coarser form of a [`RawMesh`], to be shown in its place when it is small on the screen.
+/// A coarser replacement of a [`RawMesh`], drawn when the mesh is small on the screen.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeshLevel {
-    /// What moves it.
+    /// The joints that deform it.
     pub skin: Skin,
-    /// Its drawable parts, each with as many morph targets as the mesh has, or each with none.
+    /// The drawable parts, each with as many morph targets as the mesh, or each with none.
     pub primitives: Vec<Primitive>,
-    /// Least share of the screen that it is made for, if the file says so.
+    /// Minimum fraction of the screen for which the level is made, if the file states it.
     pub screen_coverage: Option<f32>,
 }
 
-/// A mesh as one node shows it.
+/// The mesh of one node.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RawMesh {
-    /// Name of the node or, without one, of the mesh.
+    /// Name of the node or, if it has none, of the mesh.
     pub name: String,
-    /// What moves it.
+    /// The joints that deform it.
     pub skin: Skin,
-    /// Its drawable parts.
+    /// The drawable parts.
     pub primitives: Vec<Primitive>,
-    /// Name of each morph target (may be empty strings).
+    /// Name of each morph target; may be empty strings.
     pub morph_names: Vec<String>,
-    /// Weight of each morph target at rest.
+    /// Default weight of each morph target.
     pub morph_weights: Vec<f32>,
-    /// Least share of the screen that the parts above are made for, if the file says so.
+    /// Minimum fraction of the screen for which `primitives` are made, if the file states it.
     pub screen_coverage: Option<f32>,
-    /// Coarser forms of the same, the finest first.
+    /// Coarser levels of the mesh, the finest first.
     pub levels: Vec<MeshLevel>,
-    /// One for each primitive, or none: levels over its own vertices, the finest of them its
-    /// triangles. Who changes vertices or triangles of a primitive clears it.
+    /// Empty, or one entry for each primitive: levels over the primitive's own vertices, the finest
+    /// of which are its triangles. Must be cleared when vertices or triangles of a primitive
+    /// change.
     pub clustered: Vec<ClusteredTriangles>,
 }

@@ -1,7 +1,8 @@
-//! The editable nouns between readers and builders: public fields, no cleverness.
+//! Editable characters: plain structs with public fields, between file readers and builders.
 //!
-//! A reader gives a [`Character`] with everything difficult about its format resolved; a
-//! builder turns it into the read-only nouns of the frame.
+//! A reader returns a [`Character`] with all peculiarities of its format resolved; a builder turns
+//! it into the read-only types of the frame, [`Rig`](crate::Rig), [`Mesh`](crate::Mesh) and
+//! [`Clip`](crate::Clip).
 
 mod character;
 mod clip;

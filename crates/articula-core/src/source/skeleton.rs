@@ -1,22 +1,22 @@
-//! The joint tree of a character at rest.
+//! The joint tree of a character in the rest pose.
 
 use crate::math::Transform;
 
 /// One joint of a [`Skeleton`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// Name as the file has it; may be empty, need not be unique.
+    /// Name as stored in the file; may be empty, need not be unique.
     pub name: String,
-    /// Index of the parent in the same skeleton, always smaller than the joint's own.
+    /// Index of the parent in the same skeleton, always smaller than the joint's own index.
     pub parent: Option<usize>,
-    /// Local transform at rest.
+    /// Local transform in the rest pose.
     pub rest: Transform,
-    /// Whether a skin (or the format itself) names it a joint. Other nodes are kept only
-    /// because they carry a mesh, are animated, or stand above something that is kept.
+    /// Whether a skin, or the format itself, declares it a joint. Other nodes are kept only if they
+    /// carry a mesh, are animated, or are ancestors of a kept node.
     pub in_skin: bool,
 }
 
-/// A joint forest, parents before children.
+/// A joint hierarchy, parents before children; several roots are allowed.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Skeleton {
     /// The joints; a root has no parent.
@@ -24,7 +24,7 @@ pub struct Skeleton {
 }
 
 impl Skeleton {
-    /// Index of the first joint with this name.
+    /// Returns the index of the first joint with this name.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|j| j.name == name)
     }

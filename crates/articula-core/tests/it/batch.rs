@@ -1,6 +1,6 @@
-//! Promises of batched evaluation: every backend gives the same bits, all within a stated bound
-//! of the plain path, at every level, in every form, for whole and partly filled batches, and
-//! nothing is allocated.
+//! Properties of batched evaluation: all backends give the same bits, within a stated bound of the
+//! plain path, at every level, in every form, for full and partly filled batches, without
+//! allocation.
 
 use crate::random_rig::{Options, figure};
 use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
@@ -11,11 +11,11 @@ use articula_core::{
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
 
-/// Rotations of a chain are unit to a few parts in 1e7 each; a rig of 24 joints in a row, two
-/// metres long and scaled up to twice, stays within this of the plain path, in metres.
+/// Bound in metres of the distance to the plain path for a chain of 24 joints, two metres long and
+/// scaled up to twice: each rotation is unit to a few parts in 1e7.
 const BOUND_METRES: f32 = 4e-5;
 
-/// Times of one character: two clips, where in each, and the fade between them.
+/// State of one character: first clip and its time, second clip and its time, weight of the second.
 type Play = (usize, f32, usize, f32, f32);
 
 fn play() -> impl Strategy<Value = Play> {
@@ -23,7 +23,7 @@ fn play() -> impl Strategy<Value = Play> {
     (0usize..2, -0.1f32..2.0, 0usize..2, -0.1f32..2.0, fade)
 }
 
-/// The plain path: model matrices of all joints.
+/// Model matrices of all joints by the plain path.
 fn plain(rig: &Rig, clips: &[Clip], (a, ta, b, tb, fade): Play) -> ModelPose {
     let at = |clip: usize, secs: f32| {
         let mut pose = rig.rest_pose().clone();
@@ -53,7 +53,7 @@ fn shown(set: &ClipSet, (a, ta, b, tb, fade): Play) -> BatchPose {
     }
 }
 
-/// Greatest distance between what two matrices make of points within a metre of their origin.
+/// Greatest distance between the images under two matrices of points within 1 m of the origin.
 fn apart(a: &Affine3A, b: &Affine3A) -> f32 {
     [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z]
         .into_iter()
@@ -76,7 +76,7 @@ fn rigid(rows: &[[f32; 4]]) -> Affine3A {
     Affine3A::from_rotation_translation(Quat::from_array(rows[0]), t)
 }
 
-/// Bindings for every second place, with a matrix that turns and moves (and scales, if asked).
+/// Bindings for every second joint, with a matrix that rotates, translates and scales.
 fn bindings(joint_lods: &JointLods, scale: f32) -> Vec<(u16, Affine3A)> {
     (0..joint_lods.joints().len() as u16)
         .step_by(2)
@@ -92,7 +92,7 @@ fn bindings(joint_lods: &JointLods, scale: f32) -> Vec<(u16, Affine3A)> {
         .collect()
 }
 
-/// Evaluates into f32 rows, whatever the form.
+/// Evaluates into f32 rows, for any form.
 fn evaluated(
     set: &ClipSet,
     map: &PaletteMap,
@@ -193,8 +193,8 @@ proptest! {
         let best = (PaletteForm::Matrix, Backend::best());
         let wanted = evaluated(&float, &map, best, 0, &shown_in(&float));
         let found = evaluated(&short, &map, best, 0, &shown_in(&short));
-        // Each joint turns what hangs below it, two metres at most, and moves it by at most half
-        // a step of the translations' range.
+        // Each joint rotates its descendants, which reach 2 m at most, and translates them with an
+        // error of at most half a step of the translations' range.
         let each = 6.2e-5 * 2.0 + 4.0 / 65534.0;
         for (i, (a, b)) in wanted.chunks(3).zip(found.chunks(3)).enumerate() {
             let chain = rig.len().min(i % rig.len() + 1) as f32;

@@ -1,12 +1,12 @@
-//! Promises of the budget: acceptance test 10 of `docs/methods/motion-lod.md` part 10, agreement with the
-//! heap that the specification describes and with brute force, and no allocation in a frame.
+//! Properties of the budget allocator: acceptance test 10 of `docs/methods/motion-lod.md` part 10,
+//! agreement with the heap of its part 7 and with brute force, no allocation in a frame.
 
 use articula_core::budget::{BudgetAllocator, BudgetPolicy, LodOption, LodOptionSetId, LodRequest};
 use proptest::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// No cap, no ageing: nothing but the knapsack.
+/// The knapsack alone, without cap and ageing.
 const PLAIN: BudgetPolicy = BudgetPolicy {
     cap_px: f32::INFINITY,
     enough_px: 0.0,
@@ -14,7 +14,7 @@ const PLAIN: BudgetPolicy = BudgetPolicy {
     hold_frames: 0,
 };
 
-/// What one character asks for; `None` is hidden.
+/// Option set, weight and pixels per metre of a character; `None` if it is hidden.
 type Wish = Option<(usize, f32, f32)>;
 
 #[derive(Debug, Clone)]
@@ -56,7 +56,7 @@ impl Crowd {
         Some(self.option_sets[option_set][budget.choice(c).unwrap()])
     }
 
-    /// Cost and weighted error of what was chosen.
+    /// Cost and weighted error of the chosen options.
     fn totals(&self, budget: &BudgetAllocator) -> (f64, f64) {
         let mut totals = (0.0, 0.0);
         for c in 0..self.wishes.len() {
@@ -75,7 +75,7 @@ impl Crowd {
         option_sets.map(|m| f64::from(hull(m)[0].cost)).sum()
     }
 
-    /// The largest weighted error that one upgrade of anyone takes away.
+    /// The largest weighted error that any single upgrade removes.
     fn largest_upgrade(&self) -> f64 {
         let wishes = self.wishes.iter().flatten();
         let gains = wishes.flat_map(|(option_set, weight, _)| {
@@ -91,7 +91,7 @@ impl Crowd {
     }
 }
 
-/// Gift wrapping: from the cheapest and best, always on to the steepest.
+/// Lower hull by gift wrapping: from the cheapest option on to the one with the steepest slope.
 fn hull(lod_options: &[LodOption]) -> Vec<LodOption> {
     let by_cost = |a: &&LodOption, b: &&LodOption| {
         let by_cost = a.cost.total_cmp(&b.cost);
@@ -144,8 +144,8 @@ impl Ord for Upgrade {
     }
 }
 
-/// The plain form of the specification: cheapest first, then the best upgrade from a heap until
-/// the next one does not fit. Gives the chosen offers.
+/// The plain form of `docs/methods/motion-lod.md` part 7: all at their cheapest option, then the
+/// best upgrade from a heap until the next one does not fit. Returns the chosen options.
 fn plain(crowd: &Crowd, cap_px: f32, budget: f64) -> Vec<Option<LodOption>> {
     let hulls: Vec<_> = crowd.option_sets.iter().map(|m| hull(m)).collect();
     let mut at = vec![0; crowd.wishes.len()];
@@ -178,7 +178,7 @@ fn plain(crowd: &Crowd, cap_px: f32, budget: f64) -> Vec<Option<LodOption>> {
         .collect()
 }
 
-/// Costs in steps of a quarter, which the fixed point holds exactly.
+/// Costs in steps of 0.25, which the fixed point represents exactly.
 fn lod_options() -> impl Strategy<Value = Vec<LodOption>> {
     let lod_option = (0_u16..400, 0_u16..2000).prop_map(|(cost, error)| LodOption {
         cost: 0.25 * f32::from(cost),
@@ -203,7 +203,7 @@ fn crowd(most: usize) -> impl Strategy<Value = Crowd> {
     })
 }
 
-/// Least weighted error of all combinations within the budget.
+/// Minimum weighted error of all combinations within the budget.
 fn brute_force(crowd: &Crowd, budget: f64) -> f64 {
     fn least(crowd: &Crowd, c: usize, left: f64) -> f64 {
         let Some(wish) = crowd.wishes.get(c) else {
@@ -254,7 +254,7 @@ proptest! {
         let (mut budget, _) = crowd.budget(PLAIN);
         budget.solve(units);
         let (cost, error) = crowd.totals(&budget);
-        // Where even the cheapest do not fit there is nothing to compare with.
+        // If even the cheapest options do not fit, compare at their cost.
         let best = brute_force(&crowd, cost.max(f64::from(units)));
         prop_assert!(error >= best - 1e-6);
         prop_assert!(error <= best + crowd.largest_upgrade() + 1e-6, "{error} for {best}");
@@ -265,7 +265,8 @@ proptest! {
         let (mut budget, _) = crowd.budget(BudgetPolicy { cap_px, ..PLAIN });
         budget.solve(units);
         let chosen = plain(&crowd, cap_px, f64::from(units));
-        // Equal gains per cost may be rounded apart, which is worth one upgrade of one character.
+        // Rounding may order equal gains per cost differently, which changes one upgrade of one
+        // character.
         let others = (0..chosen.len()).filter(|c| {
             let cost = |o: Option<LodOption>| o.map(|o| o.cost);
             cost(crowd.lod_option(&budget, *c)) != cost(chosen[*c])
@@ -289,11 +290,11 @@ proptest! {
         for (changes, units) in frames {
             for (c, wish) in changes {
                 if let Some(slot) = crowd.wishes.get_mut(c) {
-                    // Either the same scale or one that is far enough away to be seen.
+                    // Powers of two: either the same scale or one beyond the hysteresis.
                     *slot = wish.map(|(option_set, weight, scale)| (option_set, weight, scale.log2().round().exp2()));
                 }
             }
-            // The history must be forgotten where it would be kept within the hysteresis.
+            // Requests within the hysteresis would be ignored, so discard the history.
             for c in 0..crowd.wishes.len() {
                 repaired.requeue(c);
             }
@@ -343,7 +344,7 @@ proptest! {
     }
 }
 
-/// A crowd of equals with two options, 10 and 110 units, off by 100 mm or not at all.
+/// `n` equal characters with two options: 10 units with an error of 100 mm, 110 without error.
 fn equals(n: usize) -> Crowd {
     let lod_option = |cost, error_metres| LodOption { cost, error_metres };
     Crowd {
@@ -360,7 +361,7 @@ fn fine(budget: &BudgetAllocator, n: usize) -> Vec<usize> {
 fn ties_go_to_the_first_and_a_permutation_changes_nothing_else() {
     let crowd = equals(10);
     let (mut budget, _) = crowd.budget(PLAIN);
-    // 100 for all at their cheapest, 3 upgrades, and 99 that are no use.
+    // 100 for the cheapest options, 3 upgrades, and 99 that remain unused.
     let report = budget.solve(100.0 + 300.0 + 99.0);
     assert_eq!(fine(&budget, 10), [0, 1, 2]);
     assert_eq!((report.used, report.demand), (400.0, 1100.0));
@@ -410,7 +411,7 @@ fn who_is_above_the_cap_comes_first() {
             lod_option(10.0, 0.01),
             lod_option(100.0, 0.0),
         ]],
-        // The first counts a hundred times as much, but is within the cap of 2 px.
+        // The first has 100 times the weight, but is within the cap of 2 px.
         wishes: vec![Some((0, 100.0, 15.0)), Some((0, 1.0, 100.0))],
     };
     let policy = BudgetPolicy {
@@ -420,7 +421,7 @@ fn who_is_above_the_cap_comes_first() {
     let (mut budget, ids) = crowd.budget(policy);
     assert_eq!(budget.solve(10.0).above_cap, 0);
     assert_eq!([budget.choice(0), budget.choice(1)], [Some(0), Some(1)]);
-    // Enough is enough: with the limit at the cap nothing more is bought.
+    // With `enough_px` at the cap no further upgrade is taken.
     budget.set_policy(BudgetPolicy {
         enough_px: 2.0,
         ..policy
@@ -429,7 +430,7 @@ fn who_is_above_the_cap_comes_first() {
     assert_eq!((report.used, report.demand), (10.0, 10.0));
     budget.set_policy(policy);
     assert_eq!(budget.solve(1e6).used, 200.0);
-    // Who does not matter is brought to the cap, no further.
+    // A character without weight is brought to the cap and no further.
     let dull = |weight| LodRequest {
         option_set: ids[0],
         weight,
@@ -457,7 +458,7 @@ fn small_changes_of_scale_touch_nothing() {
         weight: 1.0,
         pixels_per_metre,
     };
-    // 10 px at 100 px/m, 9 px is allowed.
+    // 10 px at 100 px/m; the cap is 9 px.
     assert_eq!(budget.solve(1e6).changes, 2);
     for scale in [99.0, 95.0, 91.0, 109.0, 100.0] {
         budget.request(0, at(scale));
@@ -466,12 +467,12 @@ fn small_changes_of_scale_touch_nothing() {
     budget.request(0, at(85.0));
     assert_eq!(budget.solve(1e6).changes, 1);
     assert_eq!(budget.choice(0), Some(0));
-    // The report is of the true scale all the same: 8.5 px, and 9.2 just before it is judged.
+    // The report uses the current scale: 8.5 px, and 9.2 px just before the update.
     budget.request(0, at(92.0));
     let report = budget.solve(1e6);
     assert_eq!((report.changes, report.above_cap), (0, 1));
     assert!((report.worst_px - 9.2).abs() < 1e-4);
-    // A hold that ends has it judged in any case.
+    // A requeued character is updated in any case.
     budget.requeue(0);
     budget.request(0, at(92.0));
     assert_eq!(budget.solve(1e6).changes, 1);
@@ -487,7 +488,7 @@ fn nobody_waits_for_ever() {
         ..PLAIN
     };
     let units = 10.0 * n as f32 + 100.0 * k as f32;
-    // Equals; and the same where some count a thousand times as much as others.
+    // Equal weights, then weights that differ by up to a factor of 1000.
     for spread in [1.0_f32, 1000.0] {
         let mut crowd = equals(n);
         for (c, wish) in crowd.wishes.iter_mut().enumerate() {
@@ -507,12 +508,12 @@ fn nobody_waits_for_ever() {
             }
         }
         longest = last.iter().map(|l| 3000 - l).fold(longest, i32::max);
-        // A round lasts n / k turns of a hold and a look; whoever counts a thousand times less
-        // must have waited ten times as long (the cube of ten) before it is even.
+        // A round lasts n / k holds, each with its delay; a character with a thousandth of the
+        // weight must wait ten times as long (10 cubed is 1000) to be equal.
         let round = (n as i32 / k as i32 + 1) * (12 + 2 * 8);
         let bound = if spread > 1.0 { 10 * round } else { round };
         assert!(longest <= bound, "{longest} frames, {bound} allowed");
-        // And what was chosen stays for a while: two changes for each turn of a hold.
+        // Choices are held for a while: two changes per hold.
         assert!(changes <= 2 * k * 3000 / 12, "{changes} changes");
     }
 }
@@ -569,17 +570,17 @@ fn new_costs_move_everyone_and_keep_their_names() {
     let (mut budget, _) = crowd.budget(PLAIN);
     budget.solve(240.0);
     assert_eq!(fine(&budget, 4), [0, 1]);
-    // The fine option costs half now: room for all.
+    // The fine option costs half now, so all fit.
     budget.reprice(|_, option| [10.0, 55.0][option]);
     let report = budget.solve(240.0);
     assert_eq!((report.used, report.changes), (220.0, 2));
-    // The fine one becomes the cheaper one: the hull has one point, by its old name.
+    // The fine option becomes the cheaper one: the hull is that one point, under its old index.
     budget.reprice(|_, option| [10.0, 5.0][option]);
     for plenty_or_not in [0.0, 1e6] {
         let report = budget.solve(plenty_or_not);
         assert_eq!((report.used, report.changes), (20.0, 0));
     }
-    // A cost that is no number is never paid.
+    // An option with a NaN cost is never chosen.
     budget.reprice(|_, option| [10.0, f32::NAN][option]);
     assert_eq!(budget.solve(1e6).used, 40.0);
 }

@@ -1,4 +1,4 @@
-//! Levels are switched in a frame: nothing is allocated.
+//! Selecting mesh levels in a frame does not allocate.
 
 use articula_core::{Cluster, Clusters};
 

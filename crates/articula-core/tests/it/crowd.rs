@@ -1,6 +1,6 @@
-//! Promises of a crowd: acceptance test 9 of `docs/methods/motion-lod.md` part 10, palettes where the
-//! draws say, the same bytes however batches are spread, nothing skipped for who is hidden, and no
-//! allocation in a frame.
+//! Properties of a crowd: acceptance test 9 of `docs/methods/motion-lod.md` part 10, palettes at
+//! the positions given by the draws, the same bytes for any division into ranges of batches,
+//! complete events for hidden characters, no allocation in a frame.
 
 use crate::random_rig::{Options, figure};
 use articula_core::crowd::{
@@ -22,7 +22,7 @@ const PLAIN: Options = Options {
     steps: false,
 };
 
-/// A rig with two clips and up to four levels, each said to cost a centimetre more.
+/// A rig with two clips and up to four levels, with a stated error of 1 cm more for each.
 fn parts(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdParts {
     let joint_lods = JointLods::of_sets(rig, sets, rig.rest_pose()).unwrap();
     let levels: Vec<f32> = (0..joint_lods.levels()).map(|l| l as f32 * 0.01).collect();
@@ -82,7 +82,7 @@ fn fixed_figure() -> (Rig, Vec<Clip>, Vec<JointSet>) {
     }
 }
 
-/// Characters in rows ahead of a camera at the origin, which looks along -Z.
+/// Characters in rows in front of a camera at the origin, which faces -Z.
 struct Square {
     positions: Vec<Vec3>,
     rotations: Vec<Quat>,
@@ -132,7 +132,7 @@ fn origin(rows: &[[f32; 4]], matrix: usize) -> Vec3 {
     Vec3::new(at[0][3], at[1][3], at[2][3])
 }
 
-/// Plays a mixed crowd for some frames.
+/// Ticks a mixed crowd for some frames.
 fn played(model: &CrowdModel, square: &Square, share: bool, frames: usize) -> (Crowd, CrowdReport) {
     let mut crowd = Crowd::new(model, square.positions.len());
     for i in 0..square.positions.len() {
@@ -185,7 +185,7 @@ fn draws_name_the_palette_of_their_character() {
                 others += usize::from(off > 4e-5);
             }
         }
-        // Only who follows a leader shows another pose than its own.
+        // Only characters that share a pose may show one other than their own.
         assert!(
             others <= report.followers,
             "{others} of {}",
@@ -253,8 +253,8 @@ fn a_frame_allocates_nothing() {
     assert!(heard > 100);
 }
 
-/// Acceptance test 9: who walks into view from the side is shown rightly in the first frame
-/// that shows it, and was told every step meanwhile.
+/// Acceptance test 9: a character that walks into view from the side is shown correctly in its
+/// first visible frame, and all its events were delivered.
 #[test]
 fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
     let (rig, clips, sets) = fixed_figure();
@@ -269,7 +269,7 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
             id: 2,
         },
     ];
-    // A metre ahead in each lap of the clip.
+    // One metre ahead in each loop of the clip.
     let ahead = RootDelta {
         offset: Vec3::Z,
         yaw_radians: 0.0,
@@ -315,7 +315,7 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
         }
     }
     assert!(first_seen.unwrap() > 20, "it begins out of view");
-    // The way and the events of all laps, though nothing was evaluated before.
+    // Root motion and events of all loops, though no pose was evaluated before.
     let laps = secs / f64::from(duration);
     assert!(
         (f64::from(position.x) + 14.0 - laps).abs() < 0.01,
@@ -337,7 +337,7 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
     local_to_model(&rig, &pose, &mut truth);
     for place in 0..rig.len() {
         let joint = usize::from(model.parts().clips.joint_lods().joints()[place]);
-        // A clock of f32 that ran for some seconds is right to some microseconds.
+        // An f32 clock is accurate to some microseconds after some seconds.
         assert!(origin(&rows, place).distance(truth.position(joint)) < 1e-3);
     }
 }
@@ -377,7 +377,7 @@ fn a_fade_ends_at_the_other_clip_and_both_tell_their_events() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Whatever is put in, a frame ends, and what it draws can be evaluated.
+    /// Every frame completes for any input, and its draws can be evaluated.
     #[test]
     fn odd_numbers_behave(
         (rig, clips, sets) in figure(PLAIN),
@@ -427,7 +427,7 @@ proptest! {
         }
     }
 
-    /// A socket is the full character's joint, whatever is shown.
+    /// An attachment follows the joint of the full character, whatever level is shown.
     #[test]
     fn sockets_are_true(
         (rig, clips, _) in figure(Options { scaled: true, steps: true }),
@@ -481,8 +481,8 @@ fn what_does_not_belong_together_is_refused() {
     const { assert!(Crowd::BYTES_PER_CHARACTER <= 64) }
 }
 
-/// A cache of the first and last pose of each clip at every level but the finest, said to be
-/// within half a centimetre.
+/// A cache of the first and last pose of each clip at every level but the finest, with a stated
+/// error of 5 mm.
 fn with_cache(model: CrowdModel) -> CrowdModel {
     let evaluator = model.evaluator();
     let mut scratch = evaluator.scratch();
@@ -564,7 +564,7 @@ fn cached_poses_are_blended_by_either_side() {
             let first = of_character.next().unwrap().first_matrix as usize;
             let after = origin(cached, record.after as usize);
             let blended = origin(cached, record.before as usize).lerp(after, record.blend);
-            // Only where the CPU took it from the cache too is it the same pose.
+            // The poses are equal only where the CPU used the cache too.
             let same = origin(&rows, first).distance(blended) < 1e-5;
             compared += usize::from(same);
         }

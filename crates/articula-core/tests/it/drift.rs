@@ -1,5 +1,5 @@
-//! Promises of the drift controller: acceptance tests 3, 4, 6, 7, 11 and 13 of
-//! `docs/methods/motion-lod.md` part 10, and no allocation in a frame.
+//! Properties of the drift controller: acceptance tests 3, 4, 6, 7, 11 and 13 of
+//! `docs/methods/motion-lod.md` part 10, no allocation in a frame.
 
 use articula_core::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
 use articula_core::source::{self, Joint, MorphTarget, Primitive, Skeleton, Skin};
@@ -12,7 +12,7 @@ use glam::{Affine3A, Quat, Vec3};
 
 const LEVER: f32 = 0.3;
 
-/// One joint that turns about x by `angle(t)`, sampled at `rate`.
+/// One joint that rotates about x by `angle(t)`, sampled at `rate`.
 fn turning(secs: f32, rate: f32, angle: impl Fn(f32) -> f32) -> Clip {
     let frames = (secs * rate).round() as usize + 1;
     let values = (0..frames)
@@ -31,7 +31,7 @@ fn turning(secs: f32, rate: f32, angle: impl Fn(f32) -> f32) -> Clip {
 
 fn speed_bound(clip: &Clip) -> f32 {
     let keys = &clip.tracks().rotations[0].values;
-    // Between frames a normalised blend turns fastest in the middle: 4 tan(angle / 4).
+    // Between frames a normalised blend rotates fastest in the middle: 4 tan(angle / 4).
     let fastest = keys
         .windows(2)
         .map(|w| 4.0 * (angle_between(w[0], w[1]) / 4.0).tan())
@@ -43,7 +43,7 @@ fn rest() -> LocalPose {
     LocalPose::from_iter([Transform::IDENTITY])
 }
 
-/// One frame of a run.
+/// Result of one frame.
 #[derive(Clone, Copy)]
 struct Shown {
     secs: f64,
@@ -52,7 +52,7 @@ struct Shown {
     updates: u64,
 }
 
-/// Plays a clip at a display rate, the pixels per metre given by time.
+/// Plays a clip at a display rate, with the pixels per metre as a function of time.
 fn play(clip: &Clip, display_hz: f64, opts: DriftOptions, ppm: impl Fn(f64) -> f32) -> Vec<Shown> {
     let bounds = JointErrorBounds {
         lever_metres: LEVER,
@@ -87,7 +87,7 @@ fn still_camera(distance: f32) -> impl Fn(f64) -> f32 {
     move |_| Viewport::default().pixels_per_metre(distance)
 }
 
-/// Angles come from f32 quaternions: about 3e-7 rad, some thousandths of a pixel up close.
+/// Angles come from f32 quaternions: about 3e-7 rad, some thousandths of a pixel at close range.
 const ROUNDING_PX: f32 = 2e-3;
 
 #[test]
@@ -100,7 +100,7 @@ fn a_slow_turn_is_followed() {
             .all(|s| s.error_px <= opts.bound_px() + ROUNDING_PX)
     );
     let updates = run.last().unwrap().updates;
-    // A degree moves the skin by 5.2 mm, 0.91 px at 5 m: some fifty corrections a minute, not
+    // One degree moves the skin by 5.2 mm, 0.91 px at 5 m: some fifty corrections a minute, not
     // none and not one for each of the 1800 frames.
     assert!((30..900).contains(&updates), "{updates} updates");
 }
@@ -216,7 +216,7 @@ fn a_joint_that_suddenly_needs_care_wakes() {
         speed_metres_per_sec: speed_bound(&clip),
         share: 1.0,
     };
-    // As when a foot touches the ground: a quarter of the tolerance at once.
+    // As at a foot contact: the tolerance drops to a quarter at once.
     for touch in 60..120 {
         let mut drift = DriftController::new(&rest(), vec![bounds], opts);
         let (mut wanted, mut truth) = (rest(), rest());
@@ -242,7 +242,7 @@ fn a_joint_that_suddenly_needs_care_wakes() {
 
 #[test]
 fn a_held_joint_does_not_fade_away() {
-    // Turns for a second, then stands: what is held must stay, whatever the policy says.
+    // Rotates for a second, then rests: the held pose must stay, whatever the policy is.
     let clip = turning(9.0, 30.0, |t| t.min(1.0));
     let opts = DriftOptions {
         transition: TransitionOptions {
@@ -264,8 +264,8 @@ fn a_held_joint_does_not_fade_away() {
 #[test]
 fn transitions_are_continuous_even_when_interrupted() {
     let step = 1e-3;
-    // A clip slow enough that its own motion and the blend's stay below the bound per step:
-    // 0.008 rad of range, blended over 200 ms by at most 1.5 / 0.2 s of it.
+    // A clip slow enough that its own motion and the blend stay below the bound per step: 0.008 rad
+    // of range, blended over 200 ms at a rate of at most 1.5 / 0.2 s.
     let clip = turning(4.0, 1000.0, |t| 0.004 * (3.0 * t).sin());
     let mut states = JointStates::new(&rest(), TransitionOptions::default());
     let mut pose = rest();
@@ -275,7 +275,7 @@ fn transitions_are_continuous_even_when_interrupted() {
         sample(&clip, secs, Wrap::Clamp, &JointSet::first(1), &mut pose);
         match i {
             500 | 700 | 1600 | 1650 | 1700 => states.passivate(0, secs, &pose.get(0)),
-            // 600 interrupts a transition half-way, and 700 that one in turn.
+            // 600 interrupts a transition half-way, and 700 interrupts that one.
             600 | 1500 | 1625 | 1675 | 2400 => states.activate(0, secs),
             _ => {}
         }

@@ -9,8 +9,7 @@ use articula_core::{
 };
 use proptest::prelude::*;
 
-/// The 89 body joints and eyeballs of the standard, and below the left wrist a bracelet that
-/// no profile knows.
+/// The 89 body joints of the standard, and below the left wrist a bracelet without H-Anim name.
 fn standard() -> Rig {
     let body: Vec<_> = JOINTS.iter().take(89).collect();
     let mut joints: Vec<Joint> = body
@@ -30,7 +29,7 @@ fn standard() -> Rig {
             region: j.region,
         })
         .collect();
-    // What the profile matcher gives an unknown joint: its parent's region, one level later.
+    // As assigned to an unknown joint by the matcher: the region of its parent and the next level.
     let wrist = body.iter().position(|j| j.name == "l_wrist").unwrap();
     joints.push(Joint {
         name: "bracelet".into(),
@@ -82,7 +81,7 @@ fn regions_partition_the_joints() {
         sets.iter().fold(JointSet::EMPTY, |a, b| a.union(b)),
         rig.all()
     );
-    // The published cumulative counts of scheme "hanim" at level 5; arms hold the bracelet too.
+    // The counts of `docs/methods/hanim.md` part 4 at level 5; the arms include the bracelet.
     assert_eq!(
         sets.iter().map(JointSet::len).collect::<Vec<_>>(),
         [2, 11, 25, 4, 4, 6, 38]
@@ -131,8 +130,8 @@ fn the_sample_of_annex_e() {
     };
     let expected = joints("depth(3) + loa(None) + zone(torso|legs)");
     assert_eq!(sample.joints(&standard()).unwrap(), expected);
-    // By hand: depth 3 is root, sacroiliac, vl5, both hips and vl4; torso 25 of which vl5 and
-    // vl4 are counted; legs 4.
+    // By hand: depth 3 is root, sacroiliac, vl5, both hips and vl4; the torso has 25 joints, of
+    // which vl5 and vl4 are already counted; the legs have 4.
     assert_eq!(expected.len(), 6 + 23 + 4);
 }
 

@@ -1,6 +1,6 @@
-//! What the runtime promises: the same values by every path, and no allocation in a frame.
+//! Properties of the runtime: the same values by every path, and no allocation in a frame.
 //!
-//! One program: linking one is faster than linking many.
+//! One test program, because linking one is faster than linking many.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 mod batch;

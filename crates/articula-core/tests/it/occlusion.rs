@@ -1,4 +1,4 @@
-//! What is said to be hidden is hidden: the grid of depths against the line to every point.
+//! Boxes reported as occluded are occluded: the depth grid against the segment to every point.
 
 use articula_core::visibility::Occlusion;
 use articula_core::{Bound, Camera, Capsule, Sphere, Viewport};
@@ -6,14 +6,14 @@ use glam::{DVec3, Quat, Vec2, Vec3};
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Least distance of two segments, by halving the longer way until it does not matter.
+/// Minimum distance of two segments, by ternary search.
 fn distance(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
     let to_b = |p: DVec3| {
         let along = b[1] - b[0];
         let t = (p - b[0]).dot(along) / along.length_squared().max(1e-300);
         p.distance(b[0] + along * t.clamp(0.0, 1.0))
     };
-    // The distance to a segment is convex along another one.
+    // The distance to a segment is convex along the other one.
     let at = |t: f64| to_b(a[0].lerp(a[1], t));
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..80 {
@@ -86,6 +86,6 @@ fn no_point_of_a_hidden_box_can_be_seen() {
             }
         }
     });
-    // Were nothing hidden, nothing would have been tested.
+    // Without any occluded box nothing would have been tested.
     assert!(HIDDEN.load(Ordering::Relaxed) > 20);
 }

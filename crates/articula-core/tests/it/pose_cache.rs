@@ -1,6 +1,6 @@
-//! Promises of the pose cache: a time is found between the right keys, a blend is the straight
-//! line between their palettes on every backend, a key is shown bit for bit as it was evaluated,
-//! and nothing is allocated.
+//! Properties of the pose cache: a time is located between the right keys, a blend is the straight
+//! line between their palettes on every backend, a key reproduces its evaluation bit for bit, no
+//! allocation.
 
 use crate::random_rig::{Options, figure};
 use articula_core::batch::{BatchEvaluator, BatchPose};
@@ -11,7 +11,7 @@ use articula_core::{
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 
-/// Evaluates one pose at a level into f32 rows, whatever the form.
+/// Evaluates one pose at a level into f32 rows, for any form.
 fn evaluated(
     evaluator: &BatchEvaluator<'_>,
     level: usize,
@@ -30,7 +30,7 @@ fn evaluated(
     rows
 }
 
-/// Key times of a clip: both ends and what lies between of some fractions.
+/// Key times of a clip: both ends and the given fractions of its duration.
 fn times(end_secs: f32, fractions: &[f32]) -> Vec<f32> {
     let mut times: Vec<f32> = fractions.iter().map(|f| f * end_secs).collect();
     times.extend([0.0, end_secs]);
@@ -39,8 +39,8 @@ fn times(end_secs: f32, fractions: &[f32]) -> Vec<f32> {
     times
 }
 
-/// A cache of all clips and levels with keys at the same fractions of each clip; every third
-/// entry is left to be evaluated.
+/// A cache of all clips and levels with keys at the same fractions of each clip; every third entry
+/// is left out, to be evaluated.
 fn cached(
     set: &ClipSet,
     map: &PaletteMap,
@@ -75,7 +75,7 @@ fn cached(
     (PoseCache::new(set, map, &keys, rows).unwrap(), keys)
 }
 
-/// Blends one record into f32 rows, whatever the form.
+/// Blends one record into f32 rows, for any form.
 fn blended(
     cache: &PoseCache,
     level: usize,
@@ -106,7 +106,7 @@ fn bits(rows: &[[f32; 4]]) -> Vec<u32> {
     rows.iter().flatten().map(|v| v.to_bits()).collect()
 }
 
-/// Evenly spread keys, or a handful that stand close together.
+/// Evenly spread keys, or a few close together.
 fn fractions() -> impl Strategy<Value = Vec<f32>> {
     prop_oneof![
         prop::collection::vec(0.0f32..1.0, 0..12),
@@ -141,7 +141,7 @@ proptest! {
             let last = times.len() - 1;
             for secs in &secs {
                 let record = cache.locate(clip, level, *secs).unwrap();
-                // The plain way: search from the start.
+                // Reference: search from the end.
                 let time = secs.clamp(0.0, times[last]);
                 let key = times.iter().rposition(|t| *t <= time).unwrap();
                 let matrix = |key: usize| keys.first_matrix + (key * cache.matrices(level)) as u32;
@@ -156,7 +156,7 @@ proptest! {
                 let shown = blended(&cache, level, record, Backend::Scalar);
                 for ((s, a), b) in shown.iter().flatten().zip(a.iter().flatten()).zip(b.iter().flatten()) {
                     let line = f64::from(*a) + (f64::from(*b) - f64::from(*a)) * f64::from(record.blend);
-                    // Three roundings of f32; one more of half floats.
+                    // Three roundings in f32; one more for half floats.
                     let size = f64::from(a.abs().max(b.abs()));
                     let within = 4e-7 * size + if half { line.abs() / 2048.0 + 6e-8 } else { 0.0 };
                     prop_assert!((f64::from(*s) - line).abs() <= within, "{s} for {line}");

@@ -1,5 +1,5 @@
-//! The grouped skin against the plain one: equal on any mesh, skinning no more than it must,
-//! without allocation.
+//! Grouped skinning against the plain version: equal on any mesh, no more vertices than necessary,
+//! no allocation.
 
 use articula_core::{Binding, GroupedSkin, JointSet, Matrix3x4, Mesh, Morph, SkinnedMesh, skin};
 use glam::{Affine3A, Mat3, Vec3};
@@ -9,14 +9,15 @@ use proptest::prelude::*;
 const JOINTS: usize = 6;
 const MORPHS: usize = 3;
 
-/// Whether glam fuses multiplication and addition in this build, which rounds once, not twice.
+/// Whether glam fuses multiplication and addition in this build, which rounds once instead of
+/// twice.
 const FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
 
 fn vector() -> impl Strategy<Value = Vec3> {
     [-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0].prop_map(Vec3::from_array)
 }
 
-/// Any matrix: sheared, mirrored, at times flat or not finite.
+/// Any matrix: sheared, mirrored, sometimes singular or not finite.
 fn matrix() -> impl Strategy<Value = Affine3A> {
     let any = [vector(), vector(), vector(), vector()];
     let odd = prop_oneof![
@@ -35,11 +36,11 @@ fn palettes() -> impl Strategy<Value = Vec<Affine3A>> {
     prop::collection::vec(matrix(), 2 * JOINTS)
 }
 
-/// A vertex: position, normal, and as many influences as there is room for.
+/// A vertex: position, normal, and the maximum number of influences.
 type Row = (Vec3, Vec3, Vec<(u16, f32)>);
 
 fn row() -> impl Strategy<Value = Row> {
-    // Most real weights are zeros at the end; these stand anywhere.
+    // Zero weights of real meshes are mostly at the end; here they are anywhere.
     let weight = prop_oneof![Just(0.0f32), 0.0f32..1.0, -0.2f32..0.2];
     let influence = (0..2 * JOINTS as u16, weight);
     (vector(), vector(), prop::collection::vec(influence, 6))
@@ -105,8 +106,8 @@ fn plain(mesh: &Mesh, palette: &[Affine3A], weights: &[f32]) -> SkinnedMesh {
     out
 }
 
-/// Equal numbers, or both no number. Fused sums of the positions here differ by less than
-/// 1e-4 (ten roundings of sums below 126); normals of flat matrices by anything.
+/// Equal, or both NaN. Fused sums of the positions here differ by less than 1e-4 (ten roundings of
+/// sums below 126); normals of singular matrices by any amount.
 fn check(found: &SkinnedMesh, expected: &SkinnedMesh) -> Result<(), TestCaseError> {
     let equal = |a: Vec3, b: Vec3, within: f32| {
         let mut pairs = a.to_array().into_iter().zip(b.to_array());
@@ -162,7 +163,7 @@ proptest! {
         prop_assert!(moved.difference(&found).is_empty(), "two random matrices differ");
         grouped.mark_joints(&moved, &mut stale);
         grouped.morph(&mesh, &then, &mut shape, &mut stale);
-        // What stays marked so was not written.
+        // Vertices that keep this value were not written.
         let mut again = SkinnedMesh {
             positions: vec![Vec3::splat(77.0); mesh.len()],
             normals: vec![Vec3::splat(77.0); mesh.len()],
@@ -180,7 +181,7 @@ proptest! {
     }
 }
 
-/// Vertices of one joint after the other, `each` for every joint.
+/// A strip of vertices, `each` of them for every joint in turn.
 fn strip(each: usize) -> Mesh {
     let row = |v: usize| {
         let joint = (v / each) as u16;

@@ -1,4 +1,4 @@
-//! One look at a whole crowd does not allocate.
+//! Culling and tolerances of a whole crowd do not allocate.
 
 use articula_core::visibility::{
     ApproachSpeed, Bodies, CullResult, Occlusion, View, Visibility, cull, secs_until_grown,
@@ -13,7 +13,7 @@ const BALL: Sphere = Sphere {
     radius: 1.0,
 };
 
-/// Everything that this part of a frame asks, in one frame.
+/// All functions of this part of a frame, in one frame.
 #[test]
 fn a_look_does_not_allocate() {
     let second = Bound {

@@ -1,7 +1,7 @@
-//! A file that a host drives through named inputs, with its size and error.
+//! Files with named inputs that a host drives, with size and error.
 //!
-//! Source: `docs/methods/vector.md` 8.3. Inputs are linear on the screen and the painting order is fixed,
-//! so what is measured is the clip that the file carries along, against the real one.
+//! Source: `docs/methods/vector.md` 8.3. Inputs are linear on the screen and the painting order is
+//! fixed, so the error compares the clip inside the file with the original one.
 
 use super::prepared::PreparedClip;
 use super::reference_frames::{BACKGROUND, ReferenceFrames};
@@ -14,11 +14,10 @@ use crate::planar::reference::reference;
 use crate::vector::player::{LiveSource, PlayerOptions, PlayerOutput, decode, live_player};
 use articula_core::Progress;
 
-/// Writes a source; `prepared` is of its shapes, `truth` of its clip.
+/// Writes a live source to a file; `prepared` is made from its shapes, `truth` from its clip.
 ///
 /// # Errors
-/// What the writer says of the source; [`PlanarError::BudgetTooSmall`];
-/// [`PlanarError::Cancelled`].
+/// Errors of the writer; [`PlanarError::BudgetTooSmall`]; [`PlanarError::Cancelled`].
 pub fn flatten_live(
     source: &LiveSource,
     prepared: &PreparedClip,

@@ -1,17 +1,18 @@
-//! One call from a planar clip to a file with its size and error; with a byte budget, the best
-//! setting that fits.
+//! Conversion of a planar clip to a file, with its size and error; under a byte budget, at the best
+//! quality that fits.
 //!
 //! Source: `docs/methods/vector.md` 1, 4 and 9.
 //!
-//! - [`PreparedClip`]: what is drawn, in which order, and what that leaves wrong, worked out once
-//! - [`Settings`]: a [`Profile`], and how near to the truth it comes ([`Quality`])
-//! - [`ReferenceFrames`]: what the character really looks like
-//! - [`flatten()`]: the best setting of a ladder under a byte budget; [`flatten_live`]: a file
-//!   that a host drives
-//! - [`Flattened`]: bytes, [`Sizes`], [`Errors`], and the [`Representation`] of what can stand for a
-//!   character
+//! - [`PreparedClip`]: visibility, painting order and its wrong pixels, computed once for all
+//!   settings
+//! - [`Settings`]: a [`Profile`] and its tolerances ([`Quality`])
+//! - [`ReferenceFrames`]: reference pictures of the character
+//! - [`flatten()`]: writes a file, under a byte budget at the best of the quality steps;
+//!   [`flatten_live`]: writes a file that a host drives
+//! - [`Flattened`]: bytes, [`Sizes`], [`Errors`], and the [`Representation`] that a decision
+//!   compares
 //!
-//! Work that takes a while tells its progress and can be ended ([`articula_core::Progress`]).
+//! Long work reports its progress and can be cancelled ([`articula_core::Progress`]).
 
 mod live;
 mod pages;

@@ -1,4 +1,4 @@
-//! The pages of a flip-book: every frame as a clip of its own, with common ramps.
+//! Pages of a flipbook: one clip per frame, with common ramps.
 //!
 //! Source: `docs/methods/vector.md` 8.2.
 
@@ -9,10 +9,10 @@ use crate::planar::order::Layer;
 use crate::planar::underlap::{Sealed, seal};
 use crate::planar::{Drawn, PlanarClip, PlanarError};
 
-/// One clip of one frame for each frame, back to front in that frame's order.
+/// Returns one clip of one frame for each frame, back to front in that frame's painting order.
 ///
 /// # Errors
-/// What is wrong with the clip.
+/// Errors of the clip.
 pub(super) fn pages(
     prepared: &PreparedClip,
     options: &KeyOptions,
@@ -45,7 +45,7 @@ pub(super) fn pages(
     Ok(all)
 }
 
-/// Gives all pages the ramps of all of them.
+/// Gives all pages the union of their ramps.
 fn share_ramps(pages: &mut [KeyedClip]) {
     let mut ramps: Vec<[u8; 3]> = Vec::new();
     for page in &mut *pages {

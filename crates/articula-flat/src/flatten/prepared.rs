@@ -1,4 +1,4 @@
-//! What is drawn, in which order, and what that leaves wrong, worked out once for all settings.
+//! Visibility, painting order and wrong pixels of a clip, computed once for all settings.
 
 use crate::planar::order::{Layer, OrderOptions, Painted, Painting, wrong_pixels};
 use crate::planar::split::{SplitOptions, split};
@@ -6,17 +6,17 @@ use crate::planar::underlap::UnderlapOptions;
 use crate::planar::{Drawn, PlanarClip, PlanarError};
 use articula_core::Progress;
 
-/// How a clip is prepared.
+/// Options of [`PreparedClip::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrepareClipOptions {
-    /// What one painting order may cost.
+    /// How many wrong pixels one painting order may cause.
     pub order: OrderOptions,
-    /// How triangles that pierce each other are cut, if they are.
+    /// How intersecting triangles are cut; `None` to leave them.
     pub split: Option<SplitOptions>,
 }
 
 impl Default for PrepareClipOptions {
-    /// Triangles that pierce each other are cut: no order shows them right.
+    /// Intersecting triangles are cut, since no order shows them correctly.
     fn default() -> Self {
         Self {
             order: OrderOptions::default(),
@@ -25,30 +25,30 @@ impl Default for PrepareClipOptions {
     }
 }
 
-/// A clip that is ready to be written.
+/// A clip with its visibility and painting order, ready to be written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparedClip {
-    /// The clip; with more triangles than it came with if some were cut.
+    /// The clip; with additional triangles if some were cut.
     pub clip: PlanarClip,
-    /// Which triangles are drawn when.
+    /// Which triangles are drawn in which frames.
     pub(crate) drawn: Drawn,
-    /// In which order.
+    /// Painting order.
     pub(crate) painting: Painting,
-    /// The order as one list with copies.
+    /// The painting order as one list with copies.
     pub(crate) layers: Vec<Layer>,
     /// Wrong pixels, percent of the character's.
     pub wrong_percent: f64,
-    /// The same if every frame were sorted by depth.
+    /// Wrong pixels of a depth sort per frame, percent of the character's.
     pub wrong_percent_depth_sort: f64,
     /// How writers seal edges.
     pub(crate) underlap: UnderlapOptions,
 }
 
 impl PreparedClip {
-    /// Prepares a clip.
+    /// Computes visibility and painting order of a clip; cuts intersecting triangles.
     ///
     /// # Errors
-    /// What is wrong with the clip ([`PlanarError`]); [`PlanarError::Cancelled`].
+    /// Errors of the clip ([`PlanarError`]); [`PlanarError::Cancelled`].
     pub fn new(
         clip: PlanarClip,
         options: &PrepareClipOptions,
@@ -56,7 +56,7 @@ impl PreparedClip {
     ) -> Result<Self, PlanarError> {
         let painted = Painted::of(&clip, &options.order)?;
         progress.step(0.4)?;
-        // The peer sorts the clip as it came.
+        // The baseline sorts the clip before it is cut.
         let sorted = Painting::depth_sort_per_frame(&clip, &painted.drawn)?;
         let wrong_percent_depth_sort = painted.overlaps.wrong(&sorted).percent_mean();
         progress.step(0.5)?;
@@ -87,12 +87,12 @@ impl PreparedClip {
         })
     }
 
-    /// Triangles that are drawn in some frame.
+    /// Returns the number of triangles that are drawn in some frame.
     pub fn triangles_drawn(&self) -> usize {
         self.drawn.ever().len()
     }
 
-    /// The triangles that are drawn in a frame, back to front.
+    /// Triangles that are drawn in a frame, back to front.
     pub(crate) fn order_at(&self, frame: usize) -> Vec<u32> {
         let drawn = |t: &&u32| self.drawn.get(frame, **t as usize);
         let order = self.painting.order_at(frame);

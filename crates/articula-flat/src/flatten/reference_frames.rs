@@ -1,6 +1,6 @@
-//! What the character really looks like at some moments, to measure what was written.
+//! Reference pictures of the character at sampled times, for measuring the written file.
 //!
-//! Source: `docs/methods/vector.md` 9 and 11: every tenth frame and moments halfway between frames,
+//! Source: `docs/methods/vector.md` 9 and 11: every tenth frame and times halfway between frames,
 //! against the 8 x 8 supersampled picture, over the pixels that show the character.
 
 use crate::compare::{masked_rmse, share_off, ssim};
@@ -10,17 +10,17 @@ use crate::planar::reference::reference_with_mask;
 use crate::planar::{PlanarClip, PlanarError};
 use articula_core::Progress;
 
-/// What is behind the character when pictures are compared.
+/// Background of the compared pictures.
 pub(super) const BACKGROUND: Rgba = [255; 4];
-/// Difference from which a pixel counts as off, levels.
+/// Difference above which a pixel counts as off, levels.
 const OFF: f32 = 16.0;
-/// Frames between two that are looked at.
+/// Frames between two sampled times.
 const STEP: usize = 10;
-/// Most moments of each kind.
+/// Maximum number of sampled times of each kind.
 const MOST: usize = 16;
 
-/// Moments that are looked at, in frames: every tenth (fewer of a long clip), and moments halfway
-/// between two frames; not the last frame, where the clip begins again.
+/// Returns the sampled times of a clip, in frames: every tenth frame (fewer of a long clip) and
+/// times halfway between two frames. The last frame is left out, since the clip begins again there.
 pub fn sampled_frames(frames: usize) -> Vec<f64> {
     let step = STEP.max(frames.div_ceil(MOST));
     let last = frames.saturating_sub(1) as f64;
@@ -32,7 +32,7 @@ pub fn sampled_frames(frames: usize) -> Vec<f64> {
     all
 }
 
-/// Pictures of the character at some moments.
+/// Reference pictures of the character at sampled times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceFrames {
     moments: Vec<Moment>,
@@ -45,28 +45,29 @@ struct Moment {
     mask: Vec<bool>,
 }
 
-/// How far pictures are off, over all moments.
+/// Image error over all sampled times.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ImageError {
-    /// Root mean square over the character's pixels, mean over the moments; levels.
+    /// Root mean square error over the character's pixels, mean over the sampled times; levels.
     pub rmse_levels: f64,
-    /// The same at the worst moment.
+    /// Root mean square error at the worst time; levels.
     pub rmse_levels_max: f64,
-    /// Structural similarity, mean over the moments; 1 is equal.
+    /// Structural similarity, mean over the sampled times; 1 is equal.
     pub ssim: f64,
-    /// The same at the worst moment.
+    /// Structural similarity at the worst time.
     pub ssim_min: f64,
-    /// Share of the character's pixels that are off by more than 16 levels, mean; percent.
+    /// Pixels of the character that are off by more than 16 levels, mean; percent.
     pub off_percent: f64,
-    /// Moments that were looked at.
+    /// Number of sampled times.
     pub moments: usize,
 }
 
 impl ReferenceFrames {
-    /// Draws the truth: `clip` has one frame for each of `frames`, seen by the same camera.
+    /// Renders the reference pictures; `clip` has one frame for each of `frames`, seen by the same
+    /// camera.
     ///
     /// # Errors
-    /// [`PlanarError`]: the clip is not sound, or has not as many frames.
+    /// [`PlanarError`] if the clip is invalid or has a different number of frames.
     pub fn new(clip: &PlanarClip, frames: &[f64]) -> Result<Self, PlanarError> {
         clip.check()?;
         if clip.frames.len() != frames.len() {
@@ -88,10 +89,10 @@ impl ReferenceFrames {
         Ok(Self { moments: moments? })
     }
 
-    /// Compares with the pictures that `shown` gives for a moment, in frames.
+    /// Compares with the pictures that `shown` returns for a time in frames.
     ///
     /// # Errors
-    /// What `shown` or a comparison says; [`PlanarError::Cancelled`].
+    /// Errors of `shown` or of a comparison; [`PlanarError::Cancelled`].
     pub(super) fn compare(
         &self,
         mut shown: impl FnMut(f64) -> Result<Picture, PlanarError>,

@@ -1,4 +1,4 @@
-//! What is told of a converted file: its size, its error, and what it can stand for.
+//! Report on a converted file: size, error and representation.
 
 use super::reference_frames::ImageError;
 use crate::planar::PlanarError;
@@ -6,25 +6,25 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use std::io::Write;
 
-/// Files above so many bytes are compressed a little less.
+/// Files above this size, bytes, are compressed by brotli at a lower quality.
 const LARGE: usize = 4 << 20;
 
-/// Sizes of a file on its way to the viewer.
+/// Size of a file, raw and compressed, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sizes {
-    /// As it lies on a disk.
+    /// Uncompressed.
     pub raw: u64,
     /// Compressed by gzip, level 9.
     pub gzip: u64,
-    /// Compressed by brotli, quality 11; 9 for files above 4 MB, which take minutes otherwise.
+    /// Compressed by brotli, quality 11; 9 for files above 4 MiB, which would take minutes.
     pub brotli: u64,
 }
 
 impl Sizes {
-    /// Measures bytes.
+    /// Measures the sizes of a file.
     ///
     /// # Errors
-    /// [`PlanarError::Mismatch`] if a compressor fails, which memory alone can cause.
+    /// [`PlanarError::Mismatch`] if a compressor fails, which only lack of memory can cause.
     pub fn of(bytes: &[u8]) -> Result<Self, PlanarError> {
         let fault = |e: std::io::Error| PlanarError::Mismatch {
             at: "compression",
@@ -48,31 +48,30 @@ impl Sizes {
     }
 }
 
-/// How far a converted file is off.
+/// Errors of a converted file.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Errors {
-    /// Root mean square distance of corners from where they should be, pixels.
+    /// Root mean square distance of corners from their exact positions, pixels.
     pub position_rmse_px: f64,
-    /// Pictures against the truth.
+    /// Error of its pictures against the reference.
     pub image: ImageError,
-    /// Pixels that show a triangle that another should cover, share of the character's; percent.
+    /// Pixels that show a triangle which another one should cover, percent of the character's.
     pub wrong_pixels_percent: f64,
-    /// The same if every frame were sorted by depth.
+    /// Wrong pixels of a depth sort per frame, percent of the character's.
     pub wrong_pixels_percent_depth_sort: f64,
 }
 
-/// A thing that can stand for a character, so that a decision may fall from 3D to 2D.
-///
-/// Source: design, part 4: every output describes itself by these four.
+/// A representation of a character, so that a decision can choose between 3D and 2D by size, error
+/// and requirements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Representation {
-    /// What kind of thing it is, such as `vector/smil`.
+    /// Kind of representation, such as `vector/smil`.
     pub modality: String,
-    /// Its size, bytes.
+    /// Size, bytes.
     pub bytes: u64,
-    /// How far it is off, pixels.
+    /// Error, pixels.
     pub error_px: f64,
-    /// What the client must be able to do.
+    /// Features that the client must support.
     pub needs: Vec<&'static str>,
 }
 

@@ -1,8 +1,8 @@
-//! The best setting of a ladder under a byte budget.
+//! Search for the best quality under a byte budget.
 //!
-//! Source: `docs/methods/vector.md` 1 and 9. Within one way of filling shapes, a step further down the
-//! ladder is smaller and worse, so the first that fits is its best; between ways the picture
-//! decides. The same clip and budget give the same file.
+//! Source: `docs/methods/vector.md` 1 and 9. Within one kind of filling, each quality step is
+//! smaller and worse than the one before, so the first that fits is the best of its kind; among
+//! kinds the least image error wins. The same clip and budget give the same file.
 
 use super::prepared::PreparedClip;
 use super::reference_frames::{ImageError, ReferenceFrames};
@@ -13,53 +13,53 @@ use crate::planar::PlanarError;
 use crate::planar::shading::Shading;
 use articula_core::Progress;
 
-/// A file with its size and error.
+/// A converted file with its size and error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Flattened {
     /// The file.
     pub bytes: Vec<u8>,
-    /// What it is.
+    /// Profile of the file.
     pub profile: Profile,
-    /// The setting that was chosen.
+    /// Quality that was chosen.
     pub quality: Quality,
-    /// Its size.
+    /// Size of the file.
     pub sizes: Sizes,
-    /// Its error.
+    /// Error of the file.
     pub errors: Errors,
     /// Triangles that are drawn in some frame.
     pub triangles_drawn: usize,
     /// Frames of the clip.
     pub frames: usize,
-    /// Frames a second.
+    /// Frames per second.
     pub fps: f32,
-    /// Keys of outlines and paints in all.
+    /// Number of keys of all outlines and paints.
     pub keys: usize,
-    /// Shapes that were written.
+    /// Number of shapes written.
     pub shapes: usize,
-    /// Painting orders that follow each other.
+    /// Number of painting orders, one after the other.
     pub orders: usize,
-    /// What the search looked at; one setting without a budget.
+    /// Settings that the search tried; one without a budget.
     pub tried: Vec<Trial>,
 }
 
-/// A setting that was tried.
+/// A quality that the search tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial {
-    /// The setting.
+    /// The quality.
     pub quality: Quality,
     /// Size of its file, bytes.
     pub bytes: u64,
-    /// Its error, if it fits and was compared.
+    /// Image error, if the file fits and was compared.
     pub image: Option<ImageError>,
 }
 
 impl Flattened {
-    /// Bytes for each drawn triangle and frame, of a size in bytes.
+    /// Returns the bytes per drawn triangle and frame of a size in bytes.
     pub fn per_triangle_and_frame(&self, bytes: u64) -> f64 {
         bytes as f64 / (self.triangles_drawn * self.frames).max(1) as f64
     }
 
-    /// What it can stand for.
+    /// Returns the representation that the file provides.
     pub fn representation(&self) -> Representation {
         Representation {
             modality: format!("vector/{}", self.profile),
@@ -70,10 +70,10 @@ impl Flattened {
     }
 }
 
-/// Writes a prepared clip, under a byte budget at the best setting that fits.
+/// Writes a prepared clip; with a byte budget, at the best quality that fits.
 ///
 /// # Errors
-/// What a writer says of the clip; [`PlanarError::BudgetTooSmall`] if nothing fits;
+/// Errors of the writer; [`PlanarError::BudgetTooSmall`] if no quality fits;
 /// [`PlanarError::Cancelled`].
 pub fn flatten(
     prepared: &PreparedClip,
@@ -139,8 +139,7 @@ pub fn flatten(
     })
 }
 
-/// The settings that may be chosen: the one that was asked for, and under a budget what is
-/// coarser than it.
+/// Candidates of the search: the requested quality and, with a budget, the steps that are coarser.
 fn candidates(settings: &Settings) -> Vec<Quality> {
     let asked = settings.quality;
     let mut all = vec![asked];
@@ -157,7 +156,7 @@ fn candidates(settings: &Settings) -> Vec<Quality> {
     all
 }
 
-/// Settings of one kind fall in size and quality along the ladder.
+/// Kind of a quality; within one kind, size and quality fall from step to step.
 fn kind(quality: &Quality) -> (bool, bool) {
     let is_flat = quality.shading == Shading::Flat;
     (is_flat, quality.merge_levels.is_some())

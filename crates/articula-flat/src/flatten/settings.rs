@@ -1,34 +1,34 @@
-//! Profiles of output, and how near to the truth they come.
+//! Output profiles and their tolerances.
 
 use crate::planar::shading::Shading;
 use crate::vector::player::PlayerOutput;
 use crate::vector::thesis::ThesisSvgOptions;
 use std::fmt;
 
-/// What is written.
+/// Output format.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Profile {
-    /// One SVG, key-framed, without script.
+    /// One key-framed SVG without script.
     Smil,
     /// One SVG with a group for each frame.
     Flipbook,
-    /// One SVG, or a module, with a low-rank clip and a small script.
+    /// One SVG or JavaScript module with a low-rank clip and a small script.
     Player(PlayerOutput),
     /// Lottie JSON.
     Lottie,
-    /// One SVG frame.
+    /// One frame as SVG.
     Still {
-        /// Which frame.
+        /// Index of the frame.
         frame: usize,
-        /// Three colour channels, exact inside.
+        /// Whether red, green and blue are painted separately, which is exact inside the character.
         exact: bool,
     },
-    /// The naive SVG of the thesis.
+    /// The SVG of the thesis, as a baseline.
     Thesis(ThesisSvgOptions),
 }
 
 impl fmt::Display for Profile {
-    /// Its name on the command line.
+    /// Writes the name used on the command line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Smil => "smil",
@@ -42,7 +42,7 @@ impl fmt::Display for Profile {
 }
 
 impl Profile {
-    /// What a client must be able to do to show it.
+    /// Features that a client must support to show the file.
     pub(crate) fn needs(self) -> Vec<&'static str> {
         match self {
             Self::Smil | Self::Flipbook | Self::Thesis(_) => vec!["svg", "smil"],
@@ -55,24 +55,25 @@ impl Profile {
     }
 }
 
-/// A tolerance that does not matter.
+/// A tolerance that has no effect.
 const ANY: f32 = 16.0;
 
-/// How near to the truth a file comes.
+/// Tolerances of a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
     /// How triangles are filled.
     pub shading: Shading,
-    /// How far a corner may lie off, pixels.
+    /// Position tolerance of a corner, pixels.
     pub pos_tol_px: f32,
-    /// How far a colour may lie off, levels.
+    /// Colour tolerance, levels.
     pub col_tol_levels: f32,
-    /// Neighbours whose colours are within so many levels become one shape (flat shading).
+    /// Neighbours whose colours differ by at most this many levels become one shape (flat shading).
     pub merge_levels: Option<f32>,
 }
 
 impl Quality {
-    /// What suits a profile: a third of a pixel and 6 levels, the player 0.1 pixels and one level.
+    /// Returns the default of a profile: 0.35 pixels and 6 levels, for the player 0.1 pixels and
+    /// one level.
     pub fn of(profile: Profile) -> Self {
         let is_player = matches!(profile, Profile::Player(_));
         Self {
@@ -86,8 +87,9 @@ impl Quality {
         }
     }
 
-    /// The ladder that a byte budget is searched on (spec 9). Within one way of filling, each step
-    /// is coarser than the one before; a profile that quality does not change has none.
+    /// Quality steps that a byte budget is searched on (`docs/methods/vector.md` 9). Within one
+    /// kind of filling, each step is coarser than the one before; empty for profiles without
+    /// settings.
     pub(crate) fn ladder(profile: Profile) -> Vec<Self> {
         let step = |shading, pos_tol_px, col_tol_levels, merge_levels| Self {
             shading,
@@ -134,15 +136,15 @@ impl Quality {
     }
 }
 
-/// One file to be written.
+/// Settings of one file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// What is written.
+    /// Output format.
     pub profile: Profile,
-    /// How near to the truth; under a budget the best of this and what is coarser.
+    /// Tolerances; with a budget, the finest that may be chosen.
     pub quality: Quality,
     /// Title of the file.
     pub name: String,
-    /// Largest file.
+    /// Maximum size of the file, bytes; `None` for no limit.
     pub max_bytes: Option<u64>,
 }

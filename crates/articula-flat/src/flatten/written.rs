@@ -1,8 +1,8 @@
-//! A file of a profile, and what it shows at any moment.
+//! A written file of any profile, and the picture it shows at any time.
 //!
-//! What is measured is read back from the file wherever a reader of our own exists: the sampler
-//! for SVG, the decoder for the player. Lottie has players of its own; what its file holds is the
-//! keyed clip, which is measured as SVG. The thesis' form is drawn from what it was made of.
+//! Pictures are read back from the file where this crate has a reader: the sampler for SVG, the
+//! decoder for the player. Lottie is measured by the same keyed clip written as SVG, and the
+//! thesis' form by the clip it was made from.
 
 use super::pages::pages;
 use super::prepared::PreparedClip;
@@ -24,25 +24,25 @@ use crate::vector::smil;
 use crate::vector::still::{StillOptions, still};
 use crate::vector::thesis::{ThesisSvgOptions, thesis, thesis_frame};
 
-/// What was written.
+/// A written file with its statistics.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Written {
     /// The file.
     pub bytes: Vec<u8>,
-    /// Root mean square distance of corners from where they should be, pixels.
+    /// Root mean square distance of corners from their exact positions, pixels.
     pub position_rmse_px: f64,
-    /// Keys of outlines and paints in all; 0 where there are none.
+    /// Number of keys of all outlines and paints; 0 where there are none.
     pub keys: usize,
-    /// Shapes that were written.
+    /// Number of shapes written.
     pub shapes: usize,
-    /// Frames that are in it.
+    /// Number of frames in the file.
     pub frames: usize,
-    /// Triangles that it shows in some frame.
+    /// Triangles that are drawn in some frame.
     pub triangles_drawn: usize,
     shown: ReadBack,
 }
 
-/// What reads the file back.
+/// Reader of the file.
 #[derive(Debug, Clone, PartialEq)]
 enum ReadBack {
     Moving(Box<AnimatedSvg>),
@@ -51,17 +51,16 @@ enum ReadBack {
     Naive(ThesisSvgOptions),
 }
 
-/// Half a step of the grid that outlines lie on, as the root mean square of rounding both
-/// coordinates, pixels.
+/// RMS distance, in pixels, caused by rounding both coordinates to the grid of outlines.
 const GRID_RMSE_PX: f64 = 0.25 * 0.408_248;
 
-/// How much further edges reach under their neighbours for each pixel that corners may lie off.
+/// Additional underlap per pixel of position tolerance.
 const SLACK: f32 = 1.0;
 
 /// Writes a prepared clip.
 ///
 /// # Errors
-/// What a writer says of the clip ([`PlanarError`]).
+/// Errors of the writer ([`PlanarError`]).
 pub(super) fn write(
     prepared: &PreparedClip,
     profile: Profile,
@@ -87,7 +86,7 @@ pub(super) fn write(
 }
 
 impl Written {
-    /// The picture at a moment, in frames.
+    /// Returns the picture at a time in frames.
     ///
     /// # Errors
     /// [`PlanarError::Picture`] if it cannot be drawn.
@@ -139,7 +138,7 @@ fn key_framed(
         LineUnits::Box
     };
     let options = key_options(quality, lines);
-    // Corners of both sides of an edge may lie off, in opposite directions.
+    // Corners on both sides of an edge may be off in opposite directions.
     let underlap = UnderlapOptions {
         distance_px: prepared.underlap.distance_px + SLACK * quality.pos_tol_px,
     };
@@ -189,7 +188,7 @@ fn played(prepared: &PreparedClip, options: &PlayerOptions) -> Result<Written, P
         ..
     } = prepared;
     let file = player(clip, drawn, painting, options)?;
-    // From the container, as a player reads it.
+    // Decoded from the container, as the player does.
     let shown = decode(&file.container).map_err(|e| PlanarError::Mismatch {
         at: "player",
         what: e.to_string(),

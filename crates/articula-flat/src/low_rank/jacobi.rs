@@ -1,13 +1,13 @@
 //! Eigenvalues and eigenvectors of a small symmetric matrix.
 //!
-//! Source: C. G. J. Jacobi 1846; Golub and Van Loan, *Matrix Computations*, 8.5: cyclic
-//! rotations, each of which makes one pair of entries zero. Slow beyond a few hundred rows and as
-//! exact as the numbers allow, which is what is wanted here.
+//! Source: C. G. J. Jacobi 1846; Golub and Van Loan, *Matrix Computations*, 8.5: cyclic rotations,
+//! each of which makes one pair of entries zero. Slow beyond a few hundred rows, accurate to
+//! machine precision.
 
-/// Sweeps over all pairs; it is done after about ten.
+/// Maximum number of sweeps over all pairs; about ten are enough.
 const SWEEPS: usize = 60;
 
-/// One eigenvalue with its eigenvector of length one.
+/// An eigenvalue with its eigenvector of unit length.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct EigenPair {
     /// The eigenvalue.
@@ -16,7 +16,7 @@ pub(super) struct EigenPair {
     pub vector: Vec<f64>,
 }
 
-/// All eigenpairs of a symmetric matrix given row by row, greatest value first.
+/// Returns all eigenpairs of a symmetric matrix given row by row, largest eigenvalue first.
 pub(super) fn symmetric_eigen(matrix: &[f64]) -> Vec<EigenPair> {
     let n = matrix.len().isqrt();
     let mut a = matrix.to_vec();
@@ -57,7 +57,7 @@ pub(super) fn symmetric_eigen(matrix: &[f64]) -> Vec<EigenPair> {
     pairs
 }
 
-/// Cosine and sine of the smaller angle that makes an entry off the diagonal zero.
+/// Cosine and sine of the smaller angle that makes an off-diagonal entry zero.
 fn rotation(pp: f64, qq: f64, pq: f64) -> (f64, f64) {
     let theta = (qq - pp) / (2.0 * pq);
     let tan = theta.signum() / (theta.abs() + theta.hypot(1.0));

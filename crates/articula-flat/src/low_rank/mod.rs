@@ -1,12 +1,12 @@
-//! Truncated singular value decomposition: a table of numbers as a few components.
+//! Truncated singular value decomposition: a matrix as a few components.
 //!
-//! Both forms are subspace iterations over the same orthonormalisation. `tall` is for tables of
-//! which every row is a frame: it takes the mean row out and grows its block until what is left
-//! is small enough. `wide` is for few rows that are very long: it works on their Gram matrix.
+//! Both forms are subspace iterations with the same orthonormalisation. `tall` takes matrices with
+//! one row per frame: it subtracts the mean row and grows its block until the residual is small
+//! enough. `wide` takes few rows that are very long and works on their Gram matrix.
 //!
 //! - `jacobi`: eigenvectors of the small symmetric matrix inside
-//! - `quantised`: components in whole numbers, with the error that this costs
-//! - `orthonormal`: Gram and Schmidt
+//! - `quantised`: components as integers, within an error
+//! - `orthonormal`: Gram-Schmidt
 
 mod jacobi;
 mod orthonormal;

@@ -1,7 +1,7 @@
-//! Vectors at right angles to each other.
+//! Gram-Schmidt orthonormalisation.
 
-/// Gram and Schmidt, twice over for accuracy. `is_noise` is told the length of a vector before
-/// and after the others were taken out of it; what is noise is dropped.
+/// Orthonormalises vectors by Gram-Schmidt, twice for accuracy. `is_noise` gets the length of a
+/// vector before and after the components along the others were subtracted; noise is dropped.
 pub(super) fn orthonormalise(vectors: &mut Vec<Vec<f64>>, is_noise: impl Fn(f64, f64) -> bool) {
     let mut kept: Vec<Vec<f64>> = Vec::with_capacity(vectors.len());
     for mut vector in vectors.drain(..) {

@@ -1,18 +1,17 @@
-//! A mean row and components in whole numbers.
+//! A mean row and components quantised to integers.
 //!
-//! Source: reverse water-filling (Cover and Thomas, *Elements of Information Theory*, 10.3):
-//! with components at right angles, one step for all of them loses least for the bits. So the
-//! strong components get large numbers and the weak ones small, where `docs/methods/vector.md` 8.3 gives
-//! the first two 16 bits and the others 8.
+//! Source: `docs/methods/vector.md` 8.3; reverse water-filling (Cover and Thomas, *Elements of
+//! Information Theory*, 10.3): with orthogonal components, one step for all of them has the least
+//! error for the bits. Strong components therefore get large integers and weak ones small.
 
 use super::{Component, LowRank};
 
-/// Whole numbers stay within this many steps of zero.
+/// Bound of the absolute value of all integers.
 pub(crate) const MAX_STEPS: i32 = 1 << 26;
-/// Bits of a component's scale.
+/// Significant bits of a component's scale.
 const SCALE_BITS: i32 = 16;
 
-/// A table as whole numbers: row `i` is `step * mean + sum of scale * coefficients[i] * basis`.
+/// A quantised matrix: row `i` is `step * mean + sum of scale * coefficients[i] * basis`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Quantised {
     /// Unit of the mean.
@@ -23,33 +22,33 @@ pub(crate) struct Quantised {
     pub components: Vec<QuantisedComponent>,
 }
 
-/// One component in whole numbers.
+/// One quantised component.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct QuantisedComponent {
-    /// Unit of coefficient times basis.
+    /// Unit of the product of coefficient and basis.
     pub scale: f64,
-    /// What it adds to the columns.
+    /// Contribution to each column.
     pub basis: Vec<i32>,
-    /// How much of it each row has.
+    /// Coefficient of each row.
     pub coefficients: Vec<i32>,
 }
 
-/// How finely a table is written, in its own unit.
+/// Quantisation steps of a matrix, in the unit of its values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Steps {
-    /// Unit of mean and bases, for coefficients whose mean square is one.
+    /// Step of mean and bases, for coefficients with a mean square of one.
     pub basis: f64,
-    /// Unit of coefficients, for bases whose mean square is one.
+    /// Step of coefficients, for bases with a mean square of one.
     pub coefficients: f64,
 }
 
 impl Steps {
-    /// Steps that add a mean square error of `variance` to each number, cheapest for a table of
-    /// so many rows and columns: what there is more of is written more coarsely.
+    /// Returns the steps that add a mean square error of `variance` to each value at the least cost
+    /// for a matrix of this size: the larger factor is quantised more coarsely.
     pub(crate) fn of_variance(variance: f64, rank: usize, rows: usize, columns: usize) -> Self {
         let share = columns as f64 / rows.max(1) as f64;
         let rank = rank as f64;
-        // A rounded number is off by step^2 / 12 in the mean square.
+        // A rounded number has a mean square error of step^2 / 12.
         let coefficients = (12.0 * variance / ((rank + 1.0) * share + rank)).sqrt();
         Self {
             basis: coefficients * share.sqrt(),
@@ -57,7 +56,7 @@ impl Steps {
         }
     }
 
-    /// Both steps, so many times as long.
+    /// Returns both steps multiplied by a factor.
     pub(crate) fn times(self, factor: f64) -> Self {
         Self {
             basis: self.basis * factor,
@@ -67,7 +66,8 @@ impl Steps {
 }
 
 impl Quantised {
-    /// Rounds the first components of a table; `None` if a number is not within [`MAX_STEPS`].
+    /// Quantises the first `rank` components of a matrix; `None` if an integer exceeds
+    /// [`MAX_STEPS`].
     pub(crate) fn new(low: &LowRank, rank: usize, steps: Steps) -> Option<Self> {
         let step = short(steps.basis)?;
         let components = low.components.iter().take(rank);
@@ -84,7 +84,7 @@ impl Quantised {
         })
     }
 
-    /// One row; between rows it runs straight, beyond the ends it holds.
+    /// Returns one row; linear between rows, clamped at the ends.
     pub(crate) fn row(&self, row: f64) -> Vec<f64> {
         let mut sum: Vec<f64> = self
             .mean
@@ -104,7 +104,7 @@ impl Quantised {
 impl QuantisedComponent {
     fn new(component: &Component, step: f64, coefficient_step: f64) -> Option<Self> {
         let (rows, columns) = (component.coefficients.len(), component.basis.len());
-        // Mean size of a coefficient, and of what the component adds to a number.
+        // RMS of a coefficient, and of the component's contribution to a value.
         let size = (component.energy() / rows as f64).sqrt();
         let strength = size / (columns as f64).sqrt();
         let scale = short(step * coefficient_step / strength)?;
@@ -121,7 +121,7 @@ impl QuantisedComponent {
         })
     }
 
-    /// The coefficient at a row or between two.
+    /// Coefficient at a row, linear between rows.
     pub(crate) fn amount(&self, row: f64) -> f64 {
         let last = self.coefficients.len().saturating_sub(1);
         let row = row.clamp(0.0, last as f64);
@@ -137,8 +137,8 @@ fn whole(value: f64) -> Option<i32> {
     (rounded.abs() < f64::from(MAX_STEPS)).then_some(rounded as i32)
 }
 
-/// The nearest number of [`SCALE_BITS`] bits; `None` if there is none that can be written as a
-/// whole number over a power of two up to 2^60.
+/// Rounds to the nearest number of [`SCALE_BITS`] bits; `None` if it cannot be written as an
+/// integer over a power of two up to 2^60.
 pub(crate) fn short(value: f64) -> Option<f64> {
     if !(value > 0.0 && value < f64::from(1 << SCALE_BITS)) {
         return None;

@@ -1,40 +1,40 @@
-//! A table of numbers as its mean row and a few components: truncated singular value
-//! decomposition.
+//! Truncated singular value decomposition of a matrix with one row per frame: mean row and a few
+//! components.
 //!
-//! Source: `docs/methods/vector.md` 8.3; Halko, Martinsson and Tropp, *Finding structure with randomness*
-//! (SIAM Review 53, 2011), algorithm 4.4: subspace iteration. Differs: the start is a fixed
-//! sequence, so the same table gives the same bits, and the block grows until what is left is
-//! small enough, so no rank has to be guessed. A block as wide as the table is exact.
+//! Source: `docs/methods/vector.md` 8.3; Halko, Martinsson and Tropp, *Finding structure with
+//! randomness* (SIAM Review 53, 2011), algorithm 4.4: subspace iteration. Differs: the start is a
+//! fixed sequence, so the same matrix gives the same bits, and the block grows until the residual
+//! is small enough, so no rank has to be guessed. A block as wide as the matrix is exact.
 
 use super::jacobi::symmetric_eigen;
 use super::orthonormal::{add_scaled, dot, orthonormalise};
 
 /// Rounds of subspace iteration; each squares the ratio between kept and lost components.
 const ROUNDS: usize = 8;
-/// Components of the first block.
+/// Number of components of the first block.
 const FIRST_BLOCK: usize = 16;
-/// A direction that is this share of what it was before the others were taken out is noise.
+/// A direction shorter than this fraction of its length before orthogonalisation is noise.
 const NOISE: f64 = 1e-11;
 
-/// Numbers in rows, one row a frame.
+/// A matrix of numbers, row by row, one row per frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Table {
-    /// Numbers a row.
+    /// Numbers per row.
     pub columns: usize,
     /// `rows * columns` numbers.
     pub values: Vec<f64>,
 }
 
-/// One component of a table.
+/// One component of a matrix.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Component {
-    /// What it adds to the columns; of length one, at right angles to the other components'.
+    /// Contribution to each column; of unit length, orthogonal to the other components' bases.
     pub basis: Vec<f64>,
-    /// How much of it each row has; at right angles to the other components'.
+    /// Coefficient of each row; orthogonal to the other components' coefficients.
     pub coefficients: Vec<f64>,
 }
 
-/// A table as its mean row and components, strongest first.
+/// A matrix as its mean row and components, strongest first.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LowRank {
     /// Mean of each column.
@@ -56,14 +56,14 @@ impl Table {
 }
 
 impl Component {
-    /// Square of its singular value.
+    /// Square of the singular value.
     pub(crate) fn energy(&self) -> f64 {
         dot(&self.coefficients, &self.coefficients)
     }
 }
 
-/// Splits a table into as many components as it takes until `is_enough` says yes or there are
-/// no more; there may be more than it takes.
+/// Decomposes a matrix, with a growing number of components until `is_enough` returns true or there
+/// are no more; the result may have more components than needed.
 ///
 /// O(rows x columns x components).
 pub(crate) fn decompose(table: &Table, mut is_enough: impl FnMut(&LowRank) -> bool) -> LowRank {
@@ -76,7 +76,7 @@ pub(crate) fn decompose(table: &Table, mut is_enough: impl FnMut(&LowRank) -> bo
             mean: mean.clone(),
             components,
         };
-        // Fewer than asked for: the rest of the table is noise of rounding.
+        // Fewer than requested: the rest of the matrix is rounding noise.
         if known.components.len() < block || block == most || is_enough(&known) {
             return known;
         }
@@ -99,7 +99,7 @@ fn centre(table: &Table) -> (Vec<f64>, Table) {
     (mean, centred)
 }
 
-/// The strongest components of a centred table.
+/// The strongest components of a centred matrix.
 fn strongest(centred: &Table, block: usize) -> Vec<Component> {
     let rows = centred.rows();
     let mut sequence = Sequence(0x9e37_79b9_7f4a_7c15);
@@ -112,7 +112,7 @@ fn strongest(centred: &Table, block: usize) -> Vec<Component> {
         orthonormalise(&mut directions, |before, length| length <= before * NOISE);
         heights = directions.iter().map(|d| along(centred, d)).collect();
     }
-    // Rayleigh and Ritz: turn the block so that the heights stand at right angles too.
+    // Rayleigh-Ritz: rotates the block so that the coefficients are orthogonal too.
     let small: Vec<f64> = heights
         .iter()
         .flat_map(|a| heights.iter().map(move |b| dot(a, b)))
@@ -127,7 +127,7 @@ fn strongest(centred: &Table, block: usize) -> Vec<Component> {
         .collect()
 }
 
-/// Sum of the rows, each times its height.
+/// Sum of the rows, weighted by `heights`.
 fn across(table: &Table, heights: &[f64]) -> Vec<f64> {
     let mut sum = vec![0.0; table.columns];
     for (row, height) in heights.iter().enumerate() {
@@ -136,7 +136,7 @@ fn across(table: &Table, heights: &[f64]) -> Vec<f64> {
     sum
 }
 
-/// How much each row has of a direction.
+/// Coefficient of each row along a direction.
 fn along(table: &Table, direction: &[f64]) -> Vec<f64> {
     (0..table.rows())
         .map(|row| dot(table.row(row), direction))
@@ -151,7 +151,7 @@ fn mix(vectors: &[Vec<f64>], weights: &[f64], length: usize) -> Vec<f64> {
     sum
 }
 
-/// Numbers between -1 and 1 without a pattern: splitmix64.
+/// Pseudorandom numbers between -1 and 1: splitmix64.
 struct Sequence(u64);
 
 impl Sequence {
@@ -177,8 +177,8 @@ mod tests {
         sum
     }
 
-    /// Mean (1, 2, 3, 4), 6 times (2, 1, 0, 2) / 3 and 3 times (1, -2, 2, 0) / 3 in waves that
-    /// are at right angles: two components with energies 4 x 36 / 2 and 4 x 9 / 2.
+    /// Mean (1, 2, 3, 4), 6 times (2, 1, 0, 2) / 3 and 3 times (1, -2, 2, 0) / 3 in orthogonal
+    /// waves: two components with energies 4 x 36 / 2 and 4 x 9 / 2.
     fn two_components() -> Table {
         let waves = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
         let mut values = Vec::new();
@@ -261,8 +261,8 @@ mod tests {
 
     #[test]
     fn a_block_that_is_narrower_than_the_table_finds_the_strongest() {
-        // 40 components that fade by a half each, over cosines of a discrete cosine transform,
-        // which are at right angles; 16 of them are sought.
+        // 40 components that each halve, over the orthogonal cosines of a discrete cosine
+        // transform; 16 of them are requested.
         let (rows, columns) = (64usize, 80usize);
         let wave = |n: usize, k: usize, i: usize| {
             (std::f64::consts::PI * (i as f64 + 0.5) * k as f64 / n as f64).cos()

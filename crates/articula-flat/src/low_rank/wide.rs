@@ -1,16 +1,16 @@
-//! The few modes that span many rows: truncated singular value decomposition.
+//! Truncated singular value decomposition of few, very long rows.
 //!
-//! Source: Eckart and Young 1936; subspace iteration on the Gram matrix of the rows, which are
-//! few while columns are many. Deterministic: the start is fixed.
+//! Source: Eckart and Young 1936; subspace iteration on the Gram matrix of the rows. Deterministic:
+//! the start is fixed.
 
 use super::orthonormal::{dot, orthonormalise};
 
-/// Rounds of the iteration; modes that matter converge in a few.
+/// Rounds of the iteration; significant modes converge in a few.
 const ROUNDS: usize = 40;
 
-/// The leading left singular vectors of a matrix, orthonormal, the strongest first.
+/// Returns the leading left singular vectors of a matrix, orthonormal, the strongest first.
 ///
-/// `rows` are equally long. Fewer come back if the matrix has a lower rank.
+/// `rows` have equal lengths. The result is shorter if the matrix has a lower rank.
 pub(crate) fn modes(rows: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
     let count = rows.len();
     let mut gram = vec![0.0; count * count];
@@ -38,7 +38,7 @@ pub(crate) fn modes(rows: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
     found
 }
 
-/// A fixed vector without any symmetry.
+/// A fixed start vector without symmetry.
 fn start(count: usize, k: usize) -> Vec<f64> {
     let value = |i: usize| ((i * (2 * k + 3) + 7 * k) as f64 * 0.618_033_988_7).fract() - 0.5;
     (0..count).map(value).collect()

@@ -1,7 +1,7 @@
 //! Skins, projects and lights a character into a [`PlanarClip`].
 //!
-//! Source: `docs/methods/vector.md` 2. One key light and an even ambient, both fixed to the viewer;
-//! light multiplies sRGB levels, since vector players blend there. Colours of textured vertices
+//! Source: `docs/methods/vector.md` 2. One key light and an ambient term, both fixed to the viewer;
+//! light multiplies sRGB levels, since vector players blend in sRGB. Colours of textured vertices
 //! are fitted to the texture in the triangles around them.
 
 use super::clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, PlanarMaterial};
@@ -13,17 +13,17 @@ use articula_core::source::Material;
 use articula_core::{Camera, PosedMesh, SkinnedMesh, Wrap, sample, sample_morphs};
 use glam::{Quat, Vec3};
 
-/// Nothing may come nearer to a perspective camera than this, metres.
+/// Minimum distance of a vertex from a perspective camera, metres.
 const NEAREST_M: f32 = 0.01;
 
-/// A key light and an even ambient.
+/// A key light and an ambient term.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lighting {
     /// Direction towards the key light in camera space (x right, y up, z to the viewer).
     pub direction: Vec3,
-    /// Light from everywhere.
+    /// Strength of the ambient light.
     pub ambient: f32,
-    /// What the key light adds where it meets the surface straight; the sum is held at 1.
+    /// Strength of the key light on a surface that faces it; the sum is clamped to 1.
     pub diffuse: f32,
 }
 
@@ -37,49 +37,49 @@ impl Default for Lighting {
     }
 }
 
-/// From where a subject is seen, and how it turns.
+/// Camera, light, frame rate and turntable of a bake.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BakeOptions {
-    /// The camera; its viewport is the picture's size.
+    /// The camera; its viewport is the size of the picture.
     pub camera: Camera,
     /// Perspective or parallel.
     pub projection: Projection,
     /// The light.
     pub lamp: Lighting,
-    /// Frames a second of the result.
+    /// Frames per second of the planar clip.
     pub fps: f32,
-    /// How the subject turns while it moves.
+    /// Rotation of the subject during the clip.
     pub turn: Turntable,
 }
 
-/// An even turn to the subject's left about a vertical axis.
+/// A uniform rotation to the subject's left about a vertical axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Turntable {
-    /// Where the axis stands, as (x, z) in metres.
+    /// Position of the axis, as (x, z) in metres.
     pub axis: (f32, f32),
-    /// How fast it turns.
+    /// Angular velocity.
     pub radians_per_sec: f32,
 }
 
 impl Turntable {
-    /// Angle at a moment, radians.
+    /// Angle at a time, radians.
     pub(crate) fn at(&self, secs: f64) -> f32 {
         (f64::from(self.radians_per_sec) * secs) as f32
     }
 
-    /// A point of the subject after a turn by an angle.
+    /// Rotates a point of the subject by an angle.
     pub(crate) fn apply(&self, point: Vec3, radians: f32) -> Vec3 {
         let axis = Vec3::new(self.axis.0, 0.0, self.axis.1);
         axis + Quat::from_rotation_y(radians) * (point - axis)
     }
 }
 
-/// Bakes moments of a clip.
+/// Bakes a clip at the given times.
 ///
-/// O(moments x vertices).
+/// O(times x vertices).
 ///
 /// # Errors
-/// [`PlanarError`]: limits, a vertex that is not finite or not before the camera, or triangles
+/// [`PlanarError`]: limits, a vertex that is not finite or not in front of the camera, or triangles
 /// of another mesh.
 pub fn bake(
     subject: &PlanarSubject<'_>,
@@ -105,12 +105,12 @@ pub fn bake(
     Ok(clip)
 }
 
-/// Bakes shapes of the rest pose: a frame for each set of morph weights.
+/// Bakes shapes of the rest pose, one frame for each set of morph weights.
 ///
 /// O(shapes x vertices).
 ///
 /// # Errors
-/// As [`bake`], and [`PlanarError::Mismatch`] if a set is not of the mesh.
+/// As [`bake`], and [`PlanarError::Mismatch`] if a set has another number of weights than the mesh.
 pub fn bake_shapes(
     subject: &PlanarSubject<'_>,
     shapes: &[Vec<f32>],
@@ -137,14 +137,14 @@ pub fn bake_shapes(
     Ok(clip)
 }
 
-/// Where a vertex of the planar clip comes from: a vertex of the mesh, and the side it shows.
+/// Source of a planar vertex: a vertex of the mesh and the side it shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct SourceVertex {
     vertex: u32,
     is_back: bool,
 }
 
-/// Everything that does not change over time.
+/// The parts of the clip that are constant over time.
 fn still_parts(
     subject: &PlanarSubject<'_>,
     options: &BakeOptions,
@@ -208,7 +208,7 @@ fn still_parts(
     Ok((clip, sources))
 }
 
-/// Colours of vertices and materials of parts.
+/// Computes colours of vertices and materials of parts.
 struct Painter<'a> {
     subject: PlanarSubject<'a>,
     part_of: Vec<usize>,
@@ -243,7 +243,7 @@ impl<'a> Painter<'a> {
         &self.materials[part]
     }
 
-    /// One surface for each part of the mesh.
+    /// One material for each part of the mesh.
     fn surfaces(&self) -> Vec<PlanarMaterial> {
         let mesh = self.subject.mesh;
         let of_part = |(p, material): (usize, &Material)| {
@@ -269,7 +269,7 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// Whether a triangle of a cut-out material shows nothing at its corners and its middle.
+    /// Whether a triangle of a cut-out material is transparent at its corners and its centroid.
     fn is_cut_away(&self, triangle: &[u32; 3], material: &Material) -> bool {
         let Some(texture) = self.subject.look.texture_of(material) else {
             return false;
@@ -283,7 +283,7 @@ impl<'a> Painter<'a> {
                 .all(|at| alpha(at) < material.alpha_cutoff)
     }
 
-    /// The joint that moves a triangle most.
+    /// Joint with the greatest summed skin weight of a triangle.
     fn joint_of(&self, triangle: &[u32; 3]) -> u16 {
         let mesh = self.subject.mesh;
         let mut weights = std::collections::BTreeMap::new();
@@ -299,7 +299,7 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// Poses the subject at a moment; keeps its buffers.
+/// Poses the subject at given times; reuses its buffers.
 pub(super) struct Poser<'a> {
     subject: PlanarSubject<'a>,
     local: articula_core::LocalPose,
@@ -319,13 +319,14 @@ impl<'a> Poser<'a> {
         }
     }
 
-    /// Poses it at a moment of its clip.
+    /// Poses the subject at a time of its clip.
     pub(super) fn pose(&mut self, secs: f64) {
         let PlanarSubject { rig, clip, .. } = self.subject;
         self.local.copy_from(rig.rest_pose());
         self.weights.copy_from_slice(self.subject.morph_weights);
         if let Some(clip) = clip {
-            // The last frame itself, not the first that it leads back to; lengths are rounded.
+            // At the last frame itself the clip does not wrap to the first one; durations are
+            // rounded.
             let is_within = secs <= f64::from(clip.duration_secs()) + 1e-4;
             let wrap = if is_within { Wrap::Clamp } else { Wrap::Loop };
             sample(clip, secs, wrap, &rig.all(), &mut self.local);
@@ -334,7 +335,7 @@ impl<'a> Poser<'a> {
         self.skin();
     }
 
-    /// Gives it a shape at rest.
+    /// Applies morph weights in the rest pose.
     fn shape(&mut self, weights: &[f32]) {
         self.local.copy_from(self.subject.rig.rest_pose());
         self.weights.copy_from_slice(weights);

@@ -1,58 +1,59 @@
-//! Places and light of every vertex in every frame, on the screen.
+//! Position and light of every vertex in every frame, on the screen.
 //!
-//! Source: `docs/methods/vector.md` 2. Differs: vertices keep their nearness instead of their depth,
-//! since nearness is linear on the screen under every projection ([`crate::projection`]).
+//! Source: `docs/methods/vector.md` 2. Vertices store nearness instead of depth, since nearness is
+//! linear on the screen under every projection ([`crate::projection`]).
 
 use super::error::PlanarError;
 use glam::{Vec2, Vec4};
 use std::collections::BTreeMap;
 
-/// Most triangles of a clip that is converted.
+/// Maximum number of triangles of a clip.
 pub const MAX_TRIANGLES: usize = 20_000;
-/// Most frames of a clip that is converted.
+/// Maximum number of frames of a clip.
 pub const MAX_FRAMES: usize = 20_000;
-/// Most triangles times frames; about 2 GB on the way.
+/// Maximum of triangles times frames; about 2 GB in memory.
 const MAX_CORNERS: usize = 1 << 26;
 
-/// What triangles of one material look like.
+/// Appearance of the triangles of one material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanarMaterial {
-    /// Name of the material, as the file has it.
+    /// Name of the material in the file.
     pub name: String,
-    /// The one sRGB colour (levels, 0 to 255) of its vertices; `None` if they differ.
+    /// sRGB colour (levels, 0 to 255) of all its vertices; `None` if they differ.
     pub albedo: Option<[u8; 3]>,
 }
 
-/// One moment of a clip.
+/// Vertex positions and light of one frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlanarFrame {
-    /// Place of each vertex, pixels from the top left, y down.
+    /// Position of each vertex, pixels from the top left, y down.
     pub xy: Vec<Vec2>,
     /// Nearness of each vertex: greater is nearer, linear on the screen.
     pub nearness: Vec<f32>,
-    /// Light that each vertex receives, 0 to 1; it multiplies the albedo's sRGB levels.
+    /// Light received by each vertex, 0 to 1; it multiplies the albedo's sRGB levels.
     pub light: Vec<f32>,
 }
 
-/// A clip as the camera sees it; every triangle shows its front only (counter-clockwise to the
-/// viewer), two-sided ones are there twice.
+/// A clip projected to the screen. Triangles show only their front (counter-clockwise to the
+/// viewer); two-sided ones are stored twice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanarClip {
     /// Width of the picture, pixels.
     pub width: u32,
     /// Height of the picture, pixels.
     pub height: u32,
-    /// Frames a second.
+    /// Frames per second.
     pub fps: f32,
     /// The frames; frame `i` is at `i / fps` seconds, the last one ends the clip.
     pub frames: Vec<PlanarFrame>,
-    /// Corners of each triangle.
+    /// Vertex indices of each triangle.
     pub triangles: Vec<[u32; 3]>,
-    /// Index into [`Self::surfaces`] for each triangle; its vertices have no other.
+    /// Index into [`Self::surfaces`] for each triangle; triangles of different surfaces share no
+    /// vertex.
     pub surface: Vec<u16>,
     /// Dominant joint of each triangle.
     pub part: Vec<u16>,
-    /// The surfaces.
+    /// The materials.
     pub surfaces: Vec<PlanarMaterial>,
     /// sRGB albedo of each vertex in levels, 0 to 255.
     pub albedo: Vec<[f32; 3]>,
@@ -70,7 +71,7 @@ impl PlanarClip {
         self.albedo[vertex as usize].map(|level| level * light)
     }
 
-    /// A triangle's corners on the screen.
+    /// Positions of a triangle's corners on the screen.
     pub(crate) fn places(&self, frame: usize, triangle: usize) -> [Vec2; 3] {
         self.triangles[triangle].map(|v| self.frames[frame].xy[v as usize])
     }
@@ -84,8 +85,8 @@ impl PlanarClip {
         })
     }
 
-    /// A number for each vertex, the same for vertices that are at the same place in every frame
-    /// (seams of normals, texture and material).
+    /// Position class of each vertex: equal for vertices that coincide in every frame (seams of
+    /// normals, texture and material).
     pub(crate) fn position_classes(&self) -> Vec<u32> {
         let mut classes = vec![0u32; self.vertices()];
         for frame in &self.frames {
@@ -105,10 +106,10 @@ impl PlanarClip {
         classes
     }
 
-    /// Checks shapes, limits and that every number is finite.
+    /// Checks array lengths, indices, limits and that every number is finite.
     ///
     /// # Errors
-    /// What is wrong with it, as [`PlanarError`] lists it.
+    /// The first violation, as a [`PlanarError`].
     pub(crate) fn check(&self) -> Result<(), PlanarError> {
         if self.frames.is_empty() {
             return Err(PlanarError::NoFrames);
@@ -185,8 +186,8 @@ pub(crate) mod fixture {
     use super::*;
     use glam::{Mat3, Vec3};
 
-    /// A unit cube that turns once about a slanted axis, seen from the front under perspective,
-    /// 100 x 100 pixels; its twelve triangles share eight vertices.
+    /// A unit cube that turns once about a slanted axis, seen from the front under perspective, 100
+    /// x 100 pixels; its twelve triangles share eight vertices.
     pub(crate) fn turning_cube(frames: usize) -> PlanarClip {
         let corner = |i: usize| {
             let of = |bit: usize| if i >> bit & 1 == 0 { -0.5 } else { 0.5 };
@@ -239,8 +240,8 @@ pub(crate) mod fixture {
         }
     }
 
-    /// Loose triangles, each with a colour of its own, still for `frames` frames; corners are
-    /// `(x, y, nearness)` in a picture of 40 x 40 pixels.
+    /// Separate triangles of one colour each, constant for `frames` frames; corners are `(x, y,
+    /// nearness)` in a picture of 40 x 40 pixels.
     pub(crate) fn loose(triangles: &[([[f32; 3]; 3], [u8; 3])], frames: usize) -> PlanarClip {
         let mut frame = PlanarFrame::default();
         let mut albedo = Vec::new();
@@ -317,7 +318,7 @@ mod tests {
             2,
         );
         assert_eq!(clip.position_classes(), [0, 1, 2, 1, 3, 2]);
-        // One frame apart is enough.
+        // A difference in one frame is enough.
         clip.frames[1].xy[3].y += 0.5;
         let classes = clip.position_classes();
         assert_ne!(classes[1], classes[3]);

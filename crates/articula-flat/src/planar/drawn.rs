@@ -1,8 +1,8 @@
-//! Which triangles are seen in which frames.
+//! Visibility of triangles per frame.
 //!
-//! Source: `docs/methods/vector.md` 3. A triangle is seen if it owns at least one of the 2 x 2 samples
-//! of some pixel; covered triangles and backs are not drawn, which changes no pixel. Short gaps
-//! are drawn all the same, since switching costs more bytes than painting something hidden.
+//! Source: `docs/methods/vector.md` 3. A triangle is visible if it owns at least one of the 2 x 2
+//! samples of some pixel; covered triangles and back faces are not drawn, which changes no pixel.
+//! Short gaps are drawn too, since switching costs more bytes than painting something hidden.
 
 use super::clip::PlanarClip;
 use super::error::PlanarError;
@@ -21,19 +21,19 @@ pub(crate) struct Drawn {
 }
 
 impl PlanarClip {
-    /// Number of triangles that are seen in some frame.
+    /// Returns the number of triangles that are visible in some frame.
     ///
     /// O(frames x samples covered).
     ///
     /// # Errors
-    /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
+    /// Errors of the clip, or [`PlanarError::NothingSeen`].
     pub fn triangles_seen(&self) -> Result<usize, PlanarError> {
         Ok(Drawn::seen(self)?.ever().len())
     }
 }
 
 impl Drawn {
-    /// Nothing drawn yet.
+    /// Nothing is drawn.
     pub(crate) fn none(frames: usize, triangles: usize) -> Self {
         Self {
             frames,
@@ -42,19 +42,19 @@ impl Drawn {
         }
     }
 
-    /// What is seen of a clip; gaps shorter than six frames are filled, between frames in which
-    /// the triangle is seen.
+    /// Finds the visible triangles of a clip; gaps shorter than six frames between frames in which
+    /// the triangle is visible are filled.
     ///
     /// O(frames x samples covered).
     ///
     /// # Errors
-    /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
+    /// Errors of the clip, or [`PlanarError::NothingSeen`].
     #[cfg(test)]
     pub(crate) fn of(clip: &PlanarClip) -> Result<Self, PlanarError> {
         Ok(Self::seen(clip)?.with_short_gaps())
     }
 
-    /// The same with gaps shorter than six frames filled.
+    /// Returns a copy in which gaps shorter than six frames are filled.
     #[must_use]
     pub(crate) fn with_short_gaps(&self) -> Self {
         let mut drawn = self.clone();
@@ -64,10 +64,10 @@ impl Drawn {
         drawn
     }
 
-    /// What is seen of a clip, frame by frame.
+    /// Finds the visible triangles of a clip, frame by frame.
     ///
     /// # Errors
-    /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
+    /// Errors of the clip, or [`PlanarError::NothingSeen`].
     pub(crate) fn seen(clip: &PlanarClip) -> Result<Self, PlanarError> {
         clip.check()?;
         let mut drawn = Self::none(clip.frames.len(), clip.triangles.len());
@@ -104,17 +104,17 @@ impl Drawn {
         self.bits[frame * self.triangles + triangle]
     }
 
-    /// Draws a triangle in a frame, or leaves it out.
+    /// Sets whether a triangle is drawn in a frame.
     pub(crate) fn set(&mut self, frame: usize, triangle: usize, drawn: bool) {
         self.bits[frame * self.triangles + triangle] = drawn;
     }
 
-    /// Triangles that are drawn in some frame, rising.
+    /// Triangles that are drawn in some frame, ascending.
     pub(crate) fn ever(&self) -> Vec<u32> {
         self.within(&(0..self.frames))
     }
 
-    /// Triangles that are drawn in some of these frames, rising.
+    /// Triangles that are drawn in some of these frames, ascending.
     pub(crate) fn within(&self, frames: &Range<usize>) -> Vec<u32> {
         let mask = self.mask(frames);
         (0..)
@@ -123,7 +123,7 @@ impl Drawn {
             .collect()
     }
 
-    /// For each triangle whether it is drawn in some of these frames.
+    /// Whether each triangle is drawn in some of these frames.
     pub(crate) fn mask(&self, frames: &Range<usize>) -> Vec<bool> {
         let mut mask = vec![false; self.triangles];
         for f in frames.start..frames.end.min(self.frames) {
@@ -135,10 +135,10 @@ impl Drawn {
         mask
     }
 
-    /// Checks that this is about a clip of as many frames and triangles.
+    /// Checks the numbers of frames and triangles against a clip.
     ///
     /// # Errors
-    /// [`PlanarError::Mismatch`] if it is not.
+    /// [`PlanarError::Mismatch`] if they differ.
     pub(crate) fn fits(&self, clip: &PlanarClip) -> Result<(), PlanarError> {
         let (frames, triangles) = (clip.frames.len(), clip.triangles.len());
         if (self.frames, self.triangles) == (frames, triangles) {
@@ -175,7 +175,7 @@ impl Drawn {
     }
 }
 
-/// Draws the fronts of one frame into a buffer that it clears first.
+/// Clears the buffer and draws the front faces of one frame.
 pub(crate) fn draw_frame(clip: &PlanarClip, frame: usize, buffer: &mut ItemBuffer) {
     buffer.clear();
     for t in 0..clip.triangles.len() {
@@ -219,7 +219,7 @@ mod tests {
             drawn.set(1 + hidden, 0, true);
             drawn.fill_gaps(0);
             assert_eq!(drawn.spans(0).len(), expected);
-            // What comes before the first and after the last stays as it is.
+            // Frames before the first and after the last visible one stay empty.
             assert!(!drawn.get(2 + hidden, 0));
         }
     }

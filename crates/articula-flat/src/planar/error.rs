@@ -1,13 +1,13 @@
-//! What can be wrong with a clip that is to be converted, each with its mend.
+//! Errors of clips that are converted, each with its remedy.
 
 use crate::error::PictureError;
 use articula_core::Cancelled;
 use thiserror::Error;
 
-/// Why a clip cannot be converted to 2D.
+/// Error of the conversion of a clip to 2D.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum PlanarError {
-    /// A vertex has no finite place.
+    /// A vertex position is not finite.
     #[error(
         "frame {frame}: vertex {vertex} is not at a finite place; mend the clip or the skin weights"
     )]
@@ -17,7 +17,7 @@ pub enum PlanarError {
         /// Vertex of the mesh.
         vertex: u32,
     },
-    /// A vertex lies behind the camera or just before it.
+    /// A vertex lies behind the camera or too close in front of it.
     #[error(
         "frame {frame}: vertex {vertex} is not before the camera, which stands inside the character; move the camera away"
     )]
@@ -27,58 +27,58 @@ pub enum PlanarError {
         /// Vertex of the mesh.
         vertex: u32,
     },
-    /// More triangles than can be converted.
+    /// The mesh has more triangles than can be converted.
     #[error("{found} triangles are more than {most}; choose a level or fewer triangles")]
     TooManyTriangles {
         /// Triangles of the mesh.
         found: usize,
-        /// The most that are converted.
+        /// Maximum number of triangles.
         most: usize,
     },
-    /// More frames than can be converted.
+    /// The clip has more frames than can be converted.
     #[error("{found} frames are more than {most}; choose a shorter part or fewer frames a second")]
     TooManyFrames {
         /// Frames of the clip.
         found: usize,
-        /// The most that are converted.
+        /// Maximum number of frames.
         most: usize,
     },
-    /// Triangles lie over each other in more ways than are counted.
+    /// There are more distinct sets of overlapping triangles than the limit.
     #[error(
         "triangles lie over each other in more than {most} ways; choose fewer triangles or frames, or a smaller picture"
     )]
     TooManyOverlaps {
-        /// The most that are counted.
+        /// Maximum number of distinct sets.
         most: usize,
     },
-    /// There is no frame.
+    /// The clip has no frames.
     #[error("the clip has no frame; choose another clip or a longer part of it")]
     NoFrames,
-    /// No triangle is seen in any frame.
+    /// No triangle is visible in any frame.
     #[error("no triangle is seen in any frame; turn the camera or show other meshes")]
     NothingSeen,
-    /// No setting makes a file that small.
+    /// No setting makes a file as small as the budget.
     #[error(
         "the smallest file has {least} bytes, the budget is {budget}; ask for fewer triangles, fewer frames a second, or the player profile"
     )]
     BudgetTooSmall {
-        /// Size of the smallest file that was made.
+        /// Size of the smallest file that was made, bytes.
         least: u64,
-        /// The budget.
+        /// The budget, bytes.
         budget: u64,
     },
-    /// The caller paired things that do not fit.
+    /// Arguments that do not belong together.
     #[error("{at}: {what}")]
     Mismatch {
-        /// Which argument.
+        /// Name of the argument.
         at: &'static str,
         /// What was found and what was expected.
         what: String,
     },
-    /// The caller ended the work ([`articula_core::Progress`]).
+    /// The caller cancelled the work ([`articula_core::Progress`]).
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// A picture on the way could not be made.
+    /// An intermediate picture could not be made.
     #[error(transparent)]
     Picture(#[from] PictureError),
 }

@@ -1,4 +1,4 @@
-//! The procedural human before a camera, for tests.
+//! The procedural human in front of a camera, for tests.
 
 use super::bake::{BakeOptions, Lighting, Turntable};
 use super::subject::PlanarSubject;
@@ -19,7 +19,7 @@ pub(crate) struct Figure {
 }
 
 impl Figure {
-    /// All of it, at rest.
+    /// The whole human, at rest.
     pub(crate) fn subject(&self) -> PlanarSubject<'_> {
         let mesh = &self.asset.mesh;
         PlanarSubject {

@@ -1,9 +1,8 @@
-//! Key-frame reduction: from places and light in every frame to few keys.
+//! Key-frame reduction: replaces positions and light per frame by few keys.
 //!
-//! Source: `docs/methods/vector.md` 7. Differs: keys need not lie on the data (`tunnel`,
-//! `moving_gradient`), and a gradient's line is kept in shares of its shape's bounding
-//! box where the writer can say so, since it then goes along with the shape and most lines need
-//! not move at all.
+//! Source: `docs/methods/vector.md` 7. Keys need not lie on the data (`tunnel`, `moving_gradient`).
+//! Where the format allows it, a gradient line is stored as fractions of its shape's bounding box,
+//! since it then moves along with the shape and most lines are constant.
 
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
@@ -19,26 +18,26 @@ use glam::Vec2;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Triangles of fewer square pixels than this may be off by more levels: twice for a quarter of
-/// the area, so that what they add to the error of the picture stays the same.
+/// Triangles smaller than this, in square pixels, have a larger colour tolerance: twice for a
+/// quarter of the area, so that their contribution to the image error stays the same.
 const SMALL_PX2: f64 = 16.0;
-/// So may slivers thinner than this, pixels.
+/// Slivers thinner than this, in pixels, have a larger colour tolerance too.
 const THIN_PX: f64 = 3.0;
 
-/// What may be lost.
+/// Tolerances, shading and units of the key-frame reduction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct KeyOptions {
-    /// Greatest distance of a corner's x or y from its place in a frame, pixels; less than an
-    /// eighth is not kept, since corners lie on a grid.
+    /// Maximum distance of a corner's x or y from its position in a frame, pixels; at least 1/8,
+    /// since corners lie on a grid.
     pub pos_tol_px: f32,
-    /// Greatest difference at a corner, levels.
+    /// Maximum colour difference at a corner, levels.
     pub col_tol_levels: f32,
-    /// Colours.
+    /// How triangles are filled.
     pub shading: Shading,
-    /// What the lines of gradients are counted in.
+    /// Units of gradient lines.
     pub lines: LineUnits,
-    /// Neighbours whose colours differ by no more levels than this become one shape, sealed in
-    /// the usual way; only without gradients.
+    /// Neighbours whose colours differ by at most this many levels become one shape, sealed with
+    /// the default underlap; only without gradients.
     pub merge_levels: Option<f32>,
 }
 
@@ -54,34 +53,33 @@ impl Default for KeyOptions {
     }
 }
 
-/// What was lost, and what is left.
+/// Errors and numbers of keys of a key-frame reduction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct KeyStats {
-    /// Root mean square distance of x or y from its place, over drawn corners and frames, pixels.
+    /// RMS distance of x or y from its position, over drawn corners and frames, pixels.
     pub position_rmse_px: f64,
-    /// Greatest such distance, pixels.
+    /// Maximum of that distance, pixels.
     pub position_max_px: f64,
-    /// Shapes.
+    /// Number of shapes.
     pub shapes: usize,
-    /// Keys of outlines.
+    /// Number of keys of outlines.
     pub outline_keys: usize,
-    /// Shapes with a gradient.
+    /// Number of shapes with a gradient.
     pub gradients: usize,
-    /// Gradients whose line moves.
+    /// Number of gradients whose line moves.
     pub moving_gradients: usize,
-    /// Keys of gradients that move.
+    /// Number of keys of moving gradients.
     pub line_keys: usize,
-    /// Root mean square error of gradients at corners in drawn frames, weighted by area, levels.
+    /// RMS error of gradients at corners in drawn frames, weighted by area, levels.
     pub color_rmse_levels: f64,
 }
 
-/// A clip as shapes with keys. `layers` are back to front.
+/// Converts a clip to shapes with keys. `layers` are back to front.
 ///
 /// O(layers x frames x longest segment).
 ///
 /// # Errors
-/// What is wrong with the clip, or [`PlanarError::Mismatch`] if the arguments are not of one
-/// clip.
+/// Errors of the clip, or [`PlanarError::Mismatch`] if the arguments belong to different clips.
 pub(crate) fn keyed(
     clip: &PlanarClip,
     drawn: &Drawn,
@@ -114,12 +112,11 @@ pub(crate) fn keyed(
     Ok(reducer.finish(shapes))
 }
 
-/// Regions of one colour as shapes with keys, back to front. `sealed` are their points,
-/// `[region][frame][point]`, as [`super::merge::seal_regions`] gives them.
+/// Converts regions of one colour to shapes with keys, back to front. `sealed` are their points,
+/// `[region][frame][point]`, from [`super::merge::seal_regions`].
 ///
 /// # Errors
-/// What is wrong with the clip, or [`PlanarError::Mismatch`] if the arguments are not of one
-/// clip.
+/// Errors of the clip, or [`PlanarError::Mismatch`] if the arguments belong to different clips.
 pub(crate) fn keyed_regions(
     clip: &PlanarClip,
     regions: &[Region],
@@ -155,7 +152,7 @@ pub(crate) fn keyed_regions(
     Ok((keyed, stats))
 }
 
-/// Whether spans rise, are apart, and lie within so many frames.
+/// Whether spans are ascending, disjoint and within the number of frames.
 fn are_spans(spans: &[Range<usize>], frames: usize) -> bool {
     let mut end = None;
     spans.iter().all(|span| {
@@ -190,11 +187,11 @@ fn check_shapes(
     Ok(())
 }
 
-/// Where a layer's corners are to be, and how exactly.
+/// Target positions of a layer's corners, with tolerances.
 struct Wish {
-    /// Grid steps, x and y of each point for each frame.
+    /// Target x and y of each point for each frame, grid steps.
     targets: Vec<f64>,
-    /// Grid steps; infinite where it does not matter.
+    /// Tolerance in each frame, grid steps; infinite where the position is irrelevant.
     reach: Vec<f64>,
     is_shown: Vec<bool>,
 }
@@ -209,15 +206,15 @@ impl Wish {
     }
 }
 
-/// A shape's points in a frame, pixels.
+/// Returns the points of a shape in a frame, pixels.
 struct Outline<'a> {
-    /// As they are painted.
+    /// Points after sealing.
     sealed: &'a dyn Fn(usize) -> Vec<Vec2>,
-    /// As the clip has them.
+    /// Points of the clip.
     places: &'a dyn Fn(usize) -> Vec<Vec2>,
 }
 
-/// A place in grid steps.
+/// Position in grid steps.
 fn on_grid(place: Vec2) -> [f64; 2] {
     [place.x, place.y].map(|v| f64::from(v) * f64::from(GRID))
 }
@@ -232,7 +229,7 @@ struct Reducer<'a> {
     levels: Mean,
 }
 
-/// A mean of squares.
+/// Weighted mean of squares.
 #[derive(Debug, Default)]
 struct Mean {
     sum: f64,
@@ -315,8 +312,8 @@ impl<'a> Reducer<'a> {
         }
     }
 
-    /// Hidden frames do not matter; those beside shown ones matter a little, since a shape is
-    /// shown half a frame longer.
+    /// Targets of an outline. Hidden frames have no tolerance bound; those next to shown ones have
+    /// a wide one, since a shape is shown for half a frame longer.
     fn wish(&self, shown: &[Range<usize>], outline: &Outline<'_>) -> Wish {
         let frames = self.clip.frames.len();
         let tol = f64::from(self.options.pos_tol_px) * f64::from(GRID);
@@ -336,7 +333,7 @@ impl<'a> Reducer<'a> {
             let reach = match (wish.is_shown[f], neighbour) {
                 (true, _) => tol,
                 (false, Some(g)) => {
-                    // It is sealed where it is shown, and moves on as the clip does.
+                    // The sealed outline of the shown frame, moved on as the triangle moves.
                     points = (outline.sealed)(g);
                     let moves = (outline.places)(f).into_iter().zip((outline.places)(g));
                     for (point, (here, there)) in points.iter_mut().zip(moves) {
@@ -352,7 +349,7 @@ impl<'a> Reducer<'a> {
         wish
     }
 
-    /// A shape of any number of points in one colour.
+    /// A shape with any number of points and one colour.
     fn region(&mut self, region: &Region, sealed: &[Vec<Vec2>]) -> KeyedShape {
         let clip = self.clip;
         let wish = self.wish(
@@ -393,7 +390,7 @@ impl<'a> Reducer<'a> {
         }
     }
 
-    /// The line of a gradient that goes with an outline.
+    /// Gradient line of a layer whose outline is already keyed.
     fn line(
         &mut self,
         layer: &Layer,
@@ -437,8 +434,8 @@ impl<'a> Reducer<'a> {
         line
     }
 
-    /// Where the light of the corners is to be painted: at the corners before sealing, moved
-    /// as far as the keyed outline is off, in the units of lines.
+    /// Positions at which the colours of the corners are to be painted: the corners before sealing,
+    /// shifted by the error of the keyed outline, in the units of lines.
     fn painted(
         &self,
         f: usize,
@@ -463,7 +460,7 @@ impl<'a> Reducer<'a> {
     }
 }
 
-/// A place in shares of an outline's bounding box.
+/// Position relative to an outline's bounding box, in thousandths.
 fn in_box(outline: &[f64], place: [f64; 2]) -> [f64; 2] {
     let of = |n: usize| {
         let numbers = outline.iter().skip(n).step_by(2);
@@ -475,12 +472,12 @@ fn in_box(outline: &[f64], place: [f64; 2]) -> [f64; 2] {
     [of(0), of(1)]
 }
 
-/// Square pixels.
+/// Area in square pixels.
 fn area([a, b, c]: &[Vec2; 3]) -> f64 {
     f64::from((*b - *a).perp_dot(*c - *a).abs()) / 2.0
 }
 
-/// How much more a small triangle or a sliver may be off.
+/// Factor of the colour tolerance of small triangles and slivers.
 fn slack_of_small(places: &[Vec2; 3]) -> f64 {
     let [a, b, c] = *places;
     let area = area(places);
@@ -580,7 +577,7 @@ mod tests {
         let (keyed, stats, _) = reduced(&clip, &KeyOptions::default());
         assert_eq!((stats.outline_keys, stats.moving_gradients), (2, 0));
         assert_eq!(keyed.ramps, [[200, 100, 0]]);
-        // Light runs over the whole width of the box: black at -0.8, full at 1.2.
+        // The light covers the whole width of the box: black at -0.8, full at 1.2.
         let KeyedPaint::Ramp { line, .. } = &keyed.shapes[0].paint else {
             panic!("{keyed:?}");
         };
@@ -603,7 +600,7 @@ mod tests {
         for frames in [1, 2, 13] {
             let mut clip = of(frames);
             for (f, frame) in clip.frames.iter_mut().enumerate() {
-                // Nearly even light, and a triangle that appears late.
+                // Nearly uniform light, and a triangle that appears late.
                 frame.light[0] = 0.999;
                 if 2 * f < frames - 1 {
                     frame.xy.swap(6, 7);

@@ -1,68 +1,69 @@
-//! Shapes with keys: what is left of a clip after key-frame reduction, ready to be written.
+//! Key-framed shapes: a clip after key-frame reduction, ready to be written.
 //!
-//! Source: `docs/methods/vector.md` 7. Everything is a whole number on a grid, so that a writer loses
-//! nothing and a reader gets it back exactly.
+//! Source: `docs/methods/vector.md` 7. All values are integers on a grid, so a writer loses nothing
+//! and a reader restores them exactly.
 
 use crate::planar::PlanarError;
 use crate::planar::clip::MAX_FRAMES;
 use std::ops::Range;
 
-/// Steps of the grid in a pixel; the viewBox of an SVG is this many times its size.
+/// Grid steps per pixel; the viewBox of an SVG is this many times its size.
 pub(crate) const GRID: i32 = 4;
-/// Farthest that a number may be from the origin, grid steps; players count in `f32`.
+/// Maximum absolute coordinate, grid steps; players compute in `f32`.
 pub(crate) const MAX_GRID: u32 = 1 << 20;
 
-/// Steps of a gradient's line over the width and over the height of its shape's bounding box.
+/// Steps of a gradient line over the width and over the height of its shape's bounding box.
 pub(crate) const BOX: i32 = 1000;
 
-/// What the lines of gradients are counted in.
+/// Units of gradient lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum LineUnits {
     /// Grid steps on the picture.
     #[default]
     Grid,
-    /// Thousandths of the width and height of the shape's bounding box, from its top left: the
-    /// line goes along with the shape, and bands of equal colour lean as the box is stretched
-    /// (`objectBoundingBox` of SVG).
+    /// Thousandths of the width and height of the shape's bounding box, from its top left
+    /// (`objectBoundingBox` of SVG): the line moves along with the shape, and bands of equal colour
+    /// are sheared as the box is stretched.
     Box,
 }
 
-/// A moving vector graphic.
+/// An animated vector graphic.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct KeyedClip {
     /// Width, pixels.
     pub width: u32,
     /// Height, pixels.
     pub height: u32,
-    /// Frames a second.
+    /// Frames per second.
     pub fps: f32,
-    /// Number of frames; frame `i` is at `i / fps`, the last one ends the clip, then it repeats.
+    /// Number of frames; frame `i` is at `i / fps` seconds, the last one ends the clip, which then
+    /// repeats.
     pub frames: u32,
-    /// The colours of the shared ramps, each from black to this; sRGB levels.
+    /// End colours of the shared ramps, each from black; sRGB levels.
     pub ramps: Vec<[u8; 3]>,
-    /// What the lines of all gradients are counted in.
+    /// Units of the lines of all gradients.
     pub lines: LineUnits,
     /// The shapes, back to front.
     pub shapes: Vec<KeyedShape>,
 }
 
-/// One shape. A triangle that changes its place in the painting order is there more than once.
+/// One shape. A triangle that changes its position in the painting order has several.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct KeyedShape {
-    /// Its closed outlines' points as x, y, x, y, …; grid steps.
+    /// Points of its closed outlines as x, y, x, y, …; grid steps.
     pub outline: KeyedTrack,
-    /// First point of each further closed outline (merged shapes have holes and islands); empty
-    /// for a triangle.
+    /// Index of the first point of each further closed outline (merged shapes have holes and
+    /// islands); empty for a triangle.
     pub further_outlines: Vec<u32>,
-    /// Its paint.
+    /// Fill of the shape.
     pub paint: KeyedPaint,
-    /// When it is shown, in half frames, rising and apart: a frame `f` in which it is drawn
-    /// covers `2 f - 1 .. 2 f + 1`, held within `0 .. 2 (frames - 1) + 1`. Always shown if this
-    /// is one span over all of it.
+    /// Spans in which it is shown, in half frames, ascending and disjoint: a frame `f` in which it
+    /// is drawn covers `2 f - 1 .. 2 f + 1`, clamped to `0 .. 2 (frames - 1) + 1`. Always shown if
+    /// one span covers all of it.
     pub shown: Vec<Range<u32>>,
 }
 
-/// What a shape is filled with.
+/// Fill of a shape.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum KeyedPaint {
     /// One colour, sRGB levels.
@@ -74,32 +75,32 @@ pub(crate) enum KeyedPaint {
         /// The line x1, y1, x2, y2 in [`KeyedClip::lines`].
         line: KeyedTrack,
     },
-    /// Two colours of its own along a line.
+    /// Two colours along a line, not shared with other shapes.
     Own {
-        /// sRGB levels at the line's start and end.
+        /// Colours at the line's start and end, sRGB levels.
         stops: [[u8; 3]; 2],
         /// The line x1, y1, x2, y2 in [`KeyedClip::lines`].
         line: KeyedTrack,
     },
 }
 
-/// Numbers that move straight from key to key.
+/// Numbers interpolated linearly from key to key.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(crate) struct KeyedTrack {
-    /// Frame of each key, rising. One key alone does not move. More than one: the first is 0
-    /// and the last the clip's last frame.
+    /// Frame of each key, ascending. A single key is constant. Otherwise the first is 0 and the
+    /// last the clip's last frame.
     pub frames: Vec<u32>,
     /// `frames.len() * width` numbers.
     pub values: Vec<i32>,
-    /// Numbers a key.
+    /// Numbers per key.
     pub width: usize,
 }
 
 impl KeyedClip {
-    /// Checks that everything fits together, so that writers cannot fail.
+    /// Checks that all parts are consistent, so that writers cannot fail.
     ///
     /// # Errors
-    /// [`PlanarError::NoFrames`], or [`PlanarError::Mismatch`] with the shape at fault.
+    /// [`PlanarError::NoFrames`], or [`PlanarError::Mismatch`] with the index of the shape.
     pub(crate) fn check(&self) -> Result<(), PlanarError> {
         if self.frames == 0 {
             return Err(PlanarError::NoFrames);
@@ -141,7 +142,7 @@ impl KeyedTrack {
         Ok(())
     }
 
-    /// A track that does not move.
+    /// Returns a constant track.
     pub(crate) fn still(values: Vec<i32>) -> Self {
         Self {
             frames: vec![0],
@@ -150,12 +151,12 @@ impl KeyedTrack {
         }
     }
 
-    /// Whether there is nothing but one key.
+    /// Whether the track has only one key.
     pub(crate) fn is_still(&self) -> bool {
         self.frames.len() < 2
     }
 
-    /// The numbers of a key.
+    /// Numbers of a key.
     pub(crate) fn key(&self, key: usize) -> &[i32] {
         &self.values[key * self.width..(key + 1) * self.width]
     }
@@ -165,12 +166,12 @@ impl KeyedTrack {
         self.frames.len()
     }
 
-    /// Whether there is no key.
+    /// Whether the track has no keys.
     pub(crate) fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
 
-    /// The numbers at a moment, in frames; held beyond the ends.
+    /// Numbers at a time in frames; clamped at the ends.
     pub(crate) fn at(&self, frame: f64) -> Vec<f64> {
         let after = self.frames.partition_point(|f| f64::from(*f) <= frame);
         let of = |key: usize| self.key(key).iter().map(|v| f64::from(*v));
@@ -193,7 +194,7 @@ impl KeyedTrack {
 }
 
 impl KeyedShape {
-    /// Half frames that cover spans of frames of a clip of `frames` frames.
+    /// Half frames that cover spans of frames of a clip with `frames` frames.
     pub(crate) fn shown_in(spans: &[Range<usize>], frames: u32) -> Vec<Range<u32>> {
         let end = 2 * frames.saturating_sub(1) + 1;
         let half = |f: usize| (2 * f as u32).saturating_sub(1);
@@ -236,10 +237,10 @@ impl KeyedShape {
         line.check(frames)
     }
 
-    /// Whether it is shown at a moment, in frames.
+    /// Whether the shape is shown at a time in frames.
     #[cfg(test)]
     pub(crate) fn is_shown_at(&self, frame: f64) -> bool {
-        // Half frames are counted from half a frame before the first: frame f lies at 2 f.
+        // Half frames begin half a frame before the first frame: frame f lies at 2 f.
         let half = 2.0 * frame;
         let covers =
             |span: &Range<u32>| f64::from(span.start) <= half && half < f64::from(span.end);

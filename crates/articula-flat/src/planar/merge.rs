@@ -1,9 +1,9 @@
-//! Merging: regions of triangles of nearly one colour, painted as one shape each.
+//! Merging: regions of triangles with similar colours, each painted as one shape.
 //!
-//! Source: `docs/methods/vector.md` 6. Regions grow across common edges, the most alike first. A region
-//! is painted in one go, so a triangle may join only if that moves it past nothing that it ever
-//! lies over or under. Only triangles that are drawn in the same frames join, so that an outline
-//! never changes its points.
+//! Source: `docs/methods/vector.md` 6. Regions grow across common edges, the most similar colours
+//! first. A region is painted at one position of the order, so a triangle may join only if that
+//! moves it past nothing that it ever overlaps. Only triangles that are drawn in the same frames
+//! join, so the points of an outline never change.
 
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
@@ -18,13 +18,13 @@ use std::ops::Range;
 /// Triangles that are painted as one shape.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Region {
-    /// The triangles, rising.
+    /// The triangles, ascending.
     pub triangles: Vec<u32>,
-    /// The one colour: the mean of the triangles' colours, weighted by their sizes.
+    /// Colour: the mean of the triangles' colours, weighted by area.
     pub color: [u8; 3],
-    /// When it is drawn, rising and apart.
+    /// Spans of frames in which the region is drawn, ascending and disjoint.
     pub frames: Vec<Range<usize>>,
-    /// Closed outlines, each as edges. Filled by the nonzero rule.
+    /// Closed outlines, each a list of edges; nonzero fill rule.
     pub outlines: Vec<Vec<OutlineEdge>>,
 }
 
@@ -37,7 +37,7 @@ impl Region {
         edges.map(|edge| xy[start(edge) as usize]).collect()
     }
 
-    /// First point of each outline after the first.
+    /// Index of the first point of each outline after the first.
     pub(crate) fn further_outlines(&self) -> Vec<u32> {
         let ends = self.outlines.iter().scan(0, |end, outline| {
             *end += outline.len() as u32;
@@ -47,14 +47,13 @@ impl Region {
     }
 }
 
-/// Joins layers into regions, back to front. Colours of a region differ by no more than
+/// Merges layers into regions, back to front. Colours of a region differ by at most
 /// `merge_tol_levels` in any channel.
 ///
-/// O(edges x overlaps) a round, and few rounds.
+/// O(edges x overlaps) per round; few rounds.
 ///
 /// # Errors
-/// What is wrong with the clip, or [`PlanarError::Mismatch`] if the arguments are not of one
-/// clip.
+/// Errors of the clip, or [`PlanarError::Mismatch`] if the arguments belong to different clips.
 pub(super) fn merge(
     clip: &PlanarClip,
     drawn: &Drawn,
@@ -73,7 +72,7 @@ pub(super) fn merge(
     let neighbours = Neighbours::new(clip);
     let mut growing = Growing::new(clip, drawn, layers, &overlaps);
     let candidates = candidates(clip, layers, &neighbours, &growing);
-    // A join may open the way for another one.
+    // A join may make another one possible.
     while candidates
         .iter()
         .map(|(a, b)| growing.join(*a, *b, merge_tol_levels))
@@ -82,8 +81,8 @@ pub(super) fn merge(
     Ok(growing.finish(clip, layers, &neighbours))
 }
 
-/// The points of each region in each frame, `[region][frame][point]`, where edges reach under
-/// what is painted later. Where a region is not drawn they are those of the clip.
+/// Points of each region in each frame, `[region][frame][point]`, with edges sealed under regions
+/// that are painted later. Where a region is not drawn they are those of the clip.
 pub(super) fn seal_regions(
     clip: &PlanarClip,
     regions: &[Region],
@@ -115,21 +114,21 @@ pub(super) fn seal_regions(
     sealed
 }
 
-/// A region as it grows.
+/// A region during growth.
 #[derive(Debug, Clone)]
 struct Grown {
-    /// Its layers; none once it has joined another region.
+    /// Its layers; empty once it has joined another region.
     members: Vec<u32>,
-    /// Its place in the painting order: the layer where all of it is painted.
+    /// Its position in the painting order: the layer at which all of it is painted.
     slot: u32,
     low: [u8; 3],
     high: [u8; 3],
-    /// Layers that some member lies over or under.
+    /// Layers that some member overlaps.
     touched: Vec<u32>,
 }
 
 struct Growing {
-    /// Regions, by their first layer.
+    /// Regions, indexed by their first layer.
     regions: Vec<Grown>,
     /// Region of each layer.
     region_of: Vec<u32>,
@@ -175,7 +174,7 @@ impl Growing {
         }
     }
 
-    /// Joins the regions of two layers if colours and order allow it.
+    /// Joins the regions of two layers if colours and order allow it; returns whether it did.
     fn join(&mut self, a: u32, b: u32, tol: f32) -> bool {
         let (x, y) = (self.region_of[a as usize], self.region_of[b as usize]);
         if x == y {
@@ -212,8 +211,8 @@ impl Growing {
         true
     }
 
-    /// Whether a region may be painted where another one is: whether it lies over or under
-    /// nothing that is painted between.
+    /// Whether a region may be painted at the position of another one: it overlaps nothing that is
+    /// painted between.
     fn may_move(&self, region: u32, to: u32) -> bool {
         let (moving, goal) = (
             &self.regions[region as usize],
@@ -274,8 +273,8 @@ impl Growing {
     }
 }
 
-/// Pairs of layers that may join: a common edge, the same frames, never a back; the most alike
-/// first.
+/// Pairs of layers that may join: with a common edge, drawn in the same frames, never showing a
+/// back face; the most similar colours first.
 fn candidates(
     clip: &PlanarClip,
     layers: &[Layer],
@@ -313,7 +312,7 @@ fn candidates(
     pairs.into_iter().map(|(_, a, b)| (a, b)).collect()
 }
 
-/// The edges around a set of triangles, as closed outlines.
+/// Edges around a set of triangles, as closed outlines.
 fn outlines(
     clip: &PlanarClip,
     neighbours: &Neighbours,
@@ -324,7 +323,7 @@ fn outlines(
         let class = |i: u8| neighbours.class[corners[usize::from(i % 3)] as usize];
         (class(e), class(e + 1))
     };
-    // What is left when every edge is taken away together with one that runs against it.
+    // Edges that remain after every edge is cancelled against one in the opposite direction.
     let mut left: BTreeMap<(u32, u32), Vec<OutlineEdge>> = BTreeMap::new();
     for t in triangles {
         for e in 0..3 {
@@ -345,7 +344,7 @@ fn outlines(
     while let Some((first, _)) = outgoing.first_key_value() {
         let mut at = *first;
         let mut outline = Vec::new();
-        // As many edges end at a vertex as begin there, so this comes back to where it began.
+        // As many edges end at a vertex as begin there, so this returns to its start.
         while let Some(edges) = outgoing.get_mut(&at) {
             let Some((to, edge)) = edges.pop() else { break };
             if edges.is_empty() {
@@ -370,7 +369,7 @@ mod tests {
         painting.layers(drawn)
     }
 
-    /// A field of 4 x 4 squares of two triangles each, the colours given by their columns.
+    /// A grid of 4 x 4 squares of two triangles each; colours by column.
     fn field(colors: [u8; 4]) -> PlanarClip {
         let mut all = Vec::new();
         for y in 0..4u8 {
@@ -395,7 +394,7 @@ mod tests {
         merge(clip, &drawn, &layers_of(clip, &drawn), tol).unwrap()
     }
 
-    /// Twice the area within outlines, by the shoelace formula; negative faces the viewer.
+    /// Twice the area within outlines, by the shoelace formula; negative if it faces the viewer.
     fn area(points: &[Vec2], further: &[u32]) -> f32 {
         let ends = further.iter().map(|e| *e as usize).chain([points.len()]);
         let (mut start, mut sum) = (0, 0.0);
@@ -448,7 +447,7 @@ mod tests {
 
     #[test]
     fn a_triangle_between_two_alike_keeps_them_apart() {
-        // Two halves of a square; a bar lies over the one and under the other.
+        // Two halves of a square; a bar lies over one and under the other.
         let square = [
             (
                 [[2.0, 2.0, 0.3], [2.0, 38.0, 0.5], [38.0, 2.0, 0.5]],

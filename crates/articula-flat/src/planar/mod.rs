@@ -1,22 +1,22 @@
-//! A clip as the camera sees it: projected triangles with their light, and what is known of
-//! them before anything is written.
+//! A clip projected to the screen: triangles with light, visibility and painting order, before
+//! anything is written.
 //!
 //! Source: thesis 4.2, `docs/methods/vector.md` 2 to 7.
 //!
-//! - [`PlanarSubject`]: who is shown; [`bake()`] skins, projects and lights it into a [`PlanarClip`]:
-//!   places and light of every vertex in every frame
-//! - [`PlanarSubject::bounds`], [`PlanarSubject::camera`], [`PlanarSubject::seen`]: where a moving subject is, and
-//!   which of its triangles are ever seen
-//! - [`OrderOptions`]: in which order triangles are painted, in epochs; [`OrderComparison`]: what
-//!   stays wrong
-//! - [`Shading`]: one gradient for each triangle, or one colour
-//! - [`SplitOptions`]: how triangles that pass through each other are cut
+//! - [`PlanarSubject`]: the character that is shown; [`bake()`] skins, projects and lights it into
+//!   a [`PlanarClip`]: position and light of every vertex in every frame
+//! - [`PlanarSubject::bounds`], [`PlanarSubject::camera`], [`PlanarSubject::seen`]: bounds, camera
+//!   placement and visible triangles of a moving subject
+//! - [`OrderOptions`]: painting order in epochs; [`OrderComparison`]: wrong pixels of each ordering
+//!   method
+//! - [`Shading`]: one gradient per triangle, or one colour
+//! - [`SplitOptions`]: how intersecting triangles are cut
 //! - [`reference()`]: the supersampled Gouraud picture that every output is measured against
-//! - [`PlanarError`]: what can be wrong with a clip that is to be converted
+//! - [`PlanarError`]: errors of the conversion
 //!
-//! Inside stand `drawn`, which triangles are seen in which frames; `underlap`, how edges reach
-//! under what is painted later, so that no gap shows; and `keyed_clip`, few keys instead of every
-//! frame.
+//! Private modules: `drawn` finds the visible triangles of each frame; `underlap` moves edges under
+//! neighbours that are painted later, so that no gap shows; `keyed_clip` stores a few keys instead
+//! of every frame.
 
 mod bake;
 pub(crate) mod clip;

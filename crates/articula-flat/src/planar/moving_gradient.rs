@@ -1,44 +1,44 @@
-//! Few keys for the line of a gradient, measured in levels where it matters: at the corners.
+//! Gradient lines with few keys, with the error measured in levels at the corners.
 //!
-//! Source: `docs/methods/vector.md` 7. One line for the whole time comes first (least squares, the worst
-//! frames weighing more). A moving line begins with a key at both ends; its keys' values are
-//! fitted to all frames at once (Gauss and Newton, with Levenberg's damping), keys are added
-//! where the error between two is worst until none is above the tolerance, and keys that were
-//! not needed after all are taken out again. Differs: keys need not lie on the data, and the fit is free to
-//! slide a line along its own bands of equal colour, which changes nothing but its numbers.
+//! Source: `docs/methods/vector.md` 7. A constant line is tried first (least squares, reweighted
+//! towards the worst frames). A moving line begins with a key at both ends; the values of its keys
+//! are fitted to all frames at once (Gauss-Newton with Levenberg damping), keys are added where the
+//! error between two is worst until none is above the tolerance, and keys that are not needed are
+//! removed. Keys need not lie on the data, and the fit may slide a line along its bands of equal
+//! colour, which changes only its numbers.
 
 use super::keyed_clip::KeyedTrack;
 
 /// Rounds of fitting after each change of keys.
 const ROUNDS: usize = 4;
-/// Damping of a fit, against the weight of one corner's share.
+/// Damping of a fit, relative to the weight of one corner.
 const DAMPING: f64 = 1e-3;
-/// Farthest that a line may reach, its own steps.
+/// Maximum absolute coordinate of a line, in its own steps.
 const FARTHEST: f64 = 200_000.0;
 
-/// A frame's corners and the shares along the ramp that are wanted there.
+/// Corners of a frame with the target fraction along the ramp at each.
 pub(super) type Corners = [([f64; 2], f64); 3];
 
-/// What a gradient has to show.
+/// Targets of a gradient line.
 pub(super) struct Wanted<'a> {
-    /// Corners of each frame, in steps of the line's units, and how far off the share may be;
-    /// `None` where it does not matter.
+    /// Corners of each frame, in steps of the line's units, and the tolerance of the fraction;
+    /// `None` where the frame is irrelevant.
     pub frames: Vec<Option<(Corners, f64)>>,
-    /// Share that one level is.
+    /// Fraction that corresponds to one level.
     pub level: f64,
-    /// Steps that numbers may be rounded to, coarse ones first; the last is 1.
+    /// Steps to which numbers may be rounded, coarse ones first; the last is 1.
     pub steps: &'a [i32],
 }
 
 /// Numbers of a line: x1, y1, x2, y2.
 type Line = [f64; 4];
 
-/// The line's track with few keys. Where the tolerance would need very many, as on slivers whose
-/// light turns over, it is widened in steps.
+/// Returns a track of the line with few keys. Where the tolerance would need too many, as on
+/// slivers whose light turns over, it is widened in steps.
 pub(super) fn few_keys(wanted: &Wanted<'_>) -> KeyedTrack {
     let constant = wanted.constant();
     for slack in SLACKS {
-        // Coarse numbers are short.
+        // Coarse numbers have a shorter text.
         for step in wanted.steps {
             let still = KeyedTrack::still(constant.map(|v| rounded(v, *step)).to_vec());
             if wanted.holds(&still, slack) {
@@ -49,7 +49,7 @@ pub(super) fn few_keys(wanted: &Wanted<'_>) -> KeyedTrack {
             return track;
         }
     }
-    // Neither may be good; a line that turns over between two frames is the worse one.
+    // Neither may be within the tolerance; a line that turns over between two frames is worse.
     let still = KeyedTrack::still(constant.map(|v| rounded(v, 1)).to_vec());
     let every = wanted.every_frame(constant).track(1);
     if wanted.harm(&every) < wanted.harm(&still) {
@@ -59,7 +59,7 @@ pub(super) fn few_keys(wanted: &Wanted<'_>) -> KeyedTrack {
     }
 }
 
-/// How much the tolerance is widened, one after the other.
+/// Factors of the tolerance, tried in order.
 const SLACKS: [f64; 4] = [1.0, 1.6, 2.5, 4.0];
 
 /// The nearest multiple of a step.
@@ -68,20 +68,20 @@ fn rounded(value: f64, step: i32) -> i32 {
     ((value / step).round() * step) as i32
 }
 
-/// An animation costs about as many bytes before its first key as this many keys.
+/// Cost of an animation element without its keys, in keys.
 const KEYS_AN_ANIMATION: usize = 8;
 
 impl Wanted<'_> {
-    /// How far a track's shares are off at the corners of a frame that matters.
+    /// Error of a track at the corners of a frame, in fractions; `None` if the frame is irrelevant.
     pub(super) fn off(&self, frame: usize, track: &KeyedTrack) -> Option<[f64; 3]> {
         let (corners, _) = self.frames[frame].as_ref()?;
         let line = line_of(&track.at(frame as f64));
         Some(corners.map(|corner| off(&line, &corner)))
     }
 
-    /// The moving track that costs least, unless it has too many keys.
+    /// The moving track with the least cost, unless it has too many keys.
     fn cheapest(&self, constant: Line, slack: f64) -> Option<KeyedTrack> {
-        // Two numbers are enough for light that grows or fades evenly, and cost half.
+        // Two numbers are enough for light that grows or fades uniformly, at half the cost.
         let mut best: Option<(usize, KeyedTrack)> = None;
         let most = self.active().count() / 4 + 3;
         for free in [
@@ -110,8 +110,8 @@ impl Wanted<'_> {
             .filter_map(|(f, frame)| frame.as_ref().map(|(c, tol)| (f, c, *tol)))
     }
 
-    /// The moments that are checked: frames, and halfway from one to the next, where a line that
-    /// turns over would paint anything.
+    /// Times that are checked: frames, and halfway between them, where a line that turns over would
+    /// paint arbitrary colours.
     fn moments(&self) -> impl Iterator<Item = (f64, Corners, f64)> {
         let frame = |f: usize| self.frames.get(f).copied().flatten();
         let halfway = move |f: usize| {
@@ -128,7 +128,7 @@ impl Wanted<'_> {
         })
     }
 
-    /// The sum of all errors' fourth powers: one moment far off counts more than many near.
+    /// Sum of the fourth powers of all errors: one large error counts more than many small ones.
     fn harm(&self, track: &KeyedTrack) -> f64 {
         let over = self.moments().map(|(at, corners, tol)| {
             let line = line_of(&track.at(at));
@@ -137,7 +137,7 @@ impl Wanted<'_> {
         over.sum()
     }
 
-    /// The greatest error as a share of the tolerance.
+    /// Greatest error, relative to the tolerance.
     fn excess(&self, track: &KeyedTrack) -> f64 {
         let over = self.moments().map(|(at, corners, tol)| {
             let line = line_of(&track.at(at));
@@ -146,12 +146,12 @@ impl Wanted<'_> {
         over.fold(0.0, f64::max)
     }
 
-    /// Whether all moments are within the tolerance.
+    /// Whether all times are within the tolerance.
     fn holds(&self, track: &KeyedTrack, slack: f64) -> bool {
         self.excess(track) <= slack + 1e-9
     }
 
-    /// The worst frame between each pair of keys, where some frame is beyond its tolerance.
+    /// Worst frame of each interval between keys that exceeds the tolerance.
     fn worst_of_runs(&self, track: &KeyedTrack, slack: f64) -> Vec<usize> {
         let mut worst: Vec<(usize, usize, f64)> = Vec::new();
         for (at, corners, tol) in self.moments() {
@@ -171,7 +171,7 @@ impl Wanted<'_> {
         worst.into_iter().map(|(_, f, _)| f).collect()
     }
 
-    /// The affine share over all frames as one line.
+    /// One line fitted to all frames.
     fn constant(&self) -> Line {
         let mut weights = vec![1.0; self.frames.len()];
         let places = self.active().flat_map(|(_, corners, _)| corners);
@@ -195,7 +195,7 @@ impl Wanted<'_> {
         region.line(affine, self.level)
     }
 
-    /// The line of one frame alone, if the frame matters.
+    /// Line fitted to one frame; `None` if the frame is irrelevant.
     fn own(&self, frame: usize) -> Option<Line> {
         let (corners, _) = self.frames[frame].as_ref()?;
         let region = Region::of(corners.iter().map(|c| c.0));
@@ -204,7 +204,7 @@ impl Wanted<'_> {
         Some(region.line(solve_affine(system), self.level))
     }
 
-    /// Every frame's own line.
+    /// A key at every frame, each with the frame's own line.
     fn every_frame(&self, start: Line) -> Keys {
         let mut last = start;
         let own = |f| {
@@ -217,7 +217,7 @@ impl Wanted<'_> {
         }
     }
 
-    /// A moving line of which only some numbers move, with no more than `enough` keys.
+    /// A moving line of which only some numbers move, with at most `enough` keys.
     fn moving(
         &self,
         start: Line,
@@ -246,7 +246,7 @@ impl Wanted<'_> {
                 keys.insert_near(frame, own);
             }
         }
-        // From the inside out; what can go, goes.
+        // Inner keys, first to last; removes those that are not needed.
         let mut k = 1;
         while k + 1 < keys.frames.len() {
             let mut fewer = keys.clone();
@@ -309,7 +309,7 @@ impl Wanted<'_> {
         }
     }
 
-    /// What a fit makes least.
+    /// Cost that a fit minimises.
     fn cost(&self, keys: &Keys, weights: &[f64]) -> f64 {
         let of = |(f, corners, tol): (usize, &Corners, f64)| {
             let line = keys.at(f);
@@ -323,7 +323,7 @@ impl Wanted<'_> {
     }
 }
 
-/// Parts of a step that are tried, since the equations are only straight nearby.
+/// Step lengths that are tried, since the problem is only locally linear.
 const STRIDES: [f64; 3] = [1.0, 0.4, 0.1];
 
 /// Keys that are being fitted.
@@ -334,7 +334,7 @@ struct Keys {
 }
 
 impl Keys {
-    /// The key before a frame and how far the frame is from it to the next.
+    /// Index of the key before a frame, and the fraction from it to the next.
     fn place(&self, frame: usize) -> (usize, f64) {
         let after = self.frames.partition_point(|f| *f <= frame);
         let k = after.saturating_sub(1);
@@ -351,7 +351,7 @@ impl Keys {
         std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share)
     }
 
-    /// Adds a key at a frame, or at the nearest one that has none.
+    /// Adds a key at a frame, or at the nearest frame without one.
     fn insert_near(&mut self, frame: usize, own: impl Fn(usize) -> Option<Line>) {
         let last = self.frames[self.frames.len() - 1];
         let is_free = |f: &usize| self.frames.binary_search(f).is_err();
@@ -382,13 +382,13 @@ fn line_of(values: &[f64]) -> Line {
     std::array::from_fn(|i| values[i])
 }
 
-/// The share that a line shows at a place, unheld, and its slopes by the line's numbers.
+/// Fraction that a line has at a position, not clamped, and its derivatives by the line's numbers.
 fn share_and_slopes([x1, y1, x2, y2]: &Line, [x, y]: [f64; 2]) -> (f64, Line) {
     let (dx, dy) = (x2 - x1, y2 - y1);
     let length = (dx * dx + dy * dy).max(1e-6);
     let (px, py) = (x - x1, y - y1);
     let share = (px * dx + py * dy) / length;
-    // The quotient's rule, for the start and for the end.
+    // Quotient rule, for the start and for the end.
     let by_end = |p: f64, d: f64| (p - 2.0 * share * d) / length;
     let by_start = |p: f64, d: f64| (-d - p + 2.0 * share * d) / length;
     let slopes = [
@@ -400,13 +400,13 @@ fn share_and_slopes([x1, y1, x2, y2]: &Line, [x, y]: [f64; 2]) -> (f64, Line) {
     (share, slopes)
 }
 
-/// Difference of the share at a corner, as players hold it.
+/// Error of the fraction at a corner, clamped as players do.
 fn off(line: &Line, (place, wanted): &([f64; 2], f64)) -> f64 {
     let (share, _) = share_and_slopes(line, *place);
     (share.clamp(0.0, 1.0) - wanted).abs()
 }
 
-/// The greatest difference at the corners.
+/// Greatest error at the corners.
 fn error(line: &Line, corners: &Corners) -> f64 {
     corners
         .iter()
@@ -414,9 +414,9 @@ fn error(line: &Line, corners: &Corners) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Where corners are: their middle, and how far apart they are.
+/// Centre and extent of a set of corners.
 ///
-/// Affine shares are solved in coordinates of their region, where equations are well behaved.
+/// Affine fractions are solved relative to their region, where the equations are well conditioned.
 struct Region {
     middle: [f64; 2],
     extent: f64,
@@ -445,15 +445,15 @@ impl Region {
         [of(0), of(1), 1.0]
     }
 
-    /// Adds a frame's corners to the equations of an affine share.
+    /// Adds a frame's corners to the equations of an affine fraction.
     fn add(&self, system: &mut Banded, corners: &Corners, weight: f64) {
         for (place, share) in corners {
             system.add(0, &self.row(*place), *share, weight);
         }
     }
 
-    /// An affine share (slope, slope, value in the middle) as a line near the middle; a slope
-    /// of less than a level over the region is made that steep.
+    /// Converts an affine fraction (slope, slope, value at the centre) to a line near the centre; a
+    /// slope of less than one level over the region is raised to that.
     fn line(&self, [x, y, value]: [f64; 3], level: f64) -> Line {
         let steep = x.hypot(y);
         let direction = if steep > 0.0 {
@@ -470,13 +470,13 @@ impl Region {
     }
 }
 
-/// Slope, slope and value at the origin; damped, so that places on one line do no harm.
+/// Slope, slope and value at the origin; damped, so that collinear positions do no harm.
 fn solve_affine(system: Banded) -> [f64; 3] {
     let x = system.solve(1e-9);
     [x[0], x[1], x[2]]
 }
 
-/// Normal equations whose unknowns meet their neighbours only.
+/// Normal equations with a banded matrix.
 struct Banded {
     size: usize,
     band: usize,
@@ -514,7 +514,8 @@ impl Banded {
         }
     }
 
-    /// Cholesky's factors within the band; `damping` of itself is added to the diagonal.
+    /// Solves by Cholesky factorisation within the band; the diagonal is first increased by the
+    /// fraction `damping`.
     fn solve(mut self, damping: f64) -> Vec<f64> {
         let greatest = (0..self.size).map(|i| self.get(i, i)).fold(0.0, f64::max);
         let least = (greatest * damping * 1e-6).max(1e-15);
@@ -644,7 +645,7 @@ mod tests {
 
     #[test]
     fn light_that_turns_over_is_not_wrong_between_frames() {
-        // A weak slope changes its sign from one frame to the next.
+        // A weak slope changes its sign between frames.
         let frames = (0..20).map(|f| {
             let slope = if f < 10 { 0.03 } else { -0.03 };
             Some([0.7 - slope, 0.7 + slope, 0.7])

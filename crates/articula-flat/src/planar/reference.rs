@@ -1,8 +1,8 @@
-//! The picture that every output is measured against: what an ideal player would paint.
+//! The reference picture of a planar clip, against which every output is measured.
 //!
-//! Source: `docs/methods/vector.md` 11. Colours run straight between the corners on the screen and are
-//! averaged in sRGB, as vector players do; hidden surfaces go sample by sample, so there is no
-//! painting order to be wrong.
+//! Source: `docs/methods/vector.md` 11. Colours are interpolated linearly between the corners on
+//! the screen and averaged in sRGB, as vector players do; hidden surfaces are resolved per sample,
+//! so no painting order can be wrong.
 
 use super::clip::PlanarClip;
 use super::drawn::draw_frame;
@@ -10,8 +10,7 @@ use crate::error::PictureError;
 use crate::item_buffer::{ItemBuffer, Supersampling, barycentric};
 use crate::picture::{Picture, Rgba};
 
-/// Draws a frame of a clip over a background, sampled `samples` times a pixel; 8 x 8 is the
-/// reference of all figures.
+/// Renders a frame of a clip over a background; published numbers use 8 x 8 samples per pixel.
 ///
 /// # Errors
 /// [`PictureError::LimitExceeded`] if the clip's picture is too large.
@@ -25,7 +24,7 @@ pub fn reference(
     shaded(clip, frame, &buffer, background)
 }
 
-/// [`reference()`] and [`object_mask`] at once, for the price of one.
+/// Returns [`reference()`] and [`object_mask`] from one rasterisation.
 ///
 /// # Errors
 /// [`PictureError::LimitExceeded`] if the clip's picture is too large.
@@ -90,7 +89,7 @@ fn shaded(
     Ok(picture)
 }
 
-/// Which pixels of a frame show the character at least in part, row by row.
+/// Returns the pixels of a frame that show the character at least in part, row by row.
 ///
 /// # Errors
 /// [`PictureError::LimitExceeded`] if the clip's picture is too large.
@@ -130,7 +129,7 @@ mod tests {
 
     #[test]
     fn a_half_covered_pixel_is_the_mean_in_srgb() {
-        // The right edge runs through the middle of the pixels of column 10.
+        // The right edge runs through the centres of the pixels of column 10.
         let left = [[0.0, 0.0, 0.5], [0.0, 400.0, 0.5], [10.5, 0.0, 0.5]];
         let clip = fixture::loose(&[(left, [100, 0, 50])], 1);
         let picture = reference(&clip, 0, Supersampling::Eight, WHITE).unwrap();

@@ -1,20 +1,18 @@
-//! One gradient for each triangle: what a vector player can show of colours that run straight
-//! between three corners.
+//! One gradient per triangle, as vector players show linear colour between three corners.
 //!
-//! Source: `docs/methods/vector.md` 6. Triangles of one albedo are lit along a ramp from black to it,
-//! shared by all of that albedo, which is exact. Where albedo differs from corner to corner, the
-//! first principal axis of the corners' colours gives two colours of its own. The two colours
-//! stay the same over time and the line between them moves.
-//! Differs: a weak gradient is not dropped but kept at one level across the triangle, so that
-//! its line neither runs off to infinity nor turns over from frame to frame.
+//! Source: `docs/methods/vector.md` 6. Triangles of one albedo use a ramp from black to it, shared
+//! by all triangles of that albedo, which is exact. Where the corners' albedos differ, the first
+//! principal axis of their colours gives two colours. The two colours are constant over time and
+//! the gradient line moves. A weak gradient is kept at one level across the triangle, so that its
+//! line neither runs to infinity nor turns over between frames.
 
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
 use glam::{Mat3, Vec2, Vec3};
 
-/// Colours that differ by less than this are one, levels.
+/// Colours that differ by less than this count as one, levels.
 const FLAT_SPREAD: f32 = 1.5;
-/// Below this area of the parallelogram a triangle is a line, square pixels.
+/// A triangle whose parallelogram is smaller than this is treated as a line, square pixels.
 const MIN_AREA: f32 = 1e-2;
 
 /// How triangles are filled.
@@ -27,19 +25,19 @@ pub enum Shading {
     Gouraud,
 }
 
-/// The colours that a triangle is filled with, all the time.
+/// Colours that fill a triangle throughout the clip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Colors {
     /// One colour, sRGB levels.
     Flat([u8; 3]),
     /// From black to an albedo, sRGB levels.
     Ramp([u8; 3]),
-    /// From one colour to another, sRGB levels.
+    /// From one colour to another, not shared; sRGB levels.
     Own([[u8; 3]; 2]),
 }
 
 impl Colors {
-    /// The colours of a triangle that is shown in these frames.
+    /// Returns the colours of a triangle that is shown in these frames.
     pub(crate) fn of(
         clip: &PlanarClip,
         triangle: usize,
@@ -52,7 +50,7 @@ impl Colors {
             low = low.min(color);
             high = high.max(color);
         }
-        // Also if there is no frame.
+        // Also without frames.
         if (high - low).max_element() < FLAT_SPREAD {
             return Self::Flat(flat_color(clip, triangle, frames));
         }
@@ -72,8 +70,8 @@ impl Colors {
         Self::Own(stops)
     }
 
-    /// The colours of one channel (0 red, 1 green, 2 blue) of a triangle in one frame; the other
-    /// channels are black.
+    /// Returns the colours of one channel (0 red, 1 green, 2 blue) of a triangle in one frame; the
+    /// other channels are black.
     pub(crate) fn of_channel(
         clip: &PlanarClip,
         (frame, triangle): (usize, usize),
@@ -97,7 +95,7 @@ impl Colors {
         }
     }
 
-    /// The two ends as levels; equal if flat.
+    /// Both end colours in levels; equal if flat.
     pub(crate) fn ends(&self) -> [[u8; 3]; 2] {
         match self {
             Self::Flat(color) => [*color; 2],
@@ -106,7 +104,7 @@ impl Colors {
         }
     }
 
-    /// How far along from the first end to the second the corners of a triangle are, 0 to 1.
+    /// Position of the triangle's corners between the first end colour (0) and the second (1).
     pub(crate) fn shares(&self, clip: &PlanarClip, frame: usize, triangle: usize) -> [f32; 3] {
         let [from, to] = self.ends().map(vec);
         let along = to - from;
@@ -115,8 +113,8 @@ impl Colors {
         corner_colors(clip, frame, triangle).map(share)
     }
 
-    /// The line of the gradient in a frame, pixels: the first end's colour at its start, the
-    /// second's at its end.
+    /// Gradient line in a frame, pixels: from the position of the first end colour to that of the
+    /// second.
     pub(crate) fn line(&self, clip: &PlanarClip, frame: usize, triangle: usize) -> [Vec2; 2] {
         let places = clip.places(frame, triangle);
         let slope = Affine::through(&places, self.shares(clip, frame, triangle));
@@ -125,16 +123,16 @@ impl Colors {
         slope.line(1.0 / widest.max(1.0))
     }
 
-    /// The greatest difference of a channel between the ends, levels.
+    /// Greatest channel difference between the end colours, levels.
     pub(crate) fn span_levels(&self) -> f32 {
         let [from, to] = self.ends().map(vec);
         (to - from).abs().max_element()
     }
 }
 
-/// The one colour of a triangle: the mean over its frames, weighted by its size in each.
+/// Flat colour of a triangle: the mean over its frames, weighted by its area in each.
 ///
-/// Black if there is no frame.
+/// Black without frames.
 pub(crate) fn flat_color(
     clip: &PlanarClip,
     triangle: usize,
@@ -149,12 +147,12 @@ pub(crate) fn flat_color(
     levels(sum / f32::max(weights, f32::MIN_POSITIVE))
 }
 
-/// The frames in which a triangle is drawn.
+/// Frames in which a triangle is drawn.
 pub(crate) fn drawn_frames(drawn: &Drawn, triangle: usize) -> impl Iterator<Item = usize> + Clone {
     (0..drawn.frames()).filter(move |f| drawn.get(*f, triangle))
 }
 
-/// A number that changes evenly over the plane.
+/// An affine function over the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Affine {
     origin: Vec2,
@@ -163,8 +161,8 @@ struct Affine {
 }
 
 impl Affine {
-    /// The one that has these values at the corners; where they lie on a line, the one that has
-    /// those of the longest edge.
+    /// Returns the function with these values at the corners; if the corners are collinear, the one
+    /// through the values of the longest edge.
     fn through(places: &[Vec2; 3], values: [f32; 3]) -> Self {
         let [a, b, c] = *places;
         let (ab, ac) = (b - a, c - a);
@@ -194,8 +192,8 @@ impl Affine {
         }
     }
 
-    /// From where it is 0 to where it is 1, along its slope through its origin; a slope less
-    /// steep than `least` is made that steep.
+    /// Line from value 0 to value 1, along the slope through the origin; a slope below `least` is
+    /// raised to it.
     fn line(&self, least: f32) -> [Vec2; 2] {
         let steep = self.slope.length();
         let direction = self.slope.normalize_or(Vec2::X);
@@ -205,7 +203,7 @@ impl Affine {
     }
 }
 
-/// The albedo of a triangle, if its corners have the same.
+/// Albedo of a triangle, if its corners have the same one.
 fn one_albedo(clip: &PlanarClip, triangle: usize) -> Option<[u8; 3]> {
     let [a, b, c] = clip.triangles[triangle].map(|v| Vec3::from(clip.albedo[v as usize]));
     let spread = a.max(b).max(c) - a.min(b).min(c);
@@ -217,13 +215,13 @@ fn corner_colors(clip: &PlanarClip, frame: usize, triangle: usize) -> [Vec3; 3] 
     clip.triangles[triangle].map(|v| Vec3::from(clip.color(frame, v)))
 }
 
-/// How much a frame counts for a triangle's colours: its size, and a little in any case.
+/// Weight of a frame for a triangle's colours: its area plus a small constant.
 fn weight(clip: &PlanarClip, frame: usize, triangle: usize) -> f32 {
     let [a, b, c] = clip.places(frame, triangle);
     (b - a).perp_dot(c - a).abs() + MIN_AREA
 }
 
-/// Mean of the corners' colours, and the direction in which they differ most.
+/// Mean of the corners' colours, and the direction of greatest variance.
 fn principal_axis(
     clip: &PlanarClip,
     triangle: usize,
@@ -248,7 +246,7 @@ fn principal_axis(
             furthest = (off.length_squared(), off);
         }
     }
-    // The power method, by squaring: twelve squarings are 4096 steps of it.
+    // Power method by squaring: twelve squarings equal 4096 iterations.
     for _ in 0..12 {
         let largest = spread
             .to_cols_array()
@@ -266,7 +264,7 @@ fn principal_axis(
         }
     });
     let axis = longest.try_normalize().or(furthest.1.try_normalize());
-    // Towards the lighter end, so that equal triangles have equal ends.
+    // Towards the lighter end, so that equal triangles have equal end colours.
     let axis = axis.unwrap_or(Vec3::ONE);
     let is_darker = axis.element_sum() < 0.0;
     (mean, if is_darker { -axis } else { axis }.normalize())
@@ -288,7 +286,7 @@ mod tests {
     use crate::planar::clip::fixture;
     use proptest::prelude::*;
 
-    /// How far along a gradient's line a place is, 0 to 1, as players paint it.
+    /// Fraction along a gradient line at a position, 0 to 1, as players paint it.
     fn share_at([from, to]: [Vec2; 2], place: Vec2) -> f32 {
         let along = to - from;
         let length = along.length_squared();
@@ -299,10 +297,10 @@ mod tests {
         ((place - from).dot(along) / length).clamp(0.0, 1.0)
     }
 
-    /// The greatest difference, in levels, between the shares that are wanted at the triangle's
-    /// corners and what a gradient along a line shows there.
+    /// Greatest difference, in levels, between the target fractions at the triangle's corners and
+    /// those that a gradient line shows there.
     ///
-    /// What two colours cannot show of three is not counted: it is the same for every line.
+    /// Colour that two stops cannot represent is not counted: it is the same for every line.
     fn error_levels(
         colors: &Colors,
         clip: &PlanarClip,
@@ -339,7 +337,7 @@ mod tests {
         let [from, to] = colors.line(&clip, 0, 0);
         assert!(from.distance(Vec2::new(0.0, 40.0 / 3.0)) < 1e-3, "{from}");
         assert!(to.distance(Vec2::new(40.0, 40.0 / 3.0)) < 1e-3, "{to}");
-        // Half the light range takes twice the way from dark to bright.
+        // Half the light range doubles the distance from dark to bright.
         let clip = lit([0.25, 0.25, 0.75]);
         let [from, to] = Colors::of(&clip, 0, 0..1).line(&clip, 0, 0);
         assert!((from.x + 20.0).abs() < 1e-3 && (to.x - 60.0).abs() < 1e-3);
@@ -351,7 +349,7 @@ mod tests {
         let colors = Colors::of(&clip, 0, 0..1);
         let line = colors.line(&clip, 0, 0);
         assert!(error_levels(&colors, &clip, (0, 0), line) < 1e-3);
-        // A tenth of the way from 0 to 200.
+        // A tenth of the distance from 0 to 200.
         let moved = line.map(|p| p + Vec2::new(4.0, 9.0));
         assert!((error_levels(&colors, &clip, (0, 0), moved) - 20.0).abs() < 1e-3);
         assert_eq!(

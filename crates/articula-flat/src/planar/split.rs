@@ -1,12 +1,12 @@
-//! Cuts triangles that pass through each other, so that an order exists that shows them right.
+//! Cuts intersecting triangles, so that a correct painting order exists.
 //!
-//! Source: `docs/methods/vector.md` 4, `--split`. Where two triangles lie over each other both ways in
-//! one frame no order is right. One of them is cut where both are equally near, in the frame
-//! in which most samples are at stake. Differs: only one of the two is cut, which is enough;
-//! its neighbours are cut at the same points, so that edges still meet.
+//! Source: `docs/methods/vector.md` 4, `--split`. If two triangles cover each other in both
+//! directions in one frame, no order is correct. One of them is cut where both are equally near, in
+//! the frame in which most samples are affected. Its neighbours are cut at the same points, so no
+//! crack opens.
 //!
-//! Places, nearness and light of a new vertex run straight between the ends of its edge in
-//! every frame, so no pixel of the reference changes.
+//! Position, nearness and light of a new vertex are interpolated linearly along its edge in every
+//! frame, so no pixel of the reference changes.
 
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
@@ -16,17 +16,17 @@ use articula_core::Progress;
 use glam::Vec2;
 use std::collections::BTreeMap;
 
-/// How far triangles are cut.
+/// Options of cutting intersecting triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SplitOptions {
-    /// Cutting ends when no more than this share of the object's pixels is wrong.
+    /// Fraction of the character's pixels that may be wrong; cutting ends there.
     pub wrong_share: f64,
-    /// Only pairs that cost at least this share of the object's pixels, over the whole clip,
-    /// are cut.
+    /// Minimum cost of a pair that is cut, as a fraction of the character's pixels over the whole
+    /// clip.
     pub pair_share: f64,
-    /// Most rounds of cutting, each followed by a new order.
+    /// Maximum number of rounds of cutting, each followed by a new order.
     pub max_rounds: usize,
-    /// How the pieces are ordered.
+    /// Options of the painting order of the pieces.
     pub order: OrderOptions,
 }
 
@@ -41,27 +41,26 @@ impl Default for SplitOptions {
     }
 }
 
-/// A clip whose triangles were cut, and how it is painted.
+/// A clip with cut triangles, its visibility and painting order.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Split {
-    /// The clip; triangles that were not cut keep their turn.
+    /// The clip; triangles that were not cut keep their relative order.
     pub clip: PlanarClip,
-    /// What is drawn of it.
+    /// Visibility of its triangles.
     pub drawn: Drawn,
-    /// In which order.
+    /// Painting order.
     pub painting: Painting,
-    /// Share of the object's samples that are wrong, over the whole clip.
+    /// Fraction of the character's samples that are wrong, over the whole clip.
     pub wrong_share: f64,
-    /// Triangles that were cut because they pass through another one.
+    /// Number of triangles that were cut because they intersect another one.
     pub cuts: usize,
 }
 
-/// Cuts the pairs that cost most until few enough pixels are wrong; leaves a clip as it is
-/// where cutting does not help. A round is a step of the progress.
+/// Cuts the pairs with the highest cost until few enough pixels are wrong; returns the clip
+/// unchanged where cutting does not help. Each round is one step of the progress.
 ///
 /// # Errors
-/// What is wrong with the clip, as [`Drawn::of`] and [`Overlaps::of`] tell it;
-/// [`PlanarError::Cancelled`].
+/// Errors of the clip, as in [`Drawn::of`] and [`Overlaps::of`]; [`PlanarError::Cancelled`].
 pub(crate) fn split(
     clip: &PlanarClip,
     options: &SplitOptions,
@@ -112,21 +111,21 @@ fn painted(
     Ok((split, overlaps))
 }
 
-/// Two triangles that lie over each other both ways.
+/// Two triangles that cover each other in both directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Pair {
     triangles: [u32; 2],
-    /// Samples that are wrong at least, over all frames.
+    /// Minimum number of wrong samples, over all frames.
     samples: u64,
-    /// The frame with most of them, and how many.
+    /// Frame with the greatest number of wrong samples, and that number.
     peak: (usize, u64),
 }
 
-/// The pairs of a clip, those that cost most first.
+/// Pairs of a clip, highest cost first.
 fn pairs(overlaps: &Overlaps) -> Vec<Pair> {
     let mut known: BTreeMap<[u32; 2], Pair> = BTreeMap::new();
     for f in 0..overlaps.frames() {
-        // Each pair with its samples one way and the other.
+        // Each pair with its samples in both directions.
         let mut over = Vec::new();
         for (set, n) in overlaps.counts(f) {
             let members = overlaps.members(*set as usize);
@@ -163,19 +162,20 @@ fn pairs(overlaps: &Overlaps) -> Vec<Pair> {
 
 /// Points on edges at which triangles are cut.
 struct Marks {
-    /// Vertices that are never apart.
+    /// Position classes: vertices that coincide in every frame.
     classes: Vec<u32>,
-    /// Edges by the classes of their ends, rising, with the way from the first to the second.
+    /// Cut edges by the classes of their ends, ascending, with the fraction from the first to the
+    /// second.
     edges: BTreeMap<[u32; 2], f64>,
     cuts: usize,
 }
 
-/// Nearer to a corner than this share of an edge, a cut goes through the corner.
+/// Cuts closer to a corner than this fraction of an edge go through the corner.
 const CORNER: f64 = 0.01;
-/// Two cuts that meet an edge within this share of it share a point.
+/// Two cuts of an edge within this fraction of it share a point.
 const SAME: f64 = 0.02;
 
-/// Chooses what to cut in one round.
+/// Chooses the cuts of one round.
 fn marks(split: &Split, overlaps: &Overlaps, options: &SplitOptions) -> Marks {
     let clip = &split.clip;
     let pairs = pairs(overlaps);
@@ -197,8 +197,8 @@ fn marks(split: &Split, overlaps: &Overlaps, options: &SplitOptions) -> Marks {
         if is_light || left <= options.wrong_share * object {
             break;
         }
-        // The one with less at stake, exactly where the other one's plane is, which often cuts
-        // its neighbours too; the other one if that cannot be.
+        // The triangle with the lower total cost is cut, exactly at the plane of the other one,
+        // which often cuts its neighbours too; the other one if that is not possible.
         let [a, b] = pair.triangles;
         let is_first = at_stake[a as usize] < at_stake[b as usize];
         let (first, second) = if is_first { (a, b) } else { (b, a) };
@@ -211,8 +211,8 @@ fn marks(split: &Split, overlaps: &Overlaps, options: &SplitOptions) -> Marks {
 }
 
 impl Marks {
-    /// Marks where a triangle is as near as the plane of another one in a frame; whether it
-    /// could be done beside the cuts so far, or is done by them.
+    /// Marks where a triangle is as near as the plane of another one in a frame; returns whether
+    /// that is compatible with the cuts so far.
     fn cut(&mut self, clip: &PlanarClip, frame: usize, triangle: u32, other: u32) -> bool {
         let corners = clip.triangles[triangle as usize];
         let Some(plane) = Plane::of(clip, frame, other) else {
@@ -256,7 +256,7 @@ impl Marks {
         true
     }
 
-    /// An edge by its classes, and a way along it in their direction; `None` without length.
+    /// An edge by its classes, and a fraction along it in their direction; `None` without length.
     fn edge(&self, from: u32, to: u32, way: f64) -> Option<([u32; 2], f64)> {
         let (a, b) = (self.classes[from as usize], self.classes[to as usize]);
         match a.cmp(&b) {
@@ -266,7 +266,7 @@ impl Marks {
         }
     }
 
-    /// The clip with all marked edges cut.
+    /// Returns the clip with all marked edges cut.
     fn apply(&self, clip: &PlanarClip) -> PlanarClip {
         let mut out = PlanarClip {
             triangles: Vec::new(),
@@ -318,7 +318,7 @@ fn length(clip: &PlanarClip, u: u32, v: u32) -> f32 {
     clip.frames.iter().map(apart).sum()
 }
 
-/// The pieces of a triangle whose edges (from each corner to the next) carry these points.
+/// Pieces of a triangle whose edges (from each corner to the next) carry these points.
 fn pieces(
     [a, b, c]: [u32; 3],
     points: [Option<u32>; 3],
@@ -329,7 +329,7 @@ fn pieces(
         [Some(p), None, None] => vec![[a, p, c], [p, b, c]],
         [Some(p), Some(q), None] => {
             let mut pieces = vec![[p, b, q]];
-            // The rest has four corners; its shorter diagonal.
+            // The rest is a quadrilateral, cut along its shorter diagonal.
             if length(a, q) <= length(p, c) {
                 pieces.extend([[a, p, q], [a, q, c]]);
             } else {
@@ -338,12 +338,12 @@ fn pieces(
             pieces
         }
         [Some(p), Some(q), Some(r)] => vec![[a, p, r], [p, b, q], [q, c, r], [p, q, r]],
-        // One of the above, from another corner on.
+        // One of the cases above, with the corners rotated.
         [p, q, r] => pieces([b, c, a], [q, r, p], length),
     }
 }
 
-/// Nearness of a triangle's plane over the picture.
+/// Plane of a triangle's nearness over the picture.
 struct Plane {
     origin: Vec2,
     nearness: f64,
@@ -351,7 +351,7 @@ struct Plane {
 }
 
 impl Plane {
-    /// `None` if the triangle is seen from its edge.
+    /// `None` if the triangle is seen edge-on.
     fn of(clip: &PlanarClip, frame: usize, triangle: u32) -> Option<Self> {
         let corners = clip.triangles[triangle as usize];
         let frame = &clip.frames[frame];
@@ -421,8 +421,8 @@ mod tests {
 
     #[test]
     fn neighbours_are_cut_at_the_same_points() {
-        // A square of two triangles through which a wall passes at x = 24; the wall is cut where
-        // it should be, or the square is: its common edge then at a common point.
+        // A square of two triangles that a wall intersects at x = 24; either the wall is cut there,
+        // or the square is, with its common edge at a common point.
         let [a, b, c, d] = [
             [4.0, 4.0, 0.3],
             [4.0, 36.0, 0.3],
@@ -448,7 +448,7 @@ mod tests {
             assert_eq!(marks.edges.len(), 2);
             assert!(marks.cut(&clip, 0, 1, 2));
             assert_eq!((marks.edges.len(), marks.cuts), (3, 2));
-            // The square is not cut where its plane is never as near.
+            // The square is not cut where its plane never has the same nearness.
             assert!(!marks.cut(&clip, 0, 0, 3));
             marks
         };
@@ -456,8 +456,8 @@ mod tests {
         cut.check().unwrap();
         assert_eq!(cut.triangles.len(), 3 + 3 + 2);
         let on_line = |v: &&u32| (cut.frames[0].xy[**v as usize].x - 24.0).abs() < 1e-3;
-        // Each half has one piece with one corner and two with two corners on the line, or
-        // the other way round; every triangle lies on one side of it.
+        // Each half has one piece with one corner and two pieces with two corners on the line, or
+        // vice versa; every triangle lies on one side of it.
         for triangle in &cut.triangles[..6] {
             let xs = triangle.map(|v| cut.frames[0].xy[v as usize].x - 24.0);
             let (low, high) = (xs.iter().any(|x| *x < -1e-3), xs.iter().any(|x| *x > 1e-3));
@@ -488,7 +488,7 @@ mod tests {
 
     #[test]
     fn pieces_fill_the_triangle_and_keep_its_side() {
-        // Corners 0, 1, 2 and the middles of the edges from each: 3, 4, 5.
+        // Corners 0, 1, 2 and the midpoints of the edges from each: 3, 4, 5.
         let place = [[0, 0], [0, 8], [8, 0], [0, 4], [4, 4], [4, 0]];
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| place[v as usize]);
@@ -515,7 +515,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(32))]
 
-        /// Nothing gets worse, and what is seen stays as near as it was.
+        /// The order does not get worse, and the visible nearness does not change.
         #[test]
         fn cutting_improves_and_changes_no_picture(
             corners in prop::collection::vec((0.0f32..40.0, 0.0f32..40.0, 0.1f32..0.9), 6..24),
@@ -539,7 +539,7 @@ mod tests {
                 let all = (0..80).flat_map(|y| (0..80).map(move |x| (x, y)));
                 let differs = |at: &(u32, u32)| {
                     let (was, is) = (was.nearness(at.0, at.1), is.nearness(at.0, at.1));
-                    // Steep slivers change much within a step of the snapping grid.
+                    // Steep slivers change a lot within one step of the snapping grid.
                     was != is && (was - is).abs() > 0.02
                 };
                 let count = all.filter(differs).count();

@@ -1,8 +1,8 @@
-//! Where a moving subject is, and which of its triangles are ever seen.
+//! Bounds, camera placement and visible triangles of a moving subject.
 //!
-//! Source: `docs/methods/vector.md` 1 and 3. Layers that no frame shows (a skull under a helmet) are
-//! found before the mesh is made coarser: they would take triangles away from what is seen and
-//! cause most cycles of the painting order.
+//! Source: `docs/methods/vector.md` 1 and 3. Triangles that no frame shows (a skull under a helmet)
+//! are found before the mesh is simplified: they would consume the triangle budget and cause most
+//! cycles of the painting order.
 
 use super::bake::{BakeOptions, Poser, Turntable};
 use super::error::PlanarError;
@@ -14,12 +14,12 @@ use articula_core::{Camera, Viewport};
 use glam::Vec3;
 use std::collections::BTreeSet;
 
-/// Longer side of the picture in which triangles are looked for, pixels.
+/// Minimum longer side of the picture in which visibility is tested, pixels.
 const CLOSER_PX: f32 = 1024.0;
 
 impl PlanarSubject<'_> {
-    /// The smallest box around the subject's triangles at all these moments; `None` without a
-    /// triangle.
+    /// Returns the smallest box around the subject's triangles at all given times; `None` without
+    /// triangles.
     pub fn bounds(&self, moments_secs: &[f64], turn: &Turntable) -> Option<Bounds> {
         let used = used_vertices(self);
         let mut poser = Poser::new(self);
@@ -35,8 +35,8 @@ impl PlanarSubject<'_> {
         }))
     }
 
-    /// A camera from an azimuth and elevation ([`crate::frame::orbit_view`]), as near as the
-    /// subject allows at all these moments; `None` without a triangle.
+    /// Returns the closest camera of an azimuth and elevation ([`crate::frame::orbit_view`]) that
+    /// sees the subject at all given times; `None` without triangles.
     pub fn camera(
         &self,
         moments_secs: &[f64],
@@ -56,12 +56,13 @@ impl PlanarSubject<'_> {
         view.camera()
     }
 
-    /// Whether each of the subject's triangles owns a sample of the picture at one of these
-    /// moments.
+    /// Returns whether each of the subject's triangles owns a sample of the picture at one of the
+    /// given times.
     ///
-    /// Unlike a bake this takes meshes of any size. It looks more closely than the picture does,
-    /// and what touches a seen triangle counts as seen: small triangles between samples would
-    /// leave holes that no simplifier may close. O(moments x (vertices + samples covered)).
+    /// Unlike a bake this accepts meshes of any size. The resolution is higher than the picture's,
+    /// and triangles that touch a visible triangle count as visible: small triangles between
+    /// samples would leave holes that no simplifier may close. O(times x (vertices + samples
+    /// covered)).
     ///
     /// # Errors
     /// [`PlanarError::Picture`] if the camera's picture is too large.
@@ -98,7 +99,7 @@ impl PlanarSubject<'_> {
     }
 }
 
-/// The same view in more pixels, about a thousand a side.
+/// The same view in at least about a thousand pixels on the longer side.
 fn closer(options: &BakeOptions) -> (Camera, Projection) {
     let mut camera = options.camera;
     let viewport = &mut camera.viewport;
@@ -115,7 +116,7 @@ fn closer(options: &BakeOptions) -> (Camera, Projection) {
     (camera, projection)
 }
 
-/// What is seen, and what has a place of the rest mesh in common with it.
+/// Visible triangles, and those that have a rest position in common with one.
 fn with_neighbours(subject: &PlanarSubject<'_>, seen: &[bool]) -> Vec<bool> {
     let key = |v: u32| {
         let at = subject.mesh.positions.get(v as usize).copied();
@@ -141,7 +142,7 @@ fn used_vertices(subject: &PlanarSubject<'_>) -> Vec<usize> {
     (0..used.len()).filter(|v| used[*v]).collect()
 }
 
-/// Which sides of each triangle are drawn.
+/// Sides of each triangle that are drawn.
 fn faces(subject: &PlanarSubject<'_>) -> Vec<Faces> {
     let mut two_sided = vec![false; subject.mesh.len()];
     for part in &subject.mesh.parts {
@@ -179,7 +180,7 @@ mod tests {
             radians_per_sec: std::f32::consts::FRAC_PI_2,
         };
         let turned = figure.subject().bounds(&[1.0], &turn).unwrap();
-        // A quarter turn to the left takes x to -z and z to x.
+        // A quarter turn to the left maps x to -z and z to x.
         assert!((turned.high.z + still.low.x).abs() < 1e-4);
         assert!((turned.high.x - still.high.z).abs() < 1e-4);
         let mut empty = figure.subject();

@@ -1,22 +1,21 @@
-//! Who is shown: joints, vertices, triangles, materials and a clip.
+//! The subject of a conversion: joints, vertices, triangles, materials and a clip.
 
 use crate::appearance::Appearance;
 use articula_core::{Clip, Mesh, Rig};
 
-/// Who is shown, and what it does.
+/// A character with its triangles and motion, as input of a bake.
 #[derive(Debug, Clone, Copy)]
 pub struct PlanarSubject<'a> {
-    /// Its joints.
+    /// Joints of the character.
     pub rig: &'a Rig,
-    /// Its vertices.
+    /// Vertices of the character.
     pub mesh: &'a Mesh,
-    /// The triangles that are shown, over the mesh's vertices: the mesh's own, or a coarser
-    /// level of them.
+    /// Triangles that are shown, over the mesh's vertices: the mesh's own, or a coarser level.
     pub triangles: &'a [[u32; 3]],
-    /// Its materials and textures.
+    /// Materials and textures.
     pub look: &'a Appearance,
-    /// What it does; the rest pose without one.
+    /// Motion; the rest pose without one.
     pub clip: Option<&'a Clip>,
-    /// Shape at rest, and what morph tracks do not drive.
+    /// Morph weights at rest, also used for targets that no track drives.
     pub morph_weights: &'a [f32],
 }

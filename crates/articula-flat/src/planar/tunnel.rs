@@ -1,26 +1,25 @@
-//! The fewest keys of a straight-run track that stays within a window around every frame.
+//! Computes the piecewise linear track with the fewest keys that stays within a window around every
+//! frame.
 //!
-//! Source: the tunnel of H. Imai and M. Iri ("Polygonal approximations of a curve", 1988) for
-//! several numbers with common key frames, solved forward with the set of values that each
-//! number can still have. Differs from `docs/methods/vector.md` 7 (greedy longest segments between data
-//! points): keys need not lie on the data, so that the same tolerance needs fewer of them, and
-//! a shortest path over all frames replaces looking ahead.
+//! Source: the tunnel of H. Imai and M. Iri ("Polygonal approximations of a curve", 1988), for
+//! several numbers with common key frames; solved forward by dynamic programming with the set of
+//! values that each number can still have. `docs/methods/vector.md` 7. Keys need not lie on the
+//! data, so the same tolerance needs fewer of them.
 
 use super::keyed_clip::KeyedTrack;
 
-/// As far as a number may stray where nothing holds it, grid steps.
+/// Bound of the distance from the target where the window is unbounded, grid steps.
 const FAR: f64 = 1e5;
-/// What rounding to the grid may take of the tolerance, tried one after the other; half a step
-/// is always enough.
+/// Fractions of a grid step reserved for rounding, tried in order; half a step is always enough.
 const RESERVES: [f64; 4] = [0.0, 0.15, 0.3, 0.5];
 
-/// What a track has to pass.
+/// Windows that a track has to pass.
 pub(super) struct Windows<'a> {
-    /// Wanted numbers, `width` for each frame; grid steps.
+    /// Target values, `width` for each frame; grid steps.
     pub targets: &'a [f64],
-    /// Numbers a frame.
+    /// Numbers per frame.
     pub width: usize,
-    /// How far each frame's numbers may be from those wanted; infinite where it does not matter.
+    /// Half width of the windows of each frame; infinite where the values are irrelevant.
     pub reach: &'a [f64],
 }
 
@@ -33,7 +32,7 @@ impl Windows<'_> {
         &self.targets[frame * self.width..(frame + 1) * self.width]
     }
 
-    /// Lowest and highest value of a number in a frame.
+    /// Minimum and maximum value of a number in a frame.
     fn window(&self, frame: usize, number: usize, reserve: f64) -> [f64; 2] {
         let reach = (self.reach[frame] - reserve).max(0.0);
         let middle = self.row(frame)[number];
@@ -54,7 +53,7 @@ impl Windows<'_> {
     }
 }
 
-/// The track with the fewest keys that is found; windows of less than half a grid step are
+/// Returns the track with the fewest keys that is found; half widths below half a grid step are
 /// widened to that.
 ///
 /// O(frames x longest segment x width).
@@ -78,7 +77,7 @@ pub(super) fn fewest_keys(windows: &Windows<'_>) -> KeyedTrack {
     every_frame(&windows)
 }
 
-/// One key, if the windows of every number have something in common.
+/// One key, if the windows of every number have a common value.
 fn still(windows: &Windows<'_>, reserve: f64) -> Option<KeyedTrack> {
     let common = |number: usize| {
         let all = (0..windows.frames()).map(|f| windows.window(f, number, reserve));
@@ -92,7 +91,7 @@ fn still(windows: &Windows<'_>, reserve: f64) -> Option<KeyedTrack> {
     values.map(KeyedTrack::still)
 }
 
-/// A key at every frame: what always holds.
+/// A key at every frame: always within the windows.
 fn every_frame(windows: &Windows<'_>) -> KeyedTrack {
     KeyedTrack {
         frames: (0..windows.frames() as u32).collect(),
@@ -101,14 +100,14 @@ fn every_frame(windows: &Windows<'_>) -> KeyedTrack {
     }
 }
 
-/// How a frame is best reached as a key.
+/// Best path to a frame as a key.
 #[derive(Debug, Clone)]
 struct Node {
     keys: usize,
     before: usize,
     /// Values that each number can have there.
     ranges: Vec<[f64; 2]>,
-    /// Sum of the ranges' lengths: of two ways with as many keys the freer one is taken.
+    /// Sum of the lengths of the ranges: of two paths with equally many keys the greater sum wins.
     freedom: f64,
 }
 
@@ -157,8 +156,8 @@ fn backward(windows: &Windows<'_>, nodes: &[Option<Node>], reserve: f64) -> Opti
     let mut at = nodes.len() - 1;
     let last = nodes[at].as_ref()?;
     let settle = |[low, high]: [f64; 2], wanted: f64| {
-        // In the middle, unless the range is as wide as nothing that holds it; on the grid if
-        // that is within.
+        // In the middle of the range, unless the range is unbounded; on the grid if that is within
+        // the range.
         let middle = if high - low > FAR / 2.0 {
             wanted.clamp(low, high)
         } else {
@@ -186,7 +185,7 @@ fn backward(windows: &Windows<'_>, nodes: &[Option<Node>], reserve: f64) -> Opti
         values = (0..windows.width)
             .map(|n| {
                 let range = segment.starts_for(n, length, values[n]);
-                // Rounding may have left the set by a hair.
+                // Rounding may have left the set slightly.
                 let range = range.unwrap_or(nodes[from].as_ref().map_or([0.0; 2], |k| k.ranges[n]));
                 settle(range, windows.row(from)[n])
             })
@@ -205,7 +204,7 @@ fn backward(windows: &Windows<'_>, nodes: &[Option<Node>], reserve: f64) -> Opti
     })
 }
 
-/// For each number the convex set of starts and slopes that pass the windows so far.
+/// For each number the convex set of start values and slopes that pass the windows so far.
 #[derive(Debug, Default)]
 struct Segment {
     sets: Vec<Vec<[f64; 2]>>,
@@ -227,7 +226,7 @@ impl Segment {
         }
     }
 
-    /// Passes one more frame; false if no run of some number does.
+    /// Adds one more frame; returns false if no line of some number passes it.
     fn extend(&mut self, windows: &Windows<'_>, (from, to): (usize, usize), reserve: f64) -> bool {
         if !windows.reach[to].is_finite() {
             return true;
@@ -263,7 +262,7 @@ impl Segment {
         std::mem::swap(set, &mut self.spare);
     }
 
-    /// Values that each number can have at the segment's end.
+    /// Range of values of each number at the segment's end.
     fn ranges(&self, length: f64) -> Vec<[f64; 2]> {
         let of = |set: &Vec<[f64; 2]>| {
             let ends = set.iter().map(|[v, s]| v + s * length);
@@ -274,7 +273,7 @@ impl Segment {
         self.sets.iter().map(of).collect()
     }
 
-    /// Starts from which a number can end at a value.
+    /// Range of start values from which a number can reach a value at the end.
     fn starts_for(&self, number: usize, length: f64, end: f64) -> Option<[f64; 2]> {
         let set = &self.sets[number];
         let off = |[v, s]: [f64; 2]| v + s * length - end;

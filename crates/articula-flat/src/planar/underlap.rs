@@ -1,14 +1,14 @@
-//! Sealed edges: triangles reach a little under those neighbours that are painted later, so
-//! that no background shows through anti-aliased edges.
+//! Sealed edges: triangles reach a little under those neighbours that are painted later, so that no
+//! background shows through anti-aliased edges.
 //!
-//! Source: `docs/methods/vector.md` 5. Silhouettes stay where they are, and it costs no byte. Differs so
-//! that corners move steadily from frame to frame, since every jump would cost a key frame:
-//! - an edge moves out no further than its neighbour reaches, so it comes to rest on the
-//!   silhouette while the neighbour turns away; an end that would stick out beside the
-//!   neighbour gives way by half;
+//! Source: `docs/methods/vector.md` 5. Silhouettes stay where they are, and no bytes are added.
+//! Corners move steadily between frames, since every jump would cost a key frame:
+//! - an edge moves outward no further than its neighbour reaches, so it comes to rest on the
+//!   silhouette while the neighbour turns away; an end that would stick out beside the neighbour is
+//!   a compromise between both;
 //! - a neighbour counts while it faces the viewer, even when something else hides it;
-//! - corners are a damped least-squares solution of the moved edge lines instead of their
-//!   intersection, which would run away and turn over where lines are nearly parallel.
+//! - corners are a damped least-squares solution of the moved edge lines; their intersection would
+//!   run away and turn over where lines are nearly parallel.
 
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
@@ -18,24 +18,24 @@ use glam::Vec2;
 /// A triangle, and the corner at which its edge begins.
 pub(crate) type OutlineEdge = (u32, u8);
 
-/// A corner moves no further than this many distances.
+/// Maximum displacement of a corner, in underlap distances.
 const FURTHEST: f32 = 2.5;
-/// Edges move no further than this, pixels.
+/// Maximum underlap distance, pixels.
 const MAX_DISTANCE: f32 = 64.0;
-/// Weight that keeps a corner near its place, against the two edge lines that pull it.
+/// Weight that keeps a corner at its position, relative to the two edge lines.
 const DAMPING: f32 = 0.02;
-/// How stiff an edge line is that stays, against one that moves by the whole distance.
+/// Stiffness of an edge line that stays, relative to one that moves by the whole distance.
 const STIFFNESS: f32 = 50.0;
-/// How stiff the silhouette beside the end of an edge is: sticking out shows as a dot, giving
-/// way opens a gap.
+/// Stiffness of the silhouette beside the end of an edge: sticking out shows as a dot, falling
+/// short opens a gap.
 const WALL: f32 = 0.5;
-/// An edge of more triangles than this on one side is not sealed.
+/// Edges with more triangles than this on the other side are not sealed.
 const MAX_NEIGHBOURS: usize = 8;
 
-/// How edges are sealed.
+/// Options of sealing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct UnderlapOptions {
-    /// How far an edge reaches under its neighbour, pixels; 0 moves nothing.
+    /// Distance by which an edge reaches under its neighbour, pixels; 0 moves nothing.
     pub distance_px: f32,
 }
 
@@ -45,15 +45,15 @@ impl Default for UnderlapOptions {
     }
 }
 
-/// Corners of triangles that overlap without a gap.
+/// Sealed corners of triangles.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sealed {
-    /// The three corners of every triangle in every frame, pixels. Where a triangle is not
-    /// drawn they are those of the clip.
+    /// The three corners of every triangle in every frame, pixels. Where a triangle is not drawn
+    /// they are those of the clip.
     pub corners: Vec<Vec<[Vec2; 3]>>,
 }
 
-/// Seals a whole clip.
+/// Seals the triangles of a whole clip.
 ///
 /// O(frames x triangles).
 pub(crate) fn seal(
@@ -74,7 +74,7 @@ pub(crate) fn seal(
     Sealed { corners }
 }
 
-/// The place of each triangle in an order; triangles that the clip does not have are left out.
+/// Position of each triangle in an order; triangles that the clip does not have are ignored.
 pub(crate) fn ranks(clip: &PlanarClip, order: &[u32]) -> Vec<Option<u32>> {
     let mut rank = vec![None; clip.triangles.len()];
     for (r, t) in (0..).zip(order) {
@@ -94,19 +94,19 @@ pub(crate) struct Sealer<'a> {
 }
 
 impl<'a> Sealer<'a> {
-    /// Finds out which triangles meet.
+    /// Finds the neighbours of all triangles.
     pub(crate) fn new(clip: &'a PlanarClip, options: UnderlapOptions) -> Self {
         Self {
             clip,
             neighbours: Neighbours::new(clip),
-            // Also where it is not a number.
+            // NaN becomes 0.
             distance: f32::max(options.distance_px, 0.0).min(MAX_DISTANCE),
         }
     }
 
-    /// The corners of every triangle in one frame.
+    /// Returns the corners of every triangle in one frame.
     ///
-    /// `rank` tells the place of a triangle in the painting order, greater is later; `None` if
+    /// `rank` returns the position of a triangle in the painting order, greater is later; `None` if
     /// it is not painted around this frame.
     pub(crate) fn frame(
         &self,
@@ -127,9 +127,9 @@ impl<'a> Sealer<'a> {
         (0..self.clip.triangles.len()).map(of).collect()
     }
 
-    /// The points of an outline in one frame, each where one of its edges begins; an edge is a
-    /// triangle and the corner at which it starts. `rank` as for [`Self::frame`]: it is the
-    /// same for all triangles within the outline.
+    /// Returns the points of an outline in one frame, each where one of its edges begins; an edge
+    /// is a triangle and the corner at which it starts. `rank` as for [`Self::frame`], with the
+    /// same value for all triangles within the outline.
     pub(crate) fn outline(
         &self,
         frame: usize,
@@ -152,7 +152,7 @@ impl<'a> Sealer<'a> {
         before.zip(&lines).map(corner).collect()
     }
 
-    /// What lies across an edge, of triangles that are painted later.
+    /// What an edge may reach under: its neighbours that are painted later.
     fn side(
         &self,
         frame: usize,
@@ -166,7 +166,8 @@ impl<'a> Sealer<'a> {
             if reach <= best.reach || !is_later(n.triangle) {
                 continue;
             }
-            // The neighbour winds the other way: its edge to the apex begins at our start.
+            // The neighbour has the opposite direction: its edge to the apex begins at this edge's
+            // start.
             let (other, apex) = (n.triangle as usize, n.apex as usize);
             let places = self.clip.places(frame, other);
             let walls = [(apex + 2) % 3, apex].map(|e| {
@@ -179,7 +180,7 @@ impl<'a> Sealer<'a> {
                         .fold(0.0, f32::max),
                 }
             });
-            // Across a sliver there is more to reach under.
+            // Across a sliver, the reach behind it is added.
             let more = walls[0].reach.min(walls[1].reach);
             let reach = if reach < self.distance {
                 reach + more
@@ -206,13 +207,13 @@ impl<'a> Sealer<'a> {
 /// How far a triangle may reach across one of its edges.
 #[derive(Debug, Clone, Copy, Default)]
 struct Side {
-    /// Pixels until the far side of the later triangle, or of what lies behind a sliver.
+    /// Distance to the far side of the later triangle, or of what lies behind a sliver; pixels.
     reach: f32,
     /// The neighbour's edges that begin at the start and the end of this one.
     walls: [Wall; 2],
 }
 
-/// A line that a corner may go beyond by so much: beyond a silhouette not at all.
+/// A line that a corner may cross by `reach`: 0 at a silhouette.
 #[derive(Debug, Clone, Copy, Default)]
 struct Wall {
     normal: Vec2,
@@ -224,17 +225,17 @@ struct Wall {
 pub(crate) struct Neighbour {
     /// The triangle.
     pub(crate) triangle: u32,
-    /// Which of its corners is not on the edge.
+    /// Index of the corner that is not on the edge.
     pub(crate) apex: u32,
 }
 
-/// Which triangles lie across each edge of a triangle; edge `e` runs from corner `e` to the
-/// next. Vertices are joined by where they are, and the two triangles must wind alike.
+/// Triangles across each edge of a triangle; edge `e` runs from corner `e` to the next. Vertices
+/// are joined by position class, and the two triangles must have the same winding.
 #[derive(Debug, Clone)]
 pub(crate) struct Neighbours {
-    /// Vertices that are never apart have the same number.
+    /// Position class of each vertex.
     pub(crate) class: Vec<u32>,
-    /// First entry of each edge `3 t + e`, and the end.
+    /// Index of the first entry of each edge `3 t + e`, and the end.
     first: Vec<u32>,
     entries: Vec<Neighbour>,
 }
@@ -286,13 +287,13 @@ pub(crate) fn faces_viewer([a, b, c]: &[Vec2; 3]) -> bool {
     (*b - *a).perp_dot(*c - *a) < 0.0
 }
 
-/// Outward unit normal of an edge; zero if it has no length.
+/// Outward unit normal of an edge; zero if the edge has no length.
 fn outward(corners: &[Vec2; 3], edge: usize) -> Vec2 {
     let along = corners[(edge + 1) % 3] - corners[edge];
     Vec2::new(-along.y, along.x).normalize_or_zero()
 }
 
-/// Moves each edge out by its reach, at most by the distance.
+/// Moves each edge outward by its reach, at most by the distance.
 fn moved(corners: &[Vec2; 3], sides: &[Side; 3], distance: f32) -> [Vec2; 3] {
     if sides.iter().all(|side| side.reach <= 0.0) {
         return *corners;
@@ -301,7 +302,7 @@ fn moved(corners: &[Vec2; 3], sides: &[Side; 3], distance: f32) -> [Vec2; 3] {
     [0, 1, 2].map(|i| corners[i] + way(&lines[(i + 2) % 3], &lines[i], distance))
 }
 
-/// How far a corner moves between the edge that ends there and the one that begins there, each
+/// Displacement of a corner between the edge that ends there and the one that begins there, each
 /// with its outward normal.
 fn way(before: &(Vec2, Side), after: &(Vec2, Side), distance: f32) -> Vec2 {
     if distance <= 0.0 {
@@ -320,7 +321,7 @@ fn way(before: &(Vec2, Side), after: &(Vec2, Side), distance: f32) -> Vec2 {
     pull.solved().clamp_length_max(FURTHEST * distance)
 }
 
-/// Damped least squares of a corner's way: weighted wishes, each along a direction.
+/// Damped least squares of a corner's displacement: weighted targets, each along a direction.
 #[derive(Debug, Clone, Copy)]
 struct Pull {
     sum: Vec2,
@@ -350,7 +351,7 @@ impl Pull {
     }
 
     fn solved(&self) -> Vec2 {
-        // Never 0: the matrix is at least the damping.
+        // Never 0: the diagonal is at least the damping.
         let determinant = self.xx * self.yy - self.xy * self.xy;
         let x = self.yy * self.sum.x - self.xy * self.sum.y;
         let y = self.xx * self.sum.y - self.xy * self.sum.x;
@@ -365,7 +366,7 @@ mod tests {
     use crate::planar::order::Epoch;
     use proptest::prelude::*;
 
-    /// A square of two triangles that share a diagonal, amid eight around it or alone.
+    /// A square of two triangles that share a diagonal, alone or surrounded by eight others.
     fn square(is_alone: bool) -> PlanarClip {
         let place = |x: f32, y: f32| [x, y, 0.5];
         let (nw, sw, ne, se) = (
@@ -405,14 +406,14 @@ mod tests {
         let [nw, sw, ne] = corners[0];
         assert_eq!(nw, Vec2::new(10.0, 10.0));
         let across = |p: Vec2| (p - Vec2::new(10.0, 30.0)).dot(Vec2::ONE.normalize());
-        // Beside the other triangle's silhouettes it gives way, along its own it does not.
+        // Beside the other triangle's silhouettes it falls short, along its own it does not move.
         for (end, off) in [(sw, sw.x - 10.0), (ne, ne.y - 10.0)] {
             assert!(
                 (0.3..0.8).contains(&across(end)) && off.abs() < 0.03,
                 "{end}"
             );
         }
-        // The other order: the other moves.
+        // With the opposite order the other triangle moves.
         let corners = sealed(&clip, &[1, 0], 0.8);
         assert_eq!(corners[0], clip.places(0, 0));
         assert!(across(corners[1][0]) < -0.3 && across(corners[1][1]) < -0.3);
@@ -423,7 +424,8 @@ mod tests {
         let corners = sealed(&square(false), &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9], 0.8);
         let across = |p: Vec2| (p - Vec2::new(10.0, 30.0)).dot(Vec2::ONE.normalize());
         for end in [corners[0][1], corners[0][2]] {
-            // A pointed corner falls a little short, where the lines' meeting runs away.
+            // A pointed corner falls a little short, where the intersection of the lines would run
+            // away.
             assert!((0.7..0.81).contains(&across(end)), "{end}");
         }
         assert!(corners[0][0].distance(Vec2::splat(9.2)) < 0.06);
@@ -471,7 +473,7 @@ mod tests {
             distance in 0.1f32..3.0,
             turn in 0u32..12,
         ) {
-            // Whole numbers, so that triangles without area and corners on one spot occur.
+            // Integers, so that triangles without area and coincident corners occur.
             let mut cube = fixture::turning_cube(1);
             for (to, (x, y)) in cube.frames[0].xy.iter_mut().zip(places) {
                 *to = Vec2::new(f32::from(x), f32::from(y));

@@ -1,9 +1,9 @@
-//! Colours at vertices that show, straight between them, what a texture shows.
+//! Vertex colours that approximate a texture when interpolated linearly.
 //!
 //! Source: least squares of a piecewise linear surface over samples of the texture, solved by
-//! projected Gauss-Seidel (Cottle, Pang and Stone 1992, 5.4). A single sample at each vertex
-//! misses whatever lies between; it is kept as a weak pull, for vertices that few samples see.
-//! A colour never leaves the range of the samples around its vertex, so that no hard edge rings.
+//! projected Gauss-Seidel (Cottle, Pang and Stone 1992, 5.4). A single sample at each vertex misses
+//! whatever lies between; it is kept as a weak regularisation for vertices that few samples reach.
+//! A colour never leaves the range of the samples around its vertex, so hard edges do not ring.
 
 use super::subject::PlanarSubject;
 use crate::appearance::Texture;
@@ -12,22 +12,21 @@ use articula_core::source::Material;
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 use std::collections::BTreeMap;
 
-/// Each side of a triangle is cut into this many parts; each of the equal triangles that this
-/// gives is one sample.
+/// Subdivisions of each side of a triangle; each of the resulting equal triangles is one sample.
 const PARTS: usize = 6;
-/// Weight of the single sample at a vertex, against those in its triangles.
+/// Weight of the sample at a vertex, relative to those in its triangles.
 const PULL: f32 = 0.02;
-/// Rounds of the solver; each brings the colours to less than a third of their distance.
+/// Rounds of the solver; each reduces the distance to the solution to less than a third.
 const ROUNDS: usize = 24;
 
-/// What triangles of one material look like.
+/// Material, texture and texture coordinates of a triangle's surface.
 pub(super) struct SurfaceColor<'a> {
     pub(super) material: &'a Material,
     pub(super) texture: Option<&'a Texture>,
 }
 
 impl SurfaceColor<'_> {
-    /// sRGB levels and opacity at a place, without light.
+    /// sRGB levels and opacity at a texture coordinate, without light.
     fn color(&self, vertex_color: Vec4, at: Vec2, level: usize) -> (Vec3, f32) {
         let mut color = self.material.base_color * vertex_color;
         if let Some(texture) = self.texture {
@@ -37,7 +36,7 @@ impl SurfaceColor<'_> {
         (Vec3::from(levels), color.w)
     }
 
-    /// The colour right at a vertex.
+    /// Colour sampled at a vertex.
     pub(super) fn at_vertex(&self, subject: &PlanarSubject<'_>, vertex: u32) -> Vec3 {
         let v = vertex as usize;
         let mesh = subject.mesh;
@@ -45,7 +44,7 @@ impl SurfaceColor<'_> {
     }
 }
 
-/// sRGB levels of the vertices that triangles use; `look` gives the look of a triangle.
+/// sRGB levels of the vertices that triangles use; `look` returns the surface of a triangle.
 ///
 /// O(triangles).
 pub(super) fn fitted<'a>(
@@ -64,7 +63,7 @@ pub(super) fn fitted<'a>(
     fit.of_vertex.iter().map(color).collect()
 }
 
-/// A colour that is sought.
+/// An unknown vertex colour.
 #[derive(Debug, Clone)]
 struct Unknown {
     color: Vec3,
@@ -80,8 +79,8 @@ struct Unknown {
 struct Fit {
     unknowns: Vec<Unknown>,
     of_vertex: BTreeMap<u32, usize>,
-    /// Vertices that differ in their normals alone share a colour: the same part, place and
-    /// texture coordinate.
+    /// Unknowns by part, position and texture coordinate: vertices that differ only in their
+    /// normals share a colour.
     known: BTreeMap<[u32; 6], usize>,
     part_of: Vec<u32>,
 }
@@ -143,7 +142,7 @@ impl Fit {
             let pull = size * PULL / 3.0;
             let unknown = &mut self.unknowns[unknown];
             unknown.diagonal += pull;
-            // The colour is still the one at the vertex.
+            // The colour is still the one sampled at the vertex.
             unknown.wanted += unknown.color * pull;
         }
         let at = triangle.map(|v| mesh.texcoords[v as usize]);
@@ -162,7 +161,7 @@ impl Fit {
         }
     }
 
-    /// One sample: the blend of three colours should be this one.
+    /// Adds one sample: the weighted sum of three colours should equal `wanted`.
     fn wish(&mut self, unknowns: [usize; 3], shares: [f32; 3], wanted: Vec3, weight: f32) {
         for i in 0..3 {
             let row = &mut self.unknowns[unknowns[i]];
@@ -194,7 +193,7 @@ impl Fit {
     }
 }
 
-/// Shares of the corners in the middles of equal triangles that a triangle is cut into.
+/// Barycentric weights of the centroids of the equal triangles that a triangle is divided into.
 fn samples() -> impl Iterator<Item = [f32; 3]> {
     let cell = |row: usize, column: usize, third: f32| {
         let (u, v) = (row as f32 + third, column as f32 + third);
@@ -234,7 +233,7 @@ mod tests {
         assert!(all.iter().all(sound));
     }
 
-    /// Sum of squares over the samples of the subject's triangles.
+    /// Sum of squared errors over the samples of the subject's triangles.
     fn error(
         subject: &PlanarSubject<'_>,
         look: &SurfaceColor<'_>,

@@ -1,4 +1,4 @@
-//! Makes a portrait of a source.
+//! Builds a portrait from a source.
 
 use super::error::{PortraitError, refuse};
 use super::flat_mesh::{FlatMesh, flat_mesh};
@@ -13,23 +13,23 @@ use crate::projection::{Projection, Screen};
 use articula_core::Progress;
 use glam::Vec2;
 
-/// Step between nodes of the pose grid, degrees.
+/// Maximum yaw step between nodes of the pose grid, degrees.
 const YAW_STEP: f32 = 7.5;
 const PITCH_STEP: f32 = 10.0;
-/// Width of a range of turns with one painting order, degrees.
+/// Width of a yaw range with one painting order, degrees.
 const SECTOR_DEGREES: f32 = 15.0;
-/// Most moments of its clips that a painting order looks at.
+/// Maximum number of probe frames of all clips for a painting order.
 const CLIP_PROBES: usize = 8;
 
-/// Makes a portrait.
+/// Builds a portrait from a source.
 ///
 /// O(nodes x expressions x vertices of the 2D mesh), plus the rendering of the views.
 ///
 /// # Errors
-/// [`PortraitError::Mismatch`] if parts of the source do not fit each other or an option is out
-/// of range, [`PortraitError::NotInView`] if a vertex is beside or behind the camera,
-/// [`PortraitError::LimitExceeded`] for more than a player can show,
-/// [`PortraitError::Picture`] if the viewport is too large, and [`PortraitError::Cancelled`].
+/// [`PortraitError::Mismatch`] if parts of the source do not match or an option is out of range,
+/// [`PortraitError::NotInView`] if a vertex is beside or behind the camera,
+/// [`PortraitError::LimitExceeded`] for more than a player can show, [`PortraitError::Picture`] if
+/// the viewport is too large, and [`PortraitError::Cancelled`].
 pub fn build(
     source: &PortraitSource<'_>,
     options: &PortraitOptions,
@@ -73,7 +73,7 @@ pub fn build(
     })
 }
 
-/// Nodes from `-limit` to `limit`, through all views.
+/// Grid nodes from `-limit` to `limit`, including the angles of all views.
 fn nodes(limit: f32, step: f32, views: impl Iterator<Item = f32>) -> Vec<f32> {
     let count = (limit / step).floor() as i32;
     let mut nodes: Vec<f32> = (-count..=count).map(|i| i as f32 * step).collect();
@@ -84,7 +84,7 @@ fn nodes(limit: f32, step: f32, views: impl Iterator<Item = f32>) -> Vec<f32> {
     nodes
 }
 
-/// Projects all vertices at all nodes, at rest and under each expression.
+/// Projects all vertices at all nodes, at rest and with each expression.
 fn samples(
     source: &PortraitSource<'_>,
     options: &PortraitOptions,
@@ -134,7 +134,7 @@ fn samples(
     })
 }
 
-/// A painting order for each range of turns.
+/// Computes a painting order for each yaw range.
 fn sectors(
     source: &PortraitSource<'_>,
     options: &PortraitOptions,
@@ -170,7 +170,7 @@ fn sectors(
     Ok(sectors)
 }
 
-/// Faces that an order is told by: each expression, and moments of the clips.
+/// Expression weights of the probe poses: each expression alone, and frames of the clips.
 fn faces(source: &PortraitSource<'_>) -> Vec<Vec<(usize, f32)>> {
     let mut faces: Vec<Vec<(usize, f32)>> = (0..source.expressions.len())
         .map(|e| vec![(e, 1.0)])

@@ -1,29 +1,29 @@
-//! A motion of a portrait: angles of the head and weights of expressions over time.
+//! Motion of a portrait: angles of the head and weights of expressions over time.
 
 use super::head::{Head, HeadPose, PortraitExpression};
 use articula_core::{Clip, ModelPose, Rig, Wrap, local_to_model, sample, sample_morphs};
 use glam::Quat;
 
-/// Angles of the head and weights of expressions at a uniform rate.
+/// A clip of head angles and expression weights at a uniform rate.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PortraitClip {
-    /// Name by which players find it.
+    /// Name of the clip.
     pub name: String,
-    /// Frames a second.
+    /// Frames per second.
     pub rate_hz: f32,
-    /// The head at each frame.
+    /// Angles of the head in each frame.
     pub poses: Vec<HeadPose>,
-    /// For each frame the weights of all expressions of the portrait.
+    /// Weights of all expressions of the portrait in each frame.
     pub weights: Vec<Vec<f32>>,
 }
 
 impl PortraitClip {
-    /// Samples a clip of the character. An expression takes the weight of its first morph slot;
-    /// the head's angles are those of its last joint against rest (zero if the whole figure
-    /// turns and the rig has no joint above all others).
+    /// Samples a clip of the character. An expression takes the weight of its first morph slot; the
+    /// head's angles are those of its last joint relative to rest, or of the rig's root if the
+    /// whole figure turns.
     ///
     /// # Panics
-    /// If the clip is of another rig.
+    /// If the clip belongs to another rig.
     pub fn sample(
         clip: &Clip,
         rig: &Rig,
@@ -71,7 +71,7 @@ impl PortraitClip {
         out
     }
 
-    /// Head and weights at a time, blended between frames and held before and after.
+    /// Returns head angles and weights at a time, linear between frames and clamped at the ends.
     pub fn at(&self, time_secs: f32) -> (HeadPose, Vec<f32>) {
         let last = self.poses.len().saturating_sub(1);
         let at = (time_secs * self.rate_hz).clamp(0.0, last as f32);

@@ -1,6 +1,7 @@
-//! A portrait as files: one JSON document and one picture for each view.
+//! A portrait as files: one JSON document and one picture per view.
 //!
-//! The format is described in `docs/formats/portrait.md`. Numbers lie in base 64, little endian.
+//! The format is described in `docs/formats/portrait.md`. Arrays of numbers are base 64,
+//! little-endian.
 
 use super::error::{PortraitError, refuse};
 use super::pose_grid::{ExpressionTable, Quantised};
@@ -12,18 +13,18 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write;
 
-/// Steps of a weight in a clip; weights reach from -8 to 8.
+/// Steps per unit of a weight in a clip; weights range from -8 to 8.
 const WEIGHT_STEPS: f32 = 4096.0;
-/// Steps of a degree in a clip.
+/// Steps per degree in a clip.
 const ANGLE_STEPS: f32 = 100.0;
 
-/// The player, a script for the browser.
+/// Source of the player, a script for browsers.
 pub(super) const PLAYER: &str = include_str!("player.js");
 
-/// How view pictures are written; both keep every bit.
+/// Lossless format of the view pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PictureFormat {
-    /// Lossless WebP, the smaller one.
+    /// Lossless WebP, which is smaller.
     #[default]
     WebP,
     /// PNG.
@@ -31,7 +32,7 @@ pub enum PictureFormat {
 }
 
 impl PictureFormat {
-    /// Ending of the file's name.
+    /// File name extension.
     pub(crate) fn extension(self) -> &'static str {
         match self {
             Self::WebP => "webp",
@@ -39,7 +40,7 @@ impl PictureFormat {
         }
     }
 
-    /// Its media type.
+    /// Media type.
     pub(crate) fn media_type(self) -> &'static str {
         match self {
             Self::WebP => "image/webp",
@@ -49,7 +50,7 @@ impl PictureFormat {
 }
 
 impl Portrait {
-    /// All files by name: `portrait.json`, a picture for each view, and the player.
+    /// Returns all files by name: `portrait.json`, a picture for each view, and the player.
     ///
     /// # Errors
     /// [`PortraitError::Mismatch`] if a number is not finite, [`PortraitError::Picture`] if a
@@ -72,10 +73,10 @@ impl Portrait {
         (0..self.views.len()).map(name).collect()
     }
 
-    /// The JSON document.
+    /// Returns the JSON document.
     ///
     /// # Errors
-    /// [`PortraitError::Mismatch`] if a number in it is not finite.
+    /// [`PortraitError::Mismatch`] if a number is not finite.
     pub(crate) fn to_json(&self, format: PictureFormat) -> Result<String, PortraitError> {
         let mut out = String::from("{\n\"format\":\"articula-portrait\",\"version\":1,\n");
         let (width, height) = self.size;
@@ -185,7 +186,7 @@ fn clip_json(clip: &PortraitClip) -> Result<String, PortraitError> {
     ))
 }
 
-/// The picture's file.
+/// Encodes a picture.
 pub(crate) fn encoded(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, PictureError> {
     if format == PictureFormat::Png {
         return picture.to_png();
@@ -206,7 +207,7 @@ pub(crate) fn encoded(picture: &Picture, format: PictureFormat) -> Result<Vec<u8
     Ok(bytes)
 }
 
-/// A number as JSON.
+/// Formats a number as JSON.
 fn number(value: f32) -> Result<String, PortraitError> {
     if value.is_finite() {
         return Ok(value.to_string());
@@ -227,24 +228,24 @@ fn list(
     ))
 }
 
-/// Bytes in base 64, in quotation marks.
+/// Encodes bytes in base 64, in quotation marks.
 fn numbers<const N: usize>(values: impl Iterator<Item = [u8; N]>) -> String {
     let bytes: Vec<u8> = values.flatten().collect();
     format!("\"{}\"", STANDARD.encode(bytes))
 }
 
-/// Vertices and triangles fit 16 bits: their numbers are limited.
+/// Encodes indices with 16 bits; the numbers of vertices and triangles are limited to that.
 fn shorts<'a>(values: impl Iterator<Item = &'a u32>) -> String {
     numbers(values.map(|v| (*v as u16).to_le_bytes()))
 }
 
-/// A text as JSON; it may stand inside a script element too.
+/// Formats a text as JSON, also safe inside a script element.
 pub(crate) fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         match c {
             '"' | '\\' => out.extend(['\\', c]),
-            // Also what would end a script element, and line ends that old scripts refuse.
+            // Also characters that end a script element, and line ends that old scripts refuse.
             '\0'..='\u{1f}' | '<' | '>' | '&' | '\u{7f}' | '\u{2028}' | '\u{2029}' => {
                 let _ = write!(out, "\\u{:04x}", c as u32);
             }

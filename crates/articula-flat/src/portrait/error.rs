@@ -1,48 +1,48 @@
-//! Why a portrait could not be made or drawn, sorted by blame.
+//! Errors of building or drawing a portrait, one variant per cause.
 
 use crate::error::PictureError;
 use crate::planar::PlanarError;
 use articula_core::{Cancelled, Mismatch};
 use thiserror::Error;
 
-/// Why a portrait could not be made or drawn.
+/// Error of building or drawing a portrait.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum PortraitError {
-    /// The caller paired things that do not fit, or gave an option out of its range.
+    /// Arguments do not belong together, or an option is out of range.
     #[error("{0}")]
     Mismatch(#[from] Mismatch),
     /// A picture could not be made.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// The caller ended the work ([`articula_core::Progress`]).
+    /// The caller cancelled the work ([`articula_core::Progress`]).
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// No painting order could be found.
+    /// The painting order could not be computed.
     #[error(transparent)]
     Planar(#[from] PlanarError),
-    /// A vertex lies beside or behind the camera, or where it is no number.
+    /// A vertex lies beside or behind the camera, or its position is not finite.
     #[error("vertex {vertex} cannot be seen from the camera at yaw {yaw} degrees: {mend}")]
     NotInView {
         /// Vertex of the mesh.
         vertex: usize,
-        /// The turn of the head, rounded.
+        /// Yaw of the head, rounded to degrees.
         yaw: i32,
-        /// What the user can do.
+        /// What the user can do about it.
         mend: &'static str,
     },
-    /// More than a 2D player can show.
+    /// The portrait exceeds a limit of the 2D player.
     #[error("{count} {what}, at most {limit}: choose a coarser level of the mesh")]
     LimitExceeded {
-        /// What there is too much of.
+        /// Kind of element.
         what: &'static str,
-        /// How many there are.
+        /// Number of elements.
         count: usize,
-        /// How many there may be.
+        /// Maximum number of elements.
         limit: usize,
     },
 }
 
-/// A [`PortraitError::Mismatch`] in one call.
+/// Returns a [`PortraitError::Mismatch`].
 pub(crate) fn refuse(at: impl Into<String>, what: impl Into<String>) -> PortraitError {
     PortraitError::Mismatch(Mismatch::new(at, what))
 }

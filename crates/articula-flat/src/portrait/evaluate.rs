@@ -1,4 +1,4 @@
-//! How far a portrait is from a render of the 3D figure in the same pose.
+//! Image error of a portrait against a render of the 3D figure in the same pose.
 
 use super::error::PortraitError;
 use super::head::HeadPose;
@@ -10,7 +10,7 @@ use crate::error::PictureError;
 use crate::picture::Picture;
 use crate::render::render;
 
-/// The picture that a portrait stands for: the 3D figure in full quality, under the same light.
+/// Renders the reference of a portrait: the 3D figure in full quality, under the same light.
 ///
 /// # Errors
 /// As [`super::build`], and [`PortraitError::Mismatch`] for more weights than expressions.
@@ -42,8 +42,8 @@ pub(super) fn truth(
     )?)
 }
 
-/// Root mean square difference over the pixels where either picture shows the figure, in levels
-/// (0 to 255), both laid over white.
+/// Root mean square difference over the pixels where either picture shows the figure, in levels (0
+/// to 255), both over white.
 ///
 /// # Errors
 /// [`PictureError::Mismatch`] if the pictures differ in size.
@@ -51,14 +51,14 @@ pub(super) fn rmse_over_figure(a: &Picture, b: &Picture) -> Result<f64, PictureE
     let whole = crate::compare::rmse(a, b)?;
     let shown = a.pixels().iter().zip(b.pixels());
     let shown = shown.filter(|(p, q)| p[3] > 0 || q[3] > 0).count();
-    // What neither shows is white in both, so it adds nothing but to the count.
+    // Pixels without the figure are white in both, so they only increase the count.
     let share = shown.max(1) as f64 / a.pixels().len().max(1) as f64;
     Ok(whole / share.sqrt())
 }
 
 impl Portrait {
-    /// Error against a render of the 3D figure in full quality under the same light: root mean
-    /// square over the figure's pixels, levels (0 to 255).
+    /// Returns the error against a render of the 3D figure in full quality under the same light:
+    /// root mean square over the figure's pixels, levels (0 to 255).
     ///
     /// # Errors
     /// As [`super::build()`] and [`Self::picture`]; [`PortraitError::Mismatch`] for more weights

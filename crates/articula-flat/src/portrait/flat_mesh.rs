@@ -1,4 +1,4 @@
-//! The 2D mesh: the triangles that can ever be seen, over vertices that move as one.
+//! 2D mesh of a portrait: the triangles that are visible in some pose, over welded vertices.
 
 use super::error::{PortraitError, refuse};
 use super::head::HeadPose;
@@ -8,22 +8,22 @@ use articula_core::Mesh;
 use glam::Vec2;
 use std::collections::BTreeMap;
 
-/// Triangles smaller than this, in square pixels, show nothing.
+/// Triangles smaller than this, in square pixels, are not drawn.
 const MIN_AREA: f32 = 0.02;
 
-/// Triangles of a portrait, without anything of where they are.
+/// Triangles of a portrait, without positions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct FlatMesh {
-    /// Vertex of the 3D mesh that each vertex follows; rising.
+    /// Vertex of the 3D mesh for each vertex; ascending.
     pub vertices: Vec<u32>,
-    /// Counter-clockwise where they are seen; what shows both sides is there twice.
+    /// Vertex indices, counter-clockwise where visible; two-sided triangles are stored twice.
     pub triangles: Vec<[u32; 3]>,
     /// Material of each triangle.
     pub materials: Vec<Option<usize>>,
 }
 
 impl FlatMesh {
-    /// The triangle on the other side of each edge (corner to next corner), if there is one.
+    /// Triangle on the other side of each edge (corner to next corner), if there is one.
     pub(crate) fn neighbours(&self) -> Vec<[Option<u32>; 3]> {
         let mut of_edge: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
         let key = |a: u32, b: u32| (a.min(b), a.max(b));
@@ -38,7 +38,7 @@ impl FlatMesh {
             corners.sort_unstable();
             corners
         };
-        // A triangle's own back is no neighbour.
+        // The back of the same triangle is not a neighbour.
         let other = |t: usize, (a, b): (u32, u32)| {
             let own = corners(t as u32);
             let mut sharing = of_edge.get(&key(a, b))?.iter().copied();
@@ -48,13 +48,13 @@ impl FlatMesh {
         self.triangles.iter().enumerate().map(of).collect()
     }
 
-    /// Whether a triangle with these corners is drawn: its front is seen.
+    /// Whether a triangle with these corners is drawn: its front is visible.
     pub(crate) fn shows(corners: [Vec2; 3]) -> bool {
         front_area(corners) > MIN_AREA
     }
 }
 
-/// Area in square pixels, positive where the front is seen (the picture's y points down).
+/// Area in square pixels, positive if the front is visible (the picture's y axis points down).
 pub(crate) fn front_area([a, b, c]: [Vec2; 3]) -> f32 {
     -0.5 * (b - a).perp_dot(c - a)
 }
@@ -64,7 +64,7 @@ pub(crate) fn corners_of(places: &[Vec2], triangle: [u32; 3]) -> [Vec2; 3] {
     triangle.map(|v| places[v as usize])
 }
 
-/// Poses that show what a portrait can show: turns alone, and each expression in some turns.
+/// Poses that cover the range of a portrait: head angles alone, and each expression at some angles.
 fn probes(expressions: usize, options: &PortraitOptions) -> Vec<(HeadPose, Vec<(usize, f32)>)> {
     let (yaw, pitch) = (options.yaw_limit_degrees, options.pitch_limit_degrees);
     let mut out = Vec::new();
@@ -115,7 +115,7 @@ pub(crate) fn flat_mesh(
     for (pose, weights) in probes(source.expressions.len(), options) {
         let skinned = poser.skin(pose, &weights);
         for (track, p) in tracks.iter_mut().zip(&skinned.positions) {
-            // A tenth of a micrometre, so that rounding tears no seam.
+            // In steps of 0.1 µm, so that rounding tears no seam.
             track.extend(p.to_array().map(|x| (x * 1e7).round() as i32 as u32));
         }
         let places = places(&project(&skinned, &source.camera, pose)?);
@@ -143,14 +143,14 @@ pub(crate) fn flat_mesh(
     compact(flat, &used)
 }
 
-/// The first of the vertices that move as each does.
+/// For each vertex, the first vertex that coincides with it in all poses.
 fn weld(tracks: Vec<Vec<u32>>) -> Vec<u32> {
     let mut first: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
     let place = |(v, track)| *first.entry(track).or_insert(v as u32);
     tracks.into_iter().enumerate().map(place).collect()
 }
 
-/// Leaves out vertices of no triangle.
+/// Removes vertices without a triangle.
 fn compact(mut flat: FlatMesh, used: &[u32]) -> Result<FlatMesh, PortraitError> {
     let mut kept: Vec<u32> = flat.triangles.iter().flatten().copied().collect();
     kept.sort_unstable();
@@ -163,7 +163,7 @@ fn compact(mut flat: FlatMesh, used: &[u32]) -> Result<FlatMesh, PortraitError> 
     Ok(flat)
 }
 
-/// The part that a vertex belongs to.
+/// Part of the mesh that a vertex belongs to.
 pub(crate) fn part_at(mesh: &Mesh, vertex: u32) -> Option<usize> {
     let is_in = |p: &articula_core::Part| p.vertices.contains(&(vertex as usize));
     mesh.parts.iter().position(is_in)

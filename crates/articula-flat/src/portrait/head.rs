@@ -1,21 +1,21 @@
-//! How the head is turned and the face shaped.
+//! Angles of the head, joints of the head, and expressions of the face.
 
 use glam::{EulerRot, Quat, Vec3};
 
-/// Where the head looks, in degrees. The rotation is roll after yaw after pitch, about the
-/// model's Z, Y and X axes: the figure faces +Z.
+/// Orientation of the head, in degrees. The rotation is roll after yaw after pitch, about the
+/// model's Z, Y and X axes; the figure faces +Z.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct HeadPose {
-    /// Turn about the vertical; positive towards the figure's left (the viewer's right).
+    /// Rotation about the vertical; positive towards the figure's left (the viewer's right).
     pub yaw_degrees: f32,
-    /// Nod; positive looks down.
+    /// Rotation about the horizontal; positive looks down.
     pub pitch_degrees: f32,
-    /// Tilt in the plane of the picture; positive is counter-clockwise as the viewer sees it.
+    /// Rotation in the plane of the picture; positive is counter-clockwise as the viewer sees it.
     pub roll_degrees: f32,
 }
 
 impl HeadPose {
-    /// A turn without nod and tilt.
+    /// Returns a pose with yaw only.
     #[cfg(test)]
     pub(crate) fn yaw(yaw_degrees: f32) -> Self {
         Self {
@@ -24,7 +24,7 @@ impl HeadPose {
         }
     }
 
-    /// The rotation in model space.
+    /// Rotation in model space.
     pub(crate) fn rotation(&self) -> Quat {
         let of = f32::to_radians;
         Quat::from_euler(
@@ -35,7 +35,7 @@ impl HeadPose {
         )
     }
 
-    /// The angles of a rotation in model space.
+    /// Angles of a rotation in model space.
     pub(crate) fn of_rotation(rotation: Quat) -> Self {
         let (roll, yaw, pitch) = rotation.to_euler(EulerRot::ZYX);
         Self {
@@ -45,7 +45,7 @@ impl HeadPose {
         }
     }
 
-    /// Whether all angles are numbers.
+    /// Whether all angles are finite.
     pub(crate) fn is_finite(&self) -> bool {
         self.yaw_degrees.is_finite()
             && self.pitch_degrees.is_finite()
@@ -53,41 +53,41 @@ impl HeadPose {
     }
 }
 
-/// What turns when the head turns.
+/// Part of the figure that turns with the head.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Head {
     /// The whole figure, about a point of model space.
     Whole {
-        /// The point that stays.
+        /// Point that stays in place.
         pivot: Vec3,
     },
-    /// Joints of the rig, from the neck to the head, each by an equal share of the turn; the
-    /// skin's weights make the falloff.
+    /// Joints of the rig, from the neck to the head; each turns by an equal part, and the skin
+    /// weights give the falloff.
     Joints(Vec<usize>),
 }
 
-/// A joint as an expression turns it.
+/// Rotation of a joint by an expression.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointTurn {
     /// Joint of the rig.
     pub joint: usize,
-    /// Its local rotation where the expression is full.
+    /// Local rotation at full weight.
     pub rotation: Quat,
 }
 
-/// A named shape of the face, such as one of ARKit's.
+/// A named expression of the face, such as one of ARKit's.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PortraitExpression {
-    /// Name by which players drive it.
+    /// Name of the expression.
     pub name: String,
-    /// Morph slots and their weights where the expression is full, on top of the rest weights.
+    /// Morph slots and their weights at full weight of the expression, added to the rest weights.
     pub morphs: Vec<(u16, f32)>,
-    /// Joints that it turns.
+    /// Joints that the expression rotates.
     pub joints: Vec<JointTurn>,
 }
 
 impl PortraitExpression {
-    /// An expression that is one morph target.
+    /// Returns an expression that is one morph target.
     pub fn of_morph(name: impl Into<String>, slot: u16) -> Self {
         Self {
             name: name.into(),

@@ -1,19 +1,20 @@
-//! A talking face in 2D that can turn its head: warped view pictures of a 3D figure.
+//! A talking 2D face that turns its head: a 2D mesh that warps pictures of a 3D figure.
 //!
 //! Source: `docs/methods/vector.md` part 10; thesis 4.1 (a 2D mesh over a portrait, driven by face
-//! parameters) and annex C (which of them it supports). What differs: the head turns, what is
-//! behind (teeth, tongue, eyes under lids) is found rather than drawn by hand, and every shape
-//! of the face moves in all views.
+//! parameters) and annex C (the supported parameters). Differs from the thesis: the head turns,
+//! what lies behind (teeth, tongue, eyes under lids) is found and not drawn by hand, and every
+//! expression works in all views.
 //!
-//! - [`PortraitSource`]: figure, head, expressions; [`PortraitClip`]: motions to carry along
-//! - [`build()`]: makes a [`Portrait`] of it
+//! - [`PortraitSource`]: figure, head, expressions; [`PortraitClip`]: motions stored in the
+//!   portrait
+//! - [`build()`]: makes a [`Portrait`] from a source
 //! - [`page()`]: one HTML page with its player; [`Portrait::to_files`]: JSON and pictures
 //!
-//! Inside: `flat_mesh`, the 2D mesh; `visibility`, its layers in each view; `views`, the view
-//! pictures; `view_weights`, how much each counts for a triangle; `pose_grid`, where vertices
-//! are for any turn, nod and expression; `paint_order`, back to front for a range of turns;
-//! `sealing`, no gap between neighbours; `raster`, the picture of a pose, without a browser;
-//! `evaluate`, how far it is from a render of the 3D figure.
+//! Private modules: `flat_mesh`, the 2D mesh; `visibility`, its layers in each view; `views`, the
+//! view pictures; `view_weights`, the weight of each view for a triangle; `pose_grid`, positions of
+//! the vertices for any head angle and expression; `paint_order`, painting orders for ranges of
+//! yaw; `sealing`, underlap of edges; `raster`, rendering without a browser; `evaluate`, the error
+//! against a render of the 3D figure.
 
 mod build;
 mod clip;

@@ -1,4 +1,4 @@
-//! The portrait itself: a 2D mesh, its view pictures, and where its vertices are.
+//! The portrait: a 2D mesh, its view pictures, and the positions of its vertices.
 
 use super::clip::PortraitClip;
 use super::error::{PortraitError, refuse};
@@ -10,44 +10,44 @@ use super::views::View;
 use super::visibility::Layers;
 use glam::Vec2;
 
-/// A talking face in 2D.
+/// A talking 2D face that turns its head.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Portrait {
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Its triangles.
+    /// The 2D mesh.
     pub(crate) mesh: FlatMesh,
-    /// The view pictures, the front first.
+    /// View pictures, the front first.
     pub(crate) views: Vec<View>,
-    /// Where each triangle lies in them.
+    /// Layer of each triangle in each view.
     pub(crate) layers: Layers,
-    /// Where vertices are.
+    /// Positions of the vertices by head angle and expression.
     pub(crate) grid: PoseGrid,
-    /// How much of a tilt each vertex takes part in, 0 to 255.
+    /// Part of a roll that each vertex takes, 0 to 255.
     pub(crate) tilts: Vec<u8>,
-    /// The place that stays when the head tilts, pixels.
+    /// Centre of roll, pixels.
     pub(crate) pivot: Vec2,
-    /// Painting orders, by rising turn.
+    /// Painting orders, ascending by yaw.
     pub(crate) sectors: Vec<Sector>,
-    /// Motions.
+    /// Motions of the portrait.
     pub clips: Vec<PortraitClip>,
 }
 
-/// How much a portrait holds.
+/// Numbers of elements of a portrait.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PortraitCounts {
-    /// View pictures.
+    /// Number of view pictures.
     pub views: usize,
-    /// Triangles of the 2D mesh.
+    /// Number of triangles of the 2D mesh.
     pub triangles: usize,
-    /// Vertices of the 2D mesh.
+    /// Number of vertices of the 2D mesh.
     pub vertices: usize,
-    /// Shapes of the face that can be driven.
+    /// Number of expressions.
     pub expressions: usize,
 }
 
 impl Portrait {
-    /// How much of everything there is.
+    /// Returns the numbers of elements.
     pub fn counts(&self) -> PortraitCounts {
         PortraitCounts {
             views: self.views.len(),
@@ -57,10 +57,10 @@ impl Portrait {
         }
     }
 
-    /// Places of all vertices in pixels. One weight for each expression; missing ones are 0.
+    /// Positions of all vertices in pixels. One weight per expression; missing ones are 0.
     ///
     /// # Errors
-    /// [`PortraitError::Mismatch`] if an angle or weight is no number, or there are more weights
+    /// [`PortraitError::Mismatch`] if an angle or weight is not finite, or there are more weights
     /// than expressions.
     pub(crate) fn places(
         &self,
@@ -80,7 +80,7 @@ impl Portrait {
         let mut places = self.grid.places(pose, weights);
         if pose.roll_degrees != 0.0 {
             for (place, tilt) in places.iter_mut().zip(&self.tilts) {
-                // The picture's y points down, so counter-clockwise is a negative angle.
+                // The picture's y axis points down, so counter-clockwise is a negative angle.
                 let angle = -pose.roll_degrees.to_radians() * f32::from(*tilt) / 255.0;
                 *place = self.pivot + Vec2::from_angle(angle).rotate(*place - self.pivot);
             }
@@ -88,7 +88,7 @@ impl Portrait {
         Ok(places)
     }
 
-    /// The painting order for a turn.
+    /// Painting order for a yaw.
     pub(crate) fn order(&self, yaw_degrees: f32) -> &[u32] {
         let after = self
             .sectors

@@ -1,4 +1,4 @@
-//! One HTML page that shows a portrait: player, document and pictures in one file.
+//! An HTML page that shows a portrait, with player, document and pictures in one file.
 
 use super::document::{PLAYER, PictureFormat, encoded};
 use super::error::PortraitError;
@@ -8,32 +8,32 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write;
 
-/// A file that goes into a page.
+/// A file embedded in a page.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct EmbeddedFile {
     /// Media type, such as `image/png` or `audio/mpeg`.
     pub media_type: String,
-    /// Its bytes.
+    /// Content of the file.
     pub bytes: Vec<u8>,
 }
 
-/// What a page shows beside the portrait.
+/// Options of the HTML page.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct PageOptions {
     /// Title of the page.
     pub title: String,
-    /// A picture behind the portrait.
+    /// Picture behind the portrait.
     pub background: Option<EmbeddedFile>,
-    /// Sound that the clip follows.
+    /// Sound that the clip is synchronised to.
     pub audio: Option<EmbeddedFile>,
-    /// Sliders for the head and all expressions.
+    /// Whether there are sliders for the head and all expressions.
     pub controls: bool,
 }
 
-/// The page. It plays the first clip, or sweeps from side to side without one.
+/// Returns an HTML page that plays the first clip, or sweeps the head from side to side without
+/// one.
 ///
-/// `articulaSeek(seconds)` and `articulaFrames` on `window` show a moment and count what was
-/// painted.
+/// `window.articulaSeek(seconds)` shows a time, and `window.articulaFrames` counts painted frames.
 ///
 /// # Errors
 /// As [`Portrait::to_files`].
@@ -62,7 +62,7 @@ pub fn page(portrait: &Portrait, options: &PageOptions) -> Result<String, Portra
         "<script>\n{PLAYER}</script>\n<script>\n\"use strict\";\n"
     );
     let format = PictureFormat::default();
-    // Names are the one text in the document, and they are escaped for scripts.
+    // Names are the only text in the document, and they are escaped for scripts.
     let _ = writeln!(
         out,
         "const json = {};",
@@ -83,7 +83,7 @@ pub fn page(portrait: &Portrait, options: &PageOptions) -> Result<String, Portra
     Ok(out)
 }
 
-/// The file as a data URI in quotation marks, right in scripts and in attributes.
+/// The file as a data URI in quotation marks, valid in scripts and in attributes.
 fn uri(file: &EmbeddedFile) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "/+-.;=".contains(c);
     let media_type: String = file.media_type.chars().filter(|c| plain(*c)).collect();

@@ -1,7 +1,7 @@
-//! The order in which triangles are painted, back to front, for a range of turns.
+//! Painting orders of triangles, back to front, for ranges of yaw.
 //!
-//! Source: `docs/methods/vector.md` parts 4 and 10. Some poses of the range are the frames of one clip,
-//! whose order is that of [`crate::planar::order`].
+//! Source: `docs/methods/vector.md` parts 4 and 10. Some poses of the range are taken as the frames
+//! of one clip, which [`crate::planar::order`] orders.
 
 use super::error::PortraitError;
 use super::flat_mesh::{FlatMesh, corners_of};
@@ -12,10 +12,10 @@ use crate::planar::drawn::Drawn;
 use crate::planar::order::Painting;
 use articula_core::Camera;
 
-/// An order for turns from one angle on.
+/// A painting order from one yaw on.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Sector {
-    /// Least turn of the range, degrees; the first sector holds below it too.
+    /// Minimum yaw of the range, degrees; the first sector also applies below it.
     pub from_yaw_degrees: f32,
     /// Triangles, back to front.
     pub order: Vec<u32>,
@@ -24,7 +24,7 @@ pub(crate) struct Sector {
 /// A pose and the weights that are not zero.
 pub(crate) type Probe = (HeadPose, Vec<(usize, f32)>);
 
-/// The order of one range of turns, told by some poses of it.
+/// Computes the order of one range of yaw from probe poses in it.
 pub(crate) fn sector(
     flat: &FlatMesh,
     poser: &Poser<'_>,
@@ -65,7 +65,7 @@ pub(crate) fn sector(
     let painted = painting.order_at(0);
     let mut is_painted = vec![false; count];
     painted.iter().for_each(|t| is_painted[*t as usize] = true);
-    // What no probe shows lies at the border of what can be seen: behind all others.
+    // What no probe shows lies at the edge of what is visible: behind all others.
     let mut order: Vec<u32> = (0..count as u32)
         .filter(|t| !is_painted[*t as usize])
         .collect();

@@ -1,67 +1,69 @@
-//! Where the vertices of a portrait are for any turn, nod and expression: tables of few modes.
+//! Positions of the vertices of a portrait for any yaw, pitch and expression, as tables of few
+//! modes.
 //!
-//! Source: `docs/methods/vector.md` part 10. Places are stored for the nodes of a grid of yaw and pitch
-//! and blend linearly between them. What differs: the rest shape and the offsets of all
-//! expressions share the modes of one truncated decomposition over the nodes, so that a node
-//! costs a few numbers however many vertices and expressions there are.
+//! Source: `docs/methods/vector.md` part 10. Positions are stored at the nodes of a grid of yaw and
+//! pitch and interpolated linearly between them. The rest shape and the offsets of all expressions
+//! share the modes of one truncated decomposition over the nodes, so a node costs a few numbers,
+//! independent of the numbers of vertices and expressions.
 
 use super::head::HeadPose;
 use crate::low_rank::{dot, modes};
 use glam::Vec2;
 
-/// Most modes; turning heads take four to seven.
+/// Maximum number of modes; turning heads need four to seven.
 const MAX_MODES: usize = 12;
-/// Offsets smaller than this at every node are left out, pixels.
+/// Offsets smaller than this at every node are omitted, pixels.
 const STILL_PX: f32 = 0.02;
 
-/// Numbers of one mode over vertices as integers and the step between them.
+/// Values of one mode over vertices, as integers with a common step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Quantised<T> {
-    /// What one step is worth.
+    /// Size of one step.
     pub scale: f32,
-    /// The numbers, in steps.
+    /// The values, in steps.
     pub steps: Vec<T>,
 }
 
-/// What an expression adds to the modes of the vertices that it moves.
+/// Contribution of an expression to the modes of the vertices that it moves.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct ExpressionTable {
-    /// Name by which players drive it.
+    /// Name of the expression.
     pub name: String,
-    /// Vertices that move, rising.
+    /// Vertices that move, ascending.
     pub vertices: Vec<u32>,
-    /// For each mode, one number a vertex.
+    /// For each mode, one value per vertex.
     pub modes: Vec<Quantised<i8>>,
 }
 
-/// Places of all vertices over turn, nod and expressions.
+/// Positions of all vertices by yaw, pitch and expressions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct PoseGrid {
-    /// Turns of the nodes, rising, degrees.
+    /// Yaw of the nodes, ascending, degrees.
     pub yaw_degrees: Vec<f32>,
-    /// Nods of the nodes, rising, degrees.
+    /// Pitch of the nodes, ascending, degrees.
     pub pitch_degrees: Vec<f32>,
-    /// For each node (yaw within pitch), for x then y: the offset, then the share of each mode.
+    /// For each node (yaw within pitch), for x then y: the offset, then the coefficient of each
+    /// mode.
     pub coefficients: Vec<f32>,
-    /// For each mode, one number for each vertex at rest.
+    /// For each mode, one value per vertex at rest.
     pub rest: Vec<Quantised<i16>>,
-    /// What each expression adds.
+    /// Contribution of each expression.
     pub expressions: Vec<ExpressionTable>,
 }
 
-/// Places of all vertices at all nodes, before they are reduced to modes.
+/// Positions of all vertices at all nodes, before the reduction to modes.
 pub(crate) struct Samples {
     pub(crate) yaw_degrees: Vec<f32>,
     pub(crate) pitch_degrees: Vec<f32>,
-    /// For each node (yaw within pitch) the places at rest.
+    /// For each node (yaw within pitch) the positions at rest.
     pub(crate) rest: Vec<Vec<Vec2>>,
-    /// For each expression and node the places.
+    /// For each expression and node the positions.
     pub(crate) expressions: Vec<(String, Vec<Vec<Vec2>>)>,
 }
 
 impl PoseGrid {
-    /// Reduces samples to the fewest modes whose root mean square error stays within the
-    /// tolerance, at rest and for every expression, and quantises them.
+    /// Reduces samples to the fewest modes whose root mean square error is within the tolerance, at
+    /// rest and for every expression, and quantises them.
     pub(crate) fn new(samples: &Samples, tolerance_px: f32) -> Self {
         let vertices = samples.rest.first().map_or(0, Vec::len);
         let moved: Vec<Vec<u32>> = samples
@@ -103,8 +105,8 @@ impl PoseGrid {
         self.rest.len()
     }
 
-    /// Places of all vertices without tilt. Angles beyond the grid count as its border; weights
-    /// beyond the expressions are ignored.
+    /// Positions of all vertices without roll. Angles are clamped to the grid; weights without an
+    /// expression are ignored.
     pub(crate) fn places(&self, pose: &HeadPose, weights: &[f32]) -> Vec<Vec2> {
         let shape = self.shape(weights);
         let mixed = self.mixed(pose);
@@ -121,7 +123,7 @@ impl PoseGrid {
         (0..count).map(place).collect()
     }
 
-    /// For each mode one number a vertex, expressions added.
+    /// For each mode one value per vertex, expressions added.
     fn shape(&self, weights: &[f32]) -> Vec<Vec<f32>> {
         let wide = |q: &Quantised<i16>| q.steps.iter().map(|s| f32::from(*s) * q.scale).collect();
         let mut shape: Vec<Vec<f32>> = self.rest.iter().map(wide).collect();
@@ -138,7 +140,7 @@ impl PoseGrid {
         shape
     }
 
-    /// The coefficients at a pose, blended between the four nodes around it.
+    /// Coefficients at a pose, bilinear between the four nodes around it.
     fn mixed(&self, pose: &HeadPose) -> Vec<f32> {
         let (yaw, right) = between(&self.yaw_degrees, pose.yaw_degrees);
         let (pitch, up) = between(&self.pitch_degrees, pose.pitch_degrees);
@@ -160,7 +162,7 @@ impl PoseGrid {
     }
 }
 
-/// The node before a value and how far it is towards the next; clamped to the nodes.
+/// Index of the node before a value and the fraction to the next; clamped to the nodes.
 fn between(nodes: &[f32], value: f32) -> (usize, f32) {
     let after = nodes.partition_point(|n| *n <= value);
     if after == 0 {
@@ -183,8 +185,8 @@ fn moved(rest: &[Vec<Vec2>], nodes: &[Vec<Vec2>]) -> Vec<u32> {
     (0..count).filter(|v| moves(*v)).map(|v| v as u32).collect()
 }
 
-/// The matrix to be reduced: a row for each node and axis; vertices at rest, then the offsets of
-/// each expression. The mean of the rest columns of each row comes apart.
+/// Matrix to be reduced: a row for each node and axis; vertices at rest, then the offsets of each
+/// expression. The mean of the rest columns of each row is returned separately.
 fn rows(samples: &Samples, moved: &[Vec<u32>]) -> (Vec<f64>, Vec<Vec<f64>>) {
     let mut offsets = Vec::new();
     let mut rows = Vec::new();
@@ -207,7 +209,7 @@ fn rows(samples: &Samples, moved: &[Vec<u32>]) -> (Vec<f64>, Vec<Vec<f64>>) {
     (offsets, rows)
 }
 
-/// Ranges of the columns: rest, then each expression.
+/// Ranges of columns: rest, then each expression.
 fn groups(vertices: usize, moved: &[Vec<u32>]) -> Vec<std::ops::Range<usize>> {
     let mut at = 0;
     let mut range = |length: usize| {
@@ -219,7 +221,7 @@ fn groups(vertices: usize, moved: &[Vec<u32>]) -> Vec<std::ops::Range<usize>> {
     out
 }
 
-/// For each mode the share that each column has of it.
+/// For each mode the coefficient of each column.
 fn project_rows(rows: &[Vec<f64>], modes: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let project = |mode: &Vec<f64>| {
         let mut out = vec![0.0; rows.first().map_or(0, Vec::len)];
@@ -231,7 +233,7 @@ fn project_rows(rows: &[Vec<f64>], modes: &[Vec<f64>]) -> Vec<Vec<f64>> {
     modes.iter().map(project).collect()
 }
 
-/// The least number of modes that keeps the error of every group within the tolerance.
+/// Minimum number of modes that keeps the error of every group within the tolerance.
 fn fewest(
     rows: &[Vec<f64>],
     columns: &[Vec<f64>],

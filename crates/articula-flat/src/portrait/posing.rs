@@ -1,4 +1,4 @@
-//! The figure in a pose of head and face: skinned, and projected.
+//! Poses the figure by head angles and expressions: skinning and projection.
 
 use super::error::PortraitError;
 use super::head::{Head, HeadPose, PortraitExpression};
@@ -31,7 +31,7 @@ impl<'a> Poser<'a> {
         }
     }
 
-    /// Skins the mesh; expressions without a weight stay out.
+    /// Skins the mesh; expressions without a weight are ignored.
     pub(crate) fn skin(&self, pose: HeadPose, weights: &[(usize, f32)]) -> SkinnedMesh {
         let mut local = self.rig.rest_pose().clone();
         let mut morphs = self.mesh.morph_weights.clone();
@@ -60,7 +60,7 @@ impl<'a> Poser<'a> {
         posed.pose_from(&local, world).skinned(&morphs)
     }
 
-    /// Turns each joint in model space by its share, on top of what turned its ancestors.
+    /// Rotates each joint in model space by its part, after the rotations of its ancestors.
     fn turn_joints(&self, joints: &[usize], rotation: Quat, local: &mut LocalPose) {
         let share = Quat::IDENTITY.slerp(rotation, 1.0 / joints.len() as f32);
         for &joint in joints {
@@ -75,7 +75,7 @@ impl<'a> Poser<'a> {
         }
     }
 
-    /// Place of the point that stays while the head turns, at rest.
+    /// Position of the centre of rotation at rest.
     pub(crate) fn pivot(&self) -> Vec3 {
         match self.head {
             Head::Whole { pivot } => *pivot,
@@ -88,7 +88,7 @@ impl<'a> Poser<'a> {
         }
     }
 
-    /// How much of a turn each vertex takes part in, 0 to 1.
+    /// Part of a head rotation that each vertex takes, 0 to 1.
     pub(crate) fn shares(&self) -> Vec<f32> {
         let Head::Joints(joints) = self.head else {
             return vec![1.0; self.mesh.len()];
@@ -105,7 +105,7 @@ impl<'a> Poser<'a> {
     }
 }
 
-/// Corners on the screen of all vertices of a skinned mesh.
+/// Screen corners of all vertices of a skinned mesh.
 ///
 /// # Errors
 /// [`PortraitError::NotInView`] for a vertex that the camera cannot see.
@@ -118,7 +118,7 @@ pub(crate) fn project(
     let mut corners = Vec::with_capacity(skinned.positions.len());
     for (vertex, point) in skinned.positions.iter().enumerate() {
         let corner = screen.corner(*point);
-        // A centimetre ahead of the camera a pixel says nothing any more.
+        // At less than a centimetre from the camera, pixel positions are meaningless.
         let is_ahead = corner.is_finite() && corner.w > 1e-2;
         let place = Vec2::new(corner.x, corner.y) / corner.w;
         if !is_ahead || !place.is_finite() || place.abs().max_element() > 1e5 {
@@ -133,12 +133,12 @@ pub(crate) fn project(
     Ok(corners)
 }
 
-/// Places in pixels of projected corners.
+/// Positions in pixels of projected corners.
 pub(crate) fn places(corners: &[Vec4]) -> Vec<Vec2> {
     corners.iter().map(|c| Vec2::new(c.x, c.y) / c.w).collect()
 }
 
-/// The mesh reduced to some of its vertices (rising), without triangles and parts.
+/// The mesh reduced to some of its vertices (ascending), without triangles and parts.
 pub(crate) fn part_of(mesh: &Mesh, vertices: &[u32]) -> Mesh {
     let mut place = vec![u32::MAX; mesh.len()];
     for (new, old) in vertices.iter().enumerate() {

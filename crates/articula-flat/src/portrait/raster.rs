@@ -1,7 +1,7 @@
-//! The picture of a portrait in a pose, without a browser: what the player paints.
+//! Renders a portrait in a pose as the player does, without a browser.
 //!
-//! Triangles are painted in order, each with the affine map from each view into the pose; views
-//! blend in sRGB by their weights, as a canvas does. Each pixel takes 4 x 4 samples.
+//! Triangles are painted in order, each with the affine map from each view into the pose; views are
+//! blended in sRGB by their weights, as on a canvas. 4 x 4 samples per pixel.
 
 use super::error::{PortraitError, refuse};
 use super::flat_mesh::{FlatMesh, corners_of, front_area};
@@ -13,33 +13,34 @@ use crate::item_buffer::{Faces, ItemBuffer, Supersampling};
 use crate::picture::{Picture, Rgba};
 use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
 
-/// Weights smaller than this are not worth painting a triangle once more.
+/// Minimum weight of a view that is painted.
 pub(super) const MIN_WEIGHT: f32 = 0.03;
 /// Twice the area of a triangle in a view below which it is a sliver, square pixels.
 const SLIVER: f32 = 0.1;
 
-/// How one triangle takes its colours: the views that count, each with its weight and the map
-/// from the portrait to the view's picture.
+/// Colour source of one triangle: the views that contribute, each with its weight and the map from
+/// the portrait to the view's picture.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Paint {
     taken: Vec<(usize, f32, Affine2)>,
 }
 
 impl Portrait {
-    /// The picture in a pose of head and face, over transparency.
+    /// Returns the picture of a head pose and expression weights, with a transparent background.
     ///
     /// # Errors
-    /// [`PortraitError::Mismatch`] if an angle or weight is no number, or there are more weights
+    /// [`PortraitError::Mismatch`] if an angle or weight is not finite, or there are more weights
     /// than expressions.
     pub fn picture(&self, pose: &HeadPose, weights: &[f32]) -> Result<Picture, PortraitError> {
         self.picture_at(&self.places(pose, weights)?, pose)
     }
 
-    /// The picture for places of all vertices that the caller projected itself (those of
-    /// [`super::flat_mesh::FlatMesh::vertices`]); the pose tells order and views.
+    /// Picture for vertex positions that the caller projected (those of
+    /// [`super::flat_mesh::FlatMesh::vertices`]); the pose selects order and views.
     ///
     /// # Errors
-    /// [`PortraitError::Mismatch`] if there is not one finite place for each vertex.
+    /// [`PortraitError::Mismatch`] if the number of positions differs from the number of vertices,
+    /// or one is not finite.
     pub(crate) fn picture_at(
         &self,
         places: &[Vec2],
@@ -65,7 +66,7 @@ impl Portrait {
         Ok(picture)
     }
 
-    /// Which triangle each sample shows, and how each triangle takes its colours.
+    /// The triangle of each sample, and the colour source of each triangle.
     fn painted(
         &self,
         places: &[Vec2],
@@ -96,7 +97,7 @@ impl Portrait {
                 None => 0.0,
             };
             paints[t] = self.paint(t, corners(t), &sources, &near);
-            // Later triangles are nearer, whatever their depth.
+            // Later triangles are nearer, regardless of depth.
             let grown = sealed(corners(t), neighbours[t].map(reach));
             let flat = grown.map(|p| Vec4::new(p.x, p.y, i as f32, 1.0));
             buffer.draw(t as u32, flat, Faces::Both);
@@ -104,7 +105,7 @@ impl Portrait {
         Ok((paints, buffer))
     }
 
-    /// Places of all vertices on the screen in each view.
+    /// Screen positions of all vertices in each view.
     pub(crate) fn view_places(&self) -> Result<Vec<Vec<Vec2>>, PortraitError> {
         self.views
             .iter()
@@ -163,7 +164,7 @@ impl Portrait {
         [r, g, b, alpha.round().clamp(0.0, 255.0) as u8]
     }
 
-    /// Colour of a triangle at a place, multiplied by its coverage.
+    /// Colour of a triangle at a position, multiplied by its coverage.
     fn color(&self, paint: &Paint, at: Vec2) -> Vec4 {
         let mut sum = Vec4::ZERO;
         for (view, weight, map) in &paint.taken {
@@ -173,9 +174,9 @@ impl Portrait {
     }
 }
 
-/// The map that takes a triangle of the portrait to the one in a view's picture. A sliver in the
-/// view has no direction across: it gives the colours around its middle. `None` if the portrait's
-/// triangle is a sliver.
+/// Map from a triangle of the portrait to the one in a view's picture. A sliver in the view has no
+/// direction across: it gives the colours around its centre. `None` if the portrait's triangle is a
+/// sliver.
 fn affine(from: [Vec2; 3], to: [Vec2; 3]) -> Option<Affine2> {
     let edges = |p: [Vec2; 3]| Mat2::from_cols(p[1] - p[0], p[2] - p[0]);
     let before = edges(from);
@@ -198,7 +199,7 @@ fn affine(from: [Vec2; 3], to: [Vec2; 3]) -> Option<Affine2> {
     })
 }
 
-/// Colour at a place of a view's picture, blended between four pixels that show anything.
+/// Colour at a position in a view's picture, bilinear over the pixels that show anything.
 fn texel(view: &View, at: Vec2) -> Vec4 {
     let picture = &view.picture;
     let most = Vec2::new(picture.width() as f32, picture.height() as f32) - 1.0;

@@ -1,28 +1,28 @@
-//! Corners moved outward a little under neighbours that are painted later, so that no background
-//! shows between anti-aliased triangles.
+//! Sealed edges: corners move outward a little under neighbours that are painted later, so that no
+//! background shows between anti-aliased triangles.
 //!
-//! Source: `docs/methods/vector.md` part 5 (underlap). Silhouette edges stay where they are. What differs:
-//! edges move a little over earlier neighbours too, since a canvas draws slivers thinner than a
-//! pixel with holes.
+//! Source: `docs/methods/vector.md` part 5 (underlap). Silhouette edges stay where they are. Edges
+//! also move a little over earlier neighbours, since a canvas draws slivers thinner than a pixel
+//! with holes.
 
 use glam::Vec2;
 
-/// How far an edge moves under its neighbour, pixels.
+/// Distance by which an edge moves under its neighbour, pixels.
 pub(super) const UNDERLAP_PX: f32 = 0.8;
-/// How far an edge moves over a neighbour that was painted before, pixels.
+/// Distance by which an edge moves over a neighbour that was painted before, pixels.
 pub(super) const OVERLAP_PX: f32 = 0.35;
-/// Below this sine of the angle between two edges their crossing runs away.
+/// Minimum sine of the angle between two edges whose intersection is used.
 const PARALLEL: f32 = 0.15;
-/// How far a corner moves at most, in underlaps.
+/// Maximum displacement of a corner, in underlap distances.
 const FARTHEST: f32 = 2.5;
 
-/// The corners with the edges (corner to next corner) moved outward by so many pixels.
+/// Returns the corners with the edges (corner to next corner) moved outward by these distances.
 pub(super) fn sealed(corners: [Vec2; 3], edges_px: [f32; 3]) -> [Vec2; 3] {
     let [a, b, c] = corners;
     let turned = (b - a).perp_dot(c - a).signum();
     let outward = |i: usize| {
         let along = (corners[(i + 1) % 3] - corners[i]).normalize_or_zero();
-        // With y downward, a positive turn is clockwise on the screen: outside is to the left.
+        // With y downward, a positive area is clockwise on the screen: outside is to the left.
         Vec2::new(along.y, -along.x) * turned
     };
     let middle = (a + b + c) / 3.0;
@@ -61,7 +61,7 @@ mod tests {
             assert!((all[0] - Vec2::splat(-d)).length() < 1e-6, "{all:?}");
             assert_eq!(sealed(corners, [0.0; 3]), corners);
         }
-        // The edge along x moves up; its ends slide along the two other edges.
+        // The edge along x moves up; its ends move along the two other edges.
         let one = sealed(corners, [UNDERLAP_PX, 0.0, 0.0]);
         assert!((one[0] - Vec2::new(0.0, -d)).length() < 1e-6, "{one:?}");
         assert!(

@@ -1,4 +1,4 @@
-//! What a portrait is made of and how: the figure, its coarse triangles, its expressions.
+//! Input and options of a portrait: the figure, its coarse triangles, its expressions.
 
 use super::clip::PortraitClip;
 use super::error::{PortraitError, refuse};
@@ -6,49 +6,49 @@ use super::head::{Head, HeadPose, PortraitExpression};
 use crate::appearance::Appearance;
 use articula_core::{Camera, Mesh, Rig};
 
-/// Most triangles of a 2D mesh.
+/// Maximum number of triangles of a 2D mesh.
 pub(super) const MAX_TRIANGLES: usize = 20_000;
-/// Most vertices of a 2D mesh; players number them with 16 bits.
+/// Maximum number of vertices of a 2D mesh; indices have 16 bits.
 pub(super) const MAX_VERTICES: usize = 65_535;
-/// Most expressions of one portrait.
+/// Maximum number of expressions of one portrait.
 pub(super) const MAX_EXPRESSIONS: usize = 512;
 
-/// What a portrait is made of.
+/// Input of a portrait.
 #[derive(Debug, Clone)]
 pub struct PortraitSource<'a> {
     /// The figure in full quality, for the view pictures.
     pub mesh: &'a Mesh,
-    /// Its joints.
+    /// Joints of the figure.
     pub rig: &'a Rig,
-    /// Its materials.
+    /// Materials and textures.
     pub look: &'a Appearance,
-    /// The 2D mesh: a few triangles over the same vertices (any level of the mesh).
+    /// Triangles of the 2D mesh: a few over the same vertices (any level of the mesh).
     pub triangles: &'a [[u32; 3]],
-    /// What turns.
+    /// Part of the figure that turns with the head.
     pub head: Head,
-    /// The shapes of the face that can be driven.
+    /// Expressions of the face.
     pub expressions: &'a [PortraitExpression],
-    /// Motions to carry along.
+    /// Motions to store in the portrait.
     pub clips: &'a [PortraitClip],
     /// The camera; its viewport is the size of the portrait.
     pub camera: Camera,
 }
 
-/// How a portrait is made.
+/// Options of a portrait.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PortraitOptions {
-    /// View pictures: 1 (front, as in the thesis), 3 (and both sides), or 5 (and from above and
-    /// below).
+    /// Number of view pictures: 1 (front, as in the thesis), 3 (with both sides), or 5 (with above
+    /// and below).
     pub views: usize,
-    /// Turn of the head in the side views, degrees.
+    /// Yaw of the head in the side views, degrees.
     pub view_yaw_degrees: f32,
-    /// Nod of the head in the upper and lower view, degrees.
+    /// Pitch of the head in the upper and lower view, degrees.
     pub view_pitch_degrees: f32,
-    /// Greatest turn that the portrait can show, degrees.
+    /// Maximum yaw that the portrait can show, degrees.
     pub yaw_limit_degrees: f32,
-    /// Greatest nod that the portrait can show, degrees.
+    /// Maximum pitch that the portrait can show, degrees.
     pub pitch_limit_degrees: f32,
-    /// Root mean square error of the 2D positions that the tables may have, pixels.
+    /// RMS error tolerance of the 2D positions in the tables, pixels.
     pub tolerance_px: f32,
 }
 
@@ -66,7 +66,7 @@ impl Default for PortraitOptions {
 }
 
 impl PortraitOptions {
-    /// The head's pose in each view, the front first.
+    /// Pose of the head in each view, the front first.
     pub(crate) fn view_poses(&self) -> Vec<HeadPose> {
         let (yaw, pitch) = (self.view_yaw_degrees, self.view_pitch_degrees);
         let all = [
@@ -97,7 +97,7 @@ impl PortraitOptions {
             ("tolerance_px", self.tolerance_px, 1e-3, 10.0),
         ];
         for (at, value, least, most) in ranges {
-            // Also refuses what is no number.
+            // Also refuses NaN.
             if !(least..=most).contains(&value) {
                 let what = format!("{value} is not between {least} and {most}");
                 return Err(refuse(format!("options.{at}"), what));
@@ -108,7 +108,7 @@ impl PortraitOptions {
 }
 
 impl PortraitSource<'_> {
-    /// Checks that all parts fit each other and the options are in range.
+    /// Checks that all parts match and the options are in range.
     pub(crate) fn check(&self, options: &PortraitOptions) -> Result<(), PortraitError> {
         options.check()?;
         let vertices = self.mesh.len();

@@ -1,4 +1,4 @@
-//! Tests of whole portraits: a mask of red lips before a green tongue, with a blue left cheek.
+//! Tests of whole portraits: a mask of red lips in front of a green tongue, with a blue left cheek.
 
 use super::document::PictureFormat;
 use super::evaluate::truth;
@@ -14,7 +14,7 @@ use articula_core::{
 };
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
-/// A rectangle with two triangles, of one colour, with its offset when the mouth is open.
+/// A rectangle of two triangles and one colour, with its offset when the mouth is open.
 fn plate(corners: [Vec3; 4], color: Vec4, open: Vec3) -> source::RawMesh {
     source::RawMesh {
         skin: Skin {
@@ -125,7 +125,7 @@ impl Mask {
     }
 }
 
-/// Which of red, green and blue is strongest; `None` where nothing is.
+/// Strongest of red, green and blue; `None` for a transparent pixel.
 fn strongest(pixel: Option<Rgba>) -> Option<usize> {
     let [r, g, b, a] = pixel?;
     let all = [r, g, b];
@@ -136,17 +136,17 @@ fn strongest(pixel: Option<Rgba>) -> Option<usize> {
 fn what_lips_cover_appears_when_they_open() {
     let mask = mask();
     let portrait = mask.portrait(3);
-    // The tongue's two triangles lie behind the lips, in a layer of their own.
+    // The tongue's two triangles lie behind the lips, in a separate layer.
     assert_eq!(portrait.layers.of_view[0][4..6], [1, 1]);
     assert_eq!(portrait.layers.of_view[0][..4], [0; 4]);
     let closed = portrait.picture(&HeadPose::default(), &[0.0]).unwrap();
     let open = portrait.picture(&HeadPose::default(), &[1.0]).unwrap();
-    // 0.03 m below the middle, between the lips once they are open.
+    // 0.03 m below the centre, between the lips once they are open.
     assert_eq!(strongest(closed.get(60, 65)), Some(0));
     assert_eq!(strongest(open.get(60, 65)), Some(1));
     assert_eq!(strongest(open.get(60, 50)), Some(0));
     assert_eq!(open.get(2, 2), Some([0; 4]));
-    // Turned, the mouth is still right.
+    // With the head turned, the mouth is still right.
     let turned = portrait.picture(&HeadPose::yaw(20.0), &[1.0]).unwrap();
     let options = PortraitOptions::default();
     let wanted = truth(&mask.source(), &options, &HeadPose::yaw(20.0), &[1.0]).unwrap();
@@ -158,8 +158,8 @@ fn what_lips_cover_appears_when_they_open() {
 fn side_views_show_the_cheek_that_the_front_does_not() {
     let mask = mask();
     let (one, three) = (mask.portrait(1), mask.portrait(3));
-    // The cheek is seen from its edge in front, and in the view from its side (the head turned
-    // to its right, which is the second view) alone.
+    // The cheek is seen edge-on in front, and is visible only in the view from its side (the head
+    // turned to its right, which is the second view).
     assert_eq!(three.layers.of_view[0][6], NOT_SEEN);
     assert_eq!(three.layers.of_view[1][6], 0);
     assert_eq!(three.layers.of_view[2][6], NOT_SEEN);
@@ -174,7 +174,7 @@ fn side_views_show_the_cheek_that_the_front_does_not() {
             .unwrap()
     };
     let (worse, better) = (error(&one, 1), error(&three, 3));
-    // What is left are edges of strong colours, in a small picture.
+    // What remains are edges of strong colours, in a small picture.
     assert!(
         better < 15.0 && 5.0 * better < worse,
         "{better} and {worse}"
@@ -204,7 +204,7 @@ fn nodes_are_exact_and_blend_in_between() {
             }
         }
     }
-    // Half way between two nodes is the mean, and the border holds beyond.
+    // Halfway between two nodes is the mean, and beyond the border the border.
     let (a, b) = (at(HeadPose::yaw(7.5), 0.5), at(HeadPose::yaw(15.0), 0.5));
     for ((a, b), m) in a.iter().zip(&b).zip(at(HeadPose::yaw(11.25), 0.5)) {
         assert!((0.5 * (*a + *b) - m).length() < 1e-3);
@@ -222,7 +222,7 @@ fn tilting_turns_the_picture_about_the_pivot() {
     let straight = portrait.places(&roll(0.0), &[]).unwrap();
     let tilted = portrait.places(&roll(90.0), &[]).unwrap();
     for (s, t) in straight.iter().zip(&tilted) {
-        // Counter-clockwise as seen: what is right of the pivot goes up, to smaller y.
+        // Counter-clockwise as seen: what is right of the pivot moves up, to smaller y.
         let (s, t) = (*s - portrait.pivot, *t - portrait.pivot);
         assert!((t - Vec2::new(s.y, -s.x)).length() < 1e-3, "{s} {t}");
     }
@@ -344,7 +344,7 @@ fn neighbours_share_an_edge_and_no_back_is_one() {
     assert_eq!(found[2][0], Some(0));
 }
 
-/// Checks a value against the few words that our schema uses.
+/// Checks a value against the subset of JSON Schema that our schema uses.
 fn check(
     schema: &serde_json::Value,
     root: &serde_json::Value,
@@ -420,7 +420,7 @@ fn the_document_is_as_its_schema_says() {
     for (view, (_, bytes)) in portrait.views.iter().zip(&files[1..4]) {
         assert_eq!(crate::Picture::decode(bytes).unwrap(), view.picture);
     }
-    // The same source gives the same bytes, and the page cannot be left by a name.
+    // The same source gives the same bytes, and a name cannot break out of the page.
     assert_eq!(
         build(&source, &PortraitOptions::default(), &mut Progress::none()).unwrap(),
         portrait
@@ -470,7 +470,7 @@ fn a_whole_human_turns_its_head_by_the_neck() {
             .map(|((a, b), _)| a.distance(*b));
         of.fold(0.0, f32::max)
     };
-    // A face 0.09 m before the axis moves 0.045 m across, at 60 pixels a metre.
+    // A face 0.09 m in front of the axis moves 0.045 m sideways, at 60 pixels per metre.
     assert!(
         moved(0) < 1.0 && moved(255) > 2.5,
         "{} {}",

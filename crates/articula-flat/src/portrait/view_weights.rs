@@ -1,18 +1,18 @@
-//! How much each view picture counts for a triangle in a pose.
+//! Weight of each view picture for a triangle in a pose.
 //!
-//! Source: `docs/methods/vector.md` part 10: the square of the area in the view over the area in the
-//! pose, capped at 2; zero where the triangle was covered. What differs: the nearer view counts
-//! more, falling linearly with the angle, so that a pose that is a view shows that view alone.
+//! Source: `docs/methods/vector.md` part 10: the square of the area in the view over the area in
+//! the pose, capped at 2, times the nearness of the view; zero where the triangle was covered.
+//! Nearness falls linearly with the angle, so a pose that is a view shows that view alone.
 
 use super::head::HeadPose;
 
-/// Cap of the ratio of areas.
+/// Maximum ratio of areas.
 const CAP: f32 = 2.0;
-/// What is left of a view as far away as its neighbour or farther.
+/// Minimum nearness of a view, reached at the distance of its neighbour.
 const FAR: f32 = 0.004;
 
-/// How near the pose is to each view: 1 at the view, falling linearly to nearly nothing at its
-/// neighbour. Along an axis where all views agree, all are equally near.
+/// Nearness of the pose to each view: 1 at the view, falling linearly to nearly 0 at its neighbour.
+/// An axis on which all views agree is ignored.
 pub(super) fn nearness(views: &[HeadPose], pose: &HeadPose) -> Vec<f32> {
     let yaw = span(views.iter().map(|v| v.yaw_degrees));
     let pitch = span(views.iter().map(|v| v.pitch_degrees));
@@ -27,7 +27,7 @@ pub(super) fn nearness(views: &[HeadPose], pose: &HeadPose) -> Vec<f32> {
     views.iter().map(near).collect()
 }
 
-/// Greatest distance of a value from zero; `None` if all are zero.
+/// Maximum absolute value; `None` if all values are zero.
 fn span(values: impl Iterator<Item = f32>) -> Option<f32> {
     let most = values.map(f32::abs).fold(0.0, f32::max);
     (most > 0.0).then_some(most)
@@ -35,8 +35,8 @@ fn span(values: impl Iterator<Item = f32>) -> Option<f32> {
 
 /// Weight of each view for one triangle; they sum to 1.
 ///
-/// `view_areas` and `area` are in square pixels, `seen` says in which views nothing covered the
-/// triangle. Without any such view, the one that shows most of it counts alone.
+/// `view_areas` and `area` are in square pixels, `seen` contains the views in which nothing covers
+/// the triangle. Without any such view, the one in which its area is largest has weight 1.
 pub(super) fn view_weights(
     view_areas: &[f32],
     seen: &[bool],
@@ -80,7 +80,7 @@ mod tests {
         for (f, e) in found.iter().zip(expected) {
             assert!((f - e).abs() < 1e-6, "{found:?}");
         }
-        // Where it was covered it counts nothing.
+        // A view in which it was covered has no weight.
         let found = view_weights(&[10.0, 5.0, 30.0], &[true, true, false], &near, 10.0);
         assert!(
             (found[0] - 0.8).abs() < 1e-6 && found[2] == 0.0,

@@ -1,7 +1,7 @@
-//! The view pictures: the figure in full quality from a few sides, layer by layer.
+//! View pictures: the figure in full quality from several sides, in layers.
 //!
-//! All layers of a view lie in one picture, the first as large as what it shows, the others
-//! cropped below it. Colours run a few pixels beyond what is seen, so that a triangle whose edge
+//! All layers of a view lie in one picture, the first with the size of the screen area it shows,
+//! the others cropped below it. Colours are extended by a few pixels, so that a triangle whose edge
 //! lies a little outside the figure finds no hole.
 
 use super::error::PortraitError;
@@ -16,38 +16,37 @@ use crate::render::{Light, RenderOptions, render};
 use articula_core::{Mesh, Part, Progress, SkinnedMesh, triangle_distance_squared};
 use glam::{Vec2, Vec3, Vec4};
 
-/// Pixels around what a layer shows.
+/// Margin around each layer, pixels.
 const MARGIN_PX: f32 = 3.0;
-/// How far colours run beyond what is seen, pixels.
+/// Distance by which colours are extended, pixels.
 const BLEED_PX: usize = 4;
 
-/// Where a layer of a view lies in the view's picture: its place in the picture, minus its place
-/// on the screen.
+/// Offset of a layer in the view's picture: position in the picture minus position on the screen.
 pub(super) type Shift = [i32; 2];
 
 /// One view of the figure.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct View {
-    /// How the head is turned.
+    /// Pose of the head.
     pub pose: HeadPose,
-    /// All layers.
+    /// Picture with all layers.
     pub picture: Picture,
-    /// For each layer, from screen to picture.
+    /// For each layer, the offset from screen to picture.
     pub shifts: Vec<Shift>,
 }
 
-/// Views with the layers in them.
+/// Views and the layers in them.
 pub(crate) struct Views {
     pub(crate) views: Vec<View>,
     pub(crate) layers: Layers,
 }
 
-/// The light of a picture of a head in this pose: it turns with the head, so that all views show
-/// the same shading.
+/// Light of a picture with the head in this pose: the key light turns with the head, so that all
+/// views show the same shading.
 pub(crate) fn light(pose: &HeadPose) -> Light {
     let still = Light::default();
-    // The fill light mirrors the key about the viewer, so it cannot turn with the head: what it
-    // gives on the mean comes from everywhere instead.
+    // The fill light mirrors the key about the viewer, so it cannot turn with the head: its mean
+    // contribution is added to the ambient term instead.
     Light {
         key_direction: pose.rotation() * still.key_direction,
         fill: 0.0,
@@ -56,7 +55,7 @@ pub(crate) fn light(pose: &HeadPose) -> Light {
     }
 }
 
-/// How pictures of the figure are rendered.
+/// Options with which the figure is rendered.
 pub(crate) fn render_options(pose: &HeadPose) -> RenderOptions {
     RenderOptions {
         background: [0; 4],
@@ -126,7 +125,7 @@ pub(crate) fn views(
     Ok(Views { views, layers })
 }
 
-/// Layers of one view, one below the other.
+/// Layers of one view, stacked vertically.
 #[derive(Default)]
 struct Sheet {
     pieces: Vec<(Picture, u32)>,
@@ -161,7 +160,8 @@ impl Sheet {
     }
 }
 
-/// The pixels that the triangles of a layer take from a view; `None` if none are taken.
+/// Bounding box of the pixels that the triangles of a layer take from a view; `None` if there are
+/// none.
 fn bounds(
     flat: &FlatMesh,
     layers: &[u8],
@@ -187,8 +187,8 @@ fn bounds(
     (!is_empty).then_some(((low.x as u32, low.y as u32), (high.x as u32, high.y as u32)))
 }
 
-/// The triangle of the 2D mesh that each triangle of the full mesh belongs to: the nearest one that
-/// faces alike.
+/// Triangle of the 2D mesh for each triangle of the full mesh: the nearest one, preferably with the
+/// same facing and material.
 fn owners(source: &PortraitSource<'_>, flat: &FlatMesh, rest: &SkinnedMesh) -> Vec<u32> {
     let corners = |t: [u32; 3]| t.map(|v| rest.positions[v as usize]);
     let coarse: Vec<[Vec3; 3]> = flat
@@ -207,7 +207,8 @@ fn owners(source: &PortraitSource<'_>, flat: &FlatMesh, rest: &SkinnedMesh) -> V
         let far = |c: usize| {
             let turned = facing.dot(normals[c]) < 0.0 || flat.materials[c] != own;
             let far = triangle_distance_squared(middle, coarse[c]);
-            // What faces away or is of other stuff counts as twice as far, and a centimetre.
+            // A triangle that faces away or has another material counts as twice as far, plus a
+            // centimetre.
             if turned { far * 4.0 + 1e-4 } else { far }
         };
         let nearest = (0..coarse.len()).min_by(|a, b| far(*a).total_cmp(&far(*b)));
@@ -216,7 +217,7 @@ fn owners(source: &PortraitSource<'_>, flat: &FlatMesh, rest: &SkinnedMesh) -> V
     source.mesh.triangles.iter().map(owner).collect()
 }
 
-/// The mesh with some of its triangles, to be rendered as it is skinned.
+/// The mesh with some of its triangles, for rendering with the same skinned vertices.
 fn subset(full: &Mesh, keep: impl Fn(usize) -> bool) -> Mesh {
     let mut mesh = Mesh {
         positions: full.positions.clone(),
@@ -237,10 +238,10 @@ fn subset(full: &Mesh, keep: impl Fn(usize) -> bool) -> Mesh {
     mesh
 }
 
-/// Makes every pixel opaque that shows anything, and lets colours run into the empty.
+/// Makes every pixel opaque that shows anything, and extends colours into empty pixels.
 fn bleed(picture: &Picture) -> Picture {
     let mut out = picture.clone();
-    // A half covered pixel has the colour of what covers it; the rest comes from its neighbours.
+    // A partly covered pixel takes the colour that covers it; empty pixels take their neighbours'.
     for pixel in out.pixels_mut() {
         pixel[3] = if pixel[3] > 0 { 255 } else { 0 };
     }

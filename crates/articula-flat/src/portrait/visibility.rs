@@ -1,30 +1,30 @@
-//! In which layer of each view a triangle of the 2D mesh lies bare.
+//! Layers: the assignment of each triangle of the 2D mesh to a layer in each view.
 //!
-//! What nothing covers is taken from the view as it is seen. What is covered (teeth behind closed
-//! lips, an eye behind its lid, the neck behind the jaw) lies in further layers, each of which is
-//! rendered alone and whose triangles do not cover each other: a colouring of the graph of those
-//! that do. So no triangle shows the colours of another one.
+//! Triangles that nothing covers are taken from the view as it is seen. Covered ones (teeth behind
+//! closed lips, an eye behind its lid, the neck behind the jaw) lie in further layers, each of
+//! which is rendered separately and whose triangles do not cover each other: a colouring of the
+//! conflict graph. So no triangle shows the colours of another one.
 
 use super::flat_mesh::{FlatMesh, corners_of, front_area};
 use crate::error::PictureError;
 use crate::item_buffer::{Faces, ItemBuffer, Supersampling};
 use glam::{Vec2, Vec4};
 
-/// Share of a triangle's samples that others may cover.
+/// Fraction of a triangle's samples that others may cover.
 const COVERED_MOST: f32 = 0.04;
-/// Most layers of a view; what finds no place in them counts as not seen.
+/// Maximum number of layers of a view; triangles that fit in none count as not seen.
 const MAX_LAYERS: u8 = 7;
-/// The layer of a view in which a triangle does not lie.
+/// Value for triangles that are in no layer of a view.
 pub(super) const NOT_SEEN: u8 = u8::MAX;
 
-/// The layers of all triangles in all views.
+/// Layers of all triangles in all views.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Layers {
-    /// For each view, for each triangle, its layer or [`NOT_SEEN`]. Layer 0 is everything as it
-    /// is seen.
+    /// For each view, for each triangle, its layer or [`NOT_SEEN`]. Layer 0 is the view as it is
+    /// seen.
     pub of_view: Vec<Vec<u8>>,
-    /// For each view, its last layer if that is one of triangles which face away in all views:
-    /// they are seen from behind there.
+    /// For each view, its last layer if that contains triangles which face away in all views: they
+    /// are seen from behind in it.
     pub turned: Vec<Option<u8>>,
 }
 
@@ -35,14 +35,14 @@ impl Layers {
         seen.max().map_or(0, |l| usize::from(*l) + 1)
     }
 
-    /// The views in which one triangle is seen.
+    /// Views in which a triangle is seen.
     pub(crate) fn seen(&self, triangle: usize) -> Vec<bool> {
         let views = self.of_view.iter();
         views.map(|view| view[triangle] != NOT_SEEN).collect()
     }
 }
 
-/// Sorts triangles into layers. `views` are the corners of all vertices in each view.
+/// Assigns triangles to layers. `views` are the corners of all vertices in each view.
 pub(crate) fn layers(
     flat: &FlatMesh,
     views: &[Vec<Vec4>],
@@ -72,7 +72,7 @@ pub(crate) fn layers(
     Ok(layers)
 }
 
-/// The layer of each triangle in one view.
+/// Layer of each triangle in one view.
 fn layers_of_view(
     flat: &FlatMesh,
     corners: &[Vec4],
@@ -88,7 +88,7 @@ fn layers_of_view(
             covered.push(t);
         }
     }
-    // Near ones first, so that a layer is about as deep as another.
+    // Near ones first, so that the triangles of a layer have similar depths.
     let depth = |t: usize| {
         flat.triangles[t]
             .map(|v| corners[v as usize].w)
@@ -106,14 +106,15 @@ fn layers_of_view(
     Ok(layers)
 }
 
-/// Which triangles lie over each other in a view.
+/// Overlaps between triangles in a view.
 struct Coverage {
     /// Triangles that face the viewer.
     shown: Vec<usize>,
-    /// Samples of each triangle, and those that another one covers which does not touch it.
+    /// Number of samples of each triangle, and of those covered by a triangle that it does not
+    /// touch.
     samples: Vec<u32>,
     covered: Vec<u32>,
-    /// Samples that two triangles have in common, sorted; those that touch have none.
+    /// Number of samples that two triangles have in common, sorted; none for triangles that touch.
     overlaps: Vec<((u32, u32), u32)>,
 }
 
@@ -130,7 +131,7 @@ impl Coverage {
         }
         let mut samples = vec![0; flat.triangles.len()];
         let mut covered = samples.clone();
-        // For each sample who covers it, seen or not; a buffer that keeps nothing tells.
+        // All triangles that cover each sample, visible or not; the buffer stores nothing.
         let mut takers: Vec<(u32, u32)> = Vec::new();
         let (width, _) = buffer.sample_size();
         for &t in &shown {
@@ -159,7 +160,7 @@ impl Coverage {
         for group in takers.chunk_by(|a, b| a.0 == b.0) {
             for (i, (_, a)) in group.iter().enumerate() {
                 for (_, b) in &group[i + 1..] {
-                    // Bare triangles lie in the first layer, with whatever is there.
+                    // Uncovered triangles lie in layer 0.
                     if !self.is_bare(*a as usize) && !self.is_bare(*b as usize) {
                         pairs.push((*a, *b));
                     }
@@ -178,7 +179,7 @@ impl Coverage {
         self.covered[t] as f32 <= COVERED_MOST * self.samples[t] as f32
     }
 
-    /// The triangles that cannot share a layer with one.
+    /// Triangles that cannot share a layer with a triangle.
     fn conflicts(&self, t: usize) -> Vec<u32> {
         let t = t as u32;
         let other = |((a, b), count): &((u32, u32), u32)| {
@@ -191,7 +192,7 @@ impl Coverage {
     }
 }
 
-/// Whether two triangles are one or share a corner.
+/// Whether two triangles are the same or share a corner.
 fn touch(flat: &FlatMesh, a: usize, b: usize) -> bool {
     let (a, b) = (flat.triangles[a], flat.triangles[b]);
     a.iter().any(|v| b.contains(v))

@@ -1,19 +1,19 @@
 //! Writes an SVG file with a group for each frame, one shown at a time.
 //!
-//! Source: `docs/methods/vector.md` 8.2. Nothing is interpolated, so every frame has its own shapes,
-//! order and paint and none is off by more than the grid; the price is bytes, so it suits up to
-//! about 25 frames.
+//! Source: `docs/methods/vector.md` 8.2. Nothing is interpolated: every frame has its own shapes,
+//! order and paint. Corners are off by the grid only; gradient lines are rounded as coarsely as the
+//! colour tolerance allows. The file is large, so the profile suits up to about 25 frames.
 
 use super::smil::SvgWriter;
 use crate::planar::PlanarError;
 use crate::planar::keyed_clip::{KeyedClip, KeyedShape};
 
-/// The SVG text of frames, each a clip of one frame; `name` becomes the title.
+/// Returns the SVG text of frames, each a clip of one frame; `name` becomes the title.
 ///
-/// Ramps, size and frames a second are those of the first.
+/// Ramps, size and frame rate are those of the first.
 ///
 /// # Errors
-/// [`PlanarError::NoFrames`], or [`PlanarError::Mismatch`] if a frame is not sound, is not one
+/// [`PlanarError::NoFrames`], or [`PlanarError::Mismatch`] if a page is invalid, has more than one
 /// frame, or has other ramps or another size than the first.
 pub(crate) fn flipbook(pages: &[KeyedClip], name: &str) -> Result<String, PlanarError> {
     let Some(first) = pages.first() else {
@@ -107,7 +107,7 @@ mod tests {
                 "{secs}: {still}"
             );
         }
-        // Players that do not animate show the first page.
+        // Viewers without animation show the first page.
         assert_eq!(text.matches(r#"<g display="none">"#).count(), 4);
     }
 

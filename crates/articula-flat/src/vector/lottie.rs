@@ -1,11 +1,12 @@
-//! Lottie JSON: the clip for the players of applications.
+//! Writes a clip as Lottie JSON.
 //!
-//! Source: Lottie specification 1.0.1 (lottie.github.io); `docs/methods/vector.md` 8.4. Differs: what that
-//! specification leaves optional but players need is written too (`v`, the layer's `st`, the whole
-//! transforms, easing handles of straight keys); `docs/formats/lottie.md` says who needs what.
+//! Source: Lottie specification 1.0.1 (lottie.github.io); `docs/methods/vector.md` 8.4. Members
+//! that the specification makes optional but players need are written too (`v`, the layer's `st`,
+//! complete transforms, easing handles of linear keys); `docs/formats/lottie.md` lists which player
+//! needs what.
 //!
-//! One shape layer holds a group for each shape. The layer's scale takes the grid to pixels, so
-//! that coordinates stay whole numbers.
+//! One shape layer contains a group for each shape. The layer's scale converts the grid to pixels,
+//! so that coordinates are integers.
 
 #[cfg(test)]
 mod players;
@@ -15,13 +16,14 @@ use crate::planar::keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTr
 use std::fmt::Write;
 use std::ops::Range;
 
-/// Writes a clip as a Lottie document; editors show its name.
+/// Writes a clip as a Lottie document; `name` is the name that editors show.
 ///
-/// The clip lasts `frames - 1` frames and then begins anew; one frame alone lasts one. A shape
-/// that is never shown is left out.
+/// The clip lasts `frames - 1` frames and then repeats; a clip of one frame lasts one. Shapes that
+/// are never shown are left out.
 ///
 /// # Errors
-/// [`PlanarError::Mismatch`] if the clip is not sound, or has lines counted in bounding boxes, which Lottie cannot say.
+/// [`PlanarError::Mismatch`] if the clip is invalid, or has lines in bounding-box units, which
+/// Lottie does not have.
 pub(crate) fn lottie(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
     clip.check()?;
     if clip.lines != LineUnits::Grid {
@@ -45,7 +47,7 @@ pub(crate) fn lottie(clip: &KeyedClip, name: &str) -> Result<String, PlanarError
     );
     push_transform(&mut text, 100.0 / f64::from(GRID), r#"{"a":0,"k":100}"#);
     text.push_str(r#"},"shapes":["#);
-    // The first group lies on top.
+    // The first group is on top.
     let shown = clip.shapes.iter().rev().filter(|s| !s.shown.is_empty());
     push_list(&mut text, shown, |text, shape| {
         push_shape(text, clip, shape);
@@ -54,7 +56,7 @@ pub(crate) fn lottie(clip: &KeyedClip, name: &str) -> Result<String, PlanarError
     Ok(text)
 }
 
-/// The frame that ends a clip.
+/// Frame that ends a clip.
 fn last_frame(clip: &KeyedClip) -> u32 {
     clip.frames.saturating_sub(1)
 }
@@ -101,7 +103,7 @@ fn push_gradient(text: &mut String, stops: [[u8; 3]; 2], line: &KeyedTrack) {
     text.push('}');
 }
 
-/// The opacity of a group that is shown in these spans of half frames: held from key to key.
+/// Opacity of a group that is shown in these spans of half frames, with hold keys.
 fn opacity(shown: &[Range<u32>], last_frame: u32) -> String {
     let end = 2 * last_frame + 1;
     if let [only] = shown
@@ -128,7 +130,7 @@ fn opacity(shown: &[Range<u32>], last_frame: u32) -> String {
     text
 }
 
-/// The members of a transform that scales, without its braces.
+/// Members of a transform that scales, without braces.
 fn push_transform(text: &mut String, percent: f64, opacity: &str) {
     const NOWHERE: &str = r#"{"a":0,"k":[0,0]}"#;
     let _ = write!(
@@ -137,7 +139,7 @@ fn push_transform(text: &mut String, percent: f64, opacity: &str) {
     );
 }
 
-/// What numbers of a track are.
+/// Meaning of the numbers of a track.
 #[derive(Debug, Clone, Copy)]
 enum Form {
     /// x, y, x, y, … of a closed outline.
@@ -146,7 +148,7 @@ enum Form {
     Point,
 }
 
-/// A property: some numbers of each key of a track.
+/// Writes a property: a range of the numbers of each key of a track.
 fn push_track(text: &mut String, track: &KeyedTrack, part: Range<usize>, form: Form) {
     let of = |key: usize| &track.key(key)[part.clone()];
     if (1..track.len()).all(|key| of(key) == of(0)) {
@@ -195,8 +197,8 @@ fn push_value(text: &mut String, numbers: &[i32], form: Form) {
     }
 }
 
-/// A level as a share of 255, just large enough that cutting off gives the level back as well as
-/// rounding does: lottie-web cuts the colours of fills.
+/// A level as a fraction of 255, just large enough that truncation gives the level back as well as
+/// rounding does: lottie-web truncates the colours of fills.
 fn share(level: u8) -> String {
     let thousandths = (u32::from(level) * 1000).div_ceil(255);
     (f64::from(thousandths) / 1000.0).to_string()
@@ -297,7 +299,7 @@ mod tests {
         let layer = &document["layers"][0];
         assert_eq!([&layer["ty"], &layer["op"]], [&json!(4), &json!(4)]);
         assert_eq!(layer["ks"]["s"], json!({"a": 0, "k": [25, 25]}));
-        // The front one comes first.
+        // The front shape comes first.
         let key = |x: i32| {
             let zero = [[0, 0]; 3];
             json!([{"c": true, "i": zero, "o": zero, "v": [[x, 0], [4, 0], [0, 4]]}])
@@ -319,7 +321,7 @@ mod tests {
         assert_eq!(transform["s"], json!({"a": 0, "k": [100, 100]}));
         let behind = group(&document, 1);
         assert_eq!(behind[0]["ks"]["a"], 0);
-        // 128 / 255 is 0.50196: a thousandth more gives 128 whether cut or rounded.
+        // 128 / 255 is 0.50196: a thousandth more gives 128 whether truncated or rounded.
         assert_eq!(behind[1]["c"]["k"], json!([0, 0.502, 1]));
     }
 
@@ -364,7 +366,7 @@ mod tests {
             ramp["g"],
             json!({"p": 2, "k": {"a": 0, "k": [0, 0, 0, 0, 1, 1, 0.2, 0.004]}})
         );
-        // The start stands still.
+        // The start is constant.
         assert_eq!(ramp["s"], json!({"a": 0, "k": [0, 0]}));
         let ends: Vec<&Value> = ramp["e"]["k"]
             .as_array()

@@ -1,15 +1,16 @@
-//! Vector graphics, still and moving: what is written, and what reads it back.
+//! Still and animated vector graphics: writers, and readers of what they wrote.
 //!
-//! Source: thesis 4.2, `docs/methods/vector.md` 7 to 11; what the files hold: `docs/formats/svg.md`.
-//! [`crate::flatten`] chooses among the writers and measures what they give.
+//! Source: thesis 4.2, `docs/methods/vector.md` 7 to 11; file contents: `docs/formats/svg.md`.
+//! [`crate::flatten`] chooses among the writers and measures the files.
 //!
 //! - [`player`]: a clip as a small file with a small player
-//! - [`AnimatedSvg`], [`raster()`]: what animated SVG of ours shows at a moment, and its pixels
+//! - [`AnimatedSvg`], [`raster()`]: samples an animated SVG of this crate at a time, and rasterises
+//!   it
 //! - [`gif()`], [`webp()`]: pictures as a movie
 //! - [`thesis()`]: the files of the thesis, the baseline of all ratios
 //!
-//! Inside stand `smil` and `lottie` (a clip of keyed shapes as animated SVG without script, as
-//! Lottie), the flip-book, stills, and the shortest text for outlines, numbers and colours.
+//! Private modules: `smil` and `lottie` (a clip of keyed shapes as animated SVG without script, as
+//! Lottie), the flipbook, stills, and the shortest text for outlines, numbers and colours.
 
 pub(crate) mod flipbook;
 mod lottie;

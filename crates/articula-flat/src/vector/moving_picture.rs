@@ -1,29 +1,29 @@
-//! Moving pictures of pixels, for where vector graphics cannot go: GIF and animated WebP.
+//! Movies of pixels, for where vector graphics are not supported: GIF and animated WebP.
 //!
-//! Source: GIF89a (CompuServe, 1990) with the loop extension of Netscape; the WebP container
-//! (RFC 9649: `VP8X`, `ANIM`, `ANMF`) around lossless pictures. The frames come from
-//! [`super::smil_sampler`] and [`super::raster`]; a sequence of PNG files is
-//! [`Picture::to_png`] of each. Both repeat for ever.
+//! Source: GIF89a (CompuServe, 1990) with the Netscape loop extension; the WebP container (RFC
+//! 9649: `VP8X`, `ANIM`, `ANMF`) around lossless pictures. The frames come from
+//! [`super::smil_sampler`] and [`super::raster`]; a sequence of PNG files is [`Picture::to_png`] of
+//! each. Both formats repeat forever.
 
 use crate::error::PictureError;
 use crate::picture::Picture;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use image_webp::{ColorType, WebPEncoder};
 
-/// How well colours are chosen: 1 best, 30 fastest.
+/// Palette quality of the encoder: 1 best, 30 fastest.
 const PALETTE_SPEED: i32 = 10;
-/// Longest side of a WebP picture, pixels.
+/// Maximum side of a WebP picture, pixels.
 const MAX_WEBP_SIDE: u32 = 1 << 14;
 
-/// A GIF file of pictures and how long each is shown, seconds: 256 colours a frame, pixels are
-/// there or not, times in hundredths of a second.
+/// Returns a GIF file of pictures, each with its duration in seconds: 256 colours per frame, pixels
+/// either opaque or transparent, times in hundredths of a second.
 ///
-/// Rounded times never drift from those asked for by more than half a hundredth, but browsers
-/// slow down what is faster than 50 frames a second.
+/// Rounded times never drift by more than half a hundredth, but browsers slow down animations
+/// faster than 50 frames per second.
 ///
 /// # Errors
-/// [`PictureError::Mismatch`] if there is no frame, their sizes differ, a side is 0 or beyond
-/// 65535, or a time is not a positive number.
+/// [`PictureError::Mismatch`] if there are no frames, their sizes differ, a side is 0 or above
+/// 65535, or a duration is not a positive number.
 pub fn gif(moments: &[(Picture, f64)]) -> Result<Vec<u8>, PictureError> {
     let (width, height) = size(moments, u32::from(u16::MAX))?;
     let (width, height) = (width as u16, height as u16);
@@ -32,7 +32,7 @@ pub fn gif(moments: &[(Picture, f64)]) -> Result<Vec<u8>, PictureError> {
     let mut encoder = Encoder::new(&mut bytes, width, height, &[]).map_err(refuse)?;
     encoder.set_repeat(Repeat::Infinite).map_err(refuse)?;
     for ((picture, _), delay) in moments.iter().zip(ticks(moments, 100.0)) {
-        // Half covered is covered: there is nothing between.
+        // GIF has no partial transparency: half covered counts as opaque.
         let hard = |[r, g, b, a]: &[u8; 4]| {
             if *a < 128 { [0; 4] } else { [*r, *g, *b, 255] }
         };
@@ -48,14 +48,14 @@ pub fn gif(moments: &[(Picture, f64)]) -> Result<Vec<u8>, PictureError> {
     Ok(bytes)
 }
 
-/// An animated WebP file of pictures and how long each is shown, seconds, without loss; times in
+/// Returns a lossless animated WebP file of pictures, each with its duration in seconds; times in
 /// milliseconds.
 ///
 /// # Errors
 /// As [`gif()`], with sides up to 16384.
 pub fn webp(moments: &[(Picture, f64)]) -> Result<Vec<u8>, PictureError> {
     let (width, height) = size(moments, MAX_WEBP_SIDE)?;
-    // Canvas and frames are stored less one, in three bytes.
+    // Canvas and frame sizes are stored less one, in three bytes.
     let three = |n: u32| n.to_le_bytes().into_iter().take(3);
     let canvas: Vec<u8> = three(width - 1).chain(three(height - 1)).collect();
     let mut body = b"WEBP".to_vec();
@@ -76,13 +76,13 @@ pub fn webp(moments: &[(Picture, f64)]) -> Result<Vec<u8>, PictureError> {
                 ColorType::Rgba8,
             )
             .map_err(|e| mismatch(e.to_string()))?;
-        // At the canvas' corner, as large as it, in place of what was there.
+        // At the canvas' corner, of its size, replacing what was there.
         const REPLACES: u8 = 1 << 1;
         let mut frame = vec![0; 6];
         frame.extend(&canvas);
         frame.extend(three(millis.min((1 << 24) - 1)));
         frame.push(REPLACES);
-        // The picture's own chunk lies behind its file's head of twelve bytes.
+        // The picture's own chunk follows the twelve bytes of its file's header.
         frame.extend(still.get(12..).unwrap_or_default());
         push_chunk(&mut body, *b"ANMF", &frame);
     }
@@ -101,7 +101,7 @@ fn push_chunk(out: &mut Vec<u8>, name: [u8; 4], content: &[u8]) {
     }
 }
 
-/// How many ticks each picture is shown; sums are rounded, so nothing drifts.
+/// Number of ticks of each picture; the sums are rounded, so nothing drifts.
 fn ticks(moments: &[(Picture, f64)], a_second: f64) -> Vec<u32> {
     let mut secs = 0.0;
     let mut before = 0.0;

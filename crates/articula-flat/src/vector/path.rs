@@ -1,13 +1,13 @@
 //! The shortest text for outlines, numbers and ids of an SVG.
 //!
 //! Source: SVG 2, 9.3 (path data grammar): a relative `m` is followed by relative lines, and a
-//! minus sign parts two numbers. Outlines are filled, never stroked, so none needs to be closed
+//! minus sign separates two numbers. Outlines are filled, never stroked, so none needs to be closed
 //! by `z`.
 
 use crate::planar::keyed_clip::GRID;
 use glam::Vec2;
 
-/// Appends whole numbers as a list, parted by a minus sign where there is one and by a space
+/// Appends integers as a list, separated by a minus sign where there is one and by a space
 /// otherwise.
 pub(super) fn push_numbers(text: &mut String, numbers: &[i32]) {
     for number in numbers {
@@ -17,8 +17,8 @@ pub(super) fn push_numbers(text: &mut String, numbers: &[i32]) {
 
 /// Appends the path data of closed outlines in relative commands.
 ///
-/// `points` are x, y, x, y, …; `further_outlines` holds the first point of each outline after
-/// the first, rising.
+/// `points` are x, y, x, y, …; `further_outlines` holds the index of the first point of each
+/// outline after the first, ascending.
 pub(super) fn push_outlines(text: &mut String, points: &[i32], further_outlines: &[u32]) {
     let mut next = further_outlines.iter().peekable();
     let (mut x, mut y) = (0i64, 0i64);
@@ -34,7 +34,7 @@ pub(super) fn push_outlines(text: &mut String, points: &[i32], further_outlines:
     }
 }
 
-/// A place in pixels as steps of the grid, held within what every player can draw.
+/// Converts a position in pixels to grid steps, clamped to what every player can draw.
 pub(super) fn on_grid(place: Vec2) -> [i32; 2] {
     const FURTHEST: f32 = (1 << 26) as f32;
     let step = |v: f32| (v * GRID as f32).round().clamp(-FURTHEST, FURTHEST) as i32;
@@ -101,7 +101,7 @@ mod tests {
         let mut text = String::new();
         let points = [0, 0, 10, 0, 0, 10, 2, 2, 2, 4, 4, 2];
         push_outlines(&mut text, &points, &[3]);
-        // The second outline begins 2 right of and 8 above (0, 10).
+        // The second outline begins 2 to the right of (0, 10) and 8 above it.
         assert_eq!(text, "m0 0 10 0-10 10m2-8 0 2 2-2");
     }
 

@@ -1,8 +1,8 @@
-//! Still SVG to pixels, through resvg: it judges what is written here and shows a moment of it.
+//! Rasterises a still SVG by resvg, for verification and for single frames.
 //!
-//! Source: `docs/methods/vector.md` 11. Only elements that draw shapes are taken: whatever needs fonts,
-//! files, other pictures or a stylesheet is refused by its name, so that nothing is missing
-//! from a picture unseen. Animation is left out: it is the first state that shows.
+//! Source: `docs/methods/vector.md` 11. Only elements that draw shapes are accepted: whatever needs
+//! fonts, files, other pictures or a stylesheet is refused by name, so that nothing is missing
+//! unnoticed. Animation is ignored: the first state is drawn.
 
 use crate::error::PictureError;
 use crate::picture::{Picture, Rgba};
@@ -10,16 +10,16 @@ use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::roxmltree::{Document, Error as XmlError, ParsingOptions};
 use resvg::usvg::{Error, ImageHrefResolver, Options, Tree};
 
-/// Most bytes of SVG text.
+/// Maximum size of the SVG text, bytes.
 const MAX_BYTES: usize = 256 << 20;
-/// Most elements, attributes' texts and comments.
+/// Maximum number of elements, texts and comments.
 const MAX_NODES: u32 = 4_000_000;
-/// Most pixels; 256 MiB of memory.
+/// Maximum number of pixels; 256 MiB of memory.
 const MAX_PIXELS: u64 = 1 << 26;
-/// Deepest group in groups; each may need a picture of its own.
+/// Maximum nesting of groups; each may need an intermediate picture.
 const MAX_DEPTH: usize = 16;
 
-/// Elements that are drawn, or stand in what is drawn.
+/// Elements that are drawn, or occur inside of drawn ones.
 const SHAPES: [&str; 16] = [
     "svg",
     "g",
@@ -38,13 +38,13 @@ const SHAPES: [&str; 16] = [
     "desc",
     "metadata",
 ];
-/// Elements that a still picture does not need.
+/// Elements that a still picture ignores.
 const ANIMATION: [&str; 4] = ["animate", "animateTransform", "animateMotion", "set"];
 
-/// Draws SVG text over a background, at the size that it asks for.
+/// Renders SVG text over a background, at the size that it specifies.
 ///
 /// # Errors
-/// [`PictureError`]: the text is not SVG, has elements that are not drawn here, or is too large.
+/// [`PictureError`]: the text is not SVG, has unsupported elements, or is too large.
 pub fn raster(svg: &str, background: Rgba) -> Result<Picture, PictureError> {
     let tree = parse(svg)?;
     let size = tree.size().to_int_size();
@@ -106,7 +106,7 @@ fn parse(svg: &str) -> Result<Tree, PictureError> {
     })
 }
 
-/// Refuses what would be drawn wrongly, or at a cost out of all proportion.
+/// Refuses what would be drawn wrongly or at excessive cost.
 fn check(document: &Document<'_>) -> Result<(), PictureError> {
     let mut depth = 0;
     let mut node = document.root_element();

@@ -1,17 +1,17 @@
-//! Writes a [`KeyedClip`] as one SVG file that moves without script.
+//! Writes a [`KeyedClip`] as one animated SVG file without script.
 //!
 //! Source: `docs/methods/vector.md` 8.1 (SVG 1.1 and SVG 2 with SMIL 3.0 animation). A shape is one
-//! `path` whose `d` is animated from key to key; a gradient names a shared ramp and gives its
-//! own line. Rules that players taught: `fill` is never animated between gradients, switching is
-//! always `calcMode="discrete"`, linear key times run from 0 to 1.
+//! `path` with an animated `d`; a gradient references a shared ramp and has its own line. Rules for
+//! compatibility with renderers: `fill` is never animated between gradients, switching is always
+//! `calcMode="discrete"`, linear key times run from 0 to 1.
 //!
-//! Differs where bytes can be saved without changing a pixel: a closed outline needs no `z` to
-//! be filled, lines after `m` need no `l`, an outline begins at the corner that gives the
-//! shortest text, and a moving shape is hidden by jumping to an outline without area (two keys
-//! at one time) where that is shorter than switching `display`.
+//! Bytes are saved where that changes no pixel: a closed outline needs no `z` to be filled, lines
+//! after `m` need no `l`, an outline begins at the corner that gives the shortest text, and a
+//! moving shape is hidden by jumping to an outline without area (two keys at one time) where that
+//! is shorter than switching `display`.
 //!
-//! Players that do not animate show the first frame: attributes hold its state, and what is
-//! hidden then has no outline there.
+//! Renderers without animation show the first frame: attributes hold its state, and shapes that are
+//! hidden then have no outline in it.
 
 use super::path::{push_color, push_id, push_outlines};
 use super::svg_text::{Clock, push_title};
@@ -23,15 +23,15 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::ops::Range;
 
-/// Most points of an outline for which every beginning is tried.
+/// Maximum number of points of an outline for which every start is tried.
 const MAX_TURNED_POINTS: usize = 16;
 
-/// The SVG text of a clip; `name` becomes its title (none if it is empty).
+/// Returns the SVG text of a clip; `name` becomes its title (none if it is empty).
 ///
 /// O(keys).
 ///
 /// # Errors
-/// [`PlanarError::Mismatch`] if the clip is not sound.
+/// [`PlanarError::Mismatch`] if the clip is invalid.
 pub(crate) fn smil(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
     clip.check()?;
     let mut writer = SvgWriter::new(clip, name);
@@ -41,21 +41,21 @@ pub(crate) fn smil(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> 
     Ok(writer.finish())
 }
 
-/// Writes shapes one after the other.
+/// Writes an SVG file, shape by shape.
 pub(super) struct SvgWriter<'a> {
     out: String,
     clock: Clock,
-    /// Gradients that are there already, by ramp and line, or stops and line.
+    /// Gradients already written, by ramp and line, or stops and line.
     known: BTreeMap<GradientKey<'a>, u32>,
     next_id: u32,
     lines: LineUnits,
 }
 
-/// What makes two gradients the same; a shape that is hidden at first leaves its gradient's
-/// first state out, so it does not lend it.
+/// Key of equal gradients; a shape that is hidden at first omits the first state of its gradient,
+/// so that one is not shared.
 type GradientKey<'a> = (Colors, &'a KeyedTrack, bool);
 
-/// Where a gradient's colours come from.
+/// Source of a gradient's colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Colors {
     Ramp(u32),
@@ -112,7 +112,7 @@ impl<'a> SvgWriter<'a> {
         self.out.push_str("</g>");
     }
 
-    /// One shape, over those before it.
+    /// Writes one shape, over those before it.
     pub(super) fn shape(&mut self, shape: &'a KeyedShape) {
         let Some(first) = shape.shown.first() else {
             return;
@@ -129,7 +129,7 @@ impl<'a> SvgWriter<'a> {
         }
     }
 
-    /// The first state of a shape, whenever it is shown.
+    /// Writes the first state of a shape, regardless of when it is shown.
     pub(super) fn still_shape(&mut self, shape: &'a KeyedShape) {
         self.open_path(&shape.paint, true);
         let path = path_of(turned(shape).key(0), &shape.further_outlines);
@@ -140,7 +140,7 @@ impl<'a> SvgWriter<'a> {
         let gradient = self.gradient(paint, is_shown_first);
         self.out.push_str("<path");
         match (paint, gradient) {
-            // Black is what fills without a word.
+            // Black is the default fill.
             (KeyedPaint::Flat([0, 0, 0]), _) => {}
             (KeyedPaint::Flat(color), _) => {
                 self.out.push_str(r#" fill=""#);
@@ -153,7 +153,7 @@ impl<'a> SvgWriter<'a> {
         }
     }
 
-    /// The first outline as attributes, and the animations of outline and display.
+    /// Writes the first outline as attributes, and the animations of outline and display.
     fn outline(
         &self,
         shape: &KeyedShape,
@@ -235,7 +235,7 @@ impl<'a> SvgWriter<'a> {
             out.push_str(if k > 0 { ";" } else { "" });
             out.push_str(value);
         }
-        // Without key times they are spread evenly.
+        // Without key times the keys are evenly spaced.
         let steps = keys.len() as u64 - 1;
         let even = |(k, (half, _)): (usize, &(u32, String))| {
             u64::from(*half) * steps == k as u64 * u64::from(self.clock.end())
@@ -258,7 +258,7 @@ impl<'a> SvgWriter<'a> {
         )
     }
 
-    /// The animation that shows something in spans of half frames only.
+    /// Animation that shows something in spans of half frames only.
     fn display(&self, shown: &[Range<u32>]) -> String {
         let mut out = self.begin("display");
         out.push_str(r#" calcMode="discrete" values=""#);
@@ -285,7 +285,7 @@ impl<'a> SvgWriter<'a> {
         out
     }
 
-    /// Writes a shape's gradient unless an equal one is there; its id.
+    /// Writes a shape's gradient unless an equal one exists; returns its id.
     fn gradient(&mut self, paint: &'a KeyedPaint, is_shown_first: bool) -> Option<u32> {
         let (colors, line) = match paint {
             KeyedPaint::Flat(_) => return None,
@@ -332,17 +332,17 @@ impl<'a> SvgWriter<'a> {
         }
     }
 
-    /// What 100 % of the width is, if that is a number here.
+    /// Value of 100 % of the width, if it is a number in these units.
     fn whole(&self) -> Option<i32> {
         (self.lines == LineUnits::Box).then_some(BOX)
     }
 
-    /// Writes a gradient's line as attributes; gives its animations.
+    /// Writes a gradient's line as attributes; returns its animations.
     fn line(&mut self, line: &KeyedTrack, is_shown_first: bool) -> String {
         let mut animates = String::new();
         for (i, name) in ["x1", "y1", "x2", "y2"].into_iter().enumerate() {
             let keys = needed_keys(line, i);
-            // Without a word x1, y1 and y2 are 0; x2 is the whole width.
+            // x1, y1 and y2 default to 0, x2 to the whole width.
             let first = line.values[i];
             let usual = if i == 2 { self.whole() } else { Some(0) };
             let is_told = Some(first) != usual && (is_shown_first || keys.len() == 1);
@@ -359,8 +359,8 @@ impl<'a> SvgWriter<'a> {
     }
 }
 
-/// Keys of one number of a track without those that lie exactly between their neighbours; one
-/// key if it never changes.
+/// Keys of one number of a track, without those that lie exactly between their neighbours; one key
+/// if it is constant.
 fn needed_keys(track: &KeyedTrack, number: usize) -> Vec<usize> {
     let at = |k: usize| i64::from(track.key(k)[number]);
     let frame = |k: usize| i64::from(track.frames[k]);
@@ -381,13 +381,13 @@ fn needed_keys(track: &KeyedTrack, number: usize) -> Vec<usize> {
     kept
 }
 
-/// A track's numbers at a moment in half frames, on the grid.
+/// Numbers of a track at a time in half frames, on the grid.
 fn rounded(track: &KeyedTrack, half: u32) -> Vec<i32> {
     let values = track.at(f64::from(half) / 2.0);
     values.into_iter().map(|v| v.round() as i32).collect()
 }
 
-/// The attribute that says what a gradient's line is counted in, unless it is as usual.
+/// Attribute for the units of a gradient's line; empty for the default.
 fn units_of(lines: LineUnits) -> &'static str {
     match lines {
         LineUnits::Grid => r#" gradientUnits="userSpaceOnUse""#,
@@ -420,7 +420,7 @@ fn id_of(index: u32) -> String {
     out
 }
 
-/// The outline begun at the point, and run in the direction, that make its text shortest.
+/// The outline with the start point and direction that make its text shortest.
 fn turned(shape: &KeyedShape) -> KeyedTrack {
     let track = &shape.outline;
     let points = track.width / 2;
@@ -585,7 +585,7 @@ mod tests {
         }
     }
 
-    /// Points of every path of a still SVG, sorted within a path; gradients' lines.
+    /// Points of every path of a still SVG, sorted within a path; lines of the gradients.
     fn seen(svg: &str) -> Vec<Vec<[f64; 2]>> {
         let document = resvg::usvg::roxmltree::Document::parse(svg).unwrap();
         let paths = document
@@ -624,7 +624,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(60))]
 
-        // Lengths at which three digits tell a frame exactly.
+        // Clip lengths at which three digits identify a frame exactly.
         #[test]
         fn the_sampler_reads_what_the_tracks_say(
             steps in prop::sample::select(vec![1u32, 2, 4, 10, 20, 50, 100, 250, 500]),
@@ -674,7 +674,7 @@ mod tests {
             let text = smil(&clip(frames, vec![shape.clone()]), "").unwrap();
             let moving = AnimatedSvg::read(&text).unwrap();
             for half in 0..2 * steps {
-                // A little after each half frame: borders themselves are told by digits.
+                // A little after each half frame: boundaries themselves depend on the digits.
                 let frame = f64::from(half) / 2.0 + 0.01;
                 let svg = moving.at(frame / 25.0).unwrap();
                 let area = |p: &Vec<[f64; 2]>| {

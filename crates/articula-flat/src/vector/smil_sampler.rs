@@ -1,10 +1,10 @@
-//! Reads an animated SVG that [`super::smil`] or [`super::flipbook`] wrote, and gives what it
-//! shows at a moment as a still SVG.
+//! Samples an animated SVG written by [`super::smil`] or [`super::flipbook`] at a time, as a still
+//! SVG.
 //!
 //! Source: SMIL 3.0 (simple animation: `values`, `keyTimes`, `calcMode` linear and discrete) and
-//! SVG 2, as far as our writers use them; `docs/methods/vector.md` 11. Everything is taken from the
-//! file's text, so writer and reader judge each other. What is not in that subset is refused
-//! by name instead of being shown wrongly.
+//! SVG 2, as far as the writers of this crate use them; `docs/methods/vector.md` 11. Everything is
+//! read from the file's text, so writer and reader check each other. Anything outside of that
+//! subset is refused by name.
 //!
 //! XML is read by the parser that comes with resvg; document types, and so entities, are refused.
 
@@ -13,22 +13,22 @@ use crate::markup::push_escaped;
 use resvg::usvg::roxmltree::{Document, Node, ParsingOptions};
 use std::fmt::Write as _;
 
-/// Longest text that is read, bytes.
+/// Maximum length of a text, bytes.
 const MAX_BYTES: usize = 1 << 28;
-/// Most elements, texts and comments.
+/// Maximum number of elements, texts and comments.
 const MAX_NODES: u32 = 4_000_000;
-/// Deepest nesting of elements.
+/// Maximum nesting of elements.
 const MAX_DEPTH: usize = 32;
 
-/// A moving SVG, read once and shown at any moment.
+/// An animated SVG, parsed once and sampled at any time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnimatedSvg {
     parts: Vec<Part>,
-    /// Length of the longest animation before it repeats, seconds; 0 if nothing moves.
+    /// Length of the longest animation before it repeats, seconds; 0 without animation.
     pub duration_secs: f64,
 }
 
-/// A piece of the still SVG, in the order of the text.
+/// A part of the still SVG, in document order.
 #[derive(Debug, Clone, PartialEq)]
 enum Part {
     Open(Element),
@@ -55,14 +55,14 @@ struct Animation {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Values {
-    /// One word a key.
+    /// One word per key.
     Words(Vec<String>),
-    /// Texts that differ in their numbers alone: what stands between them, and a row of numbers
-    /// for each key.
+    /// Texts that differ only in their numbers: the text between them, and a row of numbers for
+    /// each key.
     Rows { pattern: Vec<u8>, rows: Vec<f64> },
 }
 
-/// Stands for a number in a pattern.
+/// Placeholder of a number in a pattern.
 const NUMBER: u8 = b'#';
 
 const TAGS: [&str; 7] = [
@@ -95,11 +95,12 @@ const ATTRIBUTES: [&str; 16] = [
 ];
 
 impl AnimatedSvg {
-    /// Reads a file's text.
+    /// Parses a file's text.
     ///
     /// # Errors
-    /// [`PictureError::Malformed`] for text that breaks the rules of XML, SVG or SMIL,
-    /// [`PictureError::Unsupported`] for what our writers do not write, or too much of it.
+    /// [`PictureError::Malformed`] for text that violates XML, SVG or SMIL,
+    /// [`PictureError::Unsupported`] for anything that the writers of this crate do not write, or
+    /// too much of it.
     pub fn read(text: &str) -> Result<Self, PictureError> {
         if text.len() > MAX_BYTES {
             return Err(unsupported(format!(
@@ -120,7 +121,7 @@ impl AnimatedSvg {
         if document.root_element().tag_name().name() != "svg" {
             return Err(malformed("SVG", "the first element is not svg".into()));
         }
-        // A stack of what is still to do keeps deep nesting off the call stack.
+        // An explicit stack instead of recursion, for deep nesting.
         let mut open = Vec::new();
         let mut next = Some(document.root_element());
         while let Some(node) = next {
@@ -147,13 +148,13 @@ impl AnimatedSvg {
         Ok(svg)
     }
 
-    /// What is shown at a moment, as a still SVG. Animations repeat for ever, so their end shows
+    /// Returns the state at a time as a still SVG. Animations repeat forever, so their end shows
     /// their beginning.
     ///
     /// O(size of the file).
     ///
     /// # Errors
-    /// [`PictureError::Mismatch`] for a moment that is negative or not finite.
+    /// [`PictureError::Mismatch`] for a time that is negative or not finite.
     pub fn at(&self, secs: f64) -> Result<String, PictureError> {
         if !secs.is_finite() || secs < 0.0 {
             return Err(PictureError::Mismatch {
@@ -182,7 +183,7 @@ impl AnimatedSvg {
         Ok(out)
     }
 
-    /// Takes in one node; its tag if it is an element that stays open.
+    /// Reads one node; returns its tag if it is an element that stays open.
     fn enter(
         &mut self,
         node: Node<'_, '_>,
@@ -213,7 +214,7 @@ impl AnimatedSvg {
             )));
         };
         if tag == "animate" {
-            // Its parent has read it.
+            // Already read with its parent.
             return Ok(None);
         }
         let attributes = node.attributes().map(|a| {
@@ -318,7 +319,7 @@ impl Animation {
 
     fn at(&self, secs: f64) -> String {
         let share = secs % self.duration_secs / self.duration_secs;
-        // Of keys at the same time the last one holds.
+        // Of several keys at the same time the last one applies.
         let after = self.times.partition_point(|t| *t <= share);
         let key = after.saturating_sub(1);
         if self.is_discrete || after == self.times.len() {
@@ -330,7 +331,7 @@ impl Animation {
     }
 }
 
-/// Times of keys: rising from 0, to 1 unless the values are held.
+/// Times of keys: ascending from 0, to 1 unless the values are discrete.
 fn key_times(text: Option<&str>, keys: usize, is_discrete: bool) -> Result<Vec<f64>, PictureError> {
     let Some(text) = text else {
         let steps = if is_discrete { keys } else { keys - 1 };
@@ -392,7 +393,7 @@ impl Values {
         }
     }
 
-    /// The value `share` of the way between two keys.
+    /// Interpolates between two keys by the fraction `share`.
     fn between(&self, from: usize, to: usize, share: f64) -> String {
         let (pattern, rows) = match self {
             Self::Words(words) => return words[from].clone(),
@@ -410,7 +411,7 @@ impl Values {
                 out.push(char::from(*part));
                 continue;
             }
-            // A ten-thousandth of a grid step is far below what can be seen.
+            // A ten-thousandth of a grid step is far below what is visible.
             let value = numbers.next().unwrap_or_default();
             let text = ((value * 1e4).round() / 1e4).to_string();
             if out.ends_with(|c: char| c.is_ascii_digit()) && !text.starts_with('-') {
@@ -422,12 +423,12 @@ impl Values {
     }
 }
 
-/// Numbers of a row.
+/// Numbers per row.
 fn width(pattern: &[u8]) -> usize {
     pattern.iter().filter(|p| **p == NUMBER).count().max(1)
 }
 
-/// Splits relative path data into commands and numbers; `None` if it is anything else.
+/// Splits relative path data into commands and numbers; `None` for other path data.
 fn path_numbers(text: &str, numbers: &mut Vec<f64>) -> Option<Vec<u8>> {
     let bytes = text.as_bytes();
     let mut pattern = Vec::new();
@@ -437,7 +438,7 @@ fn path_numbers(text: &str, numbers: &mut Vec<f64>) -> Option<Vec<u8>> {
         match bytes[at] {
             b' ' | b',' | b'\n' | b'\t' | b'\r' => at += 1,
             command @ (b'm' | b'l' | b'z') => {
-                // A path begins by moving, and a command takes what it needs.
+                // A path begins with a move, and a command takes all its numbers.
                 let begins = !pattern.is_empty() || command == b'm';
                 if pending % 2 != 0 || !begins || needs_numbers(&pattern) {
                     return None;
@@ -467,7 +468,7 @@ fn needs_numbers(pattern: &[u8]) -> bool {
     matches!(pattern.last(), Some(b'm' | b'l'))
 }
 
-/// Where the number that begins at `at` ends; at least one byte on.
+/// End of the number that begins at `at`; at least one byte later.
 fn number_end(bytes: &[u8], at: usize) -> usize {
     let mut end = at + 1;
     let mut has_point = bytes[at] == b'.';
@@ -500,7 +501,7 @@ fn unsupported(what: String) -> PictureError {
     PictureError::Unsupported { what, mend }
 }
 
-/// The beginning of a text from a file, for messages.
+/// Beginning of a text from a file, for messages.
 fn shortened(text: &str) -> String {
     text.chars().take(40).collect()
 }
@@ -540,7 +541,7 @@ mod tests {
         assert_eq!(path(0.25), r#"<path d="m1-1l8 0-8 8z"/>"#);
         assert_eq!(path(1.0), r#"<path d="m4-4l8 0-8 8z"/>"#);
         assert_eq!(path(1.5), r#"<path d="m4-2l8 0-8 8z"/>"#);
-        // The end is the beginning of the next round.
+        // The end equals the beginning of the next repetition.
         assert_eq!(path(2.0), path(0.0));
         assert_eq!(path(4.25), path(0.25));
         assert!(svg.at(-1.0).is_err() && svg.at(f64::NAN).is_err());
@@ -644,7 +645,7 @@ mod tests {
                 return false;
             };
             for secs in [0.0, 0.3, 1e300] {
-                // What was read can be shown, and read again.
+                // What was parsed can be sampled and parsed again.
                 AnimatedSvg::read(&svg.at(secs).unwrap()).unwrap();
             }
             true

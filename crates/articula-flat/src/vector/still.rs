@@ -1,9 +1,9 @@
-//! One frame of a clip as SVG, in one colour or one gradient a triangle, or exact.
+//! Writes one frame of a clip as SVG: one colour or one gradient per triangle, or exact.
 //!
-//! Source: `docs/methods/vector.md` 6, thesis 4.2.3. A surface's ramp is written once; each triangle's
-//! gradient refers to it and adds its line. Differs from the thesis: its three superposed
-//! triangles under filters become one triangle; [`StillOptions::exact`] paints red, green and blue
-//! apart and adds them by `screen`, since `plus-lighter` is not known everywhere.
+//! Source: `docs/methods/vector.md` 6, thesis 4.2.4. A surface's ramp is written once; each
+//! triangle's gradient references it and adds its line. Differs from the thesis: one triangle
+//! replaces its three superposed triangles under filters; [`StillOptions::exact`] paints red, green
+//! and blue separately and adds them by `screen`, since `plus-lighter` is not supported everywhere.
 
 use super::path::{on_grid, push_color, push_id, push_numbers, push_outlines};
 use crate::planar::PlanarClip;
@@ -14,13 +14,13 @@ use crate::planar::underlap::{Sealer, UnderlapOptions, ranks};
 use glam::Vec2;
 use std::collections::BTreeMap;
 
-/// How a still is written.
+/// Options of a still.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct StillOptions {
     /// How triangles are filled.
     pub shading: Shading,
-    /// Paint red, green and blue apart instead: exact inside, three times as long, and a little
-    /// dark along the silhouette.
+    /// Whether red, green and blue are painted separately: exact inside, three times as long, and a
+    /// little dark along the silhouette.
     pub exact: bool,
     /// How edges are sealed.
     pub underlap: UnderlapOptions,
@@ -31,7 +31,7 @@ pub(crate) struct StillOptions {
 /// `order` holds the triangles that are drawn, back to front.
 ///
 /// # Errors
-/// [`PlanarError::Mismatch`] if there is no such frame or triangle.
+/// [`PlanarError::Mismatch`] if the frame or a triangle does not exist.
 pub(crate) fn still(
     clip: &PlanarClip,
     frame: usize,
@@ -65,7 +65,7 @@ pub(crate) fn still(
     Ok(svg.finish())
 }
 
-/// Red, green and blue in groups of their own, the later two laid over by `screen`.
+/// Writes red, green and blue in separate groups, the later two blended by `screen`.
 fn exact(svg: &mut Svg, clip: &PlanarClip, frame: usize, (order, corners): (&[u32], &[[Vec2; 3]])) {
     svg.shapes.push_str("<g style=\"isolation:isolate\">");
     for channel in 0..3 {
@@ -83,14 +83,14 @@ fn exact(svg: &mut Svg, clip: &PlanarClip, frame: usize, (order, corners): (&[u3
     svg.shapes.push_str("</g>");
 }
 
-/// The text of a picture as it grows.
+/// An SVG text under construction.
 struct Svg {
     /// The opening tag and the gradients.
     head: String,
     shapes: String,
-    /// Ids so far.
+    /// Number of ids so far.
     ids: usize,
-    /// Ids of the ramps; `None` is the one without colours, which only sets the units.
+    /// Ids of the ramps; `None` is the ramp without colours, which only sets the units.
     ramps: BTreeMap<Option<[u8; 3]>, usize>,
 }
 
@@ -144,7 +144,7 @@ impl Svg {
         text.push_str("\"/>");
     }
 
-    /// Writes a gradient that takes its units, and stops if it has none, from a ramp.
+    /// Writes a gradient that takes its units, and its stops if it has none, from a ramp.
     fn gradient(&mut self, ramp: Option<[u8; 3]>, line: [Vec2; 2], stops: &str) -> usize {
         let ramp = self.ramp(ramp);
         let id = self.next_id();
@@ -203,7 +203,7 @@ mod tests {
 
     const WHITE: Rgba = [255; 4];
 
-    /// The drawn triangles of a convex clip: none covers another, so any order is right.
+    /// The drawn triangles of a convex clip: none covers another, so any order is correct.
     fn shown(clip: &PlanarClip, frame: usize) -> Vec<u32> {
         let drawn = Drawn::seen(clip).unwrap();
         (0..12).filter(|t| drawn.get(frame, *t as usize)).collect()

@@ -1,10 +1,10 @@
-//! Names and times in animated SVG: safe, and short.
+//! Titles and times in animated SVG.
 //!
 //! Source: the grammars of SMIL 3.0 clock values and key times, XML 1.0 characters.
 
 use crate::markup::push_escaped;
 
-/// `<title>`, whatever the name holds; nothing for an empty one.
+/// Appends `<title>` with an escaped name; nothing for an empty one.
 pub(super) fn push_title(out: &mut String, name: &str) {
     if name.is_empty() {
         return;
@@ -14,7 +14,7 @@ pub(super) fn push_title(out: &mut String, name: &str) {
     out.push_str("</title>");
 }
 
-/// Turns half frames into key times, and says how long the clip lasts.
+/// Converts half frames to key times, and holds the clip's duration.
 #[derive(Debug, Clone)]
 pub(super) struct Clock {
     end: u32,
@@ -25,7 +25,7 @@ pub(super) struct Clock {
 impl Clock {
     pub(super) fn new(frames: u32, fps: f32) -> Self {
         let end = 2 * frames.saturating_sub(1);
-        // Neighbouring half frames must not get the same time.
+        // Adjacent half frames must have different times.
         let digits = (3..).find(|d| 10u64.pow(*d) >= u64::from(end));
         let secs = f64::from(end) / 2.0 / f64::from(fps);
         Self {
@@ -40,7 +40,7 @@ impl Clock {
         self.end
     }
 
-    /// The clip's length for `dur`; seconds need no unit.
+    /// Duration of the clip for `dur`; seconds need no unit.
     pub(super) fn dur(&self) -> &str {
         &self.dur
     }
@@ -59,7 +59,7 @@ impl Clock {
     }
 }
 
-/// Seconds to six digits that count.
+/// Seconds to six significant digits.
 fn seconds(secs: f64) -> String {
     let whole = secs.max(1e-12).log10().floor();
     let decimals = (5.0 - whole).clamp(0.0, 15.0) as usize;

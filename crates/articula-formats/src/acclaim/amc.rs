@@ -1,4 +1,4 @@
-//! The text of a motion file: frame by frame the values of each bone that moves.
+//! Parser of motion files: per frame, the values of each bone that moves.
 
 use super::asf::{Dof, SkeletonText, words};
 use super::hierarchy::Hierarchy;
@@ -7,14 +7,14 @@ use crate::limits::Limits;
 use crate::notes::Notes;
 use crate::words::{FRAME_TIMES_SECS, MAX_FRAMES, number, shortened};
 
-/// What says the rate, in files that say it.
+/// Keyword of the rate, in files that state it.
 pub(super) const RATE: &str = "samples-per-second";
 
 /// Values of one bone in one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Row {
     pub(super) frame: usize,
-    /// Of the motion's values.
+    /// Index of the first one among the motion's values.
     pub(super) first_value: usize,
 }
 
@@ -22,15 +22,16 @@ pub(super) struct Row {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct MotionText {
     pub(super) rate_hz: Option<f32>,
-    /// Whether angles are degrees, if the file says so.
+    /// Whether angles are in degrees, if the file states it.
     pub(super) degrees: Option<bool>,
     pub(super) frames: usize,
-    /// Of every slot of the hierarchy, by rising frame. A frame without a row holds.
+    /// Rows of every slot of the hierarchy, by ascending frame. A frame without a row holds the
+    /// last one.
     pub(super) rows: Vec<Vec<Row>>,
     pub(super) values: Vec<f32>,
 }
 
-/// What a motion moves.
+/// The bones that a motion drives.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bones<'a> {
     pub(super) text: &'a SkeletonText,
@@ -38,7 +39,7 @@ pub(super) struct Bones<'a> {
 }
 
 impl<'a> Bones<'a> {
-    /// The degrees of freedom of a slot.
+    /// Returns the degrees of freedom of a slot.
     pub(super) fn dofs(&self, slot: usize) -> &'a [Dof] {
         match self.tree.bones[slot] {
             None => &self.text.root_dofs,
@@ -47,7 +48,7 @@ impl<'a> Bones<'a> {
     }
 }
 
-/// A place in the motion file, as error messages name it.
+/// Formats a position in the motion file for error messages.
 fn at(line: usize) -> String {
     format!("amc line {line}")
 }
@@ -101,7 +102,8 @@ pub(super) fn parse(
 }
 
 impl MotionText {
-    /// Some writers leave the rate in a comment, since it is no part of the format.
+    /// Reads the rate from a comment, where some writers put it because the format has no field for
+    /// it.
     fn comment(&mut self, line: usize, comment: &str) -> Result<(), ReadError> {
         let mut words = comment.split_whitespace();
         let first = words.next().unwrap_or_default().trim_start_matches(':');
@@ -157,7 +159,7 @@ impl MotionText {
             );
             return Err(ReadError::malformed(at(line), what));
         };
-        // A bone that hangs from nothing was warned about.
+        // A bone outside of the hierarchy was already reported.
         let Some(slot) = slot else { return Ok(()) };
         let Some(frame) = self.frames.checked_sub(1) else {
             let what = "values of a bone found, the number of the first frame expected";

@@ -1,4 +1,4 @@
-//! The text of a skeleton file: sections, the root, the bones and who follows whom.
+//! Parser of skeleton files: sections, the root, the bones and the hierarchy.
 
 use crate::error::ReadError;
 use crate::limits::Limits;
@@ -6,23 +6,23 @@ use crate::notes::Notes;
 use crate::words::{number, shortened};
 use glam::{Quat, Vec3};
 
-/// Most degrees of freedom of one bone: nothing sensible has more than three rotations, three
-/// translations and a length.
+/// Maximum number of degrees of freedom of one bone: three rotations, three translations and a
+/// length are the most that is meaningful.
 const MAX_DOFS: usize = 9;
 
-/// What precedes the name of the root's joint in the documentation of files that we write.
+/// Prefix of the root joint's name in the documentation section of written files.
 pub(super) const ROOT_NAME: &str = "root joint:";
 
-/// What one value of a motion drives; the number is the axis, 0 to 2.
+/// Target of one value of a motion; the number is the axis, 0 to 2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Dof {
     Shift(usize),
     Turn(usize),
-    /// Length of the bone; not read.
+    /// Length of the bone; ignored.
     Stretch,
 }
 
-/// Angles about x, y and z in the file's unit, and the axes in the order in which they turn.
+/// Angles about x, y and z in the file's unit, and the order of the axes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Angles {
     pub(super) values: Vec3,
@@ -30,21 +30,21 @@ pub(super) struct Angles {
 }
 
 impl Angles {
-    /// The rotation: the first axis of the order turns first, all about axes that stay.
+    /// Returns the rotation: the first axis of the order turns first, about fixed axes.
     pub(super) fn rotation(&self, radians: f32) -> Quat {
         let turn = |&axis: &usize| (axis, self.values[axis] * radians);
         turned(self.order.iter().map(turn))
     }
 }
 
-/// Turns one after another about axes that stay.
+/// Returns the product of successive turns about fixed axes.
 pub(super) fn turned(turns: impl Iterator<Item = (usize, f32)>) -> Quat {
     let one = |(axis, angle): (usize, f32)| Quat::from_axis_angle(Vec3::AXES[axis], angle);
     let all = turns.fold(Quat::IDENTITY, |before, turn| one(turn) * before);
     all.normalize()
 }
 
-/// A bone as the file has it, in the file's units.
+/// A bone as in the file, in the file's units.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Bone {
     pub(super) name: String,
@@ -67,11 +67,11 @@ pub(super) struct Link {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct SkeletonText {
     pub(super) name: String,
-    /// Name of the root's joint; the format itself calls every root `root`.
+    /// Name of the root joint; the format itself calls every root `root`.
     pub(super) root_name: String,
-    /// `length` of the units: units of the file for one inch, as a rule.
+    /// `length` of the units section: usually file units per inch.
     pub(super) length: f32,
-    /// Whether angles are degrees; a motion file may say otherwise for itself.
+    /// Whether angles are in degrees; a motion file may override it for itself.
     pub(super) degrees: bool,
     pub(super) root_dofs: Vec<Dof>,
     pub(super) root_place: Vec3,
@@ -100,14 +100,14 @@ impl Default for SkeletonText {
     }
 }
 
-/// The words of a line: comments are cut off, commas and parentheses count as spaces.
+/// Splits a line into words: comments are removed, commas and parentheses count as spaces.
 pub(super) fn words(line: &str) -> Vec<&str> {
     let line = line.split('#').next().unwrap_or_default();
     let gap = |c: char| c.is_whitespace() || matches!(c, ',' | '(' | ')');
     line.split(gap).filter(|w| !w.is_empty()).collect()
 }
 
-/// A place in the skeleton file, as error messages name it.
+/// Formats a position in the skeleton file for error messages.
 pub(super) fn at(line: usize) -> String {
     format!("asf line {line}")
 }
@@ -120,7 +120,7 @@ enum Section {
     Root,
     Bones,
     Hierarchy,
-    /// Left out.
+    /// Ignored section.
     Other,
 }
 
@@ -128,11 +128,11 @@ struct Parser<'a> {
     limits: &'a Limits,
     section: Section,
     text: SkeletonText,
-    /// Whether a section that only a skeleton has was found.
+    /// Whether a section was found that only a skeleton file has.
     has_figure: bool,
     /// The bone between `begin` and `end`.
     open: Option<Bone>,
-    /// Whether the lines that start with a number go on with limits.
+    /// Whether lines that start with a number continue the limits.
     in_limits: bool,
     notes: &'a mut Notes,
 }
@@ -251,7 +251,7 @@ impl Parser<'_> {
                     return Err(ReadError::malformed(at(line), what));
                 }
             },
-            // The mass has no meaning for us.
+            // The mass is not used.
             _ => {}
         }
         Ok(())
@@ -309,7 +309,7 @@ impl Parser<'_> {
             }
             "dof" => bone.dofs = dofs(line, rest)?,
             "id" | "limits" | "bodymass" | "cofmass" => {}
-            // A limit may be infinite, so it is looked at as a word.
+            // A limit may be infinite, so it is treated as a word.
             _ if in_limits && first.parse::<f32>().is_ok() => self.in_limits = true,
             _ => self.unknown(line, first, "the bone"),
         }
@@ -346,7 +346,7 @@ fn triple(line: usize, keyword: &str, words: &[&str]) -> Result<Vec3, ReadError>
     Ok(triple)
 }
 
-/// An order of axes such as `XYZ`.
+/// Parses an order of axes such as `XYZ`.
 fn order(line: usize, word: &str) -> Result<Vec<usize>, ReadError> {
     let axis = |c: char| "xyz".find(c.to_ascii_lowercase());
     let order: Option<Vec<usize>> = word.chars().take(4).map(axis).collect();

@@ -1,8 +1,8 @@
-//! Any tree of joints as bones of the format: each bone has one end, and its children start
+//! Conversion of any joint tree into Acclaim bones: each bone has one end, and its children start
 //! there.
 //!
-//! A joint whose children start at several places ends at one of them; the others hang from
-//! connecting bones that do not move, as `lhipjoint` and `rhipjoint` do in the CMU files. The
+//! A joint whose children start at several positions ends at one of them; the others are attached
+//! by connecting bones that do not move, like `lhipjoint` and `rhipjoint` in the CMU files. The
 //! root has no length.
 
 use crate::sampled::Place;
@@ -10,38 +10,38 @@ use articula_core::source::Skeleton;
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// Two places nearer than this share of the figure are one.
+/// Positions closer than this fraction of the figure's size are equal.
 const SAME: f32 = 1e-7;
 
 /// A bone to write.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Bone {
     pub(super) name: String,
-    /// Bone at whose end it starts; `None` for the root.
+    /// Bone at whose end this one starts; `None` for the root.
     pub(super) parent: Option<usize>,
     /// Joint at its start; `None` for a connecting bone.
     pub(super) joint: Option<usize>,
-    /// From start to end at rest, in model space, metres.
+    /// Offset from start to end at rest, in model space, in metres.
     pub(super) way: Vec3,
 }
 
 /// All bones, parents before children.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Bones {
-    /// The joint that is the root; `None` if there are several, which then hang from a root
+    /// The joint that is the root; `None` if there are several, which are then children of a root
     /// that does not move.
     pub(super) root: Option<usize>,
     pub(super) list: Vec<Bone>,
-    /// Parent of every joint among the joints that are written; `None` for the others too.
+    /// Parent of every joint among the written joints; `None` also for joints that are not written.
     pub(super) joint_above: Vec<Option<usize>>,
-    /// Joints whose name had to be changed.
+    /// Number of joints whose name had to be changed.
     pub(super) renamed: usize,
-    /// End sites that did not fit.
+    /// Number of end sites that could not be written.
     pub(super) sites_left_out: usize,
 }
 
 /// Makes the bones of the joints of `order` (each followed by its descendants). End sites are
-/// offsets in the joints' own spaces.
+/// offsets in the joints' local spaces.
 pub(super) fn build(
     skeleton: &Skeleton,
     order: &[usize],
@@ -74,11 +74,11 @@ struct Builder<'a> {
     /// Offsets in model space, by joint.
     sites: Vec<Vec<Vec3>>,
     same_metres: f32,
-    /// Names in small letters, with the number of the next copy.
+    /// Names in lower case, with the number of the next copy.
     taken: HashMap<String, usize>,
     bones: Bones,
-    /// Of joints whose parent is made: the bone that they hang from, and how far from its end
-    /// they start.
+    /// For joints whose parent is made: the parent bone, and the offset of their start from its
+    /// end.
     start: Vec<Option<(Option<usize>, Vec3)>>,
 }
 
@@ -119,8 +119,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Roots, without nodes above a skin that only one joint hangs from: their motion is the
-    /// motion of that joint.
+    /// Returns the roots. Nodes above a skin with a single child joint are skipped: their motion
+    /// becomes the motion of that joint.
     fn roots(&self, order: &[usize]) -> Vec<usize> {
         let joints = &self.skeleton.joints;
         let any_skin = joints.iter().any(|j| j.in_skin);
@@ -137,7 +137,7 @@ impl<'a> Builder<'a> {
         lowered.collect()
     }
 
-    /// Lets the children of a joint start from the end of its bone.
+    /// Attaches the children of a joint to the end of its bone.
     fn hang_children(&mut self, joint: usize, bone: Option<usize>, way: Vec3) {
         for &child in &self.children[joint] {
             self.bones.joint_above[child] = Some(joint);
@@ -145,7 +145,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Makes the bone of a joint, and one before it if it does not start at the end of another.
+    /// Makes the bone of a joint, and a connecting bone before it if it does not start at the end
+    /// of another.
     fn bone(&mut self, joint: usize, parent: Option<usize>, offset: Vec3) {
         let own = &self.skeleton.joints[joint].name;
         let name = self.unique(own, joint);
@@ -179,8 +180,8 @@ impl<'a> Builder<'a> {
         self.bones.list.len() - 1
     }
 
-    /// Where a joint's bone ends: at the child that goes on most straight, or at its first end
-    /// site.
+    /// Returns the end of a joint's bone: the child that continues in the straightest line, or the
+    /// first end site.
     fn end(&self, joint: usize) -> Vec3 {
         let children = &self.children[joint];
         if children.is_empty() {
@@ -190,7 +191,7 @@ impl<'a> Builder<'a> {
         let offsets = children.iter().map(|&c| self.rest[c].from_parent);
         let straightness = |way: &Vec3| way.normalize_or_zero().dot(before);
         let long = offsets.filter(|way| way.length() > self.same_metres);
-        // Of equals the first, which is why the search runs backwards.
+        // The search runs backwards so that the first of equals wins.
         let mut long: Vec<Vec3> = long.collect();
         long.reverse();
         let best = long
@@ -199,15 +200,15 @@ impl<'a> Builder<'a> {
         best.unwrap_or_default()
     }
 
-    /// A name that the format can hold and no other bone has.
+    /// Returns a valid name that no other bone has.
     fn unique(&mut self, name: &str, joint: usize) -> String {
         let odd = |c: char| c.is_whitespace() || c.is_control() || "#,()".contains(c);
         let mut plain = name.trim().replace(odd, "_");
-        // A colon in front would make it a keyword.
+        // A leading colon would make it a keyword.
         if plain.starts_with(':') {
             plain.replace_range(..1, "_");
         }
-        // A number alone would be the number of a frame.
+        // A number alone would be read as a frame number.
         if plain.bytes().all(|b| b.is_ascii_digit()) {
             plain = format!("joint_{joint}");
         }

@@ -7,20 +7,20 @@ use crate::notes::Notes;
 use crate::words::shortened;
 use std::collections::HashMap;
 
-/// The tree; its first slot is the root, which is no bone.
+/// The tree; its first slot is the root, which is not a bone.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Hierarchy {
-    /// Parent's slot of every slot but the root, which has none.
+    /// Slot of the parent of each slot; `None` for the root.
     pub(super) parents: Vec<Option<usize>>,
-    /// Bone of every slot; `None` for the root.
+    /// Bone of each slot; `None` for the root.
     pub(super) bones: Vec<Option<usize>>,
-    /// Slot of every bone; `None` for bones that hang from nothing.
+    /// Slot of each bone; `None` for bones outside of the hierarchy.
     pub(super) slots: Vec<Option<usize>>,
-    /// Slot of every name that a motion may use, `None` as above.
+    /// Slot of every name that a motion may use; `None` as for `slots`.
     pub(super) names: HashMap<String, Option<usize>>,
 }
 
-/// Puts the bones in order.
+/// Orders the bones.
 pub(super) fn build(
     text: &SkeletonText,
     limits: &Limits,
@@ -34,7 +34,7 @@ pub(super) fn build(
         slots: vec![None; text.bones.len()],
         names: HashMap::new(),
     };
-    // Slot of the parent, depth of the child and the child; the root's children stand first.
+    // Slot of the parent, depth of the child, and the child; the root's children come first.
     let entry = |slot: usize, depth: u64| move |&bone: &usize| (slot, depth, bone);
     let mut open: Vec<_> = children[0].iter().rev().map(entry(0, 2)).collect();
     while let Some((parent, depth, bone)) = open.pop() {
@@ -74,7 +74,7 @@ fn by_name(text: &SkeletonText) -> Result<HashMap<&str, usize>, ReadError> {
     Ok(bones)
 }
 
-/// Children of the root, then of every bone. Each bone is a child once.
+/// Returns the children of the root, then of every bone. Each bone is a child once.
 fn children(
     text: &SkeletonText,
     bones: &HashMap<&str, usize>,

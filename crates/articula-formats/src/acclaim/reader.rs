@@ -1,4 +1,4 @@
-//! From the texts of a skeleton and a motion file to a character in metres, +Y up.
+//! Conversion of a skeleton and a motion file into a character in metres, +Y up.
 
 use super::amc::{self, Bones, MotionText};
 use super::asf::{self, Dof, SkeletonText, turned};
@@ -13,12 +13,12 @@ use articula_core::source::{self, Character, Interpolation, Joint, Property, Raw
 use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
 
-/// Frames a second of the CMU and most other motions.
+/// Frames per second of the CMU and most other motions.
 const USUAL_RATE_HZ: f32 = 120.0;
 
-/// Reads a skeleton file and, with it, a motion file. There is a joint for the root and for the
-/// start of every bone, and its rest orientation is the bone's axis. Rotations are keyed for every bone that
-/// the motion turns, translations for every one that it moves.
+/// Reads a skeleton file and, optionally, a motion file. The result has a joint for the root and
+/// for the start of every bone, whose rest orientation is the bone's axis. Rotations are keyed for
+/// every bone that the motion rotates, translations for every bone that it translates.
 ///
 /// # Errors
 /// [`ReadError::Malformed`] naming file and line, what was found and what was expected;
@@ -79,8 +79,8 @@ fn rate_hz(
     Ok(motion.rate_hz.unwrap_or(USUAL_RATE_HZ))
 }
 
-/// Metres of one unit, and how that was found. `length` says how many units of the file make
-/// one inch, as far as it is kept to: 0.45 is what the writers of the CMU files put there.
+/// Returns metres per unit, and how that was determined. `length` is the number of file units per
+/// inch where writers respect it: the writers of the CMU files state 0.45.
 fn scale(length: f32, height: f32) -> (f32, Option<String>) {
     const INCH: f32 = 0.0254;
     const VICON: f32 = 0.45;
@@ -97,25 +97,25 @@ fn scale(length: f32, height: f32) -> (f32, Option<String>) {
     units::scale(height)
 }
 
-/// How file space becomes metres with +Y up: turns of the root, at rest and in motion.
+/// Conversion of file space to metres with +Y up: rotations of the root, at rest and in motion.
 struct Basis {
     scale: f32,
     rest: Quat,
     motion: Quat,
 }
 
-/// The figure in the file's units and axes. Everything is listed by slot of the hierarchy.
+/// The figure in the file's units and axes. All lists are indexed by slot of the hierarchy.
 struct Figure {
     text: SkeletonText,
     tree: Hierarchy,
     motion: MotionText,
     rate_hz: f32,
-    /// Radians of a motion's unit of angle.
+    /// Radians per unit of angle of the motion.
     radians: f32,
-    /// Orientation of the bone's axes in the figure; none for the root, whose own orientation
+    /// Orientation of the bone's axes in the figure; the identity for the root, whose orientation
     /// turns the figure as a whole.
     axes: Vec<Quat>,
-    /// From start to end, in the axes of the figure; zero for the root.
+    /// Offsets from start to end, in the axes of the figure; zero for the root.
     ways: Vec<Vec3>,
     root_orientation: Quat,
 }
@@ -160,7 +160,7 @@ impl Figure {
         self.motion.rows.get(slot).map_or(&[], Vec::as_slice)
     }
 
-    /// A joint's place in its parent's space, with the values of a frame or at rest.
+    /// Returns the local translation and rotation of a joint, for the values of a frame or at rest.
     fn local(&self, slot: usize, first_value: Option<usize>) -> (Vec3, Quat) {
         let dofs = self.bones().dofs(slot);
         let values = first_value.map_or(&[][..], |first| &self.motion.values[first..]);
@@ -191,14 +191,14 @@ impl Figure {
         }
     }
 
-    /// Values that a slot has in a frame: its last row up to there.
+    /// Returns the index of a slot's values in a frame: its last row up to that frame.
     fn values_at(&self, slot: usize, frame: usize) -> Option<usize> {
         let rows = self.motion_rows(slot);
         let after = rows.partition_point(|r| r.frame <= frame);
         Some(rows[after.checked_sub(1)?].first_value)
     }
 
-    /// Starts of the bones at rest.
+    /// Returns the starts of the bones at rest.
     fn rest_places(&self) -> Vec<Vec3> {
         let mut places: Vec<Vec3> = Vec::with_capacity(self.axes.len());
         for parent in &self.tree.parents {
@@ -282,7 +282,7 @@ impl Figure {
         }
     }
 
-    /// Ends of the bones that nothing starts at, unless they have no length.
+    /// Returns the ends of leaf bones, unless they have no length.
     fn end_sites(&self, scale: f32) -> Vec<(usize, Vec3)> {
         let mut last = vec![true; self.axes.len()];
         for parent in self.tree.parents.iter().flatten() {
@@ -294,7 +294,8 @@ impl Figure {
         ends.filter(|(_, way)| *way != Vec3::ZERO).collect()
     }
 
-    /// A joint's local place in metres with +Y up; `up` turns the root.
+    /// Returns the local translation in metres and the rotation of a joint, with +Y up; `up` turns
+    /// the root.
     fn placed(&self, slot: usize, values: Option<usize>, scale: f32, up: Quat) -> (Vec3, Quat) {
         let (place, rotation) = self.local(slot, values);
         match self.tree.parents[slot] {
@@ -338,7 +339,7 @@ impl Figure {
         (frame as f64 / f64::from(self.rate_hz)) as f32
     }
 
-    /// A joint's keys: one for each row, and one more at the end of each stretch of frames
+    /// Returns a joint's keys: one for each row, and one more at the end of each interval of frames
     /// without a row, so that the joint holds there.
     fn keys(&self, slot: usize, basis: &Basis) -> Keys {
         let placed = |values| self.placed(slot, values, basis.scale, basis.motion);
@@ -360,7 +361,7 @@ impl Figure {
     }
 }
 
-/// Keys of one joint, flat.
+/// Keys of one joint, flattened.
 #[derive(Default)]
 struct Keys {
     times_secs: Vec<f32>,

@@ -1,10 +1,9 @@
-//! From a character and one of its clips to the texts of a skeleton and a motion file.
+//! Conversion of a character and one of its clips to the texts of a skeleton and a motion file.
 //!
-//! A bone's axes are the joint's at rest in model space, so rest orientations survive; the
-//! root's are those of the model, and the root stands at the origin at rest, as in the CMU
-//! files. Lengths are in the unit of those files (inch / 0.45), which is the one that most
-//! readers take for granted. Scale is not in the format: it changes where joints are, which
-//! is written, and nothing else.
+//! A bone's axes are those of the joint at rest in model space, so rest orientations survive; the
+//! root's are those of the model, and the root is at the origin at rest, as in the CMU files.
+//! Lengths are in the unit of those files (inch / 0.45), which most readers assume. The format has
+//! no scale: its effect on joint positions is written, nothing else.
 
 use super::amc::RATE;
 use super::asf::ROOT_NAME;
@@ -17,21 +16,21 @@ use glam::{EulerRot, Quat, Vec3};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// `length` of the written units: units of the file for one inch.
+/// `length` of the written units: file units per inch.
 const LENGTH: f32 = 0.45;
 
-/// Units of the file for one metre.
+/// File units per metre.
 const UNITS_PER_METRE: f32 = LENGTH / 0.0254;
 
-/// A scale nearer to one than this is none.
+/// A scale closer to one than this counts as one.
 const SCALED: f32 = 1e-4;
 
-/// How to write a pair of files.
+/// Options of [`write`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct WriteOptions {
-    /// Frames a second; the format does not hold it but in a comment.
+    /// Frames per second; the format can state it only in a comment.
     pub rate_hz: f32,
-    /// Joint and offset (metres, in the joint's space) of end sites, as the readers give them.
+    /// Joint and offset (metres, in the joint's space) of end sites, as the readers return them.
     pub end_sites: Vec<(usize, Vec3)>,
 }
 
@@ -44,12 +43,12 @@ impl Default for WriteOptions {
     }
 }
 
-/// Writes the skeleton and a clip, sampled at a uniform rate; without a skin all joints are
-/// written, with one its joints and what stands above them (but for nodes above a single
-/// joint, whose motion becomes that joint's).
+/// Writes the skeleton and a clip, sampled at a uniform rate. Without a skin all joints are
+/// written, otherwise those of the skin and their ancestors (except nodes above a single joint,
+/// whose motion becomes that joint's).
 ///
 /// # Errors
-/// [`WriteError`] if the clip is not there, there is no joint, or the rate makes no sense.
+/// [`WriteError`] if the clip does not exist, there is no joint, or the rate is invalid.
 pub fn write(
     character: &Character,
     clip: Option<usize>,
@@ -78,7 +77,7 @@ pub fn write(
     })
 }
 
-/// A joint's translation and rotation in the axes of its bone, at one frame.
+/// Translation and rotation of a joint in the axes of its bone, at one frame.
 type Channels = (Vec3, Quat);
 
 struct Figure<'a> {
@@ -88,7 +87,7 @@ struct Figure<'a> {
 }
 
 impl Figure<'_> {
-    /// Frame by frame: the root (its place and turn in model space), then every bone.
+    /// Returns, per frame, the root (its position and rotation in model space), then every bone.
     fn frames(&self, clip: &RawClip, rate_hz: f32) -> Vec<Vec<Channels>> {
         let mut frames = Vec::new();
         sampled::each_frame(self.skeleton, clip, rate_hz, |places| {
@@ -125,7 +124,7 @@ impl Figure<'_> {
         frames
     }
 
-    /// Whether each bone's translation is written.
+    /// Returns whether each bone's translation is written.
     fn moving(&self, frames: &[Vec<Channels>]) -> Vec<bool> {
         let still = sampled::still_metres(self.rest.iter().map(|p| p.position));
         let moves = |bone: usize| frames.iter().any(|f| f[bone + 1].0.length() > still);
@@ -179,7 +178,7 @@ impl Figure<'_> {
         text.push_str("  end\n");
     }
 
-    /// Who starts at whose end, the root first.
+    /// Writes the hierarchy, the root first.
     fn links(&self, text: &mut String) {
         let mut children = vec![Vec::new(); self.bones.list.len() + 1];
         for bone in &self.bones.list {
@@ -263,7 +262,7 @@ fn row(text: &mut String, name: &str, (place, turn): Channels, moves: bool, last
     text.push('\n');
 }
 
-/// Without a sign before a zero.
+/// Returns the value, with negative zero replaced by zero.
 fn plain(value: f32) -> f32 {
     if value.abs() < 5e-7 { 0.0 } else { value }
 }

@@ -1,10 +1,11 @@
-//! Biovision animation (BVA): text that moves each segment of a figure by itself in the world.
+//! Biovision animation (BVA): text that moves each segment of a figure independently in world
+//! space.
 //!
-//! The format came before BVH and has no hierarchy. [`read`] gives the segments side by side;
-//! [`tree`] puts them together again if their names are known.
+//! The format preceded BVH and has no hierarchy. [`read`] returns the segments as unconnected
+//! joints; [`tree`] assembles them into a figure if their names are known.
 //!
-//! Source: what its users wrote of it (Biovision's own note: translation first, then rotations
-//! in the order Z X Y, then scale; right-handed world with +Y up); see `docs/formats/bva.md`.
+//! Source: descriptions by its users (Biovision's own note: translation first, then rotations in
+//! the order Z X Y, then scale; right-handed world with +Y up); see `docs/formats/bva.md`.
 
 mod reader;
 mod tree;

@@ -1,4 +1,4 @@
-//! From the text of a BVA file to joints that move side by side in the world.
+//! Conversion of the text of a BVA file to unconnected joints in world space.
 
 use crate::error::{Parsed, ReadError};
 use crate::limits::Limits;
@@ -10,13 +10,13 @@ use articula_core::source::{Channel, Character, Interpolation, Joint, Property, 
 use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
 
-/// Most channels of one segment: nothing has more than translation, rotation and scale.
+/// Maximum number of channels of one segment: translation, rotation and scale.
 const MAX_CHANNELS: usize = 9;
 
-/// A scale nearer to one than this is none.
+/// A scale closer to one than this counts as one.
 const SCALED: f32 = 1e-4;
 
-/// Lengths that a file may be written in: how they are called, and metres.
+/// Accepted length units: names, and metres.
 const LENGTHS: [(&str, f32); 12] = [
     ("INCHES", 0.0254),
     ("INCH", 0.0254),
@@ -32,8 +32,8 @@ const LENGTHS: [(&str, f32); 12] = [
     ("M", 1.0),
 ];
 
-/// Reads a BVA file: a joint without parent for each segment, at rest where its first frame puts
-/// it.
+/// Reads a BVA file: one joint without parent for each segment, with its transform in the first
+/// frame as rest transform.
 ///
 /// # Errors
 /// [`ReadError::Malformed`] naming the line, what was found and what was expected;
@@ -62,12 +62,12 @@ pub fn read(
     })
 }
 
-/// A place in the file, as error messages name it.
+/// Formats a position in the file for error messages.
 fn at(line: usize) -> String {
     format!("line {line}")
 }
 
-/// What one value of a frame drives; the number is the axis, 0 to 2.
+/// Target of one value of a frame; the number is the axis, 0 to 2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Drives {
     Position(usize),
@@ -79,7 +79,7 @@ enum Drives {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Column {
     drives: Drives,
-    /// Metres, radians or ratio of one unit; `None` for a scale that is a length.
+    /// Metres, radians or ratio per unit; `None` for a scale given as a length.
     unit: Option<f32>,
 }
 
@@ -95,7 +95,7 @@ struct File {
     frame_time_secs: f32,
 }
 
-/// A line with its number, from 1.
+/// A line with its number, counted from 1.
 type Line<'a> = (usize, &'a str);
 
 struct Lines<'a> {
@@ -118,7 +118,7 @@ impl<'a> Lines<'a> {
         line.ok_or_else(|| ReadError::malformed("end of file", format!("{what} expected")))
     }
 
-    /// The next line if it starts with a number.
+    /// Returns the next line if it starts with a number.
     fn numbers(&mut self) -> Option<Line<'a>> {
         self.rest.next_if(|(_, line)| starts_with_number(line))
     }
@@ -184,7 +184,7 @@ fn is_segment(line: &str) -> bool {
         .is_some_and(|w| w.eq_ignore_ascii_case("segment"))
 }
 
-/// The two lines that say what the columns are and in which units.
+/// Reads the two lines that declare the columns and their units.
 fn columns(
     lines: &mut Lines<'_>,
     scale: Option<f32>,
@@ -252,7 +252,7 @@ fn driven(line: usize, label: &str) -> Result<Drives, ReadError> {
     }
 }
 
-/// Metres, radians or ratio of a unit; `None` for a scale in a unit of length.
+/// Returns metres, radians or ratio per unit; `None` for a scale in a unit of length.
 fn unit(line: usize, drives: Drives, word: Option<&str>) -> Result<Option<f32>, ReadError> {
     let name = word.map(str::to_ascii_uppercase);
     let length = |name: &str| LENGTHS.iter().find(|(n, _)| *n == name).map(|(_, m)| *m);
@@ -262,7 +262,7 @@ fn unit(line: usize, drives: Drives, word: Option<&str>) -> Result<Option<f32>, 
         (Drives::Rotation(_), Some("RADIANS" | "RAD")) => Some(Some(1.0)),
         (Drives::Rotation(_), _) => None,
         (Drives::Scale(_), Some("PERCENT")) => Some(Some(0.01)),
-        // What is no length is taken as a ratio: it has many names.
+        // Anything that is not a length is taken as a ratio, which has many names.
         (Drives::Scale(_), name) => Some(if name.is_some_and(|n| length(n).is_some()) {
             None
         } else {
@@ -282,7 +282,7 @@ fn unit(line: usize, drives: Drives, word: Option<&str>) -> Result<Option<f32>, 
     })
 }
 
-/// Translation, then rotations in the order Z X Y, then scale.
+/// Parses a frame: translation, then rotations in the order Z X Y, then scale.
 fn frame(line: usize, text: &str, columns: &[Column]) -> Result<Transform, ReadError> {
     let found = text.split_whitespace().count();
     if found != columns.len() {
@@ -313,7 +313,7 @@ fn frame(line: usize, text: &str, columns: &[Column]) -> Result<Transform, ReadE
 }
 
 impl File {
-    /// The line of the frame time; all segments have that of the first.
+    /// Reads the line of the frame time; all segments take that of the first.
     fn time(&mut self, lines: &mut Lines<'_>, notes: &mut Notes) -> Result<(), ReadError> {
         let (line, text) = lines.expect("\"Frame Time:\"")?;
         // The note that came with the files calls it "Frames Time".
@@ -331,7 +331,8 @@ impl File {
         Ok(())
     }
 
-    /// `turn` takes the file's world, and the axes of its segments, to +Y up.
+    /// Builds the character; `turn` rotates the file's world, and the axes of its segments, to +Y
+    /// up.
     fn character(self, turn: Quat) -> MotionFile {
         let frames = self.segments.iter().map(|s| s.frames.len()).max();
         let last_frame = frames.and_then(|f| f.checked_sub(1));
@@ -373,7 +374,7 @@ fn time_secs(frame: usize, frame_time_secs: f32) -> f32 {
     (frame as f64 * f64::from(frame_time_secs)) as f32
 }
 
-/// Keys of translation and rotation for each frame, of scale if there is any.
+/// Returns keys of translation and rotation for each frame, and of scale if there is any.
 pub(super) fn keys(
     target: usize,
     frame_time_secs: f32,

@@ -1,8 +1,8 @@
-//! Segments side by side, put together to a figure by what their names mean.
+//! Assembly of unconnected segments into a figure, by the meaning of their names.
 //!
-//! Every known segment hangs from the nearest one above it in the H-Anim tree; an unknown one
-//! from the known one against which it moves least. The figure stands where the segments
-//! stand in every frame: what does not keep its distance to its parent gets translation keys.
+//! Every known segment is attached to its nearest ancestor in the H-Anim tree, an unknown one to
+//! the known segment against which it moves least. The assembled figure reproduces the segments'
+//! positions in every frame: a segment whose distance to its parent changes gets translation keys.
 
 use super::reader;
 use crate::error::{Parsed, Warning};
@@ -14,20 +14,21 @@ use articula_core::joint_names::Segments;
 use articula_core::source::{Channel, Character, Joint, Property, RawClip, Skeleton};
 use glam::{Quat, Vec3};
 
-/// Frames in which an unknown segment is compared with the known ones.
+/// Number of frames in which an unknown segment is compared with the known ones.
 const FRAMES_LOOKED_AT: usize = 16;
 
-/// What a metre of distance counts beside a metre of straying.
+/// Weight of a metre of distance relative to a metre of relative movement.
 const NEARER: f32 = 0.01;
 
-/// Unknown segments beyond this many hang from the root unseen.
+/// Maximum number of unknown segments that are compared; further ones are attached to the root.
 const MAX_COMPARED: usize = 512;
 
-/// Puts the segments of a file together by what they are (`articula-build` tells it by their
-/// names): a tree with the same motion, and how it was made; `None` if there is no motion, or none of them is the root of a human.
+/// Assembles the segments of a file by their meanings (`articula-build` maps their names): returns
+/// a tree with the same motion and warnings about how it was made, or `None` if there is no motion
+/// or no segment is the root of a human.
 ///
-/// At rest every segment has zero rotations, as in BVH; if the figure would not stand then,
-/// the first frame is its rest pose. Scale is left out, since it would reach the children.
+/// At rest every segment has zero rotations, as in BVH; if the figure would not be upright then,
+/// the first frame is its rest pose. Scale is left out, since children would inherit it.
 pub fn tree(file: &MotionFile, segments: &Segments) -> Option<Parsed<Character>> {
     let clip = file.character.clips.first()?;
     let skeleton = &file.character.skeleton;
@@ -55,12 +56,12 @@ pub fn tree(file: &MotionFile, segments: &Segments) -> Option<Parsed<Character>>
     })
 }
 
-/// A segment and the place of its parent in the order.
+/// A segment and the index of its parent in the order.
 type Slot = (usize, Option<usize>);
 
-/// The segments frame by frame.
+/// World transforms of the segments, frame by frame.
 struct World {
-    /// By segment, then by frame; never empty.
+    /// Transforms by segment, then by frame; never empty.
     frames: Vec<Vec<Transform>>,
     count: usize,
 }
@@ -87,13 +88,13 @@ impl World {
         }
     }
 
-    /// A segment that ends early stays.
+    /// Returns the transform of a segment; one that ends early stays at its last transform.
     fn at(&self, segment: usize, frame: usize) -> Transform {
         let own = &self.frames[segment];
         own[frame.min(own.len() - 1)]
     }
 
-    /// Where a segment is in the axes of another.
+    /// Returns position and rotation of a segment in the axes of another.
     fn within(&self, segment: usize, parent: usize, frame: usize) -> (Vec3, Quat) {
         let (own, above) = (self.at(segment, frame), self.at(parent, frame));
         let back = above.rotation.inverse();
@@ -106,8 +107,8 @@ impl World {
         (places.sum::<glam::DVec3>() / self.count as f64).as_vec3()
     }
 
-    /// How far the place within another segment strays over some frames; of two that hold
-    /// equally still, the nearer one is better.
+    /// Returns how far the position within another segment varies over some frames, plus a small
+    /// term for the distance: of two equally rigid candidates the nearer one is better.
     fn strays(&self, segment: usize, parent: usize) -> f32 {
         let step = self.count.div_ceil(FRAMES_LOOKED_AT);
         let places = (0..self.count).step_by(step);
@@ -212,8 +213,7 @@ fn keys(channel: &Channel) -> impl Iterator<Item = &[f32]> {
     channel.values.chunks_exact(width)
 }
 
-/// Gives the segments of the spine their vertebrae, by how far along the way from the hips to
-/// the neck they are.
+/// Assigns vertebrae to the segments of the spine, by their arc length between hips and neck.
 fn name_spine(world: &World, segments: &Segments, root: usize, meanings: &mut [Option<usize>]) {
     let place = |segment: usize| world.at(segment, 0).translation;
     let named = |name: &&str| {
@@ -231,7 +231,7 @@ fn name_spine(world: &World, segments: &Segments, root: usize, meanings: &mut [O
     }
 }
 
-/// Segments parents first.
+/// Orders the segments parents first.
 fn ordered(world: &World, meanings: &[Option<usize>], root: usize) -> Vec<Slot> {
     let mut segment_of = vec![None; JOINTS.len()];
     for (segment, meaning) in meanings.iter().enumerate() {
@@ -263,7 +263,7 @@ fn ordered(world: &World, meanings: &[Option<usize>], root: usize) -> Vec<Slot> 
     order
 }
 
-/// Whether the head is above the hips and a knee or foot below, with all rotations at zero.
+/// Returns whether the head is above the hips and a knee or foot below, with all rotations at zero.
 fn stands(order: &[Slot], offsets: &[Vec3], meanings: &[Option<usize>]) -> bool {
     let mut heights: Vec<f32> = Vec::with_capacity(order.len());
     for ((_, parent), offset) in order.iter().zip(offsets) {

@@ -1,21 +1,21 @@
-//! The first half of a BVH file: the joints, their offsets and their channels.
+//! Parser of the first half of a BVH file: joints, offsets and channels.
 
 use crate::error::{ReadError, Warning};
 use crate::limits::Limits;
 use crate::words::number;
 use glam::Vec3;
 
-/// Most channels of one joint: nothing sensible has more than position, rotation and scale.
+/// Maximum number of channels of one joint: position, rotation and scale.
 const MAX_CHANNELS: usize = 9;
 
-/// What one value of a frame drives; the number is the axis, 0 to 2.
+/// Target of one value of a frame; the number is the axis, 0 to 2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Channel {
     Position(usize),
     Rotation(usize),
 }
 
-/// A joint as the file has it, in the file's units and axes.
+/// A joint as in the file, in the file's units and axes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RawJoint {
     pub(super) name: String,
@@ -29,11 +29,11 @@ pub(super) struct RawJoint {
 pub(super) struct Hierarchy {
     pub(super) joints: Vec<RawJoint>,
     pub(super) end_sites: Vec<(usize, Vec3)>,
-    /// Line number of `MOTION`, from 1, if there is one.
+    /// Line number of `MOTION`, counted from 1, if present.
     pub(super) motion_line: Option<usize>,
 }
 
-/// What an open brace belongs to.
+/// Owner of an open brace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Block {
     Joint(usize),
@@ -45,7 +45,7 @@ struct Parser<'a> {
     hierarchy: Hierarchy,
     warnings: Vec<Warning>,
     open: Vec<Block>,
-    /// Declared, its brace not yet seen.
+    /// Declared block whose brace has not been read yet.
     pending: Option<Block>,
 }
 
@@ -74,7 +74,7 @@ pub(super) fn parse(text: &str, limits: &Limits) -> Result<(Hierarchy, Vec<Warni
     parser.finish()
 }
 
-/// A place in the file, as error messages name it.
+/// Formats a position in the file for error messages.
 pub(super) fn at(line: usize) -> String {
     format!("line {line}")
 }
@@ -103,7 +103,8 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// The name runs to the brace or the end of the line, since some writers put spaces in it.
+    /// Parses a joint. Its name extends to the brace or the end of the line, since some writers put
+    /// spaces in it.
     fn joint<'w>(
         &mut self,
         line: usize,

@@ -1,10 +1,11 @@
-//! Biovision hierarchical motion (BVH): joint offsets and Euler angles as text, in and out.
+//! Biovision hierarchical motion (BVH): joint offsets and Euler angles as text; reading and
+//! writing.
 //!
-//! Source: the format has no standard; read are the habits of its writers as described in
+//! The format has no standard; the reader follows the conventions of its writers as described in
 //! `docs/formats/bvh.md`. A joint's channels are intrinsic rotations in the order they are
-//! declared; position channels replace the joint's offset.
-//! Differs: units and up axis are not in the file, so both are told from the figure, and said
-//! in a warning; [`ReadOptions`](crate::ReadOptions) overrides them.
+//! declared; position channels replace the joint's offset. The file states neither unit nor up
+//! axis, so both are guessed from the figure and reported as warnings;
+//! [`ReadOptions`](crate::ReadOptions) overrides them.
 
 mod hierarchy;
 mod motion;

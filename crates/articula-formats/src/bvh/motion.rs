@@ -1,4 +1,5 @@
-//! The second half of a BVH file: frame count, frame time and one line of values a frame.
+//! Parser of the second half of a BVH file: frame count, frame time and one line of values per
+//! frame.
 
 use super::hierarchy::at;
 use crate::error::{ReadError, Warning};
@@ -10,11 +11,11 @@ use crate::words::{MAX_FRAMES, frame_time, number, value_of};
 pub(super) struct Motion {
     pub(super) frame_time_secs: f32,
     pub(super) frames: usize,
-    /// `frames` times the channels of all joints.
+    /// `frames` times the number of channels of all joints.
     pub(super) values: Vec<f32>,
 }
 
-/// Reads what follows the line `MOTION` (its number from 1).
+/// Parses the text after the line `MOTION` (its number counted from 1).
 pub(super) fn parse(
     text: &str,
     motion_line: usize,
@@ -58,7 +59,7 @@ pub(super) fn parse(
 fn frame(motion: &mut Motion, line: usize, text: &str, channels: usize) -> Result<(), ReadError> {
     let before = motion.values.len();
     for word in text.split_whitespace() {
-        // A line may be as long as the file; no more is kept than one frame may hold.
+        // A line may be as long as the file; at most the values of one frame are kept.
         if motion.values.len() - before < channels {
             motion
                 .values

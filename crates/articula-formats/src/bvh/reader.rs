@@ -1,4 +1,4 @@
-//! From the text of a BVH file to a character in metres, +Y up.
+//! Conversion of the text of a BVH file to a character in metres, +Y up.
 
 use super::hierarchy::{self, Channel, Hierarchy, RawJoint};
 use super::motion::{self, Motion};
@@ -45,12 +45,12 @@ pub fn read(
     })
 }
 
-/// How file space becomes metres with +Y up.
+/// Conversion of file space to metres with +Y up.
 struct Basis {
     scale: f32,
-    /// Turns the figure, and everything below the roots.
+    /// Rotation of the figure, and of everything below the roots.
     figure: Quat,
-    /// Turns the world that the roots move in.
+    /// Rotation of the world that the roots move in.
     world: Quat,
 }
 
@@ -58,7 +58,7 @@ struct Raw {
     hierarchy: Hierarchy,
     motion: Motion,
     channels: usize,
-    /// Of each joint, in a frame's values.
+    /// Index of each joint's first value in a frame.
     first_value: Vec<usize>,
 }
 
@@ -192,7 +192,7 @@ impl Raw {
         })
     }
 
-    /// A joint's translations and rotations, flat, frame by frame.
+    /// Returns a joint's translations and rotations, flattened, frame by frame.
     fn keys(&self, basis: &Basis, joint: usize) -> (Vec<f32>, Vec<f32>) {
         let is_root = self.hierarchy.joints[joint].parent.is_none();
         let above = if is_root { basis.world } else { basis.figure };

@@ -1,9 +1,9 @@
-//! From a character and one of its clips to the text of a BVH file.
+//! Conversion of a character and one of its clips to the text of a BVH file.
 //!
-//! BVH knows neither rest rotations nor scale. So offsets are written in the orientation that
-//! the rest pose has in model space, and rotations relative to the rest pose: joint positions
-//! are those of the source at every frame, while the joints' own axes are those of the model.
-//! A joint whose position moves against its parent gets position channels of its own.
+//! BVH has neither rest rotations nor scale. Offsets are therefore written in the orientation that
+//! the rest pose has in model space, and rotations relative to the rest pose: joint positions match
+//! the source at every frame, while the joints' local axes become those of the model. A joint whose
+//! position moves against its parent gets position channels.
 
 use crate::euler;
 use crate::sampled::{self, Place};
@@ -23,24 +23,24 @@ pub enum ChannelOrder {
     Yxz,
     /// Y, then Z, then X.
     Yzx,
-    /// Z, then X, then Y: what most files have.
+    /// Z, then X, then Y: the most common order.
     #[default]
     Zxy,
     /// Z, then Y, then X.
     Zyx,
 }
 
-/// How to write a file.
+/// Options of [`write`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct WriteOptions {
-    /// Frames a second.
+    /// Frames per second.
     pub rate_hz: f32,
     /// Order of the rotation channels.
     pub order: ChannelOrder,
-    /// File units of one metre; 100 writes centimetres.
+    /// File units per metre; 100 writes centimetres.
     pub units_per_metre: f32,
-    /// Joint and offset (metres, in the joint's space) of end sites, as the reader gives
-    /// them; a leaf without one gets an end site of no length.
+    /// Joint and offset (metres, in the joint's space) of end sites, as the reader returns them; a
+    /// leaf without one gets an end site of zero length.
     pub end_sites: Vec<(usize, Vec3)>,
 }
 
@@ -55,11 +55,11 @@ impl Default for WriteOptions {
     }
 }
 
-/// Writes a clip, sampled at a uniform rate; without a skin all joints are written, with one
-/// its joints and what stands above them.
+/// Writes a clip, sampled at a uniform rate. Without a skin all joints are written, otherwise those
+/// of the skin and their ancestors.
 ///
 /// # Errors
-/// [`WriteError`] if the clip is not there, or an option makes no sense.
+/// [`WriteError`] if the clip does not exist, or an option is invalid.
 pub fn write(
     character: &Character,
     clip: usize,
@@ -82,7 +82,7 @@ pub fn write(
     Ok(text.into_bytes())
 }
 
-/// A joint's translation and rotation in BVH's terms, at one frame.
+/// Translation and rotation of a joint as BVH channels, at one frame.
 type Channels = (Vec3, Quat);
 
 struct Figure<'a> {
@@ -92,7 +92,7 @@ struct Figure<'a> {
     rest: Vec<Place>,
     /// Frame by frame, one entry for each joint of `order`.
     frames: Vec<Vec<Channels>>,
-    /// Whether a joint's position is written; one for each joint of `order`.
+    /// Whether a joint's position is written; one entry for each joint of `order`.
     moves: Vec<bool>,
 }
 
@@ -118,7 +118,7 @@ impl<'a> Figure<'a> {
         figure
     }
 
-    /// Rotations relative to rest, positions in the parent's turned space.
+    /// Returns rotations relative to rest, and positions in the parent's rotated space.
     fn channels(&self, places: &[Place]) -> Vec<Channels> {
         let turn = |joint: usize| places[joint].rotation * self.rest[joint].rotation.inverse();
         let place = |&joint: &usize| match self.skeleton.joints[joint].parent {
@@ -221,7 +221,7 @@ impl<'a> Figure<'a> {
         triple((metres * self.options.units_per_metre).to_array())
     }
 
-    /// Names end at a space or brace in most readers, and may not be empty.
+    /// Returns a valid name: most readers end a name at a space or brace, and it must not be empty.
     fn name(&self, joint: usize) -> String {
         let name = &self.skeleton.joints[joint].name;
         let odd = |c: char| c.is_whitespace() || c.is_control() || matches!(c, '{' | '}');
@@ -255,7 +255,7 @@ fn factors(order: ChannelOrder) -> EulerRot {
 }
 
 fn triple(values: [f32; 3]) -> String {
-    // Adding zero turns a negative zero into a plain one.
+    // Replaces a negative zero by zero.
     let [x, y, z] = values.map(|v| if v.abs() < 5e-7 { 0.0 } else { v });
     format!("{x:.6} {y:.6} {z:.6}")
 }

@@ -1,13 +1,13 @@
 //! Accessors: typed, strided, normalised and sparse arrays, decoded within limits.
 //!
-//! Source: glTF 2.0, 3.6.2. Declared minima and maxima are not trusted and not read.
+//! Source: glTF 2.0, 3.6.2. Declared minima and maxima are not read, since they cannot be trusted.
 
 use super::place::Place;
 use super::reader::Reader;
 use crate::error::ReadError;
 use std::collections::BTreeMap;
 
-/// How one number is stored.
+/// Storage type of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Component {
     I8,
@@ -50,7 +50,7 @@ impl Component {
         }
     }
 
-    /// The integer as a fraction of its range, as glTF 2.0 3.6.2.2 defines it.
+    /// Converts a stored integer to a fraction of its range, as glTF 2.0 3.6.2.2 defines it.
     fn normalized(self, b: &[u8]) -> f32 {
         let x = self.float(b);
         match self {
@@ -71,10 +71,10 @@ impl Component {
     }
 }
 
-/// How an element is stored: its numbers, and how many they are.
+/// Storage of an element: the type of its numbers, and their count.
 type Element = (Component, usize);
 
-/// Equally spaced elements whose bounds were checked.
+/// Equally spaced elements with checked bounds.
 #[derive(Debug, Clone, Copy)]
 struct Strided<'a> {
     bytes: &'a [u8],
@@ -89,12 +89,12 @@ struct Sparse<'a> {
     values: Strided<'a>,
 }
 
-/// An accessor whose every byte is known to be there.
+/// An accessor whose bytes were all checked to exist.
 #[derive(Debug, Clone)]
 pub(super) struct Accessor<'a> {
     place: Place<'a>,
     component: Component,
-    /// Numbers in one element.
+    /// Number of numbers per element.
     width: usize,
     /// Number of elements.
     pub(super) count: usize,
@@ -104,7 +104,7 @@ pub(super) struct Accessor<'a> {
 }
 
 impl Accessor<'_> {
-    /// Refuses an element type that is none of `wanted`.
+    /// Returns an error if the element type is none of `wanted`.
     pub(super) fn expect_type(&self, wanted: &[&str]) -> Result<(), ReadError> {
         let found = self.place.text("type");
         if wanted.contains(&found) {
@@ -115,7 +115,7 @@ impl Accessor<'_> {
         Err(self.place.malformed(what))
     }
 
-    /// Refuses another number of elements.
+    /// Returns an error if the number of elements differs from `wanted`.
     pub(super) fn expect_count(&self, wanted: usize, of_what: &str) -> Result<(), ReadError> {
         if self.count == wanted {
             return Ok(());
@@ -128,18 +128,19 @@ impl Accessor<'_> {
         &self.place
     }
 
-    /// Bytes of one element.
+    /// Returns the size of one element in bytes.
     pub(super) fn element_size(&self) -> usize {
         self.component.size() * self.width
     }
 
-    /// An element as it is stored, without what is sparse; `None` where that is zeros.
+    /// Returns an element as stored, without sparse substitution; `None` if it consists of implicit
+    /// zeros.
     pub(super) fn stored(&self, element: usize) -> Option<&[u8]> {
         let base = self.base?;
         Some(&base.bytes[element * base.stride..][..self.element_size()])
     }
 
-    /// What is sparse: element and its bytes, of several for one the last.
+    /// Returns the sparse elements and their bytes; of several values for one element, the last.
     pub(super) fn overlay(&self) -> Result<BTreeMap<usize, &[u8]>, ReadError> {
         let mut found = BTreeMap::new();
         let Some(sparse) = self.sparse else {
@@ -160,14 +161,14 @@ impl Accessor<'_> {
 }
 
 impl<'a> Reader<'a> {
-    /// The accessor whose index a place holds.
+    /// Returns the accessor whose index a place holds.
     pub(super) fn accessor(&self, index: &Place<'_>) -> Result<Accessor<'a>, ReadError> {
         let i = index.index_below(self.root.count("accessors"))?;
         let missing = || index.malformed("no such accessor");
         self.accessor_at(self.root.entry("accessors", i).ok_or_else(missing)?)
     }
 
-    /// The accessor that a place is.
+    /// Returns the accessor at a place.
     pub(super) fn accessor_at(&self, place: Place<'a>) -> Result<Accessor<'a>, ReadError> {
         let component = component(&place)?;
         let width = width(&place)?;
@@ -191,8 +192,8 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Decodes an accessor into floats, `width` for each element; integers marked as
-    /// normalised become fractions. Non-finite numbers are refused.
+    /// Decodes an accessor into floats, `width` for each element; normalised integers become
+    /// fractions. Non-finite numbers are an error.
     pub(super) fn floats(&mut self, accessor: &Accessor<'a>) -> Result<Vec<f32>, ReadError> {
         let out = self.floats_as_they_are(accessor)?;
         match out.iter().position(|x| !x.is_finite()) {
@@ -204,7 +205,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The same without a look at the numbers.
+    /// As [`Self::floats`], without checking that the numbers are finite.
     pub(super) fn floats_as_they_are(
         &mut self,
         accessor: &Accessor<'a>,
@@ -216,7 +217,7 @@ impl<'a> Reader<'a> {
         self.decode(accessor, |b| component.float(b))
     }
 
-    /// The least and greatest of each number of an accessor's elements, as they are stored.
+    /// Returns the minimum and maximum of each component of an accessor's elements, as stored.
     pub(super) fn bounds(&mut self, place: &Place<'a>) -> Result<(Vec<f32>, Vec<f32>), ReadError> {
         let accessor = self.accessor_at(place.clone())?;
         let component = accessor.component;
@@ -314,7 +315,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Elements from the owner's `byteOffset` in a buffer view.
+    /// Returns elements from the owner's `byteOffset` in a buffer view.
     fn strided(
         &self,
         owner: &Place<'_>,
@@ -349,7 +350,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Bytes and stride of the buffer view whose index a place holds.
+    /// Returns bytes and stride of the buffer view whose index a place holds.
     pub(super) fn buffer_view(
         &self,
         index: &Place<'_>,
@@ -363,7 +364,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The bytes of a buffer that `buffer`, `byteOffset` and `byteLength` of a place name.
+/// Returns the bytes given by `buffer`, `byteOffset` and `byteLength` of a place.
 pub(super) fn bytes_of<'a>(
     view: &Place<'_>,
     buffers: &'a [Vec<u8>],
@@ -396,8 +397,8 @@ fn component(place: &Place<'_>) -> Result<Component, ReadError> {
     Component::from_code(code.whole()?).ok_or_else(|| code.malformed("no component type of glTF"))
 }
 
-/// Numbers in an element. The 2x2 and 3x3 matrices have padded columns when small; nothing
-/// that is read here has that type.
+/// Returns the number of numbers per element. Small 2x2 and 3x3 matrices have padded columns;
+/// nothing that is read here has that type.
 fn width(place: &Place<'_>) -> Result<usize, ReadError> {
     Ok(match place.text("type") {
         "SCALAR" => 1,

@@ -38,7 +38,7 @@ pub(super) fn read_all(
     Ok(clips)
 }
 
-/// What a channel drives, and how many floats one key of it has.
+/// Target of a channel, and the number of floats per key.
 #[derive(Debug, Clone, Copy)]
 struct Target {
     target: usize,
@@ -72,8 +72,8 @@ fn read_channels<'a>(
     Ok(channels)
 }
 
-/// What a channel drives, in terms of joints and meshes; nothing, with a warning, if that is
-/// none of them.
+/// Reads the targets of a channel as joints and meshes; empty, with a warning, if it drives
+/// neither.
 fn read_targets(
     reader: &mut Reader<'_>,
     channel: &Place<'_>,
@@ -107,7 +107,7 @@ fn read_targets(
     Ok(found)
 }
 
-/// The shown meshes that a mesh of the document gives their weights.
+/// Returns the shown meshes that use the weights of a mesh of the document.
 fn mesh_targets(reader: &Reader<'_>, mesh: usize, shown: &NodeMeshes) -> Vec<Target> {
     let takes_weights = |n: usize| {
         let node = reader.root.entry("nodes", n)?;
@@ -125,7 +125,7 @@ fn mesh_targets(reader: &Reader<'_>, mesh: usize, shown: &NodeMeshes) -> Vec<Tar
         .collect()
 }
 
-/// The target of a node's property; `None`, with a warning, if it is not one.
+/// Returns the target of a node's property; `None`, with a warning, if it is unsupported.
 fn read_target(
     reader: &mut Reader<'_>,
     target: &Place<'_>,
@@ -135,7 +135,7 @@ fn read_target(
 ) -> Result<Option<Target>, ReadError> {
     let expression = skeletal.expression_of_node.get(&node);
     if let (Some(&target), "translation") = (expression, path) {
-        // Only the way along x counts; the array still has three floats a key.
+        // Only the x component is used; the array still has three floats per key.
         return Ok(Some(Target {
             target,
             property: Property::Expression,
@@ -166,7 +166,7 @@ fn weights_target(
     node: usize,
     shown: &NodeMeshes,
 ) -> Option<Target> {
-    // Meshes stand in the order of their nodes.
+    // Meshes are in the order of their nodes.
     let mesh = shown.node_of_mesh.binary_search(&node).ok();
     let width = mesh.map_or(0, |m| shown.meshes[m].morph_weights.len());
     if width == 0 {
@@ -252,7 +252,7 @@ fn read_values(
     reader.floats(&accessor)
 }
 
-/// Keys whose time does not come after the key before are dropped with their values.
+/// Drops keys whose time does not exceed that of the previous key, with their values.
 fn drop_unordered_keys(
     reader: &mut Reader<'_>,
     sampler: &Place<'_>,
@@ -287,7 +287,7 @@ fn drop_unordered_keys(
     }
 }
 
-/// Makes key rotations unit; tangents of cubic splines stay as they are.
+/// Normalises key rotations; tangents of cubic splines stay as they are.
 fn mend_rotations(reader: &mut Reader<'_>, sampler: &Place<'_>, parts: usize, values: &mut [f32]) {
     let mut zeros = 0;
     let mut off = 0;

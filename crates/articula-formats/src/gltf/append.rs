@@ -1,10 +1,10 @@
-//! New bytes, buffer views and accessors at the end of a document.
+//! Appends bytes, buffer views and accessors to a document.
 
 use super::document::Document;
 use super::place::whole;
 use serde_json::{Map, Value, json};
 
-/// What a buffer view serves, as its `target` says.
+/// Usage of a buffer view, written as its `target`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Use {
     Vertices,
@@ -13,10 +13,9 @@ pub(super) enum Use {
 }
 
 impl Document {
-    /// Stores bytes in the first buffer and gives the index of a new buffer view of them.
+    /// Stores bytes in the first buffer and returns the index of a new buffer view of them.
     ///
-    /// For binary tables of extensions: name the index in a member of your extension. The
-    /// bytes start at a multiple of 4.
+    /// Extensions refer to binary tables by this index. The bytes start at a multiple of 4.
     pub(super) fn add_buffer_view(&mut self, bytes: &[u8]) -> usize {
         self.add_view(bytes, Use::Other)
     }
@@ -58,7 +57,7 @@ impl Document {
         }
     }
 
-    /// Adds a name to `extensionsUsed` unless it is there.
+    /// Adds a name to `extensionsUsed` unless it is present.
     pub(super) fn use_extension(&mut self, name: &str) {
         let used = self.json.get("extensionsUsed").and_then(Value::as_array);
         if !used.is_some_and(|used| used.iter().any(|u| u == name)) {
@@ -66,7 +65,7 @@ impl Document {
         }
     }
 
-    /// Puts an extension on the document itself.
+    /// Sets an extension of the document itself.
     pub(super) fn extend(&mut self, name: &str, value: Value) {
         let extensions = object(&mut self.json)
             .entry("extensions")
@@ -75,7 +74,7 @@ impl Document {
         self.use_extension(name);
     }
 
-    /// Takes a name out of `extensionsUsed` and `extensionsRequired`.
+    /// Removes a name from `extensionsUsed` and `extensionsRequired`.
     pub(super) fn disuse_extension(&mut self, name: &str) {
         for list in ["extensionsUsed", "extensionsRequired"] {
             let Some(names) = self.json.get_mut(list).and_then(Value::as_array_mut) else {
@@ -88,7 +87,7 @@ impl Document {
         }
     }
 
-    /// Number of entries of a top-level array.
+    /// Returns the number of entries of a top-level array.
     pub(super) fn count(&self, key: &str) -> usize {
         self.json
             .get(key)
@@ -97,7 +96,7 @@ impl Document {
     }
 }
 
-/// The members of a value; what is no object becomes an empty one.
+/// Returns the members of a value; a value that is not an object is replaced by an empty one.
 pub(super) fn object(value: &mut Value) -> &mut Map<String, Value> {
     if !value.is_object() {
         *value = json!({});
@@ -109,7 +108,7 @@ pub(super) fn set(owner: &mut Value, key: &str, value: impl Into<Value>) {
     object(owner).insert(key.to_owned(), value.into());
 }
 
-/// Appends to an array member and gives the index of the new entry.
+/// Appends to an array member and returns the index of the new entry.
 pub(super) fn push(owner: &mut Value, key: &str, entry: Value) -> usize {
     let slot = object(owner).entry(key).or_insert_with(|| json!([]));
     if !slot.is_array() {
@@ -120,7 +119,7 @@ pub(super) fn push(owner: &mut Value, key: &str, entry: Value) -> usize {
     list.len() - 1
 }
 
-/// The entries of an array member, to be changed in place; none if it is no array.
+/// Returns the entries of an array member for in-place changes; empty if it is not an array.
 pub(super) fn entries_mut<'a>(owner: &'a mut Value, key: &str) -> &'a mut [Value] {
     owner
         .get_mut(key)
@@ -128,7 +127,7 @@ pub(super) fn entries_mut<'a>(owner: &'a mut Value, key: &str) -> &'a mut [Value
         .map_or(&mut [], Vec::as_mut_slice)
 }
 
-/// An index member, if it is one.
+/// Returns an index member, if it is a valid one.
 pub(super) fn index(owner: &Value, key: &str) -> Option<usize> {
     owner
         .get(key)
@@ -136,23 +135,23 @@ pub(super) fn index(owner: &Value, key: &str) -> Option<usize> {
         .and_then(|i| usize::try_from(i).ok())
 }
 
-/// A float in the fewest digits that read back as the same `f32`.
+/// Converts a float to the shortest decimal that reads back as the same `f32`.
 pub(super) fn short(x: f32) -> Value {
     let wide: f64 = x.to_string().parse().unwrap_or(f64::from(x));
     json!(if wide as f32 == x { wide } else { f64::from(x) })
 }
 
-/// Floats in their shortest spelling.
+/// Converts floats to their shortest decimals.
 pub(super) fn shorts(numbers: &[f32]) -> Value {
     numbers.iter().copied().map(short).collect()
 }
 
-/// Floats with every digit, for bounds that validators compare exactly.
+/// Converts floats with all digits, for bounds that validators compare exactly.
 pub(super) fn exact(numbers: &[f32]) -> Value {
     numbers.iter().map(|x| json!(f64::from(*x))).collect()
 }
 
-/// Floats as a buffer stores them.
+/// Returns floats in the byte layout of a buffer.
 pub(super) fn float_bytes<'a>(numbers: impl IntoIterator<Item = &'a f32>) -> Vec<u8> {
     numbers.into_iter().flat_map(|x| x.to_le_bytes()).collect()
 }

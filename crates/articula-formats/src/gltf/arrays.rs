@@ -1,6 +1,6 @@
-//! Arrays of vertices in another order: every byte of an element as it was.
+//! Reordering of vertex arrays; the bytes of each element are unchanged.
 //!
-//! What was interleaved, shared or strided becomes a view of its own; what was sparse stays so.
+//! Interleaved, shared or strided arrays get a view of their own; sparse ones stay sparse.
 
 use super::accessor::Accessor;
 use super::append::{Use, entries_mut, object, set};
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 /// An accessor with its elements in a new order, not yet in the document.
 pub(super) struct Reordered {
-    /// What stands in the document but for views, offsets and count.
+    /// The accessor's JSON without views, offsets and count.
     template: Value,
     count: usize,
     element_size: usize,
@@ -21,10 +21,11 @@ pub(super) struct Reordered {
     sparse: Option<Overlay>,
 }
 
-/// Rising elements that differ, and their bytes.
+/// Ascending indices of sparse elements, and their bytes.
 type Overlay = (Vec<u32>, Vec<u8>);
 
-/// The elements of an array whose index a place holds, element `i` that which was `order[i]`.
+/// Returns the elements of an array whose index a place holds, with old element `order[i]` at index
+/// `i`.
 pub(super) fn reordered<'a>(
     reader: &mut Reader<'a>,
     index: &Place<'a>,
@@ -72,7 +73,7 @@ fn sparse(accessor: &Accessor<'_>, order: &[u32]) -> Result<Option<Overlay>, Rea
 }
 
 impl Document {
-    /// Stores an array and gives its accessor. Bounds, where they are stated, are stale.
+    /// Stores an array and returns its accessor. Declared bounds become stale.
     pub(super) fn add_reordered(&mut self, array: Reordered) -> usize {
         let mut accessor = array.template;
         set(&mut accessor, "count", array.count);
@@ -87,8 +88,8 @@ impl Document {
         self.add_accessor(accessor)
     }
 
-    /// A view of elements that begin at multiples of 4, as the format wants it of vertices, with
-    /// its stride, so that several accessors may name it.
+    /// Adds a view of elements that start at multiples of 4, as the format requires for vertices,
+    /// with an explicit stride so that several accessors may use it.
     fn add_elements(&mut self, bytes: &[u8], element_size: usize) -> usize {
         let stride = element_size.next_multiple_of(4);
         let mut padded = Vec::with_capacity(bytes.len() / element_size * stride);

@@ -1,9 +1,8 @@
-//! The extension `ARTICULA_articulation`: what each joint is in the H-Anim scheme, and tables
-//! that belong to a motion.
+//! The extension `ARTICULA_articulation`: H-Anim articulation of joints, and tables of motions.
 //!
-//! Each skin lists, in the order of its joints, H-Anim name, level and region; each animation
-//! may name buffer views by table name, and other members that are opaque here. The page is
-//! `docs/formats/ARTICULA_articulation.md`, the schema stands beside it.
+//! Each skin lists H-Anim name, level and region in the order of its joints; each animation may
+//! name buffer views by table name, and have other members that are opaque here. The page is
+//! `docs/formats/ARTICULA_articulation.md`; the schema is next to it.
 
 use super::append::{entries_mut, index, object, set};
 use super::document::Document;
@@ -20,13 +19,13 @@ use serde_json::{Value, json};
 impl Document {
     /// Writes H-Anim name, level and region of every joint onto the document's skins.
     ///
-    /// `node_of_joint` is the way from the articulation's joints to nodes, as
-    /// [`read`](super::read) gives it. Joints in no skin cannot be stored; reading gives them
-    /// what the nearest joint above them has.
+    /// `node_of_joint` maps the articulation's joints to nodes, as [`read`](super::read) returns
+    /// it. Joints in no skin cannot be stored; when read, they get level and region of the nearest
+    /// ancestor in a skin.
     ///
     /// # Errors
-    /// [`WriteError::Mismatch`] if the lists differ in length, or a skin has a joint that is
-    /// not among them.
+    /// [`WriteError::Mismatch`] if the lists differ in length, or a skin has a joint that is not in
+    /// them.
     pub fn set_articulation(
         &mut self,
         articulation: &Articulation,
@@ -61,10 +60,10 @@ impl Document {
         Ok(())
     }
 
-    /// Stores a binary table under a name with an animation, such as `motionError`.
+    /// Stores a binary table with an animation under a name such as `motionError`.
     ///
     /// # Errors
-    /// [`WriteError::Mismatch`] if there is no such animation.
+    /// [`WriteError::Mismatch`] if the animation does not exist.
     pub fn set_motion_table(
         &mut self,
         animation: usize,
@@ -83,8 +82,8 @@ impl Document {
         Ok(())
     }
 
-    /// Writes over the bytes of a table of that name if there is room, so that an asset that is
-    /// built again does not grow. A table's buffer view is its own.
+    /// Overwrites the bytes of a table of that name if they fit, so that rebuilding an asset does
+    /// not enlarge it. The buffer view of a table is not shared.
     fn overwrite_table(&mut self, animation: usize, name: &str, bytes: &[u8]) -> bool {
         let tables = self.motion_member(animation, "tables");
         let Some(view) = tables.and_then(|tables| index(tables, name)) else {
@@ -107,7 +106,7 @@ impl Document {
         true
     }
 
-    /// The bytes of a table that an animation has under a name.
+    /// Returns the bytes of an animation's table with this name.
     pub fn motion_table(&self, animation: usize, name: &str) -> Option<&[u8]> {
         let tables = self.motion_member(animation, "tables")?;
         let views = self.json.get("bufferViews")?.as_array()?;
@@ -118,7 +117,7 @@ impl Document {
         bytes.get(start..start.checked_add(length)?)
     }
 
-    /// A JSON member of the extension of an animation.
+    /// Returns a JSON member of an animation's extension.
     fn motion_member(&self, animation: usize, name: &str) -> Option<&Value> {
         let animations = self.json.get("animations")?.as_array()?;
         let extensions = animations.get(animation)?.get("extensions")?;
@@ -165,8 +164,8 @@ fn motion_extension(animation: &mut Value) -> &mut Value {
         .or_insert_with(|| json!({}))
 }
 
-/// Reads the extension from all skins; `None` if none has it. A broken one is a warning: the
-/// character can be mapped anew.
+/// Reads the extension from all skins; `None` if none has it. A broken one is a warning, since the
+/// character can be mapped again.
 pub(super) fn read(
     reader: &mut Reader<'_>,
     skeletal: &Skeletal,
@@ -195,7 +194,7 @@ pub(super) fn read(
     }))
 }
 
-/// Node and meaning of each joint of a skin.
+/// Reads node and articulation of each joint of a skin.
 fn read_skin(
     skin: &Place<'_>,
     extension: &Place<'_>,
@@ -227,8 +226,8 @@ fn read_joint(place: &Place<'_>) -> Result<JointArticulation, ReadError> {
     })
 }
 
-/// Joints in no skin take level and region of what is above them; above all of them stands
-/// the root, which every level includes.
+/// Gives joints in no skin the level and region of their nearest described ancestor. Above all of
+/// them is the root, which every level includes.
 fn inherited(found: Vec<Option<JointArticulation>>, skeletal: &Skeletal) -> Vec<JointArticulation> {
     let mut joints: Vec<JointArticulation> = Vec::with_capacity(found.len());
     for (joint, own) in skeletal.skeleton.joints.iter().zip(found) {

@@ -1,4 +1,4 @@
-//! Least and greatest numbers of accessors, which the format wants exact where they are stated.
+//! Declared minima and maxima of accessors, which the format requires to be exact.
 
 use super::append::{entries_mut, exact, index, set};
 use super::document::Document;
@@ -7,8 +7,8 @@ use crate::limits::Limits;
 use serde_json::json;
 
 impl Document {
-    /// States anew `min` and `max` of accessors that state them. What cannot be read, or is not
-    /// finite, is left as it is; it is told when it is needed.
+    /// Recomputes the declared `min` and `max` of accessors that have them. Accessors that cannot
+    /// be read, or are not finite, stay unchanged; the error is reported when they are used.
     pub(super) fn state_bounds(&mut self, accessors: &[usize], limits: &Limits) {
         let mut reader = Reader::new(self, limits, Notes::default());
         let mut found = Vec::new();

@@ -1,4 +1,4 @@
-//! Animations of a document, written anew from clips.
+//! Replacement of a document's animations by clips.
 
 use super::append::{exact, float_bytes, object, push, set};
 use super::document::Document;
@@ -13,22 +13,21 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 impl Document {
-    /// Writes `animations` anew from clips.
+    /// Replaces `animations` by clips.
     ///
-    /// Channel targets are joints and meshes of the character that was read from this
-    /// document: `node_of_joint` and `node_of_mesh` are those of its
-    /// [`GltfFile`](super::GltfFile). Arrays and bytes that only the old animations used are
-    /// dropped, unless the document has extensions that might refer to them. A clip keeps the
-    /// extras and unknown extensions of the old animation with its name; motion tables
-    /// describe old keys and go. Expressions are written where the document has nodes for them,
-    /// which only VRM animations do. Other channels that drive expressions, channels without
-    /// keys, and clips without channels, which glTF cannot express, are left out. Expressions of
-    /// KHR_character follow their animation, or go with it. A VRM 0.x character that was turned
-    /// when it was read is turned back.
+    /// Channel targets are joints and meshes of the character that was read from this document:
+    /// `node_of_joint` and `node_of_mesh` are those of its [`GltfFile`](super::GltfFile). Arrays
+    /// and bytes that only the old animations used are dropped, unless the document has extensions
+    /// that might refer to them. A clip keeps the extras and unknown extensions of the old
+    /// animation of the same name; motion tables describe old keys and are removed. Expressions are
+    /// written where the document has nodes for them, which only VRM animations have. Other
+    /// channels that drive expressions, channels without keys, and clips without channels, which
+    /// glTF cannot represent, are left out. Expressions of KHR_character follow their animation, or
+    /// are removed with it. A VRM 0.x character that was turned when it was read is turned back.
     ///
     /// # Errors
-    /// [`WriteError::Mismatch`] if a channel drives a joint or mesh without node, or has
-    /// another number of values than its keys need; the document is unchanged then.
+    /// [`WriteError::Mismatch`] if a channel drives a joint or mesh without node, or has another
+    /// number of values than its keys need; the document is then unchanged.
     pub fn replace_clips(
         &mut self,
         clips: &[RawClip],
@@ -66,7 +65,7 @@ impl Document {
         Ok(())
     }
 
-    /// An animation whose channels name nodes, as the document has them.
+    /// Returns an animation whose channels refer to nodes of the document.
     pub(super) fn animation_of_nodes(&mut self, clip: &RawClip) -> Value {
         let every: Vec<usize> = (0..self.count("nodes")).collect();
         let nodes = Nodes {
@@ -80,7 +79,7 @@ impl Document {
         self.animation(clip, &channels, &nodes)
     }
 
-    /// Which nodes were turned when they were read; none but of VRM 0.x.
+    /// Returns for each node whether it was turned when it was read; only in VRM 0.x.
     fn turned_nodes(&self) -> Vec<bool> {
         if !faces_back(&self.json) {
             return Vec::new();
@@ -119,7 +118,7 @@ impl Document {
     }
 }
 
-/// The way from channel targets to nodes.
+/// Mapping from channel targets to nodes.
 struct Nodes<'a> {
     of_joint: &'a [usize],
     of_mesh: &'a [usize],
@@ -138,11 +137,11 @@ impl Nodes<'_> {
         node.filter(|&n| n < self.count)
     }
 
-    /// The channel with the keys that the file is to have.
+    /// Returns the channel with the keys to be stored.
     fn as_stored<'c>(&self, channel: &'c Channel) -> Cow<'c, Channel> {
         let is_turned = |node: usize| self.is_turned.get(node) == Some(&true);
         match channel.property {
-            // The value of an expression is the way of its node along x.
+            // The value of an expression is the x translation of its node.
             Property::Expression => {
                 let mut stored = channel.clone();
                 stored.values = channel.values.iter().flat_map(|x| [*x, 0.0, 0.0]).collect();
@@ -219,7 +218,7 @@ impl Arrays {
     }
 }
 
-/// Floats in one element of the output accessor.
+/// Returns the number of floats per element of the output accessor.
 fn element_width(property: Property) -> usize {
     match property {
         Property::Translation | Property::Scale | Property::Expression => 3,
@@ -253,7 +252,7 @@ fn interpolation(interpolation: Interpolation) -> &'static str {
     }
 }
 
-/// Carries over what an old animation had beyond channels and samplers.
+/// Copies members of an old animation other than channels and samplers.
 fn keep_unknown(mut old: Value, animation: &mut Value) {
     let members = std::mem::take(object(&mut old));
     for (key, mut value) in members {

@@ -1,7 +1,6 @@
-//! Compressed buffer views, decoded when a document is opened.
+//! Decoding of compressed buffer views when a document is opened.
 //!
-//! From here on the document has plain views only: nothing that reads it, changes it or writes
-//! it needs to know of compression.
+//! Afterwards the document has uncompressed views only, so no other module handles compression.
 //!
 //! Source: KHR_meshopt_compression; EXT_meshopt_compression has the same members.
 
@@ -16,7 +15,7 @@ use crate::meshopt::{Filter, Mode, Shape, decode};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
-/// The two spellings of the extension.
+/// The two names of the extension.
 pub(super) const NAMES: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 
 /// A view that was compressed.
@@ -24,12 +23,12 @@ struct Decoded {
     view: usize,
     name: &'static str,
     bytes: Vec<u8>,
-    /// Whether the bytes are not exactly those that were encoded.
+    /// Whether the decoded bytes are not exactly those that were encoded.
     is_rounded: bool,
 }
 
-/// Whether each buffer only stands for what compressed views hold: it is marked as a fallback,
-/// or every view of it is compressed.
+/// Returns for each buffer whether it is only a placeholder for compressed views: it is marked as a
+/// fallback, or all its views are compressed.
 pub(super) fn placeholders(root: &Place<'_>) -> Result<Vec<bool>, ReadError> {
     let buffers = root.entries("buffers")?;
     let mut compressed = BTreeSet::new();
@@ -58,7 +57,7 @@ fn extension<'a>(owner: &Place<'a>) -> Option<(&'static str, Place<'a>)> {
     NAMES.into_iter().find_map(named)
 }
 
-/// Makes every compressed view a plain one; `fetched` bytes count against the limit already.
+/// Decodes every compressed view; `fetched` bytes already count against the limit.
 pub(super) fn expand(
     document: &mut Document,
     fetched: u64,
@@ -100,7 +99,7 @@ fn decode_all(
         };
         let shape = shape(view, &extension)?;
         let encoded = bytes_of(&extension, &document.buffers)?;
-        // The view's own length was compared, so this neither overflows nor is it a guess.
+        // Cannot overflow: the size was compared with the view's length.
         spent = spent.saturating_add(shape.count * shape.stride);
         let which = "bytes of buffers and pictures";
         Limits::check(extension.at(), which, spent, limits.bytes)?;
@@ -147,7 +146,7 @@ fn shape(view: &Place<'_>, extension: &Place<'_>) -> Result<Shape, ReadError> {
     Ok(shape)
 }
 
-/// The decoder counts bytes from the start of the view.
+/// Adds the position of the view to an error of the decoder, which counts bytes from its start.
 fn placed(extension: &Place<'_>, error: ReadError) -> ReadError {
     match error {
         ReadError::Malformed { at, what } => extension.malformed(format!("{at}: {what}")),
@@ -155,7 +154,7 @@ fn placed(extension: &Place<'_>, error: ReadError) -> ReadError {
     }
 }
 
-/// Gives the views a new buffer, and drops what only their compressed form used.
+/// Puts the views into a new buffer, and drops what only their compressed form used.
 fn put(document: &mut Document, views: Vec<Decoded>) {
     let new = document.buffers.len();
     let mut bytes: Vec<u8> = Vec::new();
@@ -198,8 +197,8 @@ fn take_extension(owner: &mut Value, name: &str) -> Option<Value> {
     taken
 }
 
-/// States anew the bounds of accessors whose numbers a filter rounded: the format wants them
-/// exact, and they were those of the numbers before.
+/// Recomputes the bounds of accessors whose numbers a filter rounded: the format requires exact
+/// bounds, and the declared ones belong to the numbers before rounding.
 fn mend_bounds(document: &mut Document, rounded: &BTreeSet<usize>, limits: &Limits) {
     let root = Place::root(&document.json);
     let mut stale = Vec::new();

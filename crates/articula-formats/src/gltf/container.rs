@@ -1,4 +1,4 @@
-//! The outside of a glTF file: GLB chunks, or JSON text, down to a parsed document.
+//! Container of a glTF file: GLB chunks or JSON text, up to a parsed document.
 //!
 //! Source: glTF 2.0, chapter 4 (GLB) and 3.2 (JSON).
 
@@ -12,7 +12,7 @@ const MAGIC: &[u8] = b"glTF";
 /// Chunk types, as little-endian numbers.
 const JSON: u32 = 0x4E4F_534A;
 const BIN: u32 = 0x004E_4942;
-/// The JSON parser refuses deeper nesting by itself, so no larger limit can be granted.
+/// The JSON parser rejects deeper nesting, so a larger limit has no effect.
 const PARSER_DEPTH: u64 = 127;
 
 /// Splits a file into its JSON document and, for a GLB, its binary chunk.
@@ -59,7 +59,7 @@ fn chunks<'a>(
     Ok((json, binary))
 }
 
-/// Checks the header and cuts the file to the length that it declares.
+/// Checks the header and cuts the file to the declared length.
 fn declared_part<'a>(file: &'a [u8], notes: &mut Notes) -> Result<&'a [u8], ReadError> {
     let (Some(version), Some(length)) = (word(file, 4), word(file, 8)) else {
         let what = format!("a GLB header has 12 bytes, the file {}", file.len());
@@ -105,7 +105,7 @@ fn parse(text: &[u8], offset: usize, limits: &Limits) -> Result<Value, ReadError
     Ok(json)
 }
 
-/// Refuses nesting beyond the limit before anything is built, naming the byte.
+/// Returns an error that names the byte where nesting exceeds the limit, before anything is parsed.
 fn check_depth(text: &[u8], offset: usize, limit: u64) -> Result<(), ReadError> {
     let mut depth = 0u64;
     let mut in_string = false;
@@ -198,7 +198,7 @@ mod tests {
         // Brackets inside strings do not nest.
         let flat = format!("{{\"a\":\"\\\"{}\"}}", "[".repeat(1000));
         assert!(open_all(flat.as_bytes()).is_ok());
-        // The scan and the parser agree on what is allowed.
+        // The check and the parser agree on the maximum.
         let most = format!("{{\"a\":{}{}}}", "[".repeat(126), "]".repeat(126));
         assert!(open_all(most.as_bytes()).is_ok());
     }

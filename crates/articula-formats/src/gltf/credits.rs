@@ -1,7 +1,7 @@
-//! Who made a file and what may be done with it.
+//! Credits: authors and licence of a file.
 //!
 //! Source: glTF 2.0 `asset` (with the extras that Sketchfab writes), `KHR_xmp_json_ld` with Dublin
-//! Core. What VRM says of itself stands above both.
+//! Core. Credits of VRM take precedence over both.
 
 use super::append::{object, set};
 use super::document::Document;
@@ -10,11 +10,10 @@ use super::vrm;
 use articula_core::source::Credits;
 use serde_json::{Value, json};
 
-/// The extension that holds metadata.
+/// Name of the metadata extension.
 const XMP: &str = "KHR_xmp_json_ld";
 
-/// Reads all that the document says of its origin; `None` if that is nothing but the program
-/// that wrote it.
+/// Reads the credits of a document; `None` if it names only the program that wrote it.
 pub(super) fn read(root: &Place<'_>) -> Option<Credits> {
     let mut credits = vrm::read_meta(root).unwrap_or_default();
     if let Some(packet) = packet(root) {
@@ -31,8 +30,8 @@ pub(super) fn read(root: &Place<'_>) -> Option<Credits> {
 }
 
 impl Document {
-    /// Writes the copyright notice to the asset, and title, authors, rights, licence and
-    /// references as a packet of KHR_xmp_json_ld; what the document says already stays.
+    /// Writes the copyright notice to the asset, and title, authors, rights, licence and references
+    /// as a packet of KHR_xmp_json_ld; existing values are kept.
     pub(super) fn set_credits(&mut self, credits: &Credits) {
         let asset = object(&mut self.json)
             .entry("asset")
@@ -59,7 +58,7 @@ impl Document {
             "dc:source",
             credits.references.iter().map(|r| &**r).collect(),
         );
-        // The context alone says nothing, nor does a copyright that the asset has.
+        // A packet with only the context, or with a copyright that the asset has, is not written.
         let says = ["dc:title", "dc:creator", "dc:license", "dc:source"];
         if known.is_some() || says.iter().all(|key| packet.get(key).is_none()) {
             return;
@@ -75,7 +74,7 @@ impl Document {
     }
 }
 
-/// Takes over what is not known yet.
+/// Fills empty fields from other credits.
 fn fill(credits: &mut Credits, other: Credits) {
     let texts = [
         (&mut credits.title, other.title),
@@ -121,7 +120,7 @@ fn of_asset(asset: &Place<'_>) -> Credits {
     }
 }
 
-/// The metadata packet of the asset or of the character.
+/// Returns the metadata packet of the asset or of the character.
 fn packet<'a>(root: &Place<'a>) -> Option<Place<'a>> {
     let owners = [
         root.dig(&["asset", "extensions", XMP]),
@@ -157,7 +156,7 @@ fn of_packet(packet: &Place<'_>) -> Credits {
     }
 }
 
-/// The words of a value of JSON-LD: a text, a list or set, or one text for each language.
+/// Collects the strings of a JSON-LD value: a text, a list or set, or one text per language.
 fn collect(value: &Value, found: &mut Vec<String>) {
     match value {
         Value::String(text) if !text.is_empty() => found.push(text.clone()),
@@ -172,7 +171,7 @@ fn collect(value: &Value, found: &mut Vec<String>) {
     }
 }
 
-/// Name and address among the words about a licence; `NAME (ADDRESS)` is both.
+/// Separates name and address of a licence; `NAME (ADDRESS)` contains both.
 fn licence(words: Vec<String>) -> (String, String) {
     let is_address = |word: &str| word.starts_with("http://") || word.starts_with("https://");
     let (mut name, mut address) = (String::new(), String::new());

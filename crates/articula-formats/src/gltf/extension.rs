@@ -1,16 +1,16 @@
-//! Which version and which required extensions a reader of characters can honour.
+//! Supported versions and required extensions.
 
 use super::place::Place;
 use super::reader::Notes;
 use crate::error::ReadError;
 
-/// Our extension of skins and animations.
+/// Name of the extension of skins and animations with H-Anim articulation.
 pub(super) const ARTICULATION: &str = "ARTICULA_articulation";
 
-/// Our extension of primitives with levels, and of the document that has the table of them.
+/// Name of the extension of primitives with levels, and of the document with their table.
 pub(super) const CLUSTERED_MESH: &str = "ARTICULA_clustered_mesh";
 
-/// Extensions that change nothing that is read here, or that are read.
+/// Extensions that are read, or that do not affect what is read.
 const READ: &[&str] = &[
     ARTICULATION,
     CLUSTERED_MESH,
@@ -31,7 +31,7 @@ const READ_FAMILIES: &[&str] = &[
     "VRMC_",
 ];
 
-/// Refuses a document that demands what is not read, and says how to mend it.
+/// Returns an error for a document with an unsupported required extension, with advice to the user.
 pub(super) fn check(root: &Place<'_>, notes: &mut Notes) -> Result<(), ReadError> {
     check_version(root, notes)?;
     for required in root.entries("extensionsRequired")? {
@@ -88,6 +88,6 @@ fn mend(name: &str) -> String {
         let name: String = name.chars().take(80).collect();
         return format!("re-export without {name}");
     }
-    // Measured: `copy` of glTF-Transform decodes it and leaves the extension out.
+    // Verified: `copy` of glTF-Transform decodes the extension and removes it.
     "re-export without Draco, or run `gltf-transform copy in.glb out.glb`".to_owned()
 }

@@ -1,4 +1,4 @@
-//! A new document from a character: for what no glTF file gave.
+//! Creation of a new document from a character that does not come from a glTF file.
 
 use super::append::{Use, float_bytes, push, set, short, shorts};
 use super::document::Document;
@@ -11,19 +11,19 @@ use glam::{Affine3A, Mat4, Vec4};
 use serde_json::{Value, json};
 
 impl Document {
-    /// Makes a document that shows a character: joint `i` becomes node `i`.
+    /// Creates a document that shows a character: joint `i` becomes node `i`.
     ///
-    /// A mesh with one joint and an identity inverse bind matrix hangs on that joint's node;
-    /// other meshes are skinned, on nodes of their own at the root of the scene. Joints of a
-    /// skin that no mesh uses (a skeleton without mesh has only such) are named by a skin of
-    /// their own, so that they stay joints and can carry their articulation. Pictures of an
-    /// unknown kind, primitives without triangles and clips without channels, which glTF
-    /// cannot express, are left out; so are expressions, with the
-    /// channels that drive them (`articula-build` writes those out as weights and joints first).
+    /// A mesh with one joint and an identity inverse bind matrix is attached to that joint's node;
+    /// other meshes are skinned, on separate nodes at the root of the scene. Joints of a skin that
+    /// no mesh uses (all of them, for a skeleton without mesh) are listed by an additional skin, so
+    /// that they remain joints and can carry their articulation. Pictures of an unknown type,
+    /// primitives without triangles and clips without channels, which glTF cannot represent, are
+    /// left out; so are expressions and the channels that drive them (`articula-build` converts
+    /// those to weights and joint transforms first).
     ///
     /// # Errors
-    /// [`WriteError::Mismatch`] if the character is not consistent: a joint, material or
-    /// picture that is not there, arrays of unequal length.
+    /// [`WriteError::Mismatch`] if the character is not consistent: a missing joint, material or
+    /// picture, arrays of unequal length.
     pub fn from_character(character: &Character) -> Result<Self, WriteError> {
         check(character)?;
         let mut document = Self {
@@ -78,7 +78,7 @@ impl Document {
         }
     }
 
-    /// Puts a node at the root of the scene.
+    /// Adds a node to the root of the scene.
     fn show(&mut self, node: usize) -> usize {
         push(&mut self.json["scenes"][0], "nodes", json!(node))
     }
@@ -106,7 +106,7 @@ impl Document {
         nodes
     }
 
-    /// Coarser levels, on nodes outside of the scene that the node of the mesh names.
+    /// Adds coarser levels as nodes outside of the scene, listed by the node of the mesh.
     fn add_levels<'a>(
         &mut self,
         mesh: &'a RawMesh,
@@ -143,7 +143,7 @@ impl Document {
         }
     }
 
-    /// Names a skin on a node; equal ones are stored once.
+    /// Sets the skin of a node; equal skins are stored once.
     fn bind<'a>(&mut self, node: usize, skin: &'a Skin, skins: &mut Vec<(&'a Skin, usize)>) {
         let known = skins.iter().find(|(known, _)| *known == skin);
         let index = known.map_or_else(|| self.add_skin(skin), |(_, i)| *i);
@@ -151,7 +151,7 @@ impl Document {
         set(&mut self.json["nodes"][node], "skin", index);
     }
 
-    /// Index of a new mesh of these parts of one; `None` if they have no triangle at all.
+    /// Adds a mesh of the given parts and returns its index; `None` if they have no triangle.
     fn add_mesh(&mut self, mesh: &RawMesh, parts: &[Primitive], is_skinned: bool) -> Option<usize> {
         let drawn = parts.iter().filter(|p| !p.triangles.is_empty());
         let has_morphs = parts.iter().any(|p| !p.morphs.is_empty());
@@ -190,7 +190,7 @@ impl Document {
         push(&mut self.json, "skins", value)
     }
 
-    /// Names the joints that no written skin names.
+    /// Adds a skin with the joints that no written skin names.
     fn add_loose_joints(&mut self, character: &Character) {
         let joints = &character.skeleton.joints;
         let mut is_loose: Vec<bool> = joints.iter().map(|j| j.in_skin).collect();
@@ -230,7 +230,8 @@ impl Document {
         }
     }
 
-    /// Index of the texture that shows a picture; `None` if glTF cannot hold it.
+    /// Adds a texture for a picture and returns its index; `None` if glTF does not support its
+    /// type.
     fn add_image(&mut self, image: &Image) -> Option<usize> {
         let mime = mime_type(&image.mime_type, &image.bytes);
         if image.bytes.is_empty() || !matches!(mime.as_str(), "image/png" | "image/jpeg") {
@@ -243,7 +244,7 @@ impl Document {
     }
 }
 
-/// The joint that something hangs on rigidly.
+/// Returns the only joint of a rigid skin.
 fn rigid_joint(skin: &Skin) -> Option<usize> {
     let is_identity = skin.inverse_bind == [Affine3A::IDENTITY];
     match skin.joints[..] {
@@ -252,8 +253,8 @@ fn rigid_joint(skin: &Skin) -> Option<usize> {
     }
 }
 
-/// Where a level hangs in the place of the joint that its mesh hangs on; `None` if it does not
-/// follow that joint alone, or not without shear.
+/// Returns the transform of a level's node relative to the joint that its mesh is attached to;
+/// `None` if the level does not follow that joint alone, or needs shear.
 fn hung(skin: &Skin, joint: usize, rest: Transform) -> Option<Transform> {
     if rigid_joint(skin) == Some(joint) {
         return Some(rest);
@@ -279,7 +280,7 @@ fn write_transform(node: &mut Value, rest: Transform) {
     }
 }
 
-/// Refuses what would otherwise become a broken file.
+/// Returns an error if the character would result in an invalid file.
 fn check(character: &Character) -> Result<(), WriteError> {
     let wrong = |at: String, what: &str| Err(WriteError::mismatch(at, what));
     for (j, joint) in character.skeleton.joints.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! One primitive as accessors: plain floats, small integers where they fit, sparse morphs.
+//! One primitive as accessors: plain floats, small integers where they fit, sparse morph targets.
 
 use super::append::{Use, exact, float_bytes, set};
 use super::document::Document;
@@ -7,10 +7,10 @@ use articula_core::source::{MorphTarget, Primitive};
 use glam::Vec3;
 use serde_json::{Value, json};
 
-/// Largest index of 16 bits; 65535 itself would restart a strip.
+/// Maximum number of vertices for 16-bit indices; index 65535 would restart a strip.
 const MAX_SHORT: usize = 65535;
 
-/// Stores a primitive's arrays and gives its JSON.
+/// Stores a primitive's arrays and returns its JSON.
 pub(super) fn add_primitive(
     document: &mut Document,
     primitive: &Primitive,
@@ -52,7 +52,7 @@ pub(super) fn add_primitive(
     value
 }
 
-/// Refuses arrays that do not go together, or not with so many joints and morph targets.
+/// Returns an error if arrays do not match each other or the number of joints and morph targets.
 pub(super) fn check(
     primitive: &Primitive,
     (joint_count, morph_count): (usize, usize),
@@ -109,7 +109,7 @@ fn set_bounds(document: &mut Document, accessor: usize, positions: &[Vec3]) {
     set(value, "max", exact(&greatest.to_array()));
 }
 
-/// A vertex attribute in a view of its own: kind and component type, elements, bytes.
+/// Adds a vertex attribute in a separate view: accessor and component type, elements, bytes.
 fn add_vertices(
     document: &mut Document,
     (kind, component): (&str, u32),
@@ -144,7 +144,7 @@ fn add_indices(document: &mut Document, triangles: &[[u32; 3]], vertices: usize)
     }))
 }
 
-/// Joints and weights in sets of four, the last one filled up with nothing.
+/// Adds joints and weights in sets of four, the last one padded with zeros.
 fn add_influences(document: &mut Document, primitive: &Primitive, attributes: &mut Value) {
     let count = primitive.positions.len();
     let influences = primitive.influences;
@@ -155,7 +155,7 @@ fn add_influences(document: &mut Document, primitive: &Primitive, attributes: &m
         for v in 0..count {
             for i in set_index * 4..set_index * 4 + 4 {
                 let at = v * influences + i;
-                // The format asks for joint 0 where the weight is 0.
+                // The format requires joint 0 where the weight is 0.
                 let used = i < influences && primitive.weights[at] > 0.0;
                 let joint = if used { primitive.joints[at] } else { 0 };
                 if is_small {
@@ -185,7 +185,7 @@ fn add_morph(document: &mut Document, morph: &MorphTarget) -> Value {
     target
 }
 
-/// Offsets, sparse where that takes fewer bytes.
+/// Adds offsets, sparse where that is smaller.
 fn add_offsets(document: &mut Document, offsets: &[Vec3]) -> usize {
     let moved: Vec<u32> = (0u32..)
         .zip(offsets)

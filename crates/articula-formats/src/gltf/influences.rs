@@ -1,16 +1,17 @@
-//! Joint numbers and weights of vertices, repaired so that weights sum to 1.
+//! Joint indices and weights of vertices, repaired so that weights sum to 1.
 //!
-//! Source: glTF 2.0, 3.7.3.3. Real files break its rules often (Khronos' own CesiumMan has 210
-//! vertices whose weights do not sum to 1), so weights are mended, never refused.
+//! Source: glTF 2.0, 3.7.3.3. Real files often violate its rules (Khronos' CesiumMan has 210
+//! vertices whose weights do not sum to 1), so weights are repaired, never an error.
 
 use super::place::Place;
 use super::reader::Reader;
 use crate::error::ReadError;
 
-/// Sums farther from 1 than this are reported. Nearer ones are rounding of stored weights.
+/// Maximum deviation of a sum from 1 that is not reported; smaller ones are rounding of stored
+/// weights.
 const TOLERANCE: f32 = 1e-3;
 
-/// Influences a vertex, joint numbers and weights.
+/// Influences per vertex, joint indices and weights.
 type Influences = (usize, Vec<u16>, Vec<f32>);
 
 /// Reads all sets of a primitive; without a skin, every vertex follows joint 0.
@@ -72,7 +73,7 @@ fn read_set(
     accessor.expect_type(&["VEC4"])?;
     accessor.expect_count(count, "vertices")?;
     let wide = reader.integers(&accessor)?;
-    // Joint numbers have 16 bits at most; a larger one is beyond any skin.
+    // Joint indices have at most 16 bits; a larger one is outside of any skin.
     let joints = wide.iter().map(|&j| u16::try_from(j).unwrap_or(u16::MAX));
     let joints = joints.collect();
     let index = attributes.require(&format!("WEIGHTS_{set}"))?;
@@ -98,7 +99,7 @@ fn mend_weights(
         }
         // In double precision no sum of finite weights overflows.
         let sum: f64 = vertex.iter().map(|&w| f64::from(w)).sum();
-        // A sum that is 1 to the last digits is left as it is, so that files reproduce.
+        // A sum of 1 up to rounding is left as it is, so that files round-trip exactly.
         if sum <= 0.0 || (sum - 1.0).abs() <= 1e-6 {
             continue;
         }
@@ -118,8 +119,8 @@ fn mend_weights(
     }
 }
 
-/// Sets joint numbers whose weight is 0 to 0, since exporters leave rubbish there, and refuses
-/// others beyond the skin.
+/// Sets joint indices of weight 0 to 0, since exporters leave arbitrary values there, and returns
+/// an error for others outside of the skin.
 fn check_joints(
     attributes: &Place<'_>,
     joint_count: usize,
@@ -137,7 +138,7 @@ fn check_joints(
     Ok(())
 }
 
-/// A vertex that no joint holds follows the first joint of the skin.
+/// Binds vertices without weights to the first joint of the skin.
 fn bind_loose(
     reader: &mut Reader<'_>,
     attributes: &Place<'_>,

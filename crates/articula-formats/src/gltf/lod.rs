@@ -1,10 +1,10 @@
-//! Levels of detail that a file brings: nodes that stand in for another when it is small.
+//! Levels of detail in a file: nodes that replace another one when it is small on the screen.
 //!
-//! Source: MSFT_lod, for nodes. A coarser node stands where the finest stands, with its own
-//! transform in the place of the finest's; one that a scene shows stands where it stands.
-//! Differs: levels of materials are left out. Ours belong to one mesh: a coarser node with the
-//! only mesh of its branch stands in for the finest node's own mesh, other branches are paired
-//! mesh by mesh, and left out if they have another number of meshes than the finest.
+//! Source: MSFT_lod, for nodes. A coarser node takes the parent of the finest, with its own
+//! transform instead of the finest's; one that a scene shows keeps its own parent. Restrictions:
+//! levels of materials are left out. Levels belong to one mesh here: a coarser node with a single
+//! mesh in its branch replaces the finest node's own mesh; other branches are paired mesh by mesh,
+//! and left out if their number of meshes differs from the finest.
 
 use super::node::{self, Tree};
 use super::node_meshes::{Given, NodeMeshes, joint_skin, read_parts, skin_of};
@@ -15,26 +15,26 @@ use crate::error::ReadError;
 use articula_core::source::{MeshLevel, Primitive, Skin};
 use glam::Affine3A;
 
-/// A node and those that stand in for it, the finest first.
+/// A node and those that replace it, the finest first.
 #[derive(Debug)]
 struct Chain {
     finest: usize,
     coarser: Vec<usize>,
-    /// Least share of the screen of the finest and of each of the others.
+    /// Minimum screen coverage of the finest and of each coarser level.
     coverages: Vec<Option<f32>>,
 }
 
-/// What a document says of levels.
+/// Levels of detail of a document.
 #[derive(Debug)]
 pub(super) struct Lods {
-    /// Whether each node belongs to a coarser level, and so shows nothing of its own.
+    /// Whether each node belongs to a coarser level, and so shows nothing itself.
     pub(super) is_coarser: Vec<bool>,
     chains: Vec<Chain>,
     parents: Vec<Option<usize>>,
     children: Vec<Vec<usize>>,
 }
 
-/// Reads which nodes stand in for which. What is broken is left out with a warning.
+/// Reads which nodes replace which. Broken entries are left out with a warning.
 pub(super) fn read(reader: &mut Reader<'_>, tree: &Tree) -> Lods {
     let mut lods = Lods {
         is_coarser: vec![false; tree.len()],
@@ -68,7 +68,7 @@ pub(super) fn read(reader: &mut Reader<'_>, tree: &Tree) -> Lods {
     for &n in &tree.order {
         lods.is_coarser[n] |= tree.parents[n].is_some_and(|parent| lods.is_coarser[parent]);
     }
-    // A coarser level may name levels too; it has none of its own.
+    // A coarser level may list levels too; they are ignored.
     lods.chains.retain(|chain| !lods.is_coarser[chain.finest]);
     lods
 }
@@ -117,13 +117,13 @@ impl Lods {
         Ok(node)
     }
 
-    /// The nodes of a branch that name a mesh, depth first.
+    /// Returns the nodes of a branch that have a mesh, depth first.
     fn meshes_below(&self, reader: &mut Reader<'_>, top: usize) -> Result<Vec<usize>, ReadError> {
         let mut found = Vec::new();
         let mut stack = vec![top];
         while let Some(n) = stack.pop() {
             let node = node_place(reader, n)?;
-            // A branch may be named any number of times.
+            // Charged, since a branch may be referenced any number of times.
             reader.charge(node.at(), 0)?;
             if node.get("mesh").is_some() {
                 found.push(n);
@@ -133,7 +133,7 @@ impl Lods {
         Ok(found)
     }
 
-    /// Where a node stands at rest, in what stands above `top`.
+    /// Returns the transform of a node at rest relative to the parent of `top`.
     fn place_below(
         &self,
         reader: &mut Reader<'_>,
@@ -157,7 +157,7 @@ impl Lods {
     }
 }
 
-/// Gives the meshes their coarser levels.
+/// Attaches coarser levels to the meshes.
 pub(super) fn attach(
     reader: &mut Reader<'_>,
     given: &Given<'_>,
@@ -174,7 +174,7 @@ pub(super) fn attach(
         }
         for (&top, coverage) in chain.coarser.iter().zip(&chain.coverages[1..]) {
             let coarse = lods.meshes_below(reader, top)?;
-            // One mesh for one mesh, whatever hangs below the finest.
+            // One mesh replaces one mesh, regardless of other nodes below the finest.
             let fine = match own.as_slice() {
                 own @ [_] if coarse == [top] => own,
                 _ => &fine,
@@ -201,14 +201,14 @@ pub(super) fn attach(
     Ok(())
 }
 
-/// A node whose mesh stands in for another, and the branch that it is in.
+/// A node whose mesh replaces another, and its branch.
 struct Instead<'a> {
     chain: &'a Chain,
     top: usize,
     n: usize,
 }
 
-/// The level of mesh `m` that a node shows; `None`, with a warning, if it is none.
+/// Reads a node's mesh as a level of mesh `m`; `None`, with a warning, if that is impossible.
 fn read_level(
     reader: &mut Reader<'_>,
     given: &Given<'_>,
@@ -250,7 +250,7 @@ fn read_level(
     }))
 }
 
-/// A level without skin follows the joint of the rigid mesh that it stands in for.
+/// Returns a skin with the joint of the rigid mesh that a level without skin replaces.
 fn rigid_skin(
     reader: &mut Reader<'_>,
     given: &Given<'_>,

@@ -1,4 +1,4 @@
-//! Materials and pictures, reduced to what a preview shows.
+//! Materials and pictures, reduced to what a preview needs.
 //!
 //! Source: glTF 2.0, 3.9; KHR_materials_pbrSpecularGlossiness for files that have only that.
 
@@ -11,7 +11,7 @@ use crate::uri::mime_type;
 use articula_core::source::{Image, Material};
 use glam::Vec4;
 
-/// Materials, pictures, and which texture coordinates each material wants.
+/// Materials, pictures, and the texture coordinates that each material uses.
 #[derive(Debug)]
 pub(super) struct GltfMaterials {
     pub(super) materials: Vec<Material>,
@@ -79,7 +79,7 @@ fn alpha_cutoff(place: &Place<'_>) -> Result<f32, ReadError> {
         .map_or(Ok(0.5), |cutoff| cutoff.float())
 }
 
-/// The picture that a texture shows, in a format that every viewer reads.
+/// Returns the picture of a texture, in a format that every viewer reads.
 fn texture_image(
     reader: &mut Reader<'_>,
     info: &Place<'_>,
@@ -107,7 +107,7 @@ fn read_images(reader: &mut Reader<'_>) -> Result<Vec<Image>, ReadError> {
             (None, Some(view)) => reader.buffer_view(&view)?.0,
             (None, None) => &[],
         };
-        // Many entries may name one large view.
+        // Counted, since many entries may name one large view.
         spent = spent.saturating_add(bytes.len() as u64);
         Limits::check(place.at(), "bytes of pictures", spent, reader.limits.bytes)?;
         images.push(Image {

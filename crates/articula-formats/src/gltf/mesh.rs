@@ -1,6 +1,6 @@
-//! Meshes as nodes show them: skinned, or hung rigidly on a joint.
+//! Meshes of nodes: skinned, or rigidly attached to a joint.
 //!
-//! Source: glTF 2.0, 3.7. Differs: one mesh shown by two nodes becomes two meshes.
+//! Source: glTF 2.0, 3.7. A mesh used by two nodes becomes two meshes.
 
 use super::clustered;
 use super::lod::{self, Lods};
@@ -11,8 +11,8 @@ use super::skeleton::node_place;
 use crate::error::ReadError;
 use articula_core::source::RawMesh;
 
-/// Reads a mesh for each node that shows one, in the order of the nodes; those of coarser
-/// levels are shown by what they stand in for.
+/// Reads a mesh for each node that shows one, in the order of the nodes; coarser levels belong to
+/// the mesh that they replace.
 pub(super) fn read_all(
     reader: &mut Reader<'_>,
     given: &Given<'_>,
@@ -56,8 +56,8 @@ fn mesh_name(node: &Place<'_>, mesh: &Place<'_>) -> String {
     name.to_owned()
 }
 
-/// Names and rest weights of the morph targets. Names stand in the mesh's extras by custom,
-/// in those of its primitives in VRM 0.x.
+/// Reads names and rest weights of the morph targets. By convention, names are in the mesh's
+/// extras, in VRM 0.x in those of its primitives.
 fn describe_morphs(
     reader: &mut Reader<'_>,
     node: &Place<'_>,

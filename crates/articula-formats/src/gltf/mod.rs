@@ -1,26 +1,27 @@
-//! GLB and glTF 2.0, VRM files as such: a thin layer that keeps the whole document.
+//! GLB and glTF 2.0, including VRM files: a thin layer that keeps the whole document.
 //!
-//! [`read`] gives the character that a file shows and the [`Document`] that it came from.
-//! What we do not understand stays in the document untouched, and is there again when it is
-//! written. In the order of the line:
+//! [`read`] returns the character that a file shows and the [`Document`] that it came from. Content
+//! that is not understood stays in the document untouched and is written again. The modules, in the
+//! order in which data passes through them:
 //!
-//! - `container`, `document`: from bytes to JSON, buffers and pictures
-//! - `compression`: compressed buffer views made plain
-//! - `place`, `reader`, `accessor`: values that know their path, limits, arrays
-//! - `extension`: which required extensions are read
+//! - `container`, `document`, `open`: from bytes to JSON, buffers and pictures
+//! - `compression`: decoding of compressed buffer views
+//! - `place`, `reader`, `accessor`: JSON values with their paths, limits, arrays
+//! - `extension`: which required extensions are supported
 //! - `node`, `skeleton`, `skin`: from nodes to joints
-//! - `material`, `texcoord`, `mesh`, `primitive`, `influences`, `lod`: what is seen
+//! - `material`, `texcoord`, `mesh`, `node_meshes`, `primitive`, `influences`, `lod`: geometry and
+//!   appearance
 //! - `origin`: from a part of a mesh back to the document
-//! - `animation`, `pointer`: what moves
-//! - `vrm`, `khr_character`, `credits`: what is said of a human, and who made it
+//! - `animation`, `pointer`: animations
+//! - `vrm`, `khr_character`, `credits`: human metadata and credits
 //! - `articulation`: the extension `ARTICULA_articulation`
 //! - `clustered`: the extension `ARTICULA_clustered_mesh`, and levels as `MSFT_lod`
-//! - `append`, `arrays`, `clips`, `bounds`, `prune`: a document changed
-//! - `fresh`, `geometry`: a document made from a character
-//! - `weight`: what meshes weigh
+//! - `append`, `arrays`, `clips`, `bounds`, `prune`: changes to a document
+//! - `fresh`, `geometry`: a new document from a character
+//! - `weight`: size of meshes in bytes
 //! - `write`: back to bytes
 //!
-//! Source: glTF 2.0 specification (ISO/IEC 12113:2022). The page is `docs/formats/gltf.md`.
+//! Source: glTF 2.0 specification (ISO/IEC 12113:2022). See `docs/formats/gltf.md`.
 
 mod accessor;
 mod animation;
@@ -69,39 +70,39 @@ use articula_core::source::Character;
 use place::Place;
 use reader::{Notes, Reader};
 
-/// A file as read: the character that it shows, and the document behind it.
+/// A glTF file as read: the character that it shows, and the underlying document.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GltfFile {
-    /// The whole document, for writing it again.
+    /// The whole document, to write it again.
     pub document: Document,
-    /// What the document shows.
+    /// The character that the document shows.
     pub character: Character,
     /// Node of each joint of the character's skeleton.
     pub node_of_joint: Vec<usize>,
     /// Node of each mesh of the character.
     pub node_of_mesh: Vec<usize>,
-    /// Format of human extensions and its version, such as `VRM 1.0`.
+    /// Human extension of the file and its version, such as `VRM 1.0`.
     pub version: Option<String>,
-    /// Joint and VRM human bone, if the file says which is which. Names are those of its version
-    /// (the two differ in the thumb).
+    /// Joint and VRM human bone, if the file has a humanoid map. Bones have the names of the file's
+    /// version (versions differ in the thumb).
     pub humanoid: Option<Vec<(usize, String)>>,
-    /// What the draft KHR_character family says.
+    /// Content of the draft KHR_character extensions.
     pub khr_character: Option<KhrCharacter>,
-    /// What stays in the document but changes nothing here, such as spring bones.
+    /// Content that stays in the document but has no effect here, such as spring bones.
     pub kept: Vec<PassThrough>,
 }
 
-/// Reads a GLB or glTF 2.0 file (VRM 0 and 1 and VRMA included) as one character.
+/// Reads a GLB or glTF 2.0 file (including VRM 0.x, VRM 1.0 and VRMA) as one character.
 ///
-/// The resolver is asked for buffers and pictures beside the file, by their relative,
-/// percent-decoded URI; it alone decides which paths are allowed.
+/// The resolver is called for external buffers and pictures with their relative, percent-decoded
+/// URI; it alone decides which paths are allowed.
 ///
-/// - *Joints* are the nodes that a skin or a humanoid extension names, that an animation
-///   moves or that carry a mesh without skin, and every node above these; parents first,
-///   depth first in the order of the document. All other nodes are left out.
-/// - *Meshes* are one for each node of a scene that shows one; nodes that MSFT_lod names as
-///   coarser levels of another are levels of that one's mesh. A skinned mesh ignores its node's own
-///   transform, as the format demands.
+/// - *Joints* are the nodes that a skin or a humanoid extension names, that an animation moves or
+///   that carry a mesh without skin, and all ancestors of these; parents first, depth first in the
+///   order of the document. All other nodes are left out.
+/// - *Meshes*: one for each node of a scene that shows one; nodes that MSFT_lod names as coarser
+///   levels of another are levels of that node's mesh. A skinned mesh ignores the transform of its
+///   own node, as the format requires.
 /// - *Clips* are the animations in order: clip `i` is `animations[i]`.
 /// - *Expressions* are those of VRM, else those of KHR_character.
 /// - A VRM 0.x character, which faces -Z in its file, is turned to +Z.
@@ -119,10 +120,9 @@ pub struct GltfFile {
 /// ```
 ///
 /// # Errors
-/// [`ReadError::Malformed`] with the path of the offending value, [`ReadError::Unsupported`]
-/// for a required extension that is not read, [`ReadError::Missing`] for a buffer that the
-/// resolver does not give, [`ReadError::LimitExceeded`]. A picture that is missing is only a
-/// warning.
+/// [`ReadError::Malformed`] with the path of the offending value, [`ReadError::Unsupported`] for a
+/// required extension that is not supported, [`ReadError::Missing`] for a buffer that the resolver
+/// cannot supply, [`ReadError::LimitExceeded`]. A missing picture is only a warning.
 pub fn read(
     bytes: &[u8],
     limits: &Limits,
@@ -133,11 +133,10 @@ pub fn read(
     read_noted(document, limits, notes)
 }
 
-/// Reads a document that is in memory: gives what [`read`] gives of the bytes it would be written
-/// as.
+/// Reads a document that is in memory, with the same result as [`read`] on its written bytes.
 ///
 /// # Errors
-/// Those of [`read`], but for a missing buffer.
+/// Those of [`read`], except for a missing buffer.
 pub fn read_document(document: Document, limits: &Limits) -> Result<Parsed<GltfFile>, ReadError> {
     read_noted(document, limits, Notes::default())
 }
@@ -208,7 +207,7 @@ fn read_noted(
     Ok(Parsed { value, warnings })
 }
 
-/// The character's own name if a VRM extension gives one, else that of the scene.
+/// Returns the character's name from a VRM extension, else that of the scene.
 fn name(root: &Place<'_>) -> String {
     let meta = |keys: &[&str], key| root.dig(keys).map_or("", |meta| meta.text(key));
     let scene = root

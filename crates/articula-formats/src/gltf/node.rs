@@ -37,7 +37,7 @@ pub(super) fn read_tree(reader: &Reader<'_>) -> Result<Tree, ReadError> {
     }
     let order = depth_first(&parents, &children, reader.limits)?;
     if order.len() < nodes.len() {
-        // Every node has one parent at most, so what no root reaches goes round.
+        // Every node has at most one parent, so nodes that no root reaches form cycles.
         let mut reached = vec![false; nodes.len()];
         order.iter().for_each(|&n| reached[n] = true);
         let lost = reached.iter().position(|r| !r).unwrap_or(0);
@@ -106,7 +106,7 @@ fn depth_first(
     Ok(order)
 }
 
-/// Reads a node's local transform, repaired where it is no transform.
+/// Reads a node's local transform; an invalid one is repaired.
 pub(super) fn read_transform(
     reader: &mut Reader<'_>,
     node: &Place<'_>,
@@ -146,13 +146,13 @@ fn repair_rotation(reader: &mut Reader<'_>, node: &Place<'_>, rotation: Quat) ->
     }
 }
 
-/// The unit quaternion of the same direction; `None` if there is none. One that is unit
-/// already, to the digits of `f32`, is given back bit for bit.
+/// Returns the unit quaternion of the same direction; `None` if there is none. One that is already
+/// unit to `f32` precision is returned unchanged.
 pub(super) fn unit(rotation: Quat) -> Option<Quat> {
     if (rotation.length_squared() - 1.0).abs() <= 1e-6 {
         return Some(rotation);
     }
-    // Scaled first, so that squares of very small or very large parts stay in range.
+    // Scaled first, so that squares of very small or very large components stay in range.
     let largest = glam::Vec4::from(rotation).abs().max_element();
     if largest == 0.0 || !largest.is_finite() {
         return None;
@@ -172,8 +172,8 @@ fn split_matrix(reader: &mut Reader<'_>, node: &Place<'_>, matrix: Mat4) -> Tran
     nearest
 }
 
-/// Keeps translation and column lengths, and turns the columns into the rotation that
-/// Gram-Schmidt finds; columns without length get a direction from the others.
+/// Returns the nearest transform: translation and column lengths are kept, and the columns are
+/// orthonormalised by Gram-Schmidt; columns without length get a direction from the others.
 fn nearest_transform(matrix: Mat4) -> Transform {
     let [a, b, c] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|v| v.truncate());
     let x = a.try_normalize().unwrap_or(Vec3::X);

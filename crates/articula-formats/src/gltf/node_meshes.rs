@@ -1,4 +1,4 @@
-//! What a node shows: the parts of its mesh, and the skin that moves them.
+//! Meshes of nodes: the primitives of a node's mesh, and its skin.
 //!
 //! Source: glTF 2.0, 3.7.
 
@@ -19,16 +19,16 @@ pub(super) struct NodeMeshes {
     pub(super) node_of_mesh: Vec<usize>,
 }
 
-/// What meshes are read with.
+/// Data shared by all meshes that are read.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Given<'a> {
     pub(super) skeletal: &'a Skeletal,
     pub(super) skins: &'a [NodeSkin],
-    /// Texture coordinates that each material wants.
+    /// Texture coordinates that each material uses.
     pub(super) texcoords: &'a [Texcoords],
 }
 
-/// The mesh that a node names, and its parts.
+/// Reads the mesh of a node and its primitives.
 pub(super) fn read_parts<'a>(
     reader: &mut Reader<'a>,
     node: &Place<'a>,
@@ -51,7 +51,7 @@ pub(super) fn skin_of<'a>(
     Ok(skin.map(|s| &given.skins[s]))
 }
 
-/// The skin in terms of joints; without one, the node itself is the only joint.
+/// Returns the skin as joints; without one, the node itself is the only joint.
 pub(super) fn joint_skin(
     reader: &mut Reader<'_>,
     node: usize,

@@ -1,4 +1,4 @@
-//! From the bytes of a file to a document with everything that it refers to.
+//! Opening of a file: from bytes to a document with all data that it refers to.
 
 use super::compression;
 use super::container;
@@ -12,7 +12,7 @@ use crate::limits::Limits;
 use crate::uri;
 
 impl Document {
-    /// Parses a file and fetches what lies beside it.
+    /// Parses a file and fetches its external data.
     pub(super) fn open(
         bytes: &[u8],
         limits: &Limits,
@@ -40,7 +40,7 @@ impl Document {
     }
 }
 
-/// Gets what lies outside the JSON, within the limits.
+/// Loads data outside of the JSON, within the limits.
 struct Fetch<'a, 'r> {
     limits: &'a Limits,
     resolver: &'a mut Resolver<'r>,
@@ -83,7 +83,8 @@ impl Fetch<'_, '_> {
         Ok(out)
     }
 
-    /// A picture that cannot be had is a warning: the character still stands and moves.
+    /// Loads the pictures. A missing one is a warning, since the character can still be shown and
+    /// animated.
     fn pictures(
         &mut self,
         root: &Place<'_>,

@@ -1,4 +1,4 @@
-//! From the parts of a mesh as read back to the primitives of the document that they came from.
+//! Mapping from the parts of a mesh as read to the primitives of the document.
 
 use super::document::Document;
 use super::place::Place;
@@ -9,16 +9,16 @@ use crate::error::ReadError;
 use crate::limits::Limits;
 use std::collections::HashMap;
 
-/// Where a part of a mesh stands in the document.
+/// Origin of a part of a mesh in the document.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Origin {
     /// Index among the primitives of the mesh.
     pub(super) primitive: usize,
-    /// Place of each vertex in the primitive's arrays.
+    /// Index of each vertex in the primitive's arrays.
     pub(super) vertices: Vec<u32>,
 }
 
-/// The parts that [`read`](super::read) makes of the mesh of a node, in their order.
+/// Returns the origins of the parts that [`read`](super::read) makes of a mesh, in their order.
 pub(super) fn origins(reader: &mut Reader<'_>, mesh: &Place<'_>) -> Result<Vec<Origin>, ReadError> {
     let places = mesh.entries("primitives")?;
     let mut out = Vec::new();
@@ -40,7 +40,7 @@ pub(super) fn origins(reader: &mut Reader<'_>, mesh: &Place<'_>) -> Result<Vec<O
     Ok(out)
 }
 
-/// The mesh that a node names.
+/// Returns the mesh of a node.
 pub(super) fn mesh_of<'a>(reader: &Reader<'a>, node: usize) -> Result<Place<'a>, ReadError> {
     let missing = || ReadError::malformed(format!("nodes[{node}]"), "no such node with a mesh");
     let index = reader.root.entry("nodes", node);
@@ -50,13 +50,13 @@ pub(super) fn mesh_of<'a>(reader: &Reader<'a>, node: usize) -> Result<Place<'a>,
 }
 
 impl Document {
-    /// Which vertices of a part of a node's mesh are alike in every byte that the document has of
-    /// them: all attributes, also those that a character does not hold (tangents, further
-    /// texture coordinates and colours, custom ones), and all morph targets. Each vertex gets
-    /// the lowest number of those like it. Parts and vertices are those of [`read`](super::read).
+    /// Finds the vertices of a part that are equal in every byte of the document: in all
+    /// attributes, including those that a character does not hold (tangents, further texture
+    /// coordinates and colours, custom ones), and in all morph targets. Returns for each vertex the
+    /// lowest index of an equal vertex. Parts and vertices are those of [`read`](super::read).
     ///
     /// # Errors
-    /// [`ReadError`] if there is no such node or part, or the document is broken.
+    /// [`ReadError`] if the node or part does not exist, or the document is malformed.
     pub fn vertex_classes(&self, node: usize, part: usize) -> Result<Vec<u32>, ReadError> {
         let limits = Limits::default();
         let mut reader = Reader::new(self, &limits, Notes::default());
@@ -70,7 +70,7 @@ impl Document {
         for index in vertex_arrays(&primitive)? {
             let accessor = reader.accessor(&index)?;
             let overlay = accessor.overlay()?;
-            // One map at a time: what was alike so far, and this array's bytes.
+            // Classes of the arrays so far and the bytes of this one map to new classes.
             let mut first = HashMap::new();
             for ((v, class), raw) in (0u32..).zip(&mut classes).zip(&origin.vertices) {
                 let raw = *raw as usize;
@@ -78,7 +78,7 @@ impl Document {
                     return Err(index.malformed("fewer elements than vertices"));
                 }
                 let bytes = overlay.get(&raw).copied().or_else(|| accessor.stored(raw));
-                // Zeros that are stored are those that are not.
+                // Stored zeros equal implicit zeros.
                 let bytes = bytes.filter(|b| b.iter().any(|byte| *byte != 0));
                 *class = *first.entry((*class, bytes)).or_insert(v);
             }
@@ -87,7 +87,7 @@ impl Document {
     }
 }
 
-/// The members of a primitive that name an array with an element for each vertex.
+/// Returns the members of a primitive that refer to an array with one element per vertex.
 pub(super) fn vertex_arrays<'a>(primitive: &Place<'a>) -> Result<Vec<Place<'a>>, ReadError> {
     let mut owners = vec![primitive.require("attributes")?];
     owners.extend(primitive.entries("targets")?);

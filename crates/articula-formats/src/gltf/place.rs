@@ -1,4 +1,4 @@
-//! A JSON value that knows where in the document it stands, so that every error can say so.
+//! A JSON value with its path in the document, so that every error can name it.
 
 use crate::error::ReadError;
 use serde_json::Value;
@@ -25,7 +25,7 @@ impl<'a> Place<'a> {
         &self.at
     }
 
-    /// Path of a member, whether it is there or not.
+    /// Returns the path of a member, whether it exists or not.
     pub(super) fn path(&self, key: &str) -> String {
         if self.at.is_empty() {
             return key.to_owned();
@@ -37,14 +37,14 @@ impl<'a> Place<'a> {
         ReadError::malformed(self.at.as_str(), what)
     }
 
-    /// A member; `null` counts as absent.
+    /// Returns a member; `null` counts as absent.
     pub(super) fn get(&self, key: &str) -> Option<Self> {
         let value = self.value.get(key).filter(|v| !v.is_null())?;
         let at = self.path(key);
         Some(Self { value, at })
     }
 
-    /// A member of a member of ..., all of them there.
+    /// Returns a nested member, if all members along the way exist.
     pub(super) fn dig(&self, keys: &[&str]) -> Option<Self> {
         keys.iter()
             .try_fold(self.clone(), |place, key| place.get(key))
@@ -55,7 +55,7 @@ impl<'a> Place<'a> {
             .ok_or_else(|| self.malformed(format!("\"{key}\" is missing")))
     }
 
-    /// Number of entries of an array member; 0 if it is absent or no array.
+    /// Returns the number of entries of an array member; 0 if it is absent or not an array.
     pub(super) fn count(&self, key: &str) -> usize {
         self.value
             .get(key)
@@ -63,14 +63,14 @@ impl<'a> Place<'a> {
             .map_or(0, Vec::len)
     }
 
-    /// One entry of an array member.
+    /// Returns one entry of an array member.
     pub(super) fn entry(&self, key: &str, index: usize) -> Option<Self> {
         let value = self.value.get(key)?.as_array()?.get(index)?;
         let at = format!("{}[{index}]", self.path(key));
         Some(Self { value, at })
     }
 
-    /// The entries of an array member; none if it is absent.
+    /// Returns the entries of an array member; empty if it is absent.
     pub(super) fn entries(&self, key: &str) -> Result<Vec<Self>, ReadError> {
         let Some(member) = self.get(key) else {
             return Ok(Vec::new());
@@ -85,7 +85,7 @@ impl<'a> Place<'a> {
         Ok(list.iter().enumerate().map(entry).collect())
     }
 
-    /// The members of an object; none if this is no object.
+    /// Returns the members of an object; empty if this is not an object.
     pub(super) fn members(&self) -> Vec<(&'a str, Self)> {
         let Some(object) = self.value.as_object() else {
             return Vec::new();
@@ -97,7 +97,7 @@ impl<'a> Place<'a> {
         object.iter().map(member).collect()
     }
 
-    /// A string member, or the empty string.
+    /// Returns a string member, or the empty string.
     pub(super) fn text(&self, key: &str) -> &'a str {
         self.value.get(key).and_then(Value::as_str).unwrap_or("")
     }
@@ -110,19 +110,19 @@ impl<'a> Place<'a> {
         self.value.get(key).and_then(Value::as_bool) == Some(true)
     }
 
-    /// This value as a whole number that is not negative; `3.0` counts as one.
+    /// Returns this value as a non-negative integer; `3.0` counts as one.
     pub(super) fn whole(&self) -> Result<u64, ReadError> {
         whole(self.value).ok_or_else(|| {
             self.malformed(format!("expected a whole number, found {}", self.shown()))
         })
     }
 
-    /// A whole-number member.
+    /// Returns an integer member.
     pub(super) fn whole_or(&self, key: &str, absent: u64) -> Result<u64, ReadError> {
         self.get(key).map_or(Ok(absent), |member| member.whole())
     }
 
-    /// This value as an index into something of `len` entries.
+    /// Returns this value as an index into a list of `len` entries.
     pub(super) fn index_below(&self, len: usize) -> Result<usize, ReadError> {
         let found = self.whole()?;
         usize::try_from(found)
@@ -131,14 +131,14 @@ impl<'a> Place<'a> {
             .ok_or_else(|| self.malformed(format!("index {found}, but there are {len}")))
     }
 
-    /// An index member.
+    /// Returns an index member.
     pub(super) fn index(&self, key: &str, len: usize) -> Result<Option<usize>, ReadError> {
         self.get(key)
             .map(|member| member.index_below(len))
             .transpose()
     }
 
-    /// This value as a finite number.
+    /// Returns this value as a finite number.
     pub(super) fn float(&self) -> Result<f32, ReadError> {
         self.value
             .as_f64()
@@ -149,7 +149,7 @@ impl<'a> Place<'a> {
             })
     }
 
-    /// An array member of exactly `N` finite numbers.
+    /// Returns an array member of exactly `N` finite numbers.
     pub(super) fn floats<const N: usize>(&self, key: &str) -> Result<Option<[f32; N]>, ReadError> {
         let Some(member) = self.get(key) else {
             return Ok(None);
@@ -165,7 +165,7 @@ impl<'a> Place<'a> {
         Ok(Some(out))
     }
 
-    /// The value, cut short, for an error message.
+    /// Returns the value, shortened, for an error message.
     fn shown(&self) -> String {
         match self.value {
             Value::Object(_) => "an object".to_owned(),
@@ -175,11 +175,11 @@ impl<'a> Place<'a> {
     }
 }
 
-/// A whole number that is not negative, in either spelling.
+/// Returns a non-negative integer, written as integer or float.
 pub(super) fn whole(value: &Value) -> Option<u64> {
     let spelled_as_float = || {
         let x = value.as_f64()?;
-        // Beyond 2^53 a float no longer names one integer.
+        // Beyond 2^53 a float no longer identifies one integer.
         (x >= 0.0 && x.fract() == 0.0 && x < 9.0e15).then_some(x as u64)
     };
     value.as_u64().or_else(spelled_as_float)

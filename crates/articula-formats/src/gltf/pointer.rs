@@ -1,26 +1,26 @@
-//! Animation targets that are named by a JSON pointer.
+//! Animation targets given by a JSON pointer.
 //!
-//! Source: KHR_animation_pointer; RFC 6901. Read are translation, rotation, scale and weights of
-//! a node and weights of a mesh; single weights and all else are left out.
+//! Source: KHR_animation_pointer; RFC 6901. Supported are translation, rotation, scale and weights
+//! of a node and weights of a mesh; single weights and all others are left out.
 
 use super::place::Place;
 
-/// What a pointer drives.
+/// Target of a pointer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Pointed {
-    /// A node, and the path that says the same without pointer.
+    /// A node, and the equivalent `path` without pointer.
     Node(usize, &'static str),
-    /// The weights of a mesh, and so of its nodes that have none of their own.
+    /// The weights of a mesh, and so of its nodes that have no weights.
     MeshWeights(usize),
 }
 
-/// The pointer of an animation target, if it has one.
+/// Returns the pointer of an animation target, if it has one.
 pub(super) fn text<'a>(target: &Place<'a>) -> Option<&'a str> {
     let extension = target.dig(&["extensions", "KHR_animation_pointer"])?;
     (target.text("path") == "pointer").then(|| extension.text("pointer"))
 }
 
-/// What it drives, if that is something of a character.
+/// Parses the target of a pointer; `None` if it is not part of a character.
 pub(super) fn parse(pointer: &str) -> Option<Pointed> {
     let mut parts = pointer.strip_prefix('/')?.split('/');
     let (list, index, property) = (parts.next()?, parts.next()?, parts.next()?);

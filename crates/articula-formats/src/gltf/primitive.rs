@@ -1,4 +1,4 @@
-//! One drawable part: attributes, triangles, morph targets.
+//! One primitive: attributes, triangles, morph targets.
 //!
 //! Source: glTF 2.0, 3.7.2; integer attributes as KHR_mesh_quantization allows them.
 
@@ -11,9 +11,9 @@ use articula_core::source::{MorphTarget, Primitive};
 use glam::{Vec2, Vec3, Vec4};
 use std::collections::HashSet;
 
-/// Reads one primitive; `None`, with a warning, if it shows no triangles.
+/// Reads one primitive; `None`, with a warning, if it has no triangles.
 ///
-/// `joint_count` is the number of joints of the skin, if a skin moves it.
+/// `joint_count` is the number of joints of the skin, if it is skinned.
 pub(super) fn read(
     reader: &mut Reader<'_>,
     place: &Place<'_>,
@@ -59,7 +59,8 @@ pub(super) fn read(
 /// Number of vertices, and triangles.
 type Outline = (usize, Vec<[u32; 3]>);
 
-/// What [`read`] makes of a primitive without its attributes; `None` if it leaves it out.
+/// Returns vertex count and triangles as [`read`] does, without attributes; `None` if it leaves the
+/// primitive out.
 pub(super) fn outline(
     reader: &mut Reader<'_>,
     place: &Place<'_>,
@@ -77,7 +78,7 @@ pub(super) fn outline(
     Ok((!triangles.is_empty()).then_some((count, triangles)))
 }
 
-/// An attribute of three floats; empty if absent.
+/// Reads an attribute of three floats; empty if absent.
 fn vec3s(
     reader: &mut Reader<'_>,
     attributes: &Place<'_>,
@@ -97,7 +98,7 @@ fn vec3s(
     Ok(triples.iter().copied().map(Vec3::from_array).collect())
 }
 
-/// Normals, made unit where storage or export left them otherwise.
+/// Reads normals, normalised where storage or export made them inexact.
 fn normals(
     reader: &mut Reader<'_>,
     attributes: &Place<'_>,
@@ -183,7 +184,7 @@ fn morphs(
     Ok(morphs)
 }
 
-/// Triangles of a list (mode 4), strip (5) or fan (6), indexed or not.
+/// Reads the triangles of a list (mode 4), strip (5) or fan (6), indexed or not.
 fn triangles(
     reader: &mut Reader<'_>,
     place: &Place<'_>,
@@ -227,7 +228,7 @@ fn triangles(
     Ok(assemble(mode, &corners))
 }
 
-/// Source: glTF 2.0, 3.7.2.1, the formulas for p_i.
+/// Assembles triangles. Source: glTF 2.0, 3.7.2.1, the formulas for p_i.
 fn assemble(mode: u64, corners: &[u32]) -> Vec<[u32; 3]> {
     let windows = || corners.windows(3).enumerate();
     match mode {
@@ -241,7 +242,7 @@ fn assemble(mode: u64, corners: &[u32]) -> Vec<[u32; 3]> {
 
 /// Keeps the vertices that triangles use, in their order.
 ///
-/// For primitives that share one vertex array: each would otherwise carry, and every frame
+/// For primitives that share one vertex array: otherwise each would store, and every frame would
 /// skin, the vertices of all.
 pub(super) fn keep_used_vertices(primitive: &mut Primitive) {
     let mut is_used = vec![false; primitive.positions.len()];
@@ -270,7 +271,7 @@ pub(super) fn keep_used_vertices(primitive: &mut Primitive) {
     }
 }
 
-/// Keeps the entries of used vertices, `each` of them a vertex.
+/// Keeps the entries of used vertices, `each` entries per vertex.
 fn retain<T>(list: &mut Vec<T>, is_used: &[bool], each: usize) {
     let mut i = 0;
     list.retain(|_| {
@@ -279,7 +280,7 @@ fn retain<T>(list: &mut Vec<T>, is_used: &[bool], each: usize) {
     });
 }
 
-/// Whether each primitive has its positions in common with another.
+/// Returns for each primitive whether it shares its positions with another.
 pub(super) fn sharing(primitives: &[Place<'_>]) -> Vec<bool> {
     let mut seen = HashSet::new();
     let mut shared = HashSet::new();
@@ -292,7 +293,7 @@ pub(super) fn sharing(primitives: &[Place<'_>]) -> Vec<bool> {
     primitives.iter().map(is_shared).collect()
 }
 
-/// Accessor of a primitive's positions.
+/// Returns the accessor of a primitive's positions.
 fn positions_of(primitive: &Place<'_>) -> Option<u64> {
     let positions = primitive.dig(&["attributes", "POSITION"])?;
     positions.whole().ok()

@@ -1,8 +1,8 @@
-//! Arrays and bytes that nothing uses any longer, dropped.
+//! Removal of unreferenced arrays and bytes.
 //!
-//! Only what the old animations, meshes or compressed views named is ever dropped, and only if
-//! nothing else names it. For animations and meshes, an extension that is not known to leave accessors and buffer
-//! views alone keeps everything.
+//! Only data of the old animations, meshes or compressed views is ever dropped, and only if nothing
+//! else refers to it. For animations and meshes, an extension that is not known to leave accessors
+//! and buffer views alone prevents any removal.
 
 use super::append::{entries_mut, index, object, set};
 use super::document::Document;
@@ -10,7 +10,7 @@ use super::extension::{ARTICULATION, CLUSTERED_MESH};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Extensions that name neither accessors nor buffer views.
+/// Extensions that refer to neither accessors nor buffer views.
 const HARMLESS: &[&str] = &[
     ARTICULATION,
     CLUSTERED_MESH,
@@ -34,7 +34,7 @@ const HARMLESS_FAMILIES: &[&str] = &[
 ];
 
 impl Document {
-    /// Takes all animations out, with what only they used.
+    /// Removes and returns all animations, with the data that only they used.
     pub(super) fn take_animations(&mut self) -> Vec<Value> {
         let old = object(&mut self.json).shift_remove("animations");
         let Some(Value::Array(old)) = old else {
@@ -53,7 +53,8 @@ impl Document {
         old
     }
 
-    /// Drops those of some accessors that nothing names any longer, with what only they used.
+    /// Drops those of the given accessors that are no longer referenced, with the data that only
+    /// they used.
     pub(super) fn drop_unnamed(&mut self, accessors: BTreeSet<usize>) {
         if !has_unknown_extension(&self.json) {
             self.drop_arrays(accessors, BTreeSet::new());
@@ -90,7 +91,8 @@ impl Document {
         self.drop_ranges(&gone);
     }
 
-    /// Takes out the bytes that these name as views do, but for those that a view still names.
+    /// Removes the byte ranges that the given values name like views, except those that a view
+    /// still uses.
     pub(super) fn drop_ranges(&mut self, gone: &[Value]) {
         let kept = ranges(entries_mut(&mut self.json, "bufferViews"));
         let mut all_cuts = BTreeMap::new();
@@ -120,7 +122,7 @@ impl Document {
         }
     }
 
-    /// Drops the buffers that no view names.
+    /// Drops the buffers that no view uses.
     pub(super) fn drop_unused_buffers(&mut self) {
         let views = entries_mut(&mut self.json, "bufferViews").iter();
         let used: BTreeSet<usize> = views.filter_map(|view| index(view, "buffer")).collect();
@@ -174,7 +176,7 @@ fn table_views(animation: &Value) -> Vec<usize> {
         .collect()
 }
 
-/// Visits every place that names an accessor, and puts the answer there.
+/// Calls `visit` with every accessor index, and replaces it by the result.
 pub(super) fn each_accessor_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usize) {
     for mesh in entries_mut(json, "meshes") {
         for primitive in entries_mut(mesh, "primitives") {
@@ -199,7 +201,7 @@ pub(super) fn each_accessor_reference(json: &mut Value, visit: &mut dyn FnMut(us
     }
 }
 
-/// Visits every place that names a buffer view, and puts the answer there.
+/// Calls `visit` with every buffer view index, and replaces it by the result.
 fn each_view_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usize) {
     for accessor in entries_mut(json, "accessors") {
         change(accessor, "bufferView", visit);
@@ -238,7 +240,7 @@ fn change_all(owner: Option<&mut Value>, visit: &mut dyn FnMut(usize) -> usize) 
     }
 }
 
-/// Removes entries of a top-level array, and the array if nothing is left; gives them back.
+/// Removes entries of a top-level array, and the array if it becomes empty; returns them.
 fn remove(json: &mut Value, key: &str, dropped: &BTreeSet<usize>) -> Vec<Value> {
     let Some(Value::Array(list)) = json.get_mut(key).map(Value::take) else {
         return Vec::new();
@@ -269,7 +271,7 @@ struct Range {
     end: usize,
 }
 
-/// A range to be taken out, and how many bytes are gone by its end.
+/// A range to be removed, and the number of bytes removed up to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Cut {
     start: usize,
@@ -277,7 +279,7 @@ struct Cut {
     total: usize,
 }
 
-/// The ranges of views by their buffer, sorted and merged.
+/// Returns the ranges of views by buffer, sorted and merged.
 fn ranges(views: &[Value]) -> BTreeMap<usize, Vec<Range>> {
     let mut all: BTreeMap<usize, Vec<Range>> = BTreeMap::new();
     for view in views {
@@ -302,8 +304,8 @@ fn ranges(views: &[Value]) -> BTreeMap<usize, Vec<Range>> {
     all
 }
 
-/// What of `gone` no kept range covers, each piece a multiple of 4 long, so that whatever
-/// comes after keeps its alignment.
+/// Returns the parts of `gone` that no kept range covers, with lengths that are multiples of 4, so
+/// that the data after them stays aligned.
 fn cuts(gone: &[Range], kept: &[Range], length: usize) -> Vec<Cut> {
     let mut cuts = Vec::new();
     let mut total = 0;
@@ -341,7 +343,7 @@ fn without(bytes: &[u8], cuts: &[Cut]) -> Vec<u8> {
     kept
 }
 
-/// Where an offset lies once the cuts before it are taken out.
+/// Returns the new offset after the removals before it.
 fn moved(cuts: &[Cut], offset: usize) -> usize {
     let before = cuts.partition_point(|cut| cut.end <= offset);
     offset - before.checked_sub(1).map_or(0, |last| cuts[last].total)

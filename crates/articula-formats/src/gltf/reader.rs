@@ -1,4 +1,4 @@
-//! What every part of the reader shares: the document, the limits, the warnings.
+//! Shared state of all parts of the reader: the document, the limits, the warnings.
 
 use super::document::Document;
 use super::place::Place;
@@ -6,14 +6,14 @@ use crate::error::ReadError;
 use crate::limits::Limits;
 pub(super) use crate::notes::Notes;
 
-/// A document being turned into a character.
+/// A document being converted to a character.
 #[derive(Debug)]
 pub(super) struct Reader<'a> {
     pub(super) root: Place<'a>,
     pub(super) document: &'a Document,
     pub(super) limits: &'a Limits,
     pub(super) notes: Notes,
-    /// Elements decoded so far, all arrays together.
+    /// Elements decoded so far, in all arrays together.
     spent: u64,
 }
 
@@ -28,9 +28,9 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Claims room for `elements` before it is allocated.
+    /// Counts `elements` against the limit before they are allocated.
     pub(super) fn charge(&mut self, at: &str, elements: u64) -> Result<(), ReadError> {
-        // Even an empty array costs something, so that a million of them are seen.
+        // Even an empty array has a cost, so that a million of them exceed the limit.
         self.spent = self.spent.saturating_add(elements.max(4));
         Limits::check(at, "decoded elements", self.spent, self.limits.elements)
     }

@@ -1,4 +1,4 @@
-//! Which nodes become joints, and what they are.
+//! Selection of the nodes that become joints, and their properties.
 
 use super::node::{self, Tree};
 use super::place::Place;
@@ -14,11 +14,11 @@ use std::collections::HashMap;
 pub(super) struct HumanNodes {
     /// Node and human bone, in the order of the file.
     pub(super) bones: Vec<(usize, String)>,
-    /// Index of the expression whose value a node's way along x is.
+    /// Expression index of each node whose x translation is an expression's value.
     pub(super) expressions: HashMap<usize, usize>,
 }
 
-/// The skeleton and the way between its joints and the nodes.
+/// The skeleton, and the mapping between its joints and the nodes.
 #[derive(Debug)]
 pub(super) struct Skeletal {
     pub(super) skeleton: Skeleton,
@@ -27,11 +27,11 @@ pub(super) struct Skeletal {
     pub(super) joint_of_node: Vec<Option<usize>>,
     /// Whether a scene shows each node.
     pub(super) in_scene: Vec<bool>,
-    /// Index of the expression that each of these nodes drives by its way along x.
+    /// Expression index of each node whose x translation is an expression's value.
     pub(super) expression_of_node: HashMap<usize, usize>,
 }
 
-/// Picks the nodes that matter and makes joints of them.
+/// Selects the nodes that become joints and builds the skeleton.
 pub(super) fn read(
     reader: &mut Reader<'_>,
     tree: &Tree,
@@ -45,7 +45,7 @@ pub(super) fn read(
     for (node, _) in &human.bones {
         in_skin[*node] = true;
     }
-    // A node that only carries the value of an expression is no joint.
+    // A node that only carries the value of an expression is not a joint.
     let mut expression_of_node = human.expressions.clone();
     expression_of_node.retain(|node, _| !in_skin[*node]);
     let kept = kept_nodes(reader, tree, &in_skin, &expression_of_node)?;
@@ -89,7 +89,7 @@ fn kept_nodes(
         let is_rigid = node.get("mesh").is_some() && node.get("skin").is_none();
         kept[n] |= in_skin[n] || is_rigid && tree.in_scene[n];
     }
-    // Children stand after their parents in the order, so one pass backwards reaches the top.
+    // Children come after their parents in the order, so one backward pass reaches the roots.
     for &n in tree
         .order
         .iter()
@@ -103,7 +103,7 @@ fn kept_nodes(
     Ok(kept)
 }
 
-/// Which nodes some channel moves (weights do not count).
+/// Returns for each node whether a channel moves it (weights do not count).
 fn animated_nodes(reader: &Reader<'_>, nodes: usize) -> Result<Vec<bool>, ReadError> {
     let mut animated = vec![false; nodes];
     for animation in reader.root.entries("animations")? {

@@ -1,8 +1,8 @@
-//! Texture coordinates as the base colour picture wants them: which set, and moved how.
+//! Texture coordinates of the base colour picture: index of the set, and its transform.
 //!
-//! Source: KHR_texture_transform.
-//! Differs: its listing turns the other way than its text, its test model (TextureTransformTest)
-//! and other readers do (KhronosGroup/glTF issue 1563); this follows the latter.
+//! Source: KHR_texture_transform. The rotation follows its text, its test model
+//! (TextureTransformTest) and other readers; the code listing in its text rotates the other way
+//! (KhronosGroup/glTF issue 1563).
 
 use super::place::Place;
 use super::reader::Reader;
@@ -11,16 +11,16 @@ use glam::{Affine2, Mat2, Vec2};
 
 const NAME: &str = "KHR_texture_transform";
 
-/// What a material takes of a vertex.
+/// Texture coordinates that a material uses.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Texcoords {
-    /// Number of the set.
+    /// Index of the set.
     pub(super) set: u64,
     transform: Affine2,
 }
 
 impl Texcoords {
-    /// Reads a texture's members beside its picture. A broken extension is only a warning.
+    /// Reads a texture reference without its picture. A broken extension is only a warning.
     pub(super) fn read(reader: &mut Reader<'_>, info: &Place<'_>) -> Result<Self, ReadError> {
         let plain = Self {
             set: info.whole_or("texCoord", 0)?,
@@ -38,8 +38,8 @@ impl Texcoords {
         }
     }
 
-    /// The coordinates that the picture is looked up at. A set without transform is given back
-    /// bit for bit.
+    /// Transforms texture coordinates for the lookup in the picture. Without a transform they stay
+    /// unchanged bit for bit.
     pub(super) fn apply(&self, texcoords: &mut [Vec2]) -> Result<(), String> {
         if self.transform == Affine2::IDENTITY {
             return Ok(());
@@ -55,7 +55,7 @@ impl Texcoords {
     }
 }
 
-/// Scaled first, then turned, then shifted.
+/// Reads the transform: scale first, then rotation, then offset.
 fn moved(extension: &Place<'_>, set: u64) -> Result<Texcoords, ReadError> {
     let offset = extension.floats::<2>("offset")?.unwrap_or_default();
     let scale = extension.floats::<2>("scale")?.unwrap_or([1.0; 2]);
@@ -84,8 +84,8 @@ mod tests {
         let json = json!({"offset": [0, 1], "rotation": quarter, "scale": [0.5, 0.25]});
         let mut places = [Vec2::ZERO, Vec2::X, Vec2::Y];
         transform(&json).apply(&mut places).unwrap();
-        // The example of the text, the lower left quadrant of the picture: u runs up from
-        // its lower left corner, v to the right (here with another scale for v).
+        // The example of the extension's text, the lower left quadrant of the picture: u runs up
+        // from its lower left corner, v to the right (here with another scale for v).
         let wanted = [Vec2::Y, Vec2::new(0.0, 0.5), Vec2::new(0.25, 1.0)];
         for (a, b) in places.iter().zip(wanted) {
             assert!(a.distance(b) < 1e-6, "{a} {b}");

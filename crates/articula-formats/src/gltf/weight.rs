@@ -1,12 +1,12 @@
-//! How many bytes of a document its meshes take.
+//! Size of the meshes of a document, in bytes.
 
 use super::document::Document;
 use serde_json::Value;
 use std::collections::BTreeSet;
 
 impl Document {
-    /// Bytes of all buffer views that meshes name through their attributes, morph targets and
-    /// indices, those of all mesh levels too; a view counts once, and whole.
+    /// Returns the size in bytes of all buffer views that meshes use for attributes, morph targets
+    /// and indices, including those of all mesh levels. Each view counts once and in full.
     pub fn mesh_bytes(&self) -> usize {
         let list = |name: &str| self.json.get(name).and_then(Value::as_array);
         let mut accessors = BTreeSet::new();

@@ -1,6 +1,6 @@
-//! A document as one GLB: every buffer and picture in a single binary chunk.
+//! Writing of a document as one GLB, with all buffers and pictures in a single binary chunk.
 //!
-//! Source: glTF 2.0, chapter 4. All other JSON is written as it stands.
+//! Source: glTF 2.0, chapter 4. All other JSON is written unchanged.
 
 use super::append::{entries_mut, index, object, push, set};
 use super::document::Document;
@@ -11,13 +11,13 @@ use serde_json::{Value, json};
 impl Document {
     /// Writes the document as one GLB.
     ///
-    /// External and inline buffers, and the pictures that were fetched, move into the binary
-    /// chunk; a picture that could not be had keeps its URI. Everything else, unknown
-    /// extensions and extras too, is written as it stands.
+    /// External and inline buffers, and the pictures that were fetched, move into the binary chunk;
+    /// a picture that could not be fetched keeps its URI. Everything else, including unknown
+    /// extensions and extras, is written unchanged.
     ///
     /// # Errors
-    /// [`WriteError::TooLarge`] from 4 GiB on; [`WriteError::Mismatch`] if `buffers` does not
-    /// go with the JSON.
+    /// [`WriteError::TooLarge`] from 4 GiB on; [`WriteError::Mismatch`] if `buffers` does not match
+    /// the JSON.
     pub fn write_glb(&self) -> Result<Vec<u8>, WriteError> {
         let (json, binary) = self.packed()?;
         let mut text = json.to_string().into_bytes();
@@ -42,7 +42,7 @@ impl Document {
         Ok(out)
     }
 
-    /// The JSON for a single buffer, and that buffer.
+    /// Returns the JSON for a single buffer, and that buffer.
     fn packed(&self) -> Result<(Value, Vec<u8>), WriteError> {
         if self.count("buffers") != self.buffers.len() {
             let what = format!("{} for {}", self.buffers.len(), self.count("buffers"));
@@ -59,7 +59,7 @@ impl Document {
         if starts.len() > 1 {
             for view in entries_mut(&mut json, "bufferViews") {
                 rebase(view, &starts);
-                // An unknown extension of a view may name a second buffer.
+                // An unknown extension of a view may refer to a second buffer.
                 let extensions = view.get_mut("extensions").and_then(Value::as_object_mut);
                 for (_, extension) in extensions.into_iter().flatten() {
                     rebase(extension, &starts);
@@ -80,7 +80,7 @@ impl Document {
             };
             let declared = image.get("mimeType").and_then(Value::as_str).unwrap_or("");
             let mime = mime_type(declared, bytes);
-            // A picture in a buffer needs a media type; of an unknown kind it stays outside.
+            // A picture in a buffer needs a media type; one of unknown type stays external.
             if mime.is_empty() || bytes.is_empty() {
                 continue;
             }
@@ -100,7 +100,7 @@ impl Document {
     }
 }
 
-/// Moves a reference into one of several buffers to the one that they become.
+/// Adjusts a reference to one of several buffers after they were merged.
 fn rebase(view: &mut Value, starts: &[usize]) {
     let Some(start) = index(view, "buffer").and_then(|b| starts.get(b)) else {
         return;

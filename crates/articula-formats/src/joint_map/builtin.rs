@@ -1,4 +1,4 @@
-//! The profiles that come with the library.
+//! The built-in joint maps.
 
 use super::file;
 use crate::limits::Limits;
@@ -11,7 +11,7 @@ macro_rules! profile {
     };
 }
 
-/// Narrow profiles stand before wide ones: on a tie the first wins.
+/// Narrow maps come before wide ones: on a tie the first wins.
 const FILES: [&str; 20] = [
     profile!("vrm-1"),
     profile!("vrm-0"),
@@ -44,7 +44,7 @@ static PROFILES: LazyLock<Vec<JointMap>> = LazyLock::new(|| {
         .collect()
 });
 
-/// Gives the profiles that come with the library; on a tie of matches the first wins.
+/// Returns the built-in joint maps; on a tie of matches the first wins.
 pub fn builtin() -> &'static [JointMap] {
     &PROFILES
 }

@@ -1,6 +1,6 @@
-//! A profile as a JSON file: which joint names of a kind of rig mean which H-Anim joint.
+//! Joint maps as JSON files.
 //!
-//! Source: our own format, described in `docs/formats/joint-map.md`.
+//! Source: a format of this project, described in `docs/formats/joint-map.md`.
 
 use super::names::{self, HAND, SIDE};
 use super::standard;
@@ -11,7 +11,7 @@ use articula_core::joint_names::{JointMap, JointTarget, RigScope, folded};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// What a file looks like, for errors.
+/// Expected form of a file, for error messages.
 const FORM: &str = "{\"name\": \"…\", \"title\": \"…\", \"source\": \"…\", \"joints\": {\"joint of the rig\": \"l_hip\", …}}";
 
 #[derive(Clone, Copy, Default, Deserialize)]
@@ -43,12 +43,11 @@ struct File {
     ignored: Vec<String>,
 }
 
-/// Reads a profile.
+/// Reads a joint map.
 ///
 /// # Errors
-/// [`ReadError::Malformed`] if it is no JSON, has an unknown member, names a joint or region
-/// that the standard does not have, or gives one name two meanings;
-/// [`ReadError::LimitExceeded`].
+/// [`ReadError::Malformed`] if the JSON is invalid, has an unknown member, names a joint or region
+/// that the standard does not have, or gives one name two meanings; [`ReadError::LimitExceeded`].
 pub fn parse(json: &[u8], limits: &Limits) -> Result<JointMap, ReadError> {
     Limits::check("profile", "bytes", json.len() as u64, limits.bytes)?;
     let file: File = serde_json::from_slice(json).map_err(|e| ReadError::of_json(&e, FORM))?;
@@ -70,7 +69,7 @@ pub fn parse(json: &[u8], limits: &Limits) -> Result<JointMap, ReadError> {
     })
 }
 
-/// The profile in which each name of the standard means itself.
+/// Returns the joint map that maps each name of the standard to itself.
 pub(super) fn of_the_standard() -> JointMap {
     let named = |name: &str| {
         let joint = standard::joint(name)?;

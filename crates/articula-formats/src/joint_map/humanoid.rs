@@ -1,4 +1,4 @@
-//! The human bones of VRM: the names that a file's own humanoid map uses.
+//! The human bones of VRM, the names used by a file's humanoid map.
 //!
 //! Source: VRM 1.0 `humanoid`; VRM 0.x differs in the thumb.
 
@@ -6,7 +6,7 @@ use articula_core::Articulation;
 use articula_core::joint_names::JointTarget;
 use std::collections::HashMap;
 
-/// Bones of the trunk and head; the limbs have a side.
+/// Bones of trunk and head, which have no side.
 const MIDDLE: [&str; 7] = [
     "hips",
     "spine",
@@ -22,7 +22,7 @@ const LIMBS: [&str; 9] = [
 const FINGERS: [&str; 4] = ["Index", "Middle", "Ring", "Little"];
 const PARTS: [&str; 3] = ["Proximal", "Intermediate", "Distal"];
 
-/// Whether VRM 1.0 has a human bone of exactly this name.
+/// Returns whether VRM 1.0 has a human bone of exactly this name.
 pub(crate) fn is_vrm_bone(name: &str) -> bool {
     let Some(part) = name
         .strip_prefix("left")
@@ -37,9 +37,9 @@ pub(crate) fn is_vrm_bone(name: &str) -> bool {
         || finger.is_some_and(|p| PARTS.contains(&p))
 }
 
-/// The joints that stand for human bones of VRM 1.0, of a skeleton whose joints are known by
-/// H-Anim names: the way back from matching. Of a spine with several joints the first
-/// is `spine`, the last `upperChest` (`chest` if there are two) and one between them `chest`.
+/// Returns joints with their VRM 1.0 human bones, for a skeleton with H-Anim articulation: the
+/// inverse of matching. Of a spine with several joints the first is `spine`, the last `upperChest`
+/// (`chest` if there are two) and one between them `chest`.
 pub fn vrm_bones(articulation: &Articulation) -> Vec<(usize, String)> {
     let profile = super::builtin().iter().find(|p| p.name == "vrm-1");
     let hanim_of = |bone: &str| match profile.and_then(|p| p.target(bone)) {
@@ -60,7 +60,7 @@ pub fn vrm_bones(articulation: &Articulation) -> Vec<(usize, String)> {
             Some("vc") => Some("neck".to_owned()),
             _ => bone_of.get(hanim).cloned(),
         };
-        // Of several neck joints the lowest counts.
+        // Of several neck joints, the lowest is used.
         found.extend(
             bone.filter(|b| found.iter().all(|(_, f)| f != b))
                 .map(|b| (j, b)),

@@ -1,10 +1,10 @@
-//! Joint-name profiles as files: which names of a kind of rig mean which H-Anim joint.
+//! Joint maps: for each kind of rig, the H-Anim joint of each joint name.
 //!
-//! - [`builtin`], [`parse`]: the profiles that come along, and the user's own
-//! - [`vrm_bones`]: the names in the map that a VRM file brings itself
+//! - [`builtin`], [`parse`]: the built-in maps, and maps from a user's file
+//! - [`vrm_bones`]: joints by their VRM human bone names
 //!
-//! They are data; `articula-build` matches a skeleton with them. Source: thesis 3.1.3; H-Anim 1.1
-//! and 2 (ISO/IEC 19774); the rules are described in `docs/formats/joint-map.md`.
+//! `articula-build` matches a skeleton against them. Source: thesis 3.1.3; H-Anim 1.1 and 2
+//! (ISO/IEC 19774); the rules are described in `docs/formats/joint-map.md`.
 
 mod builtin;
 mod file;

@@ -1,16 +1,16 @@
-//! Joint names as people write them: left and right in four ways, before or behind the rest.
+//! Name patterns of joints: four spellings of left and right, before or after the rest.
 
 use articula_core::joint_names::{Side, folded};
 
-/// Stands in a pattern for either side, in any spelling.
+/// Placeholder in a pattern for either side, in any spelling.
 pub(super) const SIDE: &str = "{side}";
-/// Stands in a target for the side that a lone hand turns out to be.
+/// Placeholder in a target for the side of a lone hand, which is determined later.
 pub(super) const HAND: &str = "{hand}";
 
-/// Every folded name that a pattern stands for, with the target it leads to.
+/// Returns every folded name that a pattern matches, with its target.
 ///
-/// A side at either end of the pattern may stand at either end of the name, so that
-/// `{side}Hand` finds `LeftHand`, `L_Hand`, `hand.l` and `Hand Left`.
+/// A side at either end of the pattern may be at either end of the name, so `{side}Hand` matches
+/// `LeftHand`, `L_Hand`, `hand.l` and `Hand Left`.
 pub(super) fn spellings(pattern: &str, target: &str) -> Vec<(String, String)> {
     if !pattern.contains(SIDE) {
         return vec![(folded(pattern), target.to_owned())];

@@ -1,8 +1,8 @@
-//! What a standard joint name means: its level and its region.
+//! Level and region of standard joint names.
 //!
-//! Source: H-Anim 1.1 (94 joints, [`articula_core::hanim_table`]) and the 52 joints that
-//! H-Anim 2 adds (data file `hanim-2.json`); those have no twin in the older standard, so they
-//! belong to the last level.
+//! Source: H-Anim 1.1 (94 joints, [`articula_core::hanim_table`]) and the 52 joints that H-Anim 2
+//! adds (data file `hanim-2.json`); the latter do not exist in the older standard, so they belong
+//! to the last level.
 
 use super::names::SIDE;
 use articula_core::Region;
@@ -34,7 +34,7 @@ static ADDED: LazyLock<BTreeMap<String, Region>> = LazyLock::new(|| {
     names
 });
 
-/// The joint of an H-Anim 1.1 or 2 name; the older name is given where there are two.
+/// Returns the joint of an H-Anim 1.1 or 2 name, under its older name if it has both.
 pub(super) fn joint(name: &str) -> Option<StandardJoint> {
     if let Some(index) = hanim_table::find(name) {
         return Some(StandardJoint::from(&hanim_table::JOINTS[index]));
@@ -48,7 +48,7 @@ pub(super) fn joint(name: &str) -> Option<StandardJoint> {
     })
 }
 
-/// Every name of both standards, for the profile that maps each to itself.
+/// Returns every name of both standards, for the joint map that maps each to itself.
 pub(super) fn all_names() -> impl Iterator<Item = &'static str> {
     let table = hanim_table::JOINTS.iter();
     let old = table.clone().map(|j| j.name);

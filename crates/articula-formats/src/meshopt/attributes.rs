@@ -1,48 +1,47 @@
-//! Attributes: differences between neighbouring elements, each byte of an element in a lane.
+//! Attributes: differences between neighbouring elements, one lane per byte of the element.
 //!
 //! Source: KHR_meshopt_compression, appendix A, mode 0.
 
 use super::stream::{Stream, signed};
 use crate::error::ReadError;
 
-/// Elements that share the width of their differences.
+/// Number of elements that share the bit width of their differences.
 const GROUP: usize = 16;
-/// Bytes and elements of the largest block.
+/// Maximum size of a block in bytes and in elements.
 const BLOCK_BYTES: usize = 8192;
 const BLOCK_ELEMENTS: usize = 256;
-/// Widest element.
+/// Maximum size of an element.
 const MAX_BYTES: usize = 256;
 
 const HEADER_V0: u8 = 0xa0;
 const HEADER_V1: u8 = 0xa1;
 
-/// Bits of a difference by the two header bits of its group: v0, then v1 with lane control 0
-/// and 1.
+/// Bits of a difference by the two header bits of its group: v0, then v1 with lane control 0 and 1.
 const WIDTHS: [[u32; 4]; 3] = [[0, 2, 4, 8], [0, 1, 2, 4], [1, 2, 4, 8]];
 
-/// How the bytes of one lane are stored.
+/// Storage of the bytes of one lane.
 #[derive(Debug, Clone, Copy)]
 enum Lane {
     /// Groups with header bits, of these widths.
     Groups(&'static [u32; 4]),
-    /// No byte: all differences are 0.
+    /// No data: all differences are 0.
     Still,
     /// Every difference as one byte.
     Plain,
 }
 
-/// How four neighbouring lanes become values.
+/// Decoding of four neighbouring lanes into values.
 #[derive(Debug, Clone, Copy)]
 enum Channel {
     Bytes,
     Shorts,
-    /// Exclusive or of 32 bits, turned right by so many.
+    /// Exclusive or of 32 bits, rotated right by this number of bits.
     Xor(u32),
 }
 
 /// Decodes `count` elements of `stride` bytes.
 pub(super) fn decode(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, ReadError> {
-    // The end is filled up in front of the tail.
+    // The end is padded before the tail.
     let used = |header| stride + if header == HEADER_V1 { stride / 4 } else { 0 };
     let padded = |header| used(header).max(if header == HEADER_V1 { 24 } else { 32 });
     let (header, mut stream, tail) = Stream::open(bytes, padded)?;
@@ -78,7 +77,7 @@ pub(super) fn decode(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8
     Ok(out)
 }
 
-/// The channel modes behind the first element; v0 has none and differs bytewise.
+/// Returns the channel modes stored after the first element; v0 has none and uses byte differences.
 fn channels(tail: &[u8], stride: usize, end: usize) -> Result<Vec<Channel>, ReadError> {
     let modes = &tail[stride..];
     if modes.is_empty() {
@@ -131,7 +130,7 @@ fn read_lane(
     Ok(())
 }
 
-/// Reads sixteen differences of `width` bits; one that has all bits set follows as a byte.
+/// Reads sixteen differences of `width` bits; one with all bits set is followed by its byte.
 fn read_group(stream: &mut Stream<'_>, width: u32, out: &mut [u8]) -> Result<(), ReadError> {
     if width == 0 {
         out.fill(0);
@@ -161,7 +160,7 @@ fn read_group(stream: &mut Stream<'_>, width: u32, out: &mut [u8]) -> Result<(),
     Ok(())
 }
 
-/// Adds the differences of one element to the element before.
+/// Adds the differences of one element to the previous element.
 fn add(channels: &[Channel], difference: impl Fn(usize) -> u8, element: &mut [u8]) {
     let words = element.as_chunks_mut::<4>().0;
     for ((c, channel), word) in channels.iter().enumerate().zip(words) {
@@ -193,7 +192,7 @@ mod tests {
 
     #[test]
     fn a_group_of_four_bits_by_hand() {
-        // The example of the text: -1 -4 -3 26 -91 0 -6 6 -4 -4 5 -5 1 -1 0 0.
+        // The example of the specification: -1 -4 -3 26 -91 0 -6 6 -4 -4 5 -5 1 -1 0 0.
         let codes = [
             0, 0x17, 0x5f, 0xf0, 0xbc, 0x77, 0xa9, 0x21, 0x00, 0x34, 0xb5,
         ];
@@ -219,7 +218,7 @@ mod tests {
     fn three_kinds_of_channels() {
         let mut element = [250, 5, 0, 255, 0xff, 0xff, 1, 0, 1, 0, 0, 0];
         let channels = [Channel::Bytes, Channel::Shorts, Channel::Xor(4)];
-        // +6 -1 0 +1 in bytes; +1 and -2 in shorts; bit 4 turned to bit 0.
+        // +6 -1 0 +1 in bytes; +1 and -2 in shorts; bit 4 rotated to bit 0.
         let codes = [12, 1, 0, 2, 2, 0, 3, 0, 0x10, 0, 0, 0x80];
         add(&channels, |i| codes[i], &mut element);
         let wanted = [0, 4, 0, 0, 0, 0, 0xff, 0xff, 0, 0, 0, 0x08];

@@ -1,12 +1,12 @@
-//! Filters: what decoded attributes are turned into, element by element.
+//! Filters: transformation of decoded attributes, element by element.
 //!
-//! Source: KHR_meshopt_compression, appendix B. The text allows one unit in the last place,
-//! but for the exponential filter, which is exact. Values that the text leaves open give some
-//! number, never a fault.
+//! Source: KHR_meshopt_compression, appendix B. The specification allows an error of one unit in
+//! the last place, except for the exponential filter, which is exact. Values that it leaves
+//! undefined result in some number, never in an error.
 
 use super::Filter;
 
-/// Undoes a filter in place; elements have `stride` bytes.
+/// Applies a filter in place; elements have `stride` bytes.
 pub(super) fn undo(filter: Filter, stride: usize, bytes: &mut [u8]) {
     match (filter, stride) {
         (Filter::None, _) => {}
@@ -60,7 +60,8 @@ fn short_bytes(shorts: [i16; 4]) -> [u8; 8] {
     [a, b, c, d, e, f, g, h]
 }
 
-/// A unit vector by two coordinates on an octahedron; the third number says how long 1 is.
+/// Decodes a unit vector from two coordinates on an octahedron; the third number is the encoding of
+/// 1.
 fn octahedral([x, y, one, kept]: [i32; 4], largest: f32) -> [f32; 4] {
     let x = x as f32 / one as f32;
     let y = y as f32 / one as f32;
@@ -74,8 +75,8 @@ fn octahedral([x, y, one, kept]: [i32; 4], largest: f32) -> [f32; 4] {
     [x, y, z, kept as f32]
 }
 
-/// A unit quaternion by three parts; the fourth number says how long 1 is and, in its lowest
-/// two bits, which part is missing.
+/// Decodes a unit quaternion from three components; the fourth number is the encoding of 1 and, in
+/// its lowest two bits, the index of the omitted component.
 fn quaternion([x, y, z, one]: [i32; 4]) -> [f32; 4] {
     let scale = std::f32::consts::FRAC_1_SQRT_2 / (one | 3) as f32;
     let [x, y, z] = [x, y, z].map(|part| part as f32 * scale);
@@ -85,15 +86,16 @@ fn quaternion([x, y, z, one]: [i32; 4]) -> [f32; 4] {
     out
 }
 
-/// `2^e * m` of eight and twenty-four bits, both signed.
+/// Decodes `2^e * m` with eight bits of exponent and twenty-four of mantissa, both signed.
 fn exponential(code: i32) -> f32 {
     let mantissa = f64::from(code << 8 >> 8);
-    // The power of two by its bits: the same on every machine.
+    // The power of two is assembled from bits: identical on every machine.
     let power = f64::from_bits((((code >> 24) + 1023) as u64) << 52);
     (mantissa * power) as f32
 }
 
-/// Red, green, blue and alpha; the highest bit of the stored alpha says how large 1 is.
+/// Decodes red, green, blue and alpha; the highest set bit of the stored alpha gives the encoding
+/// of 1.
 fn color(y: i32, [co, cg]: [i32; 2], alpha: u32, largest: f32) -> [f32; 4] {
     let bits = 32 - alpha.leading_zeros();
     let one = (1u32 << bits) - 1;
@@ -110,7 +112,7 @@ mod tests {
 
     #[test]
     fn unit_vectors_by_hand() {
-        // Straight along x, straight down (folded from a corner), and a face of the octahedron.
+        // Along x, straight down (folded from a corner), and a face of the octahedron.
         assert_eq!(octahedral([7, 0, 7, -5], 127.0), [127.0, 0.0, 0.0, -5.0]);
         assert_eq!(octahedral([7, 7, 7, 0], 127.0), [0.0, 0.0, -127.0, 0.0]);
         let third = octahedral([100, 100, 300, 0], 127.0);
@@ -124,7 +126,7 @@ mod tests {
 
     #[test]
     fn quaternions_by_hand() {
-        // 1 is 2047 and part 2 is missing; a stored 1 is the square root of one half.
+        // 1 is 2047 and component 2 is omitted; a stored 1 is the square root of one half.
         let one = 2047 & !3 | 2;
         assert_eq!(quaternion([0, 0, 0, one]), [0.0, 0.0, 32767.0, 0.0]);
         assert_eq!(quaternion([2047, 0, 0, one]), [0.0, 0.0, 23170.0, 23170.0]);
@@ -148,7 +150,7 @@ mod tests {
         assert_eq!(grey, [129.0, 129.0, 129.0, 255.0]);
         // Red: y + co - cg = 127, y + cg = 0, y - co - cg = 1 with y 32, co 63, cg -32.
         assert_eq!(color(32, [63, -32], 0x40, 255.0), [255.0, 0.0, 2.0, 0.0]);
-        // No bit at all: whatever, but no fault.
+        // All bits zero: the result is undefined, but not an error.
         assert!(color(1, [0, 0], 0, 255.0)[3].is_nan());
     }
 

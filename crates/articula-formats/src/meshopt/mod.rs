@@ -1,17 +1,16 @@
-//! The meshopt codec: bytes of a compressed glTF buffer view, decoded.
+//! The meshopt codec: decoding of compressed glTF buffer views.
 //!
-//! Attributes (bitstreams v0 and v1), triangles, index sequences, and the filters that are
-//! undone afterwards. Only decoding: what we write is plain.
+//! Attributes (bitstreams v0 and v1), triangles, index sequences, and the filters that are applied
+//! afterwards. There is no encoder.
 //!
-//! - `stream`: bytes read forwards up to a tail
+//! - `stream`: cursor over the bytes before the tail
 //! - `attributes`, `triangles`, `sequence`: the three modes
 //! - `filter`: octahedral, quaternion, exponential, color
 //!
-//! Source: KHR_meshopt_compression, appendices A and B; EXT_meshopt_compression is the same
-//! without bitstream v1 and the color filter.
-//! Differs: triangles of header 0xe0 are read too, which meshoptimizer wrote before the
-//! extension was fixed; a stream that asks for an edge or vertex that it never gave is refused,
-//! as the text demands and the library does not.
+//! Source: KHR_meshopt_compression, appendices A and B; EXT_meshopt_compression is the same without
+//! bitstream v1 and the color filter. Differs: triangles of header 0xe0, which meshoptimizer wrote
+//! before the extension was final, are also read; a reference to an edge or vertex that does not
+//! exist yet is an error, as the text of the extension requires and the library does not.
 
 mod attributes;
 mod filter;
@@ -22,10 +21,10 @@ mod triangles;
 use crate::Limits;
 use crate::error::ReadError;
 
-/// Which of the three bitstreams the bytes are.
+/// Bitstream type of a compressed view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
-    /// Elements of any kind, a byte lane at a time.
+    /// Elements of any type, stored by byte lanes.
     Attributes,
     /// Indices of a triangle list.
     Triangles,
@@ -33,37 +32,37 @@ pub enum Mode {
     Indices,
 }
 
-/// What is undone after the bitstream; only for [`Mode::Attributes`].
+/// Filter that is applied after the bitstream; only for [`Mode::Attributes`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Filter {
-    /// Elements are what the bitstream gives.
+    /// Elements are the output of the bitstream.
     #[default]
     None,
-    /// Unit vectors by two coordinates on an octahedron.
+    /// Unit vectors as two coordinates on an octahedron.
     Octahedral,
-    /// Unit quaternions by their three smaller parts.
+    /// Unit quaternions as their three smaller components.
     Quaternion,
-    /// Floats as mantissa and exponent of their own.
+    /// Floats as mantissa and exponent.
     Exponential,
-    /// Colours as luma, two chromas and alpha.
+    /// Colours as luma, two chroma values and alpha.
     Color,
 }
 
-/// What the bytes hold, as the buffer view says.
+/// Layout of a compressed view, as the buffer view declares it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shape {
-    /// Which bitstream.
+    /// Bitstream type.
     pub mode: Mode,
-    /// Which filter.
+    /// Filter.
     pub filter: Filter,
-    /// Number of elements; for triangles of corners.
+    /// Number of elements; for triangles, of indices.
     pub count: u64,
-    /// Bytes of one element.
+    /// Size of one element in bytes.
     pub stride: u64,
 }
 
 impl Shape {
-    /// Bytes of all elements, or what is wrong with the shape.
+    /// Returns the size of all elements in bytes, or a description of an invalid layout.
     fn checked_len(&self) -> Result<u64, String> {
         let stride = self.stride;
         let fits = match self.mode {
@@ -95,12 +94,12 @@ impl Shape {
 
 /// Decodes one compressed buffer view into `count * stride` bytes.
 ///
-/// Memory grows with what the bytes give: at most about a thousand times their length, and
-/// never beyond `limits.bytes`.
+/// Memory grows with the input: at most about a thousand times its length, and never beyond
+/// `limits.bytes`.
 ///
 /// # Errors
-/// [`ReadError::Malformed`] with the byte of the fault for a stream that ends early, has bytes
-/// left or breaks the rules of its mode; [`ReadError::LimitExceeded`].
+/// [`ReadError::Malformed`] with the byte of the fault for a stream that ends early, has bytes left
+/// or breaks the rules of its mode; [`ReadError::LimitExceeded`].
 pub fn decode(bytes: &[u8], shape: &Shape, limits: &Limits) -> Result<Vec<u8>, ReadError> {
     let len = shape.checked_len();
     let len = len.map_err(|what| ReadError::malformed("shape", what))?;
@@ -116,7 +115,7 @@ pub fn decode(bytes: &[u8], shape: &Shape, limits: &Limits) -> Result<Vec<u8>, R
     Ok(out)
 }
 
-/// Indices as 2 or 4 bytes each; short ones wrap, as the format says.
+/// Returns indices as 2 or 4 bytes each; 2-byte ones wrap, as the format specifies.
 fn index_bytes(indices: &[u32], stride: usize) -> Vec<u8> {
     let each = indices.iter().map(|i| i.to_le_bytes());
     each.flat_map(|four| four.into_iter().take(stride))

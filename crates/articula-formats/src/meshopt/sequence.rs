@@ -5,7 +5,7 @@
 use super::stream::{Stream, signed};
 use crate::error::ReadError;
 
-/// Bytes at the end that nothing reads.
+/// Unused bytes at the end.
 const TAIL: usize = 4;
 
 /// Decodes `count` indices.

@@ -1,8 +1,8 @@
-//! Encoded bytes, read forwards up to where a tail begins.
+//! Cursor over encoded bytes, up to the tail.
 
 use crate::error::ReadError;
 
-/// A cursor over the part of an encoded view that lies between header and tail.
+/// A cursor over the part of an encoded view between header and tail.
 #[derive(Debug)]
 pub(super) struct Stream<'a> {
     bytes: &'a [u8],
@@ -10,7 +10,7 @@ pub(super) struct Stream<'a> {
 }
 
 impl<'a> Stream<'a> {
-    /// Splits an encoded view into its header byte, what is to be read, and its tail.
+    /// Splits an encoded view into its header byte, the cursor, and its tail.
     pub(super) fn open(
         bytes: &'a [u8],
         tail: impl Fn(u8) -> usize,
@@ -35,7 +35,7 @@ impl<'a> Stream<'a> {
         Ok((header, stream, &bytes[end..]))
     }
 
-    /// The next `count` bytes.
+    /// Returns the next `count` bytes.
     pub(super) fn take(&mut self, count: usize) -> Result<&'a [u8], ReadError> {
         let rest = &self.bytes[self.at..];
         let Some(taken) = rest.get(..count) else {
@@ -50,12 +50,13 @@ impl<'a> Stream<'a> {
         Ok(self.take(1)?[0])
     }
 
-    /// A number in groups of seven bits, the lowest first (LEB128); at most five bytes.
+    /// Reads a number in groups of seven bits, the lowest first (LEB128); at most five bytes.
     pub(super) fn varint(&mut self) -> Result<u32, ReadError> {
         let mut value = 0u32;
         for group in 0..5 {
             let byte = self.byte()?;
-            // Of the fifth group only four bits fit; the others are ignored, as the text says.
+            // Only four bits of the fifth group fit; the others are ignored, as the specification
+            // states.
             value |= u32::from(byte & 0x7f) << (group * 7);
             if byte < 0x80 {
                 return Ok(value);
@@ -64,7 +65,7 @@ impl<'a> Stream<'a> {
         Err(self.fault("a number of more than five bytes"))
     }
 
-    /// Refuses bytes that nothing asked for.
+    /// Returns an error if bytes are left.
     pub(super) fn finish(&self) -> Result<(), ReadError> {
         match self.bytes.len() - self.at {
             0 => Ok(()),
@@ -72,13 +73,13 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// An error at the place that is read next.
+    /// Creates an error at the current position.
     pub(super) fn fault(&self, what: impl Into<String>) -> ReadError {
         ReadError::malformed(format!("byte {}", self.at), what)
     }
 }
 
-/// The signed number that a zigzag code stands for: 0, -1, 1, -2 … as 0, 1, 2, 3 …
+/// Decodes a zigzag code: 0, 1, 2, 3 … to 0, -1, 1, -2 …
 pub(super) fn signed(code: u32) -> u32 {
     (code >> 1) ^ (code & 1).wrapping_neg()
 }
@@ -99,7 +100,8 @@ mod tests {
     fn numbers_in_groups_of_seven_bits() {
         assert_eq!(number(&[0x7f]), Ok(0x7f));
         assert_eq!(number(&[0x81, 0x04]), Ok(0x201));
-        // The text's third example has the groups the other way round; this is by hand.
+        // The specification's third example has the groups in reverse order; this was computed by
+        // hand.
         assert_eq!(number(&[0xff, 0xa0, 0x05]), Ok(0x7f | 0x20 << 7 | 5 << 14));
         assert_eq!(number(&[0xff, 0xff, 0xff, 0xff, 0x7f]), Ok(u32::MAX));
         assert!(number(&[0xff, 0xff, 0xff, 0xff, 0xff, 0x00]).is_err());

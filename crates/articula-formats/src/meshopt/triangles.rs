@@ -1,16 +1,15 @@
-//! Triangle lists: a byte for each triangle that names recent edges and vertices.
+//! Triangle lists: one byte per triangle that refers to recent edges and vertices.
 //!
-//! Source: KHR_meshopt_compression, appendix A, mode 1.
-//! Differs: header 0xe0 is read as meshoptimizer reads it, where codes 0xXd and 0xXe still
-//! name recent vertices.
+//! Source: KHR_meshopt_compression, appendix A, mode 1. Differs: header 0xe0 is read as
+//! meshoptimizer reads it: there, codes 0xXd and 0xXe also refer to recent vertices.
 
 use super::stream::{Stream, signed};
 use crate::error::ReadError;
 
-/// Lookup table at the end.
+/// Size of the lookup table at the end.
 const TAIL: usize = 16;
 
-/// The last sixteen of something.
+/// The last sixteen entries of a sequence.
 #[derive(Debug, Default)]
 struct Recent<T> {
     entries: [Option<T>; 16],
@@ -23,28 +22,28 @@ impl<T: Copy> Recent<T> {
         self.next = (self.next + 1) % 16;
     }
 
-    /// The entry so many before the newest.
+    /// Returns the entry `back` steps before the newest.
     fn get(&self, back: u8) -> Option<T> {
         self.entries[(self.next + 15 - usize::from(back)) % 16]
     }
 }
 
-/// What the decoder carries from one triangle to the next.
+/// State of the decoder between triangles.
 #[derive(Debug)]
 struct Decoder<'a> {
     data: Stream<'a>,
     table: &'a [u8],
-    /// Codes of the low half-byte from here on name no recent vertex.
+    /// Codes of the low half-byte below this refer to a recent vertex.
     recent_codes: u8,
-    /// The vertex that was never named yet.
+    /// Lowest vertex that was not used yet.
     next: u32,
-    /// The vertex that was spelled out last.
+    /// Last explicitly coded vertex.
     last: u32,
     edges: Recent<(u32, u32)>,
     vertices: Recent<u32>,
 }
 
-/// Decodes `count` corners, a multiple of three.
+/// Decodes `count` indices, a multiple of three.
 pub(super) fn decode(bytes: &[u8], count: usize) -> Result<Vec<u32>, ReadError> {
     let (header, mut data, table) = Stream::open(bytes, |_| TAIL)?;
     let recent_codes = match header {
@@ -79,7 +78,7 @@ pub(super) fn decode(bytes: &[u8], count: usize) -> Result<Vec<u32>, ReadError> 
 }
 
 impl Decoder<'_> {
-    /// A triangle on a recent edge.
+    /// Decodes a triangle on a recent edge.
     fn on_an_edge(&mut self, edge: u8, code: u8) -> Result<[u32; 3], ReadError> {
         let Some((a, b)) = self.edges.get(edge) else {
             return Err(self
@@ -101,13 +100,13 @@ impl Decoder<'_> {
         Ok([a, b, c])
     }
 
-    /// A triangle on no recent edge.
+    /// Decodes a triangle on no recent edge.
     fn apart(&mut self, code: u8) -> Result<[u32; 3], ReadError> {
         let corners = match code {
             0..14 => self.table[usize::from(code)],
             _ => self.data.byte()?,
         };
-        // A table may say 0 too; only spelled out it starts anew.
+        // A table may contain 0 too; only the explicit code resets the state.
         if code >= 14 && corners == 0 {
             self.next = 0;
         }
@@ -179,12 +178,12 @@ mod tests {
 
     #[test]
     fn each_kind_of_code_by_hand() {
-        // 0 1 2 all fresh; on its newest edge (0, 2): a fresh vertex; then one step after
-        // the last that was spelled out (0); then one spelled out, +5.
+        // 0 1 2 all new; on its newest edge (0, 2): a new vertex; then one step after the last
+        // explicit one (0); then an explicit one, +5.
         let codes = [0xf0, 0x00, 0x0e, 0x0f, 10];
         let wanted = vec![0, 1, 2, 0, 2, 3, 0, 3, 1, 0, 1, 6];
         assert_eq!(decoded(&codes, 12), Ok(wanted));
-        // All three spelled out: +7, -1 from there, +2 from there; then 0 starts anew.
+        // All three explicit: +7, -1 from there, +2 from there; then 0 resets.
         let codes = [0xff, 0xfe, 0xff, 14, 1, 4, 0x00];
         assert_eq!(decoded(&codes, 6), Ok(vec![7, 6, 8, 0, 1, 2]));
     }

@@ -1,7 +1,7 @@
 //! BAP text: body animation parameters, frame by frame, and the body that they drive.
 //!
-//! Source: the reference encoder's form, versions 3.1 and 3.2 (`docs/formats/mpeg4.md`). 186
-//! parameters have a meaning; 110 more are extensions that only their maker knows.
+//! Source: the format of the reference encoder, versions 3.1 and 3.2 (`docs/formats/mpeg4.md`). The
+//! standard defines 186 parameters; 110 more are extensions with an application-defined meaning.
 
 use super::parameter_text::{self, Frame, Layout, Reader};
 use crate::{Limits, Parsed, ReadError, Warning};
@@ -11,7 +11,7 @@ pub use super::bap_sample::{BapError, BapResidual, SampledBap, sample};
 pub(super) use super::bap_table::{BAPS, Motion, TABLE};
 pub use super::fap::Absent;
 
-/// Parameters with extensions.
+/// Number of parameters with extensions.
 const WITH_EXTENSIONS: usize = 296;
 const VERSIONS: [&str; 2] = ["3.1", "3.2"];
 
@@ -21,31 +21,32 @@ const LAYOUT: Layout = Layout {
     fields: |_| 1,
 };
 
-/// The body at one moment, every parameter with its value.
+/// The body in one frame, with the values of all parameters.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct BapFrame {
-    /// Time in frames; grows from frame to frame, but may skip.
+    /// Frame number; ascending, with gaps allowed.
     pub number: u32,
-    /// BAP 1 at index 0, and so on: 186 values or, with extensions, 296. Turns are in 1e-5
-    /// rad, shifts in millimetres.
+    /// BAP 1 at index 0, and so on: 186 values or, with extensions, 296. Rotations are in 1e-5 rad,
+    /// translations in millimetres.
     pub values: Vec<i32>,
 }
 
 /// The motion of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BapClip {
-    /// Name as the header has it.
+    /// Name as given by the header.
     pub name: String,
-    /// Frames a second.
+    /// Frames per second.
     pub rate_hz: f32,
-    /// Parameters that the mask of at least one frame names, as many as a frame has values.
+    /// Parameters that the mask of at least one frame includes; same length as a frame's values.
     pub coded: Vec<bool>,
-    /// The frames, in order of their numbers; all have as many values.
+    /// The frames, in order of their numbers; all have the same number of values.
     pub frames: Vec<BapFrame>,
 }
 
 impl BapClip {
-    /// Parameters that are other than 0 in at least one frame, as many as a frame has values.
+    /// Returns which parameters are other than 0 in at least one frame; same length as a frame's
+    /// values.
     pub(super) fn moving(&self) -> Vec<bool> {
         let mut moving = vec![false; self.coded.len()];
         for frame in &self.frames {
@@ -57,10 +58,10 @@ impl BapClip {
     }
 }
 
-/// Reads a file.
+/// Reads a BAP file.
 ///
 /// # Errors
-/// [`ReadError`] with the line, if the text is not of this form or exceeds the limits.
+/// [`ReadError`] with the line, if the text does not have this format or exceeds the limits.
 pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<BapClip>, ReadError> {
     let (mut reader, header) = Reader::new(bytes, &LAYOUT, limits)?;
     parameter_text::check_version(&header, &VERSIONS, &mut reader.warnings);
@@ -103,8 +104,8 @@ pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<BapC
     })
 }
 
-/// Writes a file; every frame names the parameters that move at all. Version 3.2 if one of the
-/// extensions does, else 3.1.
+/// Writes a BAP file; the mask of every frame includes the parameters that move at all. Version 3.2
+/// if an extension moves, else 3.1.
 pub fn write(clip: &BapClip) -> Vec<u8> {
     let mut mask = clip.moving();
     let extended = mask.iter().skip(BAPS).any(|moves| *moves);

@@ -1,4 +1,4 @@
-//! From body animation parameters to the standard humanoid in motion.
+//! Conversion of body animation parameters to the standard humanoid in motion.
 
 use super::bap::{BapClip, Motion, TABLE};
 use super::bap_table;
@@ -9,13 +9,13 @@ use articula_core::source::{
 };
 use glam::{DQuat, DVec3, Vec3};
 
-/// Radians of one unit of a turn.
+/// Radians per unit of a rotation.
 pub(super) const RADIANS: f64 = 1e-5;
-/// Metres of one unit of a shift.
+/// Metres per unit of a translation.
 pub(super) const METRES: f64 = 1e-3;
 
-/// The standard humanoid at rest, without clip or mesh: 89 joints at their centres, unturned,
-/// arms hanging.
+/// Returns the standard humanoid at rest, without clip or mesh: 89 joints at their centres,
+/// unrotated, arms hanging.
 pub fn figure() -> Character {
     let joint = |j: &articula_core::hanim_table::HanimJoint| {
         let parent = j.parent.map_or(Vec3::ZERO, |p| JOINTS[p].center);
@@ -34,8 +34,8 @@ pub fn figure() -> Character {
     }
 }
 
-/// The standard humanoid with the motion as its one clip; frame numbers become times, from 0
-/// at the first. Extension parameters move nothing.
+/// Returns the standard humanoid with the motion as its only clip; frame numbers become times,
+/// starting at 0. Extension parameters move nothing.
 pub fn character(clip: &BapClip) -> Character {
     let mut character = figure();
     character.name.clone_from(&clip.name);
@@ -91,7 +91,7 @@ pub fn character(clip: &BapClip) -> Character {
     character
 }
 
-/// The parameters that shift a joint; only the root has some.
+/// Returns the parameters that translate a joint; only the root has some.
 pub(super) fn shifts(joint: &str) -> Vec<(usize, Vec3)> {
     let of = |(index, bap): (usize, &bap_table::Bap)| match bap.motion {
         Motion::Shift(axis) if bap.joint == joint => Some((index, axis)),
@@ -100,12 +100,12 @@ pub(super) fn shifts(joint: &str) -> Vec<(usize, Vec3)> {
     TABLE.iter().enumerate().filter_map(of).collect()
 }
 
-/// Value of a parameter; one that a frame lacks is 0.
+/// Returns the value of a parameter; 0 if the frame lacks it.
 fn value(values: &[i32], index: usize) -> f64 {
     f64::from(values.get(index).copied().unwrap_or(0))
 }
 
-/// Product of turns, from the parent's side.
+/// Returns the product of rotations, from the parent's side.
 pub(super) fn rotation(turns: &[(usize, Vec3)], values: &[i32]) -> DQuat {
     turns.iter().fold(DQuat::IDENTITY, |all, (index, axis)| {
         let angle = value(values, *index) * RADIANS;
@@ -113,7 +113,7 @@ pub(super) fn rotation(turns: &[(usize, Vec3)], values: &[i32]) -> DQuat {
     })
 }
 
-/// Sum of shifts, in metres.
+/// Returns the sum of translations, in metres.
 fn place(shifts: &[(usize, Vec3)], values: &[i32]) -> Vec3 {
     let sum = shifts.iter().fold(DVec3::ZERO, |sum, (index, axis)| {
         sum + axis.as_dvec3() * value(values, *index) * METRES

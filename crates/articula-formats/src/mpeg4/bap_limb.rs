@@ -1,21 +1,22 @@
-//! Knees and elbows as hinges: how the upper limb turns so that the lower one gets where it should.
+//! Knees and elbows as hinges: twist of the upper limb so that the lower one points in its
+//! direction.
 //!
-//! BAP lets a knee or an elbow bend and twist, but not lean to the side. A rig whose hinge lies
-//! otherwise would be off by its lean times the length of the shank. Turning the upper limb
-//! about itself moves no joint but lays the hinge right: feet and hands come to their places,
-//! and only the upper limb's own twist pays.
+//! BAP lets a knee or an elbow bend and twist, but not lean sideways. On a rig with another hinge
+//! axis, the ankle would be off by the lean angle times the length of the shank. Twisting the upper
+//! limb about its own axis moves no joint but aligns the hinge: feet and hands reach their
+//! positions, and only the twist of the upper limb is wrong.
 
 use super::bap_split::nearest_two;
 use super::bap_table;
 use articula_core::hanim_table::{JOINTS, find};
 use glam::{DQuat, DVec3};
 
-/// How much a twist of the upper limb costs beside a lean of the lower one, both in radians
-/// squared: it keeps a straight limb, whose twist moves nothing, from spinning.
+/// Cost of a twist of the upper limb relative to a lean of the lower one, both in radians squared:
+/// it keeps a straight limb, whose twist moves nothing, from spinning.
 const TWIST_COST: f64 = 0.03;
-/// Twists that are tried, to either side of none: so many steps of so many radians.
+/// Twists that are tried on either side of zero: number of steps, and radians per step.
 const TRIES: (i32, f64) = (12, 0.1);
-/// Halvings of a step around the best of them.
+/// Number of halvings of the step around the best of them.
 const HALVINGS: usize = 14;
 /// Upper joint, hinge, and the end of the lower limb.
 const LIMBS: [[&str; 3]; 4] = [
@@ -30,18 +31,18 @@ const LIMBS: [[&str; 3]; 4] = [
 pub(super) struct Limb {
     /// Joint above the upper limb.
     pub(super) upper: usize,
-    /// The hinge.
+    /// Joint of the hinge.
     pub(super) hinge: usize,
-    /// From the upper joint to the hinge, of length 1.
+    /// Unit vector from the upper joint to the hinge.
     along_upper: DVec3,
-    /// From the hinge to the end, of length 1.
+    /// Unit vector from the hinge to the end.
     along_lower: DVec3,
-    /// Axes of the hinge: it bends, then twists.
+    /// Axes of the hinge: bend, then twist.
     bend: DVec3,
     twist: DVec3,
 }
 
-/// The four limbs.
+/// Returns the four limbs.
 pub(super) fn limbs() -> Vec<Limb> {
     let limb = |names: &[&str; 3]| {
         let [upper, hinge, end] = names.map(find);
@@ -67,8 +68,9 @@ pub(super) fn limbs() -> Vec<Limb> {
 }
 
 impl Limb {
-    /// The turn of the upper limb since rest, twisted so that its hinge can point the lower
-    /// one where `lower` points it. What the hinge can do as it stands changes nothing.
+    /// Returns the upper limb's rotation since rest, twisted so that its hinge can point the lower
+    /// one in the direction given by `lower`. A direction that the hinge already reaches changes
+    /// nothing.
     pub(super) fn aimed(&self, upper: DQuat, lower: DQuat) -> DQuat {
         let target = upper.inverse() * lower;
         let about = |twist: f64| DQuat::from_axis_angle(self.along_upper, twist);
@@ -79,19 +81,20 @@ impl Limb {
         upper * about(least(cost))
     }
 
-    /// The angle by which the lower limb misses where the hinge's whole turn points it.
+    /// Returns the angle between the lower limb that the hinge can produce and the one given by the
+    /// hinge's total rotation.
     fn missed(&self, target: DQuat) -> f64 {
         let [_, twist] = nearest_two(target, self.bend, self.twist);
         let bend = self.bend_angle(target, twist);
         let about = DQuat::from_axis_angle;
         let reached = about(self.bend, bend) * about(self.twist, twist) * self.along_lower;
-        // Of two directions of length 1, by their distance: it keeps the digits of small ones.
+        // Computed from the distance of unit vectors, which is precise for small angles.
         let apart = reached.distance(target * self.along_lower);
         2.0 * (0.5 * apart).min(1.0).asin()
     }
 
-    /// The bend after which the lower limb, twisted by so much, points as nearly as it can
-    /// where `target`, the hinge's whole turn, points it.
+    /// Returns the bend for which the lower limb, twisted by `twist`, points as closely as possible
+    /// in the direction given by `target`, the hinge's total rotation.
     pub(super) fn bend_angle(&self, target: DQuat, twist: f64) -> f64 {
         let from = DQuat::from_axis_angle(self.twist, twist) * self.along_lower;
         let to = target * self.along_lower;
@@ -100,7 +103,7 @@ impl Limb {
     }
 }
 
-/// The twist of least cost; none if none is better.
+/// Returns the twist of least cost; zero if none is better.
 fn least(cost: impl Fn(f64) -> f64) -> f64 {
     let (tries, mut step) = TRIES;
     let mut best = (0.0, cost(0.0));
@@ -132,7 +135,7 @@ mod tests {
     fn a_leaning_shank_is_reached_by_a_twist_of_the_thigh() {
         for limb in limbs() {
             let upper = DQuat::from_rotation_z(0.2);
-            // Bent by a radian about an axis that lies 20 degrees off the hinge's.
+            // Bent by a radian about an axis 20 degrees off the hinge's.
             let off = DQuat::from_rotation_y(0.35);
             let bent = DQuat::from_axis_angle(off * limb.bend, 1.0);
             let lower = upper * bent;

@@ -1,13 +1,14 @@
-//! From any humanoid's motion to body animation parameters.
+//! Conversion of any humanoid's motion to body animation parameters.
 //!
-//! Each joint's turn since rest, in model space, is what the standard humanoid's joint should
-//! show. From parents to children it is split into the turns that the joint has: three are
-//! exact, two or one the nearest there is. A child starts from what its parent shows, so it
-//! makes good what the parent could not, and an ankle leaves the foot's roll to the subtalar
-//! joint. For knees and elbows places come before turns, see `bap_limb`.
+//! The target of each standard joint is the model-space rotation of the rig's joint since rest.
+//! From parents to children it is split into the rotations that the joint has: three represent it
+//! exactly, two or one approximate it as closely as possible. A child starts from its parent's
+//! actual rotation, so it compensates for the parent's residual, and an ankle leaves the foot's
+//! roll to the subtalar joint. For knees and elbows positions take precedence over rotations, see
+//! `bap_limb`.
 //!
-//! A turn since rest means the same on two bodies only if they rest alike, so figures whose
-//! limbs do not hang as the standard's do are refused.
+//! A rotation since rest means the same on two bodies only if their rest poses agree, so figures
+//! whose limbs do not hang like the standard's are an error.
 
 use super::bap::{BAPS, BapClip, BapFrame};
 use super::bap_body::{METRES, RADIANS, rotation, shifts};
@@ -23,7 +24,7 @@ use articula_core::source::Character;
 use glam::{DQuat, Vec3};
 use thiserror::Error;
 
-/// Limbs may rest this far from the standard's.
+/// Maximum angle between a limb at rest and the standard's.
 const APART_DEGREES: f32 = 30.0;
 /// Residuals below this are rounding.
 const ROUNDING_RADIANS: f32 = 1e-4;
@@ -39,10 +40,10 @@ const LIMBS: [(&str, &str); 8] = [
     ("r_knee", "r_ankle"),
 ];
 
-/// Joints that turn the foot together: the ankle bends and twists it, the other one rolls it.
+/// Joints that rotate the foot together: the ankle bends and twists it, the other one rolls it.
 const FEET: [(&str, &str); 2] = [("l_ankle", "l_subtalar"), ("r_ankle", "r_subtalar")];
 
-/// How far a joint is from where it should be, because its parameters cannot say it.
+/// Difference between a joint's rotation and its target, due to missing parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BapResidual {
     /// H-Anim name of the joint.
@@ -53,41 +54,41 @@ pub struct BapResidual {
     pub mean_radians: f32,
 }
 
-/// A motion as parameters, and what they could not say.
+/// A motion as parameters, and the rotations that they could not represent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledBap {
-    /// The motion, 186 values a frame, numbered from 0.
+    /// The motion, 186 values per frame, numbered from 0.
     pub clip: BapClip,
-    /// Joints that are off by more than rounding, the worst first.
+    /// Joints with a residual above rounding, the largest first.
     pub residuals: Vec<BapResidual>,
 }
 
-/// Why a motion cannot be told in body animation parameters.
+/// Reason why a motion cannot be expressed as body animation parameters.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum BapError {
-    /// There is no such clip, or the rate is no positive number.
+    /// The clip does not exist, or the rate is not a positive number.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The clip has more frames than a reader would take.
+    /// The clip has more frames than a reader accepts.
     #[error("{found} frames, the limit is {limit}")]
     TooLong {
-        /// Frames at the rate asked for.
+        /// Number of frames at the requested rate.
         found: u64,
-        /// The limit.
+        /// Maximum number of frames.
         limit: u64,
     },
     /// No joint is known to be the root of the humanoid.
     #[error("no joint is known as humanoid_root; BAP drives humanoids only")]
     NoRoot,
-    /// The articulation is of another skeleton.
+    /// The articulation belongs to another skeleton.
     #[error("{found} joints in the articulation, {expected} in the skeleton")]
     Articulation {
-        /// Joints of the articulation.
+        /// Number of joints of the articulation.
         found: usize,
-        /// Joints of the skeleton.
+        /// Number of joints of the skeleton.
         expected: usize,
     },
-    /// The figure rests in another pose.
+    /// The rest pose of the figure differs from the standard's.
     #[error(
         "{joint} rests {degrees:.0} degrees off the standard humanoid, whose arms hang; BAP counts from there"
     )]
@@ -99,11 +100,11 @@ pub enum BapError {
     },
 }
 
-/// Tells a clip in body animation parameters at a rate.
+/// Converts a clip to body animation parameters at a rate.
 ///
 /// # Errors
-/// [`BapError`] if the clip is not there, the character is no humanoid, or rests in another
-/// pose than the standard.
+/// [`BapError`] if the clip does not exist, the character is not a humanoid, or its rest pose
+/// differs from the standard's.
 pub fn sample(
     character: &Character,
     articulation: &Articulation,
@@ -138,7 +139,7 @@ pub fn sample(
     })
 }
 
-/// What is told of a joint: its turns, and the rig's joint that shows what it should.
+/// A joint to convert: its rotation parameters, and the rig's joint that gives the target.
 struct Told {
     turns: Vec<(usize, Vec3)>,
     source: Option<usize>,
@@ -146,10 +147,10 @@ struct Told {
 
 /// The humanoid of a character.
 struct Body {
-    /// The rig's joints at rest.
+    /// Transforms of the rig's joints at rest.
     rest: Vec<Place>,
     root: usize,
-    /// One for each body joint of the standard.
+    /// One entry for each body joint of the standard.
     joints: Vec<Told>,
     /// Limbs of which the rig has both joints.
     limbs: Vec<Limb>,
@@ -201,7 +202,7 @@ impl Body {
         })
     }
 
-    /// The parameters of one frame, whose joints stand at these places.
+    /// Returns the parameters of one frame from the transforms of its joints.
     fn values(&self, places: &[Place], state: &mut State) -> Vec<i32> {
         let mut values = vec![0; BAPS];
         let moved = places[self.root].position - self.rest[self.root].position;
@@ -230,7 +231,7 @@ impl Body {
         values
     }
 
-    /// The angles of one joint, whose parent shows this.
+    /// Returns the angles of one joint, given its parent's actual rotation.
     fn angles(
         &self,
         joint: usize,
@@ -254,8 +255,8 @@ impl Body {
         }
     }
 
-    /// The turn since rest that each joint should show, in model space; a joint that the rig
-    /// lacks goes with its parent.
+    /// Returns the target rotation since rest of each joint, in model space; a joint that the rig
+    /// lacks follows its parent.
     fn wanted(&self, places: &[Place]) -> Vec<DQuat> {
         let mut wanted: Vec<DQuat> = Vec::with_capacity(BODY_JOINTS);
         for (joint, told) in self.joints.iter().enumerate() {
@@ -270,14 +271,14 @@ impl Body {
     }
 }
 
-/// What is remembered from frame to frame, for each body joint of the standard.
+/// State carried from frame to frame, for each body joint of the standard.
 struct State {
-    /// Angles of the frame before, so that the next are near them.
+    /// Angles of the previous frame, to which the next ones stay close.
     last: Vec<[f64; 3]>,
     off: Vec<Off>,
 }
 
-/// Angles by which a joint was off.
+/// Residual angles of a joint.
 #[derive(Debug, Clone, Copy, Default)]
 struct Off {
     max: f32,
@@ -316,7 +317,7 @@ impl State {
     }
 }
 
-/// Direction of a limb of the standard humanoid.
+/// Returns the direction of a limb of the standard humanoid.
 fn limb(above: &str, below: &str) -> Vec3 {
     let center = |name: &str| find(name).map_or(Vec3::ZERO, |j| JOINTS[j].center);
     center(below) - center(above)

@@ -1,10 +1,10 @@
-//! A rotation as turns about one, two or three axes at right angles, as near as they can come.
+//! Closest approximation of a rotation by rotations about one, two or three perpendicular axes.
 
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// The angles whose turns come nearest to a rotation; of those that say the same, the nearest
-/// to `last`. Angles beyond the number of turns are 0.
+/// Returns the angles whose product is closest to a rotation; of equivalent ones, the closest to
+/// `last`. Angles beyond the number of axes are 0.
 pub(super) fn split(target: DQuat, turns: &[(usize, Vec3)], last: [f64; 3]) -> [f64; 3] {
     let axis = |turn: usize| turns[turn].1.as_dvec3();
     match turns.len() {
@@ -30,18 +30,17 @@ pub(super) fn split(target: DQuat, turns: &[(usize, Vec3)], last: [f64; 3]) -> [
     }
 }
 
-/// The turn about an axis that is nearest to a rotation: its twist.
+/// Returns the rotation about an axis that is closest to a rotation: its twist.
 fn one(q: DQuat, axis: DVec3) -> f64 {
     2.0 * q.xyz().dot(axis).atan2(q.w)
 }
 
-/// The turns about two axes at right angles, the first on the parent's side, whose product is
-/// nearest to a rotation.
+/// Returns the angles about two perpendicular axes, the first on the parent's side, whose product
+/// is closest to a rotation.
 ///
-/// The product is `(ca cb, u sa cb + v ca sb + u x v sa sb)` with the cosines and sines of half
-/// the angles. Its dot product with the rotation, twice, is `(w + z) cos(a/2 - b/2) + (w - z)
-/// cos(a/2 + b/2) + (x + y) sin(a/2 + b/2) + (x - y) sin(a/2 - b/2)`: sum and difference can
-/// be chosen apart.
+/// The product is `(ca cb, u sa cb + v ca sb + u x v sa sb)` with the cosines and sines of half the
+/// angles. Its dot product with the rotation, twice, is `(w + z) cos(a/2 - b/2) + (w - z) cos(a/2 +
+/// b/2) + (x + y) sin(a/2 + b/2) + (x - y) sin(a/2 - b/2)`: sum and difference are independent.
 pub(super) fn nearest_two(q: DQuat, u: DVec3, v: DVec3) -> [f64; 2] {
     let (w, x, y, z) = (q.w, q.xyz().dot(u), q.xyz().dot(v), q.xyz().dot(u.cross(v)));
     let sum = (x + y).atan2(w - z);
@@ -49,10 +48,10 @@ pub(super) fn nearest_two(q: DQuat, u: DVec3, v: DVec3) -> [f64; 2] {
     [sum + difference, sum - difference]
 }
 
-/// The turns about three axes at right angles whose product is a rotation; where the first and
-/// the third do the same, the third stays `c`.
+/// Returns the angles about three perpendicular axes whose product is a rotation; where the first
+/// and the third axis coincide, the third angle stays `c`.
 fn three(q: DQuat, u: DVec3, v: DVec3, w: DVec3, c: f64) -> [f64; 3] {
-    // In a right-handed frame the third axis may point the other way.
+    // In a right-handed frame the third axis may be negated.
     let hand = u.cross(v).dot(w);
     let third = w * hand;
     let turned = q * third;
@@ -67,7 +66,7 @@ fn three(q: DQuat, u: DVec3, v: DVec3, w: DVec3, c: f64) -> [f64; 3] {
     [a, sine.asin(), hand * c]
 }
 
-/// The same angles, each within half a turn of the frame before.
+/// Returns equivalent angles, each within half a turn of the previous frame.
 pub(super) fn near(angles: [f64; 3], last: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| angles[i] + TAU * ((last[i] - angles[i]) / TAU).round())
 }
@@ -99,14 +98,14 @@ mod tests {
         ] {
             let turns = turns(&axes);
             for angles in [[0.3, -0.7, 1.1], [-2.0, 1.5, 3.0], [0.0, -1.2, -0.4]] {
-                // Two sets of angles say the same; the frame before tells which.
+                // Two sets of angles are equivalent; the previous frame selects one.
                 let last = angles.map(|angle| angle + 0.2);
                 let found = split(product(&turns, angles), &turns, last);
                 for (a, b) in angles.iter().zip(found) {
                     assert!((a - b).abs() < 1e-9, "{axes:?}: {angles:?} {found:?}");
                 }
             }
-            // A quarter turn about the middle axis: the first and the third do the same.
+            // A quarter turn about the middle axis: the first and the third axis coincide.
             let q = product(&turns, [0.4, PI / 2.0, 0.3]);
             let found = split(q, &turns, [0.0, 0.0, 0.1]);
             assert!(product(&turns, found).angle_between(q) < 1e-6);

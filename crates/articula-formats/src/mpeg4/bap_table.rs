@@ -1,20 +1,21 @@
-//! The 186 body animation parameters of MPEG-4, generated from two public lists (`docs/formats/mpeg4.md`).
+//! The 186 body animation parameters of MPEG-4, generated from two public lists
+//! (`docs/formats/mpeg4.md`).
 //!
-//! Order and joints are those of ISO/IEC 14496-2 in every source seen. Axes and signs are
-//! those of the visage SDK, in the space of the standard humanoid (+Y up, facing +Z, left at
-//! +X), which two recorded files bear out for shoulders and elbows: one axis for all turns in
-//! the sagittal plane, whichever way the joint bends, so that an elbow bends with positive
-//! values and a knee with negative ones. Doubtful: the signs of legs and feet, and the fingers'
-//! axes, which are ours for hands whose palms face the thighs.
+//! All sources agree on order and joints, which are those of ISO/IEC 14496-2. Axes and signs are
+//! those of the visage SDK, in the space of the standard humanoid (+Y up, facing +Z, left at +X);
+//! two recorded files confirm them for shoulders and elbows. All rotations in the sagittal plane
+//! share one axis, whichever way the joint bends, so an elbow bends with positive values and a knee
+//! with negative ones. Uncertain: the signs of legs and feet, and the axes of the fingers, which
+//! are chosen here for hands whose palms face the thighs.
 
 use glam::Vec3;
 
-/// What a parameter does to its joint.
+/// Effect of a parameter on its joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Motion {
-    /// Turns it about this axis, 1e-5 rad a unit.
+    /// Rotation about this axis, 1e-5 rad per unit.
     Turn(Vec3),
-    /// Shifts it along this axis, 1 mm a unit.
+    /// Translation along this axis, 1 mm per unit.
     Shift(Vec3),
 }
 
@@ -25,17 +26,17 @@ pub(super) struct Bap {
     pub(super) name: &'static str,
     /// H-Anim 1.1 name of the joint.
     pub(super) joint: &'static str,
-    /// What it does.
+    /// Effect on the joint.
     pub(super) motion: Motion,
 }
 
-/// Number of parameters that the standard names.
+/// Number of parameters that the standard defines.
 pub(super) const BAPS: usize = 186;
 
-/// First and last index of the parameters of spine and skull, which go from the top down.
+/// First and last index of the parameters of spine and skull, which are numbered from the top down.
 const SPINE: std::ops::RangeInclusive<usize> = 47..=121;
 
-/// BAP `n` stands at index `n - 1`.
+/// BAP `n` is at index `n - 1`.
 #[rustfmt::skip]
 pub(super) static TABLE: [Bap; BAPS] = [
     turn("sacroiliac_tilt", "sacroiliac", Vec3::NEG_X),
@@ -242,12 +243,12 @@ const fn shift(name: &'static str, joint: &'static str, axis: Vec3) -> Bap {
     }
 }
 
-/// Indices of the turns of a joint, from the parent's side to the child's: their product in
-/// this order is the joint's rotation.
+/// Returns the indices of a joint's rotations, from the parent's side to the child's: their product
+/// in this order is the joint's rotation.
 ///
-/// Ours: no source fixes the order. The numbering is that of a chain of one-axis joints from
-/// the pelvis outwards, but for spine and skull, which it walks from the top down; so there the
-/// order is turned round, as it stands for the pelvis: tilt, torsion, roll.
+/// The order is a choice of this crate, since no source defines it. The numbering is that of a
+/// chain of one-axis joints from the pelvis outwards, except for spine and skull, which are
+/// numbered from the top down; there the order is reversed, as for the pelvis: tilt, torsion, roll.
 pub(super) fn turns(joint: &str) -> Vec<(usize, Vec3)> {
     let mut found: Vec<(usize, Vec3)> = Vec::new();
     for (index, bap) in TABLE.iter().enumerate() {
@@ -294,13 +295,13 @@ mod tests {
 
     #[test]
     fn joints_are_of_the_standard_humanoid() {
-        // Turns by joint, as `docs/formats/mpeg4.md` counts them.
+        // Rotations per joint, as `docs/formats/mpeg4.md` counts them.
         let mut counts = [0; 4];
         for joint in &hanim_table::JOINTS[..hanim_table::BODY_JOINTS] {
             counts[turns(joint.name).len()] += 1;
         }
         assert!(TABLE.iter().all(|b| hanim_table::find(b.joint).is_some()));
-        // No turn: eyeballs. One: subtalar, midtarsal, metatarsal, two thumb joints, three a
+        // No rotation: eyeballs. One: subtalar, midtarsal, metatarsal, two thumb joints, three per
         // finger. Two: knee, ankle, elbow, both clavicle joints. Three: the others.
         assert_eq!(counts, [2, 2 * (3 + 2 + 4 * 3), 2 * 5, 43]);
     }

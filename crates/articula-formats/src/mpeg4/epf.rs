@@ -1,78 +1,78 @@
-//! EPF text: what the encoder of a face and body stream is told, frame by frame.
+//! EPF text: parameters for the encoder of a face and body stream, frame by frame.
 //!
-//! Source: the reference encoder's form as `docs/formats/mpeg4.md` describes it: words of
-//! capital letters, each followed by its numbers; `FBM` opens a frame. What a frame leaves out
-//! it takes over from the frame before. How many parameters the groups of the body have is not
-//! in any source we know, so body masks stay a list of numbers.
+//! Source: the format of the reference encoder as `docs/formats/mpeg4.md` describes it: words of
+//! capital letters, each followed by its numbers; `FBM` opens a frame. Values that a frame omits
+//! are those of the previous frame. No known source gives the sizes of the body's parameter groups,
+//! so body masks stay a list of numbers.
 
 use crate::words::shortened;
 use crate::{Limits, Parsed, ReadError, Warning};
 use articula_core::fap_table::GROUPS;
 
-/// What the words of face and body coding are called, face first.
+/// Keywords of the masks, face first.
 const MASKS: [&str; 2] = ["FMT", "BMT"];
 const QUANTISERS: [&str; 2] = ["FQU", "BQU"];
-/// Largest and smallest of intra frames, then of predicted ones.
+/// Keywords of the maximum and minimum of intra frames, then of predicted ones.
 const RANGES: [[&str; 4]; 2] = [["FIX", "FIN", "FPX", "FPN"], ["BIX", "BIN", "BPX", "BPN"]];
 const QUANTISER_HIGHEST: i32 = 31;
-/// Letters of the longest word that is no mistake.
+/// Maximum length of a word.
 const LONGEST_WORD: usize = 4;
-/// A file with more unknown words is none of this form.
+/// Maximum number of unknown words; a file with more does not have this format.
 const MAX_UNKNOWN: u64 = 16;
 
-/// How one group of parameters is coded.
+/// Coding of one group of parameters.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum GroupMask {
-    /// Type 0: none of it; the receiver holds.
+    /// Type 0: no parameter is coded; the receiver holds.
     Absent,
     /// Type 1: those that are set; the receiver holds the others.
     Hold(Vec<bool>),
     /// Type 2: those that are set; the receiver interpolates the others.
     Interpolate(Vec<bool>),
-    /// Type 3: all of it.
+    /// Type 3: all parameters.
     All,
 }
 
-/// How the parameters of a face or body are coded.
+/// Coding of the parameters of a face or body.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct EpfCoding {
-    /// One for each group of the face; empty for a body or if the file has none.
+    /// One mask for each group of the face; empty for a body or if the file has none.
     pub groups: Vec<GroupMask>,
-    /// The numbers of a body's masks as they stand.
+    /// The numbers of a body's masks, uninterpreted.
     pub body_masks: Vec<i32>,
     /// Global quantiser, 0 to 31.
     pub quantiser: Option<i32>,
-    /// Largest and smallest values in intra frames, then in predicted ones.
+    /// Maximum and minimum values in intra frames, then in predicted ones.
     pub ranges: [Vec<i32>; 4],
 }
 
-/// What is said of one frame.
+/// Encoder parameters of one frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EpfFrame {
     /// `FBM`: whether it carries parameters of the face.
     pub carries_face: bool,
-    /// `FBM`: whether it carries those of the body.
+    /// `FBM`: whether it carries parameters of the body.
     pub carries_body: bool,
-    /// `FFR`: its number.
+    /// `FFR`: frame number.
     pub number: Option<i32>,
-    /// `ISI`: whether it stands alone.
+    /// `ISI`: whether it is an intra frame.
     pub intra: Option<bool>,
-    /// `FRR`: frames a second, with its sixteenths and its factor of 1000/1001.
+    /// `FRR`: frames per second, including sixteenths and the factor of 1000/1001.
     pub rate_hz: Option<f32>,
-    /// `TC`: time code, as it stands.
+    /// `TC`: time code, uninterpreted.
     pub time_code: Vec<i32>,
-    /// `SKN`: frames to skip.
+    /// `SKN`: number of frames to skip.
     pub skip: Option<i32>,
-    /// Of the face.
+    /// Coding of the face.
     pub face: EpfCoding,
-    /// Of the body.
+    /// Coding of the body.
     pub body: EpfCoding,
 }
 
-/// Reads a file: its frames, in order.
+/// Reads an EPF file and returns its frames in order.
 ///
 /// # Errors
-/// [`ReadError`] with the line, if the text is not of this form or exceeds the limits.
+/// [`ReadError`] with the line, if the text does not have this format or exceeds the limits.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<Parsed<Vec<EpfFrame>>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
     let mut file = File {
@@ -105,7 +105,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Parsed<Vec<EpfFrame>>, Read
     })
 }
 
-/// What has been read so far.
+/// The content read so far.
 struct File<'a> {
     limits: &'a Limits,
     frames: Vec<EpfFrame>,
@@ -144,7 +144,7 @@ struct Statement {
     numbers: Vec<i32>,
 }
 
-/// Adds a number to the open statement, or gives the statement that a word begins.
+/// Adds a number to the open statement, or returns the new statement that a word begins.
 fn step(
     line: usize,
     word: &str,
@@ -175,7 +175,7 @@ impl Statement {
         format!("line {}", self.line)
     }
 
-    /// Its one number, within bounds.
+    /// Returns its only number, within bounds.
     fn one(&self, lowest: i32, highest: i32) -> Result<i32, ReadError> {
         match self.numbers[..] {
             [number] if (lowest..=highest).contains(&number) => Ok(number),
@@ -200,7 +200,7 @@ impl Statement {
 }
 
 impl EpfFrame {
-    /// Takes over what a statement says; false if its word is not known.
+    /// Applies a statement; returns false if its word is unknown.
     fn apply(&mut self, statement: &Statement) -> Result<bool, ReadError> {
         match statement.word.as_str() {
             "FBM" => {
@@ -239,7 +239,7 @@ impl EpfCoding {
     }
 }
 
-/// Frames a second, sixteenths of one, and a flag for 1000/1001.
+/// Returns frames per second from the integer part, sixteenths, and a flag for 1000/1001.
 fn rate_hz(statement: &Statement) -> Result<f32, ReadError> {
     let [rate, sixteenths @ 0..=15, offset @ 0..=1] = statement.numbers[..] else {
         return Err(statement.wrong("a rate, sixteenths of 0 to 15 and a flag"));
@@ -249,7 +249,7 @@ fn rate_hz(statement: &Statement) -> Result<f32, ReadError> {
     Ok((plain * factor) as f32)
 }
 
-/// Ten mask types, each followed by its bits if it is 1 or 2.
+/// Parses ten mask types, each followed by its bits if it is 1 or 2.
 fn groups(statement: &Statement) -> Result<Vec<GroupMask>, ReadError> {
     let wrong = || statement.wrong("ten mask types of 0 to 3, those of 1 and 2 with their bits");
     let mut numbers = statement.numbers.iter().copied();

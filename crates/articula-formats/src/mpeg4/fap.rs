@@ -1,18 +1,18 @@
 //! FAP text: facial animation parameters, frame by frame.
 //!
-//! Source: the reference encoder's form, versions 2.1 and 2.2 (`docs/formats/mpeg4.md`); the
+//! Source: the format of the reference encoder, versions 2.1 and 2.2 (`docs/formats/mpeg4.md`); the
 //! meaning of each parameter is the table of [`articula_core::fap_table`].
 
 use super::parameter_text::{self, Frame, Layout, Reader};
 use crate::{Limits, Parsed, ReadError, Warning};
 use articula_core::fap_table::{FAPS, TABLE};
 
-/// High-level parameters, which stand before the others.
+/// Number of high-level parameters, which come first.
 const HIGH: usize = 2;
-/// Low-level parameters: FAP 3 to 68.
+/// Number of low-level parameters: FAP 3 to 68.
 const LOW: usize = FAPS - HIGH;
 const VERSIONS: [&str; 2] = ["2.1", "2.2"];
-/// Highest viseme, expression, and weight of either.
+/// Maximum viseme, expression, and weight of either.
 const HIGHEST: (i32, i32, i32) = (14, 6, 63);
 
 const LAYOUT: Layout = Layout {
@@ -25,40 +25,40 @@ const LAYOUT: Layout = Layout {
     },
 };
 
-/// FAP 1: a blend of two visemes; all zero is none.
+/// FAP 1: a blend of two visemes; all fields zero mean none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Viseme {
     /// First viseme, 0 to 14.
     pub select1: u8,
     /// Second viseme, 0 to 14.
     pub select2: u8,
-    /// Share of the first in 63rds; the second has the rest.
+    /// Weight of the first in 63rds; the second has the rest.
     pub blend: u8,
     /// Whether the low-level parameters of the frame define the viseme.
     pub defines: bool,
 }
 
-/// FAP 2: a sum of two expressions; all zero is none.
+/// FAP 2: a sum of two expressions; all fields zero mean none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FapExpression {
     /// First expression, 0 to 6.
     pub select1: u8,
-    /// Its strength in 63rds.
+    /// Intensity of the first in 63rds.
     pub intensity1: u8,
     /// Second expression, 0 to 6.
     pub select2: u8,
-    /// Its strength in 63rds.
+    /// Intensity of the second in 63rds.
     pub intensity2: u8,
-    /// Whether the neutral face is set by the low-level parameters first.
+    /// Whether the low-level parameters first set the neutral face.
     pub init_face: bool,
     /// Whether the low-level parameters of the frame define the expression.
     pub defines: bool,
 }
 
-/// The face at one moment, every parameter with its value.
+/// The face in one frame, with the values of all parameters.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FapFrame {
-    /// Time in frames; grows from frame to frame, but may skip.
+    /// Frame number; ascending, with gaps allowed.
     pub number: u32,
     /// FAP 1.
     pub viseme: Viseme,
@@ -80,7 +80,7 @@ impl Default for FapFrame {
 }
 
 impl FapFrame {
-    /// Whether a parameter (index 0 is FAP 1) is other than in the neutral face.
+    /// Returns whether a parameter (index 0 is FAP 1) differs from the neutral face.
     fn moves(&self, index: usize) -> bool {
         match index {
             0 => self.viseme != Viseme::default(),
@@ -93,24 +93,24 @@ impl FapFrame {
 /// The motion of a face.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FapClip {
-    /// Name as the header has it; some writers put a whole path there.
+    /// Name as given by the header; some writers put a whole path there.
     pub name: String,
-    /// Frames a second.
+    /// Frames per second.
     pub rate_hz: f32,
-    /// Parameters that the mask of at least one frame names; index 0 is FAP 1.
+    /// Parameters that the mask of at least one frame includes; index 0 is FAP 1.
     pub coded: [bool; FAPS],
     /// The frames, in order of their numbers.
     pub frames: Vec<FapFrame>,
 }
 
 impl FapClip {
-    /// Parameters that are other than neutral in at least one frame; index 0 is FAP 1.
+    /// Returns which parameters are other than neutral in at least one frame; index 0 is FAP 1.
     pub fn moving(&self) -> [bool; FAPS] {
         std::array::from_fn(|index| self.frames.iter().any(|frame| frame.moves(index)))
     }
 
-    /// Smallest and largest value of a low-level parameter, by its number (3 to 68); `None` for
-    /// any other and without a frame.
+    /// Returns the minimum and maximum value of a low-level parameter, by its number (3 to 68);
+    /// `None` for any other and without a frame.
     pub fn range(&self, fap: usize) -> Option<(i32, i32)> {
         let index = fap.checked_sub(1 + HIGH).filter(|index| *index < LOW)?;
         let values = || self.frames.iter().map(|frame| frame.low[index]);
@@ -118,20 +118,20 @@ impl FapClip {
     }
 }
 
-/// What a parameter does in a frame whose mask leaves it out.
+/// Value of a parameter in a frame whose mask omits it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Absent {
     /// It keeps its value: mask types 0 and 1 of the standard.
     #[default]
     Hold,
-    /// It is neutral: what the reference encoder takes.
+    /// It is neutral, as the reference encoder assumes.
     Zero,
 }
 
-/// Reads a file.
+/// Reads a FAP file.
 ///
 /// # Errors
-/// [`ReadError`] with the line, if the text is not of this form or exceeds the limits.
+/// [`ReadError`] with the line, if the text does not have this format or exceeds the limits.
 pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<FapClip>, ReadError> {
     let (mut reader, header) = Reader::new(bytes, &LAYOUT, limits)?;
     parameter_text::check_version(&header, &VERSIONS, &mut reader.warnings);
@@ -161,7 +161,7 @@ pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<FapC
     })
 }
 
-/// Puts the values of a frame into the face.
+/// Applies the values of a frame to the face.
 fn apply(raw: &Frame, face: &mut FapFrame) -> Result<(), ReadError> {
     let mut fields = raw.fields.iter().copied();
     let mut next = |highest: i32, what: &str| {
@@ -199,7 +199,7 @@ fn apply(raw: &Frame, face: &mut FapFrame) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// Values below zero of parameters that only go one way.
+/// Returns warnings for negative values of unidirectional parameters.
 fn one_way(clip: &FapClip) -> Vec<Warning> {
     let goes_back = |&(index, fap): &(usize, &articula_core::fap_table::Fap)| {
         let one_way = fap.action.is_some_and(|action| !action.both_ways);
@@ -214,7 +214,7 @@ fn one_way(clip: &FapClip) -> Vec<Warning> {
         .collect()
 }
 
-/// Writes a file of version 2.1; every frame names the parameters that move at all.
+/// Writes a file of version 2.1; the mask of every frame includes the parameters that move at all.
 pub fn write(clip: &FapClip) -> Vec<u8> {
     let mask = clip.moving();
     let line = parameter_text::mask_line(&mask);

@@ -1,8 +1,8 @@
-//! FDP files of Xface: units of a face, its feature points, and which vertices each FAP moves.
+//! FDP files of Xface: units of a face, its feature points, and the vertices that each FAP moves.
 //!
-//! Source: Xface's XML form, version 0.2 (`docs/formats/mpeg4.md`). The standard's own facial
-//! definition parameters are bits of a scene; this form holds the same kind of facts for one
-//! mesh that lies elsewhere. Numbers are in the mesh's own unit.
+//! Source: Xface's XML format, version 0.2 (`docs/formats/mpeg4.md`). The facial definition
+//! parameters of the standard are a binary scene; this format holds corresponding data for one
+//! external mesh. Numbers are in the mesh's own unit.
 
 use crate::words::shortened;
 use crate::{Limits, Parsed, ReadError, Warning};
@@ -14,49 +14,49 @@ use quick_xml::reader::Reader;
 use std::fmt::Display;
 use std::str::FromStr;
 
-/// The form that is known.
+/// The supported version.
 const VERSION: &str = "0.2";
-/// More attributes than any element has, several times over.
+/// Maximum number of attributes, several times that of any element.
 const MAX_ATTRIBUTES: usize = 64;
-/// No face has a number beyond it.
+/// Maximum absolute value of a number.
 const LARGEST: f32 = 1e9;
 
-/// Distances of the neutral face, in the mesh's unit; a FAP counts in 1024ths of them.
+/// Distances of the neutral face, in the mesh's unit; FAPs are in 1024ths of them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Fapu {
     /// Diameter of the iris.
     pub irisd0: f32,
-    /// Separation of the eyes.
+    /// Distance between the eyes.
     pub es0: f32,
-    /// Eye to nose.
+    /// Distance from eye to nose.
     pub ens0: f32,
-    /// Mouth to nose.
+    /// Distance from mouth to nose.
     pub mns0: f32,
     /// Width of the mouth.
     pub mw0: f32,
 }
 
-/// A mesh file that the face is made of.
+/// A mesh file of the face.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshSource {
-    /// What it shows, such as `Rest` or `SmileOpen`.
+    /// Its content, such as `Rest` or `SmileOpen`.
     pub alias: String,
-    /// What kind of thing that is: `FapExpression`, `Modifier` or `Viseme`.
+    /// Kind of that content: `FapExpression`, `Modifier` or `Viseme`.
     pub category: String,
     /// The files, relative to this one; none is read.
     pub meshes: Vec<String>,
-    /// Parts of the face and the submesh that shows each, such as `LeftEye`.
+    /// Parts of the face, such as `LeftEye`, and the submesh that shows each.
     pub parts: Vec<(String, String)>,
 }
 
-/// How one FAP pulls at the vertices around a feature point.
+/// Influence of one FAP on the vertices around a feature point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FapInfluence {
     /// Number of the FAP, 1 to 68 (the file counts from 0).
     pub fap: usize,
-    /// How it falls off, in Xface's words.
+    /// Name of its falloff function in Xface.
     pub kind: String,
-    /// Its strength.
+    /// Strength.
     pub weight: f32,
 }
 
@@ -65,9 +65,9 @@ pub struct FapInfluence {
 pub struct FeaturePoint {
     /// Group and number: 2.10 is `(2, 10)`.
     pub point: (u8, u8),
-    /// Submesh that it lies on.
+    /// Submesh that contains it.
     pub mesh: String,
-    /// Its vertex.
+    /// Index of its vertex.
     pub vertex: u32,
     /// Vertices in its zone.
     pub zone: Vec<u32>,
@@ -75,23 +75,23 @@ pub struct FeaturePoint {
     pub influences: Vec<FapInfluence>,
 }
 
-/// A face as Xface describes it.
+/// A face as described by Xface.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FdpFile {
-    /// Units of the face.
+    /// Facial animation parameter units.
     pub fapu: Fapu,
-    /// Where the face stands.
+    /// Position of the face.
     pub translation: Vec3,
-    /// How it is turned.
+    /// Orientation of the face.
     pub rotation: Quat,
     /// Mesh files.
     pub sources: Vec<MeshSource>,
-    /// Feature points, in order of the file.
+    /// Feature points, in the order of the file.
     pub points: Vec<FeaturePoint>,
 }
 
 impl FdpFile {
-    /// FAPs that move at least one vertex; index 0 is FAP 1.
+    /// Returns which FAPs move at least one vertex; index 0 is FAP 1.
     pub fn moved(&self) -> [bool; FAPS] {
         let mut moved = [false; FAPS];
         for point in self.points.iter().filter(|p| !p.zone.is_empty()) {
@@ -103,10 +103,10 @@ impl FdpFile {
     }
 }
 
-/// Reads a file.
+/// Reads an FDP file.
 ///
 /// # Errors
-/// [`ReadError`] with the line, if it is no such document, has a document type or entities of
+/// [`ReadError`] with the line, if it is not such a document, has a document type or entities of
 /// its own, or exceeds the limits.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<Parsed<FdpFile>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
@@ -155,7 +155,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Parsed<FdpFile>, ReadError>
     parser.finish()
 }
 
-/// What must be there once.
+/// Required elements that were found.
 #[derive(Debug, Default)]
 struct SeenElements {
     root: bool,
@@ -301,7 +301,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// The text between tags; only zones have some.
+    /// Reads the text between tags; only zones have some.
     fn words(&mut self, words: &str, offset: usize) -> Result<(), ReadError> {
         if self.open.last().is_none_or(|name| name != "indices") {
             return Ok(());
@@ -329,7 +329,7 @@ impl Parser<'_> {
         line: &str,
     ) -> Result<Vec<(String, String)>, ReadError> {
         let mut list: Vec<(String, String)> = Vec::new();
-        // The check of the library compares each with each; ours is bounded by their count.
+        // The parser's check for duplicates is quadratic; here the number of attributes is bounded.
         for attribute in start.attributes().with_checks(false) {
             let broken = |e: &dyn Display| ReadError::malformed(line, format!("no good XML: {e}"));
             let attribute = attribute.map_err(|e| broken(&e))?;
@@ -381,14 +381,14 @@ impl Parser<'_> {
     }
 }
 
-/// What a start tag says.
+/// Content of a start tag.
 struct Element {
     attributes: Vec<(String, String)>,
     line: String,
 }
 
 impl Element {
-    /// Text of an attribute; empty if it is not there.
+    /// Returns the text of an attribute; empty if it is absent.
     fn word(&self, name: &str) -> String {
         let found = self.attributes.iter().find(|(key, _)| key == name);
         found.map(|(_, value)| value.clone()).unwrap_or_default()
@@ -417,7 +417,7 @@ impl Element {
     }
 }
 
-/// Which line a byte lies on, for offsets that grow.
+/// Conversion of ascending byte offsets to line numbers.
 struct Place<'a> {
     bytes: &'a [u8],
     offset: usize,

@@ -1,11 +1,11 @@
-//! The text forms around MPEG-4 face and body animation (ISO/IEC 14496-2, annex C).
+//! Text formats of MPEG-4 face and body animation (ISO/IEC 14496-2, annex C).
 //!
-//! - [`fap`]: facial animation parameters, in and out
-//! - [`bap`]: body animation parameters, in and out; they drive the standard humanoid
-//! - [`epf`]: parameters of the encoder, read as data
-//! - [`fdp`]: Xface's description of a face, read as data
+//! - [`fap`]: facial animation parameters; read and write
+//! - [`bap`]: body animation parameters, which drive the standard humanoid; read and write
+//! - [`epf`]: parameters of the encoder; read as data
+//! - [`fdp`]: Xface's description of a face; read as data
 //!
-//! The standard defines bits, not text: these forms are those of its reference encoder and of
+//! The standard defines bits, not text: the text formats are those of its reference encoder and of
 //! Xface, see `docs/formats/mpeg4.md`.
 
 pub mod bap;

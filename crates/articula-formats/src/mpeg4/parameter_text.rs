@@ -1,8 +1,8 @@
-//! The layout that FAP and BAP files share: a header line, then two lines a frame.
+//! The layout that FAP and BAP files share: a header line, then two lines per frame.
 //!
-//! The first line of a frame is its mask, one 0 or 1 for each parameter; the second its number
-//! and the values of the parameters that the mask names. A line that starts with `#` is a
-//! comment; blank lines count for nothing.
+//! The first line of a frame is its mask, one 0 or 1 for each parameter; the second is the frame
+//! number and the values of the parameters that the mask includes. A line that starts with `#` is a
+//! comment; blank lines are ignored.
 
 use crate::words::shortened;
 use crate::{Limits, ReadError, Warning};
@@ -10,12 +10,12 @@ use std::fmt::Write as _;
 use std::iter::Enumerate;
 use std::slice::Split;
 
-/// Frame rates that are believed.
+/// Accepted frame rates.
 const RATES_HZ: std::ops::RangeInclusive<f32> = 0.01..=1e4;
-/// More words than any line may have; the rest of it is not looked at.
+/// Maximum number of words per line; the rest is ignored.
 const MAX_WORDS: usize = 512;
 
-/// What the first line says.
+/// Content of the first line.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
     pub(super) version: String,
@@ -23,28 +23,28 @@ pub(super) struct Header {
     pub(super) rate_hz: f32,
 }
 
-/// One frame as it stands in the file; the buffers are used again for the next.
+/// One frame as in the file; the buffers are reused for the next.
 #[derive(Debug, Default)]
 pub(super) struct Frame {
     pub(super) number: u32,
-    /// Line of the values.
+    /// Line number of the values.
     pub(super) line: usize,
     pub(super) mask: Vec<bool>,
-    /// The fields of every parameter whose mask is set, in order.
+    /// The fields of every parameter whose mask bit is set, in order.
     pub(super) fields: Vec<i32>,
 }
 
-/// Which masks a format knows.
+/// Masks and fields of a format.
 pub(super) struct Layout {
-    /// What it is called, such as "FAP".
+    /// Name of the format, such as "FAP".
     pub(super) format: &'static str,
-    /// Lengths of mask that are possible; all frames of a file have the same.
+    /// Valid mask lengths; all frames of a file have the same.
     pub(super) widths: &'static [usize],
-    /// Fields that the parameter at an index has on the line of values.
+    /// Returns the number of fields of the parameter at an index.
     pub(super) fields: fn(usize) -> usize,
 }
 
-/// Walks over the frames of a file.
+/// Iterator over the frames of a file.
 pub(super) struct Reader<'a> {
     lines: Lines<'a>,
     layout: &'a Layout,
@@ -59,7 +59,7 @@ pub(super) struct Reader<'a> {
     pub(super) warnings: Vec<Warning>,
 }
 
-/// What has been said once and need not be said for every frame.
+/// Warnings that are reported only once per file.
 #[derive(Default)]
 struct Warned {
     fraction: bool,
@@ -171,7 +171,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The frame's number, which must grow; if it does not, the frame follows the one before.
+    /// Parses the frame number, which must ascend; if it does not, the frame gets the next number.
     fn number(&mut self, line: usize, word: &str) -> Result<u32, ReadError> {
         let Ok(number) = word.parse::<u32>() else {
             let what = format!(
@@ -237,7 +237,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Version, name, rate and the number of frames; blanks in a name are none of its end.
+/// Parses version, name, rate and the number of frames; a name may contain blanks.
 fn header(
     line: usize,
     words: &[&str],
@@ -275,7 +275,7 @@ fn header(
     Ok((header, announced))
 }
 
-/// Says once that a version is none of those known.
+/// Warns if the version is none of those known.
 pub(super) fn check_version(header: &Header, known: &[&str], warnings: &mut Vec<Warning>) {
     if !known.contains(&header.version.as_str()) {
         let what = format!(
@@ -287,7 +287,7 @@ pub(super) fn check_version(header: &Header, known: &[&str], warnings: &mut Vec<
     }
 }
 
-/// Starts a file: the header, with a name that stays one word.
+/// Writes the header, with the name as a single word.
 pub(super) fn write_header(
     text: &mut String,
     version: &str,
@@ -303,7 +303,7 @@ pub(super) fn write_header(
     let _ = writeln!(text, "{version} {name} {rate_hz} {frames}");
 }
 
-/// Adds one frame.
+/// Writes one frame.
 pub(super) fn write_frame(
     text: &mut String,
     mask: &str,
@@ -317,7 +317,7 @@ pub(super) fn write_frame(
     text.push('\n');
 }
 
-/// A mask as its line spells it.
+/// Returns the text line of a mask.
 pub(super) fn mask_line(mask: &[bool]) -> String {
     let words: Vec<&str> = mask
         .iter()
@@ -329,7 +329,7 @@ pub(super) fn mask_line(mask: &[bool]) -> String {
 /// Whether a byte ends a line.
 type Ends = fn(&u8) -> bool;
 
-/// The lines that say something, as words, with their numbers from 1.
+/// Non-empty lines as words, with their numbers from 1.
 struct Lines<'a> {
     lines: Enumerate<Split<'a, u8, Ends>>,
 }
@@ -346,7 +346,7 @@ impl<'a> Lines<'a> {
 
     fn next(&mut self) -> Option<(usize, Vec<&'a str>)> {
         for (index, line) in &mut self.lines {
-            // Bytes that are no UTF-8 (a path in an old encoding) split words like blanks do.
+            // Bytes that are not UTF-8 (a path in an old encoding) separate words like blanks do.
             let chunks = line.utf8_chunks().map(|chunk| chunk.valid());
             let words = chunks.flat_map(str::split_whitespace).take(MAX_WORDS);
             let words: Vec<&str> = words.collect();

@@ -1,8 +1,8 @@
 //! The classic encoding of X3D and VRML97: `Type { field value }`.
 //!
-//! Nothing needs to be known of a field's type: a value is a list in brackets, a string, words
-//! that are numbers, or nodes. Prototype declarations are passed over; an instance keeps the
-//! name of its prototype, which for H-Anim 1.1 and 2001 says what it is (`Joint`, `Segment`).
+//! The parser does not need field types: a value is a list in brackets, a string, a sequence of
+//! numbers, or nodes. Prototype declarations are skipped; an instance keeps the name of its
+//! prototype, which for H-Anim 1.1 and 2001 identifies the node type (`Joint`, `Segment`).
 //!
 //! Source: VRML97 (ISO/IEC 14772-1), 5.2 and annex A; ISO/IEC 19776-2 (X3D classic).
 
@@ -32,7 +32,7 @@ pub(super) fn parse<'a, 'l>(
 enum Token<'a> {
     /// A name, a number or `TRUE`.
     Word(&'a str),
-    /// What stands between quotation marks, escapes as they are.
+    /// Text between quotation marks, with its escapes.
     Text(&'a str),
     /// One of `{ } [ ]`.
     Mark(char),
@@ -69,7 +69,7 @@ impl<'a, 'l> Parser<'a, 'l> {
         }
     }
 
-    /// A node or a statement; `parent` and its field say where a node goes.
+    /// Parses a node or a statement; `parent` and its field are the destination of a node.
     fn statement(
         &mut self,
         parent: Option<(NodeId, &'a str)>,
@@ -172,7 +172,7 @@ impl<'a, 'l> Parser<'a, 'l> {
         Ok(())
     }
 
-    /// The value of a field, of whatever type.
+    /// Parses the value of a field of any type.
     fn value(&mut self, id: NodeId, field: &'a str, depth: usize) -> Result<(), ReadError> {
         let field = match field {
             // H-Anim 1.1 and 2001.
@@ -209,7 +209,7 @@ impl<'a, 'l> Parser<'a, 'l> {
         Ok(())
     }
 
-    /// What stands between brackets, the first of which is passed already.
+    /// Returns the text of a list whose opening bracket was already consumed.
     fn list(&mut self, start: usize) -> Result<&'a str, ReadError> {
         let first = self.at;
         loop {
@@ -238,7 +238,7 @@ impl<'a, 'l> Parser<'a, 'l> {
         self.builder.warn(offset, what);
     }
 
-    /// Passes `AS name`, if it stands here.
+    /// Skips `AS name`, if present.
     fn skip_word(&mut self, word: &str) -> Result<(), ReadError> {
         if self.peek() == Token::Word(word) {
             self.next()?;
@@ -247,7 +247,7 @@ impl<'a, 'l> Parser<'a, 'l> {
         Ok(())
     }
 
-    /// Passes a string, or everything between a bracket and its partner.
+    /// Skips a string, or everything from a bracket to its counterpart.
     fn skip_value(&mut self) -> Result<(), ReadError> {
         let start = self.skip_blank();
         let mut open = 0u64;
@@ -307,7 +307,7 @@ impl<'a, 'l> Parser<'a, 'l> {
         }
     }
 
-    /// Passes blanks and comments; says where it stopped.
+    /// Skips blanks and comments; returns the new position.
     fn skip_blank(&mut self) -> usize {
         loop {
             let rest = &self.text[self.at..];
@@ -345,12 +345,12 @@ fn is_number(word: &str) -> bool {
     digits.starts_with(|c: char| c.is_ascii_digit())
 }
 
-/// Whether a word is a value in itself, not the type of a node.
+/// Returns whether a word is a value, not the type of a node.
 fn is_value(word: &str) -> bool {
     is_number(word) || matches!(word, "TRUE" | "FALSE" | "true" | "false")
 }
 
-/// Length of a string whose first quotation mark is passed.
+/// Returns the length of a string whose opening quotation mark was consumed.
 fn quoted(text: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let mut at = 0;
@@ -359,7 +359,7 @@ fn quoted(text: &str) -> Option<usize> {
         if bytes[at] == b'"' {
             return Some(at);
         }
-        // What follows a backslash cannot end the string.
+        // A character after a backslash cannot end the string.
         at += 2;
         if at > bytes.len() {
             return None;

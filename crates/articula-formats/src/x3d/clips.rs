@@ -1,10 +1,10 @@
-//! Clips: what motions, interpolators and poses have in common.
+//! Clips: common code for motions, interpolators and poses.
 //!
 //! - `motion`: `HAnimMotion`, frames of joint angles
 //! - `routes`: time sensors, interpolators and routes
 //! - `pose`: `HAnimPose`
 //!
-//! A joint that a clip does not move keeps what the file's own fields say; where that is not
+//! A joint that a clip does not move keeps the transform of the file's fields; where that is not
 //! the rest pose, the clip holds it.
 
 use super::draft::{Draft, Stage, WeightTrack};
@@ -18,10 +18,10 @@ use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{Transform, angle_between};
 use std::collections::{BTreeMap, HashSet};
 
-/// Name of the clip that shows joints as the file leaves them, where no motion moves them.
+/// Name of the clip with the pose of the file's fields.
 const STORED_POSE: &str = "stored pose";
 
-/// Makes all clips of a figure.
+/// Reads all clips of a figure.
 pub(super) fn read_all(
     reader: &mut Reader<'_>,
     figure: &Figure,
@@ -49,13 +49,13 @@ pub(super) fn read_all(
 }
 
 impl Stage<'_> {
-    /// Rest and stored transform of a joint.
+    /// Returns rest and stored transform of a joint.
     fn rest_and_stored(&self, joint: usize) -> (Transform, Transform) {
         let rest = self.frames.skeleton.joints[joint + self.frames.first].rest;
         (rest, self.frames.stored[joint])
     }
 
-    /// Whether the file's fields show another pose than that of rest.
+    /// Returns whether the file's fields define a pose other than the rest pose.
     fn is_posed(&self) -> bool {
         let differs = |joint: usize| {
             let (rest, stored) = self.rest_and_stored(joint);
@@ -103,7 +103,7 @@ impl Stage<'_> {
         Ok(clip)
     }
 
-    /// One channel for each mesh of which a displacer moves.
+    /// Makes one channel for each mesh with an animated displacer.
     fn weights(
         &self,
         reader: &mut Reader<'_>,
@@ -145,7 +145,7 @@ impl Stage<'_> {
     }
 }
 
-/// Which parts of two transforms differ: translation, rotation, scale.
+/// Returns which components of two transforms differ: translation, rotation, scale.
 fn differing(a: &Transform, b: &Transform) -> [bool; 3] {
     [
         a.translation.distance(b.translation) > 1e-7 * a.translation.length().max(1e-3),
@@ -154,7 +154,7 @@ fn differing(a: &Transform, b: &Transform) -> [bool; 3] {
     ]
 }
 
-/// A clip ends with its last key, so some channel must have one at its end.
+/// A clip ends with its last key, so at least one channel gets a key at its end.
 fn hold_to_the_end(clip: &mut RawClip) {
     let end = clip.duration_secs;
     let last = |c: &Channel| c.times_secs.last().copied().unwrap_or(0.0);

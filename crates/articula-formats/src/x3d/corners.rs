@@ -1,12 +1,12 @@
-//! Triangles of corners: what geometry nodes become before vertices are made of them.
+//! Triangles of corners: intermediate form between geometry nodes and vertices.
 
 use super::scene::NodeId;
 use glam::{DVec2, DVec3, DVec4};
 
-/// A corner has no such value of its own.
+/// Index of a value that a corner does not have.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// One corner of a triangle: where its values stand in the lists of [`Faces`].
+/// One corner of a triangle: indices of its values in the lists of [`Faces`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Corner {
     pub(super) point: u32,
@@ -15,24 +15,24 @@ pub(super) struct Corner {
     pub(super) color: u32,
 }
 
-/// A geometry with its lists, before vertices are made of corners.
+/// A geometry with its value lists, before corners are merged into vertices.
 #[derive(Debug, Default)]
 pub(super) struct Faces {
-    /// The node of the coordinates, if the file has one.
+    /// The coordinate node, if the file has one.
     pub(super) coord: Option<NodeId>,
     pub(super) points: Vec<DVec3>,
     pub(super) texcoords: Vec<DVec2>,
     pub(super) normals: Vec<DVec3>,
     pub(super) colors: Vec<DVec4>,
     pub(super) triangles: Vec<[Corner; 3]>,
-    /// The face that each triangle is part of.
+    /// Index of the face that contains each triangle.
     pub(super) face_of_triangle: Vec<u32>,
-    /// Normal of each face, as long as twice its area.
+    /// Normal of each face, with twice its area as length.
     pub(super) face_normals: Vec<DVec3>,
-    /// Whether triangles turn counter-clockwise as the file has them.
+    /// Whether triangles are counter-clockwise in the file.
     pub(super) ccw: bool,
-    /// Whether the back is not drawn.
+    /// Whether back faces are culled.
     pub(super) solid: bool,
-    /// Faces that meet at a smaller angle are smooth, radians.
+    /// Faces that meet at a smaller angle are shaded smoothly, in radians.
     pub(super) crease: f64,
 }

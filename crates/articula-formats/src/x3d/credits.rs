@@ -1,4 +1,4 @@
-//! Who made a figure: the head of the file, and what the humanoid says of itself.
+//! Credits of a figure, from the head of the file and the humanoid node.
 //!
 //! Source: ISO/IEC 19775-1, 7.2.5.6 (META); ISO/IEC 19774-1, 6.2 (`info`, `name=value`), which
 //! newer files write as metadata nodes.
@@ -8,7 +8,7 @@ use super::scene::NodeId;
 use crate::error::ReadError;
 use articula_core::source::Credits;
 
-/// Reads what a file says of its origin and licence; `None` if that is nothing.
+/// Reads origin and licence of a file; `None` if it states neither.
 pub(super) fn read(
     reader: &mut Reader<'_>,
     humanoid: NodeId,
@@ -36,7 +36,7 @@ pub(super) fn read(
     Ok((credits != Credits::default()).then_some(credits))
 }
 
-/// Puts one statement where it belongs; words that say nothing of origin or licence are left.
+/// Stores one statement in its field; statements about neither origin nor licence are ignored.
 fn take(credits: &mut Credits, name: &str, value: &str) {
     let value = value.trim();
     if value.is_empty() {

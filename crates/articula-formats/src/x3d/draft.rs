@@ -1,4 +1,4 @@
-//! Clips while they are made: what motions, interpolators and poses are made with.
+//! Clips under construction, shared by motions, interpolators and poses.
 
 use super::fields::{Reader, folded};
 use super::figure::Figure;
@@ -13,7 +13,7 @@ use articula_core::source::{Channel, Interpolation, Property, evaluate};
 use glam::{DQuat, DVec3, Quat};
 use std::collections::HashMap;
 
-/// What all makers of clips need.
+/// Context of all functions that make clips.
 pub(super) struct Stage<'s> {
     pub(super) figure: &'s Figure,
     pub(super) frames: &'s Frames,
@@ -22,7 +22,7 @@ pub(super) struct Stage<'s> {
     joint_of_name: HashMap<String, usize>,
 }
 
-/// A clip while it is made.
+/// A clip under construction.
 #[derive(Debug)]
 pub(super) struct Draft {
     pub(super) name: String,
@@ -56,22 +56,22 @@ impl<'s> Stage<'s> {
         }
     }
 
-    /// The joint that a node is.
+    /// Returns the joint of a node.
     pub(super) fn joint(&self, id: NodeId) -> Option<usize> {
         self.joint_of_node.get(&id).copied()
     }
 
-    /// The joint of a name, in the spelling of any version of the standard.
+    /// Returns the joint of a name, in the spelling of any version of the standard.
     pub(super) fn joint_called(&self, name: &str) -> Option<usize> {
         self.joint_of_name.get(&canonical(name)).copied()
     }
 
-    /// Whether a node is a displacer of something that is drawn.
+    /// Returns whether a node is a displacer of a drawn mesh.
     pub(super) fn is_seen(&self, displacer: NodeId) -> bool {
         self.shown.targets_of_displacer.contains_key(&displacer)
     }
 
-    /// Translation keys of a joint.
+    /// Adds translation keys of a joint.
     pub(super) fn translations(
         &self,
         joint: usize,
@@ -83,7 +83,7 @@ impl<'s> Stage<'s> {
         self.channel(joint, Property::Translation, times_secs, values.collect())
     }
 
-    /// Rotation keys of a joint.
+    /// Adds rotation keys of a joint.
     pub(super) fn rotations(
         &self,
         joint: usize,
@@ -99,7 +99,7 @@ impl<'s> Stage<'s> {
         self.channel(joint, Property::Rotation, times_secs, values.collect())
     }
 
-    /// Scale keys of a joint.
+    /// Adds scale keys of a joint.
     pub(super) fn scales(
         &self,
         joint: usize,
@@ -111,7 +111,7 @@ impl<'s> Stage<'s> {
         self.channel(joint, Property::Scale, times_secs, values.collect())
     }
 
-    /// A channel of a joint, with its keys joined by lines.
+    /// Adds a channel of a joint with linear interpolation.
     pub(super) fn channel(
         &self,
         joint: usize,
@@ -130,7 +130,7 @@ impl<'s> Stage<'s> {
 }
 
 impl WeightTrack {
-    /// The weight at a moment.
+    /// Returns the weight at a time.
     pub(super) fn at(&self, time_secs: f32) -> f32 {
         let channel = Channel {
             target: 0,
@@ -145,7 +145,7 @@ impl WeightTrack {
     }
 }
 
-/// A joint's name in lower case and the words of H-Anim 1.1, so that names of all versions meet.
+/// Returns a joint's H-Anim 1.1 name in lower case, so that names of all versions compare equal.
 fn canonical(name: &str) -> String {
     let name = folded(name.trim());
     if name == "humanoidroot" {
@@ -155,10 +155,10 @@ fn canonical(name: &str) -> String {
     standard.map_or_else(|| name.into_owned(), str::to_owned)
 }
 
-/// Times of keys, strictly increasing, each with the key that it belongs to.
+/// Returns strictly ascending key times, each with the index of its key.
 ///
-/// Two keys at one fraction make a jump: the first moves to just before the second. Keys outside
-/// of the cycle are never reached and left out.
+/// Two keys at one fraction form a jump: the first moves to just before the second. Keys outside of
+/// the cycle are never reached and left out.
 pub(super) fn key_times(
     reader: &mut Reader<'_>,
     id: NodeId,

@@ -10,10 +10,10 @@ use super::solids;
 use crate::error::ReadError;
 use glam::{DVec2, DVec3, DVec4};
 
-/// Elements that a corner of a face costs while triangles are made of it.
+/// Elements counted for each corner of a face while it is triangulated.
 const CORNER_COST: usize = 16;
 
-/// Which kinds of geometry are read.
+/// Returns whether a geometry node type is supported.
 pub(super) fn is_read(kind: &str) -> bool {
     matches!(
         kind,
@@ -29,7 +29,7 @@ pub(super) fn is_read(kind: &str) -> bool {
     ) || solids::is_solid(kind)
 }
 
-/// Reads a geometry node of a kind that is read.
+/// Reads a geometry node of a supported type.
 pub(super) fn read(
     reader: &mut Reader<'_>,
     id: NodeId,
@@ -61,7 +61,7 @@ pub(super) fn read(
     Ok(faces)
 }
 
-/// The lists of values that a geometry node holds.
+/// Reads the value lists of a geometry node.
 fn lists(reader: &mut Reader<'_>, id: NodeId) -> Result<Faces, ReadError> {
     let coord = reader.node(id, "coord");
     let points = match coord {
@@ -102,30 +102,30 @@ fn lists(reader: &mut Reader<'_>, id: NodeId) -> Result<Faces, ReadError> {
     })
 }
 
-/// The points of a `Coordinate`.
+/// Reads the points of a `Coordinate` node.
 pub(super) fn points(reader: &mut Reader<'_>, coord: NodeId) -> Result<Vec<DVec3>, ReadError> {
     let points = reader.tuples::<3>(coord, "point")?;
     Ok(points.into_iter().map(DVec3::from_array).collect())
 }
 
-/// Faces as lists of corners, and how a corner finds its values.
+/// Faces as lists of corners, and the mapping from corners to values.
 struct Polygons {
-    /// Of each face, its corners: place in the file's list, and point.
+    /// Corners of each face: index in the file's list, and point.
     faces: Vec<Vec<(usize, i64)>>,
     texcoord: Values,
     normal: Values,
     color: Values,
 }
 
-/// How a corner finds a value.
+/// Mapping from a corner to a value.
 enum Values {
-    /// By its point.
+    /// By point.
     Point,
-    /// By its place in the list of corners.
+    /// By index in the list of corners.
     Corner(Vec<i64>),
-    /// By its face.
+    /// By face.
     Face,
-    /// By its face, through a list.
+    /// By face, through an index list.
     FaceList(Vec<i64>),
 }
 
@@ -139,7 +139,7 @@ impl Values {
         }
     }
 
-    /// Index of the value, if there are as many.
+    /// Returns the index of the value, if it exists.
     fn find(&self, face: usize, (corner, point): (usize, i64), count: usize) -> u32 {
         let index = match self {
             Self::Point => Some(point),
@@ -152,7 +152,7 @@ impl Values {
     }
 }
 
-/// The faces of an `IndexedFaceSet`: -1 ends one.
+/// Reads the faces of an `IndexedFaceSet`, separated by -1.
 fn indexed_polygons(reader: &mut Reader<'_>, id: NodeId) -> Result<Polygons, ReadError> {
     let indices = reader.indices(id, "coordIndex")?;
     reader.charge(id, CORNER_COST * indices.len())?;
@@ -178,7 +178,7 @@ fn indexed_polygons(reader: &mut Reader<'_>, id: NodeId) -> Result<Polygons, Rea
 }
 
 impl Polygons {
-    /// The faces of sets of triangles and quads, indexed or not.
+    /// Reads the faces of triangle and quad sets, indexed or not.
     fn of_sets(
         reader: &mut Reader<'_>,
         id: NodeId,
@@ -210,7 +210,7 @@ impl Polygons {
             faces,
             texcoord: Values::Point,
             normal: Values::of(Vec::new(), per_vertex("normalPerVertex")),
-            // The colours of these sets are always those of the points.
+            // Colours of these sets are always per point.
             color: Values::Point,
         })
     }
@@ -227,7 +227,7 @@ fn chunks(points: &[i64], size: usize) -> Vec<Polygon> {
     whole.map(|c| corners(c.iter().copied())).collect()
 }
 
-/// Stretches of a list, as long as the counts say.
+/// Splits a list into runs of the given lengths.
 fn runs<'p>(points: &'p [i64], counts: &[i64]) -> Vec<&'p [i64]> {
     let mut rest = points;
     let mut list = Vec::new();
@@ -240,7 +240,7 @@ fn runs<'p>(points: &'p [i64], counts: &[i64]) -> Vec<&'p [i64]> {
     list
 }
 
-/// Every second triangle of a strip turns the other way.
+/// Every second triangle of a strip has opposite orientation.
 fn strip(points: &[i64]) -> Vec<Polygon> {
     let triangles = points.windows(3).enumerate();
     let turned = |(i, t): (usize, &[i64])| match i % 2 {
@@ -256,7 +256,7 @@ fn fan(points: &[i64]) -> Vec<Polygon> {
 }
 
 impl Faces {
-    /// Cuts one face into triangles; says whether it was a good one.
+    /// Triangulates one face; returns whether it was valid.
     fn add(
         &mut self,
         polygons: &Polygons,
@@ -286,7 +286,7 @@ impl Faces {
         let triangles = cutter.triangles(&points, convex);
         for triangle in triangles {
             let [a, b, c] = triangle.map(corner);
-            // What has no area in its points has none in the picture.
+            // A triangle with two equal points has no area.
             if a.point != b.point && b.point != c.point && c.point != a.point {
                 self.triangles.push([a, b, c]);
                 self.face_of_triangle.push(own_face);

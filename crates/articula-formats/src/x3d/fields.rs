@@ -1,7 +1,7 @@
-//! What the text of a field means: numbers, rotations, strings, nodes.
+//! Typed field values: numbers, rotations, strings, nodes.
 //!
-//! Source: ISO/IEC 19775-1, clause 5 (field types); ISO/IEC 19776-1, clause 5 and 19776-2,
-//! clause 5 (how they are written).
+//! Source: ISO/IEC 19775-1, clause 5 (field types); ISO/IEC 19776-1, clause 5 and 19776-2, clause 5
+//! (their encoding).
 
 use super::scene::{NodeId, X3dScene, shortened};
 use super::write::names::token;
@@ -11,21 +11,21 @@ use crate::notes::Notes;
 use glam::{DQuat, DVec3};
 use std::borrow::Cow;
 
-/// Larger numbers have no meaning for a character and would overflow when multiplied.
+/// Larger numbers are meaningless for a character and would overflow in products.
 const LARGEST: f64 = 1e9;
 
-/// Characters of a name that are kept.
+/// Maximum number of characters of a name; the rest is cut off.
 const LONGEST_NAME: usize = 256;
 
-/// A scene being turned into a character.
+/// A scene being converted to a character.
 #[derive(Debug)]
 pub(super) struct Reader<'a> {
     pub(super) scene: &'a X3dScene<'a>,
     pub(super) limits: &'a Limits,
     pub(super) notes: Notes,
-    /// Elements decoded so far, all arrays together.
+    /// Elements decoded so far, in all arrays together.
     spent: u64,
-    /// Nodes visited so far; `USE` can show one node any number of times.
+    /// Nodes visited so far; `USE` can reference one node any number of times.
     visited: u64,
 }
 
@@ -40,7 +40,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Claims room for `elements` before it is allocated.
+    /// Counts `elements` against the limit before they are allocated.
     pub(super) fn charge(&mut self, id: NodeId, elements: usize) -> Result<(), ReadError> {
         self.spent = self.spent.saturating_add(elements as u64);
         if self.spent <= self.limits.elements {
@@ -50,7 +50,7 @@ impl<'a> Reader<'a> {
         Limits::check(&self.scene.at(id), "decoded elements", found, limit)
     }
 
-    /// Counts one step of a walk through the graph, so that it ends.
+    /// Counts one step of a graph traversal against the limit, so that it ends.
     pub(super) fn visit(&mut self, id: NodeId, depth: usize) -> Result<(), ReadError> {
         self.visited += 1;
         let (limits, depth) = (self.limits, depth as u64);
@@ -77,12 +77,12 @@ impl<'a> Reader<'a> {
         &self.scene.nodes[id].kind
     }
 
-    /// The text of a field, if the file gives it.
+    /// Returns the text of a field, if present.
     pub(super) fn text(&self, id: NodeId, field: &str) -> Option<&'a str> {
         self.scene.nodes[id].text(field)
     }
 
-    /// What a node is called: its name field, else its `DEF`.
+    /// Returns the name of a node: its name field, else its `DEF`.
     pub(super) fn name(&self, id: NodeId) -> String {
         let own = self.text(id, "name").map(str::trim).unwrap_or("");
         let name = if own.is_empty() {
@@ -93,15 +93,15 @@ impl<'a> Reader<'a> {
         shortened_name(name)
     }
 
-    /// The name in its own spelling: the description, if it is the name but for signs that names
-    /// may not have.
+    /// Returns the original spelling of a name: the description, if it differs from the name only
+    /// by characters that names may not contain.
     pub(super) fn spelled_name(&self, id: NodeId) -> String {
         let name = self.name(id);
         let description = self.text(id, "description").unwrap_or("").trim();
         if description.is_empty() || description.len() > 4 * LONGEST_NAME {
             return name;
         }
-        // A number may stand behind a name that was taken.
+        // A number may follow a name that was already used.
         let behind = name.strip_prefix(token(description).as_str());
         let number = behind.map(|rest| rest.strip_prefix('_').unwrap_or(rest));
         let same = number.is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()));
@@ -120,17 +120,17 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The first node in a field.
+    /// Returns the first node in a field.
     pub(super) fn node(&self, id: NodeId, field: &str) -> Option<NodeId> {
         self.scene.nodes[id].nodes(field).next()
     }
 
-    /// The nodes in a field.
+    /// Returns the nodes in a field.
     pub(super) fn nodes(&self, id: NodeId, field: &str) -> Vec<NodeId> {
         self.scene.nodes[id].nodes(field).collect()
     }
 
-    /// Numbers, in any count.
+    /// Reads any number of numbers.
     pub(super) fn numbers(&mut self, id: NodeId, field: &str) -> Result<Vec<f64>, ReadError> {
         let Some(text) = self.text(id, field) else {
             return Ok(Vec::new());
@@ -149,7 +149,7 @@ impl<'a> Reader<'a> {
         Ok(numbers)
     }
 
-    /// Whole numbers, in any count; what is no index is -1.
+    /// Reads any number of integers; invalid indices become -1.
     pub(super) fn indices(&mut self, id: NodeId, field: &str) -> Result<Vec<i64>, ReadError> {
         let Some(text) = self.text(id, field) else {
             return Ok(Vec::new());
@@ -172,7 +172,7 @@ impl<'a> Reader<'a> {
         Ok(list)
     }
 
-    /// Tuples of numbers; a rest that fills none is left out with a warning.
+    /// Reads tuples of numbers; an incomplete last one is left out with a warning.
     pub(super) fn tuples<const N: usize>(
         &mut self,
         id: NodeId,
@@ -187,7 +187,7 @@ impl<'a> Reader<'a> {
         Ok(tuples.to_vec())
     }
 
-    /// Exactly as many numbers as the field's type has.
+    /// Reads exactly the number of values of the field's type.
     fn tuple<const N: usize>(
         &mut self,
         id: NodeId,
@@ -225,7 +225,7 @@ impl<'a> Reader<'a> {
         Ok(given.map_or(DQuat::IDENTITY, |r| self.turn(r)))
     }
 
-    /// An axis and an angle as a rotation; without an axis there is none.
+    /// Returns the rotation of an axis and an angle; the identity for a zero axis.
     pub(super) fn turn(&self, [x, y, z, angle]: [f64; 4]) -> DQuat {
         let axis = DVec3::new(x, y, z).normalize_or_zero();
         if axis == DVec3::ZERO {
@@ -234,7 +234,7 @@ impl<'a> Reader<'a> {
         DQuat::from_axis_angle(axis, angle * self.scene.radians)
     }
 
-    /// Strings of a field that may hold several.
+    /// Reads the strings of a field that may hold several.
     pub(super) fn strings(&mut self, id: NodeId, field: &str) -> Result<Vec<String>, ReadError> {
         let list = self.text(id, field).map(quoted_strings).unwrap_or_default();
         self.charge(id, list.iter().map(String::len).sum())?;
@@ -242,7 +242,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Numbers stand between blanks and commas; a `#` begins a comment (classic encoding).
+/// Splits numbers at blanks and commas; a `#` begins a comment (classic encoding).
 pub(super) fn words(text: &str) -> impl Iterator<Item = &str> {
     let plain = text.split_inclusive(['\n', '\r']).map(|line| {
         let end = line.find('#').unwrap_or(line.len());
@@ -254,7 +254,7 @@ pub(super) fn words(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// `"a" "b"` is two strings; text without quotation marks is one.
+/// Splits `"a" "b"` into two strings; text without quotation marks is one string.
 fn quoted_strings(text: &str) -> Vec<String> {
     if !text.trim_start().starts_with('"') {
         return match text.trim() {
@@ -274,13 +274,13 @@ fn quoted_strings(text: &str) -> Vec<String> {
     list
 }
 
-/// Names may be of any length in a file, not in memory or on a screen.
+/// Bounds the length of a name, which is unlimited in a file.
 fn shortened_name(name: &str) -> String {
     let end = name.char_indices().nth(LONGEST_NAME);
     name[..end.map_or(name.len(), |(i, _)| i)].to_owned()
 }
 
-/// The longest common use of names: H-Anim names differ in case only by mistake.
+/// Folds the case of a name: H-Anim names differ in case only by mistake.
 pub(super) fn folded(name: &str) -> Cow<'_, str> {
     if name.bytes().any(|b| b.is_ascii_uppercase()) {
         return Cow::Owned(name.to_ascii_lowercase());

@@ -1,4 +1,4 @@
-//! From the scene to one humanoid: its joints, what hangs on them, and its sites.
+//! Extraction of one humanoid from a scene: its joints, attached shapes, and sites.
 //!
 //! Source: ISO/IEC 19774-1 (H-Anim), 6.2 to 6.5; ISO/IEC 19775-1, clause 26.
 
@@ -9,32 +9,32 @@ use crate::error::ReadError;
 use glam::{DAffine3, DVec3};
 use std::collections::HashSet;
 
-/// A humanoid as the scene places it.
+/// A humanoid as placed in the scene.
 #[derive(Debug)]
 pub(super) struct Figure {
     pub(super) id: NodeId,
-    /// Metres of the world from the humanoid's own space.
+    /// World-from-humanoid matrix, in metres.
     pub(super) world: DAffine3,
     /// Parents before children.
     pub(super) joints: Vec<FigureJoint>,
-    /// What hangs rigidly on joints, in the order of the file.
+    /// Shapes rigidly attached to joints, in the order of the file.
     pub(super) parts: Vec<Part>,
     pub(super) sites: Vec<FigureSite>,
 }
 
-/// A joint as the file has it.
+/// A joint as in the file.
 #[derive(Debug)]
 pub(super) struct FigureJoint {
     pub(super) id: NodeId,
     pub(super) name: String,
     pub(super) parent: Option<usize>,
-    /// What transforms between the parent and this joint do; usually nothing.
+    /// Product of the transforms between the parent and this joint; usually the identity.
     pub(super) above: DAffine3,
     /// The joint's own fields.
     pub(super) stored: Placement,
 }
 
-/// Shapes that follow one joint: a segment, or what hangs on a joint without one.
+/// Shapes that follow one joint: a segment, or shapes attached to a joint directly.
 #[derive(Debug)]
 pub(super) struct Part {
     pub(super) joint: usize,
@@ -43,31 +43,31 @@ pub(super) struct Part {
     pub(super) shapes: Vec<PlacedShape>,
 }
 
-/// A shape, and its place in the space of the joint (or the humanoid, for skin).
+/// A shape, and its transform in the space of the joint (or the humanoid, for skin).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PlacedShape {
     pub(super) id: NodeId,
     pub(super) place: DAffine3,
 }
 
-/// Shapes of the skin that stand together.
+/// Shapes of the skin in one group.
 #[derive(Debug)]
 pub(super) struct SkinGroup {
-    /// Name of the group, or empty.
+    /// Name of the group; may be empty.
     pub(super) name: String,
     pub(super) shapes: Vec<PlacedShape>,
 }
 
-/// A named place on a joint.
+/// A named position on a joint.
 #[derive(Debug)]
 pub(super) struct FigureSite {
     pub(super) joint: usize,
     pub(super) name: String,
-    /// In the space of the joint.
+    /// Position in the space of the joint.
     pub(super) position: DVec3,
 }
 
-/// Finds the humanoid of a scene and takes it apart; of several the first counts.
+/// Finds the first humanoid of a scene and reads its structure.
 pub(super) fn find(reader: &mut Reader<'_>) -> Result<Figure, ReadError> {
     let mut search = Search::default();
     let unit = DAffine3::from_scale(DVec3::splat(reader.scene.metres));
@@ -111,7 +111,7 @@ pub(super) fn find(reader: &mut Reader<'_>) -> Result<Figure, ReadError> {
     Ok(figure)
 }
 
-/// Some files hang the joints into the children of the humanoid.
+/// Returns the root joints. Some files put the joints into the children of the humanoid.
 fn skeleton_roots(reader: &Reader<'_>, id: NodeId) -> Vec<NodeId> {
     let skeleton = reader.nodes(id, "skeleton");
     if skeleton.iter().any(|&n| reader.kind(n) == "HAnimJoint") {
@@ -122,11 +122,11 @@ fn skeleton_roots(reader: &Reader<'_>, id: NodeId) -> Vec<NodeId> {
     skeleton.into_iter().chain(joints).collect()
 }
 
-/// Humanoids of a scene, each with the matrix of what stands above it.
+/// Humanoids of a scene, each with the matrix of its ancestors.
 #[derive(Debug, Default)]
 struct Search {
     humanoids: Vec<(NodeId, DAffine3)>,
-    /// Shapes that belong to no humanoid.
+    /// Number of shapes outside of any humanoid.
     shapes: usize,
 }
 
@@ -157,7 +157,7 @@ impl Search {
     }
 }
 
-/// The matrix of a grouping node; most do nothing.
+/// Returns the matrix of a grouping node; usually the identity.
 fn matrix(reader: &mut Reader<'_>, id: NodeId) -> Result<DAffine3, ReadError> {
     match reader.kind(id) {
         "Transform" | "HAnimSite" => Ok(Placement::read(reader, id)?.matrix()),
@@ -165,7 +165,8 @@ fn matrix(reader: &mut Reader<'_>, id: NodeId) -> Result<DAffine3, ReadError> {
     }
 }
 
-/// What a grouping node shows: of a switch its choice, of levels of detail the finest.
+/// Returns the visible children of a grouping node: the choice of a switch, the finest level of
+/// detail.
 fn shown_children(reader: &mut Reader<'_>, id: NodeId) -> Result<Vec<NodeId>, ReadError> {
     let of = |reader: &Reader<'_>, fields: [&str; 2]| {
         let lists = fields.map(|field| reader.nodes(id, field));
@@ -188,11 +189,11 @@ fn shown_children(reader: &mut Reader<'_>, id: NodeId) -> Result<Vec<NodeId>, Re
     })
 }
 
-/// Where a walk through the skeleton stands.
+/// Position of a traversal of the skeleton.
 #[derive(Debug, Clone, Copy)]
 struct Here {
     joint: Option<usize>,
-    /// From the space of the joint.
+    /// Matrix from the space of the joint.
     place: DAffine3,
     part: Option<usize>,
 }
@@ -257,7 +258,7 @@ impl Figure {
         Ok(())
     }
 
-    /// Begins a part on the joint that the walk is at.
+    /// Adds a part to the current joint of the traversal.
     fn part(&mut self, reader: &mut Reader<'_>, id: NodeId, here: Here) -> Option<usize> {
         let Some(joint) = here.joint else {
             reader.warn(id, "hangs on no joint; left out");
@@ -267,7 +268,7 @@ impl Figure {
             "HAnimSegment" => id,
             _ => self.joints[joint].id,
         };
-        // Shapes without a segment share a part as long as they stand together.
+        // Consecutive shapes without a segment share a part.
         if self.parts.last().is_none_or(|last| last.id != id) {
             self.parts.push(Part {
                 joint,
@@ -278,7 +279,7 @@ impl Figure {
         Some(self.parts.len() - 1)
     }
 
-    /// The shapes of the skin, those of one group together; shapes without a group are one.
+    /// Returns the shapes of the skin by group; shapes without a group form one.
     pub(super) fn skin(&self, reader: &mut Reader<'_>) -> Result<Vec<SkinGroup>, ReadError> {
         let mut groups: Vec<SkinGroup> = Vec::new();
         for id in reader.nodes(self.id, "skin") {

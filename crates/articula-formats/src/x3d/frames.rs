@@ -1,17 +1,17 @@
-//! The joints' own frames: from the fields of H-Anim joints to local transforms in metres.
+//! Local frames of joints: from the fields of H-Anim joints to local transforms in metres.
 //!
-//! An H-Anim joint has no frame of its own at rest: its matrix `P` is the identity, and its
-//! place is only the center that it turns about. Here a joint's frame stands at its center:
-//! `F = W · P · T(center) · SR / s`, with `W` the world from the humanoid and `s` its scale. Then
-//! the local transform of a joint is plain translation, rotation and scale, exactly, and all
-//! lengths are metres:
+//! An H-Anim joint has no local frame at rest: its matrix `P` is the identity, and its position is
+//! only the center of its rotation. Here a joint's frame has its origin at the center: `F = W · P ·
+//! T(center) · SR / s`, with `W` the world-from-humanoid matrix and `s` its scale. Then the local
+//! transform of a joint is exactly translation, rotation and scale, and all lengths are metres:
 //!
-//! - translation = `s · A · (translation + center)`, where `A` takes the parent's center (and
-//!   what stands between) away,
+//! - translation = `s · A · (translation + center)`, where `A` removes the parent's center (and the
+//!   transforms in between),
 //! - rotation = `A · rotation · SR`, scale = the file's.
 //!
-//! `SR`, the scale orientation, is almost always the identity; so are rest rotations then.
-//! A humanoid that is stretched or mirrored gets one joint more on top, which holds `W`.
+//! `SR`, the scale orientation, is almost always the identity; then so are rest rotations. A
+//! humanoid that is non-uniformly scaled or mirrored gets an additional root joint, which holds
+//! `W`.
 
 use super::fields::Reader;
 use super::figure::{Figure, FigureJoint};
@@ -21,40 +21,40 @@ use articula_core::Transform;
 use articula_core::source::{Joint, Skeleton};
 use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3, Mat4, Quat, Vec3};
 
-/// Two centers this near to each other are the same.
+/// Maximum distance of two centers that count as equal.
 const SAME_CENTER: f64 = 1e-9;
 
-/// How one joint's fields become its local transform.
+/// Conversion of one joint's fields to its local transform.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LocalFrame {
     /// From the parent's frame, without its length unit, to the joint's space.
     above: Similarity,
     center: DVec3,
     scale_orientation: DQuat,
-    /// Metres of a unit; 1 below a joint that holds the world matrix.
+    /// Metres per unit; 1 below a joint that holds the world matrix.
     unit: f64,
-    /// The scale that `above` has too much.
+    /// Scale by which `above` is too large.
     scale: f64,
 }
 
 impl LocalFrame {
-    /// Local translation in metres for a value of the joint's field.
+    /// Returns the local translation in metres for a value of the joint's field.
     pub(super) fn translation(&self, translation: DVec3) -> Vec3 {
         (self.above.point(translation + self.center) * self.unit).as_vec3()
     }
 
-    /// Local rotation for a value of the joint's field.
+    /// Returns the local rotation for a value of the joint's field.
     pub(super) fn rotation(&self, rotation: DQuat) -> Quat {
         let local = self.above.rotation * rotation * self.scale_orientation;
         local.normalize().as_quat()
     }
 
-    /// Local scale for a value of the joint's field.
+    /// Returns the local scale for a value of the joint's field.
     pub(super) fn scale(&self, scale: DVec3) -> Vec3 {
         (scale * self.scale).as_vec3()
     }
 
-    /// The whole local transform.
+    /// Returns the whole local transform.
     pub(super) fn local(&self, placement: &Placement) -> Transform {
         Transform {
             translation: self.translation(placement.translation),
@@ -64,24 +64,24 @@ impl LocalFrame {
     }
 }
 
-/// The skeleton of a figure, and how it stands to the file.
+/// The skeleton of a figure, and its relation to the joints of the file.
 #[derive(Debug)]
 pub(super) struct Frames {
     pub(super) skeleton: Skeleton,
-    /// Of each joint of the figure.
+    /// One entry for each joint of the figure.
     pub(super) locals: Vec<LocalFrame>,
-    /// What each joint of the figure shows where no motion moves it.
+    /// Transform of each joint of the figure where no motion moves it.
     pub(super) stored: Vec<Transform>,
-    /// Joints of the skeleton before those of the figure: 0 or 1.
+    /// Number of skeleton joints before those of the figure: 0 or 1.
     pub(super) first: usize,
-    /// Joint-from-model matrices for what hangs rigidly on a joint.
+    /// Joint-from-model matrices for rigidly attached shapes.
     pub(super) rigid: Vec<Affine3A>,
     /// Joint-from-model matrices for skin.
     pub(super) bind: Vec<Affine3A>,
 }
 
 impl Frames {
-    /// Puts joints into their frames.
+    /// Computes the frames of all joints.
     pub(super) fn new(reader: &mut Reader<'_>, figure: &Figure) -> Result<Self, ReadError> {
         if !figure.world.is_finite() || figure.world.matrix3.determinant().abs() < 1e-18 {
             return Err(reader.malformed(figure.id, "the humanoid is scaled to nothing"));
@@ -182,8 +182,8 @@ impl Frames {
         Ok(())
     }
 
-    /// Rigid parts lie in the space of their joint; skin in that of the humanoid, as it is when
-    /// every joint has its binding placement.
+    /// Sets the matrices. Rigid parts are in the space of their joint; skin is in that of the
+    /// humanoid with every joint at its binding placement.
     fn set_matrices(&mut self, figure: &Figure, bound: bool) {
         let mut globals: Vec<DAffine3> = Vec::new();
         for joint in &self.skeleton.joints {
@@ -212,14 +212,14 @@ impl Frames {
     }
 }
 
-/// The inverse; of a flat matrix, nothing.
+/// Returns the inverse; for a singular matrix, the identity.
 fn inverse(matrix: &DAffine3) -> DAffine3 {
     let inverse = matrix.inverse();
     let sound = inverse.is_finite() && inverse.to_cols_array().iter().all(|e| e.abs() < 1e30);
     if sound { inverse } else { DAffine3::IDENTITY }
 }
 
-/// The joint that holds the matrix of a humanoid that is no similarity.
+/// Returns the joint that holds the matrix of a humanoid if it is not a similarity.
 fn stretched(reader: &mut Reader<'_>, figure: &Figure) -> Joint {
     let m = figure.world;
     let matrix = Mat4::from_cols(
@@ -245,8 +245,8 @@ fn stretched(reader: &mut Reader<'_>, figure: &Figure) -> Joint {
     }
 }
 
-/// Whether all joints turn about the same point, so that the centers cannot be what makes the
-/// figure's shape. Files converted from other formats store offsets as translations.
+/// Returns whether all joints have the same center, so that the centers cannot define the figure's
+/// shape. Files converted from other formats store offsets as translations.
 fn centers_say_nothing(joints: &[FigureJoint]) -> bool {
     let first = joints.first().map_or(DVec3::ZERO, |j| j.stored.center);
     joints.len() > 1
@@ -255,8 +255,8 @@ fn centers_say_nothing(joints: &[FigureJoint]) -> bool {
             .all(|j| j.stored.center.distance(first) < SAME_CENTER)
 }
 
-/// The placements at which the skin was bound (H-Anim 2, 6.2), if the humanoid gives any. One
-/// value stands for all joints; others belong to the joints as the field `joints` lists them.
+/// Returns the placements at which the skin was bound (H-Anim 2, 6.2), if the humanoid has any. One
+/// value applies to all joints; several follow the order of the field `joints`.
 fn binding(reader: &mut Reader<'_>, figure: &Figure) -> Result<Option<Vec<Placement>>, ReadError> {
     let positions = reader.tuples::<3>(figure.id, "jointBindingPositions")?;
     let rotations = reader.tuples::<4>(figure.id, "jointBindingRotations")?;

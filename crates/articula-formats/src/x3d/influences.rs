@@ -1,4 +1,4 @@
-//! Which joints move the points of the skin.
+//! Joint influences on the points of the skin.
 //!
 //! Source: ISO/IEC 19774-1, 6.3 (`skinCoordIndex`, `skinCoordWeight`).
 
@@ -9,24 +9,24 @@ use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::source::Primitive;
 
-/// Weights of a point that sum to this near 1 are not odd.
+/// Maximum deviation of a point's weight sum from 1 that is not reported.
 const ODD_SUM: f32 = 1e-2;
 
-/// Joint and weight of each point, those of one point together.
+/// Joint and weight of each point, grouped by point.
 #[derive(Debug)]
 pub(super) struct Influences {
     of_point: Vec<Vec<(u16, f32)>>,
 }
 
 impl Influences {
-    /// Gathers what the joints say; weights are made to sum to 1.
+    /// Collects the influences of all joints; weights are scaled to sum to 1.
     pub(super) fn read(
         reader: &mut Reader<'_>,
         figure: &Figure,
         points: usize,
     ) -> Result<Self, ReadError> {
         let at = reader.scene.at(figure.id);
-        // A vertex names its joint with 16 bits.
+        // A vertex stores its joint with 16 bits.
         Limits::check(&at, "joints of a skin", figure.joints.len() as u64, 1 << 16)?;
         reader.charge(figure.id, 8 * points)?;
         let mut of_point: Vec<Vec<(u16, f32)>> = vec![Vec::new(); points];
@@ -91,8 +91,8 @@ impl Influences {
         }
     }
 
-    /// Writes the influences of a primitive's vertices; without points of the skin all follow
-    /// the first joint.
+    /// Writes the influences of a primitive's vertices; without skin points all follow the first
+    /// joint.
     pub(super) fn apply(
         &self,
         reader: &mut Reader<'_>,

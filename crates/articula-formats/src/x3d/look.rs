@@ -1,8 +1,8 @@
-//! Appearances: colours and pictures, reduced to what a preview shows.
+//! Appearances: colours and pictures, reduced to what a preview needs.
 //!
 //! Source: ISO/IEC 19775-1, clause 12 (shape) and 18 (texturing). Colours of `Material` and
-//! `UnlitMaterial` are what the screen shows (sRGB), those of `PhysicalMaterial` are linear. A
-//! picture replaces the colour up to X3D 3 and is multiplied with it from X3D 4 on.
+//! `UnlitMaterial` are sRGB, those of `PhysicalMaterial` are linear. A picture replaces the colour
+//! up to X3D 3 and is multiplied with it from X3D 4 on.
 
 use super::fields::Reader;
 use super::scene::{NodeId, shortened};
@@ -13,7 +13,7 @@ use articula_core::source::{Image, Material};
 use glam::{DMat2, DVec2, DVec3, Vec4};
 use std::collections::HashMap;
 
-/// How texture coordinates are changed before the picture is looked up.
+/// Transform of texture coordinates before the lookup.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TextureMove {
     matrix: DMat2,
@@ -21,7 +21,8 @@ pub(super) struct TextureMove {
 }
 
 impl TextureMove {
-    /// The rule of the standard: moved, turned, scaled, each about the center.
+    /// Reads the transform of the standard: translation, rotation and scale, the latter two about
+    /// the center.
     fn read(reader: &mut Reader<'_>, id: NodeId) -> Result<Self, ReadError> {
         let two = |reader: &mut Reader<'_>, field: &str, usual: DVec2| {
             let given = reader.tuples::<2>(id, field)?;
@@ -39,13 +40,13 @@ impl TextureMove {
         })
     }
 
-    /// Moves a texture coordinate whose origin is at the bottom.
+    /// Transforms a texture coordinate with its origin at the bottom.
     pub(super) fn apply(&self, texcoord: DVec2) -> DVec2 {
         self.matrix * texcoord + self.offset
     }
 }
 
-/// How one shape looks.
+/// Appearance of one shape.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ShapeAppearance {
     pub(super) material: usize,
@@ -53,22 +54,22 @@ pub(super) struct ShapeAppearance {
     pub(super) texture_move: Option<TextureMove>,
 }
 
-/// What makes two materials one.
+/// Properties by which materials are deduplicated.
 type LookKey = (String, [u32; 4], Option<usize>, u32, bool);
 
-/// Materials and pictures so far, each made once.
+/// Materials and pictures read so far, without duplicates.
 pub(super) struct Looks<'r, 'f> {
     resolver: &'r mut Resolver<'f>,
     pub(super) materials: Vec<Material>,
     pub(super) images: Vec<Image>,
     made: HashMap<(Option<NodeId>, bool), ShapeAppearance>,
-    /// Appearances are often written out again for each shape.
+    /// Index by properties: files often repeat an appearance for each shape.
     material_of_look: HashMap<LookKey, usize>,
-    /// What became of each texture node.
+    /// Picture of each texture node; `None` if it could not be read.
     pictures: HashMap<NodeId, Option<usize>>,
     /// Index of the picture of each address.
     addresses: HashMap<String, usize>,
-    /// Bytes of all pictures.
+    /// Size of all pictures in bytes.
     spent: u64,
 }
 
@@ -86,7 +87,7 @@ impl<'r, 'f> Looks<'r, 'f> {
         }
     }
 
-    /// The look of a shape whose geometry is solid or shows its back.
+    /// Returns the appearance of a shape whose geometry is solid or shows its back.
     pub(super) fn of(
         &mut self,
         reader: &mut Reader<'_>,
@@ -136,7 +137,7 @@ impl<'r, 'f> Looks<'r, 'f> {
         Ok(look)
     }
 
-    /// The index of a material, the same for equal ones.
+    /// Returns the index of a material; equal ones share an index.
     fn material(&mut self, material: Material) -> usize {
         let key = (
             material.name.clone(),
@@ -153,7 +154,7 @@ impl<'r, 'f> Looks<'r, 'f> {
         index
     }
 
-    /// The picture of a texture node, if there is one that can be had.
+    /// Returns the picture of a texture node, if one can be read.
     fn picture(&mut self, reader: &mut Reader<'_>, id: NodeId) -> Result<Option<usize>, ReadError> {
         if let Some(known) = self.pictures.get(&id) {
             return Ok(*known);
@@ -187,7 +188,7 @@ impl<'r, 'f> Looks<'r, 'f> {
         Ok(found)
     }
 
-    /// The picture at one address, or why there is none.
+    /// Returns the picture at one address, or the reason why it cannot be read.
     fn fetch(
         &mut self,
         reader: &mut Reader<'_>,
@@ -213,15 +214,15 @@ impl<'r, 'f> Looks<'r, 'f> {
             bytes,
         });
         let index = self.images.len() - 1;
-        // An address may hold a whole picture.
+        // An address may contain a whole picture.
         if address.len() < 1000 {
             self.addresses.insert(address.to_owned(), index);
         }
         Ok(Ok(index))
     }
 
-    /// Asks for a picture beside the file. What an address far away names may have been saved
-    /// there as well.
+    /// Requests an external picture from the resolver. For a remote address, its last part is
+    /// requested, which may have been saved with the file.
     fn beside(
         &mut self,
         reader: &mut Reader<'_>,
@@ -243,7 +244,7 @@ impl<'r, 'f> Looks<'r, 'f> {
     }
 }
 
-/// The texture that gives the colour: of the material (X3D 4), else of the appearance.
+/// Returns the texture of the base colour: that of the material (X3D 4), else of the appearance.
 fn texture_of(reader: &Reader<'_>, appearance: NodeId, material: Option<NodeId>) -> Option<NodeId> {
     let of_material = material.and_then(|m| {
         let fields = ["diffuseTexture", "baseTexture", "emissiveTexture"];
@@ -271,7 +272,7 @@ fn base_color(reader: &mut Reader<'_>, id: NodeId) -> Result<Vec4, ReadError> {
     Ok(Vec4::new(r, g, b, opacity as f32))
 }
 
-/// Colours of the file are as the screen has them.
+/// Converts from sRGB, the space of the file's colours.
 pub(super) fn linear(srgb: f64) -> f32 {
     let c = srgb.clamp(0.0, 1.0);
     let linear = if c <= 0.04045 {

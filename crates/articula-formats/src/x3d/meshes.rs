@@ -1,12 +1,12 @@
-//! What is seen: segments that follow one joint, and skin that follows many.
+//! Meshes: segments that follow one joint, and skin that follows many.
 //!
 //! A displacer becomes a morph target. One of a segment moves the points of the segment's
-//! coordinates, one of a joint those of the skin; displacers of the skin that share a name are
-//! one target, as one expression may move points on several joints.
+//! coordinates, one of a joint those of the skin; displacers of the skin that share a name form one
+//! target, as one expression may move points on several joints.
 //!
-//! Source: ISO/IEC 19774-1, 6.2 (skin), 6.4 (segment), 6.6 (displacer); 19775-1, 26.3.
-//! Differs: displacements are blended in before skinning, where the standard adds those of a
-//! joint after it, turned by that joint alone. The two agree where one joint moves the point.
+//! Source: ISO/IEC 19774-1, 6.2 (skin), 6.4 (segment), 6.6 (displacer); 19775-1, 26.3. Differs:
+//! displacements are applied before skinning, where the standard adds those of a joint after it,
+//! rotated by that joint alone. The two agree where one joint moves the point.
 
 use super::corners::Faces;
 use super::faces;
@@ -23,15 +23,15 @@ use articula_core::source::{MorphTarget, Primitive, RawMesh, Skin};
 use glam::{DAffine3, DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap};
 
-/// Meshes, and which of their morph targets each displacer is.
+/// Meshes, and the morph targets of each displacer.
 #[derive(Debug, Default)]
 pub(super) struct X3dMeshes {
     pub(super) meshes: Vec<RawMesh>,
-    /// Mesh and morph target; points of several meshes may be moved by one.
+    /// Mesh and morph target; one displacer may move points of several meshes.
     pub(super) targets_of_displacer: HashMap<NodeId, Vec<(usize, usize)>>,
 }
 
-/// What all groups of the skin share.
+/// Data shared by all groups of the skin.
 struct SkinBodies {
     influences: Influences,
     moves: Vec<Move>,
@@ -39,18 +39,18 @@ struct SkinBodies {
     points: usize,
 }
 
-/// What one displacer does.
+/// Content of one displacer.
 #[derive(Debug)]
 struct Move {
     id: NodeId,
-    /// Whether the file gives it a name.
+    /// Whether it has a name in the file.
     is_named: bool,
     name: String,
     weight: f32,
     offsets: Vec<(u32, DVec3)>,
 }
 
-/// One morph target while a mesh is made.
+/// A morph target under construction.
 #[derive(Debug)]
 struct Target {
     name: String,
@@ -60,7 +60,7 @@ struct Target {
     offsets: BTreeMap<u32, DVec3>,
 }
 
-/// Makes the meshes of a figure: its segments in the order of the file, then its skin.
+/// Reads the meshes of a figure: its segments in the order of the file, then its skin.
 pub(super) fn read_all(
     reader: &mut Reader<'_>,
     figure: &Figure,
@@ -88,11 +88,11 @@ struct Maker<'m, 'r, 'f> {
     looks: &'m mut Looks<'r, 'f>,
     cutter: Cutter,
     shown: X3dMeshes,
-    /// Kinds of geometry that are not read, with their counts.
+    /// Unsupported geometry types, with their counts.
     unread: BTreeMap<String, usize>,
 }
 
-/// A shape with its geometry read.
+/// A shape with its geometry.
 struct Solid {
     shape: PlacedShape,
     geometry: NodeId,
@@ -112,7 +112,7 @@ impl Maker<'_, '_, '_> {
             "HAnimSegment" => reader.nodes(part.id, "displacers"),
             _ => Vec::new(),
         };
-        // Without a coordinate field the displacers can only mean the geometry that is there.
+        // Without a coordinate field, the displacers refer to the only geometry present.
         let coord = reader.node(part.id, "coord");
         let coord = coord.or_else(|| solids.first().and_then(|s| s.faces.coord));
         let targets = targets(read_moves(reader, &displacers)?.iter());
@@ -191,7 +191,7 @@ impl Maker<'_, '_, '_> {
             .collect();
         let searched: usize = bodies.moves.iter().map(|m| m.offsets.len()).sum();
         reader.charge(figure.id, searched + bodies.points)?;
-        // A displacer belongs to the group if it moves a point of it.
+        // A displacer belongs to the group if it moves one of its points.
         let mut used = vec![false; bodies.points];
         let own = solids.iter().zip(&skinned).filter(|(_, skinned)| **skinned);
         for corner in own.flat_map(|(solid, _)| solid.faces.triangles.iter().flatten()) {
@@ -226,7 +226,7 @@ impl Maker<'_, '_, '_> {
         Ok(())
     }
 
-    /// Whether a shape's points are those that joints move.
+    /// Returns whether a shape uses the points of the skin.
     fn is_skin(
         &self,
         reader: &mut Reader<'_>,
@@ -262,7 +262,7 @@ impl Maker<'_, '_, '_> {
         self.shown.meshes.push(mesh);
     }
 
-    /// The shapes whose geometry is read.
+    /// Returns the shapes with supported geometry.
     fn solids(
         &mut self,
         reader: &mut Reader<'_>,
@@ -288,8 +288,8 @@ impl Maker<'_, '_, '_> {
         Ok(solids)
     }
 
-    /// One shape as a primitive without influences, and the point that each vertex comes from;
-    /// `None` if it has no triangle. Without targets that move it there are still as many.
+    /// Converts a shape to a primitive without influences, and the point of each vertex; `None` if
+    /// it has no triangle. The number of morph targets is kept even if none moves it.
     fn primitive(
         &mut self,
         reader: &mut Reader<'_>,
@@ -372,7 +372,7 @@ fn read_moves(reader: &mut Reader<'_>, displacers: &[NodeId]) -> Result<Vec<Move
     Ok(moves)
 }
 
-/// Morph targets of displacers, those of one name together.
+/// Makes morph targets of displacers; those of one name are merged.
 fn targets<'m>(moves: impl Iterator<Item = &'m Move>) -> Vec<Target> {
     let mut targets: Vec<Target> = Vec::new();
     let mut of_name: HashMap<&str, usize> = HashMap::new();

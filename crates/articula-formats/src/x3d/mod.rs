@@ -1,20 +1,21 @@
-//! H-Anim figures in X3D and VRML97, in and out.
+//! H-Anim figures in X3D and VRML97: both are read, X3D is written.
 //!
-//! [`read`] gives the first humanoid of a scene. In the order of the line:
+//! [`read`] returns the first humanoid of a scene. The modules, in the order in which data passes
+//! through them:
 //!
 //! - `scene`, `xml`, `classic`: from either encoding to one node tree
-//! - `fields`: what the text of a field means, within the limits
-//! - `figure`, `placement`, `frames`: joints and what hangs on them, in metres
-//! - `faces`, `polygon`, `solids`, `surface`: from geometry nodes to triangles
+//! - `fields`: typed field values, within the limits
+//! - `figure`, `placement`, `frames`: joints and what is attached to them, in metres
+//! - `corners`, `faces`, `polygon`, `solids`, `surface`: from geometry nodes to triangles
 //! - `look`: colours and pictures
 //! - `meshes`, `influences`: segments, skin and displacers
-//! - `clips`, `motion`, `routes`, `pose`: what moves
-//! - `credits`: who made it
-//! - `reader`: all of it in turn
-//! - `write`: the way back, in X3D 4.0
+//! - `clips`, `draft`, `motion`, `routes`, `pose`: animations
+//! - `credits`: authors and licence
+//! - `reader`: the whole file
+//! - `write`: writer of X3D 4.0
 //!
-//! Source: ISO/IEC 19774 (H-Anim 1.1 to 2), ISO/IEC 19775-1 (X3D), ISO/IEC 14772-1 (VRML97).
-//! The page is `docs/formats/x3d.md`.
+//! Source: ISO/IEC 19774 (H-Anim 1.1 to 2), ISO/IEC 19775-1 (X3D), ISO/IEC 14772-1 (VRML97). See
+//! `docs/formats/x3d.md`.
 
 mod classic;
 mod clips;

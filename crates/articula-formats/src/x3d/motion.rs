@@ -1,7 +1,7 @@
 //! `HAnimMotion`: frames of joint angles, as in BVH but with the joints of the figure.
 //!
-//! Source: ISO/IEC 19774-2 (motion data animation); ISO/IEC 19775-1, 26.3.5. Angles are degrees
-//! whatever the unit statement says; rotations multiply in the order of the channels; position
+//! Source: ISO/IEC 19774-2 (motion data animation); ISO/IEC 19775-1, 26.3.5. Angles are in degrees
+//! regardless of the unit statement; rotations multiply in the order of the channels; position
 //! channels are the joint's field `translation`, which is an offset from its center.
 
 use super::draft::{Draft, Stage};
@@ -12,13 +12,13 @@ use crate::limits::Limits;
 use articula_core::source::Channel;
 use glam::{DQuat, DVec3};
 
-/// The name that stands for no joint.
+/// Name in the joint list that denotes no joint.
 const IGNORED: &str = "ignored";
 
-/// Shorter frames than this are a mistake, and longer ones too.
+/// Accepted range of seconds per frame.
 const FRAME_SECS: std::ops::RangeInclusive<f64> = 1e-6..=1e4;
 
-/// What one channel drives, with its axis.
+/// Target of one channel, with its axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Drives {
     Position(usize),
@@ -31,12 +31,12 @@ enum Drives {
 #[derive(Debug)]
 struct Group {
     joint: Option<usize>,
-    /// Place of the first in a frame's values.
+    /// Index of the first channel in a frame's values.
     first: usize,
     channels: Vec<Drives>,
 }
 
-/// Reads all motions of a humanoid, each as a clip.
+/// Reads each motion of a humanoid as a clip.
 pub(super) fn read_all(
     reader: &mut Reader<'_>,
     stage: &Stage<'_>,
@@ -97,7 +97,7 @@ fn read(
     }))
 }
 
-/// The frames from `startFrame` to `endFrame`; all, if those say nothing.
+/// Returns the frames from `startFrame` to `endFrame`; all, if the fields are absent.
 fn chosen<'v>(
     reader: &mut Reader<'_>,
     id: NodeId,
@@ -152,7 +152,7 @@ fn groups(reader: &mut Reader<'_>, stage: &Stage<'_>, id: NodeId) -> Result<Vec<
     Ok(groups)
 }
 
-/// `6 Xposition … 3 Zrotation …`: a count and as many words, joint by joint.
+/// Parses `6 Xposition … 3 Zrotation …`: joint by joint, a count and that number of words.
 fn channel_lists(reader: &mut Reader<'_>, id: NodeId) -> Result<Vec<Vec<Drives>>, ReadError> {
     let text = reader.text(id, "channels").unwrap_or("");
     let mut lists: Vec<Vec<Drives>> = Vec::new();
@@ -226,8 +226,9 @@ impl Group {
     }
 }
 
-/// Motions copied from BVH hold the place of the root, not its offset from the center; players
-/// take them for offsets all the same, and the figure floats.
+/// Warns about a root that never comes near its rest height. Motions copied from BVH hold the
+/// position of the root instead of its offset from the center; players take them for offsets all
+/// the same, and the figure floats.
 fn warn_if_lifted(
     reader: &mut Reader<'_>,
     stage: &Stage<'_>,

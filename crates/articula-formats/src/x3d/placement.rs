@@ -1,4 +1,4 @@
-//! How a node that has `translation`, `rotation`, `scale` and `center` places what it holds.
+//! Transform of a node with `translation`, `rotation`, `scale` and `center`.
 //!
 //! Source: ISO/IEC 19775-1, 10.4.4 (Transform): P' = T · C · R · SR · S · -SR · -C · P.
 
@@ -7,8 +7,8 @@ use super::scene::NodeId;
 use crate::error::ReadError;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-/// Lengths and angles between axes may differ by this share in a similarity: matrices that came
-/// through 32 bits do.
+/// Tolerance of a similarity: relative difference of lengths and angles between axes, as matrices
+/// stored in 32 bits have it.
 const SIMILAR: f64 = 2e-5;
 
 /// The fields of a `Transform`, an `HAnimHumanoid`, an `HAnimJoint` or an `HAnimSite`.
@@ -22,7 +22,7 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    /// Reads the fields that a node gives.
+    /// Reads the fields that a node has.
     pub(super) fn read(reader: &mut Reader<'_>, id: NodeId) -> Result<Self, ReadError> {
         Ok(Self {
             translation: reader.vector(id, "translation", DVec3::ZERO)?,
@@ -33,7 +33,7 @@ impl Placement {
         })
     }
 
-    /// The same center and scale orientation, but nothing moved.
+    /// Returns the same center and scale orientation without translation, rotation and scale.
     pub(super) fn at_rest(&self) -> Self {
         Self {
             translation: DVec3::ZERO,
@@ -43,14 +43,14 @@ impl Placement {
         }
     }
 
-    /// Whether it moves nothing.
+    /// Returns whether it is the identity.
     pub(super) fn is_at_rest(&self) -> bool {
         self.translation == DVec3::ZERO
             && self.rotation.angle_between(DQuat::IDENTITY) < 1e-9
             && self.scale == DVec3::ONE
     }
 
-    /// The matrix of the rule above.
+    /// Returns the matrix of the formula above.
     pub(super) fn matrix(&self) -> DAffine3 {
         let stretch = DMat3::from_quat(self.scale_orientation)
             * DMat3::from_diagonal(self.scale)
@@ -61,7 +61,7 @@ impl Placement {
     }
 }
 
-/// A matrix that scales all axes alike: what stays a chain of such when turned or moved.
+/// A matrix with uniform scale; such matrices are closed under products.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Similarity {
     pub(super) scale: f64,
@@ -70,7 +70,7 @@ pub(super) struct Similarity {
 }
 
 impl Similarity {
-    /// Splits a matrix; `None` if it stretches, shears, mirrors or flattens.
+    /// Splits a matrix; `None` if it has non-uniform scale or shear, mirrors or is singular.
     pub(super) fn of(matrix: &DAffine3) -> Option<Self> {
         let m = matrix.matrix3;
         let scale = m.determinant().cbrt();
@@ -91,7 +91,7 @@ impl Similarity {
         (worst < SIMILAR).then_some(similarity)
     }
 
-    /// The similarity nearest to a matrix that may be none.
+    /// Returns the similarity closest to a matrix.
     pub(super) fn near(matrix: &DAffine3) -> Self {
         let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
         let good = scale.is_finite() && rotation.is_finite() && translation.is_finite();
@@ -110,7 +110,7 @@ impl Similarity {
         }
     }
 
-    /// Moves a point.
+    /// Transforms a point.
     pub(super) fn point(&self, point: DVec3) -> DVec3 {
         self.rotation * (point * self.scale) + self.translation
     }
@@ -130,8 +130,8 @@ mod tests {
             scale_orientation: DQuat::from_rotation_z(FRAC_PI_2),
             center: DVec3::new(1.0, 0.0, 0.0),
         };
-        // (2, 1, 0) is (1, 1, 0) from the center. The scale orientation makes Y the stretched
-        // axis, so (1, 2, 0); a quarter turn gives (-2, 1, 0); back to the center and moved.
+        // (2, 1, 0) is (1, 1, 0) from the center. The scale orientation makes Y the scaled axis, so
+        // (1, 2, 0); a quarter turn gives (-2, 1, 0); then center and translation are added.
         let moved = placement
             .matrix()
             .transform_point3(DVec3::new(2.0, 1.0, 0.0));

@@ -1,25 +1,25 @@
-//! Polygons as triangles.
+//! Triangulation of polygons.
 //!
-//! A convex polygon becomes a fan. One that may be concave loses one ear after the other: the
-//! first corner that turns the polygon's way and has no other corner in its triangle.
+//! A convex polygon becomes a fan. One that may be concave is cut ear by ear: an ear is the next
+//! corner that is convex and has no other corner in its triangle.
 //!
-//! Source: Meisters 1975, "Polygons have ears"; ISO/IEC 19775-1, 13.3.5 (field `convex`).
-//! Differs: where no ear is found, as in a polygon that crosses itself, the rest becomes a fan.
+//! Source: Meisters 1975, "Polygons have ears"; ISO/IEC 19775-1, 13.3.5 (field `convex`). Differs:
+//! where no ear is found, as in a polygon that crosses itself, the rest becomes a fan.
 
 use glam::{DVec2, DVec3};
 
-/// Tests of a corner against a triangle that all polygons of one file may need together; with
-/// more, polygons become fans.
+/// Maximum number of corner-in-triangle tests for all polygons of one file together; beyond it,
+/// polygons become fans.
 const MAX_TESTS: u64 = 1 << 30;
 
-/// Cuts polygons, and knows how much work that took.
+/// Triangulator that counts its work.
 #[derive(Debug, Default)]
 pub(super) struct Cutter {
     tests: u64,
 }
 
 impl Cutter {
-    /// Triangles of a polygon, as indices of its corners.
+    /// Returns the triangles of a polygon, as indices of its corners.
     pub(super) fn triangles(&mut self, points: &[DVec3], convex: bool) -> Vec<[usize; 3]> {
         let worst = (points.len() as u64).saturating_pow(2);
         if convex || points.len() < 4 || self.tests.saturating_add(worst) > MAX_TESTS {
@@ -34,7 +34,7 @@ impl Cutter {
     fn ears(&mut self, points: &[DVec2]) -> Vec<[usize; 3]> {
         let mut left: Vec<usize> = (0..points.len()).collect();
         let mut triangles = Vec::with_capacity(points.len() - 2);
-        // Where to look next, and how many corners in a row were no ears.
+        // Next corner to test, and number of consecutive corners that were not ears.
         let (mut at, mut missed) = (0, 0);
         while left.len() > 3 && missed < left.len() && self.tests < MAX_TESTS {
             let count = left.len();
@@ -76,7 +76,7 @@ fn fan(corners: Vec<usize>) -> Vec<[usize; 3]> {
     pairs.map(|pair| [corners[0], pair[0], pair[1]]).collect()
 }
 
-/// Twice the area of a polygon along its normal, by Newell's method.
+/// Returns the normal of a polygon with twice its area as length, by Newell's method.
 pub(super) fn newell(points: &[DVec3]) -> DVec3 {
     let next = points.iter().cycle().skip(1);
     let edges = points.iter().zip(next);
@@ -85,11 +85,11 @@ pub(super) fn newell(points: &[DVec3]) -> DVec3 {
         .sum()
 }
 
-/// The polygon seen from where it turns counter-clockwise; `None` if it has no area.
+/// Projects the polygon to the plane in which it is counter-clockwise; `None` if it has no area.
 fn flattened(points: &[DVec3]) -> Option<Vec<DVec2>> {
     let normal = newell(points).try_normalize()?;
     let (x, y) = normal.any_orthonormal_pair();
-    // The pair and the normal are right-handed, so the turning stays.
+    // The axes and the normal are right-handed, so the orientation is kept.
     Some(
         points
             .iter()
@@ -128,7 +128,7 @@ mod tests {
         let whole = newell(&points).length();
         assert!((whole - 12.0).abs() < 1e-12, "twice 8 minus 2");
         assert!((signed - whole).abs() < 1e-12 && (absolute - whole).abs() < 1e-12);
-        // Told that it is convex, it is cut wrongly, as the format says.
+        // Declared convex, it is triangulated as a fan, as the format specifies.
         let wrong = Cutter::default().triangles(&points, true);
         assert!(area(&points, &wrong).1 > whole + 1.0);
     }

@@ -1,8 +1,8 @@
-//! `HAnimPose`: a named pose, as a clip that takes it.
+//! `HAnimPose`: a named pose, as a clip that ends in it.
 //!
-//! The clip runs from what the file's fields show to the pose, in the time that the pose gives
-//! for it, as a player does; its end is the pose. Joints that the pose does not name stay as they
-//! are; a pose without any puts all back to rest.
+//! The clip runs from the pose of the file's fields to the named pose, over the transition time
+//! that the pose defines, as a player does. Joints that the pose does not name stay as they are; a
+//! pose without any returns all joints to rest.
 //!
 //! Source: X3D 4.1 (draft ISO/IEC 19775-1), HAnimPose.
 
@@ -12,7 +12,7 @@ use super::placement::Placement;
 use super::scene::NodeId;
 use crate::error::ReadError;
 
-/// Longer ways into a pose are a mistake.
+/// Maximum transition time, in seconds.
 const LONGEST_SECS: f64 = 1e4;
 
 /// Reads all poses of a humanoid.

@@ -1,4 +1,4 @@
-//! From the bytes of a file to a character.
+//! Conversion of the bytes of a file to a character.
 
 use super::fields::Reader;
 use super::look::Looks;
@@ -10,21 +10,21 @@ use crate::limits::Limits;
 use articula_core::source::Character;
 use glam::Vec3;
 
-/// A named place on a joint, such as a finger tip.
+/// A named position on a joint, such as a finger tip.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Site {
     /// Joint of the character's skeleton.
     pub joint: usize,
-    /// Name as the file has it.
+    /// Name as in the file.
     pub name: String,
     /// Offset from the joint in metres, in the joint's space.
     pub offset: Vec3,
 }
 
-/// What an X3D file holds of its first humanoid.
+/// Content of an X3D file: its first humanoid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct X3dFile {
-    /// Skeleton, meshes, clips and looks; every H-Anim joint is `in_skin`.
+    /// Skeleton, meshes, clips and materials; every H-Anim joint is `in_skin`.
     pub character: Character,
     /// Sites, in the order of the file.
     pub sites: Vec<Site>,
@@ -32,14 +32,14 @@ pub struct X3dFile {
 
 /// Reads the first humanoid of an X3D or VRML97 file, in the XML or the classic encoding.
 ///
-/// The resolver is asked for pictures by the names that the file gives, and by the last part of
-/// an address far away; it alone decides what may be opened. Nothing else is ever fetched.
+/// The resolver is called for pictures with the names that the file gives, and with the last part
+/// of a remote address; it alone decides what may be opened. Nothing else is ever fetched.
 ///
-/// - *Rest pose*: that of the standard, every joint at its center and unturned. Where the file's
-///   fields show another pose, each clip holds it, and without a motion a clip `stored pose`
+/// - *Rest pose*: that of the standard, every joint at its center and unrotated. Where the file's
+///   fields define another pose, each clip holds it, and without a motion a clip `stored pose`
 ///   shows it.
-/// - *Meshes* are one for each segment with triangles, then one for the skin.
-/// - *Clips* are `HAnimMotion`s, then time sensors that move the figure, then `HAnimPose`s.
+/// - *Meshes*: one for each segment with triangles, then one for the skin.
+/// - *Clips*: `HAnimMotion`s, then time sensors that move the figure, then `HAnimPose`s.
 ///
 /// ```
 /// use articula_formats::{Limits, x3d};
@@ -58,7 +58,7 @@ pub struct X3dFile {
 ///
 /// # Errors
 /// [`ReadError::Malformed`] naming the line and node, [`ReadError::Unsupported`] for other
-/// encodings, for XML with declarations of its own and for scenes without a humanoid,
+/// encodings, for XML with an internal document type and for scenes without a humanoid,
 /// [`ReadError::LimitExceeded`].
 pub fn read(
     bytes: &[u8],
@@ -108,7 +108,7 @@ pub fn read(
     })
 }
 
-/// Names what to do with files that carry X3D in another way.
+/// Returns an error with advice for files in other encodings of X3D.
 fn refuse_other_encodings(bytes: &[u8]) -> Result<(), ReadError> {
     let (what, mend) = match bytes {
         [0x1f, 0x8b, ..] => ("a compressed file", "unpack it with gunzip first"),

@@ -1,6 +1,6 @@
-//! Time sensors: `TimeSensor` → interpolator → joint or displacer, the older way to animate.
+//! Time sensors: `TimeSensor` → interpolator → joint or displacer, the older form of animation.
 //!
-//! Each sensor that moves the figure is a clip as long as its cycle.
+//! Each sensor that moves the figure is a clip with the length of its cycle.
 //!
 //! Source: ISO/IEC 19775-1, 4.4.8 (routes), 8.4.1 (TimeSensor), clause 19 (interpolators).
 
@@ -11,7 +11,7 @@ use crate::error::ReadError;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Longer cycles than a day, or shorter ones than a microsecond, are a mistake.
+/// Accepted cycle lengths: a microsecond to a day.
 const CYCLE_SECS: std::ops::RangeInclusive<f64> = 1e-6..=86400.0;
 
 type Routes<'s> = HashMap<NodeId, Vec<&'s Route>>;
@@ -76,7 +76,7 @@ fn sensor(
             _ => {}
         }
     }
-    // A single key is a pose: it has no length.
+    // A single key is a pose of zero length.
     let keys = |times: &[f32]| times.len();
     let lengths = draft.channels.iter().map(|c| keys(&c.times_secs));
     let most = lengths
@@ -90,13 +90,13 @@ fn sensor(
     Ok(Some(draft))
 }
 
-/// The name of a field without what routes may put around it.
+/// Returns the name of a field without the affixes that routes may use.
 fn plain(field: &str) -> &str {
     let field = field.strip_prefix("set_").unwrap_or(field);
     field.strip_suffix("_changed").unwrap_or(field)
 }
 
-/// Adds what one interpolator does to one node.
+/// Adds the effect of one interpolator on one node.
 fn track(
     reader: &mut Reader<'_>,
     stage: &Stage<'_>,
@@ -148,7 +148,7 @@ fn track(
     Ok(())
 }
 
-/// Times of an interpolator's keys, and which keys those are.
+/// Returns times and indices of an interpolator's keys.
 fn keys(
     reader: &mut Reader<'_>,
     id: NodeId,
@@ -164,7 +164,7 @@ fn keys(
         reader.warn(id, what);
         fractions.truncate(values);
     }
-    // One interpolator may move many joints.
+    // One interpolator may drive many joints.
     reader.charge(id, 8 * fractions.len())?;
     let times = key_times(reader, id, &fractions, cycle_secs)?;
     Ok(times.into_iter().unzip())

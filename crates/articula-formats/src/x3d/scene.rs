@@ -1,8 +1,8 @@
 //! The node tree that both encodings are parsed into.
 //!
-//! A node keeps the text of its fields; what a field means is known only to who asks for it
-//! (`fields`). `USE` puts a node into a second place, so the tree is a graph without cycles:
-//! a name can be used only after its node has ended.
+//! A node keeps the text of its fields, which `fields` converts on demand. `USE` references a node
+//! a second time, so the tree is a graph without cycles: a name can be used only after its node has
+//! ended.
 //!
 //! Source: ISO/IEC 19775-1 (X3D), 4.4; VRML97 (ISO/IEC 14772-1), 4.4 to 4.7.
 
@@ -16,17 +16,17 @@ use std::collections::HashMap;
 /// Index of a node in [`Scene::nodes`].
 pub(super) type NodeId = usize;
 
-/// More statements of this kind than a person would read are left out.
+/// Maximum number of `META` statements; further ones are left out.
 const MAX_METAS: usize = 256;
 
-/// One node as the file has it.
+/// One node as in the file.
 #[derive(Debug)]
 pub(super) struct Node<'a> {
     /// Type, such as `HAnimJoint`.
     pub(super) kind: Cow<'a, str>,
-    /// Name that `DEF` gives it, or empty.
+    /// Name given by `DEF`; may be empty.
     pub(super) def: Cow<'a, str>,
-    /// Where it begins, in bytes of the text.
+    /// Byte offset of its start in the text.
     offset: usize,
     /// Fields that hold no node, as text.
     pub(super) texts: Vec<(Cow<'a, str>, Cow<'a, str>)>,
@@ -35,13 +35,13 @@ pub(super) struct Node<'a> {
 }
 
 impl Node<'_> {
-    /// The text of a field, if the file gives it; the last of two counts.
+    /// Returns the text of a field, if present; of two, the last.
     pub(super) fn text(&self, field: &str) -> Option<&str> {
         let given = self.texts.iter().rev().find(|(name, _)| name == field);
         given.map(|(_, text)| text.as_ref())
     }
 
-    /// The nodes in a field.
+    /// Returns the nodes in a field.
     pub(super) fn nodes<'n>(&'n self, field: &'n str) -> impl Iterator<Item = NodeId> + 'n {
         let of_field = move |(name, id): &'n (Cow<'_, str>, NodeId)| (name == field).then_some(*id);
         self.children.iter().filter_map(of_field)
@@ -57,27 +57,27 @@ pub(super) struct Route {
     pub(super) to_field: String,
 }
 
-/// A file as its encoding says it.
+/// A file as parsed from either encoding.
 #[derive(Debug)]
 pub(super) struct X3dScene<'a> {
     text: &'a str,
     pub(super) nodes: Vec<Node<'a>>,
-    /// Nodes that hang in no other.
+    /// Nodes without parent.
     pub(super) roots: Vec<NodeId>,
     pub(super) routes: Vec<Route>,
-    /// What the head says of the file: name and content.
+    /// `META` statements of the head: name and content.
     pub(super) metas: Vec<(String, String)>,
-    /// Major version of the standard; VRML97 is 2.
+    /// Major version of the standard; 2 for VRML97.
     pub(super) version: u32,
-    /// Metres of one length unit.
+    /// Metres per length unit.
     pub(super) metres: f64,
-    /// Radians of one angle unit.
+    /// Radians per angle unit.
     pub(super) radians: f64,
     line_starts: OnceCell<Vec<usize>>,
 }
 
 impl X3dScene<'_> {
-    /// A node's place as warnings and errors name it.
+    /// Returns a node's position for warnings and errors.
     pub(super) fn at(&self, id: NodeId) -> String {
         let node = &self.nodes[id];
         let line = self.line(node.offset);
@@ -87,7 +87,7 @@ impl X3dScene<'_> {
         }
     }
 
-    /// The line of a byte of the text, from 1.
+    /// Returns the line of a byte of the text, from 1.
     fn line(&self, offset: usize) -> usize {
         let starts = self.line_starts.get_or_init(|| {
             let ends = self.text.bytes().enumerate().filter(|(_, b)| *b == b'\n');
@@ -97,13 +97,13 @@ impl X3dScene<'_> {
     }
 }
 
-/// Names come from the file and may be of any length.
+/// Bounds the length of a name, which is unlimited in a file.
 pub(super) fn shortened(name: &str) -> &str {
     let end = name.char_indices().nth(60).map_or(name.len(), |(i, _)| i);
     &name[..end]
 }
 
-/// A scene while its encoding is parsed.
+/// A scene under construction.
 #[derive(Debug)]
 pub(super) struct Builder<'a, 'l> {
     pub(super) scene: X3dScene<'a>,
@@ -132,7 +132,7 @@ impl<'a, 'l> Builder<'a, 'l> {
         }
     }
 
-    /// A byte's place as errors name it.
+    /// Returns a byte's position for errors.
     pub(super) fn line(&self, offset: usize) -> String {
         format!("line {}", self.scene.line(offset))
     }
@@ -167,7 +167,7 @@ impl<'a, 'l> Builder<'a, 'l> {
         Ok(id)
     }
 
-    /// Refuses what is nested too deeply.
+    /// Returns an error if the nesting is too deep.
     pub(super) fn check_depth(&self, depth: usize, offset: usize) -> Result<(), ReadError> {
         if depth as u64 > self.limits.depth {
             let at = self.line(offset);
@@ -176,7 +176,7 @@ impl<'a, 'l> Builder<'a, 'l> {
         Ok(())
     }
 
-    /// Puts a node where it belongs: into a field of another, or on top.
+    /// Attaches a node to a field of its parent, or adds it as a root.
     pub(super) fn attach(&mut self, parent: Option<NodeId>, field: Cow<'a, str>, id: NodeId) {
         match parent {
             Some(parent) => self.scene.nodes[parent].children.push((field, id)),
@@ -192,7 +192,7 @@ impl<'a, 'l> Builder<'a, 'l> {
         }
     }
 
-    /// The node of a name, with a warning if there is none yet.
+    /// Returns the node of a name; warns if none is defined yet.
     pub(super) fn used(&mut self, name: &str, offset: usize) -> Option<NodeId> {
         let found = self.names.get(name).copied();
         if found.is_none() {
@@ -218,7 +218,7 @@ impl<'a, 'l> Builder<'a, 'l> {
         }
     }
 
-    /// Takes a `UNIT` statement.
+    /// Reads a `UNIT` statement.
     pub(super) fn unit(&mut self, category: &str, factor: &str, offset: usize) {
         let factor: f64 = factor.parse().unwrap_or(0.0);
         let good = factor.is_finite() && (1e-9..=1e9).contains(&factor);
@@ -235,7 +235,7 @@ impl<'a, 'l> Builder<'a, 'l> {
         }
     }
 
-    /// Takes a `META` statement.
+    /// Reads a `META` statement.
     pub(super) fn meta(&mut self, name: &str, content: &str) {
         if self.scene.metas.len() < MAX_METAS {
             let meta = (shortened(name).to_owned(), content.to_owned());
@@ -243,7 +243,7 @@ impl<'a, 'l> Builder<'a, 'l> {
         }
     }
 
-    /// Takes the version of a header, such as `4.0` or `V3.3`.
+    /// Reads the version of a header, such as `4.0` or `V3.3`.
     pub(super) fn version(&mut self, text: &str) {
         let digits = text.trim_start_matches(['V', 'v']);
         let major = digits.split('.').next().unwrap_or("");
@@ -251,7 +251,8 @@ impl<'a, 'l> Builder<'a, 'l> {
     }
 }
 
-/// The standard name of a node type: H-Anim 1.1 and 2001 declared prototypes without prefix.
+/// Returns the standard name of a node type: H-Anim 1.1 and 2001 declared prototypes without
+/// prefix.
 pub(super) fn standard_kind(name: &str) -> Cow<'_, str> {
     match name {
         "Humanoid" => Cow::Borrowed("HAnimHumanoid"),
@@ -263,8 +264,8 @@ pub(super) fn standard_kind(name: &str) -> Cow<'_, str> {
     }
 }
 
-/// Whether the body of a node declares fields of its own, so that it cannot be read without
-/// their types. Nothing in such a body is of use here.
+/// Returns whether the body of a node declares fields, so that it cannot be parsed without their
+/// types. Such bodies contain nothing of use here.
 pub(super) fn declares_fields(kind: &str) -> bool {
     matches!(
         kind,

@@ -11,9 +11,9 @@ use crate::error::ReadError;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// Faces around a round solid.
+/// Number of faces around a round solid.
 const AROUND: u32 = 24;
-/// Faces from the south pole of a sphere to its north pole.
+/// Number of faces from the south pole of a sphere to its north pole.
 const UP: u32 = 12;
 
 pub(super) fn is_solid(kind: &str) -> bool {
@@ -62,7 +62,7 @@ pub(super) fn read(reader: &mut Reader<'_>, id: NodeId) -> Result<Faces, ReadErr
 }
 
 impl Faces {
-    /// Adds a point with all its values; the same number stands for each.
+    /// Adds a point with its normal and texture coordinate, which share its index.
     fn point(&mut self, point: DVec3, normal: DVec3, texcoord: DVec2) -> u32 {
         self.points.push(point);
         self.normals.push(normal);
@@ -70,11 +70,11 @@ impl Faces {
         u32::try_from(self.points.len() - 1).unwrap_or(NONE)
     }
 
-    /// Adds a triangle that is a face of its own, unless it has no area.
+    /// Adds a triangle as a face, unless it has no area.
     fn triangle(&mut self, points: [u32; 3]) {
         let places = points.map(|i| self.points[i as usize]);
         let normal = newell(&places);
-        // At a pole two corners meet, but for the last bits.
+        // At a pole two corners coincide up to rounding.
         let longest = places[0]
             .distance(places[1])
             .max(places[0].distance(places[2]));
@@ -120,7 +120,7 @@ fn cuboid(faces: &mut Faces, half: DVec3) {
     }
 }
 
-/// Direction at a share of the way around, from the back (-Z) over the left (-X).
+/// Returns the direction at a fraction of a turn, from the back (-Z) over the left (-X).
 fn around(share: f64) -> DVec3 {
     let angle = share * TAU;
     DVec3::new(-angle.sin(), 0.0, -angle.cos())
@@ -135,7 +135,7 @@ fn sphere(faces: &mut Faces, radius: f64) {
     bands(faces, UP, grid);
 }
 
-/// The side between two circles, each given by radius and height.
+/// Adds the side between two circles, each given by radius and height.
 fn mantle(faces: &mut Faces, low: (f64, f64), high: (f64, f64)) {
     let slope = DVec2::new(high.1 - low.1, low.0 - high.0).normalize_or_zero();
     let grid = |faces: &mut Faces, u: f64, v: f64| {
@@ -148,7 +148,7 @@ fn mantle(faces: &mut Faces, low: (f64, f64), high: (f64, f64)) {
     bands(faces, 1, grid);
 }
 
-/// Quads between rings of points, the lowest ring first.
+/// Adds quads between rings of points, the lowest ring first.
 fn bands(faces: &mut Faces, count: u32, mut point: impl FnMut(&mut Faces, f64, f64) -> u32) {
     let mut rings: Vec<Vec<u32>> = Vec::new();
     for ring in 0..=count {
@@ -163,7 +163,7 @@ fn bands(faces: &mut Faces, count: u32, mut point: impl FnMut(&mut Faces, f64, f
     }
 }
 
-/// A lid; a negative radius looks down.
+/// Adds a disc; one with a negative radius faces down.
 fn disc(faces: &mut Faces, radius: f64, height: f64) {
     let normal = DVec3::Y * radius.signum();
     let up = DVec3::Y * height;

@@ -1,4 +1,4 @@
-//! From corners to vertices: normals by crease angle, texture coordinates, colours, welded.
+//! From corners to vertices: normals by crease angle, texture coordinates, colours, merging.
 //!
 //! Source: ISO/IEC 19775-1, 11.2.3 (common geometry fields) and 13.3.5 (crease angle, default
 //! texture coordinates).
@@ -11,7 +11,8 @@ use crate::error::ReadError;
 use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 
-/// With more faces at one point than this, the crease angle is not asked for: the point is smooth.
+/// Maximum number of faces at a point for which the crease angle applies; with more, the point is
+/// smooth.
 const MAX_CREASED: usize = 64;
 
 /// Vertices and triangles of one shape.
@@ -27,10 +28,10 @@ pub(super) struct Surface {
     pub(super) point_of_vertex: Vec<u32>,
 }
 
-/// What makes two corners one vertex.
+/// Key by which corners are merged into vertices.
 type Key = (u32, u32, u32, [u32; 3]);
 
-/// Makes vertices of corners; `place` turns the file's space into that of the model.
+/// Makes vertices of corners; `place` transforms the file's space to model space.
 pub(super) fn surface(
     reader: &mut Reader<'_>,
     id: NodeId,
@@ -89,7 +90,7 @@ pub(super) fn surface(
     }
 }
 
-/// A corner's colour, which the file has in sRGB.
+/// Returns a corner's colour, converted from the file's sRGB.
 fn color(faces: &Faces, corner: &Corner) -> Vec4 {
     let given = faces.colors.get(corner.color as usize);
     let [r, g, b, a] = given.map_or([1.0; 4], |c| c.to_array());
@@ -97,8 +98,8 @@ fn color(faces: &Faces, corner: &Corner) -> Vec4 {
     Vec4::new(r, g, b, a.clamp(0.0, 1.0) as f32)
 }
 
-/// Texture coordinates with the origin at the top; where the file has none, those of the
-/// standard: the longest side of the bounding box runs from 0 to 1.
+/// Returns texture coordinates with the origin at the top. If the file has none, the standard's
+/// default applies: the longest side of the bounding box runs from 0 to 1.
 fn texcoords(faces: &Faces, look: &ShapeAppearance) -> Option<Vec<DVec2>> {
     let down = |t: DVec2| {
         let moved = look.texture_move.map_or(t, |m| m.apply(t));
@@ -125,9 +126,9 @@ fn texcoords(faces: &Faces, look: &ShapeAppearance) -> Option<Vec<DVec2>> {
     Some(faces.points.iter().map(of).collect())
 }
 
-/// Normals where the file gives none: faces around each point.
+/// Computed normals where the file has none: faces around each point.
 struct Normals {
-    /// Start of each point's stretch of `around`, and the end of the last.
+    /// Start of each point's range in `around`, and the end of the last.
     starts: Vec<u32>,
     /// Faces, point by point.
     around: Vec<u32>,
@@ -169,7 +170,7 @@ impl Normals {
         normals
     }
 
-    /// The normal of a corner, in the direction in which its face turns.
+    /// Returns the normal of a corner, on the side of its face's normal.
     fn at(&self, faces: &Faces, corner: &Corner, face: u32) -> DVec3 {
         if corner.normal != NONE {
             return faces.normals[corner.normal as usize].normalize_or(DVec3::Y);
@@ -282,7 +283,7 @@ mod tests {
         );
         assert_eq!(count("IndexedTriangleSet { index [ 0 1 2 1 3 2 9 9 ]"), 2);
         assert_eq!(count("IndexedQuadSet { index [ 0 1 3 2 ]"), 2);
-        // A face with a point that is not there is left out, the others stay.
+        // A face with a missing point is left out, the others stay.
         assert_eq!(count("IndexedFaceSet { coordIndex [ 0 1 7 -1 0 1 3 2 ]"), 2);
         assert_eq!(count("IndexedFaceSet { coordIndex [ 0 1 -1 0 -1 -1 ]"), 0);
     }
@@ -302,7 +303,7 @@ mod tests {
         assert_eq!(by_face.colors[4], Vec4::new(1.0, 0.0, 0.0, 1.0));
         let by_corner = colored("colorIndex [ 0 1 0 1 -1 1 1 1 1 -1 ]");
         assert_eq!(by_corner.colors[1], green);
-        // Without a colour of its own a corner is white.
+        // A corner without a colour is white.
         assert_eq!(colored("").colors[2], Vec4::ONE);
         let textured = of(
             &format!(

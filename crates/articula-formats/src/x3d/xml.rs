@@ -1,7 +1,7 @@
 //! The XML encoding: elements are nodes, attributes their fields.
 //!
-//! A document type that names an external file is skipped, as every X3D file has one; nothing
-//! is ever fetched. One with a part of its own is refused, as are entities but the five of XML.
+//! A document type that names an external file is skipped, as every X3D file has one; nothing is
+//! ever fetched. One with an internal subset is an error, as are entities except the five of XML.
 //!
 //! Source: ISO/IEC 19776-1 (X3D encodings: XML); XML 1.0, 2.8 and 4.1.
 
@@ -13,19 +13,19 @@ use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 use std::borrow::Cow;
 
-/// More attributes than any node has fields, twice over.
+/// Maximum number of attributes, twice the number of fields of any node.
 const MAX_ATTRIBUTES: usize = 128;
 
-/// What an open element is.
+/// Kind of an open element.
 #[derive(Debug, Clone)]
 enum Element {
     /// A node, or the `USE` of one.
     Node(NodeId),
-    /// A `fieldValue` of a prototype's instance: what is inside goes into this field.
+    /// A `fieldValue` of a prototype instance: its content goes into this field.
     Field(NodeId, String),
     /// `X3D`, `head`, `Scene` and statements.
     Frame,
-    /// An element that is left out with all that it holds.
+    /// An element that is left out with its content.
     Skipped,
 }
 
@@ -199,7 +199,7 @@ impl<'a, 'l> Parser<'a, 'l> {
             if let Some(id) = self.builder.used(&name, offset) {
                 self.builder.attach(parent, field, id);
             }
-            // A USE has no content; should it have some, there is no node to put it into.
+            // A USE has no content; if there is some, there is no node to attach it to.
             return Ok(Element::Skipped);
         }
         let id = self.builder.open(kind, offset)?;
@@ -212,7 +212,7 @@ impl<'a, 'l> Parser<'a, 'l> {
 
     fn attributes(&self, start: &BytesStart<'_>, offset: usize) -> Result<Attributes, ReadError> {
         let mut list: Attributes = Vec::new();
-        // The check of the library compares each with each; ours is bounded by their count.
+        // The parser's check for duplicates is quadratic; here the number of attributes is bounded.
         for attribute in start.attributes().with_checks(false) {
             let bad = |e: &dyn std::fmt::Display| {
                 let what = format!("an attribute cannot be read: {e}");
@@ -259,7 +259,7 @@ impl<'a, 'l> Parser<'a, 'l> {
     }
 }
 
-/// The field that a node goes into where the file does not say it (`containerField`).
+/// Returns the default field of a node type, used if the file has no `containerField`.
 fn usual_field(kind: &str) -> &'static str {
     match kind {
         "Appearance" => "appearance",

@@ -1,8 +1,8 @@
-//! Promise: BVA segments stand where the file puts them, side by side and put together; no
-//! bytes hurt.
+//! BVA segments are where the file puts them, unconnected and assembled; no input panics.
 //!
-//! No BVA file of its makers is at hand. So files are written by hand from the description, and
-//! made from BVH files by the converter below, whose places come from the BVH reader.
+//! No BVA file by the format's makers is available. Files are therefore written by hand from the
+//! description, and made from BVH files by the converter below, whose positions come from the BVH
+//! reader.
 
 use crate::real;
 use crate::world::matrices as world;
@@ -69,10 +69,10 @@ fn two_segments_by_hand() {
         world[0].translation.into(),
         Vec3::new(0.254, 1.016, 0.508)
     ));
-    // Z, then X, then Y about turned axes: x̂ goes by Y to -ẑ, then by X to ŷ.
+    // Z, then X, then Y about rotated axes: Y takes x̂ to -ẑ, then X takes it to ŷ.
     assert!(near(world[0].transform_vector3(Vec3::X), Vec3::Y));
     assert!(near(world[0].transform_vector3(Vec3::Z), Vec3::X));
-    // Scale comes last, in the segment's own axes: ŷ is doubled, then turned to -x̂.
+    // Scale comes last, in the segment's own axes: ŷ is doubled, then rotated to -x̂.
     assert!(near(world[1].transform_vector3(Vec3::Y), Vec3::X * -2.0));
 }
 
@@ -116,9 +116,9 @@ fn unit_and_up_axis_can_be_given() {
         .unwrap()
         .value;
     let world = world(&file.character, 0.5);
-    // z points up and y to the back.
+    // z points up and y backwards.
     assert!(near(world[0].translation.into(), Vec3::new(1.0, 2.0, -4.0)));
-    // The turn by 90 degrees about z is one about y, whose first axis is the same.
+    // The rotation by 90 degrees about z becomes one about y, whose first axis is the same.
     assert!(near(world[1].transform_vector3(Vec3::X), -Vec3::Z));
     for scale in [0.0, -1.0, f32::NAN] {
         let options = ReadOptions {
@@ -246,7 +246,8 @@ fn truncated_anywhere_it_gives_a_value_or_an_error() {
     assert!(good.count() > 3);
 }
 
-/// The world of a BVH file as a BVA file in inches: every joint a segment.
+/// Returns the world transforms of a BVH file as a BVA file in inches, with every joint as a
+/// segment.
 fn converted(character: &Character, frame_time_secs: f32, frames: usize) -> String {
     let worlds: Vec<Vec<Affine3A>> = (0..frames)
         .map(|f| world(character, f as f32 * frame_time_secs))
@@ -272,9 +273,9 @@ fn converted(character: &Character, frame_time_secs: f32, frames: usize) -> Stri
     text
 }
 
-/// File, and how many of its segments keep their place in their parent's space: all but the
-/// root where every joint has a twin in the standard; fewer where joints without one (a finger
-/// base, the second half of a thigh) turn between two that have.
+/// File, and the number of its segments that keep their position in their parent's space: all but
+/// the root where every joint is in the standard; fewer where joints that are not (a finger base,
+/// the second half of a thigh) move between two that are.
 const MOTIONS: [(&str, usize); 5] = [
     ("bvh/cmu_01_01.bvh", 28),
     ("bvh/dance_fingers.bvh", 93),
@@ -327,12 +328,12 @@ fn motions_of_bvh_files_come_through() {
             flat_apart * 1e3,
             tree_apart * 1e3
         );
-        // Six decimals of an inch; six of a degree over a body; what is under 1e-5 of the
-        // figure is not keyed, and adds up along a chain.
+        // Six decimals of an inch; six of a degree over a body; movements below 1e-5 of the figure
+        // are not keyed, and add up along a chain.
         assert!(flat_apart < 5e-6 && tree_apart < 1e-4, "{name}");
         assert!(rigid >= rigid_wanted, "{name}: {rigid} of {rigid_wanted}");
 
-        // The figure rests as the BVH file does, and means the same.
+        // The figure has the rest pose and the articulation of the BVH file.
         let meaning = |c: &Character| {
             articula_build::joint_names::map(&c.skeleton, joint_map::builtin(), None)
         };
@@ -369,7 +370,7 @@ fn segments_of_unknown_names_stay_side_by_side() {
     );
 }
 
-/// Biovision's own names, upside down at zero rotations: the first frame is the rest pose then.
+/// Biovision's own names, upside down at zero rotations: the first frame becomes the rest pose.
 #[test]
 fn what_does_not_stand_at_zero_rests_in_its_first_frame() {
     let segment = |name: &str, [x, y]: [f32; 2]| {

@@ -1,4 +1,4 @@
-//! Promise: BVH files of every family are read in metres and upright, and survive writing.
+//! BVH files of every family are read in metres and upright, and round-trip.
 
 use crate::real::bytes;
 use crate::world::places as world;
@@ -69,10 +69,10 @@ fn an_arm_by_hand() {
         .collect();
     use Property::{Rotation, Translation};
     assert_eq!(kinds, [(0, Translation), (0, Rotation), (1, Rotation)]);
-    // The root turns its child's offset by 90 degrees about Z: +Y becomes -X.
+    // The root rotates its child's offset by 90 degrees about Z: +Y becomes -X.
     let places = world(&file.character, 0.5);
     assert!(places[1].distance(Vec3::new(0.5, 2.0, 3.0)) < 1e-6);
-    // Intrinsic, in declared order: first about Y, then about the turned Z.
+    // Intrinsic, in declared order: first about Y, then about the rotated Z.
     let q = Quat::from_slice(&clip.channels[2].values[4..]);
     let quarter = std::f32::consts::FRAC_PI_2;
     let wanted = Quat::from_rotation_y(quarter) * Quat::from_rotation_z(quarter);
@@ -231,13 +231,13 @@ fn truncated_anywhere_it_gives_a_value_or_an_error() {
         )
     };
     let good = (0..ARM.len()).filter(|&length| read(length).is_ok());
-    // Good prefixes end between the last brace and MOTION, or after the frame time.
+    // Valid prefixes end between the last brace and MOTION, or after the frame time.
     let first = ARM.find("MOTION").unwrap() - 1;
     assert!(good.clone().all(|length| length >= first));
     assert!(good.count() > 3);
 }
 
-/// Name, and between which metres the height of its joints at rest (without end sites) must lie.
+/// Name, and accepted range in metres of the height of its joints at rest (without end sites).
 const FILES: [(&str, std::ops::Range<f32>); 13] = [
     ("bvh/cmu_01_01.bvh", 1.3..1.5),
     ("bvh/cmu_01_03.bvh", 1.3..1.5),
@@ -278,7 +278,8 @@ fn real_files_are_upright_humans_in_metres() {
         let places = world(&character, middle);
         let (head, root) = (places[joint("skullbase")], places[joint("humanoid_root")]);
         assert!(head.y > root.y + 0.1, "{name}: head {head}, root {root}");
-        // Left is left of where the toes point; one figure rests on straight feet, facing +Z.
+        // Left joints are left of the toes' direction; one figure rests on straight feet, facing
+        // +Z.
         let mut still = character.clone();
         still.clips.clear();
         let rest = world(&still, 0.0);
@@ -388,7 +389,7 @@ fn writing_nonsense_is_refused() {
     }
 }
 
-/// Largest distance that the maker of both files measured, in metres.
+/// Maximum distance that the maker of both files measured, in metres.
 const DANCE_APART: f32 = 0.041e-3;
 
 #[test]

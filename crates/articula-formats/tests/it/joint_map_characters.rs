@@ -1,4 +1,4 @@
-//! Promise: every real humanoid maps to the standard, on the right sides.
+//! Every real humanoid maps to the standard, on the correct sides.
 
 use crate::real::bytes;
 use articula_build::joint_names::{GapReason, Mapping};
@@ -8,7 +8,7 @@ use articula_formats::joint_map;
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use serde_json::Value;
 
-/// Announces a missing data set once, and tells whether it is there.
+/// Reports a missing data set once, and returns whether it is present.
 fn data_is_here() -> bool {
     let here = bytes("MANIFEST.md").is_some();
     if !here {
@@ -50,7 +50,7 @@ fn rest(node: &Value) -> Transform {
     rest
 }
 
-/// All nodes of a file as a skeleton, parents first, and the joint of each node.
+/// Returns all nodes of a file as a skeleton, parents first, and the joint of each node.
 fn skeleton(json: &Value) -> (Skeleton, Vec<usize>) {
     let nodes = json["nodes"].as_array().unwrap();
     let empty = Vec::new();
@@ -89,7 +89,7 @@ fn skeleton(json: &Value) -> (Skeleton, Vec<usize>) {
     (skeleton, joint_of)
 }
 
-/// Node and human bone of a VRM file, by a second reader.
+/// Returns node and human bone of a VRM file, by an independent reader.
 fn humanoid(json: &Value) -> Option<Vec<(usize, String)>> {
     let extensions = ["VRM", "VRMC_vrm", "VRMC_vrm_animation"];
     let bones = extensions.map(|e| &json["extensions"][e]["humanoid"]["humanBones"]);
@@ -134,7 +134,7 @@ fn position(skeleton: &Skeleton, mapping: &Mapping, hanim: &str) -> Option<Vec3>
     Some(world.translation.into())
 }
 
-/// Joints that every humanoid here has, left ones only where there are two.
+/// Joints that every humanoid has here; of paired joints only the left one is listed.
 const EXPECTED: [&str; 7] = [
     "humanoid_root",
     "l_hip",
@@ -145,12 +145,12 @@ const EXPECTED: [&str; 7] = [
     "skullbase",
 ];
 
-/// File, profile, mapped joints (counted by reading the files' joint names), wrists.
+/// File, joint map, mapped joints (counted by reading the files' joint names), wrists.
 const HUMANOIDS: [(&str, &str, usize, bool); 24] = [
-    // Their joints have no names: 3 torso, 2 neck, 4 a leg, 3 an arm.
+    // Its joints have no names: 3 torso, 2 neck, 4 per leg, 3 per arm.
     ("glb/CesiumMan.glb", "shape", 19, true),
     ("glb/RiggedFigure.glb", "shape", 19, true),
-    // 43 joints less Bone and two pole targets.
+    // 43 joints minus Bone and two pole targets.
     ("glb/RobotExpressive.glb", "quaternius", 40, false),
     ("glb/KayKit_Knight.glb", "kaykit", 18, true),
     ("glb/KayKit_Mage.glb", "kaykit", 18, true),
@@ -161,7 +161,7 @@ const HUMANOIDS: [(&str, &str, usize, bool); 24] = [
         true,
     ),
     ("glb/kaykit_mannequin/Med_General.glb", "kaykit", 18, true),
-    // 49, 51 joints less Root.
+    // 49, 51 joints minus Root.
     (
         "glb/Quaternius_modular_men__Casual2.glb",
         "quaternius-modular-men",
@@ -199,20 +199,20 @@ const HUMANOIDS: [(&str, &str, usize, bool); 24] = [
         false,
     ),
     ("glb/mannequiny.glb", "unreal", 45, true),
-    // 53 joints less root.
+    // 53 joints minus root.
     ("glb/viverse/mannequin.glb", "vrm-1", 52, true),
     ("glb/viverse/walk.glb", "vrm-1", 52, true),
-    // 5 + 3 spine and neck, root, head, 2 eyes, 2 lids, 2 brows, jaw; a side: 3 arm, 2 collar,
-    // 19 fingers, 3 leg, 14 toes: 17 + 2 * 41.
+    // 5 + 3 spine and neck, root, head, 2 eyes, 2 lids, 2 brows, jaw; per side: 3 arm, 2 collar, 19
+    // fingers, 3 leg, 14 toes: 17 + 2 * 41.
     (
         "glb/mh_female_default163_arkit52.glb",
         "makehuman",
         99,
         true,
     ),
-    // 31 joints less two hip offsets and two finger bases.
+    // 31 joints minus two hip offsets and two finger bases.
     ("glb/mh_male_cmu31.glb", "cmu-bvh", 27, true),
-    // 67 joints less 13 ends.
+    // 67 joints minus 13 ends.
     ("glb/pab_arnaud.glb", "pab", 54, true),
     // As many as their humanoid maps name.
     ("vrm/Godette_vrm_v4.vrm", "vrm-0", 45, true),
@@ -246,7 +246,7 @@ fn every_humanoid_maps_with_its_sides() {
             let [Some(left), Some(right)] = both else {
                 panic!("{name} lacks {joint}");
             };
-            // VRM 0.x characters face -Z, Cesium man faces +X (read from his feet), others +Z.
+            // VRM 0.x characters face -Z, Cesium man faces +X (seen from his feet), others +Z.
             let to_the_left = match name {
                 "vrm/Godette_vrm_v4.vrm" => Vec3::NEG_X,
                 "glb/CesiumMan.glb" => Vec3::NEG_Z,
@@ -338,7 +338,7 @@ fn a_hand_is_mapped_as_the_hand_it_is() {
             .iter()
             .filter_map(|j| j.hanim.as_deref());
         assert!(names.all(|n| n.starts_with(side)), "{name}");
-        // 25 joints less five tips.
+        // 25 joints minus five tips.
         assert_eq!(mapping.articulation.mapped(), 20);
     }
 }

@@ -1,4 +1,4 @@
-//! What readers and writers promise: every feature by a small file, real files, and hostile ones.
+//! Tests of readers and writers: each feature by a small file, real files, and hostile ones.
 //!
 //! One program: linking one is faster than linking many.
 #![allow(

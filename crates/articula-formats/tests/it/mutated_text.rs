@@ -1,7 +1,7 @@
-//! Promise: whatever happens to a text file, reading gives a value or an error.
+//! Reading any text returns a value or an error.
 //!
-//! The stable twin of the fuzz targets `acclaim`, `bva`, `bvh`, `profile` and `loa_profile`: seeded
-//! mutations of good files.
+//! The counterpart on stable Rust of the fuzz targets `acclaim`, `bva`, `bvh`, `profile` and
+//! `loa_profile`: seeded mutations of valid files.
 
 use articula_core::source::Character;
 use articula_formats::ReadOptions;
@@ -9,7 +9,7 @@ use articula_formats::bvh;
 use articula_formats::{Limits, acclaim, bva, joint_map, loa_profile};
 use articula_mutate::{Edit, Mutations};
 
-/// Mutations tried on each file.
+/// Number of mutations per file.
 const TRIES: usize = 3000;
 
 const BVH: &str = "HIERARCHY\nROOT Hips\n{\n OFFSET 0 90 0\n CHANNELS 6 Xposition Yposition Zposition \
@@ -40,7 +40,7 @@ const PROFILE: &str = r#"{"name": "x", "title": "t", "source": "s", "scope": "bo
 const LOA: &str = r#"{"manual": true, "rule": "sum", "depth": 3, "complexity": "None",
     "zones": ["torso", "legs"], "joints": {"plus": ["l_knee"], "minus": ["tail"]}}"#;
 
-/// The words that the formats know, put in anywhere.
+/// Words of the formats, inserted at random.
 const WORDS: [&str; 24] = [
     "{",
     "}",
@@ -94,7 +94,7 @@ fn bvh_files() {
     });
 }
 
-/// Whatever was read is a forest of finite joints with rising key times.
+/// Checks that a character is a forest of finite joints with ascending key times.
 fn sound(character: &Character) {
     for (index, joint) in character.skeleton.joints.iter().enumerate() {
         assert!(joint.parent.is_none_or(|p| p < index));

@@ -1,4 +1,4 @@
-//! Real characters at fewer triangles: targets are reached, surfaces stay closed in motion.
+//! Real characters with fewer triangles: targets are reached, surfaces stay closed in motion.
 
 use crate::real;
 use articula_build::ClipOptions;
@@ -10,7 +10,7 @@ use articula_formats::{Limits, gltf, joint_map};
 use glam::Vec3;
 use std::collections::BTreeMap;
 
-/// Smooth, hard-edged, of few triangles, and a head with open edges.
+/// Smooth, hard-edged, with few triangles, and a head with open edges.
 const FILES: [&str; 4] = [
     "glb/pab_arnaud.glb",
     "glb/KayKit_Mage.glb",
@@ -34,7 +34,7 @@ fn asset(name: &str) -> Option<Asset> {
     Some(character(figure, Some(mapping.articulation), &options).unwrap())
 }
 
-/// Directed edges between classes that nothing goes back along.
+/// Returns the number of directed edges between classes without an opposite edge.
 fn open_edges(found: &Simplified, level: usize) -> usize {
     let mut uses = BTreeMap::<(u32, u32), i32>::new();
     for t in &found.levels[level].triangles {
@@ -68,7 +68,7 @@ fn levels_reach_their_targets_and_tear_nowhere() {
             let count = level.triangles.len() as f64;
             assert!(count <= most, "{name}: {count} triangles, {most} asked for");
         }
-        // An edge is open where the original has an open one, and nowhere else.
+        // An edge is open if and only if the original has an open one there.
         let open = open_edges(&found, 0);
         for level in 1..5 {
             assert!(
@@ -90,7 +90,7 @@ fn levels_reach_their_targets_and_tear_nowhere() {
     }
 }
 
-/// Greatest distance of the level of a quarter of all triangles, metres.
+/// Returns the maximum distance of the level with a quarter of all triangles, in metres.
 fn error(found: &Simplified, rest: &[Vec3], motion: &[Vec<Vec3>]) -> f32 {
     let [quarter, whole] = [2, 0].map(|l| found.levels[l].triangles.as_slice());
     let opts = DistanceOptions::default();

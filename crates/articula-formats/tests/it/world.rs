@@ -1,10 +1,10 @@
-//! Where joints are, worked out plainly from a character and its first clip.
+//! Joint transforms, computed directly from a character and its first clip.
 
 use articula_core::LocalPose;
 use articula_core::source::{Character, evaluate};
 use glam::{Affine3A, Vec3};
 
-/// World matrices of all joints at a time of the first clip; at rest without one.
+/// Returns the world matrices of all joints at a time of the first clip; at rest without one.
 pub(crate) fn matrices(character: &Character, time_secs: f32) -> Vec<Affine3A> {
     let skeleton = &character.skeleton;
     let rests = || skeleton.joints.iter().map(|j| j.rest);
@@ -24,7 +24,7 @@ pub(crate) fn matrices(character: &Character, time_secs: f32) -> Vec<Affine3A> {
     matrices
 }
 
-/// The same, their places alone, metres.
+/// Returns the positions of all joints, in metres.
 pub(crate) fn places(character: &Character, time_secs: f32) -> Vec<Vec3> {
     let matrices = matrices(character, time_secs);
     matrices.iter().map(|m| m.translation.into()).collect()

@@ -1,4 +1,4 @@
-//! Draco in node: the bytes that it needs for meshes (`oracle/draco.mjs`).
+//! Draco in node: coded sizes of meshes (`oracle/draco.mjs`).
 
 use crate::wire_mesh::{PRECISION, WireMesh};
 use anyhow::{Context, Result, bail, ensure};
@@ -7,13 +7,13 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::process::Command;
 
-/// Why there are no figures of it.
+/// Message for missing results of Draco.
 pub(crate) const MISSING: &str = "Draco (no node, or `npm ci` was not run in oracle)";
 
-/// Bytes of one mesh.
+/// Coded size of one mesh in bytes.
 #[derive(Debug, Clone, Deserialize)]
 pub(crate) struct Coded {
-    /// All of it.
+    /// All attributes and the connectivity.
     pub(crate) bytes: usize,
     /// If asked for: with the first kind of [`kinds`] alone, the first two, and so on.
     #[serde(default)]
@@ -23,7 +23,7 @@ pub(crate) struct Coded {
     pub(crate) connectivity: usize,
 }
 
-/// What a mesh has, in the order of [`Coded::steps`].
+/// Kinds of values of a mesh, in the order of [`Coded::steps`].
 pub(crate) fn kinds(mesh: &WireMesh) -> Vec<&'static str> {
     let has = [
         ("position", true),
@@ -36,14 +36,14 @@ pub(crate) fn kinds(mesh: &WireMesh) -> Vec<&'static str> {
     has.iter().filter(|(_, h)| *h).map(|(k, _)| *k).collect()
 }
 
-/// A mesh to code, and whether its kinds of values are told apart.
+/// A mesh to code, and whether to measure its kinds of values separately.
 pub(crate) struct Task<'a> {
     pub(crate) mesh: &'a WireMesh,
     pub(crate) steps: bool,
 }
 
 /// Codes each mesh. `None` where node or its packages are missing and `ARTICULA_REQUIRE_TOOLS`
-/// does not ask for them.
+/// does not require them.
 pub(crate) fn code(tasks: &[Task<'_>]) -> Result<Option<Vec<Coded>>> {
     let oracle = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle");
     let node = Command::new("node").arg("--version").output();
@@ -69,7 +69,7 @@ pub(crate) fn code(tasks: &[Task<'_>]) -> Result<Option<Vec<Coded>>> {
     Ok(Some(coded))
 }
 
-/// Head and arrays as the script reads them.
+/// Header and arrays in the form that the script reads.
 fn file(tasks: &[Task<'_>]) -> Vec<u8> {
     let mut body = Vec::new();
     let entries: Vec<Value> = tasks.iter().map(|task| entry(task, &mut body)).collect();
@@ -94,7 +94,7 @@ fn entry(task: &Task<'_>, body: &mut Vec<u8>) -> Value {
         attributes.push(entry);
         body.extend(bytes);
     };
-    // Whole numbers on their own grid: rounding changes nothing.
+    // Whole numbers on their own grid: rounding does not change them.
     let grid = |bits: u8, size: usize| json!({ "bits": bits, "origin": vec![0; size], "range": (1u32 << bits) - 1 });
     let positions = floats(mesh.positions.iter().flatten().map(|x| f32::from(*x)));
     add(

@@ -1,4 +1,4 @@
-//! meshoptimizer: its simplifier and its codecs.
+//! meshoptimizer: its simplifier and its codecs, for comparison.
 
 use crate::wire_mesh::{PRECISION, WireMesh};
 use anyhow::{Result, ensure};
@@ -7,12 +7,12 @@ use glam::{Vec2, Vec3};
 use meshopt::{SimplifyOptions, VertexDataAdapter};
 use std::collections::HashMap;
 
-/// What a normal counts beside a position.
+/// Weight of normals against positions.
 const NORMAL_WEIGHT: f32 = 0.5;
 
-/// Bytes of the vertices and of the triangles of a mesh, coded as its users do: vertices that are
-/// equal are one, triangles in the order of a vertex cache, vertices in that of their first use;
-/// vertices as one interleaved record of whole numbers (24 bytes for a skinned vertex with texture
+/// Coded size of the vertices and triangles of a mesh, as users of meshoptimizer code them: equal
+/// vertices are joined, triangles are in vertex-cache order, vertices in the order of their first use;
+/// a vertex is one interleaved record of whole numbers (24 bytes for a skinned vertex with texture
 /// coordinates), current version of the stream.
 pub(crate) fn coded_bytes(mesh: &WireMesh) -> Result<usize> {
     if mesh.triangles.is_empty() {
@@ -30,7 +30,7 @@ pub(crate) fn coded_bytes(mesh: &WireMesh) -> Result<usize> {
     }
 }
 
-/// A vertex of so many bytes.
+/// A vertex of `N` bytes.
 #[derive(Clone, Copy, PartialEq)]
 #[repr(transparent)]
 struct Record<const N: usize>([u8; N]);
@@ -59,7 +59,7 @@ fn coded<const N: usize>(mesh: &WireMesh) -> Result<usize> {
     Ok(coded_vertices.len() + coded_indices.len())
 }
 
-/// A vertex: position (two bytes to spare), normal, texture coordinates, colour, joints, weights.
+/// A vertex: position (with two unused bytes), normal, texture coordinates, colour, joints, weights.
 pub(crate) fn record(mesh: &WireMesh, v: usize) -> Vec<u8> {
     let [x, y, z] = mesh.positions[v];
     let mut bytes: Vec<u8> = [x, y, z, 0].iter().flat_map(|c| c.to_le_bytes()).collect();
@@ -78,9 +78,9 @@ pub(crate) fn record(mesh: &WireMesh, v: usize) -> Vec<u8> {
     bytes
 }
 
-/// A whole character as meshoptimizer's simplifier gets it: vertices that are equal in everything
-/// are one, as its users make them first. It tells seams by positions that are the same in every
-/// bit, and keeps them, as it keeps borders between materials.
+/// A whole character as input of meshoptimizer's simplifier: vertices that are equal in all
+/// attributes are joined first, as its users do. It detects seams by bitwise equal positions and
+/// keeps them, as it keeps borders between materials.
 pub(crate) struct Simplifier {
     triangles: Vec<[u32; 3]>,
     positions: Vec<f32>,
@@ -90,14 +90,14 @@ pub(crate) struct Simplifier {
 /// Whether a collapse may cross a seam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Seams {
-    /// It may not.
+    /// Not allowed.
     Kept,
-    /// It may: for meshes whose every triangle has its own normals.
+    /// Allowed: for meshes in which every triangle has its own normals.
     Crossed,
 }
 
 impl Simplifier {
-    /// A mesh whose vertices are at `positions`.
+    /// The simplifier of a mesh with vertices at `positions`.
     pub(crate) fn new(mesh: &Mesh, triangles: &[[u32; 3]], positions: &[Vec3]) -> Self {
         let first = first_equals(mesh, positions);
         Self {
@@ -110,8 +110,8 @@ impl Simplifier {
         }
     }
 
-    /// As many triangles, if it gets there; without a bound on the error. With `by_normals` these
-    /// count by half, as `gltfpack` has it.
+    /// Simplifies to a number of triangles, without a bound on the error; more may remain. With
+    /// `by_normals`, normals have weight one half, as in `gltfpack`.
     pub(crate) fn run(
         &self,
         target: usize,
@@ -145,7 +145,7 @@ impl Simplifier {
     }
 }
 
-/// The first vertex of the same part that equals each in all attributes.
+/// For each vertex, the first vertex of the same part with equal attributes.
 fn first_equals(mesh: &Mesh, positions: &[Vec3]) -> Vec<u32> {
     let mut known = HashMap::new();
     let mut first = vec![0; mesh.len()];

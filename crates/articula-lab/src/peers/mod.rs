@@ -1,12 +1,12 @@
-//! The evaluators, simplifiers and codecs that ours are compared with, each small, plain and honest.
+//! Evaluators, simplifiers and codecs for comparison, each small and implemented fairly.
 //!
-//! - [`floor`]: what the machine can do when nothing is asked for but poses
-//! - [`structs`]: arrays of structs, as people write it by hand
+//! - [`floor`]: a minimal evaluator of poses, a lower bound for the time on this machine
+//! - [`structs`]: arrays of structs, as in a hand-written evaluator
 //! - [`three`]: three.js in node
-//! - [`ranks`]: the usual way to thin out a crowd, by rank of distance
+//! - [`ranks`]: update rates by rank of distance
 //! - [`draco`]: Draco's codec in node
 //! - [`meshopt`]: meshoptimizer's simplifier and codecs
-//! - [`quoted`]: figures of others that are only repeated
+//! - [`quoted`]: published times that are quoted, not measured here
 
 pub(crate) mod draco;
 pub(crate) mod floor;
@@ -27,8 +27,8 @@ mod tests {
     use glam::Mat4;
     use std::sync::LazyLock;
 
-    /// Twenty joints below each other with some twenty roundings of 6e-8 each, two metres from the
-    /// origin: what two orders of the same sums may differ by.
+    /// Bound for a chain of twenty joints with some twenty roundings of 6e-8 each, two metres from
+    /// the origin: the maximum difference between two orders of the same sums.
     const ROUNDING: f32 = 5e-5;
 
     fn asset() -> &'static Asset {
@@ -39,7 +39,7 @@ mod tests {
         &ASSET
     }
 
-    /// Greatest difference of a matrix element from the scalar path's, over all joints.
+    /// Maximum difference of a matrix element from the scalar path's, over all joints.
     fn gap(asset: &Asset, clip: &Clip, secs: f32, found: impl Fn(usize) -> Mat4) -> f32 {
         let rig = &asset.rig;
         let mut local = rig.rest_pose().clone();
@@ -58,7 +58,7 @@ mod tests {
         Mat4::from_cols(row(0), row(1), row(2), glam::Vec4::W).transpose()
     }
 
-    /// Place of each joint in what the floor writes.
+    /// Index of each joint in the output of the floor.
     fn places(asset: &Asset) -> Vec<usize> {
         let order = breadth_first(&asset.rig);
         let at = |joint| order.iter().position(|j| *j == joint).unwrap();
@@ -80,7 +80,7 @@ mod tests {
         for (clip, (sampled, kernel)) in every {
             let mut floor = Floor::with(&asset.rig, clip, sampled, kernel).unwrap();
             let joints = floor.joints();
-            // Eleven characters: a whole batch and three of the next.
+            // Eleven characters: one whole batch and three of the next.
             let secs: Vec<f32> = (0..11)
                 .map(|i| clip.duration_secs() * i as f32 / 10.0)
                 .collect();

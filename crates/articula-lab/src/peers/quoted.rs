@@ -1,24 +1,25 @@
-//! Figures of others that are only repeated: measured elsewhere, on another machine, never run here.
+//! Published times of other evaluators, measured elsewhere on another machine; never run here.
 //!
-//! Source: `docs/methods/runtime.md` part 1: one 2-core x86-64 machine, one thread, the same character and
-//! clip. Compare them with the row of the floor there (168, 182 and 349 ns), not with ours here.
+//! Source: `docs/methods/runtime.md` part 1: one 2-core x86-64 machine, one thread, the same
+//! character and clip. Compare them with the floor of that machine (168, 182 and 349 ns), not with
+//! times measured here.
 
-/// A peer's nanoseconds for each character and frame.
+/// Times of one evaluator, in nanoseconds per character and frame.
 pub(crate) struct Quoted {
     pub(crate) who: &'static str,
-    /// What its time covers.
+    /// The work that the time covers.
     pub(crate) work: &'static str,
-    /// Number of characters, and the time or the range of times.
+    /// Number of characters, and the time or range of times.
     pub(crate) times: &'static [(usize, Range)],
 }
 
-/// Least and greatest; equal where one figure was given.
+/// Minimum and maximum; equal where a single time was given.
 pub(crate) type Range = (f64, f64);
 
-/// The floor on the machine of the quoted figures, 3x4 output stored.
+/// The floor on the machine of the quoted times, 3x4 output stored.
 pub(crate) const FLOOR_THERE: [(usize, f64); 3] = [(100, 168.0), (1000, 182.0), (4000, 349.0)];
 
-/// All of them.
+/// All quoted times.
 pub(crate) const QUOTED: &[Quoted] = &[
     Quoted {
         who: "ozz-animation 0.16 (C++)",

@@ -1,33 +1,33 @@
-//! The usual way to thin out a crowd: by rank of distance, whatever it looks like.
+//! Update rates by rank of distance, the method of several engines for crowds.
 //!
 //! The nearest visible characters are evaluated at every frame, the next ones at a fixed rate with
-//! their last pose held between, all others are frozen or show a pose that was baked beforehand.
-//! Such ranks ship with several engines; the numbers are the ones `issue 4` asks for. It decides
-//! which moment each character shows, and evaluates nothing.
+//! their last pose held between, all others are frozen or show a pose that was baked beforehand. The
+//! default numbers are those of several engines. This module decides the time that each character
+//! shows and evaluates nothing.
 
 use articula_core::Camera;
 use glam::Vec3;
 
-/// Half the size of a body around its middle, for telling whether it is in the picture.
+/// Radius of the ball around the middle of a body by which its visibility is tested, metres.
 const BODY_RADIUS_METRES: f32 = 1.0;
 
-/// What the characters beyond all ranks show.
+/// Pose of the characters beyond all ranks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Beyond {
-    /// The pose of the scene's beginning, for ever.
+    /// The pose at the beginning of the scene.
     Frozen,
-    /// The nearest of poses that were baked at this rate; showing one costs no evaluation.
+    /// The nearest of the poses baked at this rate; it costs no evaluation.
     Baked { hz: f64 },
 }
 
-/// How many are shown how well.
+/// Numbers of characters and rates of the ranks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ranks {
-    /// The nearest ones, evaluated at every frame.
+    /// Number of nearest characters that are evaluated at every frame.
     pub(crate) full: usize,
-    /// The next ones, held between evaluations.
+    /// Number of next characters, whose pose is held between evaluations.
     pub(crate) reduced: usize,
-    /// Rate of these evaluations.
+    /// Rate of these evaluations, hertz.
     pub(crate) reduced_hz: f64,
     pub(crate) beyond: Beyond,
 }
@@ -44,28 +44,28 @@ impl Default for Ranks {
     }
 }
 
-/// What is done for a character.
+/// Rank of a character.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rank {
-    /// Out of the picture.
+    /// Outside of the picture.
     Hidden,
     Full,
     Reduced,
     Beyond,
 }
 
-/// What a character shows.
+/// Rank and shown time of a character.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Moment {
     pub(crate) rank: Rank,
-    /// Time of the scene whose pose it shows.
+    /// Time of the scene whose pose the character shows, seconds.
     pub(crate) secs: f64,
 }
 
 impl Ranks {
-    /// Which moment each character shows at a time of the scene. A function of its arguments
-    /// alone: the held ones are evaluated at common multiples of their interval, each shifted by
-    /// its index so that they do not all fall into one frame.
+    /// Rank and shown time of each character at a time of the scene. A pure function of its
+    /// arguments: held characters are evaluated at multiples of their interval, each shifted by its
+    /// index so that they do not all fall into one frame.
     pub(crate) fn moments(&self, camera: &Camera, positions: &[Vec3], secs: f64) -> Vec<Moment> {
         let mut moments: Vec<Moment> = positions
             .iter()
@@ -114,12 +114,12 @@ impl Ranks {
     }
 }
 
-/// Whether a body that stands at a place is in the picture, by a ball around its middle.
+/// Whether a body at a position is in the picture, by a ball around its middle.
 pub(crate) fn is_visible(camera: &Camera, position: Vec3) -> bool {
     let p = camera.view(position + Vec3::Y * BODY_RADIUS_METRES);
     let slope_y = (0.5 * camera.viewport.fov_y_radians).tan();
     let slope_x = slope_y * camera.viewport.width_px / camera.viewport.height_px;
-    // Distance to a side plane through the eye; outside by more than the radius is not seen.
+    // Signed distance to a side plane through the eye; a body farther outside than its radius is hidden.
     let within = |across: f32, slope: f32| {
         across.abs() - slope * p.z <= BODY_RADIUS_METRES * slope.hypot(1.0)
     };
@@ -180,7 +180,7 @@ mod tests {
             }
             before = Some(now);
         }
-        // A third of 32 on each frame of 60 a second, give or take two.
+        // A third of 32 in each frame at 60 Hz, within two.
         assert!(
             changes[1..].iter().all(|c| (8..=13).contains(c)),
             "{changes:?}"

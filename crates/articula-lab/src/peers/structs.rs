@@ -1,8 +1,8 @@
-//! An evaluator as people write it by hand: a list of joints with their keys, and for each
-//! character a list of transforms and one of matrices.
+//! A hand-written evaluator for comparison: a list of joints with their keys, and for each character
+//! a list of transforms and one of matrices.
 //!
-//! Keys are searched for in each channel, rotations go along the great arc, matrices are glam's.
-//! Nothing in it is slow on purpose; it is what the glTF tutorials lead to.
+//! Keys are searched in each channel, rotations are interpolated by slerp, matrices are glam's. It is
+//! the evaluator that the glTF tutorials lead to, and not slow on purpose.
 
 use anyhow::{Result, ensure};
 use articula_core::{Clip, Rig, Track, Transform};
@@ -24,7 +24,7 @@ pub(crate) struct Structs {
     joints: Vec<Joint>,
 }
 
-/// What is kept for each character.
+/// Buffers of a character.
 #[derive(Debug, Clone)]
 pub(crate) struct Character {
     local: Vec<Transform>,
@@ -33,7 +33,7 @@ pub(crate) struct Character {
 }
 
 impl Structs {
-    /// Gives every joint its keys.
+    /// Collects the keys of every joint.
     pub(crate) fn new(rig: &Rig, clip: &Clip) -> Result<Self> {
         ensure!(clip.joints() == rig.len(), "the clip is of another rig");
         let rate_hz = clip.rate_hz();
@@ -57,7 +57,7 @@ impl Structs {
         }
     }
 
-    /// Poses a character at a time of the clip.
+    /// Poses a character at a time of the clip in seconds.
     pub(crate) fn evaluate(&self, secs: f32, character: &mut Character) {
         let lerp = |a: Vec3, b: Vec3, t: f32| a.lerp(b, t);
         for (joint, local) in self.joints.iter().zip(&mut character.local) {
@@ -93,7 +93,7 @@ fn keys<T: Copy>(tracks: &[Track<T>], joint: usize, rate_hz: f32) -> Keys<T> {
     times.zip(values.iter().copied()).collect()
 }
 
-/// The value at a time, between the two keys around it. `None` without keys.
+/// The value at a time, interpolated between the two keys around it. `None` without keys.
 fn at<T: Copy>(keys: &[(f32, T)], secs: f32, blend: impl Fn(T, T, f32) -> T) -> Option<T> {
     let after = keys.partition_point(|(time, _)| *time <= secs);
     let before = keys.get(after.saturating_sub(1))?;

@@ -6,27 +6,27 @@ use serde::Deserialize;
 use std::path::Path;
 use std::process::Command;
 
-/// Nanoseconds for each character and frame.
+/// Times in nanoseconds per character and frame.
 #[derive(Debug, Deserialize)]
 pub(crate) struct ThreeTimes {
-    /// Joints that its skeletons have.
+    /// Number of joints of its skeletons.
     pub(crate) joints: usize,
-    /// Sampling alone.
+    /// Sampling only.
     mixer: Timing,
-    /// And the matrices of all nodes.
+    /// Sampling and the world matrices of all nodes.
     world: Timing,
-    /// And the matrices that a GPU skins with.
+    /// Sampling, world matrices and joint matrices for skinning on the GPU.
     joint_matrices: Timing,
 }
 
 impl ThreeTimes {
-    /// The three steps, each with those before it.
+    /// The three times, each including the previous steps.
     pub(crate) fn steps(&self) -> [Timing; 3] {
         [self.mixer, self.world, self.joint_matrices]
     }
 }
 
-/// How much is run.
+/// Amount of work in a timing run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Effort {
     pub(crate) count: usize,
@@ -34,8 +34,8 @@ pub(crate) struct Effort {
     pub(crate) rounds: usize,
 }
 
-/// Times a crowd of one file's characters. `None` where node or its packages are missing and
-/// `ARTICULA_REQUIRE_TOOLS` does not ask for them.
+/// Times a crowd of characters of one file. `None` where node or its packages are missing and
+/// `ARTICULA_REQUIRE_TOOLS` does not require them.
 pub(crate) fn times(file: &Path, clip: &str, effort: Effort) -> Result<Option<ThreeTimes>> {
     let oracle = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle");
     let node = Command::new("node").arg("--version").output();

@@ -1,4 +1,4 @@
-//! One file for each published table.
+//! The published tables, one module each.
 
 pub(crate) mod crowd;
 pub(crate) mod flat;
@@ -13,24 +13,24 @@ pub(crate) mod thesis_grid;
 use anyhow::{Context, Result};
 use std::path::PathBuf;
 
-/// Where a table reads and writes, and how much of it.
+/// Input and output folders of a table, and its size.
 pub(crate) struct Run {
     /// Folder of the real characters.
     pub(crate) data: PathBuf,
     /// Folder of the results.
     pub(crate) out: PathBuf,
-    /// Whether only a part is run.
+    /// Whether only a small part of the table is run.
     pub(crate) small: bool,
 }
 
 impl Run {
-    /// Writes a page and its numbers, and says where.
+    /// Writes a page and its CSV file, and prints their paths.
     fn save(&self, name: &str, page: &str, csv: &str) -> Result<()> {
         self.save_text(name, "md", page)?;
         self.save_csv(name, csv)
     }
 
-    /// Writes further numbers of a page.
+    /// Writes a further CSV file of a page.
     fn save_csv(&self, name: &str, csv: &str) -> Result<()> {
         self.save_text(name, "csv", csv)
     }
@@ -45,8 +45,8 @@ impl Run {
     }
 }
 
-/// Distances of the thesis, and a fifth by the same factor.
+/// Distances of the thesis, and a fifth by the same factor, metres.
 pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
 
-/// Clips of `pab_arnaud.glb` that the published numbers were taken on.
+/// Clips of `pab_arnaud.glb` used for the published numbers.
 pub(crate) const CLIPS: [&str; 4] = ["walk", "jog", "run", "atlas"];

@@ -15,7 +15,8 @@ use articula_core::Complexity;
 use articula_core::loa::complexity;
 use std::fmt::Write as _;
 
-/// A row of the table: its title, the method, and what the prototype measured.
+/// A row of the table: title, method, and the reference values of an independent implementation in
+/// Python.
 pub(crate) struct Entry {
     pub(crate) title: &'static str,
     pub(crate) method: Method,
@@ -198,21 +199,22 @@ pub(crate) fn write(run: &Run) -> Result<()> {
 const HEAD: &str = "# Motion level of detail at one pixel
 
 Made by `cargo run --release -p articula-lab -- motion-lod`. Joint-update gain in percent of moving
-joints, mean over the clips walk, jog, run and atlas of `pab_arnaud.glb`, at the best parameter
-whose error is at most one pixel: the 95th percentile over frames of the 95th over 700 vertices,
-the worst of three azimuths, 720 px high, 45 degrees, weak perspective. In brackets what the
-prototype of the specification measured.
+joints, mean over the clips walk, jog, run and atlas of `pab_arnaud.glb`, at the parameter with the
+largest gain whose error is at most one pixel: the 95th percentile over frames of the 95th over 700 vertices,
+the worst of three azimuths, 720 px high, 45 degrees, weak perspective. In brackets the values of an
+independent implementation in Python.
 
 | method | 3.5 m | 5.65 m | 9.05 m | 16 m | 25.6 m |
 | --- | --- | --- | --- | --- | --- |
 ";
 
 const TAIL: &str = "Gains count rotation updates, not time: `fk_joints` in the CSV shows how few model matrices stay
-untouched when joints are gated one by one. The view-dependent row is the mean of three playbacks,
-each decided and judged for its own azimuth: it holds longer what moves along the line of sight, errs
-more in that view, and under one limit for the worst view it saves less than the plain form. The parameter is the method's own: metres of skin for
-ours and for Ahn's, a threshold on the normalised error for the thesis, frames for skipping, the
-index of the level (0 is everything) for a fixed level of articulation.";
+unchanged when joints are held one by one. The view-dependent row is the mean of three playbacks, each
+decided and measured for its own azimuth: it holds joints that move along the line of sight for longer,
+has a larger error in that view, and under one limit for the worst view saves less than the plain
+variant. The parameter is metres of skin for the drift and Ahn-like rows, a threshold on the normalised
+error for the thesis, frames for skipping, and the index of the level (0 is all joints) for a fixed
+level of articulation.";
 
 #[cfg(test)]
 mod tests {
@@ -220,10 +222,10 @@ mod tests {
     use articula_build::contact_intervals;
     use articula_build::evaluate::play;
 
-    /// Acceptance test 12 of the specification; pose keys are beside it in `pose_keys`. Baselines are met within three
-    /// points; what is ours, and a level chosen here by the H-Anim lists, may do better but not
-    /// worse by more than three. Ahn's row is left out: greedy runs around a middle frame lie 3.1
-    /// points below the prototype at 25.6 m.
+    /// Acceptance test 12 of `docs/methods/motion-lod.md`, part 10; its pose keys are tested in
+    /// `pose_keys`. Baselines agree within three points; the `skin-px` rows, and the fixed level
+    /// chosen here by the H-Anim lists, may be better but not worse by more than three. Ahn's row is
+    /// left out: greedy runs around a middle frame are 3.1 points below the reference at 25.6 m.
     #[test]
     fn published_numbers_are_reproduced() {
         let Some(data) = data::folder(None).unwrap() else {
@@ -264,7 +266,8 @@ mod tests {
         }
     }
 
-    /// Part 4.6: a quarter of the tolerance on the way to a standing foot keeps it in place.
+    /// `docs/methods/motion-lod.md` part 4.6: a quarter of the tolerance for the joints between the
+    /// root and a planted foot keeps the foot in place.
     #[test]
     fn protect_contacts_keeps_feet_in_place() {
         let Some(data) = data::folder(None).unwrap() else {

@@ -1,7 +1,7 @@
 //! Evaluations saved by whole-pose keys between which palettes are blended.
 //!
-//! Source: `docs/methods/motion-lod.md` part 11, last paragraph; protocol 11.1. Differs: all vertices are
-//! watched, not 700 of them: these clips are short, and a draw moves a count by a span, which is
+//! Source: `docs/methods/motion-lod.md` part 11.2; protocol 11.1. All vertices are measured instead of
+//! 700: these clips are short, and the random choice of vertices changes a count by one span, which is
 //! up to five points.
 
 use super::{CLIPS, Run};
@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 
 const DISTANCES_M: [f32; 3] = [9.05, 16.0, 25.6];
 
-/// What the prototype of the specification saved, in percent, by clip and distance.
+/// Evaluations saved by an independent implementation in Python, in percent, by clip and distance.
 const PUBLISHED: [(f32, [[f32; 3]; 4]); 2] = [
     (
         1.0,
@@ -36,21 +36,21 @@ const PUBLISHED: [(f32, [[f32; 3]; 4]); 2] = [
     ),
 ];
 
-/// One count.
+/// Evaluations saved in one clip at one distance.
 struct Saved {
     clip: &'static str,
     limit_px: f32,
     distance_m: f32,
     published_percent: f32,
-    /// With keys where the motion needs them.
+    /// With keys placed by the motion.
     percent: f32,
     /// With a key at every n-th frame, the greatest n that does.
     uniform_percent: f32,
-    /// What one span more or less is worth.
+    /// Evaluations in percent that one span corresponds to.
     span_percent: f32,
 }
 
-/// Counts for one clip under both limits.
+/// Counts one clip at both limits.
 fn measure(asset: &Asset, clip: usize, setup: &EvaluationSetup) -> Result<Vec<Saved>> {
     let name = CLIPS[clip];
     let found = asset.clips.iter().find(|c| c.name == name);
@@ -76,7 +76,7 @@ fn measure(asset: &Asset, clip: usize, setup: &EvaluationSetup) -> Result<Vec<Sa
     Ok(saved)
 }
 
-/// Every vertex of the skin.
+/// A set-up that measures every vertex of the skin.
 fn whole_skin(asset: &Asset) -> EvaluationSetup {
     EvaluationSetup {
         points: asset.mesh.len(),
@@ -84,7 +84,7 @@ fn whole_skin(asset: &Asset) -> EvaluationSetup {
     }
 }
 
-/// Appends the table to the page of motion levels of detail, and saves its numbers.
+/// Appends the table to the page of motion levels of detail, and writes its CSV file.
 pub(crate) fn write(run: &Run, asset: &Asset, page: &mut String) -> Result<()> {
     page.push_str(HEAD);
     let mut csv = String::from(
@@ -123,10 +123,10 @@ const HEAD: &str = "
 
 Evaluations saved in percent of the frames after the first, when the whole pose is evaluated at keys
 only and palettes are blended between them: greedy longest spans on the clip's own frames, at every
-frame the 95th percentile over all vertices within the limit, the worst of three azimuths, the root's
-way over the ground taken out. In brackets the prototype's, on 700 vertices; the last column has a
-key at every n-th frame. One span is 2.5 points of the walk, 4.2 of the jog, 5 of the run, and a draw of
-vertices decides about one.
+frame the 95th percentile over all vertices within the limit, the worst of three azimuths, without the
+root's motion over the ground. In brackets the values of an independent implementation in Python, on
+700 vertices; the last column has a key at every n-th frame. One span is 2.5 points of the walk, 4.2 of
+the jog, 5 of the run; the random choice of vertices changes the result by about one span.
 
 | clip | limit, px | 9.05 m | 16 m | 25.6 m | uniform rate |
 | --- | --- | --- | --- | --- | --- |
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
     use crate::data;
 
-    /// The pose-key numbers of acceptance test 12.
+    /// The pose-key values of acceptance test 12.
     #[test]
     fn published_pose_keys_are_reproduced() {
         let Some(data) = data::folder(None).unwrap() else {
@@ -154,7 +154,8 @@ mod tests {
                 assert!(gap <= (s.span_percent + 0.5).max(3.0), "{what}");
                 assert!(s.uniform_percent <= s.percent + 1e-3, "{what}");
             }
-            // With 700 vertices a draw decides about a span or two; their mean about less than one.
+            // With 700 vertices the random choice changes the result by one or two spans, the mean over
+            // choices by less than one.
             let draws: Vec<Vec<Saved>> = (1..=5)
                 .map(|seed| {
                     let setup = EvaluationSetup {

@@ -1,6 +1,6 @@
 //! Gain over distance, initial threshold and beta: the grid of the thesis' table 6.8.
 //!
-//! The thesis' own numbers are lost in the scan. Here each cell also has its error in pixels,
+//! The numbers in the thesis are illegible in the scan. Each cell here also has the error in pixels,
 //! which the thesis judged by eye.
 
 use super::{CLIPS, DISTANCES_M, Run};
@@ -116,6 +116,6 @@ clips walk, jog, run and atlas of `pab_arnaud.glb`: mean joint-update gain, and 
 | --- | --- | --- | --- | --- | --- | --- |
 ";
 
-const TAIL: &str = "The error grows without bound once a joint that turns slowly is frozen: the metric compares a
-frame with the one before it, not with what is shown. Beyond `d_max` the literal curve goes on rising,
-the fixed one stays at `thr_max`.";
+const TAIL: &str = "The error grows without bound once a slowly turning joint is held, because the metric compares a
+frame with the previous one, not with the pose on the screen. Beyond `d_max` the literal curve keeps
+rising, the fixed one stays at `thr_max`.";

@@ -1,6 +1,6 @@
-//! The range of an axis and the values at which it is labelled.
+//! Range of an axis and the values at which it is labelled.
 
-/// How values are spaced.
+/// Spacing of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Spacing {
     Linear,
@@ -17,7 +17,7 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// The smallest tidy range that holds the values; 0 to 1 (or 1 to 10) without any.
+    /// Smallest tidy range that contains the values; 0 to 1 (or 1 to 10) without any.
     pub(super) fn through(values: impl Iterator<Item = f64>, spacing: Spacing) -> Self {
         let (mut low, mut high) = values.fold((f64::MAX, f64::MIN), |(low, high), v| {
             (low.min(v), high.max(v))
@@ -31,7 +31,7 @@ impl Axis {
         match spacing {
             Spacing::Linear => Self::linear(low, high),
             Spacing::Logarithmic => Self {
-                // A little room at both ends, so that no marker is cut.
+                // A small margin at both ends, so that no marker is clipped.
                 low: low / 1.06,
                 high: (high * 1.06).max(low / 1.06 * 1.2),
                 step: 0.0,
@@ -56,7 +56,7 @@ impl Axis {
         }
     }
 
-    /// Where a value lies between the ends, 0 to 1.
+    /// Position of a value between the ends, 0 to 1.
     pub(super) fn share(&self, value: f64) -> f64 {
         match self.spacing {
             Spacing::Linear => (value - self.low) / (self.high - self.low),
@@ -64,14 +64,14 @@ impl Axis {
         }
     }
 
-    /// The labelled values with their labels: steps of 1, 2 or 5, or, on a logarithmic axis,
-    /// as many of the `own` values as have room.
+    /// Labelled values with their labels: steps of 1, 2 or 5, or, on a logarithmic axis, as many of
+    /// the `own` values as fit.
     pub(super) fn ticks(&self, own: impl Iterator<Item = f64>) -> Vec<(f64, String)> {
         if self.spacing == Spacing::Linear {
             let count = ((self.high - self.low) / self.step).round() as usize;
             let value = |i: usize| {
                 let value = self.low + i as f64 * self.step;
-                // Rounding leaves 1e-17 where zero is meant.
+                // Rounding leaves 1e-17 instead of zero.
                 if value.abs() < 1e-9 * self.step {
                     0.0
                 } else {
@@ -107,7 +107,7 @@ impl Axis {
     }
 }
 
-/// A step of 1, 2 or 5 times a power of ten that cuts a range into four to ten parts.
+/// Step of 1, 2 or 5 times a power of ten that divides a range into four to ten parts.
 fn tidy_step(range: f64) -> f64 {
     let raw = range / 6.0;
     let power = 10f64.powi(raw.log10().floor() as i32);

@@ -1,15 +1,15 @@
-//! Plots as files, and several of them in one.
+//! Plots with file names, and several plots in one SVG.
 
 /// A plot with the name of its file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Plot {
     /// File name without folder.
     pub name: &'static str,
-    /// The plot as [`crate::line_plot`] or [`crate::bar_plot`] drew it.
+    /// SVG text from [`crate::line_plot`] or [`crate::bar_plot`].
     pub svg: String,
 }
 
-/// Several plots below each other as one SVG.
+/// Returns several plots below each other as one SVG.
 pub fn stacked(plots: &[Plot]) -> String {
     let size = |svg: &str, what: &str| {
         let rest = svg.split_once(&format!(" {what}=\""))?.1;

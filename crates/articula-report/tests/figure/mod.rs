@@ -8,7 +8,7 @@ use articula_core::{
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// Name, parent, place of the joint and radius of the limb that leads to it.
+/// Name, parent, position of the joint and radius of the limb that leads to it.
 const JOINTS: [(&str, Option<usize>, [f32; 3], f32); 16] = [
     ("pelvis", None, [0.0, 0.95, 0.0], 0.13),
     ("spine", Some(0), [0.0, 1.25, 0.0], 0.14),

@@ -1,10 +1,10 @@
-//! What tells a damaged chunk, or one in the wrong place; it is no signature.
+//! Hashes that detect damaged or misplaced chunks; they are not signatures.
 
 /// The first 8 bytes of BLAKE3 over the level, the object's record and the coded bytes.
 pub(super) type Hash = [u8; 8];
 
-/// The hash of a chunk of a level, whose number is that in the whole character. A level that is
-/// coded alone has another hash than what the same level adds.
+/// Hash of a chunk; `level` is its number in the whole character. A level that is coded alone has
+/// another hash than its refinement.
 pub(super) fn hash_of(level: usize, is_alone: bool, record: &[u8], chunk: &[u8]) -> Hash {
     let number = 2 * level + usize::from(is_alone);
     let mut hasher = blake3::Hasher::new();

@@ -1,4 +1,4 @@
-//! The head of a stream: what the objects are, what each level costs, where each chunk lies.
+//! The head of a stream: objects, levels and the table of chunks.
 
 use super::codec::{Grid, Layout, MorphLayout, Scale};
 use super::hash::{Hash, hash_of};
@@ -11,11 +11,11 @@ use std::ops::Range;
 
 const MAGIC: &[u8; 4] = b"AMSH";
 const VERSION: u8 = 2;
-/// What counted levels from the coarsest, 0.
+/// Version in which levels were counted from the coarsest, 0.
 const OLD_VERSION: u8 = 1;
-/// Bytes before the length of the head, and that length.
+/// Size of the fixed part at the start of the head, its length field included.
 const FIXED: usize = 12;
-/// Bytes of a chunk's entry in the table: its length and its hash.
+/// Size of a chunk's entry in the table: length and hash.
 const ENTRY: usize = 12;
 const MAX_LEVELS: usize = 256;
 const MAX_REGIONS: usize = 256;
@@ -23,55 +23,55 @@ const MAX_NAME: usize = 256;
 const MAX_OBJECTS: usize = 1 << 16;
 const MAX_MORPHS: usize = 1 << 16;
 
-/// A part of the character that has chunks of its own.
+/// A part of the character with its own chunks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StreamObject {
-    /// Mesh of the character.
+    /// Index of the mesh in the character.
     pub mesh: u32,
-    /// Primitive of the mesh.
+    /// Index of the primitive in the mesh.
     pub primitive: u32,
-    /// Region of the primitive; 0 if there is but one.
+    /// Region of the primitive; 0 if there is only one.
     pub region: u32,
-    /// Kinds of values and their bits.
+    /// Kinds of values and their number of bits.
     pub layout: Layout,
-    /// What takes them back to metres.
+    /// Scale from whole numbers to metres and texture coordinates.
     pub scale: Scale,
 }
 
-/// The head of a stream, opened: enough to ask for any chunk.
+/// Parsed head of a stream, sufficient to request any chunk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshStream {
-    /// Number, in the whole character, of the finest level in this stream; 0 is the original. A
-    /// stream of version 1 does not say it: 0 then.
+    /// Number, in the whole character, of the finest level in this stream; 0 is the original. 0 for
+    /// streams of version 1, which do not store it.
     pub finest_level: usize,
-    /// The levels in this stream, the finest first.
+    /// Levels in this stream, finest first.
     pub levels: LevelTable,
-    /// The objects.
+    /// Objects in this stream.
     pub objects: Vec<StreamObject>,
-    /// Each object's record as it is written: what its chunks' hashes are bound to.
+    /// Encoded record of each object, part of the hashed data of its chunks.
     pub(super) records: Vec<Vec<u8>>,
-    /// Length and hash of each chunk, level after level, object after object.
+    /// Length and hash of each chunk, by level (coarsest first), then by object.
     pub(super) entries: Vec<(u32, Hash)>,
-    /// Bytes of the head.
+    /// Size of the head in bytes.
     pub head_bytes: usize,
     counts: Counts,
 }
 
-/// How the hashes of a stream count levels.
+/// Numbering of levels in the hashes of a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Counts {
     /// From the original, 0.
     FromFinest,
-    /// From the coarsest of the whole character, 0, as version 1 did: this is the number of the
-    /// coarsest in the stream.
+    /// From the coarsest level of the whole character, 0, as in version 1; the value is the number
+    /// of the coarsest level in the stream.
     FromCoarsest(usize),
 }
 
 impl MeshStream {
-    /// Bytes of the head of a stream of which at least the first 12 are at hand.
+    /// Returns the size of the head in bytes; needs the first 12 bytes of the stream.
     ///
     /// # Errors
-    /// [`StreamError::Malformed`] if this is no stream, [`StreamError::Unsupported`] for another
+    /// [`StreamError::Malformed`] if this is not a stream, [`StreamError::Unsupported`] for another
     /// version.
     pub fn head_length(bytes: &[u8]) -> Result<usize, StreamError> {
         let mut r = Bytes::new(bytes);
@@ -93,7 +93,7 @@ impl MeshStream {
         Ok(length)
     }
 
-    /// Opens a stream of which at least the head is at hand.
+    /// Parses the head of a stream; `bytes` must contain at least the whole head.
     ///
     /// # Errors
     /// [`StreamError::Malformed`] with the byte offset, [`StreamError::Unsupported`] for another
@@ -131,7 +131,7 @@ impl MeshStream {
         }
         r.end()?;
         let all = entries.iter().map(|e| u64::from(e.0)).sum::<u64>();
-        // Also so that places of chunks can be told in 32 bits.
+        // Also ensures that chunk offsets fit in 32 bits.
         StreamLimits::check(
             "byte 8",
             "bytes",
@@ -153,8 +153,8 @@ impl MeshStream {
         })
     }
 
-    /// Where the chunk of a level of this stream (0 is the finest in it) and an object lies, in
-    /// bytes from the start; empty for a chunk that was cut out. `None` if there is no such one.
+    /// Returns the byte range of a chunk, by level of this stream (0 is its finest) and object;
+    /// empty if the chunk was cut out, `None` if there is no such level or object.
     pub fn chunk(&self, level: usize, object: usize) -> Option<Range<usize>> {
         if level >= self.levels.levels.len() || object >= self.objects.len() {
             return None;
@@ -165,12 +165,12 @@ impl MeshStream {
         Some(start..start + self.entries[at].0 as usize)
     }
 
-    /// Place of a chunk in the order of the bytes, which begin with the coarsest level.
+    /// Index of a chunk in the order of the bytes, which begin with the coarsest level.
     fn place(&self, level: usize, object: usize) -> usize {
         (self.levels.levels.len() - 1 - level) * self.objects.len() + object
     }
 
-    /// Whether the head names just these bytes for a chunk.
+    /// Returns whether the table's length and hash match these bytes.
     pub(super) fn names(&self, level: usize, object: usize, chunk: &[u8]) -> bool {
         let coarsest = self.levels.levels.len() - 1;
         let number = match self.counts {
@@ -182,10 +182,10 @@ impl MeshStream {
         hash_of(number, level == coarsest, record, chunk) == entry.1
     }
 
-    /// What is where: a unit for each level, the coarsest first as the bytes are, in it one for
-    /// each object's chunk, marked `level` (of the whole character), `object`, `mesh` and
-    /// `region`. A cut that drops a chunk writes 0 into the head's field of its length, in the
-    /// order of the chunks.
+    /// Returns the map of the stream: a unit for each level, coarsest first as in the bytes, with a
+    /// unit for each object's chunk, marked `level` (in the whole character), `object`, `mesh` and
+    /// `region`. A cut that removes a chunk writes 0 to its length field in the head; the fields
+    /// are in the order of the chunks.
     pub fn unit(&self) -> Unit {
         let table = self.head_bytes - ENTRY * self.entries.len();
         let field = |i: usize| Field {
@@ -238,7 +238,7 @@ fn marker(scheme: &'static str, value: u32) -> Marker {
     }
 }
 
-/// Writes a head; `entries` are those of all chunks, in their order.
+/// Writes a head; `entries` are those of all chunks, in order.
 pub(super) fn write(
     finest_level: usize,
     levels: &LevelTable,
@@ -250,7 +250,7 @@ pub(super) fn write(
     out.extend([0; 4]);
     push_varint(&mut out, finest_level as u64);
     push_varint(&mut out, levels.levels.len() as u64);
-    // The coarsest first, as their chunks lie.
+    // Coarsest first, like the chunks.
     for level in levels.levels.iter().rev() {
         push_varint(&mut out, level.triangles);
         push_varint(&mut out, level.vertices);
@@ -282,7 +282,7 @@ pub(super) fn write(
     out
 }
 
-/// The record of an object.
+/// Encodes the record of an object.
 pub(super) fn record(object: &StreamObject) -> Vec<u8> {
     let mut out = Vec::new();
     for number in [object.mesh, object.primitive, object.region] {
@@ -306,7 +306,7 @@ pub(super) fn record(object: &StreamObject) -> Vec<u8> {
     out
 }
 
-/// The number of a level of the stream, as its version has it, and the table.
+/// Reads the number of the level as stored in this version, and the table.
 fn read_levels(r: &mut Bytes<'_>, is_old: bool) -> Result<(usize, LevelTable), StreamError> {
     let number = count_of(r, "levels", MAX_LEVELS)?;
     let count = count_of(r, "levels", MAX_LEVELS)?;
@@ -427,7 +427,7 @@ fn read_object(r: &mut Bytes<'_>) -> Result<StreamObject, StreamError> {
     })
 }
 
-/// A number of things that is to be no more than so many.
+/// Reads a count of at most `limit`.
 fn count_of(r: &mut Bytes<'_>, which: &'static str, limit: usize) -> Result<usize, StreamError> {
     let at = format!("byte {}", r.at());
     let count = r.varint()?;

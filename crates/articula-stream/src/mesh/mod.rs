@@ -1,16 +1,15 @@
-//! Mesh levels of a character as one stream that refines: a head, then chunks, level after level.
+//! Mesh levels of a character as one progressive stream: a head, then chunks, level by level.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 7 (TRANSPORT form) and 8.1; the pages are
-//! `docs/formats/clustered-stream.md` and `docs/formats/mesh-stream.md`. A chunk holds what one
-//! level adds to one object (a part of a mesh, or a region of it); no vertex is ever sent twice.
-//! Any prefix of whole levels shows the character.
+//! Source: `docs/methods/clustered-mesh.md` parts 7 (TRANSPORT form) and 8.1; the formats are
+//! described in `docs/formats/clustered-stream.md` and `docs/formats/mesh-stream.md`. A chunk holds
+//! the data that one level adds to one object (a part of a mesh, or a region of it); no vertex is
+//! sent twice. Any prefix of whole levels is a complete character.
 //!
-//! - [`quantise`], [`restore`]: from floating point to whole numbers and back
-//! - [`encode_level`], [`decode_level`]: one level
-//!   alone, or what one level adds to a coarser one, as bytes
-//! - [`write()`]: all levels of all objects to bytes, with the map of what is where
-//! - [`MeshStream`]: the head, opened
-//! - [`Receiver`]: the client's side, which checks, decodes and puts together
+//! - [`quantise`], [`restore`]: conversion from floating point to whole numbers and back
+//! - [`encode_level`], [`decode_level`]: one level, alone or as a refinement of a coarser one
+//! - [`write()`]: encodes all levels of all objects, with a map of the stream
+//! - [`MeshStream`]: the parsed head
+//! - [`Receiver`]: client side, which checks and decodes chunks and assembles meshes
 //!
 //! ```
 //! use articula_core::{LevelRow, LevelTable, SurfaceError};

@@ -1,28 +1,26 @@
-//! The client's side of a stream: chunks in, vertices that only grow at the end out.
+//! Client side of a stream: decodes chunks into meshes whose vertex lists only grow at the end.
 
 use super::codec::{QuantisedMesh, decode_level};
 use super::head::MeshStream;
 use crate::{StreamError, StreamLimits};
 use articula_core::{Cluster, ClusteredTriangles, Clusters, Mismatch};
 
-/// What of one object is there.
+/// Received data of one object.
 #[derive(Debug, Clone, Default)]
 struct Held {
-    /// The finest level that is there.
+    /// Mesh of the finest received level.
     mesh: QuantisedMesh,
-    /// Of each level that is there, the coarsest first as they came: its points, its wedges, its
-    /// faces.
+    /// Number of points, number of wedges and faces of each received level, coarsest first.
     levels: Vec<(usize, usize, Vec<[u32; 3]>)>,
 }
 
-/// Takes chunks of a stream, checks and decodes them, and holds what is there of each object.
+/// Receives, checks and decodes the chunks of a stream, and assembles the objects.
 ///
-/// An object is refined level by level with [`Self::refine`], coarsened by drawing less of it
-/// (no data), and freed with [`Self::coarsen`]. A chunk that is not what the head says leaves
-/// everything as it was.
+/// An object is refined level by level with [`Self::refine`]. Drawing a coarser level needs no
+/// data; [`Self::coarsen`] frees memory. A chunk that does not match the head changes nothing.
 ///
-/// Vertices of a level are the first ones of every finer level and never change their numbers.
-/// Triangles are described anew by every level.
+/// The vertices of a level are a prefix of those of every finer level and keep their indices.
+/// Triangles are coded anew for every level.
 #[derive(Debug, Clone)]
 pub struct Receiver {
     stream: MeshStream,
@@ -31,7 +29,7 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// Waits for the chunks of a stream.
+    /// Creates a receiver without chunks.
     fn new(stream: MeshStream, limits: StreamLimits) -> Self {
         let held = vec![Held::default(); stream.objects.len()];
         Self {
@@ -41,11 +39,11 @@ impl Receiver {
         }
     }
 
-    /// Reads a whole stream, or its start: all levels that end before the bytes do. An object of
-    /// which a chunk was cut out has the levels before it.
+    /// Reads a whole stream or a prefix of it: all levels that are complete. An object with a
+    /// removed chunk gets the levels before it.
     ///
     /// # Errors
-    /// As [`MeshStream::open`] and [`Self::refine`]; a stream that ends early is no error.
+    /// As [`MeshStream::open`] and [`Self::refine`]; a stream that ends early is not an error.
     pub fn read(bytes: &[u8], limits: &StreamLimits) -> Result<Self, StreamError> {
         let mut receiver = Self::new(MeshStream::open(bytes, limits)?, *limits);
         for level in (0..receiver.stream.levels.levels.len()).rev() {
@@ -63,7 +61,7 @@ impl Receiver {
             for object in objects {
                 let chunk = receiver.stream.chunk(level, object).unwrap_or_default();
                 let is_cut = chunk.is_empty() && !receiver.stream.names(level, object, &[]);
-                // What was cut out of an object ends it there.
+                // A removed chunk ends the refinement of its object.
                 if receiver.next_level(object) == Some(level) && !is_cut {
                     receiver.refine(object, &bytes[chunk])?;
                 }
@@ -72,31 +70,31 @@ impl Receiver {
         Ok(receiver)
     }
 
-    /// The head of the stream.
+    /// Returns the head of the stream.
     pub fn stream(&self) -> &MeshStream {
         &self.stream
     }
 
-    /// Level of the stream, 0 its finest, whose chunk an object needs next; `None` if it has all,
-    /// or there is no such object.
+    /// Returns the level of the stream, 0 its finest, of the next chunk that an object needs;
+    /// `None` if the object is complete or does not exist.
     pub fn next_level(&self, object: usize) -> Option<usize> {
         let there = self.held.get(object)?.levels.len();
         self.stream.levels.levels.len().checked_sub(1 + there)
     }
 
-    /// The finest level of the stream that an object has; `None` if it has none.
+    /// Returns the finest received level of an object, as a level of the stream; `None` if there is
+    /// none.
     pub fn finest_level(&self, object: usize) -> Option<usize> {
         let there = self.held.get(object)?.levels.len();
         (there > 0).then(|| self.stream.levels.levels.len() - there)
     }
 
-    /// Takes the next chunk of an object, that of [`Self::next_level`].
+    /// Decodes the next chunk of an object, for the level [`Self::next_level`].
     ///
     /// # Errors
     /// [`StreamError::Mismatch`] if there is no such object or no further level,
-    /// [`StreamError::Malformed`] if the bytes are not those that the head names, or what they
-    /// hold breaks the rules of the codec; [`StreamError::LimitExceeded`]. Nothing has changed
-    /// then.
+    /// [`StreamError::Malformed`] if the bytes do not match the hash in the head or are not valid
+    /// code, [`StreamError::LimitExceeded`]. On an error the receiver is unchanged.
     pub fn refine(&mut self, object: usize, chunk: &[u8]) -> Result<(), StreamError> {
         let Some(level) = self.next_level(object) else {
             let what = "there is no further chunk";
@@ -121,8 +119,8 @@ impl Receiver {
         Ok(())
     }
 
-    /// Frees what an object has that is finer than a level of the stream; a level beyond the
-    /// coarsest frees the object. Drawing a coarser level needs no call: its ranges are in
+    /// Frees the data of an object finer than level `finest` of the stream; a level beyond the
+    /// coarsest frees the whole object. Drawing a coarser level needs no call: its ranges are in
     /// [`Self::triangles`].
     pub fn coarsen(&mut self, object: usize, finest: usize) {
         let levels = self.stream.levels.levels.len().saturating_sub(finest);
@@ -147,15 +145,15 @@ impl Receiver {
         mesh.faces = faces.clone();
     }
 
-    /// An object at the finest level that is there, in whole numbers; [`restore`](super::restore)
-    /// gives it in metres.
+    /// Returns the finest received mesh of an object in whole numbers; [`restore`](super::restore)
+    /// converts it to metres.
     pub fn mesh(&self, object: usize) -> Option<&QuantisedMesh> {
         self.held.get(object).map(|h| &h.mesh)
     }
 
-    /// The triangles of all levels of an object that are there, over the vertices of
-    /// [`Self::mesh`]: for the frame, that only switches ranges. Level 0 is the finest that is
-    /// there. `None` if none is.
+    /// Returns the triangles of all received levels of an object, as indices of [`Self::mesh`]'s
+    /// wedges; a frame only switches between ranges. Level 0 is the finest received. `None` if
+    /// there is none.
     pub fn triangles(&self, object: usize) -> Option<ClusteredTriangles> {
         let held = self.held.get(object)?;
         let vertices = held.levels.iter().rev().map(|l| l.1 as u32).collect();
@@ -180,7 +178,7 @@ impl Receiver {
     }
 }
 
-/// Keeps the first values and gives the room of the others back.
+/// Truncates a list and releases the memory.
 fn cut<T>(values: &mut Vec<T>, count: usize) {
     values.truncate(count);
     values.shrink_to_fit();

@@ -1,4 +1,4 @@
-//! From the levels of all objects to a stream.
+//! Encoding of all levels of all objects as a stream.
 
 use super::codec::{QuantisedMesh, encode_level};
 use super::hash::{Hash, hash_of};
@@ -11,28 +11,28 @@ use std::ops::Range;
 /// An object with all its levels in whole numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectLevels {
-    /// What it is.
+    /// Properties of the object.
     pub object: StreamObject,
-    /// Its levels, the finest first.
+    /// Its levels, finest first.
     pub levels: Vec<QuantisedMesh>,
 }
 
-/// A stream, and what is where in it.
+/// An encoded stream with its map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EncodedMeshStream {
     /// The head and all chunks.
     pub bytes: Vec<u8>,
-    /// The map of it.
+    /// Map of the bytes.
     pub unit: Unit,
 }
 
-/// Writes some levels of a character, from the coarsest of `shown` (which is coded alone) to the
-/// finest; `0..n` is the whole character, `l..l + 1` a single level. Chunks of finer levels are
-/// the same bytes in every stream that has them, so who got level `l` alone refines with those
-/// of the whole stream.
+/// Encodes the levels in the range `shown`, finest first: its coarsest is coded alone, the others
+/// as refinements. `0..n` is the whole character, `l..l + 1` a single level. Refinement chunks are
+/// identical in every stream that contains them, so a client that received level `l` alone refines
+/// it with the chunks of the whole stream.
 ///
 /// # Errors
-/// A [`Mismatch`] if there is nothing to show, an object has another number of levels than the
+/// A [`Mismatch`] if there is no level or object, an object has another number of levels than the
 /// table, or a mesh does not fit its layout.
 pub fn write(
     levels: &LevelTable,

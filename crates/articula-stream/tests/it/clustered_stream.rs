@@ -1,4 +1,4 @@
-//! A stream of mesh levels: what a client puts together, whatever way it took, and what it refuses.
+//! Streams of mesh levels: the result on a client by different paths, and refused input.
 
 use articula_build::ClipOptions;
 use articula_build::character;
@@ -44,7 +44,7 @@ fn levels() -> &'static (LevelTable, Vec<ObjectLevels>) {
     })
 }
 
-/// A mesh as a set of triangles of vertices by value, each turned to its least corner.
+/// A mesh as a set of triangles of vertices by value, each rotated to its lowest corner.
 fn by_value(mesh: &QuantisedMesh) -> BTreeSet<[Vec<i64>; 3]> {
     let corner = |w: u32| -> Vec<i64> {
         let (w, p) = (w as usize, mesh.wedge_points[w as usize] as usize);
@@ -79,7 +79,7 @@ fn waiting(whole: &[u8]) -> Receiver {
     Receiver::read(&whole[..head], &limits).unwrap()
 }
 
-/// The number of a unit on one of its scales.
+/// The value of a unit's marker in a scheme.
 fn marker(unit: &Unit, scheme: &str) -> Option<u32> {
     let mut markers = unit.markers.iter();
     markers.find(|m| m.scheme == scheme).map(|m| m.value)
@@ -104,7 +104,7 @@ fn refining_gives_at_each_step_the_mesh_of_direct_delivery() {
             assert_eq!(truth.len(), object.levels[level].faces.len());
             assert!(by_value(mesh) == truth, "level {level}, object {o}");
             assert!(by_value(direct.mesh(o).unwrap()) == truth);
-            // No number of a vertex changes, no value is sent again.
+            // No vertex changes its index, and no value is sent again.
             assert!(mesh.positions.starts_with(&before.positions));
             assert!(mesh.wedge_points.starts_with(&before.wedge_points));
             assert!(mesh.normals.starts_with(&before.normals));
@@ -136,7 +136,7 @@ fn one_level_alone_refines_with_the_chunks_of_the_whole() {
         }
         assert!(by_value(receiver.mesh(o).unwrap()) == by_value(&objects[o].levels[0]));
     }
-    // A level in the middle knows its number, and what it is marked with.
+    // A level in the middle has its number in the head and in its markers.
     let alone = write(table, objects, 2..3).unwrap();
     let head = MeshStream::open(&alone.bytes, &limits).unwrap();
     assert_eq!((head.finest_level, head.levels.levels.len()), (2, 1));
@@ -237,7 +237,7 @@ fn an_object_ends_where_a_chunk_was_cut_out() {
     let limits = StreamLimits::default();
     let written = write(table, objects, 0..table.levels.len()).unwrap();
     let stream = MeshStream::open(&written.bytes, &limits).unwrap();
-    // As a cut does it: the bytes go, their length in the head becomes 0.
+    // Like a cut: the bytes are removed, their length in the head becomes 0.
     let cut = table.levels.len() - 3;
     let gone = stream.chunk(cut, 0).unwrap();
     let length = &written.unit.children[0].fields[2 * objects.len()];
@@ -269,7 +269,7 @@ fn heads_of_other_files_and_short_ones_are_errors() {
         for bit in 0..8 {
             let mut bad = whole[..head].to_vec();
             bad[at] ^= 1 << bit;
-            // Either it is refused, or no chunk of what changed fits any more; never a panic.
+            // It is refused, or no chunk of the altered part matches any more; never a panic.
             let _ = MeshStream::open(&bad, &limits).map(|s| s.unit().check());
         }
     }
@@ -279,8 +279,8 @@ fn heads_of_other_files_and_short_ones_are_errors() {
     assert!(again == whole, "the same input gives the same bytes");
 }
 
-/// A stream of version 1, as it was written then, whose levels counted from the coarsest: a tube
-/// of 128, 64 and 26 triangles.
+/// A stream of version 1, written by the code of that time, with levels counted from the coarsest:
+/// a tube of 128, 64 and 26 triangles.
 const OLD: &[u8] = include_bytes!("old/tube-1.ams");
 
 #[test]
@@ -299,7 +299,7 @@ fn streams_of_version_1_are_read_and_written_as_version_2() {
     unit.check_values(OLD).unwrap();
     let markers = unit.children.iter().filter_map(|u| marker(u, "level"));
     assert_eq!(markers.collect::<Vec<_>>(), [2, 1, 0]);
-    // Each of its levels as a mesh, written anew.
+    // Each of its levels as a mesh, encoded again.
     let mut levels = Vec::new();
     for level in 0..3 {
         let mut coarser = old.clone();
@@ -320,7 +320,7 @@ fn streams_of_version_1_are_read_and_written_as_version_2() {
             by_value(receiver.mesh(0).unwrap())
         });
         assert!(a == b && a.len() == head.levels.levels[level].triangles as usize);
-        // The coded bytes are the same; their hashes, which stand in the head, are not.
+        // The coded bytes are the same; the hashes in the head are not.
         let chunk = |bytes: &[u8], head: &MeshStream| bytes[head.chunk(level, 0).unwrap()].to_vec();
         assert_eq!(
             chunk(OLD, head),
@@ -364,7 +364,7 @@ fn mutated_streams_give_a_character_or_an_error() {
     for bytes in cut_off(OLD) {
         assert_eq!(read(bytes), bytes.len() >= head.head_bytes);
     }
-    // Without the hashes: what is coded itself.
+    // Without hashes: the coded data itself.
     let layout = &head.objects[0].layout;
     let decodes = |bytes: &[u8]| {
         let Ok(found) = decode_level(None, bytes, layout, &limits) else {

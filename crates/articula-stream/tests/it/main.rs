@@ -1,4 +1,4 @@
-//! What a stream promises: what comes back is what was given, whole or cut.
+//! Integration tests of streams: round trips, whole and cut.
 //!
 //! One program: linking one is faster than linking many.
 #![allow(

@@ -1,5 +1,4 @@
-//! Levels of real characters as bytes: what comes back is what was given, and how large it is
-//! beside Draco.
+//! Levels of real characters: round trips, and sizes compared with Draco.
 
 use crate::real;
 use articula_build::{SimplifyOptions, simplify};
@@ -10,8 +9,8 @@ use articula_stream::mesh::{
     Grid, Layout, Precision, Quantised, QuantisedMesh, decode_level, encode_level, quantise,
 };
 
-/// The first primitive of a character at five levels, the finest first, without its morphs,
-/// which the codecs that it is compared with do not have.
+/// The first primitive of a character at five levels, finest first, without morph targets, which
+/// the compared codecs do not support.
 fn levels(name: &str) -> Option<Quantised> {
     let Some(bytes) = real::bytes(name) else {
         println!("skipped: no data");
@@ -42,10 +41,10 @@ fn levels(name: &str) -> Option<Quantised> {
     Some(quantise(part, &lists, &grid, &Precision::default()).unwrap())
 }
 
-/// What a corner is.
+/// The values of a corner.
 type Corner = ([i32; 3], Vec<(u16, u8)>, [i32; 2], [i32; 2]);
 
-/// The faces by value, in an order of their own.
+/// The faces by value, sorted.
 fn faces(mesh: &QuantisedMesh) -> Vec<[Corner; 3]> {
     let corner = |w: u32| {
         let w = w as usize;
@@ -68,7 +67,7 @@ fn faces(mesh: &QuantisedMesh) -> Vec<[Corner; 3]> {
     faces
 }
 
-/// Bytes of the coarsest level and all refinements, each checked by what comes back.
+/// Size of the coarsest level and all refinements in bytes; each is checked by decoding.
 fn whole(levels: &[QuantisedMesh], layout: &Layout) -> usize {
     let limits = StreamLimits::default();
     let coarsest = levels.last().unwrap();
@@ -89,7 +88,7 @@ fn whole(levels: &[QuantisedMesh], layout: &Layout) -> usize {
         );
         assert_eq!(finer.normals[..shown.normals.len()], shown.normals);
         assert_eq!(finer.texcoords[..shown.texcoords.len()], shown.texcoords);
-        // A level that came alone is refined by the same bytes to the same mesh.
+        // A level that was received alone is refined by the same bytes to the same mesh.
         let alone = encode_level(None, coarse, layout).unwrap();
         let alone = decode_level(None, &alone, layout, &limits).unwrap();
         let other = decode_level(Some(&alone), &bytes, layout, &limits).unwrap();
@@ -100,8 +99,8 @@ fn whole(levels: &[QuantisedMesh], layout: &Layout) -> usize {
     size
 }
 
-/// `draco` and `meshopt` are what the finest level takes, measured by the lab: Draco 1.5.7 at
-/// its slowest, quantised alike; meshoptimizer's codecs of vertices and indices.
+/// `draco` and `meshopt` are the sizes of the finest level as measured by the lab: Draco 1.5.7 at
+/// its slowest setting with equal quantisation; meshoptimizer's codecs of vertices and indices.
 fn check_sizes(name: &str, draco: usize, meshopt: usize) {
     let Some(found) = levels(name) else { return };
     let finest = &found.levels[0];
@@ -113,7 +112,7 @@ fn check_sizes(name: &str, draco: usize, meshopt: usize) {
         "{name}: alone {}, five levels {whole}, Draco {draco}",
         alone.len()
     );
-    // The bounds of the specification, section 9.
+    // The bounds of `docs/methods/clustered-mesh.md` part 9.
     assert!(alone.len() * 100 <= draco * 105);
     assert!(whole * 100 <= draco * 120);
     assert!(whole * 100 <= alone.len() * 145);

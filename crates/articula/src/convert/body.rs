@@ -1,4 +1,4 @@
-//! BAP files: any humanoid's motion as body animation parameters.
+//! BAP files: humanoid motion as MPEG-4 body animation parameters.
 
 use super::left_out::{EncodedFile, LossyPart, meshes};
 use crate::error::Result;
@@ -9,7 +9,7 @@ use articula_core::source::Character;
 use articula_formats::joint_map;
 use articula_formats::mpeg4::bap::{self, BapResidual};
 
-/// A BAP file of the first clip; parameters that were read are written as they were.
+/// Writes the first clip as a BAP file; parameters that were read from one are written unchanged.
 pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
     if let Some(parameters) = &opened.parameters {
         if !opened.clips_changed {
@@ -37,7 +37,8 @@ pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
     parameters_of(&figure, opened)
 }
 
-/// What the standard humanoid does as a BAP file; `source` has what no BAP file holds.
+/// Converts the motion of the standard humanoid to a BAP file; `source` has the data that BAP
+/// cannot hold.
 fn parameters_of(figure: &Character, source: &CharacterFile) -> Result<EncodedFile> {
     let standard = articula_build::joint_names::map(&figure.skeleton, joint_map::builtin(), None);
     let rate_hz = source.character.clips.first().map_or(30.0, source_rate_hz);
@@ -50,7 +51,7 @@ fn parameters_of(figure: &Character, source: &CharacterFile) -> Result<EncodedFi
     })
 }
 
-/// Turns that no parameter says.
+/// Rotations that no parameter represents.
 fn unsaid(residuals: &[BapResidual]) -> Option<LossyPart> {
     let worst = residuals.first()?;
     Some(LossyPart::Turns {

@@ -1,7 +1,7 @@
-//! Clips made clean, and what that did in numbers.
+//! Clip editing, with measurements of each edit.
 //!
 //! The order is fixed: trim, loop, root motion, rate, then (after the reduction to a selection of
-//! joints) keys. The bound of the keys is against what they stood for just before.
+//! joints) keys. The error bound of key reduction refers to the clip just before it.
 
 use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, Format};
@@ -13,183 +13,183 @@ use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey
 use articula_core::source::RawClip;
 use serde::{Serialize, Serializer};
 
-/// What is done with every clip of a character; the default is nothing.
+/// Edits applied to every clip of a character; the default is none.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ClipEdits {
-    /// The part that is kept.
+    /// Part of the clip that is kept.
     pub trim: Option<ClipPart>,
-    /// How the ends are made to meet of the part that loops best, which alone is kept; a clip
-    /// without a loop stays as it is.
+    /// Options for closing loops: only the part that loops best is kept, and its ends are joined; a
+    /// clip without a loop is unchanged.
     pub close_loop: Option<CloseOptions>,
-    /// What becomes of the way of the hips over the ground and of their heading.
+    /// Treatment of root motion: the horizontal movement of the hips and their heading.
     pub root_motion: Option<RootMotionOptions>,
-    /// Keys of every channel a second.
+    /// Number of keys per second in every channel.
     pub rate_hz: Option<f32>,
-    /// How far anything may move when keys are dropped.
+    /// Error bound of key reduction.
     pub reduce_keys: Option<ReduceOptions>,
 }
 
-/// A part of a clip; without a bound, from its start or to its end.
+/// A part of a clip; a missing bound is its start or end.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ClipPart {
-    /// Where it starts.
+    /// Start of the part, in seconds.
     pub from_secs: Option<f32>,
-    /// Where it ends.
+    /// End of the part, in seconds.
     pub to_secs: Option<f32>,
 }
 
-/// What was done with one clip; `None` what was not asked for.
+/// Report of the edits of one clip; `None` for edits that were not requested.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ClipEdited {
     /// The clip's name.
     pub clip: String,
     /// The part that was kept.
     pub trim: Option<Trimmed>,
-    /// The loop that was looked for.
+    /// Result of the loop search.
     #[serde(rename = "loop")]
     pub looped: Option<Looped>,
-    /// What became of root motion.
+    /// Result of the root motion edit.
     pub root_motion: Option<RootMotionEdited>,
-    /// The new rate.
+    /// Result of resampling.
     pub rate: Option<Resampled>,
-    /// The keys that were dropped.
+    /// Result of key reduction.
     pub reduce_keys: Option<KeysReduced>,
 }
 
 /// The part of a clip that was kept.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Trimmed {
-    /// Where it started.
+    /// Start of the part, in seconds.
     pub from_secs: f32,
-    /// Where it ended.
+    /// End of the part, in seconds.
     pub to_secs: f32,
-    /// Its length as it is now.
+    /// Duration of the trimmed clip, in seconds.
     pub duration_secs: f32,
 }
 
-/// The part of a clip that loops best; unless it is a loop, the clip stayed as it was.
+/// Result of the loop search; the clip is unchanged unless a loop was found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Looped {
     /// Whether it is a loop.
     pub is_loop: bool,
-    /// Whether it is the whole clip, whose ends met from the start.
+    /// Whether the whole clip is the loop.
     pub is_whole: bool,
-    /// `None` for a clip that is too short or too still to repeat anything.
+    /// The part that loops best; `None` if the clip is too short or too static to repeat.
     pub part: Option<LoopPart>,
-    /// The lowest score of a loop.
+    /// Minimum score of a loop.
     pub score_least: f32,
-    /// How it was closed, if it is a loop.
+    /// Result of closing, if a loop was found.
     pub closed: Option<LoopClosed>,
 }
 
-/// A part of a clip, and how its end goes over into its start before it is closed.
+/// A part of a clip, and the discontinuity from its end to its start before closing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LoopPart {
-    /// Where it starts.
+    /// Start of the part, in seconds.
     pub start_secs: f32,
-    /// Where it ends.
+    /// End of the part, in seconds.
     pub end_secs: f32,
-    /// Its length.
+    /// Duration of the part, in seconds.
     pub period_secs: f32,
-    /// Greatest jump of a joint from the end to the start, metres.
+    /// Maximum distance of a joint between end and start, in metres.
     pub seam_m: f32,
-    /// Root mean square of the joints' jumps, metres.
+    /// Root mean square distance of the joints between end and start, in metres.
     pub seam_rms_m: f32,
-    /// Root mean square of the jumps of their velocities.
+    /// Root mean square difference of the joints' velocities, in metres per second.
     pub seam_m_per_sec: f32,
-    /// 1 for a perfect loop, 0 for one that jumps as between any two moments of the clip.
+    /// 1 for a perfect loop, 0 for a jump as between two arbitrary times of the clip.
     pub score: f32,
 }
 
-/// A loop that was closed.
+/// Result of closing a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LoopClosed {
-    /// Time at either end over which the seam was shared.
+    /// Duration at either end over which the discontinuity was distributed, in seconds.
     pub window_secs: f32,
-    /// Greatest distance that any joint was moved by closing, metres.
+    /// Maximum distance that closing moved any joint, in metres.
     pub moved_m: f32,
-    /// Way of one round over the ground, metres.
+    /// Horizontal distance travelled per cycle, in metres.
     pub travel_m: f32,
-    /// Turn of one round, degrees.
+    /// Turn per cycle, in degrees.
     pub turn_deg: f32,
-    /// Greatest angle that is left between the first and the last pose, degrees.
+    /// Maximum remaining angle between the first and the last pose, in degrees.
     pub seam_deg: f32,
 }
 
-/// The way of the hips over the ground, and what became of it.
+/// Root motion of a clip and how it was edited.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RootMotionEdited {
-    /// What was asked for.
+    /// The requested mode.
     #[serde(serialize_with = "mode_name")]
     pub mode: RootMotionMode,
-    /// Name of the joint whose way it is.
+    /// Name of the joint whose motion it is.
     pub hips: String,
-    /// The joint above the hips that can carry it; `None` if none can.
+    /// Name of the joint above the hips that can carry root motion; `None` if there is none.
     pub carrier: Option<String>,
-    /// Distance from the first frame to the last, metres.
+    /// Distance from the first frame to the last, in metres.
     pub travel_m: f32,
-    /// Length of the way itself, metres.
+    /// Length of the trajectory, in metres.
     pub path_m: f32,
-    /// Turn from the first frame to the last, degrees.
+    /// Turn from the first frame to the last, in degrees.
     pub turn_deg: f32,
-    /// Greatest distance of any joint from its source, the trajectory put back, metres.
+    /// Maximum distance of any joint from its source after adding the trajectory back, in metres.
     pub worst_m: f32,
-    /// The way, key by key.
+    /// The trajectory, key by key.
     pub trajectory: Vec<TrajectoryPlace>,
 }
 
-/// Where the hips are over the ground, against the first frame.
+/// Horizontal position and heading of the hips relative to the first frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TrajectoryPlace {
-    /// When.
+    /// Time in seconds.
     pub secs: f32,
-    /// Along +X, metres.
+    /// Displacement along +X, in metres.
     pub x_m: f32,
-    /// Along +Z, metres.
+    /// Displacement along +Z, in metres.
     pub z_m: f32,
-    /// Heading, degrees from +Z towards +X.
+    /// Heading in degrees, from +Z towards +X.
     pub yaw_deg: f32,
 }
 
-/// A clip keyed at a rate.
+/// Result of resampling a clip.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Resampled {
-    /// The rate.
+    /// Keys per second.
     pub rate_hz: f32,
-    /// Keys of all channels as it was.
+    /// Number of keys in all channels before.
     pub keys_before: usize,
-    /// Keys of all channels as it is.
+    /// Number of keys in all channels after.
     pub keys_after: usize,
 }
 
-/// A clip with fewer keys.
+/// Result of key reduction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct KeysReduced {
-    /// The bound that was given, metres.
+    /// The error bound, in metres.
     pub bound_m: f32,
-    /// Greatest distance of any joint or skin from where the clip had it, metres.
+    /// Maximum distance of any joint or skin point from the clip before, in metres.
     pub worst_m: f32,
-    /// Times at which that was measured, between keys too.
+    /// Number of times at which the error was measured, between keys too.
     pub times_verified: usize,
-    /// Channels as it was.
+    /// Number of channels before.
     pub channels_before: usize,
-    /// Channels as it is.
+    /// Number of channels after.
     pub channels_after: usize,
-    /// Keys as it was.
+    /// Number of keys before.
     pub keys_before: usize,
-    /// Keys as it is.
+    /// Number of keys after.
     pub keys_after: usize,
-    /// Times and values as 32-bit floats, as it was.
+    /// Size of times and values as 32-bit floats before, in bytes.
     pub animation_bytes_before: usize,
-    /// The same as it is.
+    /// Size of times and values as 32-bit floats after, in bytes.
     pub animation_bytes_after: usize,
 }
 
 impl ClipEdits {
-    /// Whether clips edited so can be shown in a format.
+    /// Checks that a format can represent clips edited in this way.
     ///
     /// # Errors
-    /// [`Error::Argument`] that says which cannot, and what would do.
+    /// [`Error::Argument`] that names the edit and an alternative.
     pub fn check(&self, to: Format) -> Result<()> {
         if self.reduce_keys.is_some() && to.holds_one_clip() {
             return Err(Error::argument(format!(
@@ -206,12 +206,13 @@ impl ClipEdits {
         Ok(())
     }
 
-    /// Whether anything is to be done.
+    /// Returns whether any edit is requested.
     pub fn asks(&self) -> bool {
         *self != Self::default()
     }
 
-    /// Does all but the keys; gives one entry for each clip, or none if nothing is asked for.
+    /// Applies all edits except key reduction; returns one report per clip, or none if no edit is
+    /// requested.
     pub(super) fn apply(
         &self,
         opened: &mut CharacterFile,
@@ -253,7 +254,7 @@ impl ClipEdits {
         })
     }
 
-    /// Drops keys, after everything else.
+    /// Applies key reduction, after everything else.
     pub(super) fn reduce_keys(
         &self,
         opened: &mut CharacterFile,
@@ -278,11 +279,11 @@ impl ClipEdits {
 }
 
 impl CharacterFile {
-    /// Edits all clips of the character; gives one entry for each, or none if nothing is asked
-    /// for. Jobs are the clips.
+    /// Edits all clips of the character; returns one report per clip, or none if no edit is
+    /// requested. There is one job per clip.
     ///
     /// # Errors
-    /// An [`Error`] that names the file, and the clip or joint that does not fit.
+    /// An [`Error`] that names the file, and the clip or joint at fault.
     pub fn edit_clips(
         &mut self,
         edits: &ClipEdits,

@@ -1,7 +1,7 @@
-//! Clips of one file on the character of another.
+//! Transfer of clips from one file to the character of another.
 //!
-//! By the names of the joints where the skeleton is the same, else by what the joints are in the
-//! H-Anim map. What the motion of a face drives goes along by name.
+//! Joints are matched by name if the skeletons are the same, else by their H-Anim mapping. Morph
+//! targets and expressions are matched by name.
 
 use super::morphs;
 use super::same_joints::Twins;
@@ -15,21 +15,21 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 use std::path::Path;
 
-/// How clips come from other files.
+/// Options for adding clips from other files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AddClipsOptions {
-    /// Whether the character keeps the clips that it has.
+    /// Whether the character keeps its own clips.
     pub keep_own: bool,
-    /// The clip that is taken of each file; all without a name.
+    /// Name of the clip taken from each file; `None` takes all.
     pub clip: Option<String>,
-    /// Stands in front of the names of new clips.
+    /// Prefix of the names of added clips.
     pub prefix: String,
-    /// Whether the name of its file stands in front of a clip's name where the file has several;
-    /// a single clip is always named after its file.
+    /// Whether the file name is prepended to clip names if the file has several clips; a single
+    /// clip is always named after its file.
     pub file_in_names: bool,
-    /// Whether clips of the same skeleton go over as they are; else all are retargeted.
+    /// Whether clips of the same skeleton are copied unchanged; if not, all are retargeted.
     pub by_names: bool,
-    /// How clips of other skeletons are put onto the character.
+    /// Options for retargeting clips from other skeletons.
     pub retarget: RetargetOptions,
 }
 
@@ -46,36 +46,36 @@ impl Default for AddClipsOptions {
     }
 }
 
-/// A clip of one file that was made for the character of another.
+/// A clip of one file, transferred to the character of another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedClip {
-    /// The clip: its channels drive joints and meshes of the character.
+    /// The clip; its channels drive joints and meshes of the character.
     pub clip: RawClip,
-    /// Where it comes from.
+    /// Origin of the clip, and how it was transferred.
     pub fit: ClipFit,
 }
 
-/// Where a clip comes from, and how it came.
+/// Origin of a transferred clip, and how it was transferred.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClipFit {
     /// Name of the clip on the character.
     pub name: String,
-    /// What errors and reports call the file that it comes from.
+    /// Name of the source file, as in errors and reports.
     pub file: String,
-    /// Name of the clip in that file.
+    /// Name of the clip in the source file.
     pub from: String,
-    /// Channels of morph targets and expressions that came along by name.
+    /// Number of channels of morph targets and expressions that were matched by name.
     pub morph_channels: usize,
-    /// How it was retargeted; `None` if the skeleton is the same, so that it moves as it did.
+    /// Report of the retargeting; `None` if the skeleton is the same and the motion was copied.
     pub retargeted: Option<RetargetReport>,
 }
 
 impl CharacterFile {
-    /// Puts the clips of other files onto this character, and gives each a name of its own.
+    /// Adds the clips of other files to this character, under unique names.
     ///
-    /// Where the skeleton is the same, the clips go over as they are; else they are retargeted by
-    /// the H-Anim map. Morph targets and expressions that both have, by name, follow too. Jobs
-    /// are the files.
+    /// Clips of the same skeleton are copied; others are retargeted by the H-Anim mapping. Morph
+    /// targets and expressions that both characters have, by name, follow too. There is one job per
+    /// file.
     ///
     /// ```no_run
     /// use articula::convert::AddClipsOptions;
@@ -90,8 +90,8 @@ impl CharacterFile {
     /// ```
     ///
     /// # Errors
-    /// An [`Error`] that names the file: it has no clip (or not the one that is wanted), or nothing
-    /// says which of its joints is which of the character's ([`Error::Unmapped`]).
+    /// An [`Error`] that names the file: it has no clip (or not the requested one), or its joints
+    /// cannot be matched with the character's ([`Error::Unmapped`]).
     pub fn add_clips(
         &mut self,
         files: &[Self],
@@ -111,8 +111,8 @@ impl CharacterFile {
         Ok(self.put_clips(fitted, options.keep_own))
     }
 
-    /// Puts clips that [`fit_clips`] made for it onto this character. A name that is taken is
-    /// counted on; the fits have the names as they are then.
+    /// Adds clips that [`fit_clips`] made for this character. A number is appended to names already
+    /// in use; the returned reports have the final names.
     pub fn put_clips(&mut self, fitted: Vec<FittedClip>, keep_own: bool) -> Vec<ClipFit> {
         let clips = &mut self.character.clips;
         if !keep_own {
@@ -135,11 +135,10 @@ impl CharacterFile {
         fits
     }
 
-    /// Whether it is told which of its joints are the hips, the legs and the arms: by the file
-    /// itself, or by their names.
+    /// Checks that hips, legs and arms are known, either from the file itself or from joint names.
     ///
     /// # Errors
-    /// [`Error::Unmapped`] that names the file and the mend.
+    /// [`Error::Unmapped`] that names the file and the remedy.
     pub fn check_human(&self) -> Result<()> {
         if self.is_human() {
             return Ok(());
@@ -153,8 +152,8 @@ impl CharacterFile {
     }
 }
 
-/// Makes clips of a file for the character of another, which stays as it is;
-/// [`CharacterFile::put_clips`] takes them.
+/// Transfers clips of a file to the character of another, which is not changed;
+/// [`CharacterFile::put_clips`] adds the result.
 ///
 /// # Errors
 /// See [`CharacterFile::add_clips`].
@@ -211,14 +210,14 @@ pub fn fit_clips(
     fitted.collect()
 }
 
-/// How joints of a file drive those of the character.
+/// Method by which joints of a file drive those of the character.
 enum Fitting<'a> {
     Names(Twins),
     Map(Box<Retargeter<'a>>),
 }
 
 impl Fitting<'_> {
-    /// The motion of the joints; without name.
+    /// Transfers the joint motion; the clip has no name.
     fn joints(
         &self,
         clip: &RawClip,
@@ -242,7 +241,7 @@ impl Fitting<'_> {
     }
 }
 
-/// Whether the map can help; `by_names` if the names were tried before.
+/// Checks that retargeting is possible; `by_names` if matching by names was tried before.
 fn check_mapped(file: &CharacterFile, character: &CharacterFile, by_names: bool) -> Result<()> {
     if !by_names {
         file.check_human()?;
@@ -258,7 +257,7 @@ fn check_mapped(file: &CharacterFile, character: &CharacterFile, by_names: bool)
     Err(Error::Unmapped(what)).context(&file.name)
 }
 
-/// The clips of a file that are wanted.
+/// The selected clips of a file.
 fn chosen<'a>(file: &'a CharacterFile, options: &AddClipsOptions) -> Result<Vec<&'a RawClip>> {
     let clips = &file.character.clips;
     if clips.is_empty() {
@@ -272,8 +271,8 @@ fn chosen<'a>(file: &'a CharacterFile, options: &AddClipsOptions) -> Result<Vec<
     Ok(vec![&clips[index]])
 }
 
-/// The file's name for its only clip; the clip's own where a file has several, with the file's
-/// before it where that is wanted.
+/// Name of a transferred clip: the file's name if it has one clip, else the clip's own name, with
+/// the file's name in front on request.
 fn name(file: &CharacterFile, clip: &RawClip, options: &AddClipsOptions) -> String {
     let stem = Path::new(&file.name).file_stem().unwrap_or_default();
     let stem = stem.to_string_lossy();

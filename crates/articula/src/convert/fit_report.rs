@@ -1,6 +1,6 @@
-//! How clips of a file came out on the character of another.
+//! Report on clips transferred to another character.
 //!
-//! The field names are a promise to scripts that read them as JSON (`docs/commands.md`).
+//! Field names are stable, since scripts read them as JSON (`docs/commands.md`).
 
 use super::fit_clips::FittedClip;
 use crate::open::CharacterFile;
@@ -8,93 +8,92 @@ use articula_build::retarget::{self, RetargetReport, RotationOrigin};
 use articula_core::source::Skeleton;
 use serde::Serialize;
 
-/// What became of one file of motions.
+/// Report on the clips of one file.
 #[derive(Debug, Serialize)]
 pub struct FitReport {
-    /// The file, as errors call it.
+    /// Name of the file, as in errors.
     #[serde(rename = "in")]
     pub input: String,
     /// Name of its format.
     pub format: &'static str,
-    /// Length of the file.
+    /// Size of the file in bytes.
     #[serde(skip)]
     pub bytes: usize,
-    /// Size of the character over that of the source, measured by the legs.
+    /// Scale from the source to the character, by the length of the legs.
     pub scale: f32,
-    /// Joints of the character that follow one of the source.
+    /// Number of joints of the character that follow one source joint.
     pub joints_mapped: usize,
-    /// Joints that share in the turn of several.
+    /// Number of joints that share the rotation of several source joints.
     pub joints_shared: usize,
-    /// Joints that nothing moves.
+    /// Number of joints that are not animated.
     pub joints_held: usize,
-    /// The clips.
+    /// Reports on the clips.
     pub clips: Vec<FitClip>,
-    /// Every joint of the character, in its order.
+    /// Origin of the motion of every joint, in the order of the character's joints.
     pub joints: Vec<FitJoint>,
-    /// Joints of the source that stand for one of a human, and that nothing follows.
+    /// Source joints with an H-Anim mapping that no joint of the character follows.
     pub dropped: Vec<String>,
 }
 
-/// One clip as it came out.
+/// Report on one clip.
 #[derive(Debug, Serialize)]
 pub struct FitClip {
-    /// Name in the written file.
+    /// Name in the output file.
     pub name: String,
-    /// Name in the file that was read.
+    /// Name in the source file.
     pub from: String,
-    /// Length, seconds.
+    /// Duration, in seconds.
     pub duration_secs: f32,
-    /// Morph targets and expressions of the character that follow the source's of their name.
+    /// Number of morph targets and expressions that follow the source's of the same name.
     pub face: usize,
-    /// Fastest turn of a joint against its parent, degrees a second.
+    /// Maximum angular speed of a joint relative to its parent, in degrees per second.
     pub joint_speed_max_deg_per_s: Option<f32>,
-    /// The joint that turns so fast.
+    /// The joint with this speed.
     pub joint_fastest: Option<String>,
-    /// How good it is.
+    /// Quality measures.
     pub quality: FitQuality,
 }
 
-/// How good a clip is, in the character's own measures.
+/// Quality of a transferred clip, measured at the character's size.
 #[derive(Debug, Serialize)]
 pub struct FitQuality {
-    /// How far resting feet move as the turns alone give it.
+    /// Distance that feet in contact slide before correction, in millimetres.
     pub foot_slide_before_mm: FootSlideSummary,
     /// The same in the result.
     pub foot_slide_mm: FootSlideSummary,
-    /// The same of the source's own feet, at the character's size.
+    /// The same of the source's own feet, scaled to the character.
     pub foot_slide_source_mm: FootSlideSummary,
-    /// Deepest that a sole is below the floor as the turns alone give it.
+    /// Greatest depth of a sole below the floor before correction, in millimetres.
     pub below_floor_before_mm: f32,
     /// The same in the result.
     pub below_floor_mm: f32,
-    /// How far hands are from where the source has them, seen from the shoulders; in lengths of
-    /// the arm.
+    /// Distance of the hands from their source positions relative to the shoulders, in arm lengths.
     pub hands_error: EndEffectorSummary,
-    /// Feet likewise, from the hips.
+    /// Distance of the feet from their source positions relative to the hips, in leg lengths.
     pub feet_error: EndEffectorSummary,
-    /// The head likewise.
+    /// Distance of the head from its source position relative to the hips, in lengths of the spine.
     pub head_error: EndEffectorSummary,
-    /// Share of frames and sides in which a knee or elbow bends to its wrong side.
+    /// Fraction of frames and sides in which a knee or elbow bends the wrong way.
     pub hinge_wrong_share: f32,
 }
 
-/// Over the contacts of a clip.
+/// Foot slide over the contacts of a clip.
 #[derive(Debug, Serialize)]
 pub struct FootSlideSummary {
     /// Number of contacts.
     pub contacts: usize,
     /// Mean.
     pub mean: f32,
-    /// Greatest.
+    /// Maximum.
     pub max: f32,
 }
 
-/// Over frames and sides.
+/// Position error of an end effector over frames and sides.
 #[derive(Debug, Serialize)]
 pub struct EndEffectorSummary {
     /// Mean.
     pub mean: f32,
-    /// Greatest.
+    /// Maximum.
     pub max: f32,
 }
 
@@ -124,28 +123,28 @@ impl FitQuality {
     }
 }
 
-/// Where a joint's motion comes from.
+/// Origin of one joint's motion.
 #[derive(Debug, Serialize)]
 pub struct FitJoint {
     /// The joint.
     pub joint: String,
     /// `mapped`, `shared` or `held`.
     pub origin: &'static str,
-    /// Joints of the source.
+    /// Source joints and their shares.
     pub from: Vec<JointShare>,
 }
 
-/// The share of a source joint in a joint's turn.
+/// Share of a source joint in a joint's rotation.
 #[derive(Debug, Serialize)]
 pub struct JointShare {
-    /// The joint of the source.
+    /// Name of the source joint.
     pub joint: String,
-    /// Its share.
+    /// Its share, 0 to 1.
     pub share: f32,
 }
 
 impl FitReport {
-    /// How the clips of a file came out on a character; `None` if none of them was retargeted.
+    /// Creates the report on the clips of a file; `None` if none of them was retargeted.
     pub fn new(
         file: &CharacterFile,
         character: &CharacterFile,

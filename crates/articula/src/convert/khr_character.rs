@@ -1,4 +1,4 @@
-//! The draft glTF extensions for characters, written into a GLB.
+//! Draft glTF extensions for characters in a GLB.
 
 use super::pose_kind::pose_kind;
 use crate::error::Result;
@@ -6,8 +6,7 @@ use crate::open::CharacterFile;
 use articula_formats::gltf::Document;
 use articula_formats::joint_map::vrm_bones;
 
-/// Writes them into the document that becomes the file. `node_of_joint` is the way from the
-/// joints to its nodes.
+/// Writes the extensions into a document; `node_of_joint` has the node of each joint.
 pub(super) fn write(
     opened: &CharacterFile,
     document: &mut Document,

@@ -1,44 +1,45 @@
-//! A written file, and what its format cannot hold.
+//! An encoded file, and the data that its format cannot hold.
 
 use crate::open::{CharacterFile, Format};
 
-/// The bytes of a file, and what they do not hold.
+/// The bytes of a file, and the data that was left out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EncodedFile {
-    /// The file.
+    /// Contents of the file.
     pub bytes: Vec<u8>,
-    /// The file that must lie beside it: the skeleton of a motion, or the motion of a skeleton.
+    /// Format and contents of a companion file: the skeleton of a motion, or the motion of a
+    /// skeleton.
     pub beside: Option<(Format, Vec<u8>)>,
-    /// What the format cannot hold.
+    /// Data that the format cannot hold.
     pub left_out: Vec<LossyPart>,
 }
 
-/// Something that the format of a written file cannot hold.
+/// Data that a file format cannot hold.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum LossyPart {
-    /// So many meshes.
+    /// A number of meshes.
     Meshes(usize),
-    /// So many end sites of joints.
+    /// A number of end sites of joints.
     EndSites(usize),
-    /// So many clips behind the first.
+    /// A number of clips after the first.
     Clips(usize),
-    /// Turns for which BAP has no parameter.
+    /// Rotations for which BAP has no parameter.
     Turns {
-        /// How many joints turn so.
+        /// Number of affected joints.
         joints: usize,
         /// H-Anim name of the joint with the greatest angle.
         most: String,
-        /// That angle.
+        /// The greatest angle, in radians.
         max_radians: f32,
     },
-    /// So many parameters of a FAP file that its masks name, but that never move.
+    /// A number of FAP parameters that the masks select but that never change.
     StillParameters(usize),
-    /// What the writer of the format says of a part of the character.
+    /// A remark of the format's writer.
     Note(String),
 }
 
-/// The meshes, which a format of joints cannot hold.
+/// The number of meshes, which a skeleton format cannot hold.
 pub(super) fn meshes(opened: &CharacterFile) -> Option<LossyPart> {
     counted(opened.character.meshes.len(), LossyPart::Meshes)
 }

@@ -1,13 +1,13 @@
-//! Conversion: clips come from other characters, are edited and reduced, and the character is
-//! written in a format.
+//! Conversion: adds clips from other characters, edits and reduces clips, and writes the character
+//! in another format.
 //!
 //! In the order of the work:
 //!
-//! - `fit_clips`, `same_joints`, `morphs`: clips of one file on the joints and morph targets of
-//!   another's character
-//! - `fit_report`: how good they are there
-//! - `clip_edits`: clips trimmed, looped, kept in place, keyed at a rate, with fewer keys
-//! - `reduction`: clips in which a selection of joints moves
+//! - `fit_clips`, `same_joints`, `morphs`: transfer of clips to the joints and morph targets of
+//!   another character
+//! - `fit_report`: quality of the transferred clips
+//! - `clip_edits`: trimming, looping, root motion, resampling, key reduction
+//! - `reduction`: clips in which only a selection of joints moves
 //! - `written`, `body`, `khr_character`: the bytes of each format
 
 mod body;
@@ -44,37 +44,38 @@ use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, Format, WriteSupport, choose, conversions};
 use crate::work::Executor;
 
-/// What is done with a character before it is written; the default is nothing.
+/// Options of [`convert`]; the default changes nothing.
 #[derive(Debug, Clone, Default)]
 pub struct ConvertOptions {
-    /// The clip that is kept alone; without a name all that the format holds, the first ones.
+    /// Name of the only clip to keep; without a name, the first ones, as many as the format holds.
     pub clip: Option<String>,
-    /// How the clips are edited.
+    /// Edits of the clips.
     pub edits: ClipEdits,
-    /// Which joints move and what the others show, if not every joint moves.
+    /// Selection of the joints that move, and the poses of the others; `None` keeps all motion.
     pub reduction: Option<JointReduction>,
     /// GLB: whether the draft glTF extensions for characters are written, with a skeleton mapping
     /// and a reference pose.
     pub khr_character: bool,
 }
 
-/// A converted file, and what was done on the way.
+/// A converted file with a report.
 #[derive(Debug)]
 pub struct Converted {
-    /// The file, and what must lie beside it.
+    /// The file, its companion file, and the data that was left out.
     pub written: EncodedFile,
-    /// Names of the clips that were written.
+    /// Names of the written clips.
     pub clips: Vec<String>,
-    /// What was done with each clip; empty if no edit was asked for.
+    /// Report on the edits of each clip; empty if no edit was requested.
     pub edits: Vec<ClipEdited>,
-    /// What holding joints saved, if that was asked for.
+    /// Report on the joint reduction, if it was requested.
     pub reduction: Option<JointsReduced>,
 }
 
-/// Changes a character as asked for and writes it: clip, edits, reduction, then fewer keys.
+/// Converts a character: selects clips, edits them, reduces them to a selection of joints, drops
+/// keys, and writes the file.
 ///
-/// What stands behind a glTF file passes through, if the format is a glTF one. Jobs are the
-/// clips.
+/// Other contents of a glTF document are preserved if the output is a glTF format. There is one job
+/// per clip.
 ///
 /// ```
 /// use articula::convert::{ClipEdits, ConvertOptions};
@@ -115,8 +116,8 @@ pub struct Converted {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] if the format cannot hold what is asked for or no clip has the name; else
-/// an [`Error`] that names the file and what of it does not fit.
+/// [`Error::Argument`] if the format cannot hold the requested data or no clip has the name;
+/// otherwise an [`Error`] that names the file and the cause.
 pub fn convert(
     mut opened: CharacterFile,
     format: Format,
@@ -147,10 +148,10 @@ pub fn convert(
 }
 
 impl ConvertOptions {
-    /// Whether a file of one format can be written in another with these options.
+    /// Checks that a file of one format can be written in another with these options.
     ///
     /// # Errors
-    /// [`Error::Argument`] that says what is not possible, and what is.
+    /// [`Error::Argument`] that names the obstacle and an alternative.
     pub fn check(&self, from: Format, to: Format) -> Result<()> {
         self.edits.check(to)?;
         if self.khr_character && to != Format::Glb {
@@ -176,7 +177,7 @@ impl ConvertOptions {
     }
 }
 
-/// Keeps the clips that go into the output; says how many were dropped.
+/// Keeps the clips that are written; returns the number of dropped ones.
 fn choose_clips(wanted: Option<&str>, opened: &mut CharacterFile, to: Format) -> Result<usize> {
     let clips = &mut opened.character.clips;
     let index = match wanted {

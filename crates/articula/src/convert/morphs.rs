@@ -1,8 +1,8 @@
-//! Morph weights and expressions of one character's clip, on those of the same names of another.
+//! Transfer of morph weights and expressions between characters, by name.
 
 use articula_core::source::{Channel, Character, Interpolation, Property, RawClip, RawMesh};
 
-/// Channels of the other character; joints are not looked at.
+/// Channels for the other character; joint channels are ignored.
 pub(super) fn channels(from: &Character, clip: &RawClip, onto: &Character) -> Vec<Channel> {
     let mut made = Vec::new();
     for (target, mesh) in onto.meshes.iter().enumerate() {
@@ -10,7 +10,7 @@ pub(super) fn channels(from: &Character, clip: &RawClip, onto: &Character) -> Ve
             .channels
             .iter()
             .filter(|c| c.property == Property::Weights);
-        // A name may stand in several meshes of the source; the one with most in common drives.
+        // If several source meshes have matching names, the one with the most matches drives.
         let shared = |c: &&Channel| twins(&from.meshes[c.target], mesh).flatten().count();
         if let Some(channel) = weights.max_by_key(shared)
             && shared(&channel) > 0
@@ -38,7 +38,7 @@ pub(super) fn channels(from: &Character, clip: &RawClip, onto: &Character) -> Ve
     made
 }
 
-/// For each morph target of `onto` the one of `from` with its name.
+/// For each morph target of `onto`, the index of the one of `from` with its name.
 fn twins<'a>(from: &'a RawMesh, onto: &'a RawMesh) -> impl Iterator<Item = Option<usize>> + 'a {
     let named = |name: &String| {
         let same = |n: &String| !name.is_empty() && n == name;
@@ -53,7 +53,7 @@ fn weights_of(channel: &Channel, from: &RawMesh, onto: &RawMesh, target: usize) 
     let cubic = channel.interpolation == Interpolation::CubicSpline;
     let mut values = Vec::with_capacity(channel.values.len() / width.max(1) * twins.len());
     for (row, weights) in channel.values.chunks_exact(width).enumerate() {
-        // Tangents of what has no twin are level.
+        // Tangents of a missing target are 0.
         let is_tangent = cubic && row % 3 != 1;
         for (slot, twin) in twins.iter().enumerate() {
             let rest = if is_tangent {

@@ -1,13 +1,13 @@
-//! Which of the known reference poses a skeleton rests in.
+//! Classification of a skeleton's rest pose.
 //!
 //! Source: `KHR_character_reference_pose`, values of `poseType`: arms level, at about 45 degrees,
-//! or along the body. The borders lie half-way.
+//! or along the body. The thresholds lie half-way.
 
 use articula_core::source::Skeleton;
 use glam::{Affine3A, Vec3A};
 
-/// Gives `TPose`, `APose` or `IPose` for a skeleton whose VRM human bones are known, by how far
-/// its arms hang at rest; `TPose` if it has no arms.
+/// Returns `TPose`, `APose` or `IPose` for a skeleton with known VRM human bones, by the angle of
+/// its arms at rest; `TPose` if it has no arms.
 pub(super) fn pose_kind(skeleton: &Skeleton, bones: &[(usize, String)]) -> &'static str {
     let place = |bone: &str| {
         let (joint, _) = bones.iter().find(|(_, name)| name == bone)?;

@@ -1,4 +1,4 @@
-//! The animation that a selection of joints leaves, and what that saves.
+//! Reduction of clips to a selection of moving joints, and the savings.
 
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
@@ -10,60 +10,60 @@ use articula_core::{JointSet, Rig};
 use serde::Serialize;
 use std::ops::AddAssign;
 
-/// Which joints of all clips move, and what the others show.
+/// Options for holding joints in all clips.
 #[derive(Debug, Clone)]
 pub struct JointReduction {
     /// The joints that move.
     pub moving: MovingJoints,
-    /// Whether every joint above one that moves, moves too.
+    /// Whether all ancestors of moving joints move too.
     pub with_ancestors: bool,
-    /// What held joints show.
+    /// Pose of held joints.
     pub passive: PassivePolicy,
 }
 
-/// A selection of joints, which is resolved against a character's own.
+/// A selection of joints, resolved for each character.
 #[derive(Debug, Clone)]
 pub enum MovingJoints {
-    /// What an expression names, such as `loa(Low) + zone(hands)`.
+    /// The joints selected by an expression, such as `loa(Low) + zone(hands)`.
     LoaExpression(LoaExpression),
-    /// What a saved selection names.
+    /// The joints of a saved selection.
     Selection(Selection),
 }
 
-/// How much animation there is, morph weights left out.
+/// Amount of joint animation; morph weights are not counted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct AnimationSize {
-    /// Joints with a channel of more than one key in any clip.
+    /// Number of joints with a channel of more than one key in any clip.
     pub joints_animated: usize,
-    /// Channels that drive joints.
+    /// Number of channels that drive joints.
     pub channels: usize,
-    /// Keys of these channels.
+    /// Number of keys in these channels.
     pub keys: usize,
-    /// Times and values of all keys as 32-bit floats.
+    /// Size of times and values of all keys as 32-bit floats, in bytes.
     pub animation_bytes: usize,
 }
 
-/// What holding joints saved.
+/// Savings from holding joints.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct JointsReduced {
-    /// Joints of the skins.
+    /// Number of joints of the skins.
     pub joints: usize,
-    /// Those of them that move.
+    /// Number of them that move.
     pub joints_active: usize,
-    /// The animation as it was.
+    /// Amount of animation before.
     pub before: AnimationSize,
-    /// The animation that is left.
+    /// Amount of animation after.
     pub after: AnimationSize,
-    /// Share of the animation's bytes that is gone, 0 to 1.
+    /// Fraction of the animation's bytes saved, 0 to 1.
     pub saved: f64,
 }
 
-/// Clips before and after joints were held.
+/// Clips in which joints are held, and their sizes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointsHeld {
-    /// The clips, in their order.
+    /// The reduced clips, in the order of the input.
     pub clips: Vec<RawClip>,
-    /// Size of the clips that were given.
+    /// Size of the input clips.
     pub before: AnimationSize,
     /// Size of `clips`.
     pub after: AnimationSize,
@@ -77,8 +77,8 @@ impl AddAssign<MotionSize> for AnimationSize {
     }
 }
 
-/// Holds every joint that is not active, as the policy says. Nodes that are no joints follow the
-/// clip.
+/// Holds every joint that is not in `active`, according to `policy`. Nodes that are not joints of a
+/// skin keep their motion.
 pub fn hold_joints(
     rig: &Rig,
     clips: &[RawClip],
@@ -105,7 +105,7 @@ pub fn hold_joints(
 }
 
 impl JointsHeld {
-    /// Share of the animation's bytes that is gone, 0 to 1.
+    /// Returns the fraction of the animation's bytes saved, 0 to 1.
     pub fn saved(&self) -> f64 {
         let bytes = |size: AnimationSize| size.animation_bytes as f64;
         1.0 - bytes(self.after) / bytes(self.before).max(1.0)

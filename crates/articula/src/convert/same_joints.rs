@@ -1,30 +1,31 @@
-//! Whether two skeletons are one: joints of the same names, in the same tree, with the same rest.
+//! Test for equal skeletons: joints of the same names, in the same hierarchy, with the same rest
+//! pose.
 //!
-//! Only then a clip of one is a clip of the other as it is: channels hold lengths and turns
-//! against the rest of their own skeleton.
+//! Only then can a clip be copied unchanged, since channels hold translations and rotations
+//! relative to the rest pose of their own skeleton.
 
 use articula_core::source::{Channel, RawClip, Skeleton};
 use articula_core::{Transform, angle_between};
 use glam::{Affine3A, Vec3};
 use std::collections::{BTreeSet, HashMap};
 
-/// Of the joints that clips move, at least so many must be there: others may be what one of the
-/// files has besides, such as a slot for a weapon.
+/// Minimum fraction of the animated joints that must have a match: a file may have extra joints,
+/// such as an attachment point for a weapon.
 const SHARE: f32 = 0.75;
-/// Farthest that rest positions may be apart, of the size of the skeleton.
+/// Maximum distance of rest positions, relative to the size of the skeleton.
 const LENGTH: f32 = 0.01;
-/// Widest angle between rest rotations.
+/// Maximum angle between rest rotations, in radians.
 const RADIANS: f32 = 0.02;
-/// Most that rest scales may differ.
+/// Maximum relative difference of rest scales.
 const SCALE: f32 = 0.01;
 
-/// For each joint of one skeleton the joint of the other that it is.
+/// For each joint of one skeleton, the same joint of the other.
 #[derive(Debug)]
 pub(super) struct Twins(Vec<Option<usize>>);
 
 impl Twins {
-    /// Finds them, if the joints that the clips move are the same in both skeletons. Clips that
-    /// move no joint fit every skeleton.
+    /// Matches the joints if those that the clips move are the same in both skeletons; clips that
+    /// move no joint match any skeleton.
     pub(super) fn of(from: &Skeleton, clips: &[&RawClip], onto: &Skeleton) -> Option<Self> {
         let channels = clips.iter().flat_map(|c| &c.channels);
         let of_joints = channels.filter(|c| c.property.is_of_joint());
@@ -42,7 +43,8 @@ impl Twins {
         moved.iter().all(same).then_some(Self(twins))
     }
 
-    /// The channel for the other skeleton; `None` if it has no such joint, or no joint is driven.
+    /// Returns the channel for the other skeleton; `None` if it has no such joint or the channel
+    /// drives no joint.
     pub(super) fn channel(&self, channel: &Channel) -> Option<Channel> {
         let joint = channel.property.is_of_joint().then_some(channel.target)?;
         Some(Channel {
@@ -52,7 +54,7 @@ impl Twins {
     }
 }
 
-/// Joints of the same name, where it is the name of a single joint in both.
+/// Matches joints by name, if the name is unique in both skeletons.
 fn named(from: &Skeleton, onto: &Skeleton) -> Vec<Option<usize>> {
     let (own, other) = (unique(from), unique(onto));
     let twin = |(j, name): (usize, &str)| {
@@ -63,7 +65,7 @@ fn named(from: &Skeleton, onto: &Skeleton) -> Vec<Option<usize>> {
     names.enumerate().map(twin).collect()
 }
 
-/// Where each name stands; `None` if it stands twice.
+/// Index of each name; `None` if it occurs more than once.
 fn unique(skeleton: &Skeleton) -> HashMap<&str, Option<usize>> {
     let mut at = HashMap::new();
     for (j, joint) in skeleton.joints.iter().enumerate() {
@@ -76,7 +78,7 @@ fn unique(skeleton: &Skeleton) -> HashMap<&str, Option<usize>> {
     at
 }
 
-/// Both skeletons at rest.
+/// Rest poses of both skeletons.
 struct Rests<'a> {
     from: &'a Skeleton,
     onto: &'a Skeleton,
@@ -100,8 +102,8 @@ impl<'a> Rests<'a> {
         }
     }
 
-    /// Whether a joint rests on its parent as its twin does, and both parents are twins or rest
-    /// at the same place.
+    /// Returns whether a joint and its match have the same rest transform, and their parents match
+    /// or the joints rest at the same position in model space.
     fn agree(&self, joint: usize, twin: usize, twins: &[Option<usize>]) -> bool {
         let (a, b) = (&self.from.joints[joint], &self.onto.joints[twin]);
         let parents = match (a.parent, b.parent) {
@@ -128,7 +130,7 @@ impl<'a> Rests<'a> {
     }
 }
 
-/// Every joint at rest in the space of the model; parents stand before children.
+/// Rest transform of every joint in model space; parents come before children.
 fn model(skeleton: &Skeleton) -> Vec<Affine3A> {
     let mut model: Vec<Affine3A> = Vec::with_capacity(skeleton.joints.len());
     for joint in &skeleton.joints {

@@ -1,4 +1,4 @@
-//! A character as the bytes of a file, format by format.
+//! Encoding of a character, format by format.
 //!
 //! **A new format is one arm of [`written`] and one function below it.**
 
@@ -13,13 +13,13 @@ use articula_formats::mpeg4::fap::{self, FapClip};
 use articula_formats::x3d::{self, Site};
 use articula_formats::{acclaim, bvh};
 
-/// Writes a character; of formats that hold one clip, with its first.
+/// Writes a character; formats that hold one clip get the first.
 ///
-/// A document that stands behind a glTF file passes through.
+/// Other contents of a glTF document are preserved in glTF formats.
 ///
 /// # Errors
-/// An [`Error`] that says what does not fit the format; see
-/// [`ConvertOptions::check`](super::ConvertOptions::check) for the formats that are written.
+/// An [`Error`] that names the data that does not fit the format; see
+/// [`ConvertOptions::check`](super::ConvertOptions::check) for the formats that can be written.
 pub fn write(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     super::ConvertOptions::default().check(opened.format, format)?;
     if format.needs_a_clip() && opened.character.clips.is_empty() {
@@ -29,10 +29,10 @@ pub fn write(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     written(opened, format, false)
 }
 
-/// Writes a file without a character in it; of FAP files, masks name what moves.
+/// Writes a data file without a character. In FAP files, masks select the parameters that change.
 ///
 /// # Errors
-/// [`Error::Unsuited`] for formats that are only read.
+/// [`Error::Unsuited`] for formats that can only be read.
 pub fn write_data(data: &Data) -> Result<EncodedFile> {
     let format = match data {
         Data::Fap(clip) => {
@@ -48,7 +48,7 @@ pub fn write_data(data: &Data) -> Result<EncodedFile> {
     Err(Error::unsuited(format.advice()))
 }
 
-/// The same for a format that is known to be written and a character that has the clip for it.
+/// As [`write`], after the format and the required clip have been checked.
 pub(super) fn written(
     opened: &CharacterFile,
     format: Format,
@@ -63,14 +63,14 @@ pub(super) fn written(
     }
 }
 
-/// Parameters that masks name, but that never move.
+/// Parameters that the masks select but that never change.
 fn still(clip: &FapClip) -> Option<LossyPart> {
     let moving = clip.moving();
     let still = (0..FAPS).filter(|fap| clip.coded[*fap] && !moving[*fap]);
     counted(still.count(), LossyPart::StillParameters)
 }
 
-/// A skeleton and, if there is a clip, a motion; the one that was asked for comes first.
+/// An ASF skeleton and, if there is a clip, an AMC motion; the requested one is the main file.
 fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     let clips = &opened.character.clips;
     let options = acclaim::WriteOptions {
@@ -106,7 +106,7 @@ fn motion(opened: &CharacterFile) -> Result<EncodedFile> {
     })
 }
 
-/// An H-Anim figure with everything that X3D holds.
+/// An X3D file with an H-Anim figure.
 fn humanoid(opened: &CharacterFile) -> Result<EncodedFile> {
     let site = |(joint, offset): &(usize, glam::Vec3)| Site {
         joint: *joint,
@@ -123,7 +123,7 @@ fn humanoid(opened: &CharacterFile) -> Result<EncodedFile> {
     })
 }
 
-/// The document as it was but for its clips, or a new one.
+/// The glTF document with the current clips, or a new one.
 fn container(opened: &CharacterFile, khr_character: bool) -> Result<EncodedFile> {
     let (mut document, nodes, left_out) = match &opened.gltf {
         None => {

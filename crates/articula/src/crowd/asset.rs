@@ -1,4 +1,4 @@
-//! The character of a crowd: its levels, their skins and errors, its bounds, ready to be played.
+//! The character of a crowd: its levels with their skins and errors, and its bounds.
 
 use super::in_place::{put_in_place, root_path};
 use super::mesh_lods::MeshLods;
@@ -21,12 +21,12 @@ use articula_core::source::{Character, Property};
 use articula_core::{Clip, ClipSet, JointLods, Mesh, MotionBounds, PaletteMap, Tracks};
 use std::sync::Arc;
 
-/// How a clip carried its character, from its start on.
+/// Root motion of a clip, relative to its start.
 type RootTrack = Vec<TrajectoryKey>;
 
 const PREPARING: &str = "preparing levels";
 
-/// A character that is ready for crowds. Cheap to clone: all clones share one.
+/// A character prepared for crowds. Cheap to clone: clones share the data.
 #[derive(Debug, Clone)]
 pub struct CrowdAsset(Arc<Shared>);
 
@@ -43,30 +43,30 @@ struct Shared {
     warnings: Vec<String>,
 }
 
-/// What one level of a crowd's character is made of.
+/// Properties of one level of a crowd's character.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CrowdLevel {
-    /// Joints that it keeps.
+    /// Number of joints that the level keeps.
     pub joints: usize,
-    /// Matrices of one palette.
+    /// Number of matrices in one palette.
     pub matrices: usize,
-    /// Vertices that are skinned; 0 without a mesh.
+    /// Number of skinned vertices; 0 without a mesh.
     pub vertices: usize,
-    /// Triangles that are drawn.
+    /// Number of triangles drawn.
     pub triangles: usize,
-    /// Most influences of a vertex.
+    /// Maximum number of influences per vertex.
     pub influences: usize,
 }
 
 impl CrowdAsset {
-    /// Prepares levels, their meshes, what they cost in every clip, and bounds.
+    /// Computes levels, their meshes, their error in every clip, and bounds.
     ///
-    /// A character without a clip stands in its rest pose; one without a mesh is judged by points
-    /// on its bones; both are said in the [`warnings`](Self::warnings).
+    /// A character without a clip stands in its rest pose; the error of a character without a mesh
+    /// is measured at points on its bones. Both cases are reported by [`warnings`](Self::warnings).
     ///
     /// # Errors
-    /// An [`Error`](crate::Error) that names the file: no clip is called as the options say, the
-    /// options do not fit the character, or [`Error::Cancelled`](crate::Error::Cancelled).
+    /// An [`Error`](crate::Error) that names the file: a clip named in the options does not exist,
+    /// the options do not fit the character, or [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn new(figure: &Figure, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
         Self::of_figure(figure, options, work).with_context(|| &figure.opened.name)
     }
@@ -81,8 +81,7 @@ impl CrowdAsset {
         Self::prepared(asset, (&ways, warnings), options, work)
     }
 
-    /// The same of rig, mesh and clips that were built already; clips are taken as they are and
-    /// all of them.
+    /// Prepares an [`Asset`] that is already built; all clips are used as they are.
     ///
     /// # Errors
     /// An [`Error`](crate::Error) if the options do not fit the character, or
@@ -91,7 +90,7 @@ impl CrowdAsset {
         Self::prepared(asset, (&[], Vec::new()), options, work)
     }
 
-    /// `ways` has one entry for each clip, or none: how it carried its character, if it did.
+    /// Prepares the asset; `ways` is empty or has one entry per clip, its root motion if any.
     fn prepared(
         mut asset: Asset,
         (ways, mut warnings): (&[Option<RootTrack>], Vec<String>),
@@ -104,7 +103,8 @@ impl CrowdAsset {
             asset.clips.push(rest(asset.rig.len())?);
         }
         let has_mesh = !asset.mesh.is_empty();
-        // Before points stand for the skin: without a mesh bounds know more than points do.
+        // Before points replace a missing mesh, since bounds from joints are better than from
+        // points.
         let bounds = motion_bounds(&asset, 0.0).context("bounds")?;
         work.step(PREPARING, 1, 5)?;
         if !has_mesh {
@@ -148,41 +148,42 @@ impl CrowdAsset {
         })))
     }
 
-    /// What a frame reads: clips, levels, palettes, errors, bounds, cached poses.
+    /// Returns the data that a frame reads: clips, levels, palettes, errors, bounds, cached poses.
     pub fn model(&self) -> &CrowdModel {
         &self.0.model
     }
 
-    /// Rig, clips and mesh in full detail; points on the bones where the file has no mesh.
+    /// Returns rig, clips and mesh in full detail; the mesh is points on the bones if the file has
+    /// none.
     pub fn full(&self) -> &Asset {
         &self.0.full
     }
 
-    /// The clips that are played.
+    /// Returns the clips of the crowd.
     pub fn clips(&self) -> &[Clip] {
         &self.0.full.clips
     }
 
-    /// The index of the clip of this name.
+    /// Returns the index of the clip called `name`.
     ///
     /// # Errors
-    /// [`Error::Argument`](crate::Error::Argument) if no clip is called so; it lists those there
-    /// are.
+    /// [`Error::Argument`](crate::Error::Argument) if no clip has this name; the message lists the
+    /// clips.
     pub fn clip(&self, name: &str) -> Result<usize> {
         choose("clip", name, self.clips().iter().map(|c| c.name.as_str()))
     }
 
-    /// Whether a clip carried its character over the ground before it was put on the spot.
+    /// Returns whether a clip had root motion before it was put in place.
     pub fn travels(&self, clip: usize) -> bool {
         self.0.travels.get(clip).is_some_and(|t| *t)
     }
 
-    /// Number of levels; 0 is full detail.
+    /// Returns the number of levels; 0 is full detail.
     pub fn levels(&self) -> usize {
         self.0.model.parts().clips.joint_lods().levels()
     }
 
-    /// The mesh of a level; its bindings are the first matrices of a palette of the skin.
+    /// Returns the mesh of a level; its bindings are the first matrices of a skinning palette.
     ///
     /// # Panics
     /// If there is no such level.
@@ -190,7 +191,7 @@ impl CrowdAsset {
         &self.0.meshes[level]
     }
 
-    /// What a level is made of.
+    /// Returns the properties of a level.
     ///
     /// # Panics
     /// If there is no such level.
@@ -211,38 +212,39 @@ impl CrowdAsset {
         }
     }
 
-    /// Whether levels have meshes of their own.
+    /// Returns whether levels have their own meshes.
     pub fn has_mesh_lods(&self) -> bool {
         self.0.mesh_lods.is_some()
     }
 
-    /// Whether the mesh is the file's.
+    /// Returns whether the mesh comes from the file, as opposed to points on the bones.
     pub fn has_mesh(&self) -> bool {
         self.0.has_mesh
     }
 
-    /// Which matrices its palettes hold.
+    /// Returns which matrices the palettes hold.
     pub fn matrices(&self) -> PaletteMatrices {
         self.0.matrices
     }
 
-    /// What was odd, for people.
+    /// Returns the warnings of the preparation, as text for the user.
     pub fn warnings(&self) -> &[String] {
         &self.0.warnings
     }
 
-    /// Joint order and levels.
+    /// Returns joint order and levels.
     pub(super) fn joint_lods(&self) -> &JointLods {
         self.0.model.parts().clips.joint_lods()
     }
 
-    /// Which joints and triangles go together, if there are coarser meshes.
+    /// Returns the pairs of joint and mesh LODs, if there are coarser meshes.
     pub(super) fn mesh_lods(&self) -> Option<&MeshLods> {
         self.0.mesh_lods.as_ref()
     }
 }
 
-/// The figure with its clips as they are played, the way of each that travelled, and warnings.
+/// Returns the asset with the clips to be played, the root motion of each clip that travelled, and
+/// warnings.
 fn on_the_spot(
     figure: &Figure,
     root_motion: RootMotion,
@@ -263,7 +265,7 @@ fn on_the_spot(
     Ok((asset, ways, faults))
 }
 
-/// Which clips are named; all if no name is given.
+/// Returns which clips are selected by name; all of them without names.
 fn kept_clips(clips: &[Clip], names: &[String]) -> Result<Vec<bool>> {
     let mut kept = vec![names.is_empty(); clips.len()];
     for name in names {
@@ -278,7 +280,7 @@ fn keep<T>(all: &mut Vec<T>, kept: &[bool]) {
     all.retain(|_| each.next().is_some_and(|kept| *kept));
 }
 
-/// Says that morph targets stand still where nothing else moves.
+/// Returns a warning that morph targets stay at rest, if they are all that the clips animate.
 fn morphs_at_rest(source: &Character) -> Option<String> {
     let mut channels = source.clips.iter().flat_map(|c| &c.channels).peekable();
     channels.peek()?;
@@ -289,7 +291,7 @@ fn morphs_at_rest(source: &Character) -> Option<String> {
     })
 }
 
-/// Says that a named level means little where no joint is known by its name.
+/// Returns a warning that a named level has little effect, if no joint is known by its name.
 fn unmapped(asset: &Asset, wanted: &JointLodMethod) -> Option<String> {
     let mut joints = asset.rig.articulation().joints.iter();
     let is_named = matches!(wanted, JointLodMethod::Named(_));
@@ -300,7 +302,7 @@ fn unmapped(asset: &Asset, wanted: &JointLodMethod) -> Option<String> {
     })
 }
 
-/// Levels of the joints with their skins and errors.
+/// Joint levels with their skins and errors.
 fn lods_with_skins(
     asset: &Asset,
     wanted: &JointLodMethod,
@@ -328,7 +330,8 @@ fn lods_with_skins(
     })
 }
 
-/// What all characters share: clips, palettes, errors, and cached poses if they are asked for.
+/// Builds the data that all characters share: clips, palettes, errors and, on request, cached
+/// poses.
 fn model(
     asset: &Asset,
     levels: &MergedLevels,
@@ -369,7 +372,7 @@ fn model(
     })?)
 }
 
-/// One frame that drives nothing.
+/// A clip of one frame without channels.
 fn rest(joints: usize) -> Result<Clip> {
     Ok(Clip::new("rest pose", 1.0, 1, joints, Tracks::default())?)
 }

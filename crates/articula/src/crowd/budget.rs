@@ -1,26 +1,26 @@
-//! What a frame may cost: the budget less what is not evaluation, and unit costs that learn.
+//! Time budget of a frame: what is left for evaluation, and learnt unit costs.
 
 use articula_core::budget::{CostModel, Workload};
 use articula_core::crowd::{Crowd, CrowdModel};
 
-/// Prices are looked at every so many frames, and renewed if they are off by more than this part.
+/// Interval of cost checks in frames, and the relative deviation above which costs are updated.
 const REPRICE_FRAMES: usize = 8;
 const STALE: f64 = 0.05;
 
-/// Share of a new frame in the mean cost of what is not evaluation.
+/// Weight of a new frame in the mean time spent outside of evaluation.
 const GAIN: f64 = 0.1;
 
-/// What a frame may spend. Kept, it makes another run decide alike.
+/// Evaluation budget of one frame. A recorded value reproduces the decisions of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameBudget {
-    /// What evaluation may cost, nanoseconds.
+    /// Time for evaluation, in nanoseconds.
     pub cost_ns: f32,
-    /// New prices of poses, if the old ones were off.
+    /// New unit costs, if the current ones are out of date.
     pub prices: Option<CostModel>,
 }
 
 impl FrameBudget {
-    /// So many nanoseconds at the prices that are known.
+    /// A budget in nanoseconds at the current unit costs.
     pub fn of_ns(cost_ns: f32) -> Self {
         Self {
             cost_ns,
@@ -28,7 +28,7 @@ impl FrameBudget {
         }
     }
 
-    /// Hands new prices on.
+    /// Passes new unit costs to the crowd.
     pub(super) fn apply(&self, crowd: &mut Crowd, model: &CrowdModel) {
         if let Some(prices) = &self.prices {
             crowd.reprice(model, prices);
@@ -36,8 +36,8 @@ impl FrameBudget {
     }
 }
 
-/// Learns what frames cost, and says what the next one may spend on evaluation. It has no clock:
-/// what frames took is told by the caller.
+/// Learns the cost of frames and computes the evaluation budget of the next one. It reads no clock:
+/// the caller passes measured times.
 ///
 /// ```
 /// use articula::crowd::BudgetController;
@@ -52,15 +52,15 @@ impl FrameBudget {
 pub struct BudgetController {
     budget_ns: f64,
     costs: CostModel,
-    /// What the crowd's prices were made from.
+    /// Cost model that the crowd uses now.
     given: CostModel,
-    /// Mean of what a frame costs besides evaluation.
+    /// Mean time of a frame outside of evaluation.
     tick_ns: Option<f64>,
     frames: usize,
 }
 
 impl BudgetController {
-    /// So many milliseconds of processor time for each frame.
+    /// Creates a controller for a budget in milliseconds of processor time per frame.
     pub fn new(budget_ms: f32) -> Self {
         Self {
             budget_ns: f64::from(budget_ms) * 1e6,
@@ -71,10 +71,10 @@ impl BudgetController {
         }
     }
 
-    /// What the next frame may spend.
+    /// Returns the budget of the next frame.
     pub fn decide(&mut self) -> FrameBudget {
         let due = self.frames > 0 && self.frames.is_multiple_of(REPRICE_FRAMES);
-        // New prices place everyone anew, which is dear itself.
+        // New costs rebuild the choice of every character, which is expensive.
         let renew = due && is_stale(&self.given, &self.costs);
         if renew {
             self.given = self.costs.clone();
@@ -87,17 +87,17 @@ impl BudgetController {
         }
     }
 
-    /// Learns from a frame: what was evaluated, and the nanoseconds that everything before the
-    /// evaluation, and the evaluation took, on all threads together.
+    /// Learns from a frame: the work that was evaluated and the nanoseconds spent before and in the
+    /// evaluation, summed over all threads.
     pub fn observe(&mut self, work: &Workload, tick_ns: f64, evaluate_ns: f64) {
         self.costs.observe(work, evaluate_ns);
         let mean = self.tick_ns.unwrap_or(tick_ns);
-        // A frame that was interrupted does not count for more than twice the mean.
+        // Clamped to twice the mean, so that an interrupted frame does not distort it.
         self.tick_ns = Some(mean + GAIN * (tick_ns.min(2.0 * mean) - mean));
     }
 }
 
-/// Whether a pose of few or of many joints costs something else by now.
+/// Returns whether the cost of a small or a large pose has changed noticeably.
 fn is_stale(given: &CostModel, now: &CostModel) -> bool {
     [8, 64].into_iter().any(|joints| {
         let pose = Workload {
@@ -124,10 +124,10 @@ mod tests {
             ..Workload::default()
         };
         allocator.observe(&work, 200_000.0, 1000.0);
-        // A little less where times were seen to spread.
+        // A little less, since measured times vary.
         let about = |cost: f32, left: f32| cost <= left && cost > 0.97 * left;
         assert!(about(allocator.decide().cost_ns, 800_000.0));
-        // A tenth of the way, and no farther than twice the mean.
+        // Moves by a tenth, towards at most twice the mean.
         allocator.observe(&work, 9e9, 1000.0);
         assert!(about(allocator.decide().cost_ns, 780_000.0));
         assert!(BudgetController::new(0.1).decide().prices.is_none());

@@ -1,8 +1,8 @@
-//! Clips that carry their character away are played on the spot; the way is kept apart.
+//! Removes root motion from clips and keeps it apart.
 //!
-//! A scene says where everyone stands, so a walk that travels would leave its place and jump back
-//! at the end of each lap. What stays within [`ROOM_METRES`] of where it begins is left alone: the
-//! sway and the steps of a dance belong to it.
+//! A scene fixes where each character stands, so a walk with root motion would leave its position
+//! and jump back at the end of each cycle. Clips that stay within [`ROOM_METRES`] of their start
+//! are left alone: the sway and steps of a dance belong to it.
 
 use articula_build::clip_edit::EditSubject;
 use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey, split};
@@ -11,15 +11,16 @@ use articula_core::source::Character;
 use articula_core::{Articulation, Clip, Mismatch};
 use glam::Vec3;
 
-/// How far a clip may carry its character from the first frame: half the way to its neighbour on
-/// the plaza.
+/// Maximum distance that a clip may move its character from the first frame: half the distance
+/// between neighbours in the plaza scene.
 const ROOM_METRES: f32 = 1.0;
 
-/// The way is the mean over so long, so that the sway of the hips stays with them.
+/// Window of the moving average that defines root motion, so that hip sway stays in the clip.
 const SMOOTH_SECS: f32 = 1.0;
 
-/// Puts clips that travel on the spot; gives the way of each clip that did, from its start on, and warnings on
-/// clips that travel and could not be put. `end_sites` as [`EditSubject::new`] takes them.
+/// Puts clips with root motion in place; returns the root motion of each such clip, relative to its
+/// start, and warnings about clips that travel but could not be changed. `end_sites` as in
+/// [`EditSubject::new`].
 pub fn put_in_place(
     character: &mut Character,
     articulation: Articulation,
@@ -29,7 +30,7 @@ pub fn put_in_place(
     let subject = EditSubject::new(character, articulation, end_sites);
     let mut warnings = Vec::new();
     let mut ways = vec![None; clips.len()];
-    // A character without a figure to split has clips that stay as they are.
+    // Clips of a character that cannot be split into root and body stay unchanged.
     if let Ok(subject) = subject {
         for (clip, way) in clips.iter_mut().zip(&mut ways) {
             let told = split(&subject, clip, &RootMotionOptions::default());
@@ -58,17 +59,17 @@ fn farthest(way: &[TrajectoryKey]) -> f32 {
     off.fold(0.0, f32::max)
 }
 
-/// The way at the frames of a clip.
+/// Samples root motion at the frames of a clip.
 ///
 /// # Errors
-/// A [`Mismatch`] if the way holds numbers that are not finite.
+/// A [`Mismatch`] if a value is not finite.
 pub(super) fn root_path(way: &[TrajectoryKey], clip: &Clip) -> Result<RootTrajectory, Mismatch> {
     let rate = clip.rate_hz();
     let places = (0..clip.frames()).map(|frame| place(way, frame as f32 / rate));
     RootTrajectory::new(rate, places.collect())
 }
 
-/// The place at a time, straight between keys.
+/// Root displacement at a time, interpolated linearly.
 fn place(way: &[TrajectoryKey], secs: f32) -> RootDelta {
     let step = |k: &TrajectoryKey| RootDelta {
         offset: Vec3::new(k.x_metres, 0.0, k.z_metres),
@@ -113,7 +114,7 @@ mod tests {
         let clip = Clip::new("walk", 4.0, 5, 1, Tracks::default()).unwrap();
         let path = root_path(&way, &clip).unwrap();
         assert!((path.at(0.75).offset.x - 1.5).abs() < 1e-6);
-        // A lap goes on where the last one ended.
+        // A cycle continues where the previous one ended.
         assert!((path.step(0.75, 0.25, 1).offset.x - 1.0).abs() < 1e-6);
     }
 }

@@ -1,4 +1,4 @@
-//! Who is shown at which level, what it was expected to cost the viewer, and what a renderer pays.
+//! Statistics of the levels in use: number of characters, error and rendering cost.
 
 use super::asset::CrowdAsset;
 use super::lod_error::{CharacterError, ErrorSample};
@@ -6,68 +6,69 @@ use super::player::CrowdPlayer;
 use articula_core::percentile;
 use serde::Serialize;
 
-/// One level over all frames; counts of characters and poses are means over frames.
+/// Statistics of one level over all frames; counts of characters and poses are means per frame.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LevelUse {
     /// The level; 0 is full detail.
     pub level: usize,
-    /// Joints that it keeps.
+    /// Number of joints that the level keeps.
     pub joints: usize,
-    /// Matrices of one palette.
+    /// Number of matrices in one palette.
     pub matrices: usize,
-    /// Triangles that one character is drawn with.
+    /// Number of triangles drawn per character.
     pub triangles: usize,
-    /// Most influences of a vertex.
+    /// Maximum number of influences per vertex.
     pub influences: usize,
-    /// Characters that show it.
+    /// Number of characters at this level.
     pub characters: f64,
-    /// Palettes that are written for them.
+    /// Number of palettes evaluated for them.
     pub poses: f64,
-    /// Characters that show a palette which another one shows too.
+    /// Number of characters that share another character's palette.
     pub shared: f64,
-    /// Characters between two clips.
+    /// Number of characters in a cross-fade.
     pub blended: f64,
-    /// Characters whose cached palettes the GPU blends, by 16 bytes each.
+    /// Number of characters whose cached palettes the GPU blends from 16-byte records.
     pub records: f64,
-    /// Greatest error of the level over the clips, millimetres: 95th percentile over vertices.
+    /// Greatest error of the level over the clips, in millimetres: 95th percentile over vertices.
     pub error_mm: f32,
-    /// The same in pixels for the nearest who shows it, over all frames; null where everyone is
-    /// shown in full, seen or not.
+    /// The same error in pixels for the nearest character at this level over all frames; null if
+    /// all characters are shown in full, visible or not.
     pub error_bound_px: Option<f32>,
-    /// What was measured on those who were looked at.
+    /// Errors measured on the sampled characters.
     pub error_px: Option<MeasuredError>,
-    /// What a renderer pays.
+    /// Rendering cost.
     pub renderer: DrawCost,
 }
 
 /// Measured errors of a level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MeasuredError {
-    /// 95th percentile over characters and moments, pixels.
+    /// 95th percentile over characters and frames, in pixels.
     pub p95: f64,
-    /// The greatest, pixels.
+    /// Maximum, in pixels.
     pub max: f64,
 }
 
-/// What a renderer pays, a frame on average but for what stays in its memory.
+/// Rendering cost, mean per frame except for resident memory.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct DrawCost {
-    /// Instanced draws: one for each part of the mesh.
+    /// Number of instanced draws: one per part of the mesh.
     pub draw_groups: f64,
     /// Bytes of palettes.
     pub palette_bytes: f64,
-    /// Vertices that are skinned.
+    /// Number of skinned vertices.
     pub skinned_vertices: f64,
-    /// Triangles that are drawn.
+    /// Number of triangles drawn.
     pub triangles: f64,
-    /// Had everyone the original mesh.
+    /// Number of triangles if every character had the original mesh.
     pub triangles_full: f64,
-    /// Of the level's mesh: positions, normals, texture coordinates, influences; triangles once.
+    /// Bytes of the level's mesh in memory: positions, normals, texture coordinates, influences;
+    /// triangles once.
     pub resident_bytes: usize,
 }
 
 impl DrawCost {
-    /// Of all levels together.
+    /// Sums the costs of all levels.
     pub fn sum(tiers: &[LevelUse]) -> Self {
         tiers.iter().fold(Self::default(), |sum, tier| Self {
             draw_groups: sum.draw_groups + tier.renderer.draw_groups,
@@ -80,7 +81,7 @@ impl DrawCost {
     }
 }
 
-/// Sums over frames, by level.
+/// Accumulates level statistics over frames.
 #[derive(Debug)]
 pub struct LevelTally {
     frames: usize,
@@ -101,7 +102,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds what one character shows.
+    /// Adds one visible character.
     fn see(&mut self, player: &CrowdPlayer, level: usize, character: usize) {
         let state = player.crowd().player(character);
         self.blended += usize::from(state.fade() > 0.0);
@@ -115,7 +116,7 @@ impl Sums {
 }
 
 impl LevelTally {
-    /// Nothing yet.
+    /// Creates an empty tally.
     pub fn new(asset: &CrowdAsset) -> Self {
         Self {
             frames: 0,
@@ -155,7 +156,7 @@ impl LevelTally {
         }
     }
 
-    /// Every level that someone was shown at.
+    /// Returns statistics of every level that was used.
     pub fn levels(&self, asset: &CrowdAsset, samples: &[ErrorSample]) -> Vec<LevelUse> {
         let levels = self.levels.iter().enumerate();
         let shown = levels.filter(|(_, sums)| sums.characters > 0);
@@ -214,7 +215,7 @@ impl LevelTally {
 /// Bytes of a level's vertices, and of each mesh level's triangles once.
 fn resident_bytes(asset: &CrowdAsset, level: usize) -> usize {
     let made = asset.level(level);
-    // Position, normal, texture coordinates; an index of 2 and a weight of 4 bytes each.
+    // Position, normal, texture coordinates; per influence an index of 2 and a weight of 4 bytes.
     let vertex = 12 + 12 + 8 + 6 * asset.mesh(level).influences;
     let is_known = level > 0 && asset.level(level - 1).triangles == made.triangles;
     let triangles = if is_known { 0 } else { made.triangles };

@@ -1,10 +1,10 @@
-//! What is shown against what should be: pixels between the true and the shown skin.
+//! Screen-space error of a crowd: pixels between the true and the shown skin.
 //!
-//! Truth is the plain path (sample, cross-fade, hierarchy, skin) at the time that the character's
-//! own clock says; shown is the palette that was written, on the mesh of its level: the point of
-//! a coarser mesh that stands for the vertex. Morph targets
-//! are left out on both sides. Definition: `docs/metrics.md`, with the true camera instead of a
-//! weak perspective.
+//! The reference is computed by the plain path (sample, cross-fade, hierarchy, skin) at the
+//! character's clock time. The shown skin is computed from the written palette on the mesh of the
+//! level; on a coarser mesh a vertex is compared with its corresponding surface point. Morph
+//! targets are left out on both sides. Definition: `docs/metrics.md`, with the true camera instead
+//! of a weak perspective.
 
 use super::asset::CrowdAsset;
 use super::mesh_lods::Watch;
@@ -16,58 +16,60 @@ use articula_core::{Camera, LocalPose, PosedMesh, Sphere, Wrap, blend, sample, s
 use glam::{Affine3A, Vec3};
 use serde::Serialize;
 
-/// Nearer characters are all looked at.
+/// Distance within which all visible characters are measured, in metres.
 pub const NEAR_METRES: f32 = 20.0;
 
-/// Visible characters that are drawn in each frame that is looked at.
+/// Number of visible characters sampled in each measured frame.
 const DRAWN: usize = 64;
 
-/// Most vertices of a character that are compared.
+/// Maximum number of vertices compared per character.
 const MAX_VERTICES: usize = 4000;
 
-/// The error of one character at one moment.
+/// Error of one character in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CharacterError {
-    /// The level that it shows.
+    /// Level of the character.
     pub level: usize,
-    /// From the camera to where it stands.
+    /// Distance from the camera to the character's origin, in metres.
     pub distance_m: f32,
-    /// 95th percentile over vertices.
+    /// 95th percentile over vertices, in pixels.
     pub p95_px: f64,
-    /// The worst vertex.
+    /// Maximum over vertices, in pixels.
     pub worst_px: f64,
-    /// Whether it belongs to the even sample, or is there only because it is near.
+    /// Whether the character belongs to the even sample; if not, it was measured because it is
+    /// near.
     pub is_drawn: bool,
 }
 
-/// One moment that was looked at.
+/// Errors of one measured frame.
 #[derive(Debug, Clone)]
 pub struct ErrorSample {
-    /// Time of the scene.
+    /// Time of the scene, in seconds.
     pub secs: f64,
-    /// Those who were looked at.
+    /// Errors of the measured characters.
     pub characters: Vec<CharacterError>,
 }
 
-/// Errors over all moments.
+/// Errors over all measured frames, in pixels; the error of a character is its 95th percentile over
+/// vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ErrorSummary {
-    /// Over the drawn characters and moments.
+    /// 95th percentile over the sampled characters and frames.
     pub p95: f64,
-    /// Of anyone who was looked at.
+    /// Maximum over all measured characters.
     pub max: f64,
-    /// Of those nearer than 20 m.
+    /// Maximum over characters nearer than 20 m.
     pub near_max: f64,
-    /// The worst vertex of all.
+    /// Maximum over all vertices.
     pub worst_vertex: f64,
-    /// Characters at moments that were drawn.
+    /// Number of sampled characters over all frames.
     pub drawn: usize,
-    /// Characters at moments that were near.
+    /// Number of near characters over all frames.
     pub near: usize,
 }
 
 impl ErrorSummary {
-    /// Of some moments.
+    /// Summarises samples.
     pub fn of(samples: &[ErrorSample]) -> Self {
         let all = || samples.iter().flat_map(|l| &l.characters);
         let near = || all().filter(|c| c.distance_m < NEAR_METRES);
@@ -83,15 +85,15 @@ impl ErrorSummary {
     }
 }
 
-/// Compares what a crowd shows with the full character, in pixels of the screen: all who are near
-/// and an even draw of the others.
+/// Compares a crowd with its full-detail reference, in pixels: all near characters and an even
+/// sample of the others.
 #[derive(Debug)]
 pub struct ErrorMeter {
     asset: CrowdAsset,
     seed: u64,
     looks: u64,
     vertices: Vec<u32>,
-    /// Where they are looked for on each level.
+    /// Points that are compared on each level.
     watches: Vec<Watch>,
     pose: LocalPose,
     other: LocalPose,
@@ -101,7 +103,7 @@ pub struct ErrorMeter {
 }
 
 impl ErrorMeter {
-    /// Chooses the vertices that are compared.
+    /// Creates a meter; `seed` selects the vertices that are compared.
     pub fn new(asset: &CrowdAsset, seed: u64) -> Self {
         let rig = &asset.full().rig;
         let vertices = every(asset.full().mesh.len(), MAX_VERTICES, seed);
@@ -126,14 +128,14 @@ impl ErrorMeter {
         }
     }
 
-    /// Looks at a frame whose palettes were just written; `secs` only names the moment. Every look
-    /// draws others.
+    /// Measures a frame whose palettes were just written; `secs` is only stored. Each call samples
+    /// different characters.
     ///
     /// # Panics
-    /// If the crowd is of another asset.
+    /// If the crowd was made from another asset.
     pub fn measure(&mut self, player: &CrowdPlayer, secs: f64, camera: &Camera) -> ErrorSample {
         let visible = visible(player, camera);
-        // Another draw at every look.
+        // A new sample for each call.
         let seed = self.seed.wrapping_add(self.looks.wrapping_mul(0x9e37_79b9));
         self.looks += 1;
         let mut is_drawn = vec![false; visible.len()];
@@ -170,7 +172,7 @@ impl ErrorMeter {
         ErrorSample { secs, characters }
     }
 
-    /// The true skin of a character.
+    /// Computes the reference skin of a character.
     fn pose_truth(&mut self, player: &CrowdPlayer, character: usize) {
         let player = player.crowd().player(character);
         self.sample(player.clip_state(), Which::Pose);
@@ -194,12 +196,12 @@ impl ErrorMeter {
         };
         pose.clone_from(asset.rig.rest_pose());
         let clip = &asset.clips[clip_state.clip()];
-        // The clock has wrapped already; its last moment is the last frame, not the first.
+        // The clock is already wrapped; the end of the clip is its last frame, not the first.
         let secs = f64::from(clip_state.secs());
         sample(clip, secs, Wrap::Clamp, &asset.rig.all(), pose);
     }
 
-    /// Pixels between both skins at each vertex before the camera.
+    /// Pixels between both skins at each vertex in front of the camera.
     fn errors_px(&self, camera: &Camera, world: &Affine3A) -> Vec<f64> {
         let pairs = self.truth.iter().zip(&self.shown);
         let pixels = pairs.filter_map(|(truth, shown)| {
@@ -218,7 +220,7 @@ enum Which {
     Other,
 }
 
-/// Characters that the camera sees and that are shown, with their levels.
+/// Characters that are shown and inside the camera's view, with their levels.
 fn visible(player: &CrowdPlayer, camera: &Camera) -> Vec<(usize, usize)> {
     let (crowd, bounds) = (player.crowd(), &player.asset().model().parts().bounds);
     let places = player
@@ -249,7 +251,7 @@ fn visible(player: &CrowdPlayer, camera: &Camera) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// At most `count` of `total` numbers, spread evenly from a place that the seed decides.
+/// At most `count` of `total` indices, evenly spaced from a seeded start.
 fn every(total: usize, count: usize, seed: u64) -> Vec<usize> {
     if total <= count {
         return (0..total).collect();

@@ -1,4 +1,4 @@
-//! Mesh levels of a crowd's character, chosen together with those of its joints.
+//! Mesh levels of a crowd's character, chosen together with its joint levels.
 
 use crate::error::{Context, Result};
 use articula_build::Asset;
@@ -10,30 +10,30 @@ use articula_build::{SkinPoint, attach, compact};
 use articula_core::Mesh;
 use glam::Vec3;
 
-/// Most mesh levels that can be asked for.
+/// Maximum number of mesh levels.
 pub const MAX_MESH_LEVELS: usize = 5;
 
-/// What joints and mesh together come to.
+/// Levels of joints and mesh, combined.
 #[derive(Debug)]
 pub(super) struct MeshLods {
-    /// What each level of the crowd shows.
+    /// Joints, mesh and influences of each crowd level.
     pub(super) levels: Vec<FigureLevel>,
-    /// Poses that the mesh was simplified by, the rest pose first.
+    /// Poses that the mesh was simplified for, rest pose first.
     poses: Vec<Vec<Vec3>>,
 }
 
-/// Where the vertices of the full mesh are looked for on a level.
+/// Points on a level's mesh that correspond to vertices of the full mesh.
 #[derive(Debug)]
 pub(super) struct Watch {
-    /// Vertices that are skinned.
+    /// Vertices to be skinned.
     pub(super) vertices: Vec<u32>,
-    /// Points between them, one for each vertex of the full mesh that is looked at; `None` if
-    /// they are these vertices themselves.
+    /// Points between them, one for each compared vertex of the full mesh; `None` if they are these
+    /// vertices.
     points: Option<Vec<SkinPoint>>,
 }
 
 impl Watch {
-    /// The vertices themselves.
+    /// Compares the vertices themselves.
     pub(super) fn plain(vertices: &[u32]) -> Self {
         Self {
             vertices: vertices.to_vec(),
@@ -41,7 +41,7 @@ impl Watch {
         }
     }
 
-    /// Puts the points in the place of the skinned vertices.
+    /// Replaces skinned vertices by the points between them.
     pub(super) fn place(&self, skinned: &mut Vec<Vec3>) {
         if let Some(points) = &self.points {
             let placed: Vec<Vec3> = points.iter().map(|p| p.posed(skinned)).collect();
@@ -51,8 +51,8 @@ impl Watch {
 }
 
 impl MeshLods {
-    /// Simplifies the mesh by the character's own poses to so many levels, and chooses pairs.
-    /// Gives the levels of the crowd and their meshes too.
+    /// Simplifies the mesh to a number of levels, using the character's own poses, and chooses
+    /// pairs of joint and mesh levels. Also returns the levels of the crowd and their meshes.
     pub(super) fn new(
         asset: &Asset,
         merged: &MergedLevels,
@@ -80,7 +80,7 @@ impl MeshLods {
         Ok((lods, found.merged, meshes))
     }
 
-    /// Where some vertices of the full mesh are looked for on the mesh of a level.
+    /// Finds the points that correspond to vertices of the full mesh on the mesh of a level.
     pub(super) fn watch(&self, level: usize, mesh: &Mesh, vertices: &[u32]) -> Watch {
         if self.levels[level].mesh_level == self.levels[0].mesh_level {
             return Watch::plain(vertices);

@@ -1,16 +1,17 @@
-//! Crowds of one character: prepared once, played every frame.
+//! Crowds of one character: prepared once, updated and posed every frame.
 //!
-//! - [`CrowdAsset`]: the character with its joint and mesh LODs and what each costs the viewer
-//! - [`CrowdPlayer`]: a crowd of it, with all the memory that a frame needs
-//! - [`ScenePlayer`]: the same as a scene says: places, cameras, cross-fades; [`read_scene`]
-//! - [`put_in_place`]: clips that carry their character away, on the spot
-//! - [`BudgetController`]: what a frame may spend, learnt from what frames took
-//! - [`ErrorMeter`], [`LevelTally`]: what is shown against what should be, and who is shown how
+//! - [`CrowdAsset`]: a character with its joint and mesh LODs and their errors
+//! - [`CrowdPlayer`]: a crowd of it, with all memory that a frame needs
+//! - [`ScenePlayer`]: a crowd driven by a scene with positions, cameras and cross-fades;
+//!   [`read_scene`]
+//! - [`put_in_place`]: removes root motion from clips that travel
+//! - [`BudgetController`]: derives the budget of the next frame from measured times
+//! - [`ErrorMeter`], [`LevelTally`]: measured screen errors and statistics of the levels in use
 //!
-//! An example is on the [first page](crate).
+//! The [crate page](crate) has an example.
 //!
-//! Nothing here has a clock, a thread or a policy of its own: time steps, the nanoseconds that
-//! frames took and the threads that evaluate [`parts`](CrowdPlayer::parts) are the caller's.
+//! There is no clock and no thread here: the caller provides time steps, frame times in nanoseconds
+//! and the threads that evaluate [`parts`](CrowdPlayer::parts).
 
 mod asset;
 mod budget;

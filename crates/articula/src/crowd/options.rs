@@ -1,46 +1,47 @@
-//! How the character of a crowd is prepared.
+//! Options of crowd preparation.
 
 use articula_core::loa::LoaExpression;
 use articula_core::{Backend, ClipStorage, PaletteForm};
 
-/// Which joint LODs a crowd has.
+/// Method by which joint LODs are made.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum JointLodMethod {
-    /// Every joint, and nothing else.
+    /// Full detail only.
     Whole,
-    /// Joints are merged in the order that costs the skin least in the character's own clips; at
-    /// most eight levels, the coarsest of eight joints.
+    /// Joints are merged in the order that minimises skin error in the character's own clips; up to
+    /// eight levels, the coarsest with eight joints.
     #[default]
     Merged,
-    /// Every joint, and the joints that an expression names, such as `loa(Low) + zone(hands)`.
+    /// Full detail, and one level with the joints selected by an expression such as `loa(Low) +
+    /// zone(hands)`.
     Named(LoaExpression),
 }
 
-/// Which matrices are written.
+/// Kind of matrices in a palette.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum PaletteMatrices {
-    /// Of each joint that a level keeps, in model space, without the inverse bind matrix.
+    /// One per joint of the level, in model space, without the inverse bind matrix.
     Joints,
-    /// Of each binding of the level's mesh, with the inverse bind matrix: what a vertex shader
-    /// multiplies vertices with.
+    /// One per binding of the level's mesh, inverse bind matrix included: the matrices of a vertex
+    /// shader.
     #[default]
     Skin,
 }
 
-/// What becomes of clips that carry their character over the ground.
+/// Treatment of clips with root motion.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum RootMotion {
-    /// They travel, and jump back when they begin again.
+    /// The character travels, and jumps back when the clip repeats.
     AsAuthored,
-    /// They are played on the spot.
+    /// Root motion is removed.
     #[default]
     OnTheSpot,
-    /// They are played on the spot, and every frame tells the way of each character
-    /// ([`Crowd::root_delta`](articula_core::crowd::Crowd::root_step)).
+    /// Root motion is removed from the clip and reported per character and frame
+    /// ([`Crowd::root_delta`](articula_core::crowd::Crowd::root_delta)).
     Extracted,
 }
 
-/// How a character is prepared for crowds.
+/// Options of [`CrowdAsset::new`](super::CrowdAsset::new).
 ///
 /// ```
 /// use articula::crowd::{CrowdOptions, JointLodMethod, PaletteMatrices};
@@ -51,32 +52,33 @@ pub enum RootMotion {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrowdOptions {
-    /// Names of the clips that are played, in the order of the file; empty: all.
+    /// Names of the clips to be played, in the order of the file; empty for all.
     pub clips: Vec<String>,
-    /// What becomes of clips that travel.
+    /// Treatment of clips with root motion.
     pub root_motion: RootMotion,
-    /// Joint LODs.
+    /// Method by which joint LODs are made.
     pub joints: JointLodMethod,
-    /// LODs of the mesh, chosen together with those of the joints, the original counted, at most
-    /// [`MAX_MESH_LEVELS`](super::MAX_MESH_LEVELS); with 1 everyone has the original.
+    /// Number of mesh levels, the original included, at most
+    /// [`MAX_MESH_LEVELS`](super::MAX_MESH_LEVELS); they are chosen together with the joint LODs.
+    /// With 1 all levels use the original mesh.
     pub mesh_levels: usize,
-    /// Which matrices a palette holds.
+    /// Kind of matrices in a palette.
     pub matrices: PaletteMatrices,
-    /// How they are written.
+    /// Data layout of a palette.
     pub form: PaletteForm,
-    /// How clips are held in memory.
+    /// Memory layout of clips.
     pub storage: ClipStorage,
     /// Whether poses are cached; needs [`PaletteMatrices::Skin`] and a form of matrices.
     pub pose_cache: bool,
     /// Instruction set; all give the same bits.
     pub backend: Backend,
-    /// Seed of the choice of vertices and frames that errors are measured on.
+    /// Seed of the vertices and frames on which errors are measured.
     pub seed: u64,
 }
 
 impl Default for CrowdOptions {
-    /// All clips on the spot, merged joints, the original mesh; skinning matrices of three rows
-    /// of 32-bit floats, no cache.
+    /// All clips in place, merged joints, the original mesh; skinning matrices of three rows of
+    /// 32-bit floats, no cache.
     fn default() -> Self {
         Self {
             clips: Vec::new(),

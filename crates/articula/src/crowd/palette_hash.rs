@@ -1,35 +1,35 @@
-//! One number for all palettes that were written: equal only where every bit is.
+//! Hash of all written palettes, to compare runs bit by bit.
 
 use super::palettes::PaletteSlice;
 use super::player::CrowdPlayer;
 use articula_core::BlendRecord;
 
-/// Offset and factor of the 64-bit hash of Fowler, Noll and Vo, variant 1a.
+/// Offset and prime of the 64-bit hash FNV-1a.
 const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 const FNV_PRIME: u64 = 0x0000_0100_0000_01b3;
 
-/// A hash over every bit that was written, in order.
+/// A hash over all written palette bits, in order.
 ///
-/// Source: Fowler, Noll and Vo, FNV-1a; differs: by eight bytes at a time instead of one.
+/// Source: Fowler, Noll and Vo, FNV-1a; differs: processes eight bytes at a time instead of one.
 #[derive(Debug, Clone, Copy)]
 pub struct PaletteHash(u64);
 
 impl Default for PaletteHash {
-    /// Of nothing yet.
+    /// The hash of no data.
     fn default() -> Self {
         Self(FNV_OFFSET)
     }
 }
 
 impl PaletteHash {
-    /// Goes on with what a player shows by now: palettes, then records.
+    /// Adds the palettes and blend records of a player's current frame.
     pub fn add(&mut self, player: &CrowdPlayer) {
         let matrices = player.crowd().drawn().matrices;
         self.add_rows(matrices, player.palettes());
         self.add_records(&player.crowd().drawn().records);
     }
 
-    /// Goes on with palettes.
+    /// Adds palettes.
     fn add_rows(&mut self, matrices: usize, rows: PaletteSlice<'_>) {
         self.add_word(matrices as u64);
         match rows {
@@ -47,7 +47,7 @@ impl PaletteHash {
         }
     }
 
-    /// Goes on with the records of those whom the GPU blends.
+    /// Adds the records of characters that the GPU blends.
     fn add_records(&mut self, records: &[BlendRecord]) {
         for bytes in records.iter().map(|r| r.to_le_bytes()) {
             let (words, _) = bytes.as_chunks::<8>();
@@ -59,11 +59,11 @@ impl PaletteHash {
 
     fn add_word(&mut self, word: u64) {
         self.0 = (self.0 ^ word).wrapping_mul(FNV_PRIME);
-        // The product moves bits up only; this brings them down again.
+        // The product moves bits up only; this moves them down again.
         self.0 ^= self.0 >> 32;
     }
 
-    /// As 16 digits.
+    /// Returns the hash as 16 hexadecimal digits.
     pub fn text(&self) -> String {
         format!("{:016x}", self.0)
     }

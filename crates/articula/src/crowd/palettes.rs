@@ -1,18 +1,18 @@
-//! The memory that palettes are written to, made once, and reading them again.
+//! Preallocated memory of palettes, and reading matrices back.
 
 use articula_core::{PaletteForm, PaletteRows, f32_from_half};
 use glam::{Affine3A, Mat3, Quat, Vec3, Vec4};
 
-/// Palettes as they were written: rows of four numbers, [`PaletteForm::rows`] for each matrix.
+/// Palettes of a frame: rows of four numbers, [`PaletteForm::rows`] per matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PaletteSlice<'a> {
-    /// The forms in f32.
+    /// Rows of 32-bit floats.
     Float(&'a [[f32; 4]]),
-    /// The forms in half floats, as bits.
+    /// Rows of half floats, as bits.
     Half(&'a [[u16; 4]]),
 }
 
-/// Rows for all palettes of a frame.
+/// Row storage for all palettes of a frame.
 #[derive(Debug)]
 pub(super) struct Palettes {
     form: PaletteForm,
@@ -26,7 +26,7 @@ enum Rows {
 }
 
 impl Palettes {
-    /// Room for so many matrices.
+    /// Allocates space for a number of matrices.
     pub(super) fn new(form: PaletteForm, matrices: usize) -> Self {
         let rows = matrices * form.rows();
         let rows = if form.is_half() {
@@ -37,7 +37,7 @@ impl Palettes {
         Self { form, rows }
     }
 
-    /// The rows of the first so many matrices.
+    /// Returns the rows of the first `matrices` matrices, to be written.
     pub(super) fn first(&mut self, matrices: usize) -> PaletteRows<'_> {
         let rows = matrices * self.form.rows();
         match &mut self.rows {
@@ -46,7 +46,7 @@ impl Palettes {
         }
     }
 
-    /// One matrix.
+    /// Reads one matrix.
     pub(super) fn matrix(&self, index: usize) -> Affine3A {
         let first = index * self.form.rows();
         let row = |i: usize| -> Vec4 {
@@ -64,7 +64,7 @@ impl Palettes {
         Affine3A::from_mat3_translation(linear, Vec3::new(x.w, y.w, z.w))
     }
 
-    /// The rows of the first so many matrices, to be read.
+    /// Returns the rows of the first `matrices` matrices, to be read.
     pub(super) fn written(&self, matrices: usize) -> PaletteSlice<'_> {
         let rows = matrices * self.form.rows();
         match &self.rows {
@@ -74,7 +74,7 @@ impl Palettes {
     }
 }
 
-/// Splits rows into those of the first so many matrices and the rest.
+/// Splits rows at `at_row`.
 pub(super) fn split(rows: PaletteRows<'_>, at_row: usize) -> (PaletteRows<'_>, PaletteRows<'_>) {
     match rows {
         PaletteRows::Float(rows) => {
@@ -99,7 +99,7 @@ mod tests {
             Quat::from_rotation_z(std::f32::consts::FRAC_PI_2),
             Vec3::new(1.0, 2.0, 3.0),
         );
-        // Turned a quarter about z: x goes to y, y to -x.
+        // A quarter turn about z: x goes to y, y to -x.
         let mut floats = Palettes::new(PaletteForm::Matrix, 2);
         if let PaletteRows::Float(rows) = floats.first(2) {
             rows[3] = [0.0, -1.0, 0.0, 1.0];

@@ -1,6 +1,6 @@
-//! A crowd with all that a frame needs: places, what everyone plays, palettes, scratch memory.
+//! A crowd with all that a frame needs: transforms, clip states, palettes, scratch memory.
 //!
-//! A thin hull around core's [`Crowd`], which stays reachable.
+//! A thin layer over the core's [`Crowd`], which stays accessible.
 
 use super::asset::CrowdAsset;
 use super::budget::FrameBudget;
@@ -17,21 +17,21 @@ use articula_core::{BlendRecord, Camera, Mesh, PaletteRows, SkinnedMesh, skin};
 use glam::{Affine3A, Quat, Vec3};
 use std::ops::Range;
 
-/// Most bytes of palettes: what a program may ask for at once.
+/// Maximum size of palettes in bytes.
 const MAX_BYTES: usize = 16 << 30;
 
-/// A crowd of one character that is played frame by frame. Allocates when it is made, and nothing
-/// in a frame.
+/// A crowd of one character, updated and posed frame by frame. It allocates on creation and not in
+/// a frame.
 ///
-/// A frame is [`frame`](Self::frame), or its two halves: [`plan`](Self::plan), and the
+/// A frame is one call of [`frame`](Self::frame), or its two halves: [`plan`](Self::plan), then the
 /// [`parts`](Self::parts) that the caller's threads may evaluate.
 #[derive(Debug)]
 pub struct CrowdPlayer {
-    /// How much detail everyone gets: an error of at most one pixel unless it is set otherwise.
+    /// How levels are chosen; by default the coarsest within an error of one pixel.
     pub detail: Detail,
-    /// Whether characters may share poses where their tolerance allows it; `false` at first.
+    /// Whether characters may share poses where their tolerance allows it; `false` by default.
     pub share: bool,
-    /// Who blends cached poses; nobody at first.
+    /// Processor that blends cached poses; [`CacheUse::Never`] by default.
     pub cache: CacheUse,
     asset: CrowdAsset,
     crowd: Crowd,
@@ -41,32 +41,32 @@ pub struct CrowdPlayer {
     scratches: Vec<Scratch>,
 }
 
-/// Characters of one level: one instanced draw for each part of the mesh.
+/// Characters of one level: one instanced draw per part of the mesh.
 #[derive(Debug, Clone, Copy)]
 pub struct CrowdGroup<'a> {
     /// The level; 0 is full detail.
     pub level: usize,
-    /// Its mesh.
+    /// Mesh of the level.
     pub mesh: &'a Mesh,
-    /// Who is drawn, and where each palette begins in [`CrowdPlayer::palettes`]; several may
-    /// share one.
+    /// Characters to draw, each with the index in [`CrowdPlayer::palettes`] where its palette
+    /// begins; several may share one.
     pub draws: &'a [Draw],
-    /// Matrices of one palette.
+    /// Number of matrices in one palette.
     pub matrices: usize,
 }
 
-/// From where a character is shown.
+/// Source of a character's shown pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PoseSource {
-    /// From the palettes of the frame: index of its first matrix.
+    /// The palettes of the frame: index of its first matrix.
     Written(usize),
-    /// From the pose cache, by the GPU.
+    /// The pose cache, blended by the GPU.
     Record(BlendRecord),
 }
 
 impl CrowdPlayer {
-    /// A crowd at the origin in the first frame of the first clip, with palettes for everyone in
-    /// full detail.
+    /// Creates a crowd at the origin, in the first frame of the first clip, with space for the
+    /// full-detail palettes of all characters.
     ///
     /// # Errors
     /// [`Error::Unsuited`] if the palettes would take more than 16 GiB.
@@ -85,32 +85,33 @@ impl CrowdPlayer {
         })
     }
 
-    /// The character that it was made of.
+    /// Returns the asset that the crowd was made from.
     pub fn asset(&self) -> &CrowdAsset {
         &self.asset
     }
 
-    /// The crowd of the core: levels, clocks, root steps, sockets, records.
+    /// Returns the core crowd: levels, clocks, root motion, attachments, records.
     pub fn crowd(&self) -> &Crowd {
         &self.crowd
     }
 
-    /// The same to be changed: clips at other speeds, blends, budgets.
+    /// Returns the core crowd for changes: clip speeds, blends, budgets.
     pub fn crowd_mut(&mut self) -> &mut Crowd {
         &mut self.crowd
     }
 
-    /// Where each root is in the world, metres.
+    /// Returns the world positions of the characters, in metres.
     pub fn positions(&self) -> &[Vec3] {
         &self.positions
     }
 
-    /// How each is turned.
+    /// Returns the world rotations of the characters.
     pub fn rotations(&self) -> &[Quat] {
         &self.rotations
     }
 
-    /// Puts a character somewhere, metres, turned about +Y; at 0 it faces as in its file.
+    /// Sets a character's position in metres and its rotation about +Y; at 0 it faces as in its
+    /// file.
     ///
     /// # Panics
     /// If there is no such character.
@@ -118,7 +119,7 @@ impl CrowdPlayer {
         self.place_turned(character, position, Quat::from_rotation_y(yaw_radians));
     }
 
-    /// The same with any rotation.
+    /// Sets a character's position and rotation.
     ///
     /// # Panics
     /// If there is no such character.
@@ -127,7 +128,7 @@ impl CrowdPlayer {
         self.rotations[character] = rotation;
     }
 
-    /// Lets a character play a clip in a loop, from a time in seconds on, which is wrapped.
+    /// Plays a clip in a loop, starting at a time in seconds, which is wrapped.
     ///
     /// # Panics
     /// If there is no such character or clip.
@@ -137,7 +138,7 @@ impl CrowdPlayer {
         self.crowd.play(character, state.into());
     }
 
-    /// Lets a character fade to a clip's beginning in so many seconds.
+    /// Cross-fades a character to the start of a clip within `fade_secs` seconds.
     ///
     /// # Panics
     /// If there is no such character or clip.
@@ -146,16 +147,16 @@ impl CrowdPlayer {
         self.crowd.fade_to(character, state, fade_secs);
     }
 
-    /// Plays under a budget from now on: the least visible error, and errors above `cap_px` are
-    /// mended first. Everyone is posed in every frame. What a frame may spend is then told by
-    /// [`allow`](Self::allow).
+    /// Switches to a time budget: minimises the visible error and reduces errors above `cap_px`
+    /// pixels first. All characters are posed in every frame. [`allow`](Self::allow) sets the
+    /// budget of a frame.
     ///
     /// # Errors
-    /// [`Error::Mismatch`] if the cap is no number of pixels.
+    /// [`Error::Mismatch`] if the cap is not a valid number of pixels.
     pub fn set_budget(&mut self, cap_px: f32) -> Result<()> {
         let policy = BudgetPolicy {
             cap_px,
-            // Everyone is posed in every frame, so nobody waits.
+            // All characters are posed in every frame, so none waits.
             patience_frames: 0,
             ..BudgetPolicy::default()
         };
@@ -165,7 +166,7 @@ impl CrowdPlayer {
         Ok(())
     }
 
-    /// What the next frames may spend.
+    /// Sets the budget of the next frames.
     pub fn allow(&mut self, allowance: &FrameBudget) {
         allowance.apply(&mut self.crowd, self.asset.model());
         self.detail = Detail::Budget {
@@ -173,7 +174,7 @@ impl CrowdPlayer {
         };
     }
 
-    /// One frame before one camera, on this thread.
+    /// Runs one frame for one camera on the calling thread.
     pub fn frame(&mut self, dt_secs: f32, camera: &Camera) -> CrowdReport {
         let views = [View::of(camera)];
         let report = self.plan(dt_secs, Culling::Views(&views), &mut |_| ());
@@ -181,7 +182,7 @@ impl CrowdPlayer {
         report
     }
 
-    /// The first half of a frame: advances every clock, tells events and changes of level, culls
+    /// First half of a frame: advances every clock, reports events and changes of level, culls
     /// against the views and chooses a level for each character.
     pub fn plan(
         &mut self,
@@ -204,15 +205,15 @@ impl CrowdPlayer {
         self.crowd.tick(self.asset.model(), &frame, tell)
     }
 
-    /// The second half of a frame: writes all palettes, on this thread.
+    /// Second half of a frame: writes all palettes on the calling thread.
     pub fn evaluate(&mut self) {
         self.parts(1).for_each(|mut part| part.evaluate());
     }
 
-    /// The second half of a frame in at most so many independent parts of about equal cost: the
-    /// bytes that they write do not depend on the order or the threads that they run on.
+    /// Splits the second half of a frame into at most `count` independent parts of about equal
+    /// cost. The bytes that they write do not depend on order or thread.
     ///
-    /// Scratch memory for more parts than ever before is allocated here.
+    /// Allocates scratch memory if `count` is greater than in any earlier call.
     ///
     /// ```
     /// # fn on_threads(crowd: &mut articula::crowd::CrowdPlayer) {
@@ -238,7 +239,7 @@ impl CrowdPlayer {
         }
     }
 
-    /// Who is drawn, by level.
+    /// Returns the characters to draw, grouped by level.
     pub fn groups(&self) -> impl Iterator<Item = CrowdGroup<'_>> {
         self.crowd.drawn().groups.iter().map(|group| CrowdGroup {
             level: group.level,
@@ -248,12 +249,12 @@ impl CrowdPlayer {
         })
     }
 
-    /// The palettes of this frame, one after the other.
+    /// Returns the palettes of this frame, one after the other.
     pub fn palettes(&self) -> PaletteSlice<'_> {
         self.palettes.written(self.crowd.drawn().matrices)
     }
 
-    /// The place of a character as a matrix.
+    /// Returns the transform of a character from model to world space.
     ///
     /// # Panics
     /// If there is no such character.
@@ -262,9 +263,9 @@ impl CrowdPlayer {
         Affine3A::from_rotation_translation(rotation, position)
     }
 
-    /// Vertices and normals of a character in model space as this frame shows it, with the mesh
-    /// of its level; `None` if it is not shown. O(characters) and allocates: for tests and for
-    /// renderers without a GPU.
+    /// Returns the mesh of a character's level with its skinned vertices and normals in model
+    /// space, or `None` if the character is not shown. O(characters), and allocates: for tests and
+    /// for renderers without a GPU.
     ///
     /// # Panics
     /// If there is no such character.
@@ -279,7 +280,7 @@ impl CrowdPlayer {
         Some((mesh, skinned))
     }
 
-    /// From where each character is shown; `None` for those who are not.
+    /// Returns the pose source of each character; `None` for those that are not shown.
     pub fn sources(&self) -> Vec<Option<PoseSource>> {
         let mut sources = vec![None; self.positions.len()];
         for draw in &self.crowd.drawn().draws {
@@ -301,11 +302,11 @@ impl CrowdPlayer {
         written.or_else(|| Some(PoseSource::Record(*record()?)))
     }
 
-    /// The matrices of the bindings of a level's mesh as a character shows them, whatever
-    /// matrices and form the palettes have.
+    /// Writes the skinning matrices of a level's mesh for a pose source, independent of kind and
+    /// form of the palettes.
     ///
     /// # Panics
-    /// If there is no such level, or the source is of another frame.
+    /// If there is no such level, or the source is from another frame.
     pub fn skin_matrices(&self, level: usize, source: &PoseSource, out: &mut Vec<Affine3A>) {
         let blended;
         let (palettes, first) = match source {
@@ -326,7 +327,7 @@ impl CrowdPlayer {
         }));
     }
 
-    /// What a vertex shader makes of a record.
+    /// Blends a record as a vertex shader does.
     fn blended(&self, level: usize, record: BlendRecord) -> Palettes {
         let model = self.asset.model();
         let matrices = model.parts().palette.len(level);
@@ -343,7 +344,7 @@ impl CrowdPlayer {
     }
 }
 
-/// A part of a frame's evaluation, which needs nothing of the others.
+/// An independent part of a frame's evaluation.
 #[derive(Debug)]
 pub struct FramePart<'a> {
     crowd: &'a Crowd,
@@ -365,7 +366,7 @@ impl FramePart<'_> {
     }
 }
 
-/// Cuts a frame into one part for each scratch at most.
+/// Splits a frame into at most one part per scratch memory.
 struct Parts<'a> {
     crowd: &'a Crowd,
     model: &'a CrowdModel,
@@ -402,7 +403,7 @@ impl<'a> Iterator for Parts<'a> {
     }
 }
 
-/// Matrices that a frame may need: everyone in full detail.
+/// Number of matrices that a frame may need: all characters in full detail.
 fn room(model: &CrowdModel, characters: usize) -> Result<usize> {
     let matrices = characters.saturating_mul(model.parts().palette.len(0));
     let bytes = matrices.saturating_mul(model.parts().form.bytes());

@@ -1,7 +1,8 @@
-//! A scene as a file: who stands where, what everyone plays, where the camera goes.
+//! Scenes as JSON files: positions, clips and camera path.
 //!
-//! JSON, described in `docs/formats/scene.md`. Clips are named, angles are degrees; both end here.
-//! Every number is checked at the door, so what follows needs no more care than with the plaza.
+//! The format is described in `docs/formats/scene.md`. Clips by name and angles in degrees are
+//! converted here. Every number is checked here, so later code treats the result like the built-in
+//! plaza scene.
 
 use crate::camera_path::{Key, checked, ensure, malformed};
 use crate::error::{Context, Error, Result};
@@ -11,16 +12,17 @@ use articula_core::{Clip, Viewport};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Most characters of a scene.
+/// Maximum number of characters in a scene.
 pub const MAX_MEMBERS: usize = 1_000_000;
 
-/// Farthest from the origin that someone may stand: beyond it single precision shows.
+/// Maximum distance of a character from the origin in metres: beyond it single precision is
+/// visible.
 const FARTHEST_METRES: f32 = 1e5;
 
-/// Fastest that a clip is played, either way.
+/// Maximum playback speed, forwards or backwards.
 const MAX_SPEED: f32 = 100.0;
 
-/// A scene as files have it.
+/// A scene as written in files.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneFile {
@@ -74,11 +76,11 @@ fn one() -> f32 {
     1.0
 }
 
-/// Reads a scene for a character with these clips from the JSON of `docs/formats/scene.md`;
-/// `display_hz` bounds the frames of its camera path.
+/// Reads a scene from the JSON of `docs/formats/scene.md`, with clips found by name in `clips`;
+/// `display_hz` is the frame rate by which the length of the camera path is limited.
 ///
 /// # Errors
-/// An [`Error`] that names the line, or the entry and what is wrong with it.
+/// An [`Error`] that names the line, or the entry and its fault.
 pub fn read_scene(bytes: &[u8], clips: &[Clip], display_hz: f64) -> Result<Scene> {
     let file: SceneFile = serde_json::from_slice(bytes)
         .map_err(|e| malformed(&e, "docs/formats/scene.md has the form"))?;
@@ -149,7 +151,7 @@ fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> Result<ClipPl
         format!("speed: give at most {MAX_SPEED}, negative to play backwards")
     })?;
     let names = clips.iter().map(|c| c.name.as_str());
-    // A wrong name in a file is no wrong argument.
+    // A wrong name in a file is not an argument error.
     let found = choose("clip", clip, names).map_err(|e| Error::unsuited(e.to_string()))?;
     Ok(ClipPlayback {
         clip: found,
@@ -185,7 +187,7 @@ pub fn write_scene(scene: &Scene, clips: &[Clip]) -> Vec<u8> {
         camera_loops: scene.camera_loops,
         members: members.collect(),
     };
-    // Maps have no other keys than names, and no number of a scene is refused by JSON's writer.
+    // All map keys are strings and all numbers are finite, so writing cannot fail.
     let mut json = serde_json::to_vec_pretty(&file).unwrap_or_default();
     json.push(b'\n');
     json

@@ -1,7 +1,6 @@
-//! One frame of a scene after the other.
+//! Playback of a scene, frame by frame.
 //!
-//! What is added to a [`CrowdPlayer`] is what a scene says: places, cameras, and the turns of
-//! endless cross-fades.
+//! Adds to a [`CrowdPlayer`] what a scene defines: positions, cameras, and repeated cross-fades.
 
 use super::asset::CrowdAsset;
 use super::budget::FrameBudget;
@@ -12,40 +11,40 @@ use articula_core::crowd::{CacheUse, CharacterState, ClipState, CrowdReport, Cul
 use articula_core::visibility::View;
 use articula_core::{Camera, ClipSet};
 
-/// How far ahead the camera's way is looked at, so that characters wake before they are seen.
+/// Time by which the camera path is sampled ahead, so that characters are updated before they
+/// become visible.
 const AHEAD_SECS: f64 = 0.25;
 
-/// How much detail a crowd gets.
+/// Level-of-detail goal of a crowd.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DetailGoal {
-    /// Every joint of everyone, seen or not.
+    /// Full detail for all characters, visible or not.
     Full,
-    /// One level for everyone who is seen.
+    /// One level for all visible characters.
     Level(usize),
-    /// The coarsest level within so many pixels.
+    /// The coarsest level within an error in pixels.
     Tolerance(f32),
-    /// The least visible error for so many milliseconds a frame; errors above so many pixels
-    /// are mended first.
+    /// The minimum visible error within a time per frame; errors above the cap are reduced first.
     Budget {
-        /// Milliseconds of processor time.
+        /// Processor time per frame, in milliseconds.
         ms: f32,
-        /// Pixels.
+        /// Error cap, in pixels.
         cap_px: f32,
     },
 }
 
-/// How a scene is played.
+/// Options of [`ScenePlayer`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneOptions {
-    /// How much detail the crowd gets.
+    /// Level-of-detail goal.
     pub detail: DetailGoal,
     /// Whether characters may share poses within their tolerance.
     pub share: bool,
-    /// Who blends cached poses.
+    /// Processor that blends cached poses.
     pub cache: CacheUse,
 }
 
-/// The members of a scene as a crowd.
+/// A crowd that follows a scene.
 #[derive(Debug)]
 pub struct ScenePlayer<'a> {
     scene: &'a Scene,
@@ -55,21 +54,21 @@ pub struct ScenePlayer<'a> {
     fades: Vec<Turning>,
 }
 
-/// A cross-fade that goes to and fro.
+/// A cross-fade that alternates between two clips.
 #[derive(Debug, Clone, Copy)]
 struct Turning {
     character: usize,
     own: ClipPlayback,
     fade: CrossFade,
-    /// Whether it goes to the other clip, or comes back.
+    /// Whether it fades to the second clip, as opposed to back.
     goes: bool,
 }
 
 impl<'a> ScenePlayer<'a> {
-    /// Puts everyone in place at time 0.
+    /// Creates the crowd in its state at time 0.
     ///
     /// # Errors
-    /// An [`Error`] if the palettes would take too much memory, or the budget is none.
+    /// An [`Error`] if the palettes would take too much memory, or the budget is invalid.
     pub fn new(asset: &CrowdAsset, scene: &'a Scene, options: SceneOptions) -> Result<Self> {
         let mut player = CrowdPlayer::new(asset, scene.members.len())?;
         let clips = &asset.model().parts().clips;
@@ -109,22 +108,22 @@ impl<'a> ScenePlayer<'a> {
         })
     }
 
-    /// The crowd.
+    /// Returns the crowd.
     pub fn player(&self) -> &CrowdPlayer {
         &self.player
     }
 
-    /// The crowd, to be evaluated.
+    /// Returns the crowd, to be evaluated.
     pub fn player_mut(&mut self) -> &mut CrowdPlayer {
         &mut self.player
     }
 
-    /// Time of the scene.
+    /// Returns the time of the scene in seconds.
     pub fn secs(&self) -> f64 {
         self.secs
     }
 
-    /// The camera of this moment.
+    /// Returns the camera at the current time.
     ///
     /// # Errors
     /// [`Error::Unsuited`] if the scene has none.
@@ -133,8 +132,8 @@ impl<'a> ScenePlayer<'a> {
         camera.ok_or_else(|| Error::unsuited("the scene has no camera"))
     }
 
-    /// Goes on by some time and plans the frame. Under a budget `allowance` is what the frame may
-    /// spend; without it the frame spends as much as the one before.
+    /// Advances by `dt_secs` seconds and plans the frame. With a time budget, `allowance` sets the
+    /// budget of this frame; without it the last one stays in force.
     ///
     /// # Errors
     /// [`Error::Unsuited`] if the scene has no camera.
@@ -154,7 +153,7 @@ impl<'a> ScenePlayer<'a> {
         Ok(self.player.plan(dt_secs as f32, culling, &mut |_| ()))
     }
 
-    /// How far the camera goes and turns in the time ahead, metres and radians.
+    /// Distance and angle that the camera moves in the time ahead, in metres and radians.
     fn ahead(&self, camera: &Camera) -> (f32, f32) {
         let Some(later) = self.scene.camera_at(self.secs + AHEAD_SECS) else {
             return (0.0, 0.0);
@@ -166,7 +165,7 @@ impl<'a> ScenePlayer<'a> {
         (way, later.orientation.angle_between(camera.orientation))
     }
 
-    /// Sends cross-fades that have arrived the other way.
+    /// Reverses cross-fades that are complete.
     fn turn_fades(&mut self) {
         for turning in &mut self.fades {
             if self
@@ -187,7 +186,7 @@ impl<'a> ScenePlayer<'a> {
 }
 
 impl Turning {
-    /// What it plays at time 0.
+    /// Clip states at time 0.
     fn start(&self, clips: &ClipSet) -> CharacterState {
         let own = clip_state(clips, &self.own, 0.0);
         let other = clip_state(clips, &self.fade.other, 0.0);
@@ -201,7 +200,7 @@ impl Turning {
         }
     }
 
-    /// Where it goes to now.
+    /// Target of the next cross-fade.
     fn next(&self, clips: &ClipSet, secs: f64) -> ClipState {
         let play = if self.goes {
             &self.fade.other
@@ -212,7 +211,7 @@ impl Turning {
     }
 }
 
-/// A clip at a time of the scene.
+/// State of a clip at a time of the scene.
 fn clip_state(clips: &ClipSet, play: &ClipPlayback, secs: f64) -> ClipState {
     let duration = clips.duration_secs(play.clip);
     let secs = play.clip_secs(secs, duration) as f32;

@@ -1,50 +1,50 @@
-//! What zones, depths and levels of complexity cost: counts, and time by the caller's clock.
+//! Cost of zones, depths and levels of complexity: counts, and time by the caller's clock.
 //!
-//! Source: thesis figures 6.14 and 6.15. Counts are exact: joints sampled a frame, and joints
-//! whose model matrix changes. Time is that of sampling the set and computing all model
-//! matrices on this machine with the plain code: a report, not a benchmark.
+//! Source: thesis figures 6.14 and 6.15. Counts are exact: joints sampled per frame, and joints
+//! whose model matrix changes. Time is that of sampling the set and computing all model matrices on
+//! this machine with the plain code; it is not a benchmark.
 
 use articula_build::evaluate::{ClipEvaluator, Method, play};
 use articula_core::loa;
 use articula_core::{Complexity, JointSet, ModelPose, Region, Wrap, Zone, local_to_model, sample};
 use serde::Serialize;
 
-/// Passes over the clip of which the fastest counts, and most frames of a pass.
+/// Number of passes over the clip, of which the fastest counts, and maximum frames per pass.
 const PASSES: usize = 7;
 const MAX_FRAMES: usize = 300;
 
-/// The cost of one set of joints.
+/// Cost of one joint set.
 #[derive(Debug, Clone, Serialize)]
 pub struct Cost {
     /// Name of the set.
     pub name: String,
-    /// Joints in the set.
+    /// Number of joints in the set.
     pub joints: usize,
-    /// Joints of it that the clip moves: sampled each frame.
+    /// Number of its joints that the clip animates, sampled in each frame.
     pub joints_sampled: f32,
-    /// Joints whose model matrix changes, a frame.
+    /// Number of joints whose model matrix changes per frame.
     pub fk_joints: f32,
-    /// Sampling and all model matrices, nanoseconds a frame, as measured here.
+    /// Measured time of sampling and all model matrices, in nanoseconds per frame.
     pub measured_ns_per_frame: f64,
 }
 
-/// Costs by zone, by depth, by complexity.
+/// Costs by zone, depth and complexity.
 #[derive(Debug, Clone, Serialize)]
 pub struct Costs {
-    /// Of each region of the body, and of regions together.
+    /// Cost of each body region, and of composite zones.
     pub zones: Vec<Cost>,
-    /// Of the joints above each depth of the tree.
+    /// Cost of the joints above each depth of the hierarchy.
     pub depths: Vec<Cost>,
-    /// Of each level of complexity.
+    /// Cost of each level of complexity.
     pub complexities: Vec<Cost>,
 }
 
-/// Runs something once and says how long it took, nanoseconds.
+/// Runs the given function once and returns the time that it took, in nanoseconds.
 type Nanoseconds<'a> = &'a dyn Fn(&mut dyn FnMut()) -> f64;
 
 impl Costs {
-    /// Works out all costs of a clip; `nanoseconds` runs what it is given once and says how long
-    /// that took.
+    /// Computes all costs of a clip; `nanoseconds` runs the given function once and returns the
+    /// time that it took, in nanoseconds.
     pub fn new(stage: &ClipEvaluator<'_>, nanoseconds: Nanoseconds<'_>) -> Self {
         let rig = &stage.asset.rig;
         let cost = |name: String, set: JointSet| cost(stage, name, &set, nanoseconds);

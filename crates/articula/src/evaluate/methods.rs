@@ -1,17 +1,17 @@
-//! Methods with the names that reports use.
+//! Methods with their names in reports.
 
 use articula_build::evaluate::{Method, SkinPxVariant};
 use articula_core::loa;
 use articula_core::{Complexity, JointSet, Rig};
 
-/// A method with the words that reports use for it.
+/// A method with its names in reports.
 #[derive(Debug, Clone)]
 pub struct NamedMethod {
     /// The method.
     pub method: Method,
-    /// Form of the method, where it has several.
+    /// Variant of the method, if it has several.
     pub variant: Option<&'static str>,
-    /// Names of the levels of a fixed level of articulation, by its parameter.
+    /// Names of the levels of a fixed level of articulation, indexed by the method's parameter.
     pub levels: Vec<String>,
 }
 
@@ -34,7 +34,7 @@ impl From<Method> for NamedMethod {
 }
 
 impl NamedMethod {
-    /// Method and variant as one name.
+    /// Returns method and variant as one name.
     pub fn label(&self) -> String {
         match self.variant {
             Some(variant) => format!("{} {variant}", self.method.name()),
@@ -42,7 +42,7 @@ impl NamedMethod {
         }
     }
 
-    /// The named levels of articulation, from every joint to none.
+    /// The named levels of articulation, from all joints to none.
     pub fn complexity_levels(rig: &Rig) -> Self {
         let levels = Complexity::ALL.into_iter().rev();
         let sets = levels.clone().map(|c| loa::complexity(rig, c));
@@ -53,7 +53,7 @@ impl NamedMethod {
         }
     }
 
-    /// One fixed set of joints.
+    /// A single fixed joint set.
     pub fn fixed(name: &str, joints: JointSet) -> Self {
         Self {
             method: Method::Loa(vec![joints]),
@@ -62,8 +62,8 @@ impl NamedMethod {
         }
     }
 
-    /// Every method, ours in all forms that show a single playback first, the levels of
-    /// articulation last.
+    /// Returns all methods: the variants of skin-px that show a single playback, the baselines, and
+    /// the levels of articulation last.
     pub fn all(rig: &Rig) -> Vec<Self> {
         let methods = [
             Method::SkinPx(SkinPxVariant::Hold),

@@ -1,14 +1,14 @@
-//! A clip played under motion level of detail: gain and error of methods over distance, along a
-//! camera path, and what sets of joints cost.
+//! Evaluates motion level of detail on a clip: gain and error of methods over distance and along a
+//! camera path, and the cost of joint sets.
 //!
 //! In the order of the work:
 //!
-//! - `methods`: methods with the names that reports use
-//! - `rows`: what each method saves and errs at each distance
-//! - `path`: the controller of a frame before a moving camera
-//! - `costs`: what each zone, depth and level of complexity costs
+//! - `methods`: methods with their names in reports
+//! - `rows`: gain and error of each method at each distance
+//! - `path`: the per-frame controller with a moving camera
+//! - `costs`: cost of each zone, depth and level of complexity
 //!
-//! The field names are a promise to scripts that read them as JSON (`docs/commands.md`).
+//! Field names are stable, since scripts read them as JSON (`docs/commands.md`).
 
 mod costs;
 mod methods;
@@ -23,21 +23,21 @@ pub use rows::{ErrorPx, MethodRow, MethodTable, ParameterChoice, rows};
 use crate::figure::Figure;
 use articula_build::evaluate::{ClipEvaluator, EvaluationSetup, MethodOptions};
 
-/// What is played: a clip of a character, before these viewers.
+/// The clip to be evaluated, with camera setup and method options.
 #[derive(Debug, Clone)]
 pub struct EvaluatedClip<'a> {
     /// The character.
     pub figure: &'a Figure,
     /// Index of the clip.
     pub clip: usize,
-    /// The viewers, and what they watch.
+    /// Cameras, and the points on the skin where error is measured.
     pub setup: EvaluationSetup,
-    /// What methods need besides their parameter.
+    /// Options of the methods besides their parameter.
     pub options: MethodOptions,
 }
 
 impl EvaluatedClip<'_> {
-    /// Works out the truth of the clip; one for each thread.
+    /// Computes the reference playback of the clip; use one per thread.
     pub fn stage(&self) -> ClipEvaluator<'_> {
         let asset = &self.figure.asset;
         let clip = &asset.clips[self.clip];

@@ -1,6 +1,6 @@
-//! A clip before a moving camera, under the controller that runs in a frame.
+//! A clip with a moving camera, under the per-frame controller.
 //!
-//! Source: `docs/methods/motion-lod.md` 4.5. The camera is a true one.
+//! Source: `docs/methods/motion-lod.md` part 4.5. The camera is in full perspective.
 
 use super::rows::MethodRow;
 use crate::error::{Error, Result};
@@ -8,53 +8,54 @@ use articula_build::evaluate::{CameraKey, ClipEvaluator, PathFrame, PathRun, pla
 use articula_core::{DriftOptions, JointSet, Rig};
 use serde::Serialize;
 
-/// Tolerances between which a calibration searches, pixels, and its halvings.
+/// Range of tolerances searched by a calibration in pixels, and number of bisections.
 const SEARCHED_PX: (f32, f32) = (0.02, 64.0);
 const HALVINGS: usize = 12;
 
-/// A path of a camera, and how a clip is played before it.
+/// A camera path and the playback options.
 #[derive(Debug, Clone)]
 pub struct CameraPath {
-    /// Where the camera stands; [`read_camera_path`](crate::read_camera_path) reads them.
+    /// Key frames of the camera; [`read_camera_path`](crate::read_camera_path) reads them.
     pub keys: Vec<CameraKey>,
-    /// Frames a second of the display.
+    /// Frame rate of the display, in hertz.
     pub display_hz: f64,
-    /// How the controller holds joints.
+    /// Options of the controller that holds joints.
     pub options: DriftOptions,
 }
 
-/// What a clip along a path showed.
+/// Result of playing a clip along a camera path.
 #[derive(Debug)]
 pub struct PlayedPath {
-    /// Every frame.
+    /// Results of every frame.
     pub run: PathRun,
     /// The run as one row, at its median distance.
     pub row: MethodRow,
-    /// What belongs to a path alone.
+    /// Values specific to a path.
     pub summary: PathSummary,
 }
 
-/// What a run along a path found.
+/// Summary of a run along a camera path.
 #[derive(Debug, Serialize)]
 pub struct PathSummary {
-    /// Display frames.
+    /// Number of display frames.
     pub frames: usize,
-    /// Frames a second of the display.
+    /// Frame rate of the display, in hertz.
     pub display_hz: f64,
-    /// Tolerance of the controller, pixels.
+    /// Tolerance of the controller, in pixels.
     pub tolerance_px: f32,
-    /// What the error of one joint never exceeds.
+    /// Upper bound of the error of one joint, in pixels.
     pub bound_px: f32,
-    /// The greatest error of one joint that was met.
+    /// Maximum error of one joint that occurred, in pixels.
     pub joint_error_px_max: f32,
-    /// Nearest that the camera came to the root, metres.
+    /// Minimum distance of the camera to the root, in metres.
     pub distance_m_min: f32,
-    /// Farthest that it was, metres.
+    /// Maximum distance of the camera to the root, in metres.
     pub distance_m_max: f32,
 }
 
 impl CameraPath {
-    /// Plays the path; with a limit at the greatest tolerance whose p95 error meets it, pixels.
+    /// Plays the path; with `limit_px`, at the greatest tolerance whose 95th percentile error is at
+    /// most this many pixels.
     ///
     /// # Errors
     /// [`Error::Unsuited`] if the path has no key frame.

@@ -8,57 +8,58 @@ use articula_build::evaluate::{
 };
 use serde::Serialize;
 
-/// How the one parameter of a method is found.
+/// Choice of a method's parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ParameterChoice {
-    /// What the method would take at each distance.
+    /// The method's default at each distance.
     Usual,
-    /// This value at every distance.
+    /// The same value at every distance.
     Fixed(f32),
-    /// The greatest gain whose p95 error is at most so many pixels.
+    /// The greatest gain whose 95th percentile error is at most this many pixels.
     Calibrated(f32),
 }
 
-/// One method at one distance.
+/// Result of one method at one distance.
 #[derive(Debug, Clone, Serialize)]
 pub struct MethodRow {
     /// Name of the method.
     pub method: &'static str,
-    /// Form of the method, where it has several.
+    /// Variant of the method, if it has several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variant: Option<&'static str>,
-    /// Distance of the camera to the root, metres; the median along a camera path.
+    /// Distance of the camera to the root in metres; the median along a camera path.
     pub distance_m: f32,
-    /// Share of joint updates saved.
+    /// Fraction of joint updates saved.
     pub joint_update_gain: f32,
-    /// Share of frames at which no joint was updated.
+    /// Fraction of frames in which no joint was updated.
     pub evaluations_saved: f32,
-    /// The method's one parameter.
+    /// The method's parameter.
     pub parameter: f32,
-    /// The level of articulation that `parameter` counts to.
+    /// Name of the level of articulation that `parameter` selects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<String>,
-    /// What it cost, pixels.
+    /// Error in pixels.
     pub error_px: ErrorPx,
-    /// Mean number of joints sampled a frame.
+    /// Mean number of joints sampled per frame.
     pub joints_sampled: f32,
-    /// Mean number of joints a frame whose model matrix changed.
+    /// Mean number of joints per frame whose model matrix changed.
     pub fk_joints: f32,
-    /// Mean way that standing feet slide because of what is held; null along a camera path.
+    /// Mean distance that feet in contact slide because joints are held, in millimetres; null along
+    /// a camera path.
     pub foot_slide_mm: Option<f32>,
     /// Whether the error meets the target of a calibration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub meets_target: Option<bool>,
 }
 
-/// Statistics of the error over frames, of the 95th percentile over the skin.
+/// Statistics over frames of the 95th percentile error over the skin.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct ErrorPx {
     /// Median over frames.
     pub p50: f32,
     /// 95th percentile over frames.
     pub p95: f32,
-    /// Worst frame.
+    /// Maximum over frames.
     pub max: f32,
 }
 
@@ -72,7 +73,7 @@ impl From<evaluate::FrameErrors> for ErrorPx {
     }
 }
 
-/// One method at all distances.
+/// Results of one method at all distances.
 #[derive(Debug, Clone)]
 pub struct MethodTable {
     /// The method.
@@ -81,8 +82,7 @@ pub struct MethodTable {
     pub rows: Vec<MethodRow>,
 }
 
-/// Plays a method at every distance; a method without any parameter to calibrate is played as
-/// it usually is.
+/// Plays a method at every distance; a method without a parameter to calibrate uses its default.
 pub fn rows(
     stage: &ClipEvaluator<'_>,
     method: &Method,
@@ -116,10 +116,10 @@ fn trial(
 }
 
 impl EvaluatedClip<'_> {
-    /// Plays all methods at all distances. Jobs are the methods.
+    /// Plays all methods at all distances. There is one job per method.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled) alone.
+    /// [`Error::Cancelled`](crate::Error::Cancelled) only.
     pub fn tables(
         &self,
         methods: &[NamedMethod],

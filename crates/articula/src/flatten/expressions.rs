@@ -1,9 +1,9 @@
-//! What of a face can be driven.
+//! Expressions of a face that can be driven.
 
 use crate::figure::Figure;
 use articula_flat::portrait::PortraitExpression;
 
-/// What can be driven: the file's named expressions, then morph targets by their own names.
+/// Returns what can be driven: the file's named expressions, then morph targets by name.
 pub(crate) fn expressions(figure: &Figure) -> Vec<PortraitExpression> {
     let character = &figure.opened.character;
     let slots = &figure.asset.mesh.morph_slots;

@@ -1,5 +1,4 @@
-//! One character, one motion, one camera: what is seen of it, at the triangles that were asked
-//! for.
+//! A character with clip and camera, and the triangles that are visible.
 
 use super::head::head_weights;
 use crate::error::{Context, Error, Result};
@@ -13,65 +12,67 @@ use articula_flat::planar::{MAX_FRAMES, MAX_TRIANGLES};
 use articula_flat::planar::{PlanarClip, PlanarError};
 use articula_flat::{Appearance, Projection};
 
-/// What the first step is called.
+/// Name of the first step in progress reports.
 const LOOKING: &str = "looking";
 
-/// Moments at which bounds and hidden layers are looked for.
+/// Maximum number of frames at which bounds and hidden layers are computed.
 const LOOKS: usize = 40;
 
-/// What is to be shown, and from where.
+/// Clip, camera and level of detail of a 2D rendering.
 #[derive(Debug, Clone, Copy)]
 pub struct Shot {
-    /// Index of the clip; the rest pose without one.
+    /// Index of the clip; `None` for the rest pose.
     pub clip: Option<usize>,
-    /// The one moment that is shown, seconds; all of the clip without.
+    /// Time of a single still picture in seconds; `None` for the whole clip.
     pub still_at: Option<f32>,
-    /// How often the clip is played.
+    /// Number of repetitions of the clip.
     pub cycles: u32,
-    /// Frames a second that are wished for.
+    /// Desired frame rate, in frames per second.
     pub fps: f32,
-    /// Where the camera stands about the figure's front, degrees to its left.
+    /// Azimuth of the camera from the front of the figure, in degrees towards its left.
     pub yaw_deg: f32,
-    /// How high it stands, degrees.
+    /// Elevation of the camera, in degrees.
     pub pitch_deg: f32,
-    /// How far the figure turns in all.
+    /// Angle by which the figure turns over the whole duration, in degrees.
     pub turn_deg: f32,
-    /// Size and opening of the picture.
+    /// Size and field of view of the picture.
     pub viewport: Viewport,
-    /// Triangles that the figure should have; all of them without.
+    /// Target number of triangles; `None` keeps all.
     pub triangles: Option<usize>,
 }
 
-/// What [`FramedCharacter::new`] finds by itself.
+/// Parts of a [`FramedCharacter`] that [`FramedCharacter::new`] computes.
 #[derive(Debug, Clone)]
 pub struct FramedParts {
-    /// Camera, light, rate and turn.
+    /// Camera, lighting, frame rate and turn.
     pub options: BakeOptions,
-    /// The triangles that are shown, over the character's vertices.
+    /// Shown triangles, as indices of the character's vertices.
     pub triangles: Vec<[u32; 3]>,
-    /// Moments of the frames, seconds of the clip.
+    /// Times of the frames, in seconds of the clip.
     pub moments_secs: Vec<f64>,
 }
 
-/// A character before a camera.
+/// A character framed by a camera, ready for flattening.
 #[derive(Debug)]
 pub struct FramedCharacter<'a> {
     figure: &'a Figure,
     shot: Shot,
     look: Appearance,
-    /// Camera, light, rate and turn.
+    /// Camera, lighting, frame rate and turn.
     pub options: BakeOptions,
-    /// The triangles that are shown, over the character's vertices.
+    /// Shown triangles, as indices of the character's vertices.
     pub triangles: Vec<[u32; 3]>,
-    /// Moments of the frames.
+    /// Times of the frames, in seconds of the clip.
     pub moments_secs: Vec<f64>,
 }
 
 impl<'a> FramedCharacter<'a> {
-    /// Puts up the camera, leaves out what it never sees, and makes the rest as coarse as asked.
+    /// Places the camera, removes triangles that are never visible, and simplifies the rest to the
+    /// target number.
     ///
     /// # Errors
-    /// An [`Error`] that names the file: no mesh, no vertex at a finite place, too many frames.
+    /// An [`Error`] that names the file: no mesh, no vertex with a finite position, or too many
+    /// frames.
     pub fn new(figure: &'a Figure, shot: Shot, work: &Executor<'_>) -> Result<Self> {
         let character = &figure.opened.character;
         if figure.asset.mesh.triangles.is_empty() {
@@ -115,8 +116,8 @@ impl<'a> FramedCharacter<'a> {
         Ok(framed)
     }
 
-    /// A figure at some moments before a camera of the caller's, with triangles of the caller's
-    /// choice: for experiments whose protocol says both.
+    /// Creates a framed character from given camera, frame times and triangles, for experiments
+    /// that prescribe them.
     pub fn from_parts(figure: &'a Figure, shot: Shot, parts: FramedParts) -> Self {
         let character = &figure.opened.character;
         let (look, _) = Appearance::new(&character.materials, &character.images);
@@ -130,22 +131,22 @@ impl<'a> FramedCharacter<'a> {
         }
     }
 
-    /// The character.
+    /// Returns the character.
     pub(super) fn figure(&self) -> &'a Figure {
         self.figure
     }
 
-    /// What is shown of it, and from where.
+    /// Returns clip, camera and level of detail.
     pub(super) fn shot(&self) -> &Shot {
         &self.shot
     }
 
-    /// What errors call the file.
+    /// Returns the name of the file in errors.
     pub(super) fn name(&self) -> &'a str {
         &self.figure.opened.name
     }
 
-    /// The subject as it is shown.
+    /// Returns the subject in the form that the baking functions take.
     pub fn subject(&self) -> PlanarSubject<'_> {
         let asset = &self.figure.asset;
         PlanarSubject {
@@ -158,7 +159,7 @@ impl<'a> FramedCharacter<'a> {
         }
     }
 
-    /// The clip as the camera sees it, at its frames.
+    /// Projects the clip at its frames.
     ///
     /// # Errors
     /// An [`Error`] that names the file, if it has more triangles or frames than can be converted.
@@ -166,7 +167,7 @@ impl<'a> FramedCharacter<'a> {
         self.at(&self.moments_secs)
     }
 
-    /// The clip as the camera sees it at some frames, which may lie between two.
+    /// Projects the clip at fractional frame numbers.
     ///
     /// # Errors
     /// An [`Error`] that names the file, if it has more triangles or frames than can be converted.
@@ -177,7 +178,7 @@ impl<'a> FramedCharacter<'a> {
         self.at(&moments)
     }
 
-    /// The clip as the camera sees it at some moments.
+    /// Projects the clip at times in seconds.
     ///
     /// # Errors
     /// An [`Error`] that names the file, if it has more triangles or frames than can be converted.
@@ -185,7 +186,7 @@ impl<'a> FramedCharacter<'a> {
         bake(&self.subject(), moments_secs, &self.options).context(&self.figure.opened.name)
     }
 
-    /// Some of the moments, spread over all of them.
+    /// A subset of the frame times, evenly spaced, that includes the last.
     fn looks(&self) -> Vec<f64> {
         let step = self.moments_secs.len().div_ceil(LOOKS).max(1);
         let last = self.moments_secs.last().copied();
@@ -221,8 +222,8 @@ impl<'a> FramedCharacter<'a> {
         Ok(())
     }
 
-    /// Leaves out what is never seen, then simplifies to the count, once more if much of what is
-    /// left turns out to be hidden.
+    /// Removes triangles that are never visible, then simplifies to the target number; repeated
+    /// once with a higher number if more than a tenth of the result is hidden.
     fn thin_out(&mut self) -> Result<()> {
         let Some(count) = self.shot.triangles else {
             return Ok(());
@@ -256,8 +257,8 @@ impl<'a> FramedCharacter<'a> {
     }
 }
 
-/// The moments of the frames and how many a second there are: as near to the wish as lets the
-/// last frame fall on the clip's end.
+/// Frame times and frame rate: the rate nearest to the desired one for which the last frame falls
+/// on the end of the clip.
 fn moments(figure: &Figure, shot: &Shot) -> Result<(Vec<f64>, f32)> {
     let Some(clip) = shot.clip else {
         return Ok((vec![0.0], shot.fps));

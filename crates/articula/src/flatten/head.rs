@@ -1,4 +1,4 @@
-//! The head of a character before the camera: what a portrait is made of.
+//! The head of a character with a camera, as source of a portrait.
 
 use super::expressions::expressions;
 use crate::error::{Error, Result};
@@ -10,13 +10,13 @@ use articula_flat::portrait::{Head, PortraitClip, PortraitExpression, PortraitSo
 use articula_flat::{Appearance, Bounds, tight_view};
 use glam::Vec3;
 
-/// Part of the head's height that is shown beside it: hair above, neck and shoulders below.
+/// Margin around the head as a fraction of its height: hair above, neck and shoulders below.
 const AROUND: f32 = 0.12;
-/// A vertex is of the head if the joints of the head move it by more than this.
+/// A vertex belongs to the head if its weights of head joints exceed this sum.
 const OF_HEAD: f32 = 0.5;
-/// How many times an error at the head counts when a figure is made coarser.
+/// Weight of errors on the head when a figure is simplified.
 const HEAD_WEIGHT: f32 = 3.0;
-/// The joints of the neck and the skull in H-Anim, and the vertebrae between.
+/// H-Anim joints from the neck to the skull, vertebrae included.
 const NECK: [&str; 9] = [
     "vc7",
     "vc6",
@@ -29,7 +29,7 @@ const NECK: [&str; 9] = [
     "skull",
 ];
 
-/// A head that can be made a portrait of.
+/// A head framed by a camera, ready for making a portrait.
 pub struct FramedHead<'a> {
     figure: &'a Figure,
     look: Appearance,
@@ -37,15 +37,17 @@ pub struct FramedHead<'a> {
     expressions: Vec<PortraitExpression>,
     clips: Vec<PortraitClip>,
     camera: Camera,
-    /// The triangles that its 2D mesh has, over the character's vertices.
+    /// Triangles of its 2D mesh, as indices of the character's vertices.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl<'a> FramedHead<'a> {
-    /// Frames the head, and simplifies what the picture shows to about `triangles`.
+    /// Places the camera in front of the head, and simplifies the visible triangles to about
+    /// `triangles`.
     ///
     /// # Errors
-    /// An [`Error`] if there is no mesh, no vertex of a head, or nothing of a face to drive.
+    /// An [`Error`] if there is no mesh, no vertex of a head, or neither head joint nor morph
+    /// target to drive.
     pub fn new(
         figure: &'a Figure,
         clip: Option<usize>,
@@ -106,7 +108,7 @@ impl<'a> FramedHead<'a> {
         })
     }
 
-    /// What the portrait is made of.
+    /// Returns the source data of the portrait.
     pub fn source(&self) -> PortraitSource<'_> {
         PortraitSource {
             mesh: &self.figure.asset.mesh,
@@ -121,7 +123,7 @@ impl<'a> FramedHead<'a> {
     }
 }
 
-/// The joints that turn a head, from the lowest of the neck up; none if they are not known.
+/// Joints that turn the head, from the lowest neck joint up; empty if unknown.
 fn head_joints(figure: &Figure) -> Vec<usize> {
     let joints = &figure.asset.rig.articulation().joints;
     let named = |name: &&str| joints.iter().position(|j| j.hanim.as_deref() == Some(name));
@@ -131,7 +133,8 @@ fn head_joints(figure: &Figure) -> Vec<usize> {
     found
 }
 
-/// How much an error at each vertex counts: people look at faces. Empty if no head is known.
+/// Weight of the error at each vertex, higher on the head, since viewers look at faces; empty if no
+/// head is known.
 pub(super) fn head_weights(figure: &Figure) -> Vec<f32> {
     let joints = head_joints(figure);
     if joints.is_empty() {
@@ -144,8 +147,8 @@ pub(super) fn head_weights(figure: &Figure) -> Vec<f32> {
         .collect()
 }
 
-/// Which vertices the head's last joint and those below it move; all of them without such a
-/// joint.
+/// Marks the vertices moved by the head's last joint and its descendants; all vertices without such
+/// a joint.
 fn vertices_of(figure: &Figure, joints: &[usize]) -> Vec<bool> {
     let asset = &figure.asset;
     let Some(head) = joints.last() else {
@@ -159,7 +162,7 @@ fn vertices_of(figure: &Figure, joints: &[usize]) -> Vec<bool> {
     (0..asset.mesh.len()).map(|v| weight(v) > OF_HEAD).collect()
 }
 
-/// A camera before the head, with something around it.
+/// A camera in front of the head, with a margin around it.
 fn before(bounds: &Bounds, azimuth_radians: f32, viewport: Viewport) -> Camera {
     let around = Vec3::splat(AROUND * (bounds.high.y - bounds.low.y));
     let wider = Bounds {
@@ -170,7 +173,7 @@ fn before(bounds: &Bounds, azimuth_radians: f32, viewport: Viewport) -> Camera {
         .unwrap_or_else(|| Camera::looking_at(wider.middle() + Vec3::Z, wider.middle(), viewport))
 }
 
-/// Which triangles the picture may show when the head turns.
+/// Marks the triangles that may be visible in the picture when the head turns.
 fn in_picture(figure: &Figure, rest: &[Vec3], camera: &Camera) -> Vec<bool> {
     let viewport = camera.viewport;
     let (width, height) = (viewport.width_px, viewport.height_px);

@@ -1,4 +1,4 @@
-//! A character whose morph targets a host drives: its shapes, and the clip that plays meanwhile.
+//! A character whose morph targets are driven by the host page while a clip plays.
 
 use super::expressions::expressions;
 use super::framed::FramedCharacter;
@@ -8,7 +8,7 @@ use articula_flat::portrait::{Head, PortraitClip};
 use articula_flat::vector::player::LiveSource;
 use glam::Vec3;
 
-/// All expressions of a character as inputs, seen by a camera.
+/// Projects the shape of every expression with a camera; each becomes an input.
 pub(super) fn live_source(framed: &FramedCharacter<'_>) -> Result<LiveSource> {
     let (figure, clip) = (framed.figure(), framed.shot().clip);
     let asset = &figure.asset;

@@ -1,8 +1,7 @@
-//! From 3D to 2D: a character in motion before a camera as vector graphics, or its face as a
-//! portrait.
+//! From 3D to 2D: an animated character as vector graphics, or its face as a portrait.
 //!
-//! [`flatten()`] does all of it; [`FramedCharacter`] and [`FramedHead`] are the steps between, for whoever
-//! wants to look at them.
+//! [`flatten()`] is the complete conversion; [`FramedCharacter`] and [`FramedHead`] give access to
+//! the intermediate steps.
 
 mod expressions;
 mod framed;
@@ -22,7 +21,8 @@ use articula_flat::flatten::{
 use articula_flat::planar::OrderOptions;
 use articula_flat::vector::player::LiveSource;
 
-/// Bakes, prepares and writes what a camera sees.
+/// Converts a framed character to vector graphics: projects, sorts by painting order, and writes
+/// the file.
 ///
 /// # Errors
 /// An [`Error`](crate::Error) that names the file and what cannot be converted, or
@@ -45,7 +45,8 @@ pub fn flatten(
         .with_context(name)
 }
 
-/// Writes a file whose morph targets a host drives while the clip plays.
+/// Converts a framed character to a file whose morph targets the host page drives while the clip
+/// plays.
 ///
 /// # Errors
 /// As [`flatten()`], and if the character has no morph target.
@@ -61,7 +62,7 @@ pub fn flatten_driven(
     let moments: Vec<f64> = frames.iter().map(|f| f / fps).collect();
     let truth =
         ReferenceFrames::new(&framed.at(&moments)?, &frames).with_context(|| framed.name())?;
-    // Whatever is driven is painted in one order.
+    // Driven shapes share one painting order.
     let options = PrepareClipOptions {
         order: OrderOptions {
             max_epochs: 1,

@@ -1,5 +1,5 @@
-//! Files by their paths: opening what lies on disk with what lies beside it, and writing that
-//! never leaves half a file behind. Absent from wasm builds.
+//! File access by path: opens files together with the files that they refer to, and writes files
+//! atomically. Not available on wasm.
 
 #![allow(
     clippy::disallowed_methods,
@@ -15,8 +15,8 @@ use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// Opens a character file; buffers, pictures and the skeleton of a motion are looked for beside
-/// it.
+/// Opens a character file; buffers, pictures and the skeleton of a motion are read from the same
+/// folder.
 ///
 /// # Errors
 /// See [`open_with`].
@@ -24,10 +24,11 @@ pub fn open(path: impl AsRef<Path>) -> Result<CharacterFile> {
     open_with(path, &OpenOptions::default())
 }
 
-/// The same with options for what the file does not say.
+/// Opens a character file with options.
 ///
 /// # Errors
-/// An [`Error`] that names the file: it cannot be read, or see [`open()`](crate::open()).
+/// An [`Error`] that names the file, if it cannot be read or for the reasons given at
+/// [`open()`](crate::open()).
 pub fn open_with(path: impl AsRef<Path>, options: &OpenOptions) -> Result<CharacterFile> {
     let path = path.as_ref();
     let name = shown(path);
@@ -61,7 +62,7 @@ pub fn open_with(path: impl AsRef<Path>, options: &OpenOptions) -> Result<Charac
     open::open(&bytes, &name, options, &mut fetch)
 }
 
-/// The skeleton of a motion, and why it is that one if that is a guess.
+/// Finds the skeleton of a motion; the reason is given if it is a guess.
 fn skeleton_beside(path: &Path) -> Result<(PathBuf, Option<&'static str>)> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let here = if folder.as_os_str().is_empty() {
@@ -79,10 +80,10 @@ fn skeleton_beside(path: &Path) -> Result<(PathBuf, Option<&'static str>)> {
     Ok((folder.join(found), how))
 }
 
-/// Reads a whole file of at most `limit` bytes; a pipe or device is cut off there too.
+/// Reads a whole file, pipe or device of at most `limit` bytes.
 ///
 /// # Errors
-/// An [`Error`] that names the file, what is wrong and the mend.
+/// An [`Error`] that names the file, the cause and the remedy.
 pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let place = || shown(path);
     if path.is_dir() {
@@ -103,10 +104,10 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Writes a file whole or not at all, and makes the folders above it.
+/// Writes a file atomically, and creates missing parent folders.
 ///
 /// # Errors
-/// An [`Error::Io`] that names the file, what is wrong and the mend.
+/// An [`Error::Io`] that names the file, the cause and the remedy.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     let place = || shown(path);
     let Some(name) = path.file_name() else {
@@ -118,7 +119,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
             .map_err(unwritten)
             .with_context(|| shown(folder))?;
     }
-    // A device or pipe is written as it is; a plain file appears only when it is complete.
+    // A device or pipe is written directly; a plain file appears only when it is complete.
     if path.exists() && !path.is_file() {
         return std::fs::write(path, bytes)
             .map_err(unwritten)
@@ -134,7 +135,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     written.map_err(unwritten).with_context(place)
 }
 
-/// The plain files of a folder, sorted by name; hidden ones and folders in it are left out.
+/// Lists the plain files of a folder, sorted by name, without hidden files and subfolders.
 ///
 /// # Errors
 /// An [`Error::Io`] if the folder cannot be read.
@@ -151,7 +152,7 @@ pub fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(all)
 }
 
-/// Why a file could not be read, and the mend.
+/// Explains why a file could not be read, with a remedy.
 fn unread(error: io::Error) -> Error {
     match error.kind() {
         ErrorKind::NotFound => Error::Io("there is no such file; check its name and folder".into()),
@@ -162,7 +163,7 @@ fn unread(error: io::Error) -> Error {
     }
 }
 
-/// Why a file or folder could not be written, and the mend.
+/// Explains why a file or folder could not be written, with a remedy.
 fn unwritten(error: io::Error) -> Error {
     match error.kind() {
         ErrorKind::IsADirectory => Error::Io("this is a folder; name a file in it".into()),
@@ -177,13 +178,13 @@ fn unwritten(error: io::Error) -> Error {
     }
 }
 
-/// Fetches what lies beside a file, and nothing else: no absolute path, no URL, no way out of
-/// the file's folder.
+/// Returns a resolver for files referenced by `file`; it refuses absolute paths, URLs and paths
+/// that leave the file's folder.
 pub fn beside(file: &Path, limit: u64) -> impl FnMut(&str) -> Result<Vec<u8>, String> {
     let folder = file.parent().unwrap_or(Path::new("")).to_path_buf();
     move |name: &str| {
         let path = inside(&folder, name)?;
-        // Opening a pipe would wait for ever, so only plain files are opened.
+        // Opening a pipe could block forever, so only plain files are opened.
         if !path.is_file() {
             return Err("there is no such file beside this one; put it there".into());
         }
@@ -193,7 +194,7 @@ pub fn beside(file: &Path, limit: u64) -> impl FnMut(&str) -> Result<Vec<u8>, St
 
 fn inside(folder: &Path, name: &str) -> Result<PathBuf, String> {
     let mend = "only files beside this one are read; put it there and name it without a path";
-    // Also catches a drive letter; a colon in a plain relative name is too rare to keep.
+    // Also refuses drive letters; a colon in a relative name is rare.
     if name.contains(':') {
         return Err(format!("a URL is not fetched; {mend}"));
     }
@@ -213,7 +214,7 @@ fn inside(folder: &Path, name: &str) -> Result<PathBuf, String> {
     Ok(folder.join(name))
 }
 
-/// A path as errors and reports show it.
+/// Formats a path for errors and reports.
 pub fn shown(path: &Path) -> String {
     path.display().to_string()
 }

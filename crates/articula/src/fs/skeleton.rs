@@ -1,11 +1,11 @@
-//! Which of the skeletons beside a motion it was made for, by their names.
+//! Selection of the skeleton file of a motion by file name.
 
 use crate::error::{Error, Result};
 use crate::open::Format;
 
-/// The skeleton of a motion among the names of the files beside it, and why it is that one if
-/// that is a guess: the file of the same name; else the one with the longest name that the
-/// motion's begins with; else the only one.
+/// Selects the skeleton of a motion from the file names in its folder, with a reason if it is a
+/// guess: the file of the same name; else the one with the longest name that is a prefix of the
+/// motion's; else the only one.
 pub(super) fn skeleton_of<'a>(
     motion: &str,
     beside: &[&'a str],
@@ -33,7 +33,7 @@ pub(super) fn skeleton_of<'a>(
     }
 }
 
-/// A file's name without its ending, in lower case.
+/// A file's name without its extension, in lower case.
 fn stem(name: &str) -> String {
     let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
     stem.to_lowercase()

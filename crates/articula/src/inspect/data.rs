@@ -1,4 +1,4 @@
-//! What is in files of MPEG-4 without a character: what moves, in which range, in which units.
+//! Contents of MPEG-4 data files: parameters, their ranges and units.
 
 use super::{Face, Warning};
 use crate::open::{Data, DataFile, DataFormat};
@@ -8,96 +8,96 @@ use articula_formats::mpeg4::fap::FapClip;
 use articula_formats::mpeg4::fdp::{self, FdpFile};
 use serde::Serialize;
 
-/// What was found. The fields that every `inspect` has come first; a file of data has no
-/// skeleton and no mesh.
+/// Contents of a data file. The fields common to all inspections come first; there is no skeleton
+/// and no mesh.
 #[derive(Debug, Default, Serialize)]
 pub struct DataInspection {
-    /// The file, as errors call it.
+    /// Name of the file, as in errors.
     pub file: String,
     /// Name of the format.
     pub format: &'static str,
-    /// Its name.
+    /// Name of the contents, as stored in the file or derived from the file name.
     pub name: String,
-    /// Length of the file.
+    /// Size of the file in bytes.
     pub bytes: usize,
     skeletons: [(); 0],
-    /// The motion of a FAP file.
+    /// Motion of a FAP file.
     pub clips: Vec<DataClip>,
     meshes: [(); 0],
-    /// What there is to animate a face with.
+    /// Face animation data.
     pub face: Option<Face>,
-    /// Of a FAP file: groups of parameters.
+    /// FAP files: groups of parameters.
     pub groups: Vec<FapGroup>,
-    /// Of a FAP file: the parameters that its masks name. Of an FDP file: those that move some vertex.
+    /// FAP files: parameters that the masks select. FDP files: parameters that move a vertex.
     pub parameters: Vec<FapParameter>,
-    /// Of an FDP file: neutral distances of the face, in the unit of its mesh.
+    /// FDP files: neutral distances of the face, in the unit of its mesh.
     pub fapu: Option<FaceUnits>,
-    /// Of an FDP file: its feature points.
+    /// FDP files: feature points.
     pub points: Vec<FeaturePoint>,
-    /// Of an EPF file.
+    /// EPF files: encoder settings.
     pub coding: Option<EncoderSettings>,
-    /// What is odd.
+    /// Warnings.
     pub warnings: Vec<Warning>,
 }
 
-/// The motion of a FAP file.
+/// Motion of a FAP file.
 #[derive(Debug, Serialize)]
 pub struct DataClip {
-    /// Its name.
+    /// Name of the clip.
     pub name: String,
-    /// Length, seconds.
+    /// Duration, in seconds.
     pub duration_secs: f32,
-    /// Frames a second.
+    /// Frames per second.
     pub fps: f32,
-    /// Frames.
+    /// Number of frames.
     pub frames: usize,
-    /// Joints that move: none.
+    /// Number of animated joints, always 0.
     pub joints_animated: usize,
 }
 
 /// A group of facial animation parameters.
 #[derive(Debug, Serialize)]
 pub struct FapGroup {
-    /// Its name.
+    /// Name of the group.
     pub name: &'static str,
-    /// Parameters that masks name.
+    /// Number of parameters that the masks select.
     pub faps: usize,
-    /// Those of them that are not neutral all the time.
+    /// Number of them that are not always neutral.
     pub moving: usize,
 }
 
 /// A facial animation parameter.
 #[derive(Debug, Serialize)]
 pub struct FapParameter {
-    /// Number, 1 to 68.
+    /// Number in the standard, 1 to 68.
     pub fap: usize,
-    /// Its name.
+    /// Name in the standard.
     pub name: &'static str,
-    /// Group of the parameter.
+    /// Name of its group.
     pub group: &'static str,
-    /// Unit of the standard, or null for visemes and expressions.
+    /// Unit in the standard; null for visemes and expressions.
     pub unit: Option<String>,
-    /// Smallest value; null where there is no single one.
+    /// Minimum value; null if the parameter has several values.
     pub min: Option<i32>,
-    /// Largest value; null where there is no single one.
+    /// Maximum value; null if the parameter has several values.
     pub max: Option<i32>,
-    /// Whether it is not neutral all the time, or moves some vertex.
+    /// Whether the parameter is not always neutral, or moves a vertex.
     pub moves: bool,
 }
 
 /// Neutral distances of a face, in the unit of its mesh.
 #[derive(Debug, Serialize)]
 pub struct FaceUnits {
-    /// Between eyes and nose.
+    /// Distance between eyes and nose.
     #[serde(rename = "ENS0")]
     pub ens0: f32,
-    /// Between the eyes.
+    /// Distance between the eyes.
     #[serde(rename = "ES0")]
     pub es0: f32,
     /// Diameter of the iris.
     #[serde(rename = "IRISD0")]
     pub irisd0: f32,
-    /// Between mouth and nose.
+    /// Distance between mouth and nose.
     #[serde(rename = "MNS0")]
     pub mns0: f32,
     /// Width of the mouth.
@@ -110,30 +110,30 @@ pub struct FaceUnits {
 pub struct FeaturePoint {
     /// Number in the standard, such as `3.5`.
     pub point: String,
-    /// Vertices in its zone.
+    /// Number of vertices in its zone.
     pub vertices: usize,
-    /// Parameters that move it.
+    /// Numbers of the parameters that move it.
     pub faps: Vec<usize>,
 }
 
-/// What an encoder is told.
+/// Settings of an encoder.
 #[derive(Debug, Serialize)]
 pub struct EncoderSettings {
-    /// Frames.
+    /// Number of frames.
     pub frames: usize,
-    /// Frames coded alone.
+    /// Number of intra-coded frames.
     pub intra: usize,
-    /// Frames that code the face.
+    /// Number of frames that code the face.
     pub face: usize,
-    /// Frames that code the body.
+    /// Number of frames that code the body.
     pub body: usize,
-    /// Frames a second, if the file says it.
+    /// Frames per second, if given.
     pub fps: Option<f32>,
-    /// Coarsest quantiser, if the file names one.
+    /// Coarsest quantiser, if given.
     pub quantiser_max: Option<i32>,
 }
 
-/// Looks at a file of data.
+/// Summarises a data file.
 pub fn inspect_data(opened: DataFile, file: &str, format: DataFormat) -> DataInspection {
     let found = match &opened.data {
         Data::Fap(clip) => of_fap(clip),

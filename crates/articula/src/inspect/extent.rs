@@ -1,33 +1,33 @@
-//! How large a character is: the box around its skin, at rest and over a clip.
+//! Size of a character: bounding box of its skin, at rest and over a clip.
 //!
-//! Stored positions may be of another scale than what is seen, so boxes are always taken
-//! after skinning; without a mesh they are taken around the joints.
+//! Stored positions may have another scale than the skinned character, so boxes are computed after
+//! skinning, or around the joints if there is no mesh.
 
 use articula_build::Asset;
 use articula_core::{LocalPose, PosedMesh, SkinnedMesh, Wrap, sample, sample_morphs};
 use glam::Vec3;
 use serde::Serialize;
 
-/// Most frames of a clip that are looked at.
+/// Maximum number of frames measured per clip.
 const MAX_FRAMES: usize = 64;
 
-/// A box in model space.
+/// An axis-aligned box in model space.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Extent {
-    /// Least corner, metres.
+    /// Minimum corner, in metres.
     pub min_m: [f32; 3],
-    /// Greatest corner, metres.
+    /// Maximum corner, in metres.
     pub max_m: [f32; 3],
 }
 
 impl Extent {
-    /// Edge lengths, metres.
+    /// Returns the edge lengths in metres.
     pub fn size(&self) -> Vec3 {
         Vec3::from(self.max_m) - Vec3::from(self.min_m)
     }
 }
 
-/// Poses a character and measures it; keeps its buffers.
+/// Poses a character and measures it; reuses its buffers.
 pub(super) struct Measure<'a> {
     asset: &'a Asset,
     local: LocalPose,
@@ -54,7 +54,7 @@ impl<'a> Measure<'a> {
         extent(self.corners())
     }
 
-    /// The box around a clip, over at most 64 of its frames.
+    /// The box over a clip, measured at up to 64 of its frames.
     pub(super) fn clip(&mut self, clip: usize) -> Option<Extent> {
         let clip = &self.asset.clips[clip];
         let frames = clip.frames().min(MAX_FRAMES);

@@ -1,47 +1,47 @@
-//! What a file says of a human beyond joints and meshes: origin and licence, expressions, what is
-//! kept but not simulated.
+//! Humanoid data beyond joints and meshes: origin and licence, expressions, and features that are
+//! preserved but not simulated.
 
 use crate::open::CharacterFile;
 use articula_core::source;
 use serde::Serialize;
 
-/// What was found; these fields stand beside those of the other findings.
+/// Humanoid data of a file; written as fields of [`Inspection`](super::Inspection).
 #[derive(Debug, Serialize)]
 pub struct Human {
-    /// Format of the human extensions, such as `VRM 1.0`.
+    /// Version of the humanoid extension, such as `VRM 1.0`.
     pub format_version: Option<String>,
-    /// Human bones that the file itself names; null if it names none.
+    /// Number of human bones that the file names; null if it names none.
     pub human_bones: Option<usize>,
     /// Origin and licence.
     pub credits: Option<Credits>,
     /// Named expressions.
     pub expressions: Vec<ExpressionInspection>,
-    /// What is written again but changes nothing here.
+    /// Features that are written back but have no effect here.
     pub kept: Vec<PassThroughItem>,
-    /// What the draft glTF extensions for characters say.
+    /// Contents of the draft glTF extensions for characters.
     pub khr_character: Option<KhrCharacter>,
 }
 
-/// Origin and licence, as the file says them.
+/// Origin and licence, as stored in the file.
 #[derive(Debug, Serialize)]
 pub struct Credits {
     /// Title of the work.
     pub title: String,
-    /// Its version.
+    /// Version of the work.
     pub version: String,
-    /// Who made it.
+    /// Names of the authors.
     pub authors: Vec<String>,
-    /// How to reach them.
+    /// Contact of the authors.
     pub contact: String,
     /// Copyright line.
     pub copyright: String,
-    /// What it was made after.
+    /// Works that it is based on.
     pub references: Vec<String>,
     /// Name of the licence.
     pub licence_name: String,
-    /// Where the licence is to be read.
+    /// URL of the licence.
     pub licence_url: String,
-    /// Further terms.
+    /// Further terms of the licence.
     pub terms: Vec<Term>,
     /// Program that wrote the file.
     pub generator: String,
@@ -50,26 +50,26 @@ pub struct Credits {
 /// One term of a licence.
 #[derive(Debug, Serialize)]
 pub struct Term {
-    /// Its name.
+    /// Name of the term.
     pub name: String,
-    /// What it says.
+    /// Value of the term.
     pub value: String,
 }
 
 /// A named expression of the face or body.
 #[derive(Debug, Serialize)]
 pub struct ExpressionInspection {
-    /// Its name.
+    /// Name of the expression.
     pub name: String,
     /// Morph targets that it drives.
     pub morphs: Vec<Morph>,
-    /// Joints that it turns or moves.
+    /// Names of the joints that it moves.
     pub joints: Vec<String>,
-    /// Whether it is on or off, nothing between.
+    /// Whether it has only the states on and off.
     pub binary: bool,
-    /// Expressions that it weakens.
+    /// Other expressions that it reduces while it is active.
     pub masks: Vec<String>,
-    /// Bindings to materials and textures, which are not applied.
+    /// Number of bindings to materials and textures, which are not applied.
     pub bindings_kept: usize,
 }
 
@@ -78,44 +78,44 @@ pub struct ExpressionInspection {
 pub struct Morph {
     /// Name of the mesh.
     pub mesh: String,
-    /// Name of the target, or its number.
+    /// Name of the target, or its index.
     pub target: String,
     /// Weight at full strength.
     pub weight: f32,
 }
 
-/// Something that passes through.
+/// A feature that is preserved but has no effect here.
 #[derive(Debug, Serialize)]
 pub struct PassThroughItem {
-    /// What it is.
+    /// Name of the feature.
     pub what: &'static str,
-    /// How many.
+    /// Number of occurrences.
     pub count: usize,
 }
 
-/// What the draft glTF extensions for characters say.
+/// Contents of the draft glTF extensions for characters.
 #[derive(Debug, Serialize)]
 pub struct KhrCharacter {
     /// Rigs that the skeleton is mapped to.
     pub rigs: Vec<Rig>,
-    /// Clips that hold a reference pose.
+    /// Clips that contain a reference pose.
     pub reference_poses: Vec<Pose>,
-    /// Clips that are responses of expressions.
+    /// Names of the clips that define expressions.
     pub expression_clips: Vec<String>,
-    /// Sets of expressions that the own ones are mapped to.
+    /// Names of the expression sets that the file's expressions are mapped to.
     pub expression_sets: Vec<String>,
 }
 
 /// A rig that the skeleton is mapped to.
 #[derive(Debug, Serialize)]
 pub struct Rig {
-    /// Its name.
+    /// Name of the rig.
     pub name: String,
-    /// Joints.
+    /// Number of mapped joints.
     pub joints: usize,
 }
 
-/// A reference pose.
+/// A clip with a reference pose.
 #[derive(Debug, Serialize)]
 pub struct Pose {
     /// Name of the clip.
@@ -124,7 +124,7 @@ pub struct Pose {
     pub kind: String,
 }
 
-/// Looks at a file.
+/// Summarises the humanoid data of a file.
 pub(super) fn of(opened: &CharacterFile) -> Human {
     let behind = opened.gltf.as_ref();
     let character = &opened.character;
@@ -167,7 +167,7 @@ fn credits(found: &source::Credits) -> Credits {
 
 fn expression(character: &source::Character, found: &source::Expression) -> ExpressionInspection {
     let morph = |m: &source::MorphBinding| {
-        // Meshes may have been left out since the file was read.
+        // Meshes may have been removed since the file was read.
         let mesh = character.meshes.get(m.mesh);
         let name = mesh.and_then(|mesh| mesh.morph_names.get(m.target));
         Morph {

@@ -1,52 +1,52 @@
-//! The mesh levels that a file brings: how many triangles, how far off, which ranges.
+//! Mesh levels stored in a file: sizes, errors and index ranges.
 
 use articula_core::source;
 use articula_core::{ClusteredTriangles, LevelTable};
 use serde::Serialize;
 
-/// A coarser form of one mesh.
+/// A coarser level of one mesh.
 #[derive(Debug, Serialize)]
 pub struct MeshLevel {
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: usize,
-    /// Vertices.
+    /// Number of vertices.
     pub vertices: usize,
-    /// Least share of the screen that it is made for, as the file says.
+    /// Minimum screen coverage for which it is intended, as stored in the file.
     pub screen_coverage: Option<f32>,
-    /// For each part the triangles of its index list that show it, from and up to; empty if the
-    /// level has vertices of its own.
+    /// Half-open ranges of triangles in the index list of each part; empty if the level has its own
+    /// vertices.
     pub ranges: Vec<Vec<[u32; 2]>>,
 }
 
-/// The levels of all meshes together.
+/// Levels of all meshes together.
 #[derive(Debug, Serialize)]
 pub struct Levels {
-    /// The finest first.
+    /// The levels, finest first.
     pub levels: Vec<Level>,
-    /// Zones that may be shown at a level of their own.
+    /// Names of zones that may be shown at independent levels.
     pub regions: Vec<String>,
-    /// Coarsest level up to which they may differ.
+    /// Coarsest level up to which zones may differ.
     pub mixable_to: usize,
 }
 
-/// One level of all meshes. An error is null if the file does not say it.
+/// One level of all meshes. Errors are null if the file does not state them.
 #[derive(Debug, Serialize)]
 pub struct Level {
-    /// Its number: 0 is the finest.
+    /// Number of the level; 0 is the finest.
     pub level: usize,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: u64,
-    /// Vertices.
+    /// Number of vertices.
     pub vertices: u64,
-    /// Greatest distance of the original from it at rest, metres.
+    /// Maximum distance of the original surface from the level at rest, in metres.
     pub error_rest_m: Option<f32>,
-    /// The same in motion, metres.
+    /// Maximum distance in motion, in metres.
     pub error_motion_m: Option<f32>,
-    /// Index ranges that show it, over all parts.
+    /// Number of index ranges over all parts.
     pub ranges: usize,
 }
 
-/// The coarser forms of a mesh, the finest first.
+/// The coarser levels of a mesh, finest first.
 pub(super) fn of_mesh(mesh: &source::RawMesh) -> Vec<MeshLevel> {
     let vertices = |parts: &[source::Primitive]| parts.iter().map(|p| p.positions.len()).sum();
     let triangles = |parts: &[source::Primitive]| parts.iter().map(|p| p.triangles.len()).sum();
@@ -82,7 +82,7 @@ fn clustered(parts: &[ClusteredTriangles], level: usize) -> MeshLevel {
     }
 }
 
-/// The levels of all meshes, if the file says what they lose.
+/// Levels of all meshes, from the file's table of errors.
 pub(super) fn of(table: &LevelTable, meshes: &[source::RawMesh]) -> Levels {
     let finite = |metres: f32| metres.is_finite().then_some(metres);
     let parts = || meshes.iter().flat_map(|m| &m.clustered);

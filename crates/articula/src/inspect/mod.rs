@@ -1,6 +1,6 @@
-//! What is in a file, and what is odd about it.
+//! Contents of a file, and warnings about it.
 //!
-//! The field names are a promise to scripts that read them as JSON (`docs/commands.md`).
+//! Field names are stable, since scripts read them as JSON (`docs/commands.md`).
 
 mod data;
 mod extent;
@@ -34,163 +34,163 @@ use extent::Measure;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Everything that was found in one file.
+/// Contents of a character file.
 #[derive(Debug, Serialize)]
 pub struct Inspection {
-    /// The file, as errors call it.
+    /// Name of the file, as in errors.
     pub file: String,
     /// Name of the format.
     pub format: &'static str,
-    /// Its name.
+    /// Name of the character.
     pub name: String,
-    /// Length of the file.
+    /// Size of the file in bytes.
     pub bytes: usize,
-    /// Groups of joints that belong together.
+    /// Connected groups of skin joints.
     pub skeletons: Vec<SkeletonInspection>,
-    /// Motions.
+    /// The clips.
     pub clips: Vec<ClipInspection>,
-    /// Meshes.
+    /// The meshes.
     pub meshes: Vec<MeshInspection>,
-    /// Levels of all meshes together; null if the file stores none.
+    /// Mesh levels of all meshes together; null if the file has none.
     pub mesh_levels: Option<Levels>,
     /// Number of materials.
     pub materials: usize,
     /// Number of pictures.
     pub images: usize,
-    /// What there is to animate a face with.
+    /// Face animation data.
     pub face: Option<Face>,
-    /// Height of the skinned rest pose, metres.
+    /// Height of the skinned rest pose, in metres.
     pub height_m: Option<f32>,
-    /// Box around the skinned rest pose.
+    /// Bounding box of the skinned rest pose.
     pub bounds: Option<Extent>,
-    /// Whether the boxes are around joints, because there is no mesh.
+    /// Whether boxes are around joints because there is no mesh.
     pub bounds_of_joints: bool,
-    /// Whether the file stores levels and regions of its own.
+    /// Whether the file stores levels and regions of its joints.
     pub articulation_stored: bool,
-    /// What the file says of a human.
+    /// Humanoid data.
     #[serde(flatten)]
     pub human: Human,
-    /// Every joint or node.
+    /// All joints and nodes.
     pub map: Vec<JointInspection>,
-    /// What is odd.
+    /// Warnings.
     pub warnings: Vec<Warning>,
 }
 
-/// One group of joints that belong together.
+/// A connected group of skin joints.
 #[derive(Debug, Serialize)]
 pub struct SkeletonInspection {
     /// Name of its first joint.
     pub root: String,
-    /// Distinct joints of its skins.
+    /// Number of distinct skin joints.
     pub joints: usize,
-    /// How many of them are mapped to H-Anim.
+    /// Number of joints mapped to H-Anim.
     pub mapped: usize,
-    /// Joints up to level of articulation 0, 1, 2, 3, 4 and 5.
+    /// Number of joints up to level of articulation 0, 1, 2, 3, 4 and 5.
     pub levels: Vec<usize>,
-    /// Joints by region of the body.
+    /// Number of joints by body region.
     pub regions: BTreeMap<String, usize>,
-    /// Joint-name profile that fits, or nothing.
+    /// Name of the matching joint map; empty if none matches.
     pub profile: String,
-    /// Joints of the standard up to level 2 that are not there.
+    /// H-Anim joints up to level 2 that are missing.
     pub missing: Vec<&'static str>,
-    /// Joints without a twin in the standard.
+    /// Joints without an H-Anim mapping.
     pub unmapped: Vec<Unmapped>,
 }
 
-/// A joint without a twin in the standard.
+/// A joint without an H-Anim mapping.
 #[derive(Debug, Serialize)]
 pub struct Unmapped {
     /// Name of the joint.
     pub joint: String,
-    /// Why it has none.
+    /// Reason why it has none.
     pub why: &'static str,
 }
 
-/// One joint or node.
+/// A joint or node.
 #[derive(Debug, Serialize)]
 pub struct JointInspection {
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
-    /// Index of the joint above.
+    /// Index of the parent joint.
     pub parent: Option<usize>,
     /// Whether a skin uses it.
     pub in_skin: bool,
-    /// Name in H-Anim.
+    /// H-Anim name.
     pub hanim: Option<String>,
-    /// Level of articulation.
+    /// H-Anim level of articulation.
     pub level: u8,
-    /// Region of the body.
+    /// Body region.
     pub region: String,
 }
 
-/// One motion.
+/// An animation clip.
 #[derive(Debug, Serialize)]
 pub struct ClipInspection {
-    /// Its name.
+    /// Name of the clip.
     pub name: String,
-    /// Length, seconds.
+    /// Duration, in seconds.
     pub duration_secs: f32,
-    /// Rate at which the source is keyed.
+    /// Key rate of the source, in frames per second.
     pub fps: f32,
-    /// Frames of the source, at its rate.
+    /// Number of frames at that rate.
     pub frames: usize,
-    /// Joints that move.
+    /// Number of joints that move.
     pub joints_animated: usize,
-    /// Joints that have keys, moving or not.
+    /// Number of joints with keys, moving or not.
     pub joints_keyed: usize,
-    /// Morph targets that move.
+    /// Number of morph targets that move.
     pub morphs_animated: usize,
-    /// Expressions that it drives.
+    /// Number of expressions that it drives.
     pub expressions_keyed: usize,
-    /// Keys of all channels.
+    /// Number of keys in all channels.
     pub keys: usize,
-    /// Box around its skin.
+    /// Bounding box of the skin over the clip.
     pub bounds: Option<Extent>,
-    /// Bytes of the motion tables that the file has for it; null where meshes are left out.
+    /// Sizes of the stored motion tables; null if meshes were removed.
     pub motion_tables: Option<StoredTables>,
 }
 
-/// One mesh.
+/// A mesh.
 #[derive(Debug, Serialize)]
 pub struct MeshInspection {
-    /// Its name.
+    /// Name of the mesh.
     pub name: String,
-    /// Vertices.
+    /// Number of vertices.
     pub vertices: usize,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: usize,
-    /// Most joints that move one vertex.
+    /// Maximum number of influences per vertex.
     pub influences_max: usize,
-    /// Morph targets.
+    /// Number of morph targets.
     pub morph_targets: usize,
-    /// Least share of the screen that it is made for, as the file says.
+    /// Minimum screen coverage for which it is intended, as stored in the file.
     pub screen_coverage: Option<f32>,
-    /// Coarser forms that the file brings, the finest first.
+    /// Coarser levels stored in the file, finest first.
     pub levels: Vec<MeshLevel>,
 }
 
-/// What there is to animate a face with.
+/// Face animation data.
 #[derive(Debug, Serialize)]
 pub struct Face {
-    /// Facial animation parameters with a table.
+    /// Number of MPEG-4 facial animation parameters with a table.
     pub faps: usize,
-    /// Morph targets, counted once where meshes share a name.
+    /// Number of morph targets; those of the same name in several meshes count once.
     pub morphs: usize,
 }
 
-/// Something odd.
+/// A warning about a file.
 #[derive(Debug, Serialize)]
 pub struct Warning {
-    /// Where, as a path into the file.
+    /// Location, as a path into the file.
     pub at: String,
-    /// What it is.
+    /// What was found.
     pub what: String,
 }
 
-/// Looks at a character; `clips` are the ones to measure.
+/// Summarises a character; `clips` are the indices of the clips to measure.
 ///
 /// # Errors
-/// [`Error::Cancelled`](crate::Error::Cancelled) alone.
+/// [`Error::Cancelled`](crate::Error::Cancelled) only.
 pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<Inspection> {
     let (opened, asset) = (&figure.opened, &figure.asset);
     let character = &opened.character;
@@ -396,7 +396,7 @@ fn warnings_of(figure: &Figure) -> Vec<Warning> {
     read.chain(pictures).collect()
 }
 
-/// What is odd about the whole, beside what the reader noticed.
+/// Warnings about the character as a whole, in addition to those of the reader.
 fn oddities(found: &Inspection) -> Vec<Warning> {
     let mut odd = Vec::new();
     let mut say = |at: &str, what: String| {

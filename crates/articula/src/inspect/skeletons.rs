@@ -1,12 +1,12 @@
-//! Which joints belong together: one skeleton for each group that a skin or a parent joins.
+//! Grouping of joints into skeletons: joints connected by a skin or a parent.
 
 use articula_core::source::Character;
 use articula_core::{JointSet, Rig};
 
-/// The skin joints of a character in groups, by their first joint.
+/// Groups the skin joints of a character, ordered by first joint.
 ///
-/// Joints of one skin belong together even where a plain node stands between them; several
-/// skins on one skeleton count once.
+/// Joints of one skin form a group even if plain nodes lie between them; several skins on one
+/// skeleton form one group.
 pub(super) fn of(character: &Character, rig: &Rig) -> Vec<JointSet> {
     let mut groups = Groups::new(rig.len());
     let in_skin = rig.skin_joints();
@@ -37,7 +37,7 @@ pub(super) fn of(character: &Character, rig: &Rig) -> Vec<JointSet> {
     sets.into_iter().map(|(_, set)| set).collect()
 }
 
-/// Disjoint sets; the smallest member is the head.
+/// Disjoint sets; the smallest member represents the set.
 struct Groups(Vec<usize>);
 
 impl Groups {

@@ -1,53 +1,53 @@
-//! What is in a stream of mesh levels.
+//! Contents of a stream of mesh levels.
 
 use crate::error::{Context, Result};
 use articula_stream::StreamLimits;
 use articula_stream::mesh::{MeshStream, Receiver};
 use serde::Serialize;
 
-/// What was found in a stream of mesh levels.
+/// Contents of a stream of mesh levels.
 #[derive(Debug, Serialize)]
 pub struct StreamInspection {
-    /// The file, as errors call it.
+    /// Name of the file, as in errors.
     pub file: String,
-    /// Name of the format, which is also the extension of its files.
+    /// Name of the format, which is also the file extension.
     pub format: &'static str,
-    /// Length of the file.
+    /// Size of the file in bytes.
     pub bytes: usize,
-    /// Bytes of the head, which comes first.
+    /// Size of the head in bytes, at the start of the file.
     pub bytes_head: usize,
-    /// Parts with chunks of their own.
+    /// Number of parts with separate chunks.
     pub objects: usize,
-    /// Zones that may be at a level of their own.
+    /// Names of zones that may have independent levels.
     pub regions: Vec<String>,
-    /// The finest first.
+    /// The levels, finest first.
     pub levels: Vec<StreamLevel>,
 }
 
-/// One level of a stream. An error is null if the stream does not say it.
+/// One level of a stream. Errors are null if the stream does not state them.
 #[derive(Debug, Serialize)]
 pub struct StreamLevel {
-    /// Its number in the whole character: 0 is the finest.
+    /// Number of the level in the whole character; 0 is the finest.
     pub level: usize,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: u64,
-    /// Vertices.
+    /// Number of vertices.
     pub vertices: u64,
-    /// Greatest distance of the original from it at rest, metres.
+    /// Maximum distance of the original surface from the level at rest, in metres.
     pub error_rest_m: Option<f32>,
-    /// The same in motion, metres.
+    /// Maximum distance in motion, in metres.
     pub error_motion_m: Option<f32>,
-    /// Bytes of its chunks.
+    /// Size of its chunks in bytes.
     pub bytes_added: usize,
-    /// Whether the file has all of them.
+    /// Whether all its chunks are present.
     pub complete: bool,
 }
 
-/// Looks at a stream of mesh levels: every chunk that is there is checked and decoded. `file` is
-/// what errors call it.
+/// Summarises a stream of mesh levels; every chunk that is present is checked and decoded. `file`
+/// identifies the file in errors.
 ///
 /// # Errors
-/// An [`Error`](crate::Error) that names the file and the place in it.
+/// An [`Error`](crate::Error) that names the file and the position in it.
 pub fn inspect_stream(bytes: &[u8], file: &str, limits: &StreamLimits) -> Result<StreamInspection> {
     let received = Receiver::read(bytes, limits).context(file)?;
     let stream = received.stream();

@@ -1,4 +1,4 @@
-//! Mesh levels of an asset: what is asked for, what is made, how it is stored.
+//! Mesh levels of an asset: options, computation and storage.
 
 mod options;
 mod stream;
@@ -17,18 +17,18 @@ use articula_formats::gltf::Document;
 use articula_formats::gltf::{MeshParts, PartLevels};
 use glam::Vec3;
 
-/// The mesh levels of a character, and the same coded for the wire.
+/// Mesh levels of a character and their transport stream.
 #[derive(Debug)]
 pub struct CodedMeshLevels {
-    /// The levels and what each loses.
+    /// The levels and their errors.
     pub levels: MeshLevels,
     /// The levels as a stream of chunks.
     pub stream: MeshLevelStream,
-    /// What was lost on the way, for people.
+    /// Warnings about lost data, as text for the user.
     pub warnings: Vec<String>,
 }
 
-/// Makes the levels of a figure, and puts them into its document.
+/// Makes the levels of a figure and stores them in its document.
 pub(crate) fn add(
     figure: &Figure,
     gltf: &mut GltfSource,
@@ -80,14 +80,14 @@ pub(crate) fn add(
     })
 }
 
-/// Radius of the ball around a mesh at rest.
+/// Radius of a mesh at rest: half the diagonal of its bounding box.
 fn radius_metres<'a>(vertices: impl Iterator<Item = &'a Vec3>) -> f32 {
     let bounds = Bounds::around(vertices.filter(|p| p.is_finite()).map(|p| (*p, *p)));
     bounds.map_or(1.0, |b| 0.5 * b.low.distance(b.high))
 }
 
-/// For each vertex of the character's mesh the first that is like it in all that the document
-/// has; vertices of different parts are never alike.
+/// Returns for each vertex of the character's mesh the first vertex with equal attributes in the
+/// document; vertices of different parts are never equal.
 fn vertex_classes(figure: &Figure, gltf: &GltfSource) -> Result<Vec<u32>> {
     let mut classes = Vec::with_capacity(figure.asset.mesh.len());
     for (m, parts) in parts_of_meshes(figure).into_iter().enumerate() {
@@ -127,7 +127,7 @@ fn store(
     Ok(())
 }
 
-/// Parts of the character's mesh that each source mesh has.
+/// Range of parts of the character's mesh for each source mesh.
 fn parts_of_meshes(figure: &Figure) -> Vec<std::ops::Range<usize>> {
     let mut first = 0;
     let meshes = figure.opened.character.meshes.iter();

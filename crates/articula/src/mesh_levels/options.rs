@@ -1,4 +1,4 @@
-//! What the caller wants of mesh levels.
+//! Options of mesh levels.
 
 use crate::error::{Context, Error, Result};
 use articula_build::MeshLevelOptions as BuildOptions;
@@ -6,28 +6,28 @@ use articula_build::{ErrorWeighting, SimplifyOptions, region_weights};
 use articula_core::{Mesh, Part, Rig, Zone};
 use std::collections::BTreeMap;
 
-/// Shares of the triangles of five levels; other numbers of levels run along them.
+/// Triangle fractions of five levels; other numbers of levels are interpolated.
 const FIVE_LEVELS: [f64; 5] = [1.0, 0.5, 0.25, 0.1, 0.015];
 
-/// How the mesh levels of a character are made.
+/// Options for making the mesh levels of a character.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshLevelOptions {
-    /// Share of the triangles of each level, 0..1, falling from 1.
+    /// Fraction of the triangles at each level, 0 to 1, decreasing from 1.
     pub targets: Vec<f64>,
-    /// How much errors of a body region count, by the region's name; 1 without an entry.
+    /// Factors on errors by body region name; 1 for regions without an entry.
     pub region_weights: Vec<(String, f32)>,
-    /// Zones that may be shown at a level of their own, with their names; the rest is one more.
+    /// Named zones that may be shown at independent levels; the remaining vertices form one more.
     pub split: Vec<(String, Zone)>,
-    /// Which errors count.
+    /// Error measure of the simplifier.
     pub weighting: ErrorWeighting,
-    /// Vertices that no level removes, by the name of their mesh, numbered within it.
+    /// Vertices that no level removes, by mesh name; indices within the mesh.
     pub locked: BTreeMap<String, Vec<u32>>,
-    /// Whether the coarser levels are written as `MSFT_lod` nodes too.
+    /// Whether the coarser levels are also written as `MSFT_lod` nodes.
     pub msft_lod: bool,
 }
 
 impl MeshLevelOptions {
-    /// So many levels, from all triangles to 1.5 % of them.
+    /// Options for `count` levels, from all triangles down to 1.5 % of them.
     pub fn levels(count: usize) -> Self {
         Self {
             targets: default_targets(count),
@@ -39,8 +39,8 @@ impl MeshLevelOptions {
         }
     }
 
-    /// The options of a character. `classes` tells vertices apart that look alike in all that a
-    /// [`Mesh`] holds.
+    /// Converts to the builder's options for one character. `classes` distinguishes vertices whose
+    /// attributes in a [`Mesh`] are equal.
     pub(super) fn of(&self, mesh: &Mesh, rig: &Rig, classes: Vec<u32>) -> Result<BuildOptions> {
         let factors = self.region_weights.iter().map(|(r, x)| (r.as_str(), *x));
         let factors: Vec<(&str, f32)> = factors.collect();
@@ -63,7 +63,7 @@ impl MeshLevelOptions {
         })
     }
 
-    /// Which zone each vertex belongs to: the first that has its heaviest joint.
+    /// Zone of each vertex: the first that contains the joint with the greatest weight.
     fn regions(&self, mesh: &Mesh, rig: &Rig) -> Vec<u8> {
         if self.split.is_empty() {
             return Vec::new();
@@ -82,7 +82,7 @@ impl MeshLevelOptions {
         (0..mesh.len()).map(region).collect()
     }
 
-    /// Names of the zones that may have levels of their own.
+    /// Names of the zones that may have independent levels.
     pub(super) fn region_names(&self) -> Vec<String> {
         if self.split.is_empty() {
             return Vec::new();
@@ -105,7 +105,7 @@ impl MeshLevelOptions {
                 let what = format!("several meshes are called \"{name}\"; give them other names");
                 return Err(Error::Locked(what));
             }
-            // Parts of one mesh follow each other: its vertices are numbered through them.
+            // Parts of one mesh are consecutive, and vertices are numbered across them.
             let of_mesh: Vec<u32> = parts
                 .iter()
                 .flat_map(|p| p.vertices.clone())
@@ -123,7 +123,7 @@ impl MeshLevelOptions {
     }
 }
 
-/// Shares of the triangles of `levels` levels: those of five, or what lies between them.
+/// Triangle fractions of `levels` levels, interpolated from those of five.
 fn default_targets(levels: usize) -> Vec<f64> {
     let last = FIVE_LEVELS.len() - 1;
     let at = |i: usize| {
@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(default_targets(5), FIVE_LEVELS);
         assert_eq!(default_targets(1), [1.0]);
         assert_eq!(default_targets(2), [1.0, 0.015]);
-        // Half way along: index 1 of 4 at three levels is 2 of 4.
+        // Half-way: index 1 of 2 at three levels is index 2 of 4 at five.
         assert_eq!(default_targets(3), [1.0, 0.25, 0.015]);
         let nine = default_targets(9);
         // Between 100 and 50 percent: their geometric mean, to a hundredth of a percent.

@@ -1,4 +1,4 @@
-//! The levels as a stream for the wire, and what they weigh there.
+//! Mesh levels as a transport stream, and its sizes.
 
 use super::parts_of_meshes;
 use crate::error::{Context, Result};
@@ -7,18 +7,18 @@ use articula_build::MeshLevels;
 use articula_stream::mesh::{Grid, Precision, quantise};
 use articula_stream::mesh::{ObjectLevels, StreamObject, write};
 
-/// The levels of a character, coded.
+/// The mesh levels of a character as a transport stream.
 #[derive(Debug)]
 pub struct MeshLevelStream {
     /// The whole stream.
     pub bytes: Vec<u8>,
-    /// Bytes of each level coded alone, head included; the finest first.
+    /// Size of each level coded alone in bytes, head included; finest first.
     pub direct: Vec<usize>,
-    /// Bytes of what each level adds in the whole stream.
+    /// Size of each level's chunks in the stream in bytes; finest first.
     pub chunks: Vec<usize>,
 }
 
-/// Codes all levels; `regions` is the region of each vertex of the character's mesh, or empty.
+/// Codes all levels; `regions` is empty or has the region of each vertex of the character's mesh.
 pub(crate) fn coded(figure: &Figure, made: &MeshLevels, regions: &[u8]) -> Result<MeshLevelStream> {
     let objects = objects(figure, made, regions)?;
     let count = made.table.levels.len();
@@ -65,7 +65,7 @@ fn objects(figure: &Figure, made: &MeshLevels, regions: &[u8]) -> Result<Vec<Obj
     Ok(objects)
 }
 
-/// The levels of a part, region by region; a triangle belongs to the lowest one of its corners.
+/// Splits the levels of a part by region; a triangle belongs to the lowest region of its corners.
 fn split(levels: &[Vec<[u32; 3]>], regions: &[u8]) -> Vec<(u8, Vec<Vec<[u32; 3]>>)> {
     let of = |t: &[u32; 3]| {
         let corners = t.map(|v| regions.get(v as usize).copied().unwrap_or(0));

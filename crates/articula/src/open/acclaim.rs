@@ -1,10 +1,10 @@
-//! Acclaim files: a skeleton (`.asf`), or a motion (`.amc`) with the skeleton it was made for.
+//! Acclaim files: a skeleton (`.asf`), or a motion (`.amc`) with its skeleton.
 
 use super::{CharacterFile, Input};
 use crate::error::{Error, Result};
 use articula_formats::{ReadOptions, acclaim};
 
-/// Reads a skeleton file by itself.
+/// Reads a skeleton without motion.
 pub(super) fn open_skeleton(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     read(input, input.bytes, None)
 }

@@ -1,10 +1,10 @@
-//! BAP files: the standard humanoid in motion.
+//! BAP files: motion of the standard MPEG-4 body.
 
 use super::{CharacterFile, Input};
 use crate::error::Result;
 use articula_formats::mpeg4::bap;
 
-/// Reads a BAP file; its parameters are kept, so that they can be written back as they are.
+/// Reads a BAP file and keeps its parameters, so that they can be written back unchanged.
 pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let options = input.options;
     let read = bap::read(input.bytes, options.absent, &options.limits)?;

@@ -1,4 +1,4 @@
-//! BVA files: segments without a hierarchy, put together if their names are known.
+//! BVA files: segments without a hierarchy, which is rebuilt if their names are known.
 
 use super::{CharacterFile, Input};
 use crate::error::Result;

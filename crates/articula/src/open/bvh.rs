@@ -4,7 +4,7 @@ use super::{CharacterFile, Input};
 use crate::error::Result;
 use articula_formats::{ReadOptions, bvh};
 
-/// Reads a BVH file; the unit and the up axis are the caller's or a guess.
+/// Reads a BVH file; unit and up axis are taken from the options or estimated.
 pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let options = ReadOptions {
         scale_to_metres: input.options.unit_metres,

@@ -1,4 +1,4 @@
-//! Files of MPEG-4 that hold data of a face or of an encoder, but no joint.
+//! MPEG-4 files with data of a face or an encoder, without joints.
 
 use super::OpenOptions;
 use crate::error::{Context, Result};
@@ -8,49 +8,49 @@ use articula_formats::mpeg4::fdp::FdpFile;
 use articula_formats::mpeg4::{epf, fap, fdp};
 use articula_formats::{Parsed, Warning};
 
-/// A format without a character in it.
+/// A file format without a character.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DataFormat {
-    /// Facial animation parameters.
+    /// MPEG-4 facial animation parameters.
     Fap,
-    /// Parameters of the encoder.
+    /// MPEG-4 encoder parameters.
     Epf,
-    /// What Xface knows of a face.
+    /// Xface's facial definition parameters.
     Fdp,
 }
 
-/// What such a file holds.
+/// Contents of a data file.
 #[derive(Debug)]
 pub enum Data {
-    /// Facial animation parameters.
+    /// Facial animation parameters by frame.
     Fap(FapClip),
-    /// Parameters of the encoder, by frame.
+    /// Encoder parameters by frame.
     Epf(Vec<EpfFrame>),
-    /// What Xface knows of a face.
+    /// Feature points and shape of a face.
     Fdp(FdpFile),
 }
 
-/// A file as it was read.
+/// A data file that was read.
 #[derive(Debug)]
 pub struct DataFile {
-    /// What it holds.
+    /// Contents of the file.
     pub data: Data,
-    /// Length of the file itself.
+    /// Size of the file in bytes.
     pub bytes: usize,
-    /// What was odd about it.
+    /// Warnings about the file.
     pub warnings: Vec<Warning>,
 }
 
 impl DataFormat {
     const ALL: [Self; 3] = [Self::Fap, Self::Epf, Self::Fdp];
 
-    /// The format that a file name's extension says.
+    /// Returns the format for a file name's extension.
     pub fn of_name(name: &str) -> Option<Self> {
         let extension = super::format::extension(name)?.to_ascii_lowercase();
         Self::ALL.into_iter().find(|f| f.name() == extension)
     }
 
-    /// Name as reports spell it, which is also the extension of its files.
+    /// Returns the name used in reports, which is also the file extension.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fap => "fap",
@@ -59,7 +59,7 @@ impl DataFormat {
         }
     }
 
-    /// Why there is no character in it, and what can be done with it.
+    /// Returns a sentence that explains why the format has no character, and how to use the file.
     pub fn advice(self) -> &'static str {
         match self {
             Self::Fap => {
@@ -75,10 +75,10 @@ impl DataFormat {
     }
 }
 
-/// Opens a file without a character in it; `name` is what errors call it.
+/// Opens a data file without a character; `name` identifies the file in errors.
 ///
 /// # Errors
-/// An [`Error`](crate::Error) that names the file and the place in it.
+/// An [`Error`](crate::Error) that names the file and the position in it.
 pub fn open_data(
     bytes: &[u8],
     name: &str,

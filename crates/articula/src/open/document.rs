@@ -1,32 +1,32 @@
-//! GLB, glTF, VRM and VRM animation files: the whole document stays behind the character.
+//! GLB, glTF, VRM and VRM animation files, with the whole document preserved.
 
 use super::{CharacterFile, Input};
 use crate::error::Result;
 use articula_core::source::Character;
 use articula_formats::gltf::{self, Document, GltfFile, KhrCharacter, PassThrough};
 
-/// The document of a glTF file, which of its nodes the character came from, and what it says of a
-/// human beyond the character.
+/// The document of a glTF file, the nodes of the character's joints and meshes, and humanoid data
+/// that is not part of the character.
 #[derive(Debug, Clone)]
 pub struct GltfSource {
-    /// The whole document, so that what is not understood passes through.
+    /// The whole document; unknown contents are preserved when it is written.
     pub document: Document,
-    /// Node of each joint.
+    /// Node index of each joint.
     pub node_of_joint: Vec<usize>,
-    /// Node of each mesh.
+    /// Node index of each mesh.
     pub node_of_mesh: Vec<usize>,
-    /// Format of its human extensions, such as `VRM 1.0`.
+    /// Version of its humanoid extension, such as `VRM 1.0`.
     pub version: Option<String>,
-    /// Joint and VRM human bone.
+    /// Pairs of joint index and VRM human bone.
     pub humanoid: Option<Vec<(usize, String)>>,
-    /// What the draft glTF extensions for characters say.
+    /// Contents of the draft glTF extensions for characters.
     pub khr_character: Option<KhrCharacter>,
-    /// What stays in the document but changes nothing here.
+    /// Features that are preserved in the document but have no effect here.
     pub kept: Vec<PassThrough>,
 }
 
 impl GltfSource {
-    /// Parts a file into its character and what stands behind it.
+    /// Splits a file into the character and its document.
     pub(crate) fn split(file: GltfFile) -> (Character, Self) {
         let behind = Self {
             document: file.document,
@@ -41,7 +41,7 @@ impl GltfSource {
     }
 }
 
-/// Reads a glTF file and what lies beside it.
+/// Reads a glTF file and the files that it refers to.
 pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let read = gltf::read(input.bytes, &input.options.limits, input.beside)?;
     let (character, gltf) = GltfSource::split(read.value);

@@ -1,58 +1,58 @@
-//! Which formats there are, how their files are called and how their bytes begin.
+//! File formats, their extensions and signatures.
 //!
-//! **A new format is one variant, one row of [`ROWS`] and one opener beside this file.**
+//! **A new format is one variant, one row of [`ROWS`] and one opener in this folder.**
 
 use super::{Opener, acclaim, bap, bva, bvh, document, x3d};
 use serde::Serialize;
 
-/// A format that is read or written.
+/// A character file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
     /// Binary glTF 2.0.
     Glb,
-    /// glTF 2.0 as JSON.
+    /// glTF 2.0 as a JSON file.
     Gltf,
     /// VRM 0.x or 1.0.
     Vrm,
-    /// A VRM animation.
+    /// VRM animation.
     Vrma,
-    /// Biovision hierarchical motion.
+    /// Biovision hierarchical motion, BVH.
     Bvh,
     /// H-Anim in X3D, XML encoding.
     X3d,
-    /// H-Anim in X3D, classic encoding.
+    /// H-Anim in X3D, classic VRML encoding.
     X3dv,
     /// H-Anim in VRML97.
     Wrl,
-    /// Biovision animation without a hierarchy.
+    /// Biovision animation without a hierarchy, BVA.
     Bva,
-    /// An Acclaim skeleton.
+    /// Acclaim skeleton.
     Asf,
-    /// An Acclaim motion.
+    /// Acclaim motion.
     Amc,
     /// MPEG-4 body animation parameters.
     Bap,
 }
 
-/// What is known of one format.
+/// Properties of a format.
 struct Row {
     format: Format,
-    /// Name as reports spell it, which is also the extension of its files.
+    /// Name used in reports, which is also the file extension.
     name: &'static str,
     open: Opener,
-    /// Whether a character in memory can be written so; others are only written back.
+    /// Which characters can be written in the format.
     writes: WriteSupport,
 }
 
-/// What can be written in a format.
+/// Which characters can be written in a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WriteSupport {
     /// Any character.
     Any,
-    /// Only what was read from the same format.
+    /// Only characters read from the same format.
     Back,
-    /// Nothing.
+    /// None; the format is only read.
     Never,
 }
 
@@ -132,24 +132,25 @@ const ROWS: &[Row] = &[
 ];
 
 impl Format {
-    /// The format that a file name's extension says.
+    /// Returns the format for a file name's extension.
     pub fn of_name(name: &str) -> Option<Self> {
         Self::of_extension(extension(name)?)
     }
 
-    /// The format whose files have this extension, in any case, with or without its dot.
+    /// Returns the format for a file extension, in upper or lower case, with or without the dot.
     pub fn of_extension(extension: &str) -> Option<Self> {
         let wanted = extension.trim_start_matches('.').to_ascii_lowercase();
         let row = ROWS.iter().find(|row| row.name == wanted)?;
         Some(row.format)
     }
 
-    /// The format of the bytes; a container of glTF may be called by a more special name.
+    /// Detects the format from the first bytes; `name` distinguishes the formats that are glTF
+    /// containers.
     pub fn of_bytes(bytes: &[u8], name: &str) -> Option<Self> {
         let named = Self::of_name(name);
         let first = bytes.iter().position(|b| !b.is_ascii_whitespace());
         let text = &bytes[first.unwrap_or(bytes.len())..];
-        // Some editors put a byte order mark before text.
+        // Some editors put a byte order mark in front of text.
         let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
         let gltf = |usual| match named {
             Some(Self::Vrm | Self::Vrma) => named,
@@ -170,27 +171,27 @@ impl Format {
         } else if is_x3d(text) {
             Some(Self::X3d)
         } else {
-            // The reader of that format can say best what is wrong with it.
+            // The reader of the named format gives the most useful error.
             named
         }
     }
 
-    /// Name as reports spell it.
+    /// Returns the name used in reports, which is also the file extension.
     pub fn name(self) -> &'static str {
         self.row().name
     }
 
-    /// What can be written in it.
+    /// Returns which characters can be written in the format.
     pub fn writes(self) -> WriteSupport {
         self.row().writes
     }
 
-    /// Whether a file of it holds a single clip, every joint in every frame.
+    /// Returns whether a file holds a single clip, with every joint in every frame.
     pub fn holds_one_clip(self) -> bool {
         self.needs_a_clip() || self == Self::Asf
     }
 
-    /// Whether a file of it is nothing without a clip.
+    /// Returns whether a file needs a clip.
     pub fn needs_a_clip(self) -> bool {
         matches!(self, Self::Bvh | Self::Amc | Self::Bap)
     }
@@ -206,28 +207,28 @@ impl Format {
     }
 }
 
-/// What stands after the last dot of a file's name, if something stands before it.
+/// The extension of a file name, unless the name starts with its only dot.
 pub(super) fn extension(name: &str) -> Option<&str> {
     let name = name.rsplit(['/', '\\']).next()?;
     let (stem, extension) = name.rsplit_once('.')?;
     (!stem.is_empty()).then_some(extension)
 }
 
-/// Whether text begins as an X3D document does, or bytes as one that was packed.
+/// Returns whether the bytes begin like an X3D document, or like a compressed one.
 fn is_x3d(start: &[u8]) -> bool {
     const PACKED: [&[u8]; 2] = [b"\x1f\x8b", b"\xe0\x00\x00\x01"];
-    // The root element stands after a declaration, a document type and comments.
+    // The root element follows a declaration, a document type and comments.
     let near = &start[..start.len().min(4096)];
     let names_it = near.windows(4).any(|w| w == b"<X3D");
     start.starts_with(b"<") && names_it || PACKED.iter().any(|p| start.starts_with(p))
 }
 
-/// The extensions of the files that are read, as a sentence lists them.
+/// Returns the extensions of all readable formats, as text.
 pub fn readable() -> String {
     listed(ROWS.iter().map(|row| format!(".{}", row.name)))
 }
 
-/// What is converted into what, as a sentence.
+/// Returns the supported conversions, as text.
 pub fn conversions() -> String {
     let named = |writes| {
         let rows = ROWS.iter().filter(move |row| row.writes == writes);

@@ -1,4 +1,4 @@
-//! The reference human as a file that was opened.
+//! The built-in reference human as an opened file.
 
 use super::{CharacterFile, OpenOptions, open};
 use crate::error::{Error, Result};
@@ -6,11 +6,11 @@ use articula_formats::Resolver;
 use articula_formats::gltf::Document;
 use articula_human::{HumanOptions, human};
 
-/// Makes the reference human: a clothed figure with a face, hands and some clips, for where no
-/// character is at hand.
+/// Creates the built-in reference human: a clothed figure with a face, hands and some clips, for
+/// use without a character file.
 ///
 /// # Errors
-/// None that the caller could mend.
+/// None that a caller could avoid.
 pub fn reference_human() -> Result<CharacterFile> {
     let made = human(&HumanOptions::default());
     let character = made.map_err(|e| Error::Unsuited(e.to_string()))?;

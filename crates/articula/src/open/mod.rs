@@ -1,4 +1,4 @@
-//! From bytes to a character: the format is told by the bytes, then by the name.
+//! Reading characters from bytes; the format is detected from the bytes, then from the name.
 
 mod acclaim;
 mod bap;
@@ -26,42 +26,41 @@ use articula_formats::joint_map;
 use articula_formats::mpeg4::bap::BapClip;
 use articula_formats::{Resolver, Warning};
 
-/// A file that was opened: its character, and what is needed to write it back.
+/// An opened file: its character, and the data needed to write it back.
 #[derive(Debug, Clone)]
 pub struct CharacterFile {
-    /// What errors and reports call the file.
+    /// Name of the file in errors and reports.
     pub name: String,
-    /// How the file is written.
+    /// Format of the file.
     pub format: Format,
-    /// Length of the file itself, bytes.
+    /// Size of the file in bytes.
     pub bytes: usize,
     /// Skeleton, meshes, clips and expressions, in metres, +Y up, facing +Z.
     pub character: Character,
-    /// Whether the clips are other than those of the document behind a glTF file or of the
-    /// parameters of a BAP file, which are written anew then. Set it after changing
-    /// `character.clips`.
+    /// Whether the clips differ from those in the glTF document or the BAP parameters, which are
+    /// then written from `character.clips`. Set it after changing `character.clips`.
     pub clips_changed: bool,
-    /// What the joints are, by the file's own map or by their names.
+    /// H-Anim joint, level and region of the joints, from the file's own map or from joint names.
     pub mapping: Mapping,
-    /// What stands behind a glTF file, to be passed through; `None` for other formats.
+    /// Document of a glTF file, preserved when it is written; `None` for other formats.
     pub gltf: Option<GltfSource>,
-    /// Joint and offset of each end site of a BVH, ASF or X3D file, metres.
+    /// Joint index and offset in metres of each end site of a BVH, ASF or X3D file.
     pub end_sites: Vec<(usize, glam::Vec3)>,
-    /// The parameters of a BAP file.
+    /// Parameters of a BAP file.
     pub parameters: Option<BapClip>,
-    /// What was odd about the file.
+    /// Warnings about the file.
     pub warnings: Vec<Warning>,
 }
 
-/// Opens a character, or a motion with its skeleton.
+/// Opens a character, or a motion with its skeleton, from bytes.
 ///
-/// `name` is what errors call the file; its extension helps to tell the format. `beside` fetches
-/// what lies beside the file (buffers, pictures) by its relative URI.
+/// `name` identifies the file in errors; its extension helps to detect the format. `beside`
+/// resolves relative URIs of other files (buffers, pictures).
 ///
 /// # Errors
-/// An [`Error`] that names the file and the place in it: no format that is read, a malformed or
-/// unsupported file, something missing beside it, or a file without a character
-/// ([`open_data`] opens those of MPEG-4 faces).
+/// An [`Error`] that names the file and the position in it: an unknown format, a malformed or
+/// unsupported file, a missing referenced file, or a file without a character ([`open_data`] opens
+/// MPEG-4 face files).
 pub fn open(
     bytes: &[u8],
     name: &str,
@@ -90,7 +89,7 @@ pub fn open(
     format.opener()(&mut input).context(name)
 }
 
-/// What an opener is given.
+/// Arguments of an opener.
 struct Input<'a, 'r> {
     name: &'a str,
     format: Format,
@@ -100,11 +99,11 @@ struct Input<'a, 'r> {
     beside: &'a mut Resolver<'r>,
 }
 
-/// Turns the bytes of one format into a character; the caller names the file in errors.
+/// Reads a character from one format; the caller adds the file name to errors.
 type Opener = fn(&mut Input<'_, '_>) -> Result<CharacterFile>;
 
 impl Input<'_, '_> {
-    /// A character as read; `given` is the map to VRM human bones that the file brings itself.
+    /// Creates the opened file; `given` is the map to VRM human bones, if the file has one.
     fn opened(
         &self,
         character: Character,
@@ -127,7 +126,7 @@ impl Input<'_, '_> {
 }
 
 impl CharacterFile {
-    /// A character that was made, not read; its joints are told by their names.
+    /// Wraps a character that was created by a program; its joints are identified by name.
     pub fn from_character(name: &str, character: Character) -> Self {
         Self {
             name: name.to_owned(),
@@ -147,18 +146,18 @@ impl CharacterFile {
         }
     }
 
-    /// H-Anim joint, level and region of every joint: what the file stores of itself, else what
-    /// its names say.
+    /// Returns the H-Anim joint, level and region of every joint, as stored in the file or derived
+    /// from joint names.
     pub fn articulation(&self) -> Articulation {
         let stored = self.character.articulation.clone();
         stored.unwrap_or_else(|| self.mapping.articulation.clone())
     }
 
     /// Keeps the meshes named in `only` (all if empty) that are not named in `hide`; channels and
-    /// expressions that drive a mesh follow it.
+    /// expressions of a removed mesh are removed too.
     ///
     /// # Errors
-    /// [`Error::Argument`] if a name is that of no mesh; it lists those there are.
+    /// [`Error::Argument`] if no mesh has one of the names; the message lists the meshes.
     pub fn keep_meshes(&mut self, only: &[String], hide: &[String]) -> Result<()> {
         let names = self.character.meshes.iter().map(|m| m.name.clone());
         let names: Vec<String> = names.collect();
@@ -171,10 +170,10 @@ impl CharacterFile {
     }
 }
 
-/// Finds a name among others.
+/// Returns the index of `name` among the given names.
 ///
 /// # Errors
-/// [`Error::Argument`] that says which names there are.
+/// [`Error::Argument`] that lists the names, if it is not among them.
 pub fn choose<'a>(
     what: &str,
     wanted: &str,

@@ -5,7 +5,7 @@ use crate::error::Result;
 use articula_formats::x3d::{self, Site};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Reads an X3D file and the pictures that lie beside it.
+/// Reads an X3D file and the pictures that it refers to.
 pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let read = x3d::read(input.bytes, &input.options.limits, input.beside)?;
     let file = read.value;
@@ -14,7 +14,7 @@ pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     Ok(opened)
 }
 
-/// The far end of each last joint, where the file names it: the site farthest from the joint.
+/// End of each leaf joint: the named site that is farthest from the joint.
 fn end_sites(opened: &CharacterFile, sites: &[Site]) -> Vec<(usize, glam::Vec3)> {
     let joints = &opened.character.skeleton.joints;
     let parents: BTreeSet<usize> = joints.iter().filter_map(|j| j.parent).collect();

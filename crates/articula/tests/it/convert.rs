@@ -1,4 +1,4 @@
-//! Clips of real files on the characters of others, and what is said where they do not fit.
+//! Transfers clips of real files to other characters, and checks the errors where they do not fit.
 
 use crate::real::real_data;
 use articula::convert::{ClipEdits, ClipFit, ClipPart, ReduceOptions, write};
@@ -18,7 +18,7 @@ const WALK: &str = "bvh/cmu_12_01_walk.bvh";
 const AVATAR: &str = "vrm/Godette_vrm_v4.vrm";
 const FOX: &str = "glb/Fox.glb";
 
-/// A character with the clips of a file, and where they come from.
+/// Adds the clips of a file to a character; also returns their origin.
 fn added(data: &Path, character: &str, file: &str) -> (CharacterFile, Vec<ClipFit>) {
     let mut opened = fs::open(data.join(character)).unwrap();
     let files = [fs::open(data.join(file)).unwrap()];
@@ -27,7 +27,7 @@ fn added(data: &Path, character: &str, file: &str) -> (CharacterFile, Vec<ClipFi
     (opened, fits.unwrap())
 }
 
-/// Why the clips of a file cannot be added.
+/// The error of adding the clips of a file.
 fn refused(data: &Path, character: &str, file: &str) -> Error {
     let mut opened = fs::open(data.join(character)).unwrap();
     let before = opened.character.clips.len();
@@ -54,7 +54,7 @@ fn positions(opened: &CharacterFile, clip: &str, secs: f32) -> Vec<(String, Vec3
         .collect()
 }
 
-/// Reads a GLB that was written.
+/// Reads a written GLB.
 fn again(bytes: &[u8]) -> CharacterFile {
     let nothing = &mut |_: &str| Err("nothing lies beside it".into());
     open(bytes, "written.glb", &OpenOptions::default(), nothing).unwrap()
@@ -68,7 +68,7 @@ fn a_library_of_clips_moves_its_mannequin_as_it_is() {
     assert!(fits.iter().all(|fit| fit.retargeted.is_none()));
     let name = "Rig_Medium|Running_A";
     assert!(fits.iter().any(|fit| fit.name == name && fit.from == name));
-    // Every joint is where the library's own rig has it.
+    // Every joint has the position that it has on the library's own rig.
     let library = fs::open(data.join(LIBRARY)).unwrap();
     let there = positions(&library, name, 0.3);
     let mut compared = 0;
@@ -79,7 +79,7 @@ fn a_library_of_clips_moves_its_mannequin_as_it_is() {
         }
     }
     assert!(compared > 20, "only {compared} joints");
-    // What is prepared and written has the clips.
+    // The prepared and written file has the clips.
     let prepared = prepare(opened, &PrepareOptions::default(), &Executor::default()).unwrap();
     assert_eq!(prepared.tables.len(), 11);
     let asset = again(&prepared.glb);

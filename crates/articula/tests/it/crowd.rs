@@ -1,4 +1,5 @@
-//! Crowds of the library: any file does something sensible, and who evaluates changes no bit.
+//! Crowds of the library: every file gives a sensible crowd, and the output does not depend on the
+//! thread that evaluates.
 
 use crate::real::real_data;
 use articula::crowd::{
@@ -10,7 +11,7 @@ use articula_core::loa::LoaExpression;
 use glam::Vec3;
 use std::sync::OnceLock;
 
-/// The reference human, made once for all tests.
+/// The reference human, built once for all tests.
 fn human() -> CharacterFile {
     static HUMAN: OnceLock<CharacterFile> = OnceLock::new();
     let made = HUMAN.get_or_init(|| {
@@ -29,7 +30,7 @@ fn asset_of(opened: CharacterFile, options: &CrowdOptions) -> CrowdAsset {
     CrowdAsset::new(&figure, options, &Executor::default()).unwrap()
 }
 
-/// A row of characters, each a little later in the next clip, and a camera that sees them all.
+/// A row of characters, each slightly later in the next clip, and a camera that sees all of them.
 fn row(asset: &CrowdAsset, count: usize) -> (CrowdPlayer, Camera) {
     let mut crowd = CrowdPlayer::new(asset, count).unwrap();
     for i in 0..count {
@@ -53,7 +54,8 @@ fn all_finite(palettes: PaletteSlice<'_>) -> bool {
     }
 }
 
-/// Plays a crowd for a second; how far the vertices of its characters went, metres.
+/// Plays a crowd for a second; returns the largest distance that a vertex moved between frames, in
+/// metres.
 fn played(asset: &CrowdAsset) -> f32 {
     let (mut crowd, camera) = row(asset, 8);
     let mut before: Vec<Option<Vec<Vec3>>> = vec![None; 8];
@@ -122,7 +124,7 @@ fn a_file_without_clips_moves_with_those_of_another() {
             .add_clips(motions, &AddClipsOptions::default(), &Executor::default())
             .unwrap();
         let asset = asset_of(opened, &CrowdOptions::default());
-        // A walk of some metres is played on the spot.
+        // A walk of some metres is played in place.
         assert!(asset.travels(0), "{file}");
         let way = played(&asset);
         assert!(way > 0.01, "{file}: {way} m");

@@ -1,4 +1,4 @@
-//! What the library promises to a caller: it plays and converts every kind of file.
+//! Integration tests of the library: playback and conversion of every kind of file.
 //!
 //! One program: linking one is faster than linking many.
 #![allow(

@@ -1,13 +1,13 @@
-//! A clip whose last pose becomes its first.
+//! Closes a loop: makes the last pose of a clip equal its first.
 //!
-//! What a channel lacks at the seam is shared between both of its ends and fades out from there
+//! The difference of a channel at the seam is split between its two ends and fades out from there
 //! (smoothly, so that velocities at the seam stay as they are): rotations turn by a part of the
-//! missing turn, all others move by a part of the missing way.
+//! missing rotation, all other properties move by a part of the missing difference.
 //!
-//! The way over the ground is no lack. The joint that makes it (the hips of most files, a root
-//! above them in others) ends where it ended, upright as it began: its last pose is its first,
-//! taken along. A turn about the vertical is kept like the way if it is greater than
-//! [`TURN_RADIANS`]; a smaller one is a drift, and is closed.
+//! Travel over the ground is not part of that difference. The joint that travels (the hips in most
+//! files, a root above them in others) ends where it ended, as upright as it began: its last pose
+//! is its first, moved by the travel of the clip. A turn about the vertical is kept likewise if it
+//! is greater than [`TURN_RADIANS`]; a smaller one counts as drift and is removed.
 
 use super::super::channel::{self, SAME_SECS};
 use super::super::grid::grid;
@@ -19,41 +19,42 @@ use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{Mismatch, angle_between, same_hemisphere};
 use glam::{Quat, Vec3};
 
-/// A clip that turns by more than this goes in a curve, and is to go on in it.
+/// A clip that turns by more than this follows a curve and is to continue along it.
 pub(super) const TURN_RADIANS: f32 = 0.26;
 
-/// Least rate of keys where a channel is bent towards its other end.
+/// Minimum key rate where a channel is bent towards its other end.
 const BENT_HZ: f32 = 30.0;
 
-/// How a loop is closed.
+/// Options of closing a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CloseOptions {
-    /// Time at either end over which the seam is shared; `None` takes half of the clip.
+    /// Length in seconds, at either end, over which the seam is blended; `None` uses half of the
+    /// clip.
     pub window_secs: Option<f32>,
 }
 
-/// A closed loop.
+/// A closed loop and measurements of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosedLoop {
-    /// The clip.
+    /// The closed clip.
     pub clip: RawClip,
-    /// Time at either end over which the seam was shared.
+    /// Length in seconds, at either end, over which the seam was blended.
     pub window_secs: f32,
-    /// Greatest distance that any joint was moved by this, at any time.
+    /// Maximum distance in metres by which closing moved any joint, at any time.
     pub moved_metres: f32,
-    /// How far the figure turns in a round.
+    /// Turn of the figure about the vertical in one cycle, radians.
     pub turn_radians: f32,
-    /// How far it comes over the ground.
+    /// Distance that the figure travels over the ground in one cycle, metres.
     pub travel_metres: f32,
-    /// Greatest angle between the first and the last local rotation of any joint, the kept turn
-    /// taken off.
+    /// Maximum angle between the first and the last local rotation of any joint, without the kept
+    /// turn, radians.
     pub seam_radians: f32,
 }
 
-/// Makes the last pose of a clip its first one, but for its way over the ground.
+/// Makes the last pose of a clip equal its first, except for travel over the ground.
 ///
 /// # Errors
-/// A [`Mismatch`] if the clip is not one of this character, or is longer than can be verified.
+/// A [`Mismatch`] if the clip does not belong to this character or is longer than can be verified.
 pub fn close(
     subject: &EditSubject<'_>,
     clip: &RawClip,
@@ -96,14 +97,14 @@ pub fn close(
     })
 }
 
-/// What one round of a loop does to the figure.
+/// The motion of the whole figure in one cycle of a loop.
 struct Round {
-    /// Joints that the way takes along: the one that makes it, and what stands beside it and goes
-    /// with it (such as targets for feet).
+    /// Joints that take the travel: the one that makes it, and its siblings that move along (such
+    /// as targets for feet).
     carried: Vec<usize>,
-    /// The same for its turn.
+    /// Joints that take the turn.
     turned: Vec<usize>,
-    /// The step of one round, in the space of their parent.
+    /// The motion of one cycle, in the space of their parent.
     step: Similarity,
     yaw: f32,
     travel: f32,
@@ -144,7 +145,7 @@ impl Round {
         }
     }
 
-    /// What takes a channel's first value to what its last one should be.
+    /// The transform from a channel's first value to the last one that it should have.
     fn step(&self, channel: &Channel) -> Similarity {
         let taken = match channel.property {
             Property::Translation => self.carried.contains(&channel.target),
@@ -169,8 +170,8 @@ impl Round {
     }
 }
 
-/// The joint from the hips upwards that comes farthest over the ground by itself; without any way
-/// the topmost that moves.
+/// The joint, from the hips upwards, that travels farthest over the ground by itself; the topmost
+/// moving joint if none travels.
 fn traveller(subject: &EditSubject<'_>, clip: &RawClip, first: &Posed, last: &Posed) -> usize {
     let hips = subject.hips();
     let up = std::iter::successors(Some(hips), |j| subject.rig.parent(*j));
@@ -187,7 +188,7 @@ fn traveller(subject: &EditSubject<'_>, clip: &RawClip, first: &Posed, last: &Po
     };
     let mut best = (hips, 0.0);
     for joint in up.filter(moves) {
-        // What hardly differs is decided for the upper one.
+        // Where two hardly differ, the upper one is taken.
         if way(joint) >= best.1 - MIN_WAY {
             best = (joint, way(joint).max(best.1));
         }
@@ -195,7 +196,7 @@ fn traveller(subject: &EditSubject<'_>, clip: &RawClip, first: &Posed, last: &Po
     best.0
 }
 
-/// Ways over the ground that differ by less are one.
+/// Travel distances that differ by less than this count as equal.
 const MIN_WAY: f64 = 1e-3;
 
 /// Model-from-parent of a joint.
@@ -206,17 +207,17 @@ fn placed(subject: &EditSubject<'_>, joint: usize, posed: &Posed) -> Similarity 
     })
 }
 
-/// How both ends of a channel are bent towards each other.
+/// Bends both ends of a channel towards each other.
 struct Bend {
     window_secs: f32,
     end_secs: f32,
-    /// Time between keys where one is bent.
+    /// Time between keys where a channel is bent.
     key_secs: f32,
 }
 
 impl Bend {
-    /// Share of what lacks that is given at a time, from -1/2 at the start to 1/2 at the end, and
-    /// its rate.
+    /// Share of the difference that is added at a time, from -1/2 at the start to 1/2 at the end,
+    /// and its rate of change.
     fn share(&self, secs: f32) -> (f32, f32) {
         let (w, from_end) = (self.window_secs, self.end_secs - secs);
         let smooth = |u: f32| (u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u) / w);
@@ -246,19 +247,19 @@ impl Bend {
                 clamp(channel, key, &range);
             }
         }
-        // To the last bit, whatever was rounded on the way.
+        // Exact to the last bit, in spite of rounding.
         let last = channel.times_secs.len() - 1;
         let mut end = lack.end(channel::key_value(channel, 0));
         let shown = channel::key_value_mut(channel, last);
         let dot: f32 = shown.iter().zip(&end).map(|(a, b)| a * b).sum();
         if channel.property == Property::Rotation && dot < 0.0 {
-            // The same rotation, on the side of the keys before it.
+            // The same rotation, in the hemisphere of the keys before it.
             end.iter_mut().for_each(|v| *v = -*v);
         }
         channel::key_value_mut(channel, last).copy_from_slice(&end);
     }
 
-    /// Keys within the windows, so that a straight piece does not stand for the bend.
+    /// Inserts keys within the windows, so that straight pieces follow the bend.
     fn put_keys(&self, channel: &mut Channel) {
         let count = (self.window_secs / self.key_secs).ceil() as usize;
         let steps = (1..=count).map(|i| self.window_secs * i as f32 / count as f32);
@@ -276,13 +277,13 @@ impl Bend {
     }
 }
 
-/// What a channel's end lacks of its start.
+/// The difference between a channel's end and its start.
 enum Lack {
-    /// Rotations: the turn of a round, and what then lacks on the right-hand side.
+    /// Rotations: the turn of one cycle, and what remains, multiplied on the right.
     Turn { step: Quat, lack: Quat },
-    /// Translations: the step of a round, and what then lacks.
+    /// Translations: the motion of one cycle, and what remains.
     Way { step: Similarity, lack: Vec3 },
-    /// All others.
+    /// All other properties.
     Difference(Vec<f32>),
 }
 
@@ -317,7 +318,7 @@ impl Lack {
         }
     }
 
-    /// What the last value must be for a first one.
+    /// The last value that belongs to a first one.
     fn end(&self, first: &[f32]) -> Vec<f32> {
         match self {
             Self::Turn { step, .. } => (*step * Quat::from_slice(first)).to_array().to_vec(),
@@ -329,7 +330,7 @@ impl Lack {
         }
     }
 
-    /// Gives a key its share, and its tangents the share's rate.
+    /// Adds a share of the difference to a key, and the rate of the share to its tangents.
     fn give(&self, channel: &mut Channel, key: usize, share: f32, rate: f32) {
         let width = channel::width(channel);
         let parts = channel::parts(channel.interpolation);
@@ -352,7 +353,7 @@ impl Lack {
                 }
             }
             Self::Way { lack, step } => {
-                // At the start it is given in the figure's own direction there.
+                // At the start it is applied in the figure's own direction there.
                 let back = step.rotation.as_quat().conjugate();
                 let lack = if share < 0.0 { back * *lack } else { *lack };
                 add(floats, &lack.to_array(), middle, share, rate);
@@ -372,7 +373,7 @@ fn add(floats: &mut [f32], lack: &[f32], middle: usize, share: f32, rate: f32) {
     }
 }
 
-/// Least and greatest value of weights and expressions, which mean nothing beyond.
+/// Range of weights and expressions, which are undefined outside of it.
 fn range(channel: &Channel) -> Option<(f32, f32)> {
     if channel.property.is_of_joint() {
         return None;

@@ -1,9 +1,10 @@
-//! The part of a clip whose end goes over into its start with the least jump.
+//! Finds the part of a clip whose end continues into its start with the smallest jump.
 //!
-//! Source: the distance between frames of Kovar, Gleicher and Pighin, Motion Graphs, SIGGRAPH
-//! 2002: joint positions around both frames, after the ground is aligned. Differs: each frame is
-//! laid to its own trajectory once, instead of every pair to each other, and what happens around
-//! a frame is its velocity; so a pair costs a hundred numbers and all pairs can be looked at.
+//! Source: the distance between frames of Kovar, Gleicher and Pighin, Motion Graphs, SIGGRAPH 2002:
+//! joint positions around both frames, after the ground is aligned. Differs: each frame is aligned
+//! to its own trajectory once, instead of every pair to each other, and the neighbourhood of a
+//! frame is represented by its velocity. A pair then costs about a hundred floats, so that all
+//! pairs can be compared.
 
 use super::super::root_motion::trajectory::Trajectory;
 use super::super::subject::EditSubject;
@@ -12,67 +13,68 @@ use articula_core::source::RawClip;
 use articula_core::{Mismatch, Region};
 use glam::{Quat, Vec3};
 
-/// Most frames that are compared with each other; longer clips are looked at more coarsely.
+/// Maximum number of frames that are compared with each other; longer clips are sampled at a lower
+/// rate.
 const MAX_FRAMES: usize = 2048;
 
 /// Highest rate at which frames are compared.
 const COMPARED_HZ: f32 = 60.0;
 
-/// What a difference of velocity weighs: as much as the way that it makes in this time.
+/// Weight of a velocity difference: it counts as the distance covered in this time.
 const VELOCITY_SECS: f32 = 0.1;
 
-/// Velocities are taken over this time to both sides.
+/// Velocities are central differences over this time to both sides.
 const AROUND_SECS: f32 = 1.0 / 60.0;
 
-/// A loop must leave its first pose by this much of what the clip does on the whole.
+/// A loop must leave its first pose by at least this share of the clip's overall spread.
 const MIN_REACH: f32 = 0.5;
 
-/// A clip whose ends are nowhere farther apart than this part of the figure's height is a loop as
-/// it is: 1 cm for a grown-up.
+/// A clip whose end poses differ nowhere by more than this share of the figure's height is a loop
+/// as it is: 1 cm for an adult.
 const WHOLE_SEAM: f32 = 0.006;
 
-/// A shorter loop is preferred to a better one up to this factor.
+/// A shorter loop is preferred over a better one up to this factor in distance.
 const NEARLY: f32 = 1.5;
 
-/// Below this score a part is no loop: its ends differ by more than a fifth of what the clip does.
+/// Minimum score of a loop; below it the ends differ by more than a fifth of the clip's spread.
 pub const MIN_SCORE: f32 = 0.8;
 
-/// Parts of a frame that the ends of a loop are placed by.
+/// Subdivisions of a frame to which the ends of a loop are refined.
 const PARTS: usize = 4;
 
-/// Shortest loop.
+/// Minimum length of a loop.
 const MIN_SECS: f32 = 0.4;
 
-/// A part of a clip, and how its end goes over into its start. Root motion does not count:
-/// both are laid to where the hips are and face.
+/// A part of a clip and how well its end continues into its start. Root motion does not count: both
+/// frames are aligned to the position and heading of the hips.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopCycle {
-    /// Where it starts.
+    /// Start of the part, seconds.
     pub start_secs: f32,
-    /// Where it ends, and is at its start again.
+    /// End of the part, seconds; playback continues from the start.
     pub end_secs: f32,
-    /// Greatest jump of a joint at the seam.
+    /// Maximum jump of a joint at the seam, metres.
     pub seam_metres: f32,
-    /// Root mean square of the joints' jumps.
+    /// Root mean square of the jumps of the joints, metres.
     pub seam_rms_metres: f32,
-    /// Root mean square of the differences of their velocities.
+    /// Root mean square of the velocity differences of the joints, metres per second.
     pub seam_metres_per_sec: f32,
-    /// 1 if neither poses nor velocities jump, 0 if they do as much as between any two moments
-    /// of the clip that differ much. For a whole clip, at whose ends velocities are seen from one
-    /// side only, it is of the poses alone.
+    /// Quality of the seam: 1 if neither poses nor velocities jump, 0 if they differ as much as two
+    /// very different frames of the clip. For a whole clip, at whose ends velocities are one-sided,
+    /// the score is of the poses alone.
     pub score: f32,
-    /// Whether it is good enough to be called a loop: its score is at least [`MIN_SCORE`], or
-    /// it is the whole clip and its ends meet.
+    /// Whether the part qualifies as a loop: its score is at least [`MIN_SCORE`], or it is the
+    /// whole clip and its ends meet.
     pub is_loop: bool,
-    /// Whether it is the whole clip, whose ends meet within 0.6 % of the figure's height.
+    /// Whether the part is the whole clip, whose ends meet within 0.6 % of the figure's height.
     pub is_whole: bool,
 }
 
-/// Poses of a clip laid to their trajectory, for comparison.
+/// Poses of a clip aligned to their trajectory, for comparison.
 struct Frames {
     times: Vec<f32>,
     joints: usize,
-    /// For each frame the positions of all joints, then their ways in [`VELOCITY_SECS`].
+    /// For each frame the positions of all joints, then their displacements in [`VELOCITY_SECS`].
     points: Vec<Vec3>,
 }
 
@@ -113,7 +115,7 @@ impl Frames {
         (&self.points[at..middle], &self.points[middle..end])
     }
 
-    /// Difference of two frames, of their velocities too; metres.
+    /// Difference of two frames, velocities included; metres.
     fn distance(&self, i: usize, j: usize) -> f32 {
         let ((p, v), (q, w)) = (self.frame(i), self.frame(j));
         let squares = |a: &[Vec3], b: &[Vec3]| -> f32 {
@@ -123,9 +125,9 @@ impl Frames {
         ((squares(p, q) + squares(v, w)) / self.joints as f32).sqrt()
     }
 
-    /// How far the poses of the clip are from each other: for the middle one of some frames, the
-    /// distance that one in ten of the others exceeds. Single odd frames, such as a T-pose
-    /// before a capture, do not count.
+    /// Typical distance between the poses of the clip: the median, over some frames, of the
+    /// distance that one in ten of the other frames exceeds. Single odd frames, such as a T-pose
+    /// before a capture, have no effect.
     fn spread(&self) -> f32 {
         let frames = self.times.len();
         let at = |mut sorted: Vec<f32>, part: f32| {
@@ -161,8 +163,8 @@ impl Frames {
     }
 }
 
-/// The joints whose places are compared: those of the standard but for hands and face, which are
-/// many and small. Where fewer than four are known, all of the skin.
+/// The joints whose positions are compared: those mapped to H-Anim, except hands and face, which
+/// are many and small. Where fewer than four are known, all joints of the skin.
 fn compared(subject: &EditSubject<'_>) -> Vec<usize> {
     let articulation = &subject.rig.articulation().joints;
     let body = |j: &usize| {
@@ -181,12 +183,12 @@ fn compared(subject: &EditSubject<'_>) -> Vec<usize> {
     }
 }
 
-/// The best part for every length: its first frame and the distance over its seam.
+/// The best part for every length: its first frame and the distance across its seam.
 fn by_length(frames: &Frames, least: usize, spread: f32) -> Vec<Option<(usize, f32)>> {
     let count = frames.times.len();
     let mut best: Vec<Option<(usize, f32)>> = vec![None; count];
     for i in 0..count {
-        // A part that hardly moves is no loop, however well it closes.
+        // A part that hardly moves is no loop, however well its ends meet.
         let mut reach = 0.0f32;
         for j in i + 1..count {
             let distance = frames.distance(i, j);
@@ -203,12 +205,12 @@ fn by_length(frames: &Frames, least: usize, spread: f32) -> Vec<Option<(usize, f
     best
 }
 
-/// Looks for the part of a clip that repeats best: the clip itself where its ends meet; else,
-/// among the parts of every length, the shortest that is nearly as good as the best. `None` if
-/// the clip is shorter than the shortest loop, or never leaves its first pose.
+/// Finds the part of a clip that repeats best: the whole clip if its ends meet, otherwise the
+/// shortest part that is nearly as good as the best. Returns `None` if the clip is shorter than the
+/// shortest loop or never leaves its first pose.
 ///
 /// # Errors
-/// A [`Mismatch`] if the clip is not one of this character, or is longer than can be looked at.
+/// A [`Mismatch`] if the clip does not belong to this character or is too long to be analysed.
 pub fn find(subject: &EditSubject<'_>, clip: &RawClip) -> Result<Option<LoopCycle>, Mismatch> {
     subject.check(clip)?;
     let source_hz = source_rate_hz(clip);
@@ -241,8 +243,8 @@ pub fn find(subject: &EditSubject<'_>, clip: &RawClip) -> Result<Option<LoopCycl
     Ok(Some(cycle))
 }
 
-/// First and last frame of the shortest part that is nearly as good as the best: where the first
-/// valley lies whose slope gets that low.
+/// First and last frame of the shortest part that is nearly as good as the best: the first local
+/// minimum of that quality over the length.
 fn shortest(best: &[Option<(usize, f32)>]) -> Option<(usize, usize)> {
     let distance = |length: usize| best[length].map_or(f32::INFINITY, |(_, d)| d);
     let least = (0..best.len()).map(distance).fold(f32::INFINITY, f32::min);
@@ -252,7 +254,7 @@ fn shortest(best: &[Option<(usize, f32)>]) -> Option<(usize, usize)> {
     best[length].map(|(start, _)| (start, start + length))
 }
 
-/// The same part with its ends moved by less than a frame.
+/// The same part with its ends refined by less than a frame.
 fn refined(
     frames: &Frames,
     i: usize,
@@ -280,7 +282,7 @@ fn refined(
     )
 }
 
-/// Height of the joints that are compared, at rest.
+/// Height of the compared joints, at rest.
 fn height(subject: &EditSubject<'_>) -> f32 {
     let rest = subject.rest();
     let heights = compared(subject)

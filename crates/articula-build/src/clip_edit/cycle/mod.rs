@@ -1,7 +1,7 @@
-//! Loops: the part of a clip that repeats best, and its ends made to meet.
+//! Loops: finding the part of a clip that repeats best, and making its ends meet.
 //!
-//! - [`find`]: the best part, or that there is none
-//! - [`close`]: a clip whose last pose becomes its first
+//! - [`find`]: the best part of a clip, if there is one
+//! - [`close`]: a clip whose last pose equals its first
 
 mod close;
 mod find;
@@ -63,7 +63,7 @@ mod tests {
             (cycle.end_secs - cycle.start_secs - 1.0).abs() < 0.02,
             "{cycle:?}"
         );
-        // It has risen by a centimetre on its way.
+        // It has risen by a centimetre as it travels.
         assert!(
             (cycle.seam_metres - 0.01).abs() < 0.003 && cycle.score > 0.95,
             "{cycle:?}"
@@ -105,7 +105,7 @@ mod tests {
             evaluate::channel(&closed.clip.channels[1], secs, &mut value);
             angle_between(Quat::IDENTITY, Quat::from_array(value))
         };
-        // 0.1 rad lack: half of them at either end, nothing beyond the windows.
+        // The difference is 0.1 rad: half of it at either end, nothing beyond the windows.
         assert!((at(0.0) - 0.05).abs() < 1e-5 && (at(1.0) - 0.05).abs() < 1e-5);
         assert!((at(0.5) - 0.05).abs() < 1e-5 && (at(0.7) - 0.07).abs() < 1e-5);
         // In the middle of a window half of the half.
@@ -113,7 +113,7 @@ mod tests {
         let mut hips = [[0.0; 3]; 2];
         evaluate::channel(&closed.clip.channels[0], 0.0, &mut hips[0]);
         evaluate::channel(&closed.clip.channels[0], 1.0, &mut hips[1]);
-        // The way is kept, the rise of a centimetre is shared.
+        // The travel is kept, the rise of a centimetre is shared.
         assert!((Vec3::from(hips[0]) - Vec3::new(0.0, 0.905, 0.0)).length() < 1e-5);
         assert!((Vec3::from(hips[1]) - Vec3::new(1.3, 0.905, 0.0)).length() < 1e-5);
     }

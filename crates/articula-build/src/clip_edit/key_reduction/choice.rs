@@ -1,4 +1,5 @@
-//! Which keys of one channel are kept, and the first choice by that channel's own share.
+//! Selection of the keys of one channel that are kept, and the first selection by that channel's
+//! own share of the bound.
 
 use super::super::channel;
 use super::super::subject::EditSubject;
@@ -11,32 +12,33 @@ use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{angle_between, same_hemisphere};
 use glam::Quat;
 
-/// Turns beyond this are followed whatever they move: two keys of a slerp must not be so far
-/// apart that the short way is in doubt.
+/// Larger rotations are followed regardless of what they move: between two keys of a slerp the
+/// shorter arc must not be in doubt.
 const MAX_RADIANS: f32 = 0.5;
 
-/// The share of the bound with which every channel starts, more than the whole: it is cheaper to
-/// put keys back where errors add up than to find out where they do not. On captured and made
-/// motion of 25 to 163 joints, at 1 and 10 mm, half of it ends with up to a third more numbers,
-/// four times as much with the same within 3 %.
+/// Share of the bound with which every channel starts, more than the whole: putting keys back where
+/// errors add up is cheaper than finding out where they do not. On captured and hand-made motion of
+/// 25 to 163 joints, at 1 and 10 mm, half of this share results in up to a third more floats, four
+/// times this share in the same within 3 %.
 const FIRST_SHARE: f32 = 2.0;
 
-/// What the value of an expression may differ by, of 1. What that moves depends on all the others
-/// that are driven at once; a full expression moves skin by centimetres, so this is micrometres.
+/// Maximum error of an expression value, whose range is 1. The displacement depends on all other
+/// expressions that are driven at once; a full expression moves skin by centimetres, so this
+/// corresponds to micrometres.
 const SAME_EXPRESSION: f32 = 1e-4;
 
-/// What is kept of a channel.
+/// The part of a channel that is kept.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum KeptKeys {
-    /// Nothing: the rest pose shows what it shows.
+    /// Nothing: the rest pose has the same value.
     Rest,
-    /// One value.
+    /// One constant value.
     Still(Vec<f32>),
-    /// Some of its keys, rising; the first and the last among them.
+    /// Some of its keys, ascending; the first and the last are among them.
     Keys(Vec<usize>),
 }
 
-/// A channel of the source and what is kept of it.
+/// A channel of the source and its kept keys.
 #[derive(Debug, Clone)]
 pub(super) struct Choice<'a> {
     pub(super) source: &'a Channel,
@@ -46,7 +48,7 @@ pub(super) struct Choice<'a> {
 }
 
 impl<'a> Choice<'a> {
-    /// The channel that is played; one at rest too, so that it stands in its place.
+    /// The channel that is played; a channel at rest too, so that indices stay the same.
     pub(super) fn shown(&self) -> Channel {
         let still = |value: &[f32]| Channel {
             interpolation: match self.source.interpolation {
@@ -76,7 +78,7 @@ impl<'a> Choice<'a> {
         }
     }
 
-    /// The key nearest to a time that is not kept though its neighbours at that time are.
+    /// The dropped key nearest to a time, among those between the kept keys around that time.
     pub(super) fn missing(&self, secs: f32) -> Option<usize> {
         let times = &self.source.times_secs;
         let nearest = |from: usize, to: usize| {
@@ -94,7 +96,7 @@ impl<'a> Choice<'a> {
         nearest(before + 1, after)
     }
 
-    /// Keeps one more key; gives the times between which the channel has changed.
+    /// Keeps one more key and returns the interval in which the channel has changed.
     pub(super) fn keep(&mut self, key: usize) -> (f32, f32) {
         let last = self.source.times_secs.len() - 1;
         let KeptKeys::Keys(keys) = &mut self.kept else {
@@ -110,7 +112,7 @@ impl<'a> Choice<'a> {
     }
 }
 
-/// The first choice for every channel, at its share of the bound.
+/// The first selection for every channel, at its share of the bound.
 pub(super) fn first<'a>(
     subject: &EditSubject<'_>,
     clip: &'a RawClip,
@@ -143,8 +145,8 @@ pub(super) fn first<'a>(
         .collect()
 }
 
-/// Gives channels all their keys back that have lost so few that the times of those that are
-/// left, which they share with no other, cost more than they save; says whether it did.
+/// Restores all keys of channels that have lost so few that the times of the remaining ones, which
+/// they share with no other channel, cost more than they save; returns whether it did.
 pub(super) fn give_back(choices: &mut [Choice<'_>]) -> bool {
     let mut groups: Vec<(&[f32], Vec<usize>, usize)> = Vec::new();
     for (c, choice) in choices.iter().enumerate() {
@@ -153,7 +155,7 @@ pub(super) fn give_back(choices: &mut [Choice<'_>]) -> bool {
             continue;
         };
         let width = choice.source.values.len() / times.len();
-        // Kept keys with times of their own, against all values.
+        // Kept keys with separate times, compared with all values.
         let saved = (keys.len() * (width + 1)).saturating_sub(times.len() * width);
         if keys.len() == times.len() || saved == 0 {
             continue;
@@ -178,7 +180,7 @@ pub(super) fn give_back(choices: &mut [Choice<'_>]) -> bool {
     !members.is_empty()
 }
 
-/// What is kept of a channel whose values may differ where `near` says so.
+/// The kept part of a channel whose values may differ as far as `near` accepts.
 fn kept(
     source: &Channel,
     rest: &[f32],
@@ -188,7 +190,7 @@ fn kept(
     let keys = source.times_secs.len();
     let value = |k: usize| channel::key_value(source, k);
     let all_near = |to: &[f32]| (0..keys).all(|k| near(value(k), to));
-    // A spline stands still only if nothing bends it, and loses no keys otherwise.
+    // A spline is constant only if nothing bends it, and loses no keys otherwise.
     let cubic = source.interpolation == Interpolation::CubicSpline;
     if cubic && keys > 1 && !is_flat(source) {
         return KeptKeys::Keys((0..keys).collect());
@@ -217,7 +219,7 @@ fn is_flat(source: &Channel) -> bool {
     })
 }
 
-/// The value that errs least at worst if it is held; the value itself of what never changes.
+/// The constant value with the smallest maximum error; the value itself if it never changes.
 fn middle(source: &Channel) -> Vec<f32> {
     let first = channel::key_value(source, 0);
     let keys = source.times_secs.len();
@@ -240,7 +242,7 @@ fn middle(source: &Channel) -> Vec<f32> {
     low.iter().zip(&high).map(|(l, h)| 0.5 * (l + h)).collect()
 }
 
-/// What two keys show at the time of a key between them.
+/// The value that two keys interpolate at the time of a key between them.
 fn between(source: &Channel, from: usize, to: usize, at: usize) -> Vec<f32> {
     let [a, b] = [from, to].map(|k| channel::key_value(source, k));
     if source.interpolation == Interpolation::Step {
@@ -255,7 +257,7 @@ fn between(source: &Channel, from: usize, to: usize, at: usize) -> Vec<f32> {
     a.iter().zip(b).map(|(a, b)| a + (b - a) * t).collect()
 }
 
-/// How far two values are apart: radians for rotations, else in the values' own unit.
+/// Distance of two values: radians for rotations, otherwise in the unit of the values.
 pub(super) fn distance(property: Property, a: &[f32], b: &[f32]) -> f32 {
     if property == Property::Rotation {
         return angle_between(Quat::from_slice(a), Quat::from_slice(b));
@@ -264,7 +266,7 @@ pub(super) fn distance(property: Property, a: &[f32], b: &[f32]) -> f32 {
     squares.sum::<f32>().sqrt()
 }
 
-/// What values may differ by so that nothing below the joint moves by more than `metres`.
+/// Tolerance of a channel's values with which nothing below the joint moves by more than `metres`.
 fn tolerance(subject: &EditSubject<'_>, source: &Channel, levers: &[f32], metres: f32) -> f32 {
     let joint = source.target;
     match source.property {

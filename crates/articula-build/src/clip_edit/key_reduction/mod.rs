@@ -1,14 +1,14 @@
-//! Fewer keys, with a bound on what that moves, in metres of the character.
+//! Key reduction with a bound, in metres, on the displacement of the character.
 //!
-//! Source: ours. Each channel first keeps the ends of the longest runs that it can do without at
-//! its own share of the bound, over its lever (as in `docs/methods/motion-lod.md` 4.5). Then the whole
-//! body is played beside its source on a dense grid of times: where any joint or any skin is
-//! farther off than the bound, the channel above it that errs most gets a key back, until the
-//! bound holds everywhere. Differs from the optimisers of engines, which bound every channel by
-//! itself: what is bounded here is what the chain of joints does to the skin.
+//! Source: ours. Each channel first keeps the ends of the longest runs of keys that it can omit at
+//! its own share of the bound, divided by its lever (as in `docs/methods/motion-lod.md` 4.5). Then
+//! the whole body is played against its source on a dense grid of times: where any joint or any
+//! skin differs by more than the bound, the channel above it with the largest error gets a key
+//! back, until the bound holds everywhere. Optimisers of engines bound every channel by itself;
+//! here the bound applies to the combined effect of the joint chain on the skin.
 //!
-//! Every key that is left is one of the source's own (but for the one value of a channel that
-//! is held still), so the bound always can be met: with all keys the error is zero.
+//! Every remaining key is one of the source (except the one value of a constant channel), so the
+//! bound can always be met: with all keys the error is zero.
 
 mod choice;
 mod morphs;
@@ -27,41 +27,43 @@ use morphs::MorphErrors;
 use proof::Proof;
 use watch::Watch;
 
-/// How keys are reduced.
+/// Options of key reduction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReduceOptions {
-    /// How far any joint, any skin and any end point may be from where the source has it.
+    /// Maximum distance of any joint, any skin and any end point from its position in the source,
+    /// metres.
     pub bound_metres: f32,
-    /// Drop channels that show the rest pose, within the same bound. Without, they keep one key,
-    /// so that a player that blends clips finds them.
+    /// Whether channels that equal the rest pose, within the same bound, are dropped. Otherwise
+    /// they keep one key, so that a player that blends clips finds them.
     pub drop_rest: bool,
 }
 
-/// A clip with fewer keys.
+/// A clip with fewer keys, and measurements of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReducedClip {
-    /// The clip.
+    /// The reduced clip.
     pub clip: RawClip,
-    /// Greatest distance of any joint, skin or end point from where the source has it, at any
-    /// time of the grid. For skin this is a bound: the farthest corner of the box, in its joint's
-    /// space, of all vertices that the joint moves.
+    /// Maximum distance of any joint, skin or end point from its position in the source, at any
+    /// time of the grid, metres. For skin this is an upper bound: the farthest corner of the box,
+    /// in its joint's space, of all vertices that the joint moves.
     pub worst_metres: f32,
-    /// How many times were verified.
+    /// Number of times that were verified.
     pub times: usize,
-    /// Size before, morph weights too.
+    /// Size of the source clip, morph weights included.
     pub before: MotionSize,
-    /// Size after.
+    /// Size of the reduced clip.
     pub after: MotionSize,
 }
 
 /// Removes keys as long as nothing of the character moves by more than the bound.
 ///
-/// Splines keep their keys unless they stand still: resample them first if they should lose
-/// some. Values of expressions, which have no length, stay within 1e-4. Work grows with the length of the clip times its joints.
+/// Splines keep their keys unless they are constant: resample them first to reduce them. Values of
+/// expressions, which have no length, stay within 1e-4. Cost grows with the length of the clip
+/// times its joints.
 ///
 /// # Errors
-/// A [`Mismatch`] if the clip is not one of this character, the bound is not positive, or the clip
-/// is longer than can be verified.
+/// A [`Mismatch`] if the clip does not belong to this character, the bound is not positive, or the
+/// clip is longer than can be verified.
 pub fn reduce_keys(
     subject: &EditSubject<'_>,
     clip: &RawClip,
@@ -87,7 +89,7 @@ pub fn reduce_keys(
         channels: left.map(Choice::shown).collect(),
         ..clip.clone()
     };
-    // A clip without any channel could not be written.
+    // A clip without any channel could not be written to a file.
     if out.channels.is_empty() {
         out.channels.extend(choices.first().map(Choice::shown));
     }
@@ -174,7 +176,7 @@ mod tests {
         let far: Vec<f32> = bump(0.0009 / 0.5).collect();
         let alone = [turns(0, &near), turns(1, &far)];
         for channel in &alone {
-            // Held still, half of the bump is left on either side.
+            // As a constant, half of the bump is left on either side.
             assert_eq!(
                 keys(&bar, &clip(vec![channel.clone()]), 0.00046, false),
                 [1 + 1]
@@ -191,7 +193,7 @@ mod tests {
         let bar = EditSubject::new(&character, articulation, &[]).unwrap();
         let rest = line(&[0.0, 0.5, 1.0], &[0.0; 3]).channels.remove(0);
         let still = clip(vec![turns(1, &[0.3; 11]), rest, turns(2, &[0.0; 11])]);
-        // One channel shows where the clip ends.
+        // One channel marks the end of the clip.
         assert_eq!(keys(&bar, &still, 1e-4, false), [2, 1, 1]);
         assert_eq!(keys(&bar, &still, 1e-4, true), [2]);
         let at_rest = clip(vec![turns(2, &[0.0; 11])]);
@@ -208,8 +210,8 @@ mod tests {
         let (character, articulation) = bar(2);
         let twist: Vec<f32> = (0..=10).map(|i| 0.01 * (i as f32).sin()).collect();
         let twist = clip(vec![turns(1, &twist)]);
-        // Without skin a lever of half of the last bone stands for it: 0.01 rad move it by less
-        // than 5 mm.
+        // Without skin a lever of half of the last bone is used: 0.01 rad move it by less than 5
+        // mm.
         let bar_alone = EditSubject::new(&character, articulation.clone(), &[]).unwrap();
         assert_eq!(keys(&bar_alone, &twist, 0.005, false), [2]);
         assert!(keys(&bar_alone, &twist, 0.001, false)[0] > 2);

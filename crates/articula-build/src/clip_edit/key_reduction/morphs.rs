@@ -1,27 +1,27 @@
-//! What fewer keys of morph weights move, in metres.
+//! Displacement caused by fewer keys of morph weights, in metres.
 //!
-//! A vertex moves by at most the sum of its offsets' lengths, each times the error of its
-//! weight. Vertices are gathered by the target that moves them most, and each gathering has the
-//! greatest length of every target: a bound that is some fifty sums and not fifty for each vertex.
+//! A vertex moves by at most the sum of its offsets' lengths, each times the error of its weight.
+//! Vertices are grouped by the target that moves them most, and each group has the maximum length
+//! of every target: a bound of some fifty sums instead of fifty for each vertex.
 
 use super::super::channel;
 use super::super::subject::EditSubject;
 use articula_core::JointSet;
 use articula_core::source::{Channel, Property, RawClip};
 
-/// Vertices that one target moves most.
+/// Vertices that the same target moves most.
 #[derive(Debug, Clone)]
 struct Gathering {
-    /// Greatest offset by each target of the mesh, metres.
+    /// Maximum offset by each target of the mesh, metres.
     lengths: Vec<f32>,
     /// Joints that move any of them.
     joints: JointSet,
 }
 
-/// The gatherings of each mesh whose weights a clip drives.
+/// The groups of each mesh whose weights a clip drives.
 #[derive(Debug)]
 pub(super) struct MorphErrors {
-    /// Index of the channel and its gatherings.
+    /// Index of the channel and its groups.
     meshes: Vec<(usize, Vec<Gathering>)>,
 }
 
@@ -36,7 +36,7 @@ impl MorphErrors {
         }
     }
 
-    /// Whether weights of a channel err by no more than so many metres anywhere.
+    /// Whether the weights of a channel displace no vertex by more than `metres`.
     pub(super) fn is_within(&self, channel: usize, a: &[f32], b: &[f32], metres: f32) -> bool {
         let of_mesh = self.meshes.iter().filter(|(c, _)| *c == channel);
         of_mesh
@@ -44,7 +44,7 @@ impl MorphErrors {
             .all(|g| g.error(a, b) <= metres)
     }
 
-    /// The error of the skin of each joint at a time; `out` has one number a joint.
+    /// The error of the skin of each joint at a time; `out` has one value per joint.
     pub(super) fn errors(&self, source: &RawClip, shown: &[Channel], secs: f32, out: &mut [f32]) {
         out.fill(0.0);
         for (c, gatherings) in &self.meshes {
@@ -74,7 +74,7 @@ fn gathered(subject: &EditSubject<'_>, source_mesh: usize) -> Vec<Gathering> {
         subject.morph_counts[source_mesh],
     );
     let rest = subject.rest();
-    // Metres of a unit of the mesh, by each joint that may move it.
+    // Metres per unit of the mesh, for each joint that may move it.
     let scales: Vec<f32> = mesh
         .bindings
         .iter()

@@ -1,4 +1,4 @@
-//! A choice of keys played beside its source, and keys put back until the bound holds.
+//! Verifies a selection of keys against its source and restores keys until the bound holds.
 
 use super::super::subject::{EditSubject, Posed};
 use super::choice::{Choice, distance};
@@ -8,7 +8,7 @@ use articula_core::Rig;
 use articula_core::source::{Channel, Property, RawClip};
 use glam::Vec3A;
 
-/// What a choice is held to.
+/// State of a verification.
 pub(super) struct Proof<'a> {
     subject: &'a EditSubject<'a>,
     clip: &'a RawClip,
@@ -16,15 +16,15 @@ pub(super) struct Proof<'a> {
     watch: &'a Watch,
     morphs: &'a MorphErrors,
     bound_metres: f32,
-    /// Greatest error at each time, as far as it is known.
+    /// Maximum error at each time, as far as it is known.
     errors: Vec<f32>,
-    /// Times that must be looked at (again).
+    /// Times that must be evaluated (again).
     is_open: Vec<bool>,
     wanted: Posed,
     played: Posed,
-    /// Error of each joint's skin by morph weights.
+    /// Error of each joint's skin caused by morph weights.
     morphed: Vec<f32>,
-    /// For each joint the first one of its chain without branches.
+    /// For each joint the first one of its unbranched chain.
     limbs: Vec<usize>,
 }
 
@@ -42,7 +42,7 @@ fn limbs(rig: &Rig) -> Vec<usize> {
     limbs
 }
 
-/// A point that is farther off than the bound.
+/// A point whose error exceeds the bound.
 #[derive(Debug, Clone, Copy)]
 struct Breach {
     time: f32,
@@ -52,8 +52,8 @@ struct Breach {
     excess: f32,
 }
 
-/// Where keys were put back in this round, for each joint: the times between which it changed.
-/// What hangs from it is not judged there before the next round.
+/// For each joint the intervals in which keys were restored in this round. Breaches at or below the
+/// joint are ignored there until the next round.
 struct Mended {
     spans: Vec<Vec<(f32, f32)>>,
 }
@@ -97,8 +97,7 @@ impl<'a> Proof<'a> {
         }
     }
 
-    /// Puts keys back until no point is farther off than the bound; gives the greatest error
-    /// that is left.
+    /// Restores keys until no error exceeds the bound; returns the maximum error that is left.
     pub(super) fn tighten(&mut self, choices: &mut [Choice<'_>]) -> f32 {
         let mut shown = RawClip {
             channels: choices.iter().map(Choice::shown).collect(),
@@ -137,7 +136,7 @@ impl<'a> Proof<'a> {
         self.is_open[first..last].fill(true);
     }
 
-    /// Looks at every open time; gives the worst point of each limb that is beyond the bound.
+    /// Evaluates every open time and returns the worst point of each limb that exceeds the bound.
     fn breaches(&mut self, shown: &RawClip) -> Vec<Breach> {
         let mut found = Vec::new();
         let mut worst: Vec<Option<Breach>> = vec![None; self.subject.rig.len()];
@@ -175,7 +174,7 @@ impl<'a> Proof<'a> {
         self.subject.pose(shown, time, &mut self.played);
     }
 
-    /// The channel above a breach that moves its point most, and the key that it lacks.
+    /// The channel above a breach that moves its point most, and its missing key.
     fn blamed(
         &mut self,
         breach: &Breach,
@@ -206,7 +205,7 @@ impl<'a> Proof<'a> {
         most.map(|(_, c, key)| (c, key))
     }
 
-    /// About how far the error of one channel alone moves a point, metres.
+    /// Approximate distance by which the error of one channel alone moves a point, metres.
     fn moved(&self, channel: &Channel, point: Vec3A) -> f32 {
         let joint = channel.target;
         let local = |posed: &Posed| match channel.property {

@@ -1,8 +1,9 @@
-//! What is watched of the body: every joint, and all skin that it moves.
+//! The observed points of the body: every joint, and all skin that it moves.
 //!
-//! A vertex is a mean of where each of its joints takes it, so it is nowhere farther off than
-//! the joint matrices put the vertex in their own spaces. All vertices of a joint lie in a box
-//! of its space, and a box is moved most at a corner: nine points a joint bound the whole skin.
+//! A vertex is a weighted mean of the positions to which its joints take it, so its error is
+//! nowhere larger than that of the joint matrices applied to the vertex in their own spaces. All
+//! vertices of a joint lie in a box in its space, and a box moves most at a corner: nine points per
+//! joint bound the whole skin.
 
 use super::super::subject::{EditSubject, Posed};
 use crate::motion_error::joint_lever::JointLever;
@@ -40,15 +41,15 @@ impl Hull {
     }
 }
 
-/// The points of every joint.
+/// The observed points of all joints.
 #[derive(Debug)]
 pub(super) struct Watch {
     hulls: Vec<Option<Hull>>,
 }
 
 impl Watch {
-    /// The skin of each joint with the morph targets that the clip may show. Last joints without
-    /// skin stand for a little lever, so that their turns count.
+    /// The skin of each joint with the morph targets that the clip may show. End joints without
+    /// skin get a small lever, so that their rotations count.
     pub(super) fn new(subject: &EditSubject<'_>, clip: &RawClip) -> Self {
         let rig = &subject.rig;
         let mut hulls: Vec<Option<Hull>> = vec![None; rig.len()];
@@ -89,8 +90,8 @@ impl Watch {
         Self { hulls }
     }
 
-    /// How far the joint's points are from where they should be, and the point that is farthest,
-    /// in the joint's space. Points that are surely nearer than `enough` are not looked at.
+    /// Maximum distance of the joint's points from their wanted positions, and the farthest point
+    /// in the joint's space. Points that are certainly closer than `enough` are skipped.
     pub(super) fn error(
         &self,
         joint: usize,
@@ -123,7 +124,7 @@ impl Watch {
         worst
     }
 
-    /// Distance of the farthest watched point of a joint or below it from the joint, at rest.
+    /// Distance from a joint to the farthest observed point at or below it, at rest.
     pub(super) fn levers(&self, subject: &EditSubject<'_>) -> Vec<f32> {
         let rest = subject.rest();
         let rig = &subject.rig;
@@ -147,8 +148,8 @@ impl Watch {
     }
 }
 
-/// A lever for a last joint that moves no skin, in its own space: half of the bone that leads
-/// to it where there is no mesh at all, else the least that counts.
+/// Lever of an end joint that moves no skin, in its own space: half of the bone that leads to it
+/// where there is no mesh at all, otherwise the minimum lever that counts.
 fn least_lever(subject: &EditSubject<'_>, rest: &Posed, joint: usize) -> f32 {
     let matrix = &rest.model.matrices[joint];
     let scale = matrix.matrix3.x_axis.length().max(1e-6);
@@ -163,7 +164,7 @@ fn least_lever(subject: &EditSubject<'_>, rest: &Posed, joint: usize) -> f32 {
     metres.max(JointLever::FLOOR_METRES) / scale
 }
 
-/// How far morph targets may take each vertex along each axis, down and up.
+/// Range of the displacement of each vertex by morph targets along each axis, lower and upper end.
 fn morphed(subject: &EditSubject<'_>, clip: &RawClip) -> Vec<(Vec3, Vec3)> {
     let mesh = &subject.mesh;
     let mut greatest = mesh.morph_weights.clone();
@@ -196,7 +197,7 @@ fn morphed(subject: &EditSubject<'_>, clip: &RawClip) -> Vec<(Vec3, Vec3)> {
     ways
 }
 
-/// The box around a box that a matrix has moved.
+/// The axis-aligned box around a box transformed by a matrix.
 fn boxed(matrix: &Affine3A, low: Vec3, high: Vec3) -> (Vec3, Vec3) {
     let centre = matrix.transform_point3(0.5 * (low + high));
     let half = 0.5 * (high - low);

@@ -1,4 +1,4 @@
-//! The joint above the hips that can carry root motion.
+//! The joint above the hips that carries root motion.
 
 use super::super::subject::{EditSubject, Posed};
 use super::similarity::Similarity;
@@ -8,15 +8,16 @@ use articula_core::source::RawClip;
 /// A joint that carries a trajectory, or the world itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Carrier {
-    /// The joint; `None` for the world.
+    /// Index of the joint; `None` for the world.
     pub(super) joint: Option<usize>,
-    /// What hangs from it.
+    /// Its children.
     pub(super) children: Vec<usize>,
 }
 
 impl Carrier {
-    /// The topmost joint of the skin above the hips, or else the nearest node above them, that
-    /// all of the skin hangs from and that neither it nor what it hangs from stretches or mirrors.
+    /// Finds the topmost joint of the skin above the hips, or else the nearest node above them,
+    /// from which all of the skin hangs and which, like all nodes above it, neither stretches nor
+    /// mirrors.
     pub(super) fn find(subject: &EditSubject<'_>, clip: &RawClip) -> Option<Self> {
         let above: Vec<usize> = above(subject, subject.hips());
         let skin = subject.rig.skin_joints();
@@ -80,7 +81,7 @@ fn carries_all(subject: &EditSubject<'_>, joint: usize) -> bool {
     skin.all(|j| subject.rig.is_at_or_below(j, joint))
 }
 
-/// Whether the joint and all above it are similarities, at rest and at every key of theirs.
+/// Whether the joint and all above it are similarities, at rest and at each of their keys.
 fn is_even(subject: &EditSubject<'_>, clip: &RawClip, joint: usize) -> bool {
     let chain: Vec<usize> = std::iter::once(joint)
         .chain(above(subject, joint))

@@ -1,13 +1,13 @@
-//! Root motion: the way of the hips over the ground apart from the rest of a motion.
+//! Root motion: separates the travel of the hips over the ground from the rest of a motion.
 //!
-//! The trajectory is a rigid step over the ground at every time: where the hips have gone since
-//! the first frame, and how far they have turned about the vertical. It starts at nothing, so the
+//! The trajectory is a rigid transform over the ground at every time: the displacement of the hips
+//! since the first frame, and their turn about the vertical. It starts at the identity, so the
 //! first frame never changes. Extracted, it becomes the motion of a joint above the hips, and
-//! whatever hangs from that joint moves against it, so that all world poses stay as they are.
-//! In place, it is taken away.
+//! whatever hangs from that joint moves against it, so that all world poses stay as they are. In
+//! place, it is removed.
 //!
-//! All of it happens in model space, so parents that are turned (a Z-up root) or scaled (an
-//! armature of scale 100) need no care of their own.
+//! All computations are in model space, so turned parents (a Z-up root) or scaled ones (an armature
+//! of scale 100) need no special treatment.
 
 mod carrier;
 pub(super) mod similarity;
@@ -25,62 +25,61 @@ use carrier::Carrier;
 use similarity::Similarity;
 use trajectory::Trajectory;
 
-/// What becomes of the trajectory.
+/// Treatment of the trajectory of the hips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum RootMotionMode {
-    /// It is only told.
+    /// The clip stays as it is; the trajectory is only measured.
     #[default]
     Keep,
-    /// It goes to a joint above the hips.
+    /// The trajectory becomes the motion of a joint above the hips.
     Extract,
-    /// It is taken away: the figure stays where it starts.
+    /// The trajectory is removed: the figure stays where it starts.
     InPlace,
 }
 
-/// How root motion is treated.
+/// Options of root motion extraction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RootMotionOptions {
-    /// What becomes of it.
+    /// Treatment of the trajectory.
     pub mode: RootMotionMode,
-    /// The trajectory is the mean of the hips' way over this time, so that the sway of the hips
-    /// stays with them; 0 follows them exactly.
+    /// Length in seconds over which the path of the hips is averaged to give the trajectory, so
+    /// that the sway of the hips stays in the clip; 0 follows the hips exactly.
     pub smooth_secs: f32,
 }
 
 /// A clip and its trajectory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RootMotion {
-    /// The clip: unchanged if the trajectory is kept, or if no joint can carry it.
+    /// The clip; unchanged if the trajectory is kept or if no joint can carry it.
     pub clip: RawClip,
-    /// The joint whose way it is.
+    /// The joint whose trajectory it is.
     pub hips: usize,
-    /// The joint above the hips that can carry it, and does if it is extracted.
+    /// The joint above the hips that can carry the trajectory, and does if it is extracted.
     pub carrier: Option<usize>,
-    /// The trajectory, at the keys that the clip then has.
+    /// The trajectory, at the keys that the resulting clip has.
     pub trajectory: Vec<TrajectoryKey>,
-    /// Greatest distance of any joint from where the source has it, when the trajectory is put
-    /// back; 0 if the clip is unchanged.
+    /// Maximum distance in metres of any joint from its position in the source, with the trajectory
+    /// added back; 0 if the clip is unchanged.
     pub worst_metres: f32,
 }
 
-/// Between two keys, what moves against the carrier may be so far from the source.
+/// Maximum error between two keys of joints that move against the carrier.
 const SAME_METRES: f32 = 5e-5;
 const SAME_RADIANS: f32 = 1e-4;
 
-/// Halvings of one interval between two keys of the source at most.
+/// Maximum number of halvings of one interval between two keys of the source.
 const MAX_HALVINGS: usize = 5;
 
-/// A jump of a step channel becomes a move that is as short as this; nothing is said of the time
-/// in between.
+/// A jump of a step channel becomes a move of this duration, in which the error is not measured.
 const JUMP_SECS: f32 = 1e-4;
 
-/// Splits off the trajectory of the hips.
+/// Separates the trajectory of the hips from a clip.
 ///
-/// The joints that move against it get straight keys, as many as it takes; all other channels
-/// stay as they are.
+/// The joints that move against it get linear keys, as many as the accuracy needs; all other
+/// channels stay as they are.
 ///
 /// # Errors
-/// A [`Mismatch`] if the clip is not one of this character, or is longer than can be verified.
+/// A [`Mismatch`] if the clip does not belong to this character or is longer than can be verified.
 pub fn split(
     subject: &EditSubject<'_>,
     clip: &RawClip,
@@ -109,7 +108,7 @@ pub fn split(
     Ok(out)
 }
 
-/// What is needed to move joints against the trajectory.
+/// Working state for moving joints against the trajectory.
 struct Split<'a> {
     subject: &'a EditSubject<'a>,
     clip: &'a RawClip,
@@ -118,16 +117,16 @@ struct Split<'a> {
     /// The children of the carrier that move against it.
     children: Vec<usize>,
     in_place: bool,
-    /// Key times of what moves the hips, the carrier and its children.
+    /// Key times of the channels that move the hips, the carrier and its children.
     keys: Vec<f32>,
-    /// Those at which something may jump.
+    /// Key times at which something may jump.
     jumps: Vec<f32>,
     posed: Posed,
     /// Model-from-carrier in the first frame.
     first: Similarity,
 }
 
-/// Local transforms of the carrier and its children at a time, and where these belong.
+/// Local transforms of the carrier and its children at a time, and the wanted ones.
 struct Frame {
     secs: f32,
     parent: Similarity,
@@ -163,7 +162,7 @@ impl<'a> Split<'a> {
         Self {
             keys: rising(keys),
             jumps: rising(jumps),
-            // In place, what stands still in the world goes on standing still.
+            // In place, what is static in the world stays static.
             children: if in_place {
                 carrier.moving_children(subject, clip)
             } else {
@@ -200,8 +199,8 @@ impl<'a> Split<'a> {
         }
     }
 
-    /// The times at which all that changes gets keys: those of the source, and more where
-    /// straight pieces between them would leave its way.
+    /// The times at which all changed joints get keys: those of the source, and more where straight
+    /// pieces between them would be too far from the wanted motion.
     fn times(&mut self) -> Vec<f32> {
         let before_jumps = self.jumps.iter().map(|t| t - JUMP_SECS);
         let mut times: Vec<f32> = self.keys.iter().copied().chain(before_jumps).collect();
@@ -236,7 +235,7 @@ impl<'a> Split<'a> {
         self.refine(&middle, b, halvings - 1, times);
     }
 
-    /// The clip with new channels for the carrier and what moves against it.
+    /// The clip with new channels for the carrier and the joints that move against it.
     fn clip(&mut self, times: &[f32]) -> RawClip {
         let frames: Vec<Frame> = times.iter().map(|t| self.frame(*t)).collect();
         let one_way = |locals: &mut Vec<Transform>| {
@@ -285,7 +284,7 @@ impl<'a> Split<'a> {
                 out.values.truncate(width);
             }
             let keyed = |c: &Channel| c.target == joint && c.property == property;
-            // What nobody keyed and still is at rest needs no channel now.
+            // A joint that is not keyed and is still at rest needs no channel.
             let needed = out.times_secs.len() > 1
                 || !same(&first, &value(&rest))
                 || self.clip.channels.iter().any(keyed);
@@ -304,7 +303,8 @@ impl<'a> Split<'a> {
         .collect()
     }
 
-    /// Greatest distance of any joint from where the source has it, the trajectory put back.
+    /// Maximum distance of any joint from its position in the source, with the trajectory added
+    /// back.
     fn worst(&mut self, out: &RawClip) -> f32 {
         let rig = &self.subject.rig;
         let moves = |joint: usize| self.children.iter().any(|c| rig.is_at_or_below(joint, *c));
@@ -335,7 +335,7 @@ impl<'a> Split<'a> {
     }
 }
 
-/// Whether straight pieces from one frame to another pass through one between them.
+/// Whether straight pieces between two frames pass through a frame between them.
 fn follows(a: &Frame, b: &Frame, t: f32, between: &Frame) -> bool {
     let carrier = blend(a.carrier.transform(), b.carrier.transform(), t);
     let placed = between.parent * Similarity::of(carrier);
@@ -404,7 +404,7 @@ mod tests {
         assert_eq!((kept.hips, kept.carrier, &kept.clip), (1, Some(0), &walk()));
         assert_eq!(kept.trajectory.last().unwrap().x_metres, 2.0);
         let out = done(&character, &walk(), RootMotionMode::Extract);
-        // The node that stood still moves against the root, so that it still does.
+        // The node that was static moves against the root, so that it stays static.
         use Property::Translation;
         assert_eq!(
             keyed(&out.clip),
@@ -418,7 +418,7 @@ mod tests {
         assert_eq!(out.clip.channels[1].values, [1.0, 0.0, 0.0]);
         assert!(out.worst_metres < 1e-6);
         let out = done(&character, &walk(), RootMotionMode::InPlace);
-        // One value all along, and a second key for the length of the clip.
+        // One constant value, and a second key for the length of the clip.
         assert_eq!(keyed(&out.clip), [(1, Translation, 2)]);
         assert_eq!(out.clip.channels[0].values, [1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
     }

@@ -1,11 +1,11 @@
-//! Transforms that keep shapes: a turn, one scale, an offset; in double precision, because
-//! inverses of armatures of scale 100 are multiplied with what they are inverse to.
+//! Similarity transforms: rotation, uniform scale and translation, in double precision because
+//! inverses of armatures of scale 100 are multiplied with their originals.
 
 use articula_core::Transform;
 use glam::{DQuat, DVec3};
 use std::ops::Mul;
 
-/// How far the three scales of a transform may be apart, of their size.
+/// Maximum relative difference of the three scales of a similarity.
 const SAME_SCALE: f32 = 1e-4;
 
 /// Scale first, then rotation, then translation.
@@ -23,13 +23,13 @@ impl Similarity {
         scale: 1.0,
     };
 
-    /// Whether a transform is one: scaled alike along all axes, mirroring none.
+    /// Whether a transform is a similarity: scaled uniformly, without mirroring.
     pub(in super::super) fn is(t: Transform) -> bool {
         let (least, greatest) = (t.scale.min_element(), t.scale.max_element());
         least > 0.0 && greatest - least <= SAME_SCALE * greatest
     }
 
-    /// The same transform if it is one, else with the mean of its scales.
+    /// Converts a transform; scales that differ are replaced by their mean.
     pub(in super::super) fn of(t: Transform) -> Self {
         Self {
             translation: t.translation.as_dvec3(),
@@ -38,7 +38,7 @@ impl Similarity {
         }
     }
 
-    /// A turn about the vertical through a point of the ground, which it then takes elsewhere.
+    /// A rotation about the vertical that takes one point of the ground to another.
     pub(in super::super) fn on_ground(yaw: f64, from: DVec3, to: DVec3) -> Self {
         let rotation = DQuat::from_rotation_y(yaw);
         let level = |p: DVec3| DVec3::new(p.x, 0.0, p.z);
@@ -62,7 +62,7 @@ impl Similarity {
         self.rotation * (p * self.scale) + self.translation
     }
 
-    /// This after any transform, scaled as that may be.
+    /// Applies this after any transform, which may be scaled arbitrarily.
     pub(in super::super) fn after(self, t: Transform) -> Transform {
         Transform {
             translation: self.point(t.translation.as_dvec3()).as_vec3(),
@@ -73,7 +73,7 @@ impl Similarity {
         }
     }
 
-    /// As a local transform.
+    /// Converts it to a local transform.
     pub(in super::super) fn transform(self) -> Transform {
         self.after(Transform::IDENTITY)
     }
@@ -133,7 +133,7 @@ mod tests {
     fn a_step_on_the_ground_takes_its_point_along() {
         let (from, to) = (DVec3::new(1.0, 0.9, 0.0), DVec3::new(3.0, 0.7, 2.0));
         let step = Similarity::on_ground(1.2, from, to);
-        // Height is not its business.
+        // It does not affect height.
         assert!((step.point(from) - DVec3::new(3.0, 0.9, 2.0)).length() < 1e-12);
     }
 }

@@ -1,4 +1,4 @@
-//! The way of the hips over the ground, and where they face on it.
+//! The path of the hips over the ground, and their heading.
 
 use super::super::grid::VERIFIED_HZ;
 use super::super::heading::{wrapped, yaw};
@@ -7,25 +7,25 @@ use super::similarity::Similarity;
 use articula_core::source::RawClip;
 use glam::{DVec2, DVec3, Quat};
 
-/// Where the root is at a time, against the first frame.
+/// Displacement and turn of the root at a time, relative to the first frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TrajectoryKey {
     /// Seconds from the start of the clip.
     pub secs: f32,
-    /// How far the hips have come along +X.
+    /// Displacement of the hips along +X, metres.
     pub x_metres: f32,
-    /// The same along +Z.
+    /// Displacement of the hips along +Z, metres.
     pub z_metres: f32,
-    /// How far they have turned about the vertical, from +Z towards +X; whole turns count.
+    /// Turn of the hips about the vertical, from +Z towards +X, radians; whole turns count.
     pub yaw_radians: f32,
 }
 
-/// Below this the heading is told from the moments before and after: the body is more than some
-/// 100 degrees from where it stood in the first frame, as in a somersault, and about to face
-/// backwards by being upside down.
+/// Below this the heading is partly interpolated from the frames before and after: the body is
+/// tilted by more than some 100 degrees from the first frame, as in a somersault, and close to
+/// facing backwards by being upside down.
 const SURE: f64 = 0.4;
 
-/// Below this it is told from these alone.
+/// Below this the heading is interpolated alone.
 const UNSURE: f64 = 0.15;
 
 /// The trajectory of one clip.
@@ -36,23 +36,23 @@ pub(in super::super) struct Trajectory<'a> {
     /// Hips in the first frame.
     start: Place,
     first: Quat,
-    /// Places at the ticks of [`VERIFIED_HZ`].
+    /// Positions and headings at the ticks of [`VERIFIED_HZ`].
     ticks: Vec<Place>,
     is_smoothed: bool,
 }
 
-/// Hips at a time.
+/// Position and heading of the hips at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Place {
     ground: DVec2,
-    /// Against the start; without whole turns where it was not followed from there.
+    /// Relative to the start; without whole turns where it was not followed from there.
     yaw: f64,
-    /// How much of the turn is about the vertical: 1 upright, 0 upside down.
+    /// Share of the rotation that is about the vertical: 1 upright, 0 upside down.
     sure: f64,
 }
 
 impl<'a> Trajectory<'a> {
-    /// With `smooth_secs` above 0, each place is a weighted mean over that time around it (over
+    /// With `smooth_secs` above 0, each sample is a weighted mean over that time around it (over
     /// less near the ends, so that these stay).
     pub(in super::super) fn new(
         subject: &'a EditSubject<'a>,
@@ -74,20 +74,20 @@ impl<'a> Trajectory<'a> {
         };
         let ticks = (clip.duration_secs * VERIFIED_HZ).ceil() as usize + 1;
         let places = trajectory.followed(ticks);
-        // Twice the mean over half of the time: weights that fall evenly to both sides.
+        // A mean over half of the time, twice: triangular weights.
         let half = (0.25 * smooth_secs * VERIFIED_HZ).round() as usize;
         trajectory.ticks = means(&means(&places, half), half);
         trajectory
     }
 
-    /// What takes the first frame's place of the hips to that at a time.
+    /// The transform from the hips in the first frame to the hips at a time.
     pub(super) fn step(&self, secs: f32, posed: &Posed) -> Similarity {
         let place = self.place(secs, posed);
         let flat = |p: DVec2| DVec3::new(p.x, 0.0, p.y);
         Similarity::on_ground(place.yaw, flat(self.start.ground), flat(place.ground))
     }
 
-    /// The trajectory at some rising times.
+    /// The trajectory at ascending times.
     pub(in super::super) fn keys(&self, times: &[f32]) -> Vec<TrajectoryKey> {
         let mut posed = self.subject.rest();
         let mut yaw = 0.0;
@@ -120,8 +120,8 @@ impl<'a> Trajectory<'a> {
         }
     }
 
-    /// Places at the ticks of [`VERIFIED_HZ`], whole turns counted; where the heading is not
-    /// sure, it goes straight from the last sure one to the next.
+    /// Samples at the ticks of [`VERIFIED_HZ`], whole turns counted; where the heading is not
+    /// reliable, it is interpolated linearly between the reliable ones on either side.
     fn followed(&self, ticks: usize) -> Vec<Place> {
         let mut posed = self.subject.rest();
         let mut places: Vec<Place> = Vec::with_capacity(ticks);
@@ -147,7 +147,7 @@ impl<'a> Trajectory<'a> {
     }
 }
 
-/// The angle nearest to the one before that is the same but for whole turns.
+/// The angle nearest to the one before that equals `yaw` up to whole turns.
 fn followed(before: f64, yaw: f64) -> f64 {
     before + f64::from(wrapped((yaw - before) as f32))
 }
@@ -173,7 +173,8 @@ fn place(subject: &EditSubject<'_>, hips: usize, posed: &Posed, first: Quat) -> 
     }
 }
 
-/// Each place the mean of those up to `half` away on either side, as far as both sides reach.
+/// Replaces each sample by the mean of those up to `half` away on either side, as far as both sides
+/// reach.
 fn means(places: &[Place], half: usize) -> Vec<Place> {
     let mut sums = vec![(DVec2::ZERO, 0.0)];
     for p in places {
@@ -222,7 +223,7 @@ mod tests {
         }
         places[10].ground.x += 7.0;
         let smooth = means(&places, 3);
-        // One of seven places is 7 m off.
+        // One of seven samples is 7 m off.
         assert!((smooth[10].ground.x - 11.0).abs() < 1e-9);
         for end in [0, 19] {
             assert!((smooth[end].ground - places[end].ground).length() < 1e-9);

@@ -1,14 +1,14 @@
-//! The metric of Ahn et al., per joint: a baseline that knows no view.
+//! The per-joint metric of Ahn et al.: a view-independent baseline.
 //!
 //! Source: thesis 5.2 (its account of Ahn and Wohn), `docs/methods/motion-lod.md` 3.3. The error of
-//! showing a key posture is `2 alpha ||log|| + r angle`, and since twice the norm of the
-//! quaternion logarithm is the angle, `(alpha + r) angle`.
+//! showing a key posture is `2 alpha ||log|| + r angle`, and since twice the norm of the quaternion
+//! logarithm is the angle, `(alpha + r) angle`.
 
 use crate::motion_error::keys::{LONGEST_RUN, Reach, Segment};
 use glam::Quat;
 
-/// Cuts one joint's motion greedily into the longest runs whose error to their middle frame
-/// (of at most [`LONGEST_RUN`] frames) stays below `threshold`. `radius` is the joint's `r` in metres.
+/// Cuts one joint's motion greedily into the longest runs, of at most [`LONGEST_RUN`] frames, whose
+/// error to their middle frame stays below `threshold`. `radius` is the joint's `r` in metres.
 pub(crate) fn clusters(values: &[Quat], alpha: f32, radius: f32, threshold: f32) -> Vec<Segment> {
     let reach = Reach::new(threshold / (alpha + radius).max(1e-9));
     let mut segments = Vec::new();

@@ -1,4 +1,4 @@
-//! The metrics of the literature, for each joint alone: what ours is measured against.
+//! Published per-joint metrics, used as baselines.
 
 pub(crate) mod ahn;
 pub(crate) mod thesis;

@@ -1,4 +1,4 @@
-//! The first step of the thesis' metric: the matrix of errors. A baseline.
+//! The first step of the thesis' metric, a baseline: the error matrix.
 //!
 //! Source: thesis 5.2; reconstruction of the damaged formula and the decisions taken in
 //! `docs/methods/motion-lod.md` 3.1.
@@ -8,17 +8,17 @@ use crate::character::Asset;
 use articula_core::{Clip, JointSet, ModelPose, Rig, Wrap, angle_between, local_to_model, sample};
 use glam::{Quat, Vec3};
 
-/// Which direction's change is the position term.
+/// Direction whose change is the position term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum BoneDirection {
     /// From the joint to the mean of its children.
     #[default]
     Bone,
-    /// Along the path of the joint; the text's word, undefined while it rests.
+    /// Along the path of the joint, as the text says; undefined while the joint rests.
     Path,
 }
 
-/// How the lengths of the segments below a joint are combined.
+/// Combination of the lengths of the segments below a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SegmentRadius {
     /// `sum l^2 / sum l`: a length-weighted mean, in metres.
@@ -28,16 +28,16 @@ pub enum SegmentRadius {
     Sum,
 }
 
-/// Parameters of the formula.
+/// Parameters of the thesis' error matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThesisMetricOptions {
-    /// Weight of the angle terms against the position term, metres a radian.
+    /// Weight of the angle terms against the position term, metres per radian.
     pub alpha: f32,
-    /// 1: orientation only; 0: angular velocity only.
+    /// Blend of the angle terms, 0 to 1: 1 is orientation only, 0 angular velocity only.
     pub beta: f32,
-    /// Which direction turns.
+    /// Direction of the position term.
     pub direction: BoneDirection,
-    /// Which lever arm.
+    /// Lever arm of the position term.
     pub radius: SegmentRadius,
     /// Whether the clip's first frame follows its last.
     pub looping: bool,
@@ -74,10 +74,11 @@ pub(crate) fn radii(rig: &Rig, kind: SegmentRadius) -> Vec<f32> {
         .collect()
 }
 
-/// The normalised matrix over all frames of a clip; `moving` limits what normalises it.
+/// The normalised matrix over all frames of a clip; the maximum over the joints of `moving`
+/// normalises it.
 ///
 /// # Panics
-/// Never: a rig has joints, so the matrix is made of whole frames.
+/// Never: a rig has joints, so the matrix consists of whole frames.
 pub(crate) fn error_matrix(
     asset: &Asset,
     clip: &Clip,
@@ -90,7 +91,7 @@ pub(crate) fn error_matrix(
     let (rotations, directions) = play(rig, clip, opts.direction);
     let before = |i: usize, steps: usize| match (i >= steps, opts.looping) {
         (true, _) => Some(i - steps),
-        // The last frame of a loop repeats the first, so it is not counted twice.
+        // The last frame of a loop equals the first, so it is not counted twice.
         (false, true) if frames > 2 => Some(i + frames - 1 - steps),
         _ => None,
     };
@@ -113,8 +114,8 @@ pub(crate) fn error_matrix(
     ErrorMatrix::new(rig.len(), values).expect("whole frames of a rig that has joints")
 }
 
-/// Angle between two directions, 0 where one is undefined. By both sine and cosine: the arc
-/// cosine alone loses every angle below some 3e-4 radians, more than the tight threshold.
+/// Angle between two directions, 0 where one is undefined. Computed from both sine and cosine: the
+/// arc cosine alone loses all angles below some 3e-4 radians, more than the tight threshold.
 fn angle(a: Vec3, b: Vec3) -> f32 {
     a.cross(b).length().atan2(a.dot(b))
 }
@@ -130,7 +131,7 @@ fn play(rig: &Rig, clip: &Clip, direction: BoneDirection) -> (Vec<Vec<Quat>>, Ve
         sample(clip, secs, Wrap::Clamp, &rig.all(), &mut pose);
         local_to_model(rig, &pose, &mut model);
         rotations.push(pose.rotations.clone());
-        // The viewer follows the root, so its way over the ground is no motion.
+        // The viewer follows the root, so its travel over the ground does not count as motion.
         let ground = model.position(rig.root()) * Vec3::new(1.0, 0.0, 1.0);
         positions.push((0..rig.len()).map(|j| model.position(j) - ground).collect());
     }

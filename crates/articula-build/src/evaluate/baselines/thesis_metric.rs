@@ -1,7 +1,7 @@
-//! The two-step metric of the thesis: error matrix and distance threshold. A baseline.
+//! The two-step metric of the thesis, a baseline: error matrix and distance threshold.
 //!
-//! Source: thesis 5.2; reconstruction and faults in `docs/methods/motion-lod.md` part 3. The matrix is
-//! made by [`thesis`](super::thesis); here is the step that runs while the clip plays.
+//! Source: thesis 5.2; reconstruction and limits in `docs/methods/motion-lod.md` part 3. The matrix
+//! is computed by [`thesis`](super::thesis); this is the step that runs while the clip plays.
 
 use articula_core::joint_state::{JointState, JointStates};
 use articula_core::{LocalPose, Mismatch};
@@ -14,7 +14,7 @@ pub(crate) struct ErrorMatrix {
 }
 
 impl ErrorMatrix {
-    /// Takes `joints` values for each frame.
+    /// Creates a matrix from `joints` values per frame.
     ///
     /// # Errors
     /// A [`Mismatch`] if the values are not whole frames.
@@ -35,35 +35,35 @@ impl ErrorMatrix {
     }
 }
 
-/// Which curve leads from the closest to the farthest view.
+/// Shape of the threshold between the closest and the farthest view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ThresholdCurve {
-    /// As printed: `(d/d_max)^2 thr_max + ((d_max - d)/d_max) thr_init`. It dips near the
-    /// viewer before it rises.
+    /// As printed: `(d/d_max)^2 thr_max + ((d_max - d)/d_max) thr_init`. It falls near the viewer
+    /// before it rises.
     #[default]
     Literal,
-    /// `thr_init + (thr_max - thr_init) u^2`, `u` from 0 at `d_min` to 1 at `d_max`: what the
-    /// text describes.
+    /// `thr_init + (thr_max - thr_init) u^2`, `u` from 0 at `d_min` to 1 at `d_max`, as the text
+    /// describes.
     Fixed,
 }
 
 /// Threshold on the normalised error as a function of distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Threshold {
-    /// At the closest view.
+    /// Threshold at the closest view.
     pub thr_init: f32,
-    /// At the farthest view.
+    /// Threshold at the farthest view.
     pub thr_max: f32,
     /// Closest view in metres (used by [`ThresholdCurve::Fixed`]).
     pub d_min_metres: f32,
     /// Farthest view in metres.
     pub d_max_metres: f32,
-    /// The curve between them.
+    /// Shape of the threshold between them.
     pub curve: ThresholdCurve,
 }
 
 impl Default for Threshold {
-    /// The thesis' tight setting over 3.5 to 16 m.
+    /// The thesis' tight setting, for distances of 3.5 to 16 m.
     fn default() -> Self {
         Self {
             thr_init: 1e-4,
@@ -76,7 +76,7 @@ impl Default for Threshold {
 }
 
 impl Threshold {
-    /// The threshold at a distance of the camera to the skeleton's root.
+    /// The threshold at a distance, in metres, of the camera from the skeleton's root.
     pub(crate) fn at(&self, distance_metres: f32) -> f32 {
         match self.curve {
             ThresholdCurve::Literal => {
@@ -92,11 +92,11 @@ impl Threshold {
     }
 }
 
-/// Switches joints at one frame, word for word as the thesis: an active joint whose error is
-/// below the threshold becomes passive, a passive one above it becomes active.
+/// Switches joints at one frame, literally as in the thesis: an active joint whose error is below
+/// the threshold becomes passive, a passive one above it becomes active.
 ///
 /// # Panics
-/// If the matrix has fewer joints than the pose, or no such frame.
+/// If the matrix has fewer joints than the pose, or does not have the frame.
 pub(crate) fn switch(
     matrix: &ErrorMatrix,
     frame: usize,
@@ -128,7 +128,7 @@ mod tests {
     use articula_core::{Transform, angle_between};
     use glam::Quat;
 
-    /// Acceptance test 2.
+    /// Test 2 of `docs/methods/motion-lod.md` part 10.
     #[test]
     fn the_literal_curve_dips_where_paper_says() {
         for ratio in [1.0f32, 10.0] {
@@ -146,7 +146,7 @@ mod tests {
         }
     }
 
-    /// Acceptance test 2.
+    /// Test 2 of `docs/methods/motion-lod.md` part 10.
     #[test]
     fn the_fixed_curve_never_falls() {
         let t = Threshold {
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn a_slow_turn_is_never_followed_by_the_thesis() {
-        // One degree a second for a minute.
+        // One degree per second for a minute.
         let wanted = |i: usize| {
             let turned = Transform {
                 rotation: Quat::from_rotation_x((i as f32 / 30.0).to_radians()),
@@ -168,8 +168,8 @@ mod tests {
             };
             LocalPose::from_iter([turned])
         };
-        // The thesis compares neighbouring frames. Its values are divided by the clip's largest;
-        // one quick joint beside the slow one puts that below every threshold for ever.
+        // The thesis compares neighbouring frames. Its values are divided by the clip's maximum;
+        // one quick joint in the same clip puts the slow one permanently below every threshold.
         let slow_of_quick = (1.0f32 / 30.0).to_radians() / 2.0f32.to_radians() * 0.01;
         let frames = 60 * 30 + 1;
         let matrix = ErrorMatrix::new(1, vec![slow_of_quick; frames]).unwrap();

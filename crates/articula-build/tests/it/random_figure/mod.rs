@@ -25,7 +25,7 @@ pub(crate) fn rotation(size: f32) -> impl Strategy<Value = Quat> {
     vector(size).prop_map(Quat::from_scaled_axis)
 }
 
-/// (parent choice, offset, rest rotation, turn a frame) of a joint.
+/// (parent choice, offset, rest rotation, rotation per frame) of a joint.
 pub(crate) type Row = (f32, Vec3, Quat, Vec3);
 
 pub(crate) fn rows() -> impl Strategy<Value = Vec<Row>> {
@@ -42,7 +42,7 @@ fn parents(rows: &[Row]) -> Vec<Option<usize>> {
         .collect()
 }
 
-/// A mesh whose vertices each hang on one, two or three neighbouring joints.
+/// A mesh whose vertices are each bound to one, two or three neighbouring joints.
 fn skinned(rows: &[Row], skeleton: &Skeleton) -> RawMesh {
     let count = rows.len();
     let articulation = flat(count);
@@ -94,7 +94,7 @@ pub(crate) fn flat(joints: usize) -> Articulation {
     }
 }
 
-/// The figure of some rows, with skin and one clip in which every joint turns.
+/// The figure described by `rows`, with skin and one clip in which every joint rotates.
 pub(crate) fn character_of(rows: &[Row]) -> Character {
     let skeleton = Skeleton {
         joints: rows

@@ -1,4 +1,4 @@
-//! Other sizes, other proportions, fewer and more joints.
+//! Retargeting to other sizes, other proportions, fewer and more joints.
 
 use super::figure::retarget;
 use super::figure::{Human, arms_up, as_it_is, reference, rotation};
@@ -23,7 +23,7 @@ fn carried(source: &Human, target: &Human, clip: &str) -> Retargeted {
     .unwrap()
 }
 
-/// Unit direction from one joint of the standard to another.
+/// Unit direction from one H-Anim joint to another.
 fn way(human: &Human, clip: &RawClip, time: f32, names: (&str, &str)) -> Vec3 {
     let at = human.positions(clip, time);
     (at[human.find(names.1)] - at[human.find(names.0)]).normalize()
@@ -38,7 +38,7 @@ const LIMBS: [(&str, &str); 6] = [
     ("r_knee", "r_ankle"),
 ];
 
-/// Largest angle between the limbs of both figures, radians.
+/// Maximum angle between the limbs of both figures, radians.
 fn limbs_off(source: &Human, target: &Human, clip: &str) -> f32 {
     let made = carried(source, target, clip);
     let mut worst = 0.0f32;
@@ -121,7 +121,7 @@ fn missing_joints_leave_the_ends_as_they_were() {
 fn more_joints_than_the_source_share_its_bend() {
     let human = reference();
     let few = human.without(|name| name.starts_with('v') && !["vl5", "vt6", "vc4"].contains(&name));
-    // A motion of the few: bend forward at both joints of the spine.
+    // A motion of the figure with fewer joints: bend forward at both joints of the spine.
     let mut few = few;
     few.clips = vec![bend(&few, &[("vl5", 0.3), ("vt6", 0.4)])];
     let made = carried(&few, &human, "bend");
@@ -198,7 +198,7 @@ fn twist_joints_take_their_share_and_move_nothing() {
         );
         assert!(moved < 1e-4, "{moved} m");
     }
-    // Without such a joint the forearm takes what the wrist cannot.
+    // Without such a joint the forearm takes what exceeds the wrist.
     let made = carried(&turning, &human, "bend");
     let now = human.matrices(&made.clip, 1.0);
     let elbow = rotation(&now[human.find("l_elbow")]).to_axis_angle().1;

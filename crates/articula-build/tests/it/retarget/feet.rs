@@ -1,4 +1,4 @@
-//! Feet that rest do not slide, and knees and elbows bend the right way.
+//! Feet in contact do not slide, and knees and elbows bend the right way.
 
 use super::figure::retarget;
 use super::figure::{Human, reference};
@@ -7,8 +7,7 @@ use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 
-/// The reference walk, going forward instead of on the spot: the root moves on while a foot
-/// is down.
+/// The reference walk, moving forward instead of on the spot: the root moves while a foot is down.
 fn walking() -> Human {
     let mut human = reference();
     let walk = human.clip("walk").clone();
@@ -19,7 +18,7 @@ fn walking() -> Human {
         duration_secs: 3.0 * walk.duration_secs,
         channels: Vec::new(),
     };
-    // How fast the lower foot goes back is how fast the body goes forward.
+    // The lower foot's speed backward is the body's speed forward.
     let lower = |t: f32| {
         let at = human.positions(&walk, t % walk.duration_secs);
         let [l, r] = ankles.map(|a| at[a]);
@@ -80,7 +79,7 @@ fn resting_feet_stay_where_they_are() {
     assert!(quality.slide_before.max_metres > 5e-3, "{quality:?}");
     assert!(quality.below_floor_metres < 1e-3, "{quality:?}");
     assert_eq!(quality.hinge_wrong_share, 0.0);
-    // The figure gets ahead by what its legs allow.
+    // The figure travels as far as its legs allow.
     let went = |h: &Human, clip: &RawClip| h.positions(clip, clip.duration_secs)[0].z;
     let ratio = went(&other, &made.clip) / went(&human, clip);
     assert!((ratio / made.report.scale - 1.0).abs() < 0.02, "{ratio}");

@@ -1,5 +1,5 @@
-//! Figures for the tests: the reference human, bound again in any pose and with any axes, with
-//! fewer joints, other sizes and other limbs.
+//! Figures for the tests: the reference human, rebound in any pose and with any axes, with fewer
+//! joints, other sizes and other limbs.
 
 use crate::reference_human::of_2000;
 use articula_build::retarget::{RetargetFigure, RetargetOptions, Retargeted, Retargeter};
@@ -17,7 +17,7 @@ pub(crate) struct Human {
     pub(crate) clips: Vec<RawClip>,
 }
 
-/// One clip put onto another figure.
+/// Retargets one clip to another figure.
 pub(crate) fn retarget(
     source: RetargetFigure<'_>,
     target: RetargetFigure<'_>,
@@ -67,9 +67,9 @@ impl Human {
         matrices.iter().map(|m| m.translation.into()).collect()
     }
 
-    /// The same figure and motions, where the rest pose has each joint turned by `turn` against
-    /// its parent (in model space), and each joint's own axes are changed by `axes`, which may
-    /// mirror. Joints move through the world as before.
+    /// The same figure and motions, with each joint of the rest pose rotated by `turn` against its
+    /// parent (in model space), and each joint's own axes changed by `axes`, which may mirror.
+    /// Joints move through the world as before.
     pub(crate) fn rebound(
         &self,
         turn: impl Fn(&str) -> Quat,
@@ -120,7 +120,8 @@ impl Human {
         new
     }
 
-    /// The figure without some joints; their children hang from what is above. No motions.
+    /// The figure without some joints; their children hang from the nearest remaining ancestor. No
+    /// motions.
     pub(crate) fn without(&self, gone: impl Fn(&str) -> bool) -> Self {
         let joints = &self.skeleton.joints;
         let rest = matrices(&self.skeleton, |j| joints[j].rest);
@@ -155,7 +156,7 @@ impl Human {
         }
     }
 
-    /// Puts a joint without a twin into the way from `above` to `below`, or beside it.
+    /// Inserts a joint without a twin between `above` and `below`, in line or as a sibling.
     pub(crate) fn with_joint(&self, name: &str, above: &str, below: &str, in_line: bool) -> Self {
         let (above, below) = (self.find(above), self.find(below));
         let mut new = self.clone();
@@ -235,15 +236,15 @@ fn keyed(joints: usize, times: &[f32], local: impl Fn(usize, usize) -> Transform
     channels
 }
 
-/// Largest distance between the joints of two lists.
+/// Maximum distance between the joints of two lists.
 pub(crate) fn farthest(a: &[Vec3], b: &[Vec3]) -> f32 {
     assert_eq!(a.len(), b.len());
     let away = a.iter().zip(b).map(|(a, b)| a.distance(*b));
     away.fold(0.0, f32::max)
 }
 
-/// Turns of the reference human's joints that bring the arms up: by 90 degrees for a T-pose,
-/// by 45 for an A-pose.
+/// Rotations of the reference human's joints that raise the arms: by 90 degrees for a T-pose, by 45
+/// for an A-pose.
 pub(crate) fn arms_up(degrees: f32) -> impl Fn(&str) -> Quat {
     move |name| match name {
         "l_shoulder" => Quat::from_rotation_z(degrees.to_radians()),

@@ -1,4 +1,4 @@
-//! Figures and clips that no one should have made: an error that says why, or finite numbers.
+//! Malformed figures and clips: an error with the reason, or finite floats.
 
 use super::figure::retarget;
 use super::figure::{Human, reference};

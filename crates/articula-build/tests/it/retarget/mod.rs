@@ -1,4 +1,4 @@
-//! A motion of one figure put onto another.
+//! Retargeting of motions from one figure to another.
 
 mod bodies;
 mod feet;

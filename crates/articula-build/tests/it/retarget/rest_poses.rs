@@ -1,4 +1,4 @@
-//! The rest pose and the axes of joints change nothing.
+//! Retargeting is independent of the rest pose and of the joints' axes.
 
 use super::figure::retarget;
 use super::figure::{Human, arms_up, as_it_is, farthest, reference};
@@ -13,8 +13,8 @@ const AS_IT_IS: RetargetOptions = RetargetOptions {
     floor_metres: None,
 };
 
-/// Largest distance of any joint between a clip of one figure and the same put onto another
-/// that stands in the same places.
+/// Maximum distance of any joint between a clip of one figure and the same clip retargeted to
+/// another whose joints have the same positions.
 fn error(source: &Human, target: &Human, clip: &str) -> f32 {
     let clip = source.clip(clip);
     let made = retarget(source.figure(), target.figure(), clip, &AS_IT_IS).unwrap();
@@ -106,7 +106,7 @@ fn a_figure_may_face_anywhere_at_rest() {
     }
 }
 
-/// The figure at rest turned about the origin of its model space.
+/// The figure with its rest pose rotated about the origin of model space.
 fn turned(human: &Human, turn: Quat) -> Human {
     let mut new = human.clone();
     new.clips.clear();

@@ -1,4 +1,4 @@
-//! What holds for the levels of any mesh.
+//! Properties of the levels of any mesh.
 
 use articula_build::{LevelTriangles, Simplified, SimplifyOptions, simplify};
 use articula_core::Mesh;
@@ -12,7 +12,7 @@ pub(crate) fn turned([a, b, c]: [u32; 3]) -> [u32; 3] {
     [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap()
 }
 
-/// Uses of each directed edge between position classes.
+/// Number of uses of each directed edge between position classes.
 pub(crate) fn edges(found: &Simplified, level: &LevelTriangles) -> BTreeMap<(u32, u32), usize> {
     let mut uses = BTreeMap::new();
     for t in &level.triangles {
@@ -30,7 +30,7 @@ pub(crate) fn is_closed(found: &Simplified, level: &LevelTriangles) -> bool {
         .all(|((a, b), n)| *n == 1 && uses.get(&(*b, *a)) == Some(&1))
 }
 
-/// What holds for the levels of any mesh.
+/// Checks the properties that hold for the levels of any mesh.
 pub(crate) fn check(mesh: &Mesh, found: &Simplified, options: &SimplifyOptions) {
     assert_eq!(found.levels.len(), options.targets.len());
     let mut before = BTreeSet::new();

@@ -1,4 +1,4 @@
-//! Meshes that no tool should write, and that are met all the same.
+//! Malformed meshes, which occur nevertheless.
 
 use super::checks::{check, of};
 use super::shapes::{ball, mesh, sheet};
@@ -75,7 +75,7 @@ fn triangles_with_vertices_of_their_own_are_one_surface() {
     let mut soup = mesh(positions, triangles);
     let shared = fine(&ball);
     assert_eq!(fine(&soup), shared);
-    // Normals of every face's own, as in flat shading, do not stop it either.
+    // Separate normals for every face, as in flat shading, do not stop it either.
     for t in soup.triangles.clone() {
         let [a, b, c] = t.map(|v| soup.positions[v as usize]);
         let normal = (b - a).cross(c - a).normalize();
@@ -129,7 +129,7 @@ fn hubs_and_books_of_many_faces_take_no_longer_for_it() {
     fine(&mesh(points, book));
 }
 
-/// Triangles over few points of a coarse grid, so that they share corners, edges and places.
+/// Triangles over few points of a coarse grid, so that they share corners, edges and positions.
 fn tangle() -> impl Strategy<Value = (Mesh, Vec<Vec3>)> {
     let point = prop_oneof![
         20 => (0i8..4, 0i8..4, 0i8..3).prop_map(|(x, y, z)| {

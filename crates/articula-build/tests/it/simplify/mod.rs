@@ -1,4 +1,4 @@
-//! Levels of a mesh: the same on every run, closed where the original is, and no face comes back.
+//! Mesh levels: deterministic, closed where the original is, without faces that reappear.
 
 mod checks;
 mod hostile;

@@ -7,7 +7,7 @@ use articula_core::{Mesh, Part};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
 
-/// A ball of two parts, above and below the equator, with vertices and texture of their own.
+/// A ball of two parts, above and below the equator, with separate vertices and textures.
 fn halves() -> Mesh {
     let whole = ball(24);
     let above = |t: &[u32; 3]| {
@@ -91,7 +91,7 @@ fn a_texture_seam_stays_where_it_is() {
     };
     let found = of(&mesh, &options);
     check(&mesh, &found, &options);
-    // Two triangles for each chart: every face has its texture where it had it.
+    // Two triangles for each chart: every face keeps its texture coordinates.
     assert_eq!(found.levels[1].triangles.len(), 4);
     for t in &found.levels[1].triangles {
         let corners = t.map(|v| (mesh.positions[v as usize], mesh.texcoords[v as usize]));

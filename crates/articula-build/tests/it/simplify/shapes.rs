@@ -1,9 +1,9 @@
-//! Small surfaces whose levels can be told by hand.
+//! Small surfaces whose levels can be computed by hand.
 
 use articula_core::{Binding, Mesh, Part};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
-/// A mesh of one part whose vertices hang on one joint.
+/// A mesh of one part whose vertices are bound to one joint.
 pub(crate) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     let count = positions.len();
     Mesh {

@@ -1,4 +1,4 @@
-//! The flags of `build` about mesh levels.
+//! The flags of `build` for mesh levels.
 
 use anyhow::Context;
 use articula::MeshLevelOptions;
@@ -10,62 +10,62 @@ use std::path::PathBuf;
 
 use crate::{fault, files};
 
-/// How much heavier errors are near joints in the thesis' weighting.
+/// Factor by which the thesis' weighting increases errors near joints.
 const JOINT_STRENGTH: f32 = 4.0;
 
-/// Most levels, as `--levels` has it.
+/// Maximum number of levels, as for `--levels`.
 const MAX_LEVELS: usize = 16;
-/// Most bytes of a list of locked vertices.
+/// Maximum size of a list of locked vertices in bytes.
 const LOCK_BYTES: u64 = 1 << 26;
 
 const HEADING: &str = "Mesh levels";
 
-/// Which mesh levels are made, and how they are written.
+/// Mesh levels to make, and how to write them.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct MeshLevelArgs {
-    /// Make so many mesh levels, from all triangles to 1.5 % of them
+    /// Number of mesh levels, from all triangles down to 1.5 % of them
     #[arg(long, value_name = "N", help_heading = HEADING, value_parser = clap::value_parser!(u16).range(1..=16))]
     levels: Option<u16>,
     /// Triangles of each level in percent, finest first
     #[arg(long, value_name = "100,50,…", help_heading = HEADING, value_delimiter = ',', value_parser = percent)]
     targets: Vec<f64>,
-    /// How much errors of a body region count, such as face=8,hands=4
+    /// Factors by which errors in body regions count more, such as face=8,hands=4
     #[arg(long, value_name = "REGION=X,…", help_heading = HEADING, value_delimiter = ',', value_parser = region_factor)]
     region_weight: Vec<(String, f32)>,
-    /// Zones that may be shown at a level of their own, such as upper; the rest is one more
+    /// Zones that can be shown at separate levels, such as upper; the rest is one more zone
     #[arg(long, value_name = "ZONE,…", help_heading = HEADING, value_delimiter = ',', value_parser = zone)]
     split: Vec<(String, Zone)>,
-    /// Which errors count: of all poses (without it), of the rest pose, or at rest and more near joints
+    /// Errors to minimise [default: poses]
     #[arg(long, value_enum, help_heading = HEADING)]
     weighting: Option<Counted>,
-    /// Vertices that no level removes: a JSON file {"mesh name": [vertex, …], …}
+    /// JSON file with vertices that no level removes: {"mesh name": [vertex, …], …}
     #[arg(long, value_name = "FILE.json", help_heading = HEADING)]
     pub(super) lock: Option<PathBuf>,
-    /// Write the coarser levels as MSFT_lod nodes too, for engines that know those
+    /// Also write the coarser levels as MSFT_lod nodes, for engines that support them
     #[arg(long, help_heading = HEADING)]
     msft_lod: bool,
-    /// Write the levels as a stream of chunks beside the asset
+    /// Also write the levels as a progressive stream to this file
     #[arg(long, value_name = "FILE.ams", help_heading = HEADING)]
     pub(super) mesh_stream: Option<PathBuf>,
 }
 
-/// Which errors count.
+/// Errors that simplification minimises.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Counted {
-    /// Those of poses of the character's own clips, summed.
+    /// Sum over poses of the character's clips.
     Poses,
-    /// Those at rest.
+    /// In the rest pose.
     Rest,
-    /// Those at rest, more near joints (the thesis' weighting).
+    /// In the rest pose, more near joints (the thesis' weighting).
     Joint,
 }
 
 impl MeshLevelArgs {
-    /// Whether any level is wanted; options without a level are wrong usage.
+    /// The options, if any level is asked for; options without a level are a usage error.
     pub(crate) fn wanted(&self) -> anyhow::Result<Option<MeshLevelOptions>> {
         let has_twice = |i: usize| self.split[..i].iter().any(|z| z.1 == self.split[i].1);
         if let Some(i) = (0..self.split.len()).find(|i| has_twice(*i)) {
-            let what = format!("--split: {} stands twice", self.split[i].0);
+            let what = format!("--split: {} is given twice", self.split[i].0);
             return Err(fault::usage(what));
         }
         let targets = match (self.levels, self.targets.as_slice()) {
@@ -96,7 +96,7 @@ impl MeshLevelArgs {
                 }
                 let falls = given.windows(2).all(|w| w[0] > w[1]);
                 if given[0] != 100.0 || !falls {
-                    let what = "--targets: percentages that fall from 100 are needed";
+                    let what = "--targets: expected percentages that start at 100 and decrease";
                     return Err(fault::usage(what));
                 }
                 given.iter().map(|p| p / 100.0).collect()
@@ -125,26 +125,26 @@ impl MeshLevelArgs {
         let bytes = files::read(path, LOCK_BYTES)?;
         let form = "{\"mesh name\": [vertex, …], …}";
         serde_json::from_slice(&bytes)
-            .with_context(|| format!("{}: the form is {form}", files::shown(path)))
+            .with_context(|| format!("{}: the expected form is {form}", files::shown(path)))
     }
 }
 
 fn percent(text: &str) -> Result<f64, String> {
     match text.trim().trim_end_matches('%').parse::<f64>() {
         Ok(p) if p > 0.0 && p <= 100.0 => Ok(p),
-        _ => Err("a percentage above 0, at most 100".into()),
+        _ => Err("expected a percentage above 0 and at most 100".into()),
     }
 }
 
 fn region_factor(text: &str) -> Result<(String, f32), String> {
     let known = || Region::ALL.map(|r| r.to_string()).join(", ");
-    let (name, factor) = text.split_once('=').ok_or("the form is face=8")?;
+    let (name, factor) = text.split_once('=').ok_or("expected a form such as face=8")?;
     let region = name
         .parse::<Region>()
-        .map_err(|_| format!("regions are {}", known()))?;
+        .map_err(|_| format!("expected one of the regions {}", known()))?;
     match factor.parse::<f32>() {
         Ok(x) if x > 0.0 && x <= 1e6 => Ok((region.to_string(), x)),
-        _ => Err("a factor above 0, at most 1000000".into()),
+        _ => Err("expected a factor above 0 and at most 1000000".into()),
     }
 }
 
@@ -152,6 +152,6 @@ fn zone(text: &str) -> Result<(String, Zone), String> {
     let named = text.parse().map(|zone| (text.to_owned(), zone));
     named.map_err(|_| {
         let regions = Region::ALL.map(|r| r.to_string()).join(", ");
-        format!("zones are upper, lower, face-shoulders and the regions {regions}")
+        format!("expected upper, lower, face-shoulders or one of the regions {regions}")
     })
 }

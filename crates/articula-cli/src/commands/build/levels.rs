@@ -1,44 +1,44 @@
-//! What `build` says of mesh levels.
+//! The report of `build` about mesh levels.
 
 use crate::table::{Table, counted, millimetres};
 use articula::CodedMeshLevels;
 use serde::Serialize;
 
-/// One level, as scripts read it. Errors are null for a level without triangles.
+/// One level in the JSON report. Errors are null for a level without triangles.
 #[derive(Debug, Serialize)]
 pub(crate) struct Level {
-    /// Its number: 0 is the finest.
+    /// Number of the level; 0 is the finest.
     level: usize,
     pub(crate) triangles: u64,
     pub(crate) vertices: u64,
-    /// Greatest distance of the original from it at rest.
+    /// Maximum distance from the original surface to the level at rest, metres.
     pub(crate) error_rest_m: Option<f32>,
-    /// The same over poses that it was not made by.
+    /// The same over poses that were not used for simplification.
     pub(crate) error_motion_m: Option<f32>,
     error_motion_p99_m: Option<f32>,
     error_motion_mean_m: Option<f32>,
-    /// Bytes of this level alone, coded for the wire.
+    /// Bytes of this level coded alone.
     pub(crate) bytes_direct: usize,
-    /// Bytes of what it adds to the next coarser level on the wire.
+    /// Bytes that this level adds to the next coarser one in the stream.
     pub(crate) bytes_added: usize,
-    /// Index ranges that show it, over all parts.
+    /// Number of index ranges that show the level, over all parts.
     ranges: usize,
 }
 
 /// Bytes of all levels together.
 #[derive(Debug, Serialize)]
 pub(crate) struct Bytes {
-    /// The whole stream: its head and what every level adds.
+    /// The whole stream: its header and the additions of every level.
     pub(crate) clustered: usize,
     /// The finest level, coded alone.
     pub(crate) finest_alone: usize,
-    /// All levels, each coded alone.
+    /// Sum of all levels, each coded alone.
     pub(crate) discrete_sum: usize,
-    /// What the meshes take in the asset, not coded: vertices once, triangles of all levels.
+    /// The meshes in the asset, not coded: vertices once, triangles of all levels.
     pub(crate) store: usize,
 }
 
-/// The levels, the finest first.
+/// The levels, finest first.
 pub(crate) fn levels(made: &CodedMeshLevels) -> Vec<Level> {
     let finite = |metres: f32| metres.is_finite().then_some(metres);
     let rows = made.levels.table.levels.iter().enumerate();
@@ -62,7 +62,7 @@ pub(crate) fn levels(made: &CodedMeshLevels) -> Vec<Level> {
     .collect()
 }
 
-/// What they weigh; `store` is what the document says of its meshes.
+/// Sizes of the levels; `store` is the size of the meshes in the document.
 pub(crate) fn bytes(made: &CodedMeshLevels, store: usize) -> Bytes {
     let direct = &made.stream.direct;
     Bytes {
@@ -73,13 +73,13 @@ pub(crate) fn bytes(made: &CodedMeshLevels, store: usize) -> Bytes {
     }
 }
 
-/// How many poses errors in motion were measured on.
+/// Number of poses on which errors in motion were measured.
 pub(crate) fn poses_measured(made: &CodedMeshLevels) -> usize {
     let on = made.levels.measured;
     on.clips + on.bends + on.morphs
 }
 
-/// What errors in motion were measured on, in words.
+/// Describes the poses on which errors in motion were measured.
 pub(crate) fn measured(made: &CodedMeshLevels) -> String {
     let on = made.levels.measured;
     let parts: Vec<String> = [
@@ -92,20 +92,20 @@ pub(crate) fn measured(made: &CodedMeshLevels) -> String {
     .map(|(count, what)| format!("{} {what}", counted(count, "pose", "poses")))
     .collect();
     match parts.is_empty() {
-        true => "the rest pose alone, since no other is left to measure on".to_owned(),
-        false => format!("{} that the levels were not made by", parts.join(" and ")),
+        true => "the rest pose only, since no other pose is left for measuring".to_owned(),
+        false => format!("{} not used for simplification", parts.join(" and ")),
     }
 }
 
-/// The same for people.
+/// Formats the levels for people.
 pub(crate) fn text(levels: &[Level], bytes: &Bytes, measured: &str) -> String {
     let mut table = Table::new(&[
         "level",
         "triangles",
         "vertices",
-        "off at rest",
-        "in motion",
-        "99 %",
+        "error at rest",
+        "error in motion",
+        "p99 in motion",
         "ranges",
         "bytes alone",
         "bytes added",
@@ -124,8 +124,8 @@ pub(crate) fn text(levels: &[Level], bytes: &Bytes, measured: &str) -> String {
         ]);
     }
     format!(
-        "{}errors: the greatest distance of the original surface, in motion over {measured}\n\
-         on the wire: {} bytes for all levels, {} for the finest alone, {} for each level alone; in the asset {}\n",
+        "{}errors: maximum distance from the original surface to the level, in motion over {measured}\n\
+         stream: {} bytes for all levels, {} for the finest level alone, {} for all levels each coded alone; {} in the asset\n",
         table.text(),
         bytes.clustered,
         bytes.finest_alone,

@@ -1,5 +1,5 @@
-//! `articula build IN [MOTION...] OUT.glb`: what is prepared once goes into the file, with clips
-//! of other files.
+//! `articula build IN [MOTION...] OUT.glb`: writes an asset with articulation, motion tables and
+//! mesh levels, and adds clips of other files.
 
 mod arguments;
 pub(crate) mod levels;
@@ -23,15 +23,15 @@ use std::path::PathBuf;
 /// Arguments of `build`.
 #[derive(Debug, Args)]
 pub(crate) struct BuildArgs {
-    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh), then files whose clips it gets besides its
-    /// own (any format with clips)
+    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh), followed by files whose clips are added
+    /// (any format with clips)
     #[arg(value_name = "IN", required = true)]
     inputs: Vec<PathBuf>,
     /// Asset to write (.glb)
     out: PathBuf,
     #[command(flatten)]
     names: ReadArgs,
-    /// Seed of the choice of vertices that whole-pose keys watch
+    /// Seed for choosing the vertices measured for whole-pose keys
     #[arg(long, default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
@@ -51,11 +51,11 @@ struct BuildReport {
     clips: Vec<ClipTableSizes>,
     /// Files whose clips were added.
     added: Vec<Added>,
-    /// Mesh levels, the finest first; none unless they are asked for.
+    /// Mesh levels, finest first; empty unless asked for.
     levels: Vec<levels::Level>,
-    /// What they weigh.
+    /// Sizes of the mesh levels.
     bytes: Option<levels::Bytes>,
-    /// Poses that their errors in motion were measured on.
+    /// Number of poses on which errors in motion were measured.
     poses_measured: Option<usize>,
     #[serde(skip)]
     measured: String,
@@ -73,18 +73,18 @@ struct ClipTableSizes {
     keys: Vec<usize>,
 }
 
-/// What one file gave.
+/// The clips added from one file.
 #[derive(Debug, Serialize)]
 struct Added {
     #[serde(rename = "in")]
     input: String,
-    /// Names of its clips on the character.
+    /// Names of the clips on the character.
     clips: Vec<String>,
-    /// Whether they were put onto other joints, by the H-Anim map.
+    /// Whether they were retargeted by the H-Anim map.
     retargeted: bool,
 }
 
-/// Reads a character, works out its tables, writes the asset.
+/// Reads a character, computes its tables and writes the asset.
 pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     if files::format(&args.out) != Some(Format::Glb) {
         let what = "an asset is a GLB; name the file .glb";
@@ -119,7 +119,7 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     console.result(&report, BuildReport::text)
 }
 
-/// Gives the character the clips of other files.
+/// Adds the clips of other files to the character.
 fn added(
     opened: &mut CharacterFile,
     motions: &[CharacterFile],
@@ -176,8 +176,8 @@ impl BuildReport {
 
     fn text(&self) -> String {
         let profile = match self.profile.as_str() {
-            "" => "no profile fits".to_owned(),
-            name => format!("profile {}", clean(name)),
+            "" => "no joint map matches".to_owned(),
+            name => format!("joint map {}", clean(name)),
         };
         let mut text = format!(
             "{} ({} bytes) -> {} ({} bytes)\n{}, {} mapped to H-Anim ({})\n",
@@ -191,12 +191,12 @@ impl BuildReport {
         );
         for added in &self.added {
             let how = if added.retargeted {
-                "by the H-Anim map"
+                "retargeted by the H-Anim map"
             } else {
-                "the joints are the same"
+                "same joints"
             };
             let clips = counted(added.clips.len(), "clip", "clips");
-            text.push_str(&format!("{clips} of {} ({how})\n", clean(&added.input)));
+            text.push_str(&format!("{clips} from {} ({how})\n", clean(&added.input)));
         }
         let mut table = Table::new(&[
             "clip",
@@ -204,8 +204,8 @@ impl BuildReport {
             "segs bytes",
             "posekeys bytes",
             "keys at 0.5 mm",
-            "8 mm",
-            "128 mm",
+            "at 8 mm",
+            "at 128 mm",
         ]);
         for clip in &self.clips {
             let keys = |level: usize| clip.keys.get(level).map_or("-".into(), usize::to_string);
@@ -220,7 +220,7 @@ impl BuildReport {
             ]);
         }
         if table.is_empty() {
-            text.push_str("no clip: levels and regions only\n");
+            text.push_str("no clip: only levels and regions of joints were stored\n");
         } else {
             text.push_str(&table.text());
         }
@@ -229,7 +229,7 @@ impl BuildReport {
             text.push_str(&levels::text(&self.levels, bytes, &self.measured));
         }
         if let Some(stream) = &self.mesh_stream {
-            text.push_str(&format!("mesh levels as a stream: {}\n", clean(stream)));
+            text.push_str(&format!("mesh level stream: {}\n", clean(stream)));
         }
         for warning in &self.warnings {
             text.push_str(&format!("warning: {}\n", clean(warning)));

@@ -1,4 +1,4 @@
-//! FAP files, rewritten with masks of what moves.
+//! FAP files, written again with masks that mark the parameters that move.
 
 use super::ConvertArgs;
 use super::report::{self, ConvertReport};
@@ -8,13 +8,13 @@ use crate::{fault, files};
 use articula::convert::write_data;
 use articula::{Data, DataFormat};
 
-/// Whether a file that is named holds data of a face, or should.
+/// Whether the input or output is named as a file of facial data.
 pub(super) fn is_meant(args: &ConvertArgs) -> bool {
     let named = |path| files::data_format(path).is_some();
     named(&args.out) || args.inputs.len() == 1 && named(&args.inputs[0])
 }
 
-/// Rewrites a FAP file; anything else is refused with what can be done.
+/// Writes a FAP file again; anything else is refused with a hint at what is possible.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let format = check(args)?;
     let input = &args.inputs[0];
@@ -48,7 +48,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     console.result(&report, |report| report.text(false))
 }
 
-/// The format, if it is one that is written and nothing else is asked for.
+/// The format, if it is one that can be written and no other flags are given.
 fn check(args: &ConvertArgs) -> anyhow::Result<DataFormat> {
     let [input] = &args.inputs[..] else {
         return Err(fault::usage("a FAP file is written from one FAP file"));
@@ -67,7 +67,7 @@ fn check(args: &ConvertArgs) -> anyhow::Result<DataFormat> {
     let other = args.to.is_some() || args.onto.is_some() || args.khr_character;
     if chosen || other || args.hygiene.asks() {
         return Err(fault::usage(format!(
-            "{place}: the flags that choose or change clips of a body say nothing of a FAP file; leave them out"
+            "{place}: flags that choose or change body clips do not apply to a FAP file; leave them out"
         )));
     }
     Ok(format)

@@ -1,5 +1,5 @@
-//! `convert --trim --loop --root-motion --rate --reduce-keys`: clips made clean, from the flags,
-//! and what that did, for people.
+//! `convert --trim --loop --root-motion --rate --reduce-keys`: the flags that clean clips, and the
+//! report of what they did.
 
 use crate::{arguments, fault};
 use anyhow::Context;
@@ -10,49 +10,49 @@ use articula::convert::{
 };
 use clap::{Args, ValueEnum};
 
-/// What is to be done with the clips.
+/// Cleaning of clips.
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct HygieneArgs {
-    /// Keep a part of each clip, in seconds: 1.5..3, ..3 or 2..
+    /// Keep an interval of each clip, in seconds: 1.5..3, ..3 or 2..
     #[arg(long, value_name = "FROM..TO", value_parser = part)]
     trim: Option<ClipPart>,
-    /// Keep the part of each clip that loops best, and make its ends meet
+    /// Keep the part of each clip that loops best, and close its seam
     #[arg(long = "loop")]
     looped: bool,
-    /// With --loop: share what is missing over so much of either end [default: half of the loop]
+    /// With --loop: blend duration at either end, in seconds [default: half of the loop]
     #[arg(long, value_name = "SECS", value_parser = arguments::positive, requires = "looped")]
     loop_window: Option<f32>,
-    /// What becomes of the hips' way over the ground and their heading: told, given to a joint
-    /// above them, or taken away
+    /// Handling of the root motion (horizontal motion and heading of the hips): reported only,
+    /// moved to a joint above them, or removed
     #[arg(long, value_name = "MODE", value_enum)]
     root_motion: Option<RootMode>,
-    /// With --root-motion: leave sway that is shorter than this to the hips
+    /// With --root-motion: leave sway shorter than this, in seconds, to the hips
     #[arg(long, value_name = "SECS", value_parser = arguments::positive, requires = "root_motion")]
     root_smooth: Option<f32>,
-    /// Key every channel at this rate
+    /// Resample every channel at this rate, in hertz
     #[arg(long, value_name = "HZ", value_parser = arguments::positive)]
     rate: Option<f32>,
-    /// Drop keys as long as no joint and no skin moves by more than this: 0.001, 1mm or 0.1cm
+    /// Drop keys while no joint and no skin moves by more than this distance: 0.001, 1mm or 0.1cm
     #[arg(long, value_name = "METRES", value_parser = metres)]
     reduce_keys: Option<f32>,
-    /// With --reduce-keys: drop channels that show the rest pose, too
+    /// With --reduce-keys: also drop channels that stay at the rest pose
     #[arg(long, requires = "reduce_keys")]
     drop_rest: bool,
 }
 
-/// What becomes of root motion.
+/// Handling of root motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum RootMode {
-    /// It stays; the report tells the trajectory
+    /// Leave the motion as it is; the report has the trajectory
     Keep,
-    /// The joint above the hips carries it
+    /// Move it to a joint above the hips
     Extract,
-    /// It is taken away
+    /// Remove it
     InPlace,
 }
 
 impl HygieneArgs {
-    /// What the flags ask for.
+    /// The edits that the flags ask for.
     pub(super) fn edits(&self) -> ClipEdits {
         let (window_secs, smooth_secs) = (self.loop_window, self.root_smooth.unwrap_or(0.0));
         ClipEdits {
@@ -70,7 +70,7 @@ impl HygieneArgs {
         }
     }
 
-    /// Refuses what the format of the output cannot show.
+    /// Refuses edits that the output format cannot represent.
     pub(super) fn check(&self, out: Format) -> anyhow::Result<()> {
         let flag = match self.reduce_keys {
             Some(_) if out.holds_one_clip() => "--reduce-keys",
@@ -79,7 +79,7 @@ impl HygieneArgs {
         self.edits().check(out).context(flag)
     }
 
-    /// Whether anything is to be done.
+    /// Whether any edit is asked for.
     pub(super) fn asks(&self) -> bool {
         self.edits().asks()
     }
@@ -103,7 +103,7 @@ fn named(name: &str) -> String {
     }
 }
 
-/// What was done, for people; one line for the clip and one for each thing that was done.
+/// Formats the edits of a clip for people: one line for the clip and one for each edit.
 pub(super) fn text(edited: &ClipEdited) -> String {
     let mut text = format!("clip \"{}\"\n", fault::clean(&edited.clip));
     if let Some(t) = &edited.trim {
@@ -132,7 +132,7 @@ pub(super) fn text(edited: &ClipEdited) -> String {
 
 fn of_loop(looped: &Looped) -> String {
     let Some(p) = &looped.part else {
-        return "  no loop: too short or too still to repeat anything\n".into();
+        return "  no loop: the clip is too short or moves too little\n".into();
     };
     let part = format!(
         "{:.3} .. {:.3} s, {:.3} s long, seam {:.1} mm, score {:.3}",
@@ -144,9 +144,9 @@ fn of_loop(looped: &Looped) -> String {
     );
     match &looped.closed {
         Some(c) => format!(
-            "  {}: {part}; closing moved joints by up to {:.1} mm; a round goes {:.3} m, {:.1} degrees\n",
+            "  {}: {part}; closing moved joints by up to {:.1} mm; one cycle travels {:.3} m and turns {:.1} degrees\n",
             if looped.is_whole {
-                "a loop as it is"
+                "already a loop"
             } else {
                 "loop found"
             },
@@ -155,7 +155,7 @@ fn of_loop(looped: &Looped) -> String {
             c.turn_deg,
         ),
         None => format!(
-            "  no loop, left as it was: the best part ({part}) is below a score of {}\n",
+            "  no loop, clip unchanged: the best part ({part}) scores below {}\n",
             looped.score_least
         ),
     }
@@ -164,19 +164,19 @@ fn of_loop(looped: &Looped) -> String {
 fn of_root_motion(root: &RootMotionEdited) -> String {
     let hips = named(&root.hips);
     let off = format!(
-        "every joint within {:.3} mm of its source",
+        "every joint within {:.3} mm of the source",
         1e3 * root.worst_m
     );
     let what = match (root.mode, &root.carrier) {
         (RootMotionMode::Keep, _) => "kept".to_owned(),
         (RootMotionMode::Extract, Some(carrier)) => {
-            format!("now of the joint {}, {off}", named(carrier))
+            format!("moved to the joint {}, {off}", named(carrier))
         }
-        (RootMotionMode::Extract, None) => "left there, since no joint above can carry it (--json tells the trajectory, in-place takes it away)".to_owned(),
-        (RootMotionMode::InPlace, _) => format!("taken away; with it, {off}"),
+        (RootMotionMode::Extract, None) => "unchanged, since no joint above the hips can carry it (--json prints the trajectory, in-place removes it)".to_owned(),
+        (RootMotionMode::InPlace, _) => format!("removed; with it added back, {off}"),
     };
     format!(
-        "  root motion of the hips {hips}: {:.3} m on a way of {:.3} m, {:.1} degrees; {what}\n",
+        "  root motion of the hips {hips}: {:.3} m displacement, {:.3} m path length, {:.1} degrees; {what}\n",
         root.travel_m, root.path_m, root.turn_deg,
     )
 }
@@ -196,7 +196,7 @@ fn of_keys(keys: &KeysReduced) -> String {
     )
 }
 
-/// Reads `FROM..TO`, either end open.
+/// Parses `FROM..TO`, either end open.
 fn part(text: &str) -> Result<ClipPart, String> {
     let wrong = || "expected seconds as FROM..TO, ..TO or FROM.., FROM before TO".to_owned();
     let (from, to) = text.split_once("..").ok_or_else(wrong)?;
@@ -212,7 +212,7 @@ fn part(text: &str) -> Result<ClipPart, String> {
     }
 }
 
-/// Reads a length in metres, or with the unit m, cm or mm.
+/// Parses a length in metres, or with the unit m, cm or mm.
 fn metres(text: &str) -> Result<f32, String> {
     let text = text.trim();
     let (number, unit) = [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)]

@@ -1,4 +1,4 @@
-//! One file of a conversion: read, changed as asked for, written.
+//! One job of a conversion: files are read, changed as asked for, and written.
 
 use super::ConvertArgs;
 use super::onto::Hero;
@@ -14,21 +14,21 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 use std::path::PathBuf;
 
-/// What became of one job.
+/// Result of one job.
 #[derive(Debug)]
 pub(super) struct Done {
-    /// The file that was written, if any was.
+    /// Report of the file that was written, if any was.
     pub(super) report: Option<ConvertReport>,
-    /// Files that were not used, and why.
+    /// Files that were not used, with the reasons.
     pub(super) faults: Vec<(PathBuf, anyhow::Error)>,
 }
 
-/// What all jobs are done with.
+/// Settings that all jobs share.
 pub(super) struct Recipe<'a> {
     pub(super) args: &'a ConvertArgs,
     pub(super) hero: Option<Hero>,
     pub(super) selected: Option<Selected>,
-    /// Moves on for every file that was read.
+    /// Progress bar; advances with every file read.
     pub(super) bar: ProgressBar,
 }
 
@@ -53,7 +53,7 @@ impl Recipe<'_> {
         Done { report, faults }
     }
 
-    /// One file as it is.
+    /// Reads one file without changes.
     fn read(&self, job: &Job) -> anyhow::Result<(CharacterFile, ConvertReport)> {
         let input = &job.inputs[0];
         let opened = open::character(&input.path, &self.args.names)?;
@@ -61,7 +61,7 @@ impl Recipe<'_> {
             .check(opened.format, job.format)?;
         let place = &opened.name;
         if input.found && files::same(&input.path, &job.out) {
-            bail!("{place}: it would be replaced by what is made of it; name another folder");
+            bail!("{place}: the output would overwrite this input; name another folder");
         }
         let mut report = ConvertReport::new(job, opened.name.clone());
         report.format_in = opened.format.name().to_owned();
@@ -70,7 +70,7 @@ impl Recipe<'_> {
         Ok((opened, report))
     }
 
-    /// The character with the motions of several files; none if no file could be used.
+    /// The character with the motions of several files; an error if no file could be used.
     fn gathered(
         &self,
         job: &Job,
@@ -116,7 +116,7 @@ impl Recipe<'_> {
         let clips = &mut opened.character.clips;
         let kept = clips.len() - fits.len();
         if job.format.holds_one_clip() {
-            // The motion is what was asked for, not what the character had before.
+            // The new motions come first, the clips that the character had before last.
             clips.rotate_left(kept);
         }
         formats.dedup();
@@ -129,7 +129,7 @@ impl Recipe<'_> {
         Ok(Some((opened, report)))
     }
 
-    /// Changes what is asked for, and writes.
+    /// Applies the edits that were asked for, and writes the file.
     fn finished(
         &self,
         job: &Job,
@@ -139,7 +139,7 @@ impl Recipe<'_> {
         let reduces = self.selected.is_some();
         if reduces && opened.character.clips.is_empty() && !job.format.needs_a_clip() {
             let place = &opened.name;
-            bail!("{place}: clips: there is none to reduce; leave --loa out");
+            bail!("{place}: clips: the file has none to reduce; leave --loa out");
         }
         let clip = self.hero.is_none().then(|| self.args.clip.clone());
         let options = self.options(clip.flatten());
@@ -159,7 +159,7 @@ impl Recipe<'_> {
         if reduces && job.format.holds_one_clip() {
             let format = job.format.name();
             report.warnings.push(format!(
-                "a .{format} file stores every joint in every frame, so it gets no smaller; write .glb to save bytes"
+                "a .{format} file stores every joint in every frame, so the file does not become smaller; write .glb to save bytes"
             ));
         }
         report.edits = made.edits;
@@ -181,7 +181,7 @@ impl Recipe<'_> {
         }
     }
 
-    /// An error of the library with the flags that it is about.
+    /// An error of the library with the flags that caused it.
     fn placed(&self, fault: articula::Error) -> articula::Error {
         let mut fault = match &self.selected {
             Some(selected) => selected.placed(fault),

@@ -1,5 +1,5 @@
-//! `articula convert IN... OUT`: between formats, onto another character, and to a reduced
-//! animation; one file or many.
+//! `articula convert IN... OUT`: converts between formats, retargets onto a character, cleans and
+//! reduces animations; one file or many.
 
 mod face;
 mod hygiene;
@@ -30,41 +30,42 @@ pub(crate) struct ConvertArgs {
     /// Files to read (.glb, .gltf, .vrm, .vrma, .bvh, .bap, ...), or folders of them
     #[arg(value_name = "IN", required = true)]
     inputs: Vec<PathBuf>,
-    /// File to write; its extension names the format (.glb, .vrm, .vrma, .bvh, ...). Or the
-    /// folder that receives one file for each that is read
+    /// File to write, in the format of its extension (.glb, .vrm, .vrma, .bvh, ...), or folder
+    /// that receives one file for each input
     out: PathBuf,
     /// Format of the files in an output folder [default: glb]
     #[arg(long, value_name = "FORMAT", value_parser = format)]
     to: Option<Format>,
-    /// Put the motions onto this character, by the H-Anim map: OUT is the character's file with
-    /// them as its clips
+    /// Character file onto which the motions are retargeted by the H-Anim map; OUT is this file
+    /// with the motions as its clips
     #[arg(long, value_name = "CHARACTER")]
     onto: Option<PathBuf>,
     /// With --onto: keep the clips that the character already has
     #[arg(long, requires = "onto")]
     keep_clips: bool,
-    /// With --onto: what stays in place while the source's rests [default: feet]
+    /// With --onto: end effectors that are kept in place during contacts [default: feet]
     #[arg(long, value_enum, requires = "onto")]
     pin: Option<Pin>,
-    /// With --onto: height of the floor in the motion's own space [default: found from its feet]
+    /// With --onto: height of the floor in metres, in the motion's space [default: found from the
+    /// feet]
     #[arg(long, value_name = "M", requires = "onto", allow_negative_numbers = true, value_parser = finite)]
     floor_metres: Option<f32>,
-    /// With --onto: list where the motion of every joint comes from
+    /// With --onto: list the source of every joint's motion
     #[arg(long, requires = "onto")]
     map: bool,
-    /// Keep this clip alone [default: all; .bvh the first]
+    /// Name of the only clip to keep [default: all clips; for .bvh the first]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
-    /// Joints that may move, such as "loa(Low) + zone(hands)"; the others are held
+    /// Joints that may move, such as "loa(Low) + zone(hands)"; all others are held
     #[arg(long, value_name = "EXPR")]
     loa: Option<String>,
-    /// Let every joint above one that may move, move too
+    /// Also move the ancestors of joints that may move
     #[arg(long)]
     with_ancestors: bool,
-    /// The same from a saved selection
+    /// LoA profile with the joints that may move (JSON), instead of --loa
     #[arg(long, value_name = "F.json", conflicts_with = "loa")]
     loa_profile: Option<PathBuf>,
-    /// What held joints show: hold, rest, key-pose, blend-to-rest:SECS [default: key-pose]
+    /// Pose of held joints: hold, rest, key-pose, blend-to-rest:SECS [default: key-pose]
     #[arg(long, value_name = "POLICY", value_parser = reduction::passive)]
     passive: Option<PassivePolicy>,
     /// Write the draft glTF extensions for characters: skeleton mapping and reference pose
@@ -77,7 +78,7 @@ pub(crate) struct ConvertArgs {
     names: ReadArgs,
 }
 
-/// Reads, changes what is asked for, and writes.
+/// Reads, edits and writes.
 pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     args.check()?;
     if face::is_meant(args) {
@@ -102,7 +103,7 @@ pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     }
 }
 
-/// Says what was written, then which files could not be used and why.
+/// Prints what was written, then the files that could not be used, with the reasons.
 fn one_file(
     args: &ConvertArgs,
     plan: &Plan,
@@ -115,14 +116,14 @@ fn one_file(
             return Err(faults.swap_remove(0).1);
         }
         report_faults(&faults, console);
-        anyhow::bail!("none of the files could be used; nothing is written");
+        anyhow::bail!("none of the files could be used; nothing was written");
     };
     report.failed = failures(&faults);
     console.result(&report, |r| r.text(args.map))?;
     ended(&faults, plan.inputs(), console)
 }
 
-/// The same for a folder of files.
+/// As [`one_file`], for a folder of files.
 fn many_files(
     args: &ConvertArgs,
     out: String,
@@ -156,7 +157,7 @@ fn report_faults(faults: &[(PathBuf, anyhow::Error)], console: &Console) {
     }
 }
 
-/// One line for each fault, and an error if there is any.
+/// Prints one line for each fault; an error if there is any.
 fn ended(
     faults: &[(PathBuf, anyhow::Error)],
     files: usize,
@@ -171,7 +172,7 @@ fn ended(
 }
 
 fn format(name: &str) -> Result<Format, String> {
-    Format::of_extension(name).ok_or_else(|| format!("converted are {}", articula::conversions()))
+    Format::of_extension(name).ok_or_else(|| format!("supported conversions: {}", articula::conversions()))
 }
 
 impl ConvertArgs {
@@ -187,7 +188,7 @@ impl ConvertArgs {
 
     fn check_khr_character(&self, out: Format) -> anyhow::Result<()> {
         if self.khr_character && out != Format::Glb {
-            let what = "--khr-character writes into a .glb file, not into a";
+            let what = "--khr-character requires a .glb output, not";
             return Err(fault::usage(format!("{what} .{}", out.name())));
         }
         Ok(())

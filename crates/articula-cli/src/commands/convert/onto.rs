@@ -1,5 +1,5 @@
-//! `convert --onto CHARACTER`: motions of other figures, put onto one character, and how good they
-//! are there.
+//! `convert --onto CHARACTER`: retargets motions of other figures onto one character and reports
+//! their quality.
 
 use super::ConvertArgs;
 use super::plan::{Input, reads_many};
@@ -22,14 +22,14 @@ pub(super) struct Hero {
     options: AddClipsOptions,
 }
 
-/// Which ends of limbs stay in place while the source's rest.
+/// End effectors that are kept in place during contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Pin {
-    /// The feet, which also stay above the floor
+    /// Feet, which are also kept above the floor
     Feet,
-    /// The feet, and hands that rest on something
+    /// Feet, and hands that rest on something
     Hands,
-    /// Neither: turns alone
+    /// None: joint rotations only
     None,
 }
 
@@ -43,7 +43,7 @@ impl Pin {
     }
 }
 
-/// The motions of one file, on the character.
+/// The motions of one file, retargeted onto the character.
 #[derive(Debug)]
 pub(super) struct Motions {
     pub(super) fitted: Vec<FittedClip>,
@@ -73,8 +73,8 @@ impl Hero {
         Ok(Some(Self { opened, options }))
     }
 
-    /// Reads a file of motions and makes them the character's; `None` if it has no clip and was
-    /// found in a folder among others.
+    /// Reads a file of motions and retargets them; `None` if it has no clip and was found in a
+    /// folder rather than named.
     pub(super) fn motions(
         &self,
         input: &Input,
@@ -98,7 +98,7 @@ impl Hero {
     }
 }
 
-/// A line of the table of clips.
+/// One row of the table of clips.
 pub(super) fn row(motion: &FitReport, clip: &FitClip) -> [String; 9] {
     let quality = &clip.quality;
     let slide = |s: &FootSlideSummary| match s.contacts {
@@ -119,7 +119,7 @@ pub(super) fn row(motion: &FitReport, clip: &FitClip) -> [String; 9] {
     ]
 }
 
-/// What became of the joints, in one line.
+/// The number of joints of each origin, on one line.
 pub(super) fn joints_line(motion: &FitReport) -> String {
     format!(
         "{}: {} joints mapped, {} shared, {} held; {} dropped\n",
@@ -131,7 +131,7 @@ pub(super) fn joints_line(motion: &FitReport) -> String {
     )
 }
 
-/// Whether its joints went the way of another file's.
+/// Whether the joints of both have the same origins.
 pub(super) fn is_like(motion: &FitReport, other: &FitReport) -> bool {
     let counts = |m: &FitReport| {
         [
@@ -152,9 +152,9 @@ fn file_name(motion: &FitReport) -> String {
     )
 }
 
-/// Where the motion of every joint comes from.
+/// Table of the source of every joint's motion.
 pub(super) fn map(motion: &FitReport) -> String {
-    let mut table = Table::new(&["joint", "is", "from"]);
+    let mut table = Table::new(&["joint", "origin", "from"]);
     for joint in &motion.joints {
         let share = |s: &JointShare| match s.share {
             1.0 => s.joint.clone(),

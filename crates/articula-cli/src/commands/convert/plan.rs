@@ -1,4 +1,4 @@
-//! Which files a conversion reads, and into which files they go.
+//! The files that a conversion reads, and the files that it writes.
 
 use super::ConvertArgs;
 use crate::{fault, files};
@@ -12,14 +12,14 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub(super) struct Plan {
     pub(super) jobs: Vec<Job>,
-    /// The folder that receives them, if it is not one file that was named.
+    /// The output folder, if there is one.
     pub(super) folder: Option<PathBuf>,
 }
 
 /// One file to write.
 #[derive(Debug, PartialEq)]
 pub(super) struct Job {
-    /// What is read, as the command line names it.
+    /// The inputs as named on the command line.
     pub(super) named: String,
     pub(super) inputs: Vec<Input>,
     pub(super) out: PathBuf,
@@ -30,12 +30,12 @@ pub(super) struct Job {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Input {
     pub(super) path: PathBuf,
-    /// Whether it was found in a folder, not named itself.
+    /// Whether it was found in a folder rather than named.
     pub(super) found: bool,
 }
 
 impl Plan {
-    /// Looks into folders and decides what becomes of each file.
+    /// Lists the files of folders and decides the output of each.
     pub(super) fn of(args: &ConvertArgs) -> anyhow::Result<Self> {
         match file_format(args)? {
             Some(format) => into_one(args, format),
@@ -43,13 +43,13 @@ impl Plan {
         }
     }
 
-    /// Files to read in all.
+    /// Total number of files to read.
     pub(super) fn inputs(&self) -> usize {
         self.jobs.iter().map(|job| job.inputs.len()).sum()
     }
 }
 
-/// The format of the file that is asked for; `None` if a folder is.
+/// Format of the output file; `None` if the output is a folder.
 fn file_format(args: &ConvertArgs) -> anyhow::Result<Option<Format>> {
     let out = &args.out;
     let as_folder = files::ends_with_separator(out);
@@ -61,7 +61,7 @@ fn file_format(args: &ConvertArgs) -> anyhow::Result<Option<Format>> {
         Some(format) if !as_folder => Ok(Some(format)),
         _ if as_folder || args.to.is_some() || out.is_dir() || reads_many(args) => Ok(None),
         _ => Err(fault::usage(format!(
-            "{}: the extension names no format; converted are {}; \
+            "{}: unknown extension; supported conversions: {}; \
              for a folder of files give --to FORMAT or end the name with /",
             files::shown(out),
             articula::conversions()
@@ -77,7 +77,7 @@ pub(super) fn reads_many(args: &ConvertArgs) -> bool {
 fn into_one(args: &ConvertArgs, format: Format) -> anyhow::Result<Plan> {
     if reads_many(args) && args.onto.is_none() {
         return Err(fault::usage(format!(
-            "several files fit into {} only as motions of one character, --onto CHARACTER; \
+            "{} can receive several files only as motions of one character, with --onto CHARACTER; \
              or name a folder, such as {}/ --to {}",
             files::shown(&args.out),
             files::shown(&args.out.with_extension("")),
@@ -107,7 +107,7 @@ fn into_folder(args: &ConvertArgs) -> anyhow::Result<Plan> {
     let job = |input: Input| {
         let mut name = stem(&input.path);
         if stems[&name] > 1 {
-            // walk.bvh and walk.amc must not become the same file.
+            // walk.bvh and walk.amc must not be written to the same file.
             name = input.path.file_name().unwrap_or_default().to_owned();
         }
         name.push(".");
@@ -138,12 +138,12 @@ fn into_folder(args: &ConvertArgs) -> anyhow::Result<Plan> {
     })
 }
 
-/// The name without folder and extension.
+/// The file name without folder and extension.
 pub(super) fn stem(path: &Path) -> OsString {
     path.file_stem().unwrap_or_default().to_owned()
 }
 
-/// The files that are named, and those in folders that are named, sorted by name in each.
+/// The named files, and the files of the named folders sorted by name.
 fn inputs(args: &ConvertArgs) -> anyhow::Result<Vec<Input>> {
     let mut all = Vec::new();
     for path in &args.inputs {
@@ -156,7 +156,7 @@ fn inputs(args: &ConvertArgs) -> anyhow::Result<Vec<Input>> {
             });
         }
     }
-    // What an earlier run wrote into the folder is not its own input, nor is the character.
+    // Outputs of an earlier run in this folder are not inputs, nor is the character.
     let onto = args.onto.iter();
     let apart: Vec<&PathBuf> = onto.chain([&args.out]).collect();
     all.retain(|input| !input.found || !apart.iter().any(|a| files::same(&input.path, a)));
@@ -167,14 +167,14 @@ fn inside(folder: &Path) -> anyhow::Result<Vec<Input>> {
     let place = || files::shown(folder);
     let mut paths = files::in_folder(folder).with_context(place)?;
     paths.retain(|path| files::format(path).is_some());
-    // Beside motions, skeletons are not there for themselves.
+    // In a folder with motions, skeleton files are not inputs themselves.
     let is = |path: &PathBuf, format| files::format(path) == Some(format);
     if paths.iter().any(|path| is(path, Format::Amc)) {
         paths.retain(|path| !is(path, Format::Asf));
     }
     if paths.is_empty() {
         bail!(
-            "{}: no file in this folder is read; read are {}",
+            "{}: no file in this folder can be read; readable are {}",
             place(),
             articula::readable()
         );

@@ -1,4 +1,4 @@
-//! `convert --loa`: which joints move, from the flags, and what that saved, for people.
+//! `convert --loa`: the joints that may move, and the report of the saving.
 
 use super::ConvertArgs;
 use crate::{fault, files};
@@ -9,12 +9,12 @@ use articula_core::loa::LoaExpression;
 use articula_formats::{Limits, loa_profile};
 use serde::Serialize;
 
-/// The selection that is asked for.
+/// The selection of joints.
 #[derive(Debug)]
 pub(super) struct Selected {
-    /// As the command line has it.
+    /// As written on the command line.
     named: String,
-    /// What stands in front of an error about it.
+    /// Prefix of errors about it.
     place: String,
     pub(super) reduction: JointReduction,
 }
@@ -63,7 +63,7 @@ impl Selected {
     }
 }
 
-/// What was held, and what that saved.
+/// What was held and how much it saved.
 #[derive(Debug, Serialize)]
 pub(super) struct Reduction {
     selection: String,
@@ -73,7 +73,7 @@ pub(super) struct Reduction {
 }
 
 impl Reduction {
-    /// What became of a selection.
+    /// Makes the report of a selection.
     pub(super) fn new(selected: &Selected, reduced: JointsReduced) -> Self {
         Self {
             selection: selected.named.clone(),
@@ -82,19 +82,19 @@ impl Reduction {
         }
     }
 
-    /// The share that is saved, for a table.
+    /// The saved fraction as a percentage.
     pub(super) fn percent(&self) -> String {
         format!("{:.1}%", 100.0 * self.reduced.saved)
     }
 
-    /// The saving for people.
+    /// Formats the saving for people.
     pub(super) fn text(&self) -> String {
         let line = |what: &str, before: usize, after: usize| {
             format!("  {what:<18} {before:>10} -> {after:>10}\n")
         };
         let (before, after) = (&self.reduced.before, &self.reduced.after);
         format!(
-            "{}: {} of {} joints active, the others: {}; {:.1}% of the animation saved\n{}{}{}{}",
+            "{}: {} of {} joints active, others: {}; {:.1}% of the animation saved\n{}{}{}{}",
             self.selection,
             self.reduced.joints_active,
             self.reduced.joints,
@@ -116,7 +116,7 @@ impl Reduction {
     }
 }
 
-/// Reads `hold`, `rest`, `key-pose` or `blend-to-rest:SECS`.
+/// Parses `hold`, `rest`, `key-pose` or `blend-to-rest:SECS`.
 pub(super) fn passive(text: &str) -> Result<PassivePolicy, String> {
     let wrong = || "expected hold, rest, key-pose or blend-to-rest:SECS".to_owned();
     match text.split_once(':') {
@@ -136,7 +136,7 @@ pub(super) fn passive(text: &str) -> Result<PassivePolicy, String> {
     }
 }
 
-/// The policy as the command line spells it.
+/// The policy in the spelling of the command line.
 fn name(policy: PassivePolicy) -> String {
     match policy {
         PassivePolicy::HoldLast => "hold".into(),

@@ -1,4 +1,4 @@
-//! What a conversion says of itself, for programs and for people.
+//! The report of a conversion, for programs and for people.
 
 use super::hygiene;
 use super::onto;
@@ -11,7 +11,7 @@ use articula::convert::{ClipEdited, FitReport, LossyPart};
 use serde::Serialize;
 use std::path::Path;
 
-/// Most warnings that are spelled out for people.
+/// Maximum number of warnings that are printed.
 const MAX_LINES: usize = 6;
 
 /// One file that was written.
@@ -23,29 +23,29 @@ pub(super) struct ConvertReport {
     pub(super) format_in: String,
     pub(super) format_out: &'static str,
     pub(super) bytes_in: usize,
-    /// Of all files together.
+    /// Bytes of all written files together.
     pub(super) bytes_out: usize,
-    /// Files that were written beside `out`.
+    /// Files that were written in addition to `out`.
     pub(super) beside: Vec<String>,
     pub(super) clips: Vec<String>,
     pub(super) onto: Option<Onto>,
-    /// What was done with each clip; empty if nothing was asked for.
+    /// Edits of each clip; empty if none were asked for.
     pub(super) edits: Vec<ClipEdited>,
     pub(super) reduction: Option<Reduction>,
-    /// What the format of the output cannot hold.
+    /// Content that the output format cannot hold.
     pub(super) left_out: Vec<String>,
     pub(super) warnings: Vec<String>,
     /// Motions that were not used, where several go into one file.
     pub(super) failed: Vec<Failure>,
 }
 
-/// The character that the motions were put onto, and how.
+/// The character that received the motions, and the result for each.
 #[derive(Debug, Serialize)]
 pub(super) struct Onto {
     pub(super) character: String,
-    /// Clips of its own that it kept.
+    /// Number of its previous clips that it kept.
     pub(super) clips_kept: usize,
-    /// One for each file that was read.
+    /// One report for each file that was read.
     pub(super) motions: Vec<FitReport>,
 }
 
@@ -66,7 +66,7 @@ pub(super) struct Failure {
 }
 
 impl Failure {
-    /// The reason without the file's name in front of it.
+    /// The reason is `fault` without the file name in front of it.
     pub(super) fn new(path: &Path, fault: &anyhow::Error) -> Self {
         let input = files::shown(path);
         let why = fault::text(fault);
@@ -78,7 +78,7 @@ impl Failure {
     }
 }
 
-/// What a file does not hold, in words; `format` is the name of its format.
+/// Describes content that a format cannot hold; `format` is the name of the format.
 pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
     match what {
         LossyPart::Meshes(count) => {
@@ -91,7 +91,7 @@ pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
         }
         LossyPart::EndSites(count) => {
             let sites = counted(*count, "end site", "end sites");
-            format!("{sites} (GLB has no such thing)")
+            format!("{sites} (GLB cannot store them)")
         }
         LossyPart::Clips(count) => {
             let dropped = counted(*count, "clip", "clips");
@@ -102,7 +102,7 @@ pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
             most,
             max_radians,
         } => format!(
-            "turns of {} of up to {:.1} degrees, most at {most} (BAP has no parameter for them)",
+            "rotations of {} by up to {:.1} degrees, largest at {most} (BAP has no parameter for them)",
             counted(*joints, "joint", "joints"),
             max_radians.to_degrees(),
         ),
@@ -115,7 +115,7 @@ pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
 }
 
 impl ConvertReport {
-    /// A report that says nothing yet but where from and where to.
+    /// An empty report of a job.
     pub(super) fn new(job: &Job, input: String) -> Self {
         Self {
             input,
@@ -135,7 +135,7 @@ impl ConvertReport {
         }
     }
 
-    /// The report for people; with the map of the joints if it is asked for.
+    /// Formats the report for people, with the map of the joints if `map` is set.
     pub(super) fn text(&self, map: bool) -> String {
         let mut text = format!(
             "{} ({}, {} bytes) -> {} ({}, {} bytes), {}\n",
@@ -148,7 +148,7 @@ impl ConvertReport {
             counted(self.clips.len(), "clip", "clips")
         );
         for beside in &self.beside {
-            text.push_str(&format!("beside it: {}\n", clean(beside)));
+            text.push_str(&format!("also written: {}\n", clean(beside)));
         }
         if let Some(onto) = &self.onto {
             text.push_str(&onto.text(map));
@@ -165,7 +165,7 @@ impl ConvertReport {
     }
 }
 
-/// Lines of one kind; where there are many, the first and a count.
+/// Lines of one kind; of many, the first ones and the number of the others.
 fn lines(what: &str, all: &[String]) -> String {
     let mut text = String::new();
     for line in &all[..all.len().min(MAX_LINES)] {
@@ -189,13 +189,13 @@ impl Onto {
         let mut table = Table::new(&[
             "clip",
             "from",
-            "secs",
-            "size",
-            "slide raw",
-            "slide mm",
-            "sunk mm",
-            "hands off",
-            "deg/s",
+            "seconds",
+            "scale",
+            "raw slide mm",
+            "foot slide mm",
+            "below floor mm",
+            "hand error",
+            "max deg/s",
         ]);
         for motion in &self.motions {
             for clip in &motion.clips {
@@ -220,7 +220,7 @@ impl Onto {
 }
 
 impl Batch {
-    /// One line for each file; what is odd about a file is counted, `--json` spells it out.
+    /// One line for each file; irregularities are counted, `--json` lists them.
     pub(super) fn text(&self, map: bool) -> String {
         let mut table = Table::new(&["file", "clips", "bytes", "saved", "left out", "warnings"]);
         for file in &self.files {

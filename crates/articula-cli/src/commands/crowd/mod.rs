@@ -1,4 +1,4 @@
-//! `articula crowd FILE`: run a crowd; what it costs, how far it is off, and at which levels.
+//! `articula crowd FILE`: simulates a crowd; reports its cost, its error and the levels in use.
 
 mod report;
 
@@ -24,22 +24,22 @@ use clap::{Args, ValueEnum};
 use report::CrowdRunReport;
 use std::path::{Path, PathBuf};
 
-/// Seconds that are played where the scene has no camera path of its own.
+/// Seconds to play a scene without a camera path.
 const USUAL_SECS: f64 = 2.0;
 
-/// Longest camera path that is played whole without being asked for.
+/// Maximum length of a camera path that is played whole by default, seconds.
 const LONGEST_LAP_SECS: f64 = 60.0;
 
-/// Most frames of a run.
+/// Maximum number of frames of a run.
 const MAX_FRAMES: f64 = 36_000.0;
 
-/// Most threads.
+/// Maximum number of threads.
 const MAX_THREADS: usize = 256;
 
-/// Bytes of the largest scene file.
+/// Maximum size of a scene file in bytes.
 const MAX_SCENE_BYTES: u64 = 512 << 20;
 
-/// Size of the picture that `--picture` writes.
+/// Size in pixels of the picture that `--picture` writes.
 const PICTURE_PX: (u32, u32) = (1280, 720);
 
 /// Arguments of `crowd`.
@@ -47,85 +47,88 @@ const PICTURE_PX: (u32, u32) = (1280, 720);
 pub(crate) struct CrowdArgs {
     #[command(flatten)]
     character: CharacterArgs,
-    /// Characters [default: 10000, or all of a scene file]
+    /// Number of characters [default: 10000, or all of a scene file]
     #[arg(long, value_name = "N", value_parser = count)]
     count: Option<usize>,
-    /// full: every joint of everyone in every frame; auto: merged levels within the tolerance or
-    /// the budget; an expression such as "loa(Low) + zone(hands)": these joints of everyone in view
+    /// Joint levels of detail. full: every joint of every character in every frame; auto: merged
+    /// levels within the tolerance or budget; an expression such as "loa(Low) + zone(hands)":
+    /// these joints of all characters in view
     #[arg(long, value_name = "full|auto|EXPR", default_value = "auto")]
     level: String,
-    /// Levels of the mesh, chosen with those of the joints: 100, 50, 25, 10 and 1.5 % of its
-    /// triangles; 1: everyone has the original
+    /// Number of mesh levels, with 100, 50, 25, 10 and 1.5 % of the triangles, chosen together
+    /// with the joint levels; 1: the original mesh only
     #[arg(long, value_name = "N", default_value = "1", value_parser = mesh_levels)]
     mesh_levels: usize,
-    /// Who stands where; clips that travel are played on the spot: plaza, plaza-2 (moving camera, a fifth in cross-fades), plaza-2-in-step (the same with all
-    /// phases equal), or a scene file
+    /// Scene to play, with travelling clips kept in place: plaza, plaza-2 (moving camera, a fifth
+    /// of the characters in cross-fades), plaza-2-in-step (as plaza-2, all phases equal), or a
+    /// scene file
     #[arg(long, value_name = "NAME|F.json", default_value = "plaza")]
     scene: String,
-    /// Milliseconds of processor time that a frame may take; the least visible error within it
+    /// Processor time per frame in milliseconds; levels are chosen for the least visible error
+    /// within it
     #[arg(long, value_name = "MS", value_parser = positive)]
     budget_ms: Option<f32>,
-    /// Error that nobody may see, pixels; with a budget: what is mended first
+    /// Maximum visible error in pixels; with a budget, errors above it are reduced first
     #[arg(long, value_name = "PX", default_value = "1", value_parser = not_negative)]
     epsilon_px: f32,
-    /// Threads
+    /// Number of threads
     #[arg(long, value_name = "T", default_value = "1", value_parser = threads)]
     threads: usize,
-    /// Seconds to play at 60 frames a second [default: one lap of the scene's camera, else 2]
+    /// Duration in seconds at 60 frames per second [default: one lap of the scene's camera, or 2]
     #[arg(long, value_name = "S", value_parser = positive)]
     seconds: Option<f32>,
-    /// Another camera path: a JSON list of key frames with t, eye and target
+    /// JSON file with a camera path to use instead: a list of key frames with t, eye and target
     #[arg(long, value_name = "F.json")]
     camera_path: Option<PathBuf>,
-    /// Let characters share poses where nobody can see the difference
+    /// Let characters share a pose where the difference stays within the tolerance
     #[arg(long)]
     share: bool,
-    /// Also work out everyone's way over the ground, of clips that travel; nobody takes it here
+    /// Also compute the root motion of travelling clips; characters do not move by it here
     #[arg(long)]
     root_motion: bool,
-    /// Which clips are played (repeatable) [default: all]
+    /// Name of a clip to play (repeatable) [default: all]
     #[arg(long, value_name = "NAME|all")]
     clip: Vec<String>,
     #[command(flatten)]
     storage: StorageArgs,
-    /// Size of the picture that pixels are counted in [default: the scene's, 1920x1080]
+    /// Size of the picture in whose pixels errors are measured [default: the scene's, 1920x1080]
     #[arg(long, value_name = "WxH", value_parser = size)]
     viewport: Option<(u32, u32)>,
-    /// Vertical field of view, degrees [default: the scene's, 45]
+    /// Vertical field of view in degrees [default: the scene's, 45]
     #[arg(long, value_name = "DEG", value_parser = field_of_view)]
     fov_deg: Option<f32>,
-    /// Seed of the scene and of all choices
+    /// Seed of the scene and of all random choices
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write the scene to a file to start from
+    /// Write the scene to a JSON file, to edit and pass to --scene
     #[arg(long, value_name = "F.json")]
     save_scene: Option<PathBuf>,
-    /// Write frame time and error over time
+    /// Write a plot of frame time and error over time
     #[arg(long, value_name = "F.svg")]
     plot: Option<PathBuf>,
-    /// Write a picture of the first frame, everyone in the colour of the level
+    /// Write a picture of the first frame, each character in the colour of its level
     #[arg(long, value_name = "F.png")]
     picture: Option<PathBuf>,
 }
 
-/// How clips are held and palettes written.
+/// Storage of clips and format of palettes.
 #[derive(Debug, Clone, Args)]
 struct StorageArgs {
-    /// Numbers of the clips: 32-bit floats, or 16-bit integers
+    /// Storage of clips: 32-bit floats or 16-bit integers
     #[arg(long, value_enum, default_value = "float")]
     storage: StorageName,
-    /// How palettes are written: 48, 24, 32 or 16 bytes a matrix
+    /// Format of a palette matrix: 48, 24, 32 or 16 bytes
     #[arg(long, value_enum, default_value = "matrix")]
     form: FormName,
-    /// Which matrices: of joints, or of the skin's bindings with their inverse bind [default:
-    /// joints; skin with a cache]
+    /// Palette matrices: one per joint, or one per skin binding including the inverse bind matrix
+    /// [default: joints; skin with a cache]
     #[arg(long, value_enum)]
     palette: Option<MatricesName>,
-    /// Poses cached for all characters of a clip and level: blended by the CPU, or left to the
-    /// GPU as 16-byte records
+    /// Pose cache shared by all characters of a clip and level: blended by the CPU, or by the GPU
+    /// from 16-byte records
     #[arg(long, value_enum, default_value = "never")]
     cache: CacheName,
-    /// Instruction set; all give the same bits [default: the best]
+    /// Instruction set; all give the same bits [default: the fastest]
     #[arg(long, value_name = "NAME", value_parser = backend)]
     backend: Option<Backend>,
 }
@@ -158,7 +161,7 @@ enum CacheName {
 }
 
 impl StorageArgs {
-    /// Which matrices; a cache holds those of the skin.
+    /// Kind of palette matrices; a cache requires those of the skin.
     fn palette(&self) -> MatricesName {
         let usual = match self.cache {
             CacheName::Never => MatricesName::Joints,
@@ -176,7 +179,7 @@ impl StorageArgs {
     }
 }
 
-/// What is played: everything that was asked for, read and checked.
+/// The parsed and checked inputs of a run.
 struct Piece {
     asset: CrowdAsset,
     scene: Scene,
@@ -225,7 +228,7 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
 }
 
 impl CrowdArgs {
-    /// How much detail is asked for.
+    /// Detail goal that the flags ask for.
     fn detail(&self) -> anyhow::Result<DetailGoal> {
         match (self.level.as_str(), self.budget_ms) {
             ("auto", None) => Ok(DetailGoal::Tolerance(self.epsilon_px)),
@@ -237,7 +240,7 @@ impl CrowdArgs {
                 "--budget-ms chooses levels itself; leave --level {level} out"
             ))),
             ("full", None) => Ok(DetailGoal::Full),
-            // Level 0 is every joint, the named level comes after it.
+            // Level 0 keeps every joint; the named level comes after it.
             (_, None) => Ok(DetailGoal::Level(1)),
         }
     }
@@ -260,7 +263,7 @@ impl CrowdArgs {
         Ok(())
     }
 
-    /// Names of the clips that are played; none where all are.
+    /// Names of the clips to play; empty for all.
     fn clips(&self, clips: &[Clip]) -> Vec<String> {
         let is_all = |name: &String| name == "all" && !clips.iter().any(|c| c.name == "all");
         if self.clip.iter().any(is_all) {
@@ -310,26 +313,26 @@ impl CrowdArgs {
         })
     }
 
-    /// Coarser meshes are chosen by their error.
+    /// Coarser meshes are chosen by their error, which only `--level auto` does.
     fn check_mesh_levels(&self) -> anyhow::Result<()> {
         if self.mesh_levels > 1 && self.level != "auto" {
-            let what = format!("--mesh-levels goes with --level auto, not {}", self.level);
+            let what = format!("--mesh-levels requires --level auto, not {}", self.level);
             return Err(fault::usage(what));
         }
         Ok(())
     }
 
-    /// A cache is of whole matrices of the skin, and its error is weighed against a tolerance.
+    /// A cache holds full matrices of the skin, and its error is compared with a tolerance.
     fn check_cache(&self) -> anyhow::Result<()> {
         if self.storage.cache() == CacheUse::Never {
             return Ok(());
         }
         let mend = if self.level != "auto" || self.budget_ms.is_some() {
-            "goes with --level auto and no budget"
+            "requires --level auto and no budget"
         } else if self.storage.palette() == MatricesName::Joints {
-            "holds matrices of the skin; leave --palette out"
+            "requires palettes of the skin; leave --palette out"
         } else if !matches!(self.storage.form, FormName::Matrix | FormName::Half) {
-            "blends --form matrix or half"
+            "requires --form matrix or half"
         } else {
             return Ok(());
         };
@@ -368,9 +371,9 @@ impl CrowdArgs {
         let bytes = files::read(path, MAX_SCENE_BYTES)?;
         let mut scene = read_scene(&bytes, clips, DISPLAY_HZ)
             .map_err(|e| match e {
-                // Not JSON, or another form: a path into a scene that is one is told as it is.
+                // Not JSON, or not a scene; an error inside a scene is reported as it is.
                 articula::Error::Read(e) => {
-                    anyhow::anyhow!("{e}, --save-scene writes one to start from")
+                    anyhow::anyhow!("{e}; --save-scene writes an example")
                 }
                 other => other.into(),
             })
@@ -388,7 +391,7 @@ impl CrowdArgs {
         }
     }
 
-    /// Frames that count.
+    /// Number of frames that count.
     fn frames(&self, scene: &Scene) -> anyhow::Result<usize> {
         let lap = scene.lap_secs();
         let usual = if lap > 0.0 {
@@ -406,7 +409,7 @@ impl CrowdArgs {
         Ok(frames as usize)
     }
 
-    /// Writes what was asked for beside the report.
+    /// Writes the scene, plot and picture that were asked for.
     fn write(&self, piece: &Piece, found: &Run, report: &mut CrowdRunReport) -> anyhow::Result<()> {
         if let Some(path) = &self.save_scene {
             files::write(path, &write_scene(&piece.scene, piece.asset.clips()))?;
@@ -427,7 +430,7 @@ impl CrowdArgs {
     }
 }
 
-/// Frame time and error over the time of the scene.
+/// Plots of frame time and error over the time of the scene.
 pub(crate) fn plots(found: &Run, budget_ms: Option<f32>) -> Vec<Plot> {
     let options = |title: &str, y: &str, target| PlotOptions {
         title: title.into(),
@@ -451,12 +454,12 @@ pub(crate) fn plots(found: &Run, budget_ms: Option<f32>) -> Vec<Plot> {
                 (l.secs, of(&ErrorSummary::of(one)))
             })
             .collect(),
-        dashed: name != "p95 of visible",
+        dashed: name != "p95 of visible characters",
     };
     let errors = [
-        line("p95 of visible", &|s| s.p95),
+        line("p95 of visible characters", &|s| s.p95),
         line("max", &|s| s.max),
-        line("max nearer than 20 m", &|s| s.near_max),
+        line("max within 20 m", &|s| s.near_max),
     ];
     vec![
         Plot {

@@ -1,4 +1,4 @@
-//! The report of `crowd`: its fields are a promise to scripts (`docs/commands.md`).
+//! The report of `crowd`; its field names are stable (`docs/commands.md`).
 
 use super::{CrowdArgs, Piece};
 use crate::crowd::run::{BudgetFound, Memory, Poses, Run};
@@ -9,7 +9,7 @@ use articula::crowd::{DrawCost, ErrorSummary, LevelUse};
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
 
-/// One crowd, played.
+/// Report of one run.
 #[derive(Debug, Serialize)]
 pub(super) struct CrowdRunReport {
     pub(super) file: String,
@@ -18,7 +18,7 @@ pub(super) struct CrowdRunReport {
     pub(super) mesh_levels: usize,
     pub(super) clips: Vec<String>,
     pub(super) characters: usize,
-    /// Median over frames; the other two likewise.
+    /// Median over frames, as are the next two fields.
     pub(super) visible: usize,
     pub(super) in_cull_margin: usize,
     pub(super) hidden: usize,
@@ -28,7 +28,7 @@ pub(super) struct CrowdRunReport {
     pub(super) share: bool,
     pub(super) cache: String,
     pub(super) root_motion: bool,
-    /// Clips that travel and are played on the spot.
+    /// Travelling clips that are played in place.
     pub(super) clips_in_place: Vec<String>,
     pub(super) epsilon_px: f32,
     pub(super) viewport_px: [f32; 2],
@@ -40,7 +40,7 @@ pub(super) struct CrowdRunReport {
     pub(super) palette: String,
     pub(super) ns_per_character: Spread,
     pub(super) characters_per_ms: f64,
-    /// Processor time of everything in a frame, all threads together.
+    /// Processor time of a whole frame, all threads together.
     pub(super) frame_ms: Spread,
     pub(super) wall_ms: Spread,
     pub(super) tick_ms: Spread,
@@ -50,19 +50,19 @@ pub(super) struct CrowdRunReport {
     pub(super) error_px: ErrorSummary,
     pub(super) error_bound_px: Option<f32>,
     pub(super) budget_ms: Option<f32>,
-    /// Share of the budget that a frame took beyond it.
+    /// Time beyond the budget as a fraction of it, 95th percentile.
     pub(super) overrun_p95: Option<f64>,
     pub(super) budget: Option<BudgetFound>,
     #[serde(serialize_with = "by_level")]
     pub(super) tiers: Vec<LevelUse>,
     pub(super) renderer: DrawCost,
     pub(super) palette_hash: String,
-    /// Files that were written.
+    /// Files written.
     pub(super) written: Vec<String>,
     pub(super) warnings: Vec<String>,
 }
 
-/// Tiers by name, in the order of the levels.
+/// Serialises levels as an object, keyed by name in the order of the levels.
 fn by_level<S: Serializer>(tiers: &[LevelUse], out: S) -> Result<S::Ok, S::Error> {
     out.collect_map(tiers.iter().map(|t| (format!("level_{}", t.level), t)))
 }
@@ -73,7 +73,7 @@ fn name_of(value: impl ValueEnum) -> String {
 }
 
 impl CrowdRunReport {
-    /// What was played and how it went.
+    /// Makes the report of a run.
     pub(super) fn new(args: &CrowdArgs, piece: &Piece, run: &Run, file: String) -> Self {
         let characters = piece.scene.members.len();
         let frame_ns = |ms: f64| ms * 1e6 / characters.max(1) as f64;
@@ -134,7 +134,7 @@ impl CrowdRunReport {
         }
     }
 
-    /// The report for people.
+    /// Formats the report for people.
     pub(super) fn text(&self) -> String {
         let mut text = self.heading();
         text.push('\n');
@@ -156,7 +156,7 @@ impl CrowdRunReport {
         format!(
             "{}, {} characters, scene {}, level {}, {clips}\n\
              {} frames at {} Hz, {threads}, {}, {} x {} px, {:.0} degrees\n\
-             visible {}, in cull margin {}, hidden {}\n",
+             characters: {} visible, {} in the cull margin, {} hidden\n",
             clean(name),
             self.characters,
             clean(&self.scene),
@@ -178,14 +178,14 @@ impl CrowdRunReport {
             "level",
             "joints",
             "triangles",
-            "infl.",
+            "influences",
             "characters",
             "poses",
             "error mm",
             "bound px",
             "p95 px",
             "max px",
-            "draws",
+            "draw groups",
             "palettes",
             "vertices",
         ]);
@@ -212,7 +212,7 @@ impl CrowdRunReport {
 
     fn sums(&self) -> String {
         let mut text = format!(
-            "\ntime   {:.3} ms a frame (p95 {:.3}), {:.1} ns a character, {:.0} characters/ms; before evaluation {:.3} ms; wall {:.3} ms\n",
+            "\ntime   median {:.3} ms per frame (p95 {:.3}), {:.1} ns per character, {:.0} characters per ms; before evaluation {:.3} ms; wall clock {:.3} ms\n",
             self.frame_ms.median,
             self.frame_ms.p95,
             self.ns_per_character.median,
@@ -221,7 +221,7 @@ impl CrowdRunReport {
             self.wall_ms.median
         );
         text.push_str(&format!(
-            "error  p95 {:.2} px, max {:.2} px, nearer than 20 m {:.2} px, worst vertex {:.2} px ({} drawn, {} near)\n",
+            "error  p95 {:.2} px, max {:.2} px, max within 20 m {:.2} px, worst vertex {:.2} px ({} characters sampled, {} within 20 m)\n",
             self.error_px.p95,
             self.error_px.max,
             self.error_px.near_max,
@@ -230,7 +230,7 @@ impl CrowdRunReport {
             self.error_px.near
         ));
         text.push_str(&format!(
-            "poses  {:.0} own ({:.0} blended), {:.0} shared by {:.0}, {:.0} from the cache\n",
+            "poses  {:.0} per frame for one character ({:.0} blend two clips), {:.0} shared by {:.0} characters, {:.0} from the cache\n",
             self.poses.own,
             self.poses.blended,
             self.poses.shared,
@@ -239,14 +239,14 @@ impl CrowdRunReport {
         ));
         if self.mesh_levels > 1 {
             text.push_str(&format!(
-                "mesh   {:.2} M triangles a frame of {:.2} M in full; {:.2} M vertices\n",
+                "mesh   {:.2} M triangles per frame instead of {:.2} M in full detail; {:.2} M vertices\n",
                 self.renderer.triangles / 1e6,
                 self.renderer.triangles_full / 1e6,
                 self.renderer.skinned_vertices / 1e6
             ));
         }
         text.push_str(&format!(
-            "memory {:.2} MB written a frame; clips {:.2} MB, cache {:.2} MB, palettes {:.2} MB, state {:.2} MB ({} bytes a character); meshes {:.2} MB\n",
+            "memory {:.2} MB written per frame; clips {:.2} MB, pose cache {:.2} MB, palettes {:.2} MB, state {:.2} MB ({} bytes per character), meshes {:.2} MB\n",
             self.written_mb.median,
             self.working_set.clips_bytes as f64 / 1e6,
             self.working_set.cache_bytes as f64 / 1e6,
@@ -257,7 +257,7 @@ impl CrowdRunReport {
         ));
         if let (Some(ms), Some(over), Some(b)) = (self.budget_ms, self.overrun_p95, self.budget) {
             text.push_str(&format!(
-                "budget {ms} ms, overrun p95 {:.1}%; {:.3} ms for poses, {:.3} used of {:.3} wanted; mean {:.2} px, worst {:.2} px, {:.0} above {} px, {:.0} changes a frame\n",
+                "budget {ms} ms, overrun p95 {:.1}%; {:.3} ms available for poses, {:.3} ms used, {:.3} ms without a limit; mean error {:.2} px, max {:.2} px; per frame {:.0} characters above {} px, {:.0} level changes\n",
                 100.0 * over,
                 b.allowed_ms,
                 b.used_ms,

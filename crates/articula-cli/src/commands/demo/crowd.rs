@@ -1,4 +1,4 @@
-//! The crowd of the demo: the reference human on a small plaza, in full and as far as one sees it.
+//! The crowd of the demo: the reference human on a small plaza, at full detail and with levels.
 
 use super::Folder;
 use crate::console::Console;
@@ -14,25 +14,25 @@ use articula::crowd::{
 use articula_build::{Plaza, Scene, plaza};
 use serde::Serialize;
 
-/// Characters: a square of 14 by 14.
+/// Number of characters: a square of 14 by 14.
 const COUNT: usize = 196;
-/// Frames that are played.
+/// Number of frames to play.
 const FRAMES: usize = 60;
 const SEED: u64 = 1;
 const PICTURE_PX: (u32, u32) = (1120, 630);
 
-/// What a small crowd costs, and how far it is off.
+/// Cost and error of a small crowd.
 #[derive(Debug, Serialize)]
 pub(super) struct Crowd {
     pub(super) characters: usize,
     pub(super) visible: usize,
     pub(super) epsilon_px: f32,
     pub(super) ways: Vec<CrowdVariant>,
-    /// Levels of the second way.
+    /// Levels of the second variant.
     pub(super) levels: Vec<LevelUse>,
 }
 
-/// One way to show it.
+/// Cost and error of one variant.
 #[derive(Debug, Serialize)]
 pub(super) struct CrowdVariant {
     pub(super) label: &'static str,
@@ -42,7 +42,7 @@ pub(super) struct CrowdVariant {
     pub(super) error_px_max: f64,
 }
 
-/// Plays the crowd in three ways and draws it.
+/// Plays the crowd in three variants and draws it.
 pub(super) fn of(
     figure: &Figure,
     epsilon_px: f32,
@@ -66,9 +66,9 @@ pub(super) fn of(
         visible: seen.visible.median.round() as usize,
         epsilon_px,
         ways: vec![
-            way("every joint of everyone", &full),
-            way("merged levels of those in view", &seen),
-            way("the same, poses shared", &shared),
+            way("all joints of all characters", &full),
+            way("merged levels, characters in view", &seen),
+            way("as above, with shared poses", &shared),
         ],
         levels: seen.tiers,
     })

@@ -11,10 +11,10 @@ use articula_flat::planar::Shading;
 use articula_flat::vector::ThesisSvgOptions;
 use articula_flat::vector::player::PlayerOutput;
 
-/// Side of the pictures, pixels.
+/// Side of the pictures in pixels.
 const SIDE: u32 = 360;
 
-/// The thesis' form first, then ours.
+/// Converts the walk to the thesis' form, then to the others.
 pub(super) fn of(
     folder: &Folder,
     scene: &EvaluatedClip<'_>,

@@ -1,4 +1,4 @@
-//! The mesh levels of the demo: what they weigh, and how they look in motion.
+//! The mesh levels of the demo: sizes, errors and pictures in motion.
 
 use super::Folder;
 use crate::commands::build::levels as report;
@@ -12,17 +12,17 @@ use articula_flat::Picture;
 use articula_report::{ContactSheet, SheetCell, SheetRow};
 use serde::Serialize;
 
-/// What the levels of the asset show, lose and weigh.
+/// Triangles, errors and sizes of the asset's mesh levels.
 #[derive(Debug, Serialize)]
 pub(super) struct MeshLevels {
-    /// The finest first.
+    /// The levels, finest first.
     pub(super) levels: Vec<report::Level>,
     pub(super) bytes: report::Bytes,
     pub(super) poses_measured: usize,
 }
 
 impl MeshLevels {
-    /// Of an asset whose meshes take so many bytes.
+    /// Of an asset whose meshes take `mesh_bytes` bytes.
     pub(super) fn new(levels: &CodedMeshLevels, mesh_bytes: usize) -> Self {
         Self {
             levels: report::levels(levels),
@@ -32,7 +32,7 @@ impl MeshLevels {
     }
 }
 
-/// Draws every level in a moment of the clip: the whole figure, its face and a hand.
+/// Draws every level at one time of the clip: the whole figure, its face and a hand.
 pub(super) fn draw(folder: &Folder, scene: &EvaluatedClip<'_>) -> anyhow::Result<()> {
     let meshes = &scene.figure.opened.character.meshes;
     let count = meshes.iter().flat_map(|m| m.clustered.first());
@@ -74,7 +74,7 @@ fn row(scene: &EvaluatedClip<'_>, level: usize) -> anyhow::Result<SheetRow> {
     })
 }
 
-/// A character that was read, showing one of its mesh levels.
+/// The figure of a character file with only one of its mesh levels.
 fn at_level(figure: &Figure, level: usize) -> anyhow::Result<Figure> {
     let mut opened = figure.opened.clone();
     for mesh in &mut opened.character.meshes {

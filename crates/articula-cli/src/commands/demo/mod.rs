@@ -1,7 +1,7 @@
-//! `articula demo`: the main job on the embedded reference human, told as a page.
+//! `articula demo`: all steps on the built-in reference human, with an HTML report.
 //!
-//! Human → asset → every method over distance → a crowd → pictures, plots, page. All numbers on the page
-//! are those of this run.
+//! Human → asset → every method over distance → a crowd → pictures, plots, page. All numbers on
+//! the page are those of this run.
 
 mod crowd;
 mod flatten;
@@ -29,11 +29,11 @@ use mesh_levels::MeshLevels;
 use report::{ClipRows, DemoReport, Found, Level};
 use std::path::{Path, PathBuf};
 
-/// The error that every method is calibrated to, pixels.
+/// Error to which every method is calibrated, pixels.
 const TARGET_PX: f32 = 1.0;
 /// The clip that all methods play.
 const CLIP: &str = "walk";
-/// Index of the distance that pictures of all methods show: 9.05 m.
+/// Index of the distance in pictures of all methods: 9.05 m.
 const MIDDLE: usize = 2;
 
 /// Arguments of `demo`.
@@ -42,16 +42,16 @@ pub(crate) struct DemoArgs {
     /// Folder to write
     #[arg(long, value_name = "DIR", default_value = "articula-demo")]
     out: PathBuf,
-    /// Open the studio as well (not yet there)
+    /// Open the studio as well (not available yet)
     #[arg(long)]
     serve: bool,
 }
 
-/// Runs everything and prints where the page is.
+/// Runs all steps and prints the path of the page.
 pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     if args.serve {
         return Err(fault::usage(
-            "--serve: there is no server yet, it comes with the studio; without --serve the page is written as files",
+            "--serve: the server comes with the studio, which is not available yet; leave --serve out",
         ));
     }
     let folder = Folder::new(&args.out);
@@ -84,7 +84,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     console.result(&report, DemoReport::text)
 }
 
-/// Where everything goes.
+/// The output folder.
 pub(super) struct Folder(PathBuf);
 
 impl Folder {
@@ -101,7 +101,7 @@ impl Folder {
     }
 }
 
-/// Writes the human and the asset made of it; gives the asset's path.
+/// Writes the human and its asset; returns the path of the asset.
 fn make_asset(folder: &Folder, console: &Console) -> anyhow::Result<(PathBuf, MeshLevels)> {
     let character = human::made(HumanOptions::default().triangles, console)?;
     let document = Document::from_character(&character).context("the reference human")?;
@@ -133,7 +133,7 @@ fn scene_of<'a>(figure: &'a Figure, clip: &str) -> anyhow::Result<EvaluatedClip<
     })
 }
 
-/// Our metric on every clip of the character.
+/// `skin-px` on every clip of the character.
 fn over_clips(
     figure: &Figure,
     chosen: &[NamedMethod],
@@ -153,7 +153,7 @@ fn over_clips(
     Ok(all)
 }
 
-/// What each level of articulation leaves of the stored animation.
+/// The stored animation at each level of articulation.
 fn levels_of(figure: &Figure) -> Vec<Level> {
     let rig = &figure.asset.rig;
     let clips = &figure.opened.character.clips;

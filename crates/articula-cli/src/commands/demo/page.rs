@@ -1,4 +1,4 @@
-//! The page of the demo: plain HTML beside its files, readable in light, dark and on a phone.
+//! The page of the demo: plain HTML, readable in light and dark mode and on a phone.
 
 use super::report::{DemoReport, MethodRows};
 use articula::evaluate::MethodRow;
@@ -41,17 +41,17 @@ fn header(report: &DemoReport) -> String {
     if let Some(ours) = row("skin-px hold") {
         let at = format!("at {} m", ours.distance_m);
         numbers += &number(
-            &format!("of the joint updates saved {at}"),
+            &format!("of joint updates saved {at}"),
             percent(ours.joint_update_gain),
         );
         numbers += &number(
-            &format!("how far the skin is then off, {at} (p95)"),
+            &format!("error of the skin {at} (p95)"),
             format!("{:.2} px", ours.error_px.p95),
         );
     }
     if let Some(thesis) = row("thesis") {
         numbers += &number(
-            "saved there by the thesis metric, which Articula grew from",
+            "saved by the metric of the thesis",
             percent(thesis.joint_update_gain),
         );
     }
@@ -63,11 +63,11 @@ fn header(report: &DemoReport) -> String {
     }
     format!(
         "<header>\n<h1>A virtual human at the detail you can see</h1>\n\
-         <p class=\"lead\">Far away, most joints of a moving figure need not be updated in every \
-         frame: nobody can see the difference. Articula decides which, by one number: how many \
-         pixels the skin is off. This page was just computed on your machine with the embedded \
-         reference human and its clip <em>{}</em>; every method was tuned to err by at most \
-         {} pixel.</p>\n<dl class=\"numbers\">\n{numbers}</dl>\n</header>\n",
+         <p class=\"lead\">Far away, most joints of a moving figure need no update in every \
+         frame, because the difference is not visible. Articula chooses the joints to update by \
+         one number: the error of the skin in pixels. This page was computed on your machine with \
+         the built-in reference human and its clip <em>{}</em>; every method was calibrated to an \
+         error of at most {} pixel.</p>\n<dl class=\"numbers\">\n{numbers}</dl>\n</header>\n",
         escaped(&report.clip),
         report.target_px
     )
@@ -77,9 +77,9 @@ fn character(report: &DemoReport) -> String {
     let human = &report.human;
     format!(
         "<section>\n<h2>The reference human</h2>\n\
-         <p>{} joints of the H-Anim standard, {} triangles, {} clips, {:.0} kB, made from \
-         formulas alone: <a href=\"human.glb\">human.glb</a> opens in every glTF viewer, and so does \
-         <a href=\"asset.glb\">asset.glb</a>, the same with its levels of articulation and motion tables.</p>\n{}</section>\n",
+         <p>{} joints of the H-Anim standard, {} triangles, {} clips, {:.0} kB, generated from \
+         formulas: <a href=\"human.glb\">human.glb</a> opens in every glTF viewer, and so does \
+         <a href=\"asset.glb\">asset.glb</a>, the same human with levels of articulation and motion tables.</p>\n{}</section>\n",
         human.joints,
         human.triangles,
         report.clips.len(),
@@ -101,15 +101,15 @@ fn distances(report: &DemoReport) -> String {
         .collect();
     format!(
         "<section>\n<h2>Motion under level of detail</h2>\n\
-         <p>Our metric holds a joint as long as the skin that hangs on it drifts by less than the \
-         tolerance from where it should be, and the tolerance grows with distance. \
-         <span class=\"dot active\"></span>green joints are updated in the frame shown, \
+         <p>Our metric holds a joint while the skin that it moves is within a tolerance of its true \
+         position; in metres, the tolerance grows with distance. \
+         <span class=\"dot active\"></span>Green joints are updated in the frame shown, \
          <span class=\"dot passive\"></span>red rings are held, \
          <span class=\"dot between\"></span>amber ones are in transition.</p>\n{}{}</section>\n",
         picture(
             "distances.png",
-            "The walking human at five distances and four moments, as it is and with held joints marked",
-            "Left of each pair: the clip as it is. Right: what is shown. The small figure has its true size on a screen of 1280 x 720 pixels at 45 degrees.",
+            "The walking human at five distances and four times, unreduced and with held joints marked",
+            "Left of each pair: the unreduced clip. Right: reduced. The small figure has its true size on a screen of 1280 x 720 pixels at a field of view of 45 degrees.",
         ),
         table(
             &format!(
@@ -130,11 +130,11 @@ fn methods(report: &DemoReport) -> String {
     let middle = report.middle("skin-px hold").map_or(0.0, |r| r.distance_m);
     format!(
         "<section>\n<h2>Every method at the same error</h2>\n\
-         <p>Calibrate, then compare: each method has one parameter; it is set as high as the error \
-         allows. Error is the distance on the screen between the shown and the true skin: the 95th \
-         percentile over frames of the 95th over the skin, from the worst of three sides.</p>\n\
-         <dl class=\"methods\">\n{}</dl>\n<div class=\"plots\">\n{}{}</div>\n{}<p class=\"soft\">0 % means: the method meets the \
-         error only by updating every joint.</p>\n{}{}</section>\n",
+         <p>Each method has one parameter, set as high as the error allows. The error is the \
+         distance on the screen between the shown and the true skin: the 95th percentile over \
+         frames of the 95th percentile over the skin, for the worst of three viewing directions.</p>\n\
+         <dl class=\"methods\">\n{}</dl>\n<div class=\"plots\">\n{}{}</div>\n{}<p class=\"soft\">0 % means that the method meets the \
+         error only by updating all joints.</p>\n{}{}</section>\n",
         legend(),
         plot(
             "gain.svg",
@@ -162,30 +162,30 @@ fn methods(report: &DemoReport) -> String {
         plot(
             "over-the-clip.svg",
             "Number of joints updated in each frame of the clip, one line for each method",
-            "Savings are not spread evenly: where the body turns fast, more joints must follow.",
+            "Savings vary over the clip: where the body turns fast, more joints are updated.",
         )
     )
 }
 
-/// What each method does, in one line.
+/// One line about each method.
 fn legend() -> String {
     let methods = [
         (
             "skin-px",
-            "ours: a joint waits until its skin drifts too far; four forms of it",
+            "our metric: a joint is held until its skin drifts beyond the tolerance; four variants",
         ),
         (
             "thesis",
-            "the metric that Articula grew from: a threshold on how much a joint turns and moves",
+            "the metric of the thesis: a threshold on how far a joint rotates and moves per frame",
         ),
-        ("ahn", "similar poses of a joint are shown as one"),
+        ("ahn", "similar poses of a joint are replaced by one of them"),
         (
             "skip-hold, skip-lerp",
-            "every n-th frame alone; held, or blended between",
+            "only every n-th frame is sampled, then held or interpolated",
         ),
         (
             "loa",
-            "a fixed set of joints moves, the others show one pose",
+            "a fixed set of joints moves, all others show one pose",
         ),
     ];
     let line = |(name, what)| format!("<div><dt>{name}</dt><dd>{what}</dd></div>\n");
@@ -207,31 +207,31 @@ fn levels(report: &DemoReport) -> String {
         );
     }
     let plots = [
-        ("cost-by-zone.svg", "Joints a frame by zone of the body"),
+        ("cost-by-zone.svg", "Joints per frame by zone of the body"),
         (
             "cost-by-depth.svg",
-            "Joints a frame by depth in the hierarchy",
+            "Joints per frame by depth in the hierarchy",
         ),
         (
             "cost-by-complexity.svg",
-            "Joints a frame by level of complexity",
+            "Joints per frame by level of complexity",
         ),
     ];
     let plots = plots.map(|(file, alt)| plot(file, alt, "")).concat();
     format!(
         "<section>\n<h2>Levels of articulation</h2>\n\
-         <p>A level says which joints may move at all, whatever the error. The same scale serves \
-         the run time, stored files and streams; zones, depths and single joints combine with it, \
-         as in <code>loa(Low) + zone(hands)</code>.</p>\n{}\
+         <p>A level of articulation is the set of joints that may move, regardless of the error. The \
+         same levels apply at run time, in stored files and in streams, and combine with zones, \
+         depths and single joints, as in <code>loa(Low) + zone(hands)</code>.</p>\n{}\
          <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"Stored animation by level\">\n<table>\n\
-         <caption><span>The stored animation of all clips under each level; held joints keep their key pose</span></caption>\n\
+         <caption><span>Stored animation of all clips at each level; held joints keep their key pose</span></caption>\n\
          <thead><tr><th scope=\"col\">level</th><th scope=\"col\">joints</th><th scope=\"col\">channels</th>\
          <th scope=\"col\">keys</th><th scope=\"col\">size</th><th scope=\"col\">saved</th></tr></thead>\n\
          <tbody>\n{rows}</tbody>\n</table>\n</div>\n<div class=\"plots\">\n{plots}</div>\n</section>\n",
         picture(
             "levels.png",
-            "The walking human at seven levels of articulation, moving joints marked",
-            "From every joint to none; held joints show the pose that is nearest to all frames.",
+            "The walking human at seven levels of articulation, with moving joints marked",
+            "From all joints to none; held joints show the pose with the smallest maximum angle to all frames.",
         )
     )
 }
@@ -252,18 +252,18 @@ fn mesh_levels(report: &DemoReport) -> String {
             level.bytes_added as f64 / 1e3
         );
     }
-    let caption = "The levels: greatest distance of the original surface, and bytes on the wire";
+    let caption = "Mesh levels: maximum distance from the original surface, and bytes in the stream";
     format!(
-        "<section>\n<h2>Mesh levels that know how they will move</h2>\n\
+        "<section>\n<h2>Mesh levels simplified in motion</h2>\n\
          <p>One stored mesh, five levels: each is a few ranges of one index list over the first vertices of one \
-         vertex list, so changing the level copies nothing. Triangles went where the figure loses least in \
-         the poses of its own clips; the errors are those in {} other poses. All five levels together take \
-         {:.1} kB on the wire, the finest alone {:.1} kB, each sent on its own {:.1} kB. \
+         vertex list, so changing the level copies nothing. Triangles were removed where the error in poses of the \
+         character's own clips is least; the errors were measured in {} other poses. All five levels together take \
+         {:.1} kB in the stream, the finest alone {:.1} kB, all levels each coded alone {:.1} kB. \
          <a href=\"asset.glb\">asset.glb</a> holds them all, and every viewer shows the finest.</p>\n{}\
          <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n\
          <caption><span>{caption}</span></caption>\n<thead><tr><th scope=\"col\">triangles</th>\
-         <th scope=\"col\">vertices</th><th scope=\"col\">off at rest</th><th scope=\"col\">in motion</th>\
-         <th scope=\"col\">alone</th><th scope=\"col\">added</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n</div>\n</section>\n",
+         <th scope=\"col\">vertices</th><th scope=\"col\">error at rest</th><th scope=\"col\">error in motion</th>\
+         <th scope=\"col\">size alone</th><th scope=\"col\">size added</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n</div>\n</section>\n",
         found.poses_measured,
         found.bytes.clustered as f64 / 1e3,
         found.bytes.finest_alone as f64 / 1e3,
@@ -271,7 +271,7 @@ fn mesh_levels(report: &DemoReport) -> String {
         picture(
             "mesh-levels.png",
             "The walking human, its face and a hand at five mesh levels",
-            "From all triangles to 1.5 % of them: in motion, the face and the left hand.",
+            "From all triangles to 1.5 % of them: whole figure in motion, face and left hand.",
         )
     )
 }
@@ -300,19 +300,19 @@ fn flat(report: &DemoReport) -> String {
             r.error.wrong_pixels_percent,
             r.error.wrong_pixels_percent_depth_sort,
         );
-        format!(" Painted in a wrong order are {ours:.2} % of its pixels, sorted by depth {sorted:.2} %.")
+        format!(" {ours:.2} % of its pixels are painted in the wrong order; with a depth sort, {sorted:.2} %.")
     });
-    let caption = "The same walk in each form, beside the thesis' own";
+    let caption = "The same walk in each format, compared with the form of the thesis";
     format!(
         "<section>\n<h2>The walk without 3D</h2>\n\
          <figure><img src=\"walk.svg\" width=\"360\" height=\"360\" alt=\"The human walks, as an animated SVG\">\
-         <figcaption>One self-contained SVG in an &lt;img&gt;: no script, right occlusion, one gradient a triangle.{wrong}\
+         <figcaption>One self-contained SVG in an &lt;img&gt;: no script, correct occlusion, one gradient per triangle.{wrong}\
          </figcaption></figure>\n\
          <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n\
          <caption><span>{caption}</span></caption>\n<thead><tr><th scope=\"col\">file</th>\
-         <th scope=\"col\">form</th><th scope=\"col\">size</th><th scope=\"col\">by brotli</th>\
-         <th scope=\"col\">bytes a triangle and frame</th><th scope=\"col\">times smaller</th>\
-         <th scope=\"col\">levels off</th><th scope=\"col\">SSIM</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n</div>\n</section>\n",
+         <th scope=\"col\">format</th><th scope=\"col\">size</th><th scope=\"col\">size, brotli</th>\
+         <th scope=\"col\">bytes per triangle and frame</th><th scope=\"col\">times smaller than the thesis</th>\
+         <th scope=\"col\">RMS colour error, levels of 0 to 255</th><th scope=\"col\">SSIM</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n</div>\n</section>\n",
     )
 }
 
@@ -351,26 +351,26 @@ fn crowd(report: &DemoReport) -> String {
     };
     format!(
         "<section>\n<h2>A crowd</h2>\n\
-         <p>{} of the same human on a square, {} of them in view. The farther away, the fewer joints are \
-         computed: the others move with their parents, and the skin is put onto what is left. Each gets the \
-         coarsest level whose skin is off by at most {} pixel. The error is measured against every joint \
-         of the same moment, character by character (95th percentile over the skin).</p>\n{}{}{}</section>\n",
+         <p>{} copies of the human on a square, {} of them in view. The farther away, the fewer joints are \
+         computed: the others move with their parents, and the skin is bound to the remaining joints. Each \
+         character has the coarsest level with an error of at most {} pixel. The error is measured for each \
+         character against the full joint set at the same time (95th percentile over the skin).</p>\n{}{}{}</section>\n",
         crowd.characters,
         crowd.visible,
         crowd.epsilon_px,
         picture(
             "crowd.png",
-            "A square full of people, each in the colour of the level that it is shown at",
-            "Everyone in the colour of the level; the corner counts them.",
+            "A square full of people, each in the colour of its level",
+            "Each character in the colour of its level; the legend has the number of characters per level.",
         ),
         table(
-            "What a frame costs for each character on one thread, what it writes, and how far the skin is off",
-            head(&["way", "time", "written", "p95", "max"]),
+            "Time per frame and character on one thread, bytes written per frame, and error of the skin",
+            head(&["variant", "time", "written", "error p95", "error max"]),
             &ways
         ),
         table(
-            "The levels that are shown",
-            head(&["joints", "characters", "off at most", "measured p95"]),
+            "The levels in use",
+            head(&["joints", "characters", "maximum error", "measured error p95"]),
             &levels
         )
     )
@@ -394,9 +394,9 @@ fn more(report: &DemoReport) -> String {
          articula crowd hero.glb --picture crowd.png\n\
          articula convert hero.glb small.glb --loa \"loa(Low) + zone(hands)\"</code></pre>\n\
          <p class=\"soft\">Counts on this page are exact and the same on every machine. Times are \
-         not: sampling and all matrices of one figure took {full:.0} ns a frame with every joint and \
-         {none:.0} ns with none, by the clock of this run and the plain code. So holding joints saves \
-         samples, but by itself little time: that is why levels are also merged and shared.</p>\n</section>\n"
+         not: sampling and all matrices of one figure took {full:.0} ns per frame with all joints and \
+         {none:.0} ns with none, measured in this run with the scalar code. So holding joints saves \
+         samples but little time by itself; levels are therefore also merged and poses shared.</p>\n</section>\n"
     )
 }
 
@@ -407,7 +407,7 @@ fn footer(report: &DemoReport) -> String {
     )
 }
 
-/// Gain by distance, one line for each name.
+/// A table of updates saved by distance, one line for each name.
 fn table(caption: &str, what: &str, lines: &[(&str, &[MethodRow])]) -> String {
     let mut head = format!("<th scope=\"col\">{what}</th>");
     for row in lines.first().map_or(&[][..], |l| l.1) {
@@ -436,7 +436,7 @@ fn table(caption: &str, what: &str, lines: &[(&str, &[MethodRow])]) -> String {
     )
 }
 
-/// A large picture that scrolls sideways where the window is narrow.
+/// A large picture that scrolls horizontally in narrow windows.
 fn picture(file: &str, alt: &str, caption: &str) -> String {
     let alt = escaped(alt);
     format!(
@@ -447,7 +447,7 @@ fn picture(file: &str, alt: &str, caption: &str) -> String {
     )
 }
 
-/// A plot; its own title says what it shows, `caption` what to see in it.
+/// A plot; its own title describes it, `caption` explains it.
 fn plot(file: &str, alt: &str, caption: &str) -> String {
     let alt = escaped(alt);
     let caption = if caption.is_empty() {

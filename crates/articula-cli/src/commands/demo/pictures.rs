@@ -10,10 +10,10 @@ use articula_flat::Picture;
 use articula_report::{ContactSheet, MotionLine, SheetCell, SheetRow};
 use std::f32::consts::FRAC_PI_2;
 
-/// Draws one picture of what was played.
+/// A function that draws one picture of the results.
 pub(super) type Draw = fn(&EvaluatedClip<'_>, &[MethodTable]) -> anyhow::Result<Picture>;
 
-/// The character at rest: from three sides, the face and a hand.
+/// The character at rest: from three sides, its face and a hand.
 pub(super) fn character(scene: &EvaluatedClip<'_>, _: &[MethodTable]) -> anyhow::Result<Picture> {
     let rest = scene.figure.asset.rig.rest_pose();
     let morphs = scene.figure.asset.mesh.morph_weights.clone();
@@ -44,7 +44,7 @@ pub(super) fn character(scene: &EvaluatedClip<'_>, _: &[MethodTable]) -> anyhow:
     sheet.draw().context("the picture of the character")
 }
 
-/// Our metric at every distance.
+/// `skin-px` at every distance.
 pub(super) fn distances(
     scene: &EvaluatedClip<'_>,
     tables: &[MethodTable],
@@ -65,7 +65,7 @@ pub(super) fn methods(
     Ok(drawn::small_sheet(scene, &lines, title)?)
 }
 
-/// The levels of articulation, whatever their error.
+/// The levels of articulation, regardless of their error.
 pub(super) fn levels(scene: &EvaluatedClip<'_>, tables: &[MethodTable]) -> anyhow::Result<Picture> {
     let ladder = tables
         .iter()

@@ -1,4 +1,4 @@
-//! What the demo found: `report.json`, and what the page tells.
+//! The results of the demo: `report.json`, and the numbers of the page.
 
 use super::crowd::Crowd;
 use super::mesh_levels::MeshLevels;
@@ -14,7 +14,7 @@ use articula_core::source;
 use articula_core::{Complexity, Rig};
 use serde::Serialize;
 
-/// Everything that one run of the demo found.
+/// All results of one run of the demo.
 #[derive(Debug, Serialize)]
 pub(super) struct DemoReport {
     pub(super) version: &'static str,
@@ -26,9 +26,9 @@ pub(super) struct DemoReport {
     pub(super) frames: usize,
     /// Every method at every distance, on one clip.
     pub(super) methods: Vec<MethodRows>,
-    /// Our metric on every clip.
+    /// `skin-px` on every clip.
     pub(super) clips: Vec<ClipRows>,
-    /// The stored animation under each level of articulation.
+    /// The stored animation at each level of articulation.
     pub(super) levels: Vec<Level>,
     pub(super) costs: Costs,
     pub(super) crowd: Crowd,
@@ -37,7 +37,7 @@ pub(super) struct DemoReport {
     pub(super) flat: Vec<flatten::FlattenReport>,
 }
 
-/// What stands beside the methods.
+/// Results besides those of the methods.
 pub(super) struct Found {
     pub(super) clips: Vec<ClipRows>,
     pub(super) levels: Vec<Level>,
@@ -71,18 +71,18 @@ pub(super) struct ClipRows {
     pub(super) rows: Vec<MethodRow>,
 }
 
-/// One level of articulation of all clips, passive joints in their key pose.
+/// One level of articulation of all clips, with passive joints in their key pose.
 #[derive(Debug, Serialize)]
 pub(super) struct Level {
     pub(super) name: String,
     pub(super) joints: usize,
     pub(super) stored: AnimationSize,
-    /// Share of the animation's bytes that is gone, 0 to 1.
+    /// Saved fraction of the animation's bytes, 0 to 1.
     pub(super) saved: f64,
 }
 
 impl Level {
-    /// What the level leaves of some clips.
+    /// The stored animation of some clips at a level.
     pub(super) fn new(level: Complexity, rig: &Rig, clips: &[source::RawClip]) -> Self {
         let active = loa::complexity(rig, level);
         let held = hold_joints(rig, clips, &active, PassivePolicy::KeyPose);
@@ -135,13 +135,13 @@ impl DemoReport {
         }
     }
 
-    /// The row of a method at the distance that pictures of all methods show.
+    /// The row of a method at the distance shown in pictures of all methods.
     pub(super) fn middle(&self, label: &str) -> Option<&MethodRow> {
         let method = self.methods.iter().find(|m| m.label == label)?;
         method.rows.get(MIDDLE)
     }
 
-    /// The headline for people, and where to look.
+    /// Formats the headline for people, and the path of the page.
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         if let (Some(ours), Some(thesis)) = (self.middle("skin-px hold"), self.middle("thesis")) {

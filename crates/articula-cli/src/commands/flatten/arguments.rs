@@ -22,16 +22,16 @@ pub(crate) struct FlattenArgs {
     pub(crate) convert: ConvertArgs,
 }
 
-/// What else can be done with a converted file.
+/// Subcommands on an SVG that `flatten` wrote.
 #[derive(Debug, Subcommand)]
 pub(crate) enum FlattenCommand {
-    /// Render one moment of an SVG that flatten wrote, as PNG or as still SVG
+    /// Render one frame of an SVG that flatten wrote, as PNG or as a still SVG
     Frame(FrameArgs),
-    /// Render an SVG that flatten wrote as GIF, as animated WebP or as a folder of PNG pictures
+    /// Render an SVG that flatten wrote as GIF, animated WebP or a folder of PNG pictures
     Movie(MovieArgs),
 }
 
-/// Arguments of the conversion.
+/// Arguments of a conversion to 2D.
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
     /// Character file (.glb, .gltf, .vrm, ...)
@@ -40,17 +40,17 @@ pub(crate) struct ConvertArgs {
     /// File to write (.svg; .json for lottie; .html or .json for portrait; .js for a player module)
     #[arg(required = true)]
     out: Option<PathBuf>,
-    /// Leave this mesh out (repeatable)
+    /// Name of a mesh to leave out (repeatable)
     #[arg(long, value_name = "NAME")]
     hide: Vec<String>,
-    /// Keep only this mesh (repeatable)
+    /// Name of a mesh to keep, leaving out all others (repeatable)
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
-    /// Joint map of your own, used before the built-in ones (repeatable)
+    /// JSON file with a custom joint map, tried before the built-in ones (repeatable)
     #[arg(long, value_name = "F.json")]
     joint_map: Vec<PathBuf>,
-    /// What to write [default: smil; lottie if OUT ends in .json, player if in .js, portrait if
-    /// in .html]
+    /// Kind of 2D content [default: lottie if OUT ends in .json, player if in .js, portrait if in
+    /// .html, else smil]
     #[arg(long, value_enum, value_name = "PROFILE")]
     pub(crate) profile: Option<ProfileName>,
     #[command(flatten)]
@@ -63,134 +63,135 @@ pub(crate) struct ConvertArgs {
     pub(crate) special: SpecialArgs,
 }
 
-/// Which motion is shown.
+/// The motion to show.
 #[derive(Debug, Args)]
 pub(crate) struct MotionArgs {
-    /// Which clip to show [default: the first; the rest pose if there is none]
+    /// Name of the clip to show [default: the first; the rest pose if there is none]
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
-    /// Frames a second; a little more or less, so that the last frame falls on the clip's end
+    /// Frame rate in hertz; adjusted slightly so that the last frame falls on the end of the clip
     #[arg(long, value_name = "HZ", default_value_t = 25.0, value_parser = positive)]
     pub(crate) fps: f32,
-    /// How often the clip is played, one after the other
+    /// Number of times the clip is played
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) cycles: u32,
-    /// Turn the character to its left, so far in all
+    /// Total turn of the character to its left over the motion in degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = finite,
           allow_negative_numbers = true)]
     pub(crate) turn_deg: f32,
-    /// Moment of a still, seconds; of the thesis' painting order
+    /// Time of a still, or of the painting order of the thesis' form, in seconds
     #[arg(long, value_name = "SECS", default_value_t = 0.0, value_parser = not_negative)]
     pub(crate) at: f32,
 }
 
-/// From where it is shown.
+/// Camera and picture size.
 #[derive(Debug, Args)]
 pub(crate) struct ShotArgs {
-    /// Size of the picture, pixels: one side or WxH
+    /// Size of the picture in pixels: one side or WxH
     #[arg(long, value_name = "PX|WxH", default_value = "400", value_parser = picture_size)]
     pub(crate) size: (u32, u32),
-    /// Where the camera stands about the character's front, degrees to its left
+    /// Azimuth of the camera from the character's front, to its left, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = finite,
           allow_negative_numbers = true)]
     pub(crate) yaw_deg: f32,
-    /// How high it stands, degrees
+    /// Elevation of the camera in degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = elevation,
           allow_negative_numbers = true)]
     pub(crate) pitch_deg: f32,
-    /// Vertical field of view, degrees
+    /// Vertical field of view in degrees
     #[arg(long, value_name = "DEG", default_value = "25", value_parser = field_of_view)]
     pub(crate) fov_deg: f32,
-    /// Triangles that are shown, about; what is never seen is left out before [default: 600;
+    /// Approximate number of triangles after removing those that are never visible [default: 600;
     /// player 1500, portrait 1000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=20_000))]
     pub(crate) triangles: Option<u32>,
 }
 
-/// How large, and how near to the truth.
+/// File size and accuracy.
 #[derive(Debug, Args)]
 pub(crate) struct QualityArgs {
-    /// Largest file; the best setting that fits is searched
+    /// Maximum size of the output in bytes; the best setting that fits is searched
     #[arg(long, value_name = "B")]
     pub(crate) max_bytes: Option<u64>,
-    /// How far a corner may lie off, pixels [default: 0.35; player 0.1]
+    /// Maximum position error of a corner in pixels [default: 0.35; player 0.1]
     #[arg(long, value_name = "PX", value_parser = positive)]
     pub(crate) pos_tol: Option<f32>,
-    /// How far a colour may lie off, levels of 255 [default: 6; player 1]
+    /// Maximum colour error in levels of 0 to 255 [default: 6; player 1]
     #[arg(long, value_name = "LEVELS", value_parser = positive)]
     pub(crate) col_tol: Option<f32>,
-    /// One colour a triangle, or a gradient [default: gouraud]
+    /// Shading of a triangle [default: gouraud]
     #[arg(long, value_enum, value_name = "HOW")]
     pub(crate) shading: Option<ShadingName>,
-    /// Join neighbouring triangles whose colours are within so many levels (flat shading)
+    /// Join neighbouring triangles whose colours differ by at most this many levels of 0 to 255
+    /// (flat shading)
     #[arg(long, value_name = "LEVELS", value_parser = positive)]
     pub(crate) merge: Option<f32>,
-    /// Wrongly painted pixels that one painting order may have more than the best, percent of
-    /// the character's
+    /// Wrongly painted pixels that a single painting order may have above the minimum, in percent
+    /// of the character's pixels
     #[arg(long, value_name = "PERCENT", default_value_t = 0.3, value_parser = not_negative)]
     pub(crate) order_tol: f32,
-    /// Cut triangles that pierce each other, which no painting order shows right
+    /// Cut triangles that pierce each other, which no painting order shows correctly
     #[arg(long, value_enum, value_name = "ON|OFF", default_value = "on", num_args = 0..=1,
           default_missing_value = "on")]
     pub(crate) split: Switch,
 }
 
-/// What belongs to one profile.
+/// Options of single profiles.
 #[derive(Debug, Args)]
 pub(crate) struct SpecialArgs {
-    /// still: three colour channels, exact inside
+    /// still: write three colour channels, which reproduces the colours inside triangles exactly
     #[arg(long)]
     pub(crate) exact: bool,
-    /// player: driven by the character's morph targets instead of a clip
+    /// player: animate by the character's morph targets instead of a clip
     #[arg(long)]
     pub(crate) live: bool,
-    /// portrait: pictures of the head, 1, 3 or 5
+    /// portrait: number of pictures of the head, 1, 3 or 5
     #[arg(long, value_name = "N", default_value_t = 3)]
     pub(crate) views: u32,
-    /// portrait: a picture behind the head
+    /// portrait: picture behind the head
     #[arg(long, value_name = "PICTURE")]
     pub(crate) background: Option<PathBuf>,
-    /// portrait: sound that the mouth follows
+    /// portrait: sound file to play in sync with the mouth
     #[arg(long, value_name = "FILE")]
     pub(crate) audio: Option<PathBuf>,
-    /// thesis: elements that are written
+    /// thesis: SVG elements to write
     #[arg(long, value_enum, value_name = "FORM", default_value = "path")]
     pub(crate) form: FormName,
-    /// thesis: leave out what is hidden or does not move, as it does
+    /// thesis: leave out triangles that are hidden or do not move, as the thesis does
     #[arg(long)]
     pub(crate) optimise: bool,
 }
 
-/// What is written.
+/// Kind of 2D content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ProfileName {
-    /// One SVG, key-framed, no script: pages, <img>, mail
+    /// One SVG, key-framed, no script: for web pages, <img>, e-mail
     Smil,
-    /// One SVG with a group a frame: short or violent clips, exactness
+    /// One SVG with a group per frame: for short or fast clips, exact in every frame
     Flipbook,
-    /// One SVG with a low-rank clip and a small script: the smallest file
+    /// One SVG with a low-rank clip and a small script: smallest file
     Player,
-    /// Lottie JSON, for app toolchains
+    /// Lottie JSON, for application toolchains
     Lottie,
     /// A face as pictures on a 2D mesh that turns and speaks
     Portrait,
     /// One SVG frame
     Still,
-    /// The naive SVG of the origin, to be measured against
+    /// The simple SVG form of the thesis, for comparison
     Thesis,
 }
 
-/// Whether something is done.
+/// A switch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Switch {
-    /// It is
+    /// Enabled
     On,
-    /// It is not
+    /// Disabled
     Off,
 }
 
-/// How a triangle is filled.
+/// Fill of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ShadingName {
     /// One colour
@@ -199,12 +200,12 @@ pub(crate) enum ShadingName {
     Gouraud,
 }
 
-/// Elements of the thesis' SVG.
+/// SVG elements of the thesis' form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FormName {
-    /// A polygon a triangle and frame
+    /// One polygon per triangle and frame
     Polygon,
-    /// A path a triangle with the positions of every frame
+    /// One path per triangle with the positions of all frames
     Path,
 }
 
@@ -215,10 +216,10 @@ pub(crate) struct FrameArgs {
     pub(crate) file: PathBuf,
     /// File to write (.png or .svg)
     pub(crate) out: PathBuf,
-    /// The moment, seconds
+    /// Time of the frame in seconds
     #[arg(long, value_name = "SECS", default_value_t = 0.0, value_parser = not_negative)]
     pub(crate) at: f32,
-    /// Colour behind the character [default: none]
+    /// Background colour [default: transparent]
     #[arg(long, value_name = "#RRGGBB", value_parser = color)]
     pub(crate) background: Option<[u8; 4]>,
 }
@@ -230,10 +231,10 @@ pub(crate) struct MovieArgs {
     pub(crate) file: PathBuf,
     /// File to write (.gif or .webp), or a folder for PNG pictures
     pub(crate) out: PathBuf,
-    /// Frames a second
+    /// Frame rate in hertz
     #[arg(long, value_name = "HZ", default_value_t = 25.0, value_parser = positive)]
     pub(crate) fps: f32,
-    /// Colour behind the character [default: white]
+    /// Background colour [default: white]
     #[arg(long, value_name = "#RRGGBB", value_parser = color)]
     pub(crate) background: Option<[u8; 4]>,
 }
@@ -244,10 +245,10 @@ impl ConvertArgs {
         self.out.as_deref().unwrap_or(Path::new(""))
     }
 
-    /// The file and what of it counts, as the other commands have it.
+    /// The character arguments that the other commands use.
     pub(crate) fn character(&self) -> CharacterArgs {
         CharacterArgs {
-            // Without one it was a subcommand, which does not ask.
+            // Without a file there was a subcommand, which does not use this.
             file: self.file.clone().unwrap_or_default(),
             hide: self.hide.clone(),
             only: self.only.clone(),
@@ -258,13 +259,13 @@ impl ConvertArgs {
         }
     }
 
-    /// What a file is called that has no clip's name.
+    /// Title of a file whose clip has no name.
     pub(crate) fn title(&self) -> String {
         let file = self.file.as_deref().and_then(Path::file_stem);
         file.unwrap_or_default().to_string_lossy().into_owned()
     }
 
-    /// What is written: what was said, or what the file's name says.
+    /// The profile that was named, or that of the extension of the output.
     pub(crate) fn profile(&self) -> anyhow::Result<ProfileName> {
         let ending = self
             .out()

@@ -1,5 +1,5 @@
-//! `articula flatten frame`: one moment of an animated SVG, for renderers that draw the first
-//! state only.
+//! `articula flatten frame`: one frame of an animated SVG, for renderers that draw only the
+//! initial state.
 
 use super::arguments::FrameArgs;
 use crate::console::Console;
@@ -10,7 +10,7 @@ use articula_flat::vector::raster;
 use serde::Serialize;
 use std::path::Path;
 
-/// Most bytes of an SVG that is read.
+/// Maximum size of an SVG to read in bytes.
 pub(super) const MAX_BYTES: u64 = 256 << 20;
 
 #[derive(Debug, Serialize)]
@@ -21,7 +21,7 @@ struct Rendered {
     bytes: usize,
 }
 
-/// Renders the moment and says what was written.
+/// Renders the frame and prints what was written.
 pub(super) fn run(args: &FrameArgs, console: &Console) -> anyhow::Result<()> {
     let ending = args
         .out
@@ -52,7 +52,7 @@ pub(super) fn run(args: &FrameArgs, console: &Console) -> anyhow::Result<()> {
     };
     console.result(&rendered, |r| {
         format!(
-            "{}: the moment {:.3} s of {:.3} s, {:.1} kB\n",
+            "{}: frame at {:.3} s of {:.3} s, {:.1} kB\n",
             r.out,
             r.at_secs,
             r.duration_secs,
@@ -61,7 +61,7 @@ pub(super) fn run(args: &FrameArgs, console: &Console) -> anyhow::Result<()> {
     })
 }
 
-/// Reads an SVG of ours; errors name the file and what to give instead.
+/// Reads an SVG that `flatten` wrote; errors name the file and the expected input.
 pub(super) fn read(path: &Path) -> anyhow::Result<AnimatedSvg> {
     let bytes = files::read(path, MAX_BYTES)?;
     let place = || files::shown(path);

@@ -1,4 +1,4 @@
-//! `articula flatten FILE OUT`: a character in motion as 2D content, with its size and error.
+//! `articula flatten FILE OUT`: converts an animated character to 2D and reports size and error.
 
 mod arguments;
 mod frame;
@@ -22,7 +22,7 @@ use articula_flat::vector::player::PlayerOutput;
 use articula_flat::vector::{ThesisForm, ThesisSvgOptions};
 use report::{FlattenReport, Made};
 
-/// Converts, or renders what was converted.
+/// Converts, or runs a subcommand.
 pub(crate) fn run(args: &FlattenArgs, console: &Console) -> anyhow::Result<()> {
     match &args.command {
         Some(FlattenCommand::Frame(args)) => frame::run(args, console),
@@ -37,7 +37,7 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     if files::same(&args.character().file, args.out()) {
         let out = files::shown(args.out());
         return Err(fault::usage(format!(
-            "{out}: this is the character itself; name another file"
+            "{out}: the output would overwrite the character; name another file"
         )));
     }
     if profile == ProfileName::Portrait {
@@ -76,7 +76,7 @@ impl ConvertArgs {
         let vector = [moving.as_slice(), &[P::Still]].concat();
         let turned = motion.turn_deg != 0.0 || motion.cycles != 1;
         let aside = shot.yaw_deg != 0.0 || shot.pitch_deg != 0.0;
-        // What was said, in which words, and which profiles listen to it.
+        // Whether each flag is given, its name, and the profiles that use it.
         for (is_given, flag, profiles) in [
             (special.exact, "--exact", &[P::Still][..]),
             (special.live, "--live", &[P::Player]),
@@ -93,7 +93,7 @@ impl ConvertArgs {
             (quality.merge.is_some(), "--merge", &keyed),
         ] {
             if is_given && !profiles.contains(&profile) {
-                let what = "does not belong to this profile; see --help";
+                let what = "does not apply to this profile; see --help";
                 return Err(fault::usage(format!("{flag} {what}")));
             }
         }
@@ -189,7 +189,7 @@ impl ConvertArgs {
             };
         }
         let name = clip.map(|c| c.name.clone());
-        // A title is published with the file; where it came from is not.
+        // The title is published with the file, so it must not contain the path of the source.
         let name = name.unwrap_or_else(|| self.title());
         Ok(Settings {
             profile,

@@ -1,5 +1,5 @@
-//! `articula flatten movie`: an animated SVG as GIF, WebP or PNG pictures, for places that play no
-//! SVG.
+//! `articula flatten movie`: an animated SVG as GIF, WebP or PNG pictures, for software that does
+//! not play SVG.
 
 use super::arguments::MovieArgs;
 use super::frame;
@@ -11,9 +11,9 @@ use articula_flat::vector;
 use articula_flat::vector::raster;
 use serde::Serialize;
 
-/// Most frames of a movie.
+/// Maximum number of frames of a movie.
 const MAX_FRAMES: f64 = 5000.0;
-/// Most pixels of all frames; a gigabyte.
+/// Maximum number of pixels of all frames together; a gigabyte.
 const MAX_PIXELS: u64 = 1 << 28;
 
 #[derive(Debug, Serialize)]
@@ -25,7 +25,7 @@ struct Movie {
     bytes: usize,
 }
 
-/// Renders all frames and says what was written.
+/// Renders all frames and prints what was written.
 pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
     check_ending(args)?;
     let moving = frame::read(&args.file)?;
@@ -33,18 +33,18 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
     let duration = moving.duration_secs;
     let steps = (duration * f64::from(args.fps)).round().max(1.0);
     if steps > MAX_FRAMES {
-        let what = format!("{steps} frames are more than {MAX_FRAMES}; ask for fewer a second");
+        let what = format!("{steps} frames, at most {MAX_FRAMES} are allowed; lower the frame rate");
         return Err(fault::usage(format!("--fps {}: {what}", args.fps)));
     }
     if duration <= 0.0 {
-        let what = "nothing moves in it; render it with flatten frame";
+        let what = "nothing moves in this file; render it with flatten frame";
         anyhow::bail!("{}: {what}", place());
     }
     let background = args.background.unwrap_or([255; 4]);
-    let bar = console.progress("drawing", steps as usize);
+    let bar = console.progress("drawing frames", steps as usize);
     let mut pixels = 0;
     let mut moments: Vec<(Picture, f64)> = Vec::with_capacity(steps as usize);
-    // The last frame is left out, the first follows it when the movie repeats.
+    // The last frame is left out, since a repeating movie continues with the first.
     for f in 0..steps as u32 {
         let text = moving
             .at(duration * f64::from(f) / steps)
@@ -52,7 +52,7 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
         let picture = raster(&text, background).with_context(place)?;
         pixels += u64::from(picture.width()) * u64::from(picture.height());
         if pixels > MAX_PIXELS {
-            let what = "more than 268 million pixels in all; ask for fewer frames a second";
+            let what = "more than 268 million pixels in all; lower the frame rate";
             return Err(fault::usage(format!("--fps {}: {what}", args.fps)));
         }
         moments.push((picture, duration / steps));
@@ -78,7 +78,7 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
     })
 }
 
-/// Refuses a name that says neither a movie nor a folder, before anything is drawn.
+/// Refuses a name that is neither a movie nor a folder, before anything is drawn.
 fn check_ending(args: &MovieArgs) -> anyhow::Result<()> {
     let ending = args.out.extension().unwrap_or_default();
     let ending = ending.to_ascii_lowercase();
@@ -90,7 +90,7 @@ fn check_ending(args: &MovieArgs) -> anyhow::Result<()> {
     Err(fault::usage(format!("{out}: {what}")))
 }
 
-/// Writes the pictures as the name asks for; all bytes written.
+/// Writes the pictures in the format of the name; returns the total number of bytes.
 fn write(args: &MovieArgs, moments: &[(Picture, f64)]) -> anyhow::Result<usize> {
     let place = || files::shown(&args.out);
     let ending = args

@@ -16,9 +16,9 @@ use articula_flat::portrait::{HeadPose, Portrait, PortraitOptions, build};
 use serde::Serialize;
 use std::path::Path;
 
-/// Turns of the head at which the portrait is compared with the figure, degrees.
+/// Yaw angles of the head at which the portrait is compared with the figure, degrees.
 const YAWS_DEG: [f32; 5] = [0.0, 10.0, 20.0, 30.0, 40.0];
-/// Largest picture or sound that goes into a page.
+/// Maximum size of an embedded picture or sound in bytes.
 const MAX_BYTES: u64 = 64 << 20;
 
 #[derive(Debug, Serialize)]
@@ -37,21 +37,21 @@ struct PortraitReport {
     written: Vec<String>,
 }
 
-/// How far the portrait is off when its head is turned.
+/// Error of the portrait at one yaw angle of the head.
 #[derive(Debug, Serialize)]
 struct YawError {
     yaw_deg: f32,
     image_rmse_levels: f64,
 }
 
-/// Makes the portrait, writes it, and says how far it is off.
+/// Makes the portrait, writes it and reports its error.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let figure = open::figure(&args.character())?;
     let place = || figure.opened.name.clone();
     let clip = figure.clip(args.motion.clip.as_deref())?;
     let options = options(args)?;
     if clip.is_none() && args.special.audio.is_some() {
-        let what = "--audio needs a clip that the face speaks by; name one with --clip";
+        let what = "--audio needs a clip with the motion of the mouth; name one with --clip";
         return Err(fault::usage(what));
     }
     let viewport = Viewport {
@@ -119,7 +119,7 @@ fn options(args: &ConvertArgs) -> anyhow::Result<PortraitOptions> {
         return Err(fault::usage(format!("--views {views}: expected 1, 3 or 5")));
     }
     let plain = PortraitOptions::default();
-    // Without pictures from above and below there is nothing to show of them.
+    // Without pictures from above and below, large pitch angles would show missing surface.
     let pitch_limit_degrees = if views == 5 {
         plain.pitch_limit_degrees
     } else {
@@ -133,7 +133,7 @@ fn options(args: &ConvertArgs) -> anyhow::Result<PortraitOptions> {
     })
 }
 
-/// Writes one page, or the document with its pictures beside it; names and bytes.
+/// Writes one page, or the document with its pictures; returns names and bytes.
 fn write(args: &ConvertArgs, portrait: &Portrait) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let place = || files::shown(args.out());
     let is_page = args
@@ -206,7 +206,7 @@ impl PortraitReport {
         format!(
             "{}: portrait, {} views, {} triangles, {} expressions, {} frames\n\
              {:.1} kB ({:.1} gzip, {:.1} brotli) in {} files\n\
-             levels off when turned: {}\n",
+             RMS colour error when turned, levels of 0 to 255: {}\n",
             self.out,
             self.views,
             self.triangles,

@@ -1,17 +1,17 @@
-//! What `flatten` answers.
+//! The report of `flatten`.
 
 use articula_flat::flatten::{Flattened, ImageError, Quality, Representation, Trial};
 use articula_flat::planar::Shading;
 use serde::Serialize;
 
-/// The report of one conversion. Fields that scripts rely on are those of design, part 4.
+/// The report of one conversion; its field names are stable (`docs/commands.md`).
 #[derive(Debug, Serialize)]
 pub(crate) struct FlattenReport {
     pub(crate) out: String,
     pub(crate) profile: String,
     pub(crate) bytes: BytesReport,
-    /// Triangles of the character, of those that the camera may see at the level that was asked
-    /// for, and of those that some frame shows.
+    /// Triangles of the character, of those that the camera may see at the requested level, and of
+    /// those that are visible in some frame.
     pub(crate) triangles_of_character: usize,
     pub(crate) triangles: usize,
     pub(crate) triangles_drawn: usize,
@@ -26,7 +26,7 @@ pub(crate) struct FlattenReport {
     pub(crate) settings: SettingsReport,
     pub(crate) error: ErrorReport,
     pub(crate) representation: RepresentationReport,
-    /// What a search under a budget looked at.
+    /// Settings tried in a search under a size limit.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) tried: Vec<TrialReport>,
 }
@@ -65,7 +65,7 @@ pub(crate) struct ErrorReport {
     pub(crate) wrong_pixels_percent_depth_sort: f64,
 }
 
-/// What can stand for the character (design, part 4).
+/// A representation of the character that can replace the 3D one.
 #[derive(Debug, Serialize)]
 pub(crate) struct RepresentationReport {
     pub(crate) modality: String,
@@ -83,7 +83,7 @@ pub(crate) struct TrialReport {
     image_rmse_levels: Option<f64>,
 }
 
-/// What a conversion was made of.
+/// Settings of the conversion that the report repeats.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Made {
     pub(crate) triangles_of_character: usize,
@@ -132,13 +132,13 @@ impl FlattenReport {
         }
     }
 
-    /// The report for people.
+    /// Formats the report for people.
     pub(crate) fn text(&self) -> String {
         let Self { bytes, error, .. } = self;
         let mut text = format!(
             "{}: {}, {} x {} px, {} frames, {:.2} s\n\
              {:.1} kB ({:.1} gzip, {:.1} brotli): {:.2} bytes a triangle and frame ({:.2} brotli)\n\
-             {} triangles, {} drawn once what pierces is cut; {} shapes, {} keys, {} painting orders\n",
+             {} triangles, {} after cutting piercing ones; {} shapes, {} keys, {} painting orders\n",
             self.out,
             self.profile,
             self.size_px.0,
@@ -157,8 +157,8 @@ impl FlattenReport {
             self.orders,
         );
         text.push_str(&format!(
-            "error: {:.2} px; {:.1} levels (worst {:.1}), SSIM {:.4} (worst {:.4}) at {} moments; \
-             painted in a wrong order {:.2} % of the pixels (depth sort {:.2} %)\n",
+            "error: position {:.2} px, colour {:.1} levels of 0 to 255 (max {:.1}), SSIM {:.4} (min {:.4}) at {} frames; \
+             pixels painted in the wrong order {:.2} % (depth sort {:.2} %)\n",
             error.position_rmse_px,
             error.image_rmse_levels,
             error.image_rmse_levels_max,
@@ -172,7 +172,7 @@ impl FlattenReport {
             let s = &self.settings;
             let merge = s.merge_levels.map(|m| format!(", merged {m} levels"));
             text.push_str(&format!(
-                "chosen of {} settings: {}, {} px, {} levels{}\n",
+                "best of {} settings: {}, {} px, {} levels{}\n",
                 self.tried.len(),
                 s.shading,
                 s.pos_tol_px,

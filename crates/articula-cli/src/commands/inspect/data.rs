@@ -1,4 +1,4 @@
-//! Files of MPEG-4 without a character: what moves, in which range, in which units.
+//! MPEG-4 files without a character: parameters that move, their ranges and units.
 
 use super::text::{head_line, warnings_text};
 use crate::arguments::CharacterArgs;
@@ -9,7 +9,7 @@ use crate::{fault, files};
 use articula::DataFormat;
 use articula::inspect::{DataInspection, inspect_data};
 
-/// Reads the file and prints what was found.
+/// Reads the file and prints its contents.
 pub(super) fn run(
     args: &CharacterArgs,
     format: DataFormat,
@@ -48,7 +48,7 @@ fn text(found: &DataInspection, map: bool) -> String {
     }
     if let Some(coding) = &found.coding {
         text.push_str(&format!(
-            "{} frames, {} of them intra; the face in {}, the body in {}\n",
+            "{} frames, {} of them intra; face in {}, body in {}\n",
             coding.frames, coding.intra, coding.face, coding.body
         ));
         if let Some(fps) = coding.fps {

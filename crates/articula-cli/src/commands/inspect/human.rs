@@ -1,10 +1,10 @@
-//! What a file says of a human beyond joints and meshes, for people.
+//! Text output for the human-specific data of a file: origin, licence, expressions.
 
 use crate::fault::clean;
 use crate::table::{Table, counted};
 use articula::inspect::{Human, Morph, Pose, Rig, Term};
 
-/// Most rows of the table of expressions, and most names in a list.
+/// Maximum number of rows of the table of expressions, and of names in a list.
 const MAX_ROWS: usize = 100;
 const MAX_NAMES: usize = 8;
 
@@ -33,13 +33,13 @@ pub(super) fn head(found: &Human) -> String {
         let term = |t: &Term| format!("{} {}", t.name, t.value);
         let terms: Vec<String> = credits.terms.iter().map(term).collect();
         line(&mut text, "terms: ", &[&terms.join("; ")]);
-        line(&mut text, "after: ", &[&named(&credits.references)]);
-        line(&mut text, "written by: ", &[&credits.generator]);
+        line(&mut text, "references: ", &[&named(&credits.references)]);
+        line(&mut text, "generator: ", &[&credits.generator]);
     }
     text
 }
 
-/// What the draft extensions say, expressions, and what is kept.
+/// Draft extensions, expressions, and data that is kept.
 pub(super) fn body(found: &Human) -> String {
     let mut text = String::new();
     if let Some(khr) = &found.khr_character {
@@ -75,7 +75,7 @@ pub(super) fn body(found: &Human) -> String {
         }
     }
     if !found.kept.is_empty() {
-        text.push_str("\nkept, not simulated\n");
+        text.push_str("\nkept in the file, not simulated\n");
         for kept in &found.kept {
             text.push_str(&format!("  {}: {}\n", kept.what, kept.count));
         }
@@ -89,8 +89,8 @@ fn expressions_table(found: &Human) -> Table {
         "morph targets",
         "joints",
         "binary",
-        "weakens",
-        "kept",
+        "overrides",
+        "also kept",
     ];
     let mut table = Table::new(&headings);
     for e in found.expressions.iter().take(MAX_ROWS) {
@@ -115,7 +115,7 @@ fn expressions_table(found: &Human) -> Table {
     table
 }
 
-/// A line of what is not empty, nothing if all is.
+/// A line of the parts that are not empty; nothing if all are.
 fn line(text: &mut String, start: &str, parts: &[&str]) {
     let parts: Vec<String> = parts
         .iter()

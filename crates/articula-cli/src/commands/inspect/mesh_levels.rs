@@ -1,16 +1,16 @@
-//! The mesh levels that a file brings, for people.
+//! The mesh levels of a file as a text table.
 
 use crate::table::{Table, millimetres};
 use articula::inspect::Levels;
 
-/// The same for people.
+/// The table of levels.
 pub(super) fn table(found: &Levels) -> Table {
     let mut table = Table::new(&[
         "level",
         "triangles",
         "vertices",
-        "off at rest",
-        "in motion",
+        "error at rest",
+        "error in motion",
         "ranges",
     ]);
     for level in &found.levels {

@@ -1,4 +1,4 @@
-//! `articula inspect FILE`: what is in a file, and what is odd about it.
+//! `articula inspect FILE`: prints the contents of a file and warns about irregularities.
 
 mod data;
 mod human;
@@ -22,12 +22,12 @@ pub(crate) struct InspectArgs {
     /// List every joint with its H-Anim name, level and region; of a FAP file every parameter
     #[arg(long)]
     map: bool,
-    /// Say more of this clip only
+    /// Name of the only clip to report
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
 }
 
-/// Reads the file and prints what was found.
+/// Reads the file and prints its contents.
 pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
     if let Some(format) = files::data_format(&args.character.file) {
         if args.clip.is_some() {

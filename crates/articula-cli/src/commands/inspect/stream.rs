@@ -1,4 +1,4 @@
-//! Streams of mesh levels: every chunk that is there is checked and decoded.
+//! Streams of mesh levels: every chunk is checked and decoded.
 
 use super::text::head_line;
 use crate::arguments::CharacterArgs;
@@ -9,19 +9,19 @@ use articula::inspect::{StreamInspection, inspect_stream};
 use articula_stream::StreamLimits;
 use std::path::Path;
 
-/// The extension of such files.
+/// Extension of mesh streams.
 const EXTENSION: &str = "ams";
 
-/// Whether a file is called as streams are.
+/// Whether a file has the extension of mesh streams.
 pub(super) fn is_one(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str());
     extension.is_some_and(|e| e.eq_ignore_ascii_case(EXTENSION))
 }
 
-/// Reads the file and prints what was found.
+/// Reads the file and prints its contents.
 pub(super) fn run(args: &CharacterArgs, console: &Console) -> anyhow::Result<()> {
     if args.leaves_out() {
-        let what = "--hide and --only choose meshes of a character; a mesh stream has parts";
+        let what = "--hide and --only choose meshes of a character; a mesh stream has none";
         return Err(fault::usage(what));
     }
     let limits = StreamLimits::default();
@@ -33,15 +33,15 @@ pub(super) fn run(args: &CharacterArgs, console: &Console) -> anyhow::Result<()>
 fn text(found: &StreamInspection) -> String {
     let mut text = head_line(&found.file, found.format, found.bytes, "");
     text.push_str(&format!(
-        "{} parts, a head of {} bytes\n",
+        "{} parts, header of {} bytes\n",
         found.objects, found.bytes_head
     ));
     let mut table = Table::new(&[
         "level",
         "triangles",
         "vertices",
-        "off at rest",
-        "in motion",
+        "error at rest",
+        "error in motion",
         "bytes added",
         "",
     ]);
@@ -54,7 +54,7 @@ fn text(found: &StreamInspection) -> String {
             rest,
             motion,
             level.bytes_added.to_string(),
-            (if level.complete { "" } else { "not whole" }).to_owned(),
+            (if level.complete { "" } else { "incomplete" }).to_owned(),
         ]);
     }
     text.push_str(&table.text());

@@ -1,15 +1,15 @@
-//! The findings as tables for people.
+//! The result of `inspect` as text tables.
 
 use super::{human, mesh_levels};
 use crate::fault::clean;
 use crate::table::Table;
 use articula::inspect::{ClipInspection, Extent, Inspection, SkeletonInspection, Warning};
 
-/// Most rows of a table of clips or meshes, and most names in a list.
+/// Maximum number of rows of a table of clips or meshes, and of names in a list.
 const MAX_ROWS: usize = 100;
 const MAX_NAMES: usize = 24;
 
-/// All tables; with `map` every joint is listed.
+/// Formats all tables; with `map` every joint is listed.
 pub(super) fn of(found: &Inspection, map: bool) -> String {
     let mut text = head(found);
     for skeleton in &found.skeletons {
@@ -31,7 +31,7 @@ pub(super) fn of(found: &Inspection, map: bool) -> String {
         if !levels.regions.is_empty() {
             let names: Vec<String> = levels.regions.iter().map(|r| clean(r)).collect();
             text.push_str(&format!(
-                "  {} may be at levels of their own from level 0 to {}\n",
+                "  separate levels possible for {} from level 0 to {}\n",
                 names.join(", "),
                 levels.mixable_to
             ));
@@ -45,7 +45,7 @@ pub(super) fn of(found: &Inspection, map: bool) -> String {
     text
 }
 
-/// What is odd, one line each.
+/// The warnings, one line each.
 pub(super) fn warnings_text(warnings: &[Warning]) -> String {
     if warnings.is_empty() {
         return String::new();
@@ -57,7 +57,7 @@ pub(super) fn warnings_text(warnings: &[Warning]) -> String {
     text
 }
 
-/// The first line: which file, what and how much it is, how it calls itself.
+/// The first line: file, format, size and title.
 pub(super) fn head_line(file: &str, format: &str, bytes: usize, name: &str) -> String {
     let mut text = format!("{}: {format}, {}", clean(file), size(bytes));
     if !name.is_empty() {
@@ -96,9 +96,9 @@ fn head(found: &Inspection) -> String {
 
 fn skeleton_text(skeleton: &SkeletonInspection) -> String {
     let profile = if skeleton.profile.is_empty() {
-        "no profile fits".to_owned()
+        "no joint map matches".to_owned()
     } else {
-        format!("profile {}", clean(&skeleton.profile))
+        format!("joint map {}", clean(&skeleton.profile))
     };
     let mut text = format!(
         "\nskeleton \"{}\": {} joints, {} mapped to H-Anim ({profile})\n",
@@ -119,14 +119,14 @@ fn skeleton_text(skeleton: &SkeletonInspection) -> String {
     text.push_str(&format!("  regions: {}\n", regions.join(", ")));
     if skeleton.mapped > 0 && !skeleton.missing.is_empty() {
         text.push_str(&format!(
-            "  the standard has, this rig lacks: {}\n",
+            "  joints of the standard missing in this rig: {}\n",
             list(skeleton.missing.iter().copied())
         ));
     }
     if !skeleton.unmapped.is_empty() {
         let names = skeleton.unmapped.iter().map(|u| u.joint.as_str());
         text.push_str(&format!(
-            "  {} without a twin in the standard: {}\n",
+            "  {} without a counterpart in the standard: {}\n",
             skeleton.unmapped.len(),
             list(names)
         ));
@@ -138,7 +138,15 @@ fn clips(found: &Inspection) -> Table {
     let stored = |c: &ClipInspection| c.motion_tables.filter(|t| t.any());
     let any = found.clips.iter().any(|c| stored(c).is_some());
     let headings = [
-        "name", "length", "fps", "frames", "moving", "keyed", "morphs", "keys", "height",
+        "name",
+        "length",
+        "fps",
+        "frames",
+        "joints moving",
+        "joints keyed",
+        "morphs moving",
+        "keys",
+        "height",
     ];
     let tables = any.then_some("segs / posekeys");
     let face = found.clips.iter().any(|c| c.expressions_keyed > 0);
@@ -173,8 +181,8 @@ fn clips(found: &Inspection) -> Table {
 
 fn meshes(found: &Inspection) -> Table {
     let any = found.meshes.iter().any(|m| !m.levels.is_empty());
-    let headings = ["name", "vertices", "triangles", "influences", "morphs"];
-    let levels = any.then_some("coarser levels: triangles (least share of the screen)");
+    let headings = ["name", "vertices", "triangles", "influences", "morph targets"];
+    let levels = any.then_some("coarser levels: triangles (minimum screen coverage)");
     let headings: Vec<&str> = headings.into_iter().chain(levels).collect();
     let mut table = Table::new(&headings);
     for mesh in found.meshes.iter().take(MAX_ROWS) {
@@ -197,7 +205,7 @@ fn meshes(found: &Inspection) -> Table {
     table
 }
 
-/// Triangles, and the share of the screen that they are made for.
+/// Triangles, and the minimum screen coverage that they are made for.
 fn shared(triangles: usize, screen_coverage: Option<f32>) -> String {
     match screen_coverage {
         Some(share) => format!("{triangles} ({share})"),
@@ -239,7 +247,7 @@ fn section(text: &mut String, what: &str, table: Table, count: usize) {
     }
 }
 
-/// A count with its noun, given in the plural.
+/// A count with its noun, which is given in the plural.
 fn counted(count: usize, what: &str) -> String {
     let one = match what {
         "meshes" => "mesh",
@@ -257,7 +265,7 @@ fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
         }
     };
     let mut names: Vec<String> = names.map(named).collect();
-    // Rigs without any joint names would only repeat themselves.
+    // In rigs without joint names the list would only repeat itself.
     names.dedup();
     let count = names.len();
     if count > MAX_NAMES {

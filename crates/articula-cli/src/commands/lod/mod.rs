@@ -1,4 +1,4 @@
-//! `articula lod FILE`: play a clip under motion level of detail; what it saves, what it costs.
+//! `articula lod FILE`: plays a clip under motion level of detail; reports updates saved and error.
 
 mod moving_camera;
 mod report;
@@ -21,10 +21,10 @@ use clap::Args;
 use report::LodReport;
 use std::path::{Path, PathBuf};
 
-/// The distances of the spec's tables, metres.
+/// Default distances of the tables, metres (docs/methods/motion-lod.md).
 pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
 
-/// Frames of a clip that is played under a method: the truth of all of them is kept.
+/// Maximum number of frames of a clip: the true poses of all frames are kept in memory.
 const MAX_FRAMES: usize = 100_000;
 
 /// Arguments of `lod`.
@@ -32,39 +32,41 @@ const MAX_FRAMES: usize = 100_000;
 pub(crate) struct LodArgs {
     #[command(flatten)]
     character: CharacterArgs,
-    /// Which clip to play [default: the first]
+    /// Name of the clip to play [default: the first]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
     #[command(flatten)]
     method: MethodArgs,
-    /// Distances of the camera to the root, metres, separated by commas
+    /// Distances from the camera to the root in metres, separated by commas
     #[arg(long, value_name = "M,…", value_delimiter = ',', value_parser = distance,
           conflicts_with = "camera_path", default_values_t = DISTANCES_M)]
     distances: Vec<f32>,
-    /// Find the method's parameter with the greatest gain at so many pixels of p95 error
+    /// Search the parameter that saves the most updates with a p95 error of at most this many
+    /// pixels
     #[arg(long, value_name = "PX", value_parser = positive, conflicts_with = "parameter")]
     calibrate: Option<f32>,
-    /// The method's own parameter: metres (skin-px, ahn), threshold (thesis), every n-th frame
-    /// (skip), index of the level (loa), pixels (along a camera path)
+    /// Parameter of the method: metres (skin-px, ahn), threshold (thesis), every n-th frame
+    /// (skip-hold, skip-lerp), index of the level (loa), pixels (with --camera-path)
     #[arg(long, value_name = "P", value_parser = not_negative)]
     parameter: Option<f32>,
     /// Play before a moving camera: a JSON list of key frames with t, eye and target
     #[arg(long, value_name = "F.json")]
     camera_path: Option<PathBuf>,
-    /// Frames a second of the display (with --camera-path)
+    /// Refresh rate of the display in hertz (with --camera-path)
     #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive,
           requires = "camera_path")]
     display_hz: f32,
-    /// Write plots: FILE.svg gets gain and error, a folder (lod-plots without a name) all of them
+    /// Write plots: FILE.svg receives updates saved and error, a folder all plots
+    /// [default without a value: lod-plots]
     #[arg(long, value_name = "FILE.svg|DIR", num_args = 0..=1, default_missing_value = "lod-plots")]
     plot: Option<PathBuf>,
-    /// Write a page of pictures (lod-sheet.png without a name): each distance, some frames, joints
-    /// marked
+    /// Write a contact sheet of frames at each distance, with held joints marked
+    /// [default without a value: lod-sheet.png]
     #[arg(long, value_name = "FILE.png", num_args = 0..=1, default_missing_value = "lod-sheet.png")]
     contact_sheet: Option<PathBuf>,
     #[command(flatten)]
     view: ViewArgs,
-    /// Seed of the choice of watched vertices
+    /// Seed for choosing the measured vertices
     #[arg(long, default_value_t = 1)]
     seed: u64,
 }
@@ -82,7 +84,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
         figure.asset.clips[clip].frames(),
     );
     if frames > MAX_FRAMES {
-        let what = format!("{frames} frames, the limit is {MAX_FRAMES}; trim the clip");
+        let what = format!("{frames} frames, at most {MAX_FRAMES} are allowed; trim the clip");
         anyhow::bail!("{}: clip \"{name}\": {what}", figure.opened.name.clone());
     }
     let scene = EvaluatedClip {
@@ -116,7 +118,7 @@ impl LodArgs {
     fn check(&self) -> anyhow::Result<()> {
         use crate::play::methods::MethodName;
         if self.parameter.is_some() && self.method.method() == MethodName::All {
-            let what = "--parameter belongs to one method; compare methods with --calibrate PX";
+            let what = "--parameter applies to one method; compare methods with --calibrate PX";
             return Err(fault::usage(what));
         }
         self.method.check()?;
@@ -145,7 +147,7 @@ impl LodArgs {
         Ok(())
     }
 
-    /// A number that counts frames or levels is whole and within their range.
+    /// A parameter that counts frames or levels must be a whole number in range.
     fn check_parameter(&self, methods: &[NamedMethod]) -> anyhow::Result<()> {
         let (Some(parameter), [chosen]) = (self.parameter, methods) else {
             return Ok(());
@@ -166,8 +168,8 @@ impl LodArgs {
         )))
     }
 
-    /// What the file brings along, checked; not where meshes are left out, since the tables are
-    /// those of the whole skin.
+    /// The motion tables stored in the file, checked; none where meshes are left out, since the
+    /// tables apply to the whole skin.
     fn stored_tables(&self, figure: &Figure) -> anyhow::Result<Vec<StoredTables>> {
         if self.character.leaves_out() {
             return Ok(Vec::new());
@@ -192,7 +194,7 @@ impl LodArgs {
     }
 }
 
-/// A distance at which something can still be seen, metres.
+/// Parses a distance in metres, from 0.01 to 100000.
 fn distance(text: &str) -> Result<f32, String> {
     let number = positive(text).ok();
     let number = number.filter(|d| (0.01..=100_000.0).contains(d));
@@ -214,7 +216,7 @@ fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result
     console.result(&report, LodReport::text)
 }
 
-/// By distance for one method; by method at the middle distance for several.
+/// One line per distance for one method; one line per method at the middle distance for several.
 fn draw_sheet(
     scene: &EvaluatedClip<'_>,
     tables: &[MethodTable],
@@ -234,7 +236,7 @@ fn draw_sheet(
     motion_sheet(&scene.stage(), &mut artist, &lines, 4, title, notes).context("the contact sheet")
 }
 
-/// A file gets gain and error over distance; a folder everything, costs too.
+/// A file receives updates saved and error over distance; a folder all plots, costs included.
 fn write_plots(
     scene: &EvaluatedClip<'_>,
     tables: &[MethodTable],

@@ -1,4 +1,4 @@
-//! `lod --camera-path`: the controller of a frame before a moving camera.
+//! `lod --camera-path`: the drift controller before a moving camera.
 
 use super::report::LodReport;
 use super::{LodArgs, write_png};
@@ -41,7 +41,7 @@ pub(super) fn run(
         report.written.extend(write(&plots, target)?);
     }
     if let Some(target) = &args.contact_sheet {
-        let notes = vec!["From where the camera stood; the opening follows the figure. Error: p95 over the skin.".into()];
+        let notes = vec!["Seen from the camera's position, zoomed to the figure. Error: p95 over the skin.".into()];
         let mut artist = drawn::artist(scene.figure, drawn::LARGE);
         let heading = report.heading();
         let picture = camera_path_sheet(&stage, &mut artist, &played.run, &heading, notes);

@@ -1,4 +1,4 @@
-//! The report of `lod`: its fields are a promise to scripts (`docs/commands.md`).
+//! The report of `lod`; its field names are stable (`docs/commands.md`).
 
 use super::LodArgs;
 use crate::fault::clean;
@@ -10,7 +10,7 @@ use articula::evaluate::{Costs, EvaluatedClip, MethodRow, MethodTable, PathSumma
 use clap::ValueEnum;
 use serde::Serialize;
 
-/// One clip played under one method or all.
+/// Report of one clip under one method or all methods.
 #[derive(Debug, Serialize)]
 pub(super) struct LodReport {
     pub(super) file: String,
@@ -21,7 +21,7 @@ pub(super) struct LodReport {
     pub(super) rate_hz: f32,
     /// Joints of the skin.
     pub(super) joints: usize,
-    /// Joints that the clip turns, the root left out.
+    /// Joints that the clip rotates, without the root.
     pub(super) joints_moving: usize,
     pub(super) viewport_px: [f32; 2],
     pub(super) fov_deg: f32,
@@ -29,21 +29,21 @@ pub(super) struct LodReport {
     pub(super) vertices_watched: usize,
     pub(super) seed: u64,
     pub(super) rows: Vec<MethodRow>,
-    /// What belongs to a moving camera alone.
+    /// Fields of a moving camera only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) camera_path: Option<PathSummary>,
     /// Costs by zone, depth and complexity, where they are plotted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) costs: Option<Costs>,
-    /// Bytes of the tables that the clip has in the file, checked; null where meshes are left out.
+    /// Bytes of the checked motion tables of the clip in the file; null where meshes are left out.
     pub(super) motion_tables: Option<StoredTables>,
-    /// Files that were written.
+    /// Files written.
     pub(super) written: Vec<String>,
     pub(super) warnings: Vec<String>,
 }
 
 impl LodReport {
-    /// What was played and how it went.
+    /// Makes the report of a clip.
     pub(super) fn new(scene: &EvaluatedClip<'_>, args: &LodArgs, tables: &[MethodTable]) -> Self {
         let asset = &scene.figure.asset;
         let clip = &asset.clips[scene.clip].at_key_rate();
@@ -59,21 +59,21 @@ impl LodReport {
             ..Self::at_rest(scene.figure, args)
         };
         if moving.is_empty() {
-            let what = "no joint turns in this clip: there is nothing to save";
+            let what = "no joint rotates in this clip, so there are no updates to save";
             report.warnings.push(what.into());
         }
         if asset.mesh.is_empty() {
-            let what = "no mesh: the error is that of the joints";
+            let what = "no mesh: errors are measured at the joints";
             report.warnings.push(what.into());
         }
         if report.rows.iter().any(|r| r.meets_target == Some(false)) {
-            let what = "some rows miss the target: the method has no parameter that meets it";
+            let what = "some rows miss the target: no parameter of the method meets it";
             report.warnings.push(what.into());
         }
         report
     }
 
-    /// The report on a character without a clip.
+    /// The report of a character without a clip.
     pub(super) fn at_rest(figure: &Figure, args: &LodArgs) -> Self {
         let asset = &figure.asset;
         let setup = args.setup();
@@ -111,22 +111,22 @@ impl LodReport {
         clean(&format!("{name}, {clip}, {}", self.method))
     }
 
-    /// What a page of pictures says below its heading.
+    /// Notes below the heading of a contact sheet.
     pub(super) fn notes(&self) -> Vec<String> {
         let tuned = match self.calibrate_px {
             Some(px) => format!("calibrated to {px} px of p95 error"),
-            None => "at the method's own parameter".into(),
+            None => "at the given parameter".into(),
         };
         vec![
             format!(
                 "{} frames at {} Hz, {} joints, {} of them moving; {tuned}.",
                 self.frames, hundredths(self.rate_hz), self.joints, self.joints_moving
             ),
-            "Left: the clip as it is. Right: what is shown; in the corner its true size on the screen.".into(),
+            "Left: reference. Right: reduced; in the corner at its true size on the screen.".into(),
         ]
     }
 
-    /// The report as tables for people.
+    /// Formats the report for people.
     pub(super) fn text(&self) -> String {
         let mut text = format!("{}\n", self.heading());
         if self.clip.is_some() {
@@ -143,7 +143,7 @@ impl LodReport {
         }
         if let Some(tables) = self.motion_tables.filter(|t| t.any()) {
             text.push_str(&format!(
-                "motion tables in the file fit: segs {} bytes, posekeys {} bytes\n",
+                "motion tables in the file match: segs {} bytes, posekeys {} bytes\n",
                 tables.segs, tables.posekeys
             ));
         }
@@ -154,7 +154,7 @@ impl LodReport {
         }
         if let Some(path) = &self.camera_path {
             text.push_str(&format!(
-                "moving camera: {} frames at {} Hz, {:.1} to {:.1} m; greatest error of a joint {:.2} px, its bound {:.2} px\n",
+                "moving camera: {} frames at {} Hz, {:.1} to {:.1} m; maximum joint error {:.2} px, bound {:.2} px\n",
                 path.frames,
                 path.display_hz,
                 path.distance_m_min,
@@ -176,14 +176,14 @@ impl LodReport {
         let mut table = Table::new(&[
             "method",
             "distance",
-            "gain",
-            "frames free",
+            "updates saved",
+            "frames without update",
             "parameter",
             "p50 px",
             "p95 px",
             "max px",
-            "sampled",
-            "FK",
+            "joints sampled",
+            "FK joints",
         ]);
         for row in &self.rows {
             let variant = row.variant.map_or(String::new(), |v| format!(" {v}"));
@@ -213,12 +213,12 @@ impl LodReport {
     }
 }
 
-/// A value rounded to what people read.
+/// A value rounded to two decimals.
 fn hundredths(value: f32) -> f32 {
     (value * 100.0).round() / 100.0
 }
 
-/// Four significant digits.
+/// A value with four significant digits.
 fn significant(value: f32) -> String {
     if value == 0.0 || value.fract() == 0.0 {
         return format!("{value}");

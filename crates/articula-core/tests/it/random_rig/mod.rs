@@ -8,12 +8,12 @@ use articula_core::{
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 
-/// What a figure may have.
+/// Optional features of the random figures.
 #[derive(Clone, Copy)]
 pub(crate) struct Options {
-    /// Scales at rest and in clips.
+    /// Scales in the rest pose and in clips.
     pub(crate) scaled: bool,
-    /// Tracks that hold their values.
+    /// Tracks that step instead of being interpolated.
     pub(crate) steps: bool,
 }
 
@@ -120,7 +120,7 @@ fn rig(joints: &[(prop::sample::Index, Quat, Vec3, Vec3)]) -> Rig {
                 rest: Transform {
                     translation: *translation,
                     rotation: *rotation,
-                    // One scaled joint in a row is enough to shear what hangs below.
+                    // One scaled joint in four is enough to shear its descendants.
                     scale: if j % 4 == 1 { *scale } else { Vec3::ONE },
                 },
                 in_skin: true,
@@ -139,7 +139,7 @@ fn rig(joints: &[(prop::sample::Index, Quat, Vec3, Vec3)]) -> Rig {
     Rig::new(&skeleton, articulation).unwrap()
 }
 
-/// Prefixes of the rig's own order, falling.
+/// Prefixes of the rig's joint order, in descending size.
 fn nested(joints: usize, cuts: &[prop::sample::Index]) -> Vec<JointSet> {
     let mut sizes: Vec<usize> = cuts.iter().map(|c| c.index(joints) + 1).collect();
     sizes.sort_unstable_by(|a, b| b.cmp(a));

@@ -1,35 +1,34 @@
-//! The ways of ordering a clip beside each other, for experiments.
+//! Comparison of ordering methods on one clip, for experiments.
 
 use super::painted::Painted;
 use super::painting::{OrderOptions, Painting};
 use crate::planar::clip::PlanarClip;
 use crate::planar::error::PlanarError;
 
-/// What each way of ordering a clip's triangles shows wrong, per cent of the object's pixels, mean
-/// over the frames.
+/// Wrong pixels of each ordering method, percent of the character's pixels, mean over the frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrderComparison {
-    /// One depth sort, at the first frame.
+    /// One depth sort, in the first frame.
     pub one_depth_sort: f64,
-    /// One order from constraints.
+    /// One constraint order for the whole clip.
     pub single: f64,
-    /// Orders as many as pay.
+    /// Constraint orders in epochs.
     pub epochs: f64,
-    /// How many these are.
+    /// Number of epochs.
     pub epoch_count: usize,
-    /// How often a triangle is written for them, on the mean.
+    /// Mean number of copies of a triangle in all epochs.
     pub copies: f64,
-    /// An order from constraints for each frame.
+    /// A constraint order for each frame.
     pub per_frame: f64,
 }
 
 impl OrderComparison {
-    /// Orders a clip in all these ways, with the usual options and nothing cut.
+    /// Orders a clip by all methods, with default options and without cutting.
     ///
     /// O(frames x samples covered), a few times.
     ///
     /// # Errors
-    /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
+    /// Errors of the clip, or [`PlanarError::NothingSeen`].
     pub fn of(clip: &PlanarClip) -> Result<Self, PlanarError> {
         let painted = Painted::of(clip, &OrderOptions::default())?;
         let drawn = &painted.drawn;

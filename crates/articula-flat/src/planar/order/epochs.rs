@@ -1,7 +1,7 @@
-//! Spans of frames that share one order.
+//! Epochs: spans of frames that share one order.
 //!
-//! Source: `docs/methods/vector.md` 4. Differs: each epoch's order grows out of the one before it by
-//! sifting, so that few triangles change their place and need a copy.
+//! Source: `docs/methods/vector.md` 4. Each epoch's order is sifted from the one before it, so that
+//! few triangles change their position and need a copy.
 
 use super::graph::first_order;
 use super::overlap::Overlaps;
@@ -13,11 +13,11 @@ use crate::planar::error::PlanarError;
 use std::ops::Range;
 
 impl Painting {
-    /// The order that constraints ask for: one for the whole clip if that is good enough, else
+    /// Orders a clip by constraints: one order for the whole clip if that is good enough, otherwise
     /// epochs.
     ///
     /// # Errors
-    /// What is wrong with the clip, or [`PlanarError::Mismatch`] if `drawn` is of another one.
+    /// Errors of the clip, or [`PlanarError::Mismatch`] if `drawn` belongs to another one.
     #[cfg(test)]
     pub(crate) fn constraints(
         clip: &PlanarClip,
@@ -29,20 +29,20 @@ impl Painting {
         Ok(epochs(clip, (drawn, &overlaps), one, options))
     }
 
-    /// One order for the whole clip, whatever it costs.
+    /// Orders a clip by constraints, with one order for the whole clip.
     ///
     /// # Errors
-    /// What is wrong with the clip, or [`PlanarError::Mismatch`] if `drawn` is of another one.
+    /// Errors of the clip, or [`PlanarError::Mismatch`] if `drawn` belongs to another one.
     pub(crate) fn single(clip: &PlanarClip, drawn: &Drawn) -> Result<Self, PlanarError> {
         let overlaps = Overlaps::of(clip, drawn)?;
         Ok(single(clip, drawn, &overlaps))
     }
 
-    /// An order for each frame: the least that any painting leaves wrong, as far as this search
-    /// finds it.
+    /// Orders each frame separately: the fewest wrong samples of any painting, as far as this
+    /// search finds it.
     ///
     /// # Errors
-    /// What is wrong with the clip, or [`PlanarError::Mismatch`] if `drawn` is of another one.
+    /// Errors of the clip, or [`PlanarError::Mismatch`] if `drawn` belongs to another one.
     pub(crate) fn per_frame(clip: &PlanarClip, drawn: &Drawn) -> Result<Self, PlanarError> {
         let overlaps = Overlaps::of(clip, drawn)?;
         Ok(per_frame(clip, drawn, &overlaps))
@@ -58,7 +58,7 @@ pub(super) fn single(clip: &PlanarClip, drawn: &Drawn, overlaps: &Overlaps) -> P
     }
 }
 
-/// One order again after less is drawn: the old one without what is gone, improved.
+/// One order after fewer triangles are drawn: the previous one without those, sifted.
 pub(super) fn again(painting: &Painting, drawn: &Drawn, overlaps: &Overlaps) -> Painting {
     let again = |epoch: &Epoch| {
         let frames = epoch.frames.clone();
@@ -85,7 +85,7 @@ pub(super) fn per_frame(clip: &PlanarClip, drawn: &Drawn, overlaps: &Overlaps) -
     }
 }
 
-/// The order of a span of frames, out of nothing else.
+/// Order of a span of frames, computed without a previous order.
 fn fresh_order(
     clip: &PlanarClip,
     drawn: &Drawn,
@@ -106,7 +106,7 @@ fn fresh_order(
     order
 }
 
-/// One order, given, if it is good enough, else as few epochs as a greedy search finds.
+/// The given order if it is good enough, otherwise as few epochs as a greedy search finds.
 pub(super) fn epochs(
     clip: &PlanarClip,
     (drawn, overlaps): (&Drawn, &Overlaps),
@@ -152,11 +152,11 @@ pub(super) fn epochs(
     painting
 }
 
-/// Orders here name every triangle that is ever drawn.
+/// Greedy search for epochs; its orders contain every triangle that is drawn in some frame.
 struct Search<'a> {
     drawn: &'a Drawn,
     overlaps: &'a Overlaps,
-    /// Wrong samples that each frame may have.
+    /// Maximum number of wrong samples in each frame.
     allowed: Vec<f64>,
 }
 
@@ -166,8 +166,8 @@ impl Search<'_> {
         self.overlaps.wrong_within(frames, order) as f64 <= allowed
     }
 
-    /// An order for a span that changes the one before as little as sifting does, and whether
-    /// it holds.
+    /// Order of a span, sifted from the one before only if that does not hold, and whether it
+    /// holds.
     fn order(&self, frames: &Range<usize>, before: &[u32]) -> (Vec<u32>, bool) {
         let mut order = before.to_vec();
         if self.holds(frames, &order) {
@@ -179,8 +179,8 @@ impl Search<'_> {
         (order, holds)
     }
 
-    /// The end of the longest span found from a frame on whose order holds, and the order; one
-    /// frame at least.
+    /// End of the longest span found from a frame whose order holds, and the order; at least one
+    /// frame.
     fn longest(&self, from: usize, before: &[u32]) -> (usize, Vec<u32>) {
         let last = self.drawn.frames();
         let (mut good, mut order) = (from + 1, self.order(&(from..from + 1), before).0);

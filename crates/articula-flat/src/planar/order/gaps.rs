@@ -1,8 +1,8 @@
 //! Short gaps that are better left empty.
 //!
-//! Source: none. [`Drawn::of`] paints hidden triangles in short gaps, which is free as long as
-//! something lies over them. Where no order hides such a triangle, it is left out after all: a
-//! switch costs a few bytes, wrong pixels are seen.
+//! [`Drawn::of`] draws hidden triangles in short gaps, which is free as long as something covers
+//! them. Where no order hides such a triangle, it is not drawn: a switch costs a few bytes, wrong
+//! pixels are visible.
 
 use super::overlap::{Overlaps, Places};
 use super::painting::Painting;
@@ -10,11 +10,11 @@ use crate::planar::drawn::Drawn;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Samples over a whole gap that painting it may show wrong: a pixel.
+/// Samples over a whole gap that may be wrong: one pixel.
 const HARMLESS: u64 = 4;
 
-/// What is drawn, without the gaps of `filled` in which a triangle that is not `seen` would
-/// cover what is. `overlaps` are those of `filled`.
+/// Removes from `filled` the gaps in which a triangle that is not `seen` would cover a visible one.
+/// `overlaps` are those of `filled`.
 pub(super) fn without_harm(
     overlaps: &Overlaps,
     painting: &Painting,
@@ -29,7 +29,7 @@ pub(super) fn without_harm(
                 let members = overlaps.members(*set as usize);
                 let owner = places.get(members[0]);
                 let above = || members[1..].iter().filter(|t| places.get(**t) > owner);
-                // What is wrong anyhow is not the gaps' fault.
+                // Samples that are wrong in any case are not attributed to the gap.
                 if above().any(|t| seen.get(f, *t as usize)) {
                     continue;
                 }
@@ -51,7 +51,7 @@ pub(super) fn without_harm(
     drawn
 }
 
-/// Spans in which a triangle is drawn without being seen.
+/// Spans in which a triangle is drawn without being visible.
 fn gaps(seen: &Drawn, filled: &Drawn, triangle: usize) -> Vec<Range<usize>> {
     let mut gaps: Vec<Range<usize>> = Vec::new();
     let is_gap = |f: &usize| filled.get(*f, triangle) && !seen.get(*f, triangle);

@@ -1,16 +1,16 @@
-//! A first order: constraints as a weighted graph, its strongly connected components in turn,
-//! and inside a component whatever contradicts least.
+//! First order: the constraints as a weighted graph, its strongly connected components in
+//! topological order, and a greedy order inside each component.
 //!
 //! Source: `docs/methods/vector.md` 4, steps 1 to 3; components after Tarjan 1972, least incoming
-//! weight first after Eades, Lin and Smyth 1993. Differs: inside a component what nothing
-//! waits for any more goes to the end, instead of looking for components again.
+//! weight first after Eades, Lin and Smyth 1993. Inside a component, vertices without outgoing
+//! weight go to the end, without a new search for components.
 
 use super::overlap::Overlaps;
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
-/// Orders triangles for sets that count `weights` samples each. `far_first` names them all and
-/// settles what no constraint does.
+/// Orders triangles for sets that count `weights` samples each. `far_first` contains all of them
+/// and decides where constraints do not.
 pub(super) fn first_order(
     overlaps: &Overlaps,
     weights: &[(u32, u64)],
@@ -29,8 +29,8 @@ pub(super) fn first_order(
     order.into_iter().map(|v| far_first[v as usize]).collect()
 }
 
-/// An edge to what has to be painted later, with its samples. Vertices are places in the order
-/// from far to near.
+/// Constraint graph: an edge to each triangle that has to be painted later, weighted by samples.
+/// Vertices are positions in the far-to-near order.
 struct Graph {
     edges: Vec<Vec<(u32, u64)>>,
 }
@@ -63,7 +63,7 @@ impl Graph {
         Self { edges }
     }
 
-    /// Number of the strongly connected component of each vertex.
+    /// Index of the strongly connected component of each vertex.
     fn components(&self) -> Vec<u32> {
         let count = self.edges.len();
         let mut search = Search {
@@ -74,7 +74,7 @@ impl Graph {
             found: 0,
             next: 0,
         };
-        // Vertices whose edges are being followed, with the next edge of each.
+        // Vertices on the current path, with the next edge of each.
         let mut path: Vec<(u32, usize)> = Vec::new();
         for root in 0..count as u32 {
             if search.index[root as usize] != NONE {
@@ -104,8 +104,8 @@ impl Graph {
         search.component
     }
 
-    /// The components, each before all that has to be painted later; among those that may come
-    /// next, the one with the farthest vertex first.
+    /// Components in topological order; among those that may come next, the one with the farthest
+    /// vertex first.
     fn in_turn(&self, component: &[u32]) -> Vec<Vec<u32>> {
         let count = component.iter().max().map_or(0, |c| *c as usize + 1);
         let mut members = vec![Vec::new(); count];
@@ -138,8 +138,9 @@ impl Graph {
             .collect()
     }
 
-    /// Orders one component: what waits for nothing next, what nothing waits for last, else
-    /// next whatever should lie above the fewest samples of those that still wait.
+    /// Orders one component: a vertex without incoming weight comes next, one without outgoing
+    /// weight goes to the end, otherwise the one with the least incoming weight from the remaining
+    /// vertices comes next.
     fn least_incoming(&self, members: &[u32], component: &[u32]) -> Vec<u32> {
         let local = |v: &u32| members.binary_search(v).ok();
         let inside = component[members[0] as usize];
@@ -192,7 +193,7 @@ impl Graph {
 
 const NONE: u32 = u32::MAX;
 
-/// State of the search for components.
+/// State of Tarjan's search for components.
 struct Search {
     index: Vec<u32>,
     low: Vec<u32>,
@@ -215,7 +216,7 @@ impl Search {
         *low = (*low).min(to);
     }
 
-    /// Closes a component if `vertex` is the first of it.
+    /// Closes a component if `vertex` is its root.
     fn leave(&mut self, vertex: u32) {
         if self.low[vertex as usize] != self.index[vertex as usize] {
             return;

@@ -1,9 +1,9 @@
-//! One list of painted copies that shows the order of every epoch.
+//! One list of painted copies that contains the order of every epoch.
 //!
-//! Source: `docs/methods/vector.md` 4. Each epoch's order is merged into the list so far: what keeps
-//! its place relative to the others, in the longest way (longest increasing subsequence after
-//! Fredman 1975), stays one element; what moves gets another copy between its new neighbours.
-//! A copy of an earlier epoch is used again where it fits.
+//! Source: `docs/methods/vector.md` 4. Each epoch's order is merged into the list so far: the
+//! longest part that keeps its relative sequence (longest increasing subsequence after Fredman
+//! 1975) uses the existing elements; a triangle that moves gets another copy between its new
+//! neighbours. A copy of an earlier epoch is used again where it fits.
 
 use super::painting::Painting;
 use crate::planar::drawn::Drawn;
@@ -12,15 +12,15 @@ use std::ops::Range;
 /// A painted copy of a triangle.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Layer {
-    /// The triangle.
+    /// Index of the triangle.
     pub triangle: u32,
-    /// When it is drawn, rising and apart.
+    /// Spans of frames in which it is drawn, ascending and disjoint.
     pub frames: Vec<Range<usize>>,
 }
 
 impl Painting {
-    /// All copies, back to front. In each frame, those that are drawn are the triangles drawn
-    /// in it, in the order of its epoch; those that `drawn` lacks are left out.
+    /// Returns all copies, back to front. In each frame, those that are drawn are the triangles
+    /// drawn in it, in the order of its epoch; triangles that `drawn` lacks are left out.
     pub(crate) fn layers(&self, drawn: &Drawn) -> Vec<Layer> {
         let mut list: Vec<Copy> = Vec::new();
         for (e, epoch) in self.epochs.iter().enumerate() {
@@ -36,7 +36,7 @@ impl Painting {
         list.into_iter().map(layer).collect()
     }
 
-    /// Number of copies for each triangle that is drawn, on the mean; 1 if none needs a second.
+    /// Mean number of copies of the triangles that are drawn; 1 if none needs a second.
     pub(crate) fn mean_copies(&self, drawn: &Drawn) -> f64 {
         self.layers(drawn).len() as f64 / drawn.ever().len().max(1) as f64
     }
@@ -57,7 +57,7 @@ impl Painting {
     }
 }
 
-/// A copy of a triangle, and the epochs that use it, rising.
+/// A copy of a triangle, and the epochs that use it, ascending.
 struct Copy {
     triangle: u32,
     epochs: Vec<usize>,
@@ -75,7 +75,7 @@ fn merge(list: Vec<Copy>, order: &[u32], epoch: usize) -> Vec<Copy> {
     };
     for (i, mut copy) in list.into_iter().enumerate() {
         if let Some((_, at)) = kept.next_if(|(element, _)| *element == i) {
-            // New copies come right before the next one that stays.
+            // New copies are inserted directly before the next element that stays.
             merged.extend(order[place..at].iter().map(new));
             place = at + 1;
             copy.epochs.push(epoch);
@@ -86,8 +86,8 @@ fn merge(list: Vec<Copy>, order: &[u32], epoch: usize) -> Vec<Copy> {
     merged
 }
 
-/// The most elements of the list that stand in it as in the order: pairs of an element and its
-/// place in the order, both rising.
+/// Longest sequence of list elements in the same relative order as in `order`: pairs of an element
+/// and its position in `order`, both ascending.
 fn kept(list: &[Copy], order: &[u32]) -> Vec<(usize, usize)> {
     const NONE: usize = usize::MAX;
     let count = order.iter().max().map_or(0, |t| *t as usize + 1);
@@ -95,7 +95,8 @@ fn kept(list: &[Copy], order: &[u32]) -> Vec<(usize, usize)> {
     for (p, t) in order.iter().enumerate() {
         place[*t as usize] = p;
     }
-    // For each length the candidate whose place is least, and every candidate's predecessor.
+    // For each length the candidate with the smallest position, and the predecessor of every
+    // candidate.
     let mut ends: Vec<usize> = Vec::new();
     let mut candidates: Vec<(usize, usize, usize)> = Vec::new();
     for (i, copy) in list.iter().enumerate() {
@@ -146,10 +147,10 @@ mod tests {
     fn only_what_moves_is_there_twice() {
         assert_eq!(copies(&[&[0, 1, 2, 3], &[0, 1, 2, 3]]), [0, 1, 2, 3]);
         assert_eq!(copies(&[&[0, 1, 2, 3], &[3, 0, 1, 2]]), [3, 0, 1, 2, 3]);
-        // Back to the first order: the first copies serve again.
+        // Back to the first order: the first copies are used again.
         let there_and_back: &[&[u32]] = &[&[0, 1, 2, 3], &[3, 0, 1, 2], &[0, 1, 2, 3]];
         assert_eq!(copies(there_and_back), [3, 0, 1, 2, 3]);
-        // What was never there before goes before what it is painted before.
+        // A new triangle goes before those that are painted after it.
         assert_eq!(copies(&[&[0, 2], &[1, 2]]), [0, 1, 2]);
     }
 }

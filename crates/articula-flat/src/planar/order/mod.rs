@@ -1,22 +1,20 @@
-//! In which order triangles are painted, and which pixels that leaves wrong.
+//! Painting order of triangles, and the pixels that it leaves wrong.
 //!
-//! Source: `docs/methods/vector.md` 4. Vector players have no depth buffer: what is painted later lies
-//! on top. Wherever a triangle that is painted covers a sample that another one owns in the
-//! item buffer, it has to come first; where such constraints contradict each other, the order
-//! that leaves fewest samples wrong is sought.
+//! Source: `docs/methods/vector.md` 4. Vector players have no depth buffer: what is painted later
+//! covers what was painted before. Wherever a drawn triangle covers a sample that another one owns
+//! in the item buffer, it has to be painted first; where such constraints contradict each other,
+//! the order with the fewest wrong samples is searched. Triangles that are drawn while hidden
+//! (short gaps) are constrained too.
 //!
-//! - `overlap`: who covers whom, sample by sample, summed up
+//! - `overlap`: sets of triangles that cover each other at a sample, summed up
 //! - `graph`: a first order, by strongly connected components and least incoming weight
-//! - `sift`: moves single triangles to where they leave fewest samples wrong
+//! - `sift`: moves single triangles to where they leave the fewest wrong samples
 //! - `epochs`: spans of frames that share one order
-//! - `gaps`: hidden triangles that are better not painted
+//! - `gaps`: short gaps in which hidden triangles are not drawn
 //! - `painting`: the order itself
-//! - `painted`: all of this for a clip: what is drawn, in which order, what stays wrong
-//! - `layers`: one list with copies that shows every epoch's order
-//! - `comparison`: what the ways of ordering show wrong, beside each other
-//!
-//! Differs: constraints also bind what is painted but hidden (short gaps are drawn), and an
-//! order is improved by sifting after the greedy choice.
+//! - `painted`: visibility, order and overlaps of a clip
+//! - `layers`: one list with copies that contains every epoch's order
+//! - `comparison`: wrong pixels of each ordering method
 
 mod comparison;
 mod epochs;

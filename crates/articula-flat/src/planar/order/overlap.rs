@@ -1,8 +1,8 @@
-//! Who covers whom: the sets of triangles that lie over each other at a sample, counted.
+//! Overlap sets: the sets of triangles that cover each other at a sample, with counts.
 //!
-//! Source: `docs/methods/vector.md` 4, steps 1 and 4. Differs: whole sets are kept instead of pairs. A
-//! sample is right if the triangle that owns it is painted last of its set, so the count of
-//! wrong samples of any order is exact, without painting anything again.
+//! Source: `docs/methods/vector.md` 4, steps 1 and 4. Whole sets are kept instead of pairs. A
+//! sample is correct if the triangle that owns it is painted last of its set, so the number of
+//! wrong samples of any order is exact, without painting again.
 
 use super::painting::Painting;
 use crate::item_buffer::{Faces, ItemBuffer, Supersampling};
@@ -12,50 +12,50 @@ use crate::planar::error::PlanarError;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// How finely pixels are looked at; the same as for [`Drawn`], so that every owner is painted.
+/// Samples per pixel; the same as for [`Drawn`], so that every owner is drawn.
 const SAMPLES: Supersampling = Supersampling::Two;
-/// Most different sets of a clip.
+/// Maximum number of distinct sets of a clip.
 const MAX_SETS: usize = 1 << 22;
 
-/// The sets of painted triangles that overlap in a clip, with their samples in each frame.
+/// Sets of drawn triangles that overlap in a clip, with their sample counts in each frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Overlaps {
-    /// Where each set's members begin, and the end.
+    /// Index of each set's first member, and the end.
     starts: Vec<usize>,
     /// Members of all sets, the owner of the sample first.
     members: Vec<u32>,
     frames: Vec<FrameOverlaps>,
 }
 
-/// One frame's samples.
+/// Sample counts of one frame.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 struct FrameOverlaps {
-    /// Sets and their samples.
+    /// Sets and their sample counts.
     counts: Vec<(u32, u32)>,
-    /// Samples that are wrong in every order: the owner is not painted, or nothing owns them
-    /// and something is painted.
+    /// Samples that are wrong in every order: the owner is not drawn, or nothing owns them and
+    /// something is drawn.
     lost: u32,
-    /// Samples that something owns.
+    /// Samples that some triangle owns.
     object: u32,
 }
 
-/// Where a painting is wrong.
+/// Wrong samples of a painting, frame by frame.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct WrongPixels {
-    /// For each frame the samples that show a triangle other than the nearest, and the samples
-    /// of the object. There are four samples in a pixel.
+    /// For each frame the samples that show a triangle other than the nearest, and the samples of
+    /// the character. There are four samples in a pixel.
     pub per_frame: Vec<(u32, u32)>,
 }
 
 impl WrongPixels {
-    /// Mean over the frames of the share of the object that is wrong, per cent.
+    /// Fraction of the character that is wrong, mean over the frames, percent.
     pub(crate) fn percent_mean(&self) -> f64 {
         let share = |(wrong, object): &(u32, u32)| f64::from(*wrong) / f64::from((*object).max(1));
         let sum: f64 = self.per_frame.iter().map(share).sum();
         100.0 * sum / self.per_frame.len().max(1) as f64
     }
 
-    /// Share of the object's samples of all frames together that is wrong.
+    /// Fraction of the character's samples that are wrong, over all frames together.
     pub(crate) fn share(&self) -> f64 {
         let sum = |of: fn(&(u32, u32)) -> u32| -> u64 {
             self.per_frame.iter().map(|f| u64::from(of(f))).sum()
@@ -64,10 +64,10 @@ impl WrongPixels {
     }
 }
 
-/// Samples that a painting shows wrong, frame by frame.
+/// Counts the samples that a painting shows wrong, frame by frame.
 ///
 /// # Errors
-/// What is wrong with the clip, or [`PlanarError::Mismatch`] if `drawn` is of another one.
+/// Errors of the clip, or [`PlanarError::Mismatch`] if `drawn` belongs to another one.
 pub(crate) fn wrong_pixels(
     clip: &PlanarClip,
     drawn: &Drawn,
@@ -77,12 +77,12 @@ pub(crate) fn wrong_pixels(
 }
 
 impl Overlaps {
-    /// Finds them by rasterising every frame.
+    /// Collects the sets by rasterising every frame.
     ///
     /// O(frames x samples covered).
     ///
     /// # Errors
-    /// What is wrong with the clip, [`PlanarError::Mismatch`] if `drawn` is of another one,
+    /// Errors of the clip, [`PlanarError::Mismatch`] if `drawn` belongs to another one,
     /// [`PlanarError::TooManyOverlaps`].
     pub(crate) fn of(clip: &PlanarClip, drawn: &Drawn) -> Result<Self, PlanarError> {
         clip.check()?;
@@ -97,17 +97,17 @@ impl Overlaps {
         Ok(sets.finish(frames))
     }
 
-    /// Number of different sets.
+    /// Number of distinct sets.
     pub(crate) fn sets(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// A set's triangles; the first owns the sample, the others have to be painted before it.
+    /// Triangles of a set; the first owns the sample, the others have to be painted before it.
     pub(crate) fn members(&self, set: usize) -> &[u32] {
         &self.members[self.starts[set]..self.starts[set + 1]]
     }
 
-    /// The sets of a frame with their samples.
+    /// Sets of a frame with their sample counts.
     pub(crate) fn counts(&self, frame: usize) -> &[(u32, u32)] {
         &self.frames[frame].counts
     }
@@ -117,13 +117,13 @@ impl Overlaps {
         self.frames.len()
     }
 
-    /// Samples of the object over some frames.
+    /// Samples of the character over some frames.
     pub(crate) fn object(&self, frames: &Range<usize>) -> u64 {
         let of = |f: &FrameOverlaps| u64::from(f.object);
         self.frames[frames.clone()].iter().map(of).sum()
     }
 
-    /// Samples of every set over some frames; sets without any are left out, the others rise.
+    /// Samples of every set over some frames, ascending by set; sets without samples are left out.
     pub(crate) fn sum(&self, frames: &Range<usize>) -> Vec<(u32, u64)> {
         let all = self.frames[frames.clone()].iter().flat_map(|f| &f.counts);
         let mut sum: Vec<(u32, u64)> = all.map(|(set, n)| (*set, u64::from(*n))).collect();
@@ -138,7 +138,7 @@ impl Overlaps {
         sum
     }
 
-    /// Samples that a painting shows wrong, frame by frame.
+    /// Counts the samples that a painting shows wrong, frame by frame.
     pub(crate) fn wrong(&self, painting: &Painting) -> WrongPixels {
         let mut per_frame = vec![(0, 0); self.frames.len()];
         for epoch in &painting.epochs {
@@ -154,8 +154,8 @@ impl Overlaps {
         WrongPixels { per_frame }
     }
 
-    /// Samples that an order shows wrong over some frames, those that every order does left
-    /// out.
+    /// Samples that an order shows wrong over some frames, excluding those that are wrong in every
+    /// order.
     pub(super) fn wrong_within(&self, frames: &Range<usize>, order: &[u32]) -> u64 {
         let places = Places::of(order);
         let all = self.frames[frames.clone()].iter().flat_map(|f| &f.counts);
@@ -170,7 +170,7 @@ impl Overlaps {
     }
 }
 
-/// Place of each triangle in an order.
+/// Position of each triangle in an order.
 pub(super) struct Places(Vec<u32>);
 
 impl Places {
@@ -183,20 +183,20 @@ impl Places {
         Self(places)
     }
 
-    /// 0 if it is not in the order.
+    /// Position of a triangle; 0 if it is not in the order.
     pub(super) fn get(&self, triangle: u32) -> u32 {
         self.0.get(triangle as usize).copied().unwrap_or(0)
     }
 }
 
-/// Sets while they grow: a tree whose path from a root (the owner) names the members.
+/// Sets during construction: a tree whose path from a root (the owner) lists the members.
 struct Sets {
     triangles: u32,
     /// Parent and last member of each set; a root is its own parent.
     nodes: Vec<(u32, u32)>,
     owner: Vec<u32>,
     known: HashMap<(u32, u32), u32>,
-    /// The child that the triangle at hand leads to, and for which walk that holds.
+    /// Child for the current triangle, and the walk for which it is valid.
     memo: Vec<(u32, u32)>,
     walks: u32,
     state: Vec<u32>,
@@ -205,7 +205,7 @@ struct Sets {
 
 impl Sets {
     fn new(triangles: usize) -> Self {
-        // Two more roots: samples that nothing owns, and those that are lost already.
+        // Two more roots: samples that nothing owns, and those that are already lost.
         let roots = triangles as u32 + 2;
         Self {
             triangles: triangles as u32,
@@ -293,7 +293,7 @@ impl Sets {
         }
     }
 
-    /// The set that a triangle makes of another one.
+    /// The set that results from adding a triangle to a set.
     fn with(&mut self, set: u32, triangle: u32) -> u32 {
         let owner = self.owner[set as usize];
         if owner == triangle {
@@ -318,7 +318,7 @@ impl Sets {
         child
     }
 
-    /// Numbers the sets that samples ended in, in turn.
+    /// Numbers the sets in which samples ended, consecutively.
     fn finish(self, mut frames: Vec<FrameOverlaps>) -> Overlaps {
         const NONE: u32 = u32::MAX;
         let mut number = vec![NONE; self.nodes.len()];
@@ -348,7 +348,7 @@ impl Sets {
 
 #[cfg(test)]
 impl Overlaps {
-    /// Frames of sets, owner first, with their samples.
+    /// Builds overlaps from frames of sets, owner first, with their sample counts.
     pub(super) fn by_hand(frames: &[&[(&[u32], u32)]]) -> Self {
         let (mut starts, mut members) = (vec![0], Vec::new());
         let mut add = |(set, n): &(&[u32], u32)| {

@@ -1,4 +1,4 @@
-//! What of a clip is drawn, in which order, and what stays wrong.
+//! Visibility, painting order and overlaps of a clip.
 
 use super::epochs;
 use super::gaps::without_harm;
@@ -8,25 +8,25 @@ use crate::planar::clip::PlanarClip;
 use crate::planar::drawn::Drawn;
 use crate::planar::error::PlanarError;
 
-/// A clip's triangles with when and in which order they are painted.
+/// Visibility, painting order and overlaps of a clip's triangles.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Painted {
-    /// What is drawn: what is seen, and short gaps where that does no harm.
+    /// Drawn triangles: visible ones, and hidden ones in short gaps where that does no harm.
     pub drawn: Drawn,
-    /// In which order.
+    /// Painting order.
     pub painting: Painting,
-    /// Who covers whom in what is drawn.
+    /// Overlap sets of the drawn triangles.
     pub overlaps: Overlaps,
 }
 
 impl Painted {
-    /// Finds out what is seen, orders it, and leaves out hidden triangles of short gaps that
-    /// would cover something seen; epochs where the options ask for them.
+    /// Finds the visible triangles, orders them, and removes hidden triangles of short gaps that
+    /// would cover a visible one; in epochs if the options require it.
     ///
-    /// O(frames x samples covered), twice or three times.
+    /// O(frames x samples covered), two or three times.
     ///
     /// # Errors
-    /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
+    /// Errors of the clip, or [`PlanarError::NothingSeen`].
     pub(crate) fn of(clip: &PlanarClip, options: &OrderOptions) -> Result<Self, PlanarError> {
         let seen = Drawn::seen(clip)?;
         let filled = seen.with_short_gaps();
@@ -45,7 +45,7 @@ impl Painted {
         })
     }
 
-    /// Samples that are wrong, frame by frame.
+    /// Counts the wrong samples, frame by frame.
     pub(crate) fn wrong(&self) -> WrongPixels {
         self.overlaps.wrong(&self.painting)
     }

@@ -1,14 +1,14 @@
-//! When which triangles are painted: epochs with one order each.
+//! Painting order over time: epochs with one order each.
 
 use crate::planar::clip::PlanarClip;
 use crate::planar::drawn::Drawn;
 use crate::planar::error::PlanarError;
 use std::ops::Range;
 
-/// When which triangles are painted, and in which order.
+/// Painting order of a clip, by epochs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Painting {
-    /// Spans that together are all frames, in turn.
+    /// Consecutive epochs that together cover all frames.
     pub epochs: Vec<Epoch>,
 }
 
@@ -17,17 +17,17 @@ pub(crate) struct Painting {
 pub(crate) struct Epoch {
     /// The frames.
     pub frames: Range<usize>,
-    /// The triangles that are drawn in some of these frames, back to front.
+    /// Triangles that are drawn in some of these frames, back to front.
     pub order: Vec<u32>,
 }
 
-/// What an order may cost.
+/// Options of the painting order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrderOptions {
-    /// Share of the object's pixels that an epoch may show wrong beyond what an order for each
-    /// frame would.
+    /// Fraction of the character's pixels that an epoch may show wrong in addition to those of an
+    /// order per frame.
     pub order_tol: f64,
-    /// Most epochs; the last one takes all that is left.
+    /// Maximum number of epochs; the last one covers all remaining frames.
     pub max_epochs: usize,
 }
 
@@ -41,10 +41,10 @@ impl Default for OrderOptions {
 }
 
 impl Painting {
-    /// All triangles by their mean depth in one frame, far first: the thesis' order.
+    /// Orders all triangles by their mean depth in one frame, far first: the order of the thesis.
     ///
     /// # Errors
-    /// [`PlanarError::Mismatch`] if the clip has no such frame or `drawn` is of another clip.
+    /// [`PlanarError::Mismatch`] if the clip has no such frame or `drawn` belongs to another clip.
     pub(crate) fn one_depth_sort(
         clip: &PlanarClip,
         drawn: &Drawn,
@@ -63,10 +63,10 @@ impl Painting {
         })
     }
 
-    /// The triangles of each frame by their mean depth in it, far first.
+    /// Orders the triangles of each frame by their mean depth in it, far first.
     ///
     /// # Errors
-    /// [`PlanarError::Mismatch`] if `drawn` is of another clip.
+    /// [`PlanarError::Mismatch`] if `drawn` belongs to another clip.
     pub(crate) fn depth_sort_per_frame(
         clip: &PlanarClip,
         drawn: &Drawn,
@@ -83,8 +83,8 @@ impl Painting {
         })
     }
 
-    /// The order of a frame, back to front; empty beyond the clip. Those that are not drawn in
-    /// that very frame are in it too if they are in its epoch.
+    /// Order of a frame, back to front; empty beyond the clip. Contains all triangles of the
+    /// frame's epoch, also those that are not drawn in that frame.
     pub(crate) fn order_at(&self, frame: usize) -> &[u32] {
         let epoch = self.epochs.iter().find(|e| e.frames.contains(&frame));
         epoch.map_or(&[], |e| &e.order)
@@ -98,7 +98,7 @@ pub(super) fn nearness(clip: &PlanarClip, frame: usize, triangle: u32) -> f64 {
     (of(a) + of(b) + of(c)) / 3.0
 }
 
-/// Sorts from far to near; equals by their number.
+/// Sorts from far to near; ties by index.
 pub(super) fn far_first(order: &mut [u32], nearness: impl Fn(u32) -> f64) {
     order.sort_by(|a, b| nearness(*a).total_cmp(&nearness(*b)).then(a.cmp(b)));
 }

@@ -1,15 +1,15 @@
-//! Moves single triangles to where they leave fewest samples wrong.
+//! Sifting: moves single triangles to where they leave the fewest wrong samples.
 //!
-//! Source: sifting after Rudell 1993, here with the exact count of wrong samples: each set of
-//! [`Overlaps`] asks of one member only that it comes before or after one place.
+//! Source: sifting after Rudell 1993, here with the exact number of wrong samples: each set of
+//! [`Overlaps`] constrains one member only, to come before or after one position.
 
 use super::overlap::Overlaps;
 
-/// Rounds over all triangles; each ends as soon as nothing moves.
+/// Maximum number of rounds over all triangles; ends as soon as nothing moves.
 const MAX_ROUNDS: usize = 24;
 
-/// Improves an order for sets that count `weights` samples each. Triangles that no set names
-/// keep their relative places.
+/// Improves an order for sets that count `weights` samples each. Triangles in no set keep their
+/// relative positions.
 pub(super) fn sift(overlaps: &Overlaps, weights: &[(u32, u64)], order: &mut Vec<u32>) {
     let mut sifter = Sifter::new(overlaps, weights, std::mem::take(order));
     for _ in 0..MAX_ROUNDS {
@@ -25,9 +25,9 @@ struct Sifter<'a> {
     weights: &'a [(u32, u64)],
     order: Vec<u32>,
     place: Vec<usize>,
-    /// Entries of `weights` that name each triangle.
+    /// Indices into `weights` of the sets that contain each triangle.
     of: Vec<Vec<u32>>,
-    /// Where the cost of the triangle at hand changes, and by how much.
+    /// Positions at which the cost of the current triangle changes, and by how much.
     steps: Vec<(usize, i64)>,
 }
 
@@ -54,7 +54,7 @@ impl<'a> Sifter<'a> {
         }
     }
 
-    /// Looks at every triangle once; whether any moved.
+    /// Tries to move every triangle once; returns whether any moved.
     fn round(&mut self) -> bool {
         let mut moved = false;
         for t in self.order.clone() {
@@ -66,13 +66,13 @@ impl<'a> Sifter<'a> {
         moved
     }
 
-    /// The nearest place with the least cost, if that is less than where the triangle is.
+    /// Nearest position with the least cost, if that is less than the current one.
     fn better_place(&mut self, triangle: u32) -> Option<usize> {
         let mut cost = self.collect_steps(triangle);
         self.steps.sort_unstable();
         let here = self.place[triangle as usize];
         let end = self.order.len() - 1;
-        // Spans of places (among the others) of equal cost, from the front.
+        // Spans of positions (among the others) of equal cost, from the front.
         let (mut best, mut cost_here) = ((i64::MAX, usize::MAX, 0), 0);
         let (mut from, mut next) = (0, 0);
         loop {
@@ -96,11 +96,11 @@ impl<'a> Sifter<'a> {
         (best.0 < cost_here).then_some(best.2)
     }
 
-    /// Fills [`Self::steps`]; returns the cost of the first place.
+    /// Fills [`Self::steps`]; returns the cost of the first position.
     fn collect_steps(&mut self, triangle: u32) -> i64 {
         self.steps.clear();
         let here = self.place[triangle as usize];
-        // Place among the others.
+        // Position among the others.
         let without = |t: u32| {
             let p = self.place[t as usize];
             p - usize::from(p > here)

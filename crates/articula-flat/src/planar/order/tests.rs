@@ -1,4 +1,4 @@
-//! Orders by hand, and what must hold of any.
+//! Hand-computed orders, and properties of any order.
 
 use super::graph::first_order;
 use super::sift::sift;
@@ -10,7 +10,7 @@ use crate::planar::drawn::Drawn;
 use crate::planar::drawn::draw_frame;
 use proptest::prelude::*;
 
-/// Covers all 40 x 40 pixels of [`fixture::loose`]; nearness at x = 0 and its growth a pixel.
+/// Covers all 40 x 40 pixels of [`fixture::loose`]; nearness at x = 0 and its increase per pixel.
 fn wall(nearness: f32, slope: f32) -> ([[f32; 3]; 3], [u8; 3]) {
     let far = nearness + 80.0 * slope;
     let corners = [
@@ -21,7 +21,7 @@ fn wall(nearness: f32, slope: f32) -> ([[f32; 3]; 3], [u8; 3]) {
     (corners, [100; 3])
 }
 
-/// Two walls that change places after `swap` of `frames` frames; the second begins five columns
+/// Two walls that swap their order after `swap` of `frames` frames; the second begins five columns
 /// from the left.
 fn swapping(swap: usize, frames: usize) -> PlanarClip {
     let mut clip = fixture::loose(&[wall(0.2, 0.0), wall(0.3, 0.0)], frames);
@@ -109,7 +109,7 @@ fn depth_sorts_by_hand() {
 #[test]
 fn two_that_change_places_need_two_epochs_and_one_copy() {
     let clip = swapping(7, 20);
-    // The second is drawn where it is hidden too.
+    // The second is drawn also where it is hidden.
     let drawn = all_drawn(&clip);
     let painting = Painting::constraints(&clip, &drawn, &OrderOptions::default()).unwrap();
     let expected = [(0..7, vec![0, 1]), (7..20, vec![1, 0])];
@@ -148,7 +148,7 @@ fn a_short_gap_is_left_empty_where_its_triangle_would_cover_others() {
     assert_eq!(painted.painting.order_at(5), [0, 1]);
     assert_eq!(painted.drawn.spans(1), [0..4, 7..10]);
     assert_eq!(painted.wrong().share(), 0.0);
-    // The same order with the gap painted shows it wrong.
+    // With the gap drawn, the same order shows it wrong.
     let filled = Drawn::of(&clip).unwrap();
     let wrong = wrong_pixels(&clip, &filled, &painted.painting).unwrap();
     assert_eq!(wrong.per_frame[5], (35 * 40 * 4, 6400));
@@ -206,7 +206,7 @@ fn loose(triangles: &[[[f32; 3]; 3]], frames: usize) -> PlanarClip {
     fixture::loose(&colored, frames)
 }
 
-/// Paints a frame and counts where it differs from the item buffer.
+/// Paints a frame and counts the samples that differ from the item buffer.
 fn painted_wrong(clip: &PlanarClip, drawn: &Drawn, painting: &Painting, f: usize) -> u32 {
     let mut buffer = ItemBuffer::new(clip.width, clip.height, Supersampling::Two).unwrap();
     draw_frame(clip, f, &mut buffer);
@@ -224,7 +224,7 @@ fn painted_wrong(clip: &PlanarClip, drawn: &Drawn, painting: &Painting, f: usize
     wrong.count() as u32
 }
 
-/// An order of `count` triangles, from numbers to sort them by.
+/// An order of `count` triangles, sorted by the given keys.
 fn shuffled(count: usize, keys: &[u32]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..count as u32).collect();
     order.sort_by_key(|t| keys[*t as usize]);
@@ -234,7 +234,7 @@ fn shuffled(count: usize, keys: &[u32]) -> Vec<u32> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// The count of wrong samples is what painting shows.
+    /// The number of wrong samples equals what painting shows.
     #[test]
     fn counts_agree_with_painting(
         triangles in any_triangles(),
@@ -261,7 +261,7 @@ proptest! {
         }
     }
 
-    /// Without a cycle nothing is wrong, however the triangles move.
+    /// Without a cycle nothing is wrong, for any motion of the triangles.
     #[test]
     fn flat_layers_are_painted_right(triangles in any_triangles(), shift in -9.0f32..9.0) {
         let mut flat = triangles;
@@ -278,13 +278,13 @@ proptest! {
             let painting = Painting::single(&clip, &drawn).unwrap();
             let wrong = wrong_pixels(&clip, &drawn, &painting).unwrap();
             prop_assert_eq!(wrong.percent_mean(), 0.0);
-            // The same as the order of their nearness as far as they touch: a depth sort.
+            // The same as the order of nearness wherever they touch: a depth sort.
             let sorted = Painting::one_depth_sort(&clip, &drawn, 0).unwrap();
             prop_assert_eq!(wrong_pixels(&clip, &drawn, &sorted).unwrap().percent_mean(), 0.0);
         }
     }
 
-    /// Sifting never loses, ends where no single move helps, and keeps all triangles.
+    /// Sifting never makes an order worse, ends in a local optimum, and keeps all triangles.
     #[test]
     fn sifting_ends_in_a_local_optimum(
         triangles in any_triangles(),

@@ -1,7 +1,7 @@
-//! Lottie documents as others see them: the specification's schema, lottie-web and dotlottie-web.
+//! Lottie documents in other programs: the specification's schema, lottie-web and dotlottie-web.
 //!
-//! A cube turns before a white ground. The truth is the reference raster of its projected clip;
-//! the document has a key a frame, so that in between the places run straight, as in the truth.
+//! A cube turns in front of a white background. The reference is the raster of its projected clip;
+//! the document has a key per frame, so positions are linear in between, as in the reference.
 #![allow(
     clippy::unwrap_used,
     reason = "a test may fail loudly, and so may its helpers"
@@ -43,7 +43,7 @@ fn triangles() -> Vec<[u32; 3]> {
     quads.into_iter().flat_map(halves).collect()
 }
 
-/// The cube at a frame, its light on a vertex from above and the front.
+/// The cube in a frame, vertex light from above and the front.
 fn cube_at(frame: usize) -> PlanarFrame {
     let turn = Mat3::from_rotation_x(0.5) * Mat3::from_rotation_y(0.3 + frame as f32 * 0.11);
     let mut out = PlanarFrame::default();
@@ -60,7 +60,7 @@ fn cube_at(frame: usize) -> PlanarFrame {
     out
 }
 
-/// The clip with whole frames at even indices and, between them, their mean.
+/// The clip with whole frames at even indices and their mean between them.
 fn cube() -> PlanarClip {
     let whole: Vec<PlanarFrame> = (0..FRAMES).map(cube_at).collect();
     let mean = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a + b) / 2.0).collect();
@@ -80,8 +80,8 @@ fn cube() -> PlanarClip {
         name: String::new(),
         albedo: Some(albedo),
     });
-    // One side of each pair of opposite ones has the second colour; corners are shared, so the
-    // vertices are doubled.
+    // One side of each opposite pair has the second colour; corners are shared, so the vertices are
+    // doubled.
     let surface: Vec<u16> = (0..12).map(|t| (t / 2 % 2) as u16).collect();
     let corner = |t: usize, v: u32| v + 8 * u32::from(surface[t]);
     let doubled = |frame: PlanarFrame| PlanarFrame {
@@ -111,7 +111,7 @@ fn on_grid(value: f32) -> i32 {
     (value * GRID as f32).round() as i32
 }
 
-/// The line from where the light would be 0 to where it would be 1.
+/// Line from where the light would be 0 to where it would be 1.
 fn line(places: [Vec2; 3], light: [f32; 3]) -> [i32; 4] {
     let [a, b, c] = places;
     let (ab, ac) = (b - a, c - a);
@@ -122,14 +122,14 @@ fn line(places: [Vec2; 3], light: [f32; 3]) -> [i32; 4] {
     [from.x, from.y, from.x + way.x, from.y + way.y].map(on_grid)
 }
 
-/// A key at each whole frame; faces turned away are not shown.
+/// A key at each whole frame; faces turned away are hidden.
 fn keyed(clip: &PlanarClip, shading: Shading) -> KeyedClip {
     let whole = |i: usize| 2 * i;
     let keys: Vec<u32> = (0..FRAMES as u32).collect();
     let shape = |t: usize| {
         let places = |i: usize| clip.places(whole(i), t);
         let light = |i: usize| clip.triangles[t].map(|v| clip.frames[whole(i)].light[v as usize]);
-        // Down is positive, so what is counter-clockwise to the viewer has a negative area.
+        // y points down, so a counter-clockwise triangle has negative area.
         let is_front = |i: &usize| {
             let [a, b, c] = places(*i);
             (b - a).perp_dot(c - a) < 0.0
@@ -173,7 +173,7 @@ fn keyed(clip: &PlanarClip, shading: Shading) -> KeyedClip {
     }
 }
 
-/// A document to be shown at some frames.
+/// A document to be shown at the given frames.
 fn item(kind: &'static str, text: &str, frames: &[f64]) -> Item {
     Item {
         kind,
@@ -204,7 +204,7 @@ fn what_is_written_keeps_to_the_schema() {
     }
     let (verdict, good) = judges::ask("lottie_schema.mjs", &words);
     assert!(good, "{verdict}");
-    // A member that is missing or of another form is found, so the schema is the right one.
+    // A missing or malformed member is detected, so the schema is the right one.
     let text = lottie(&clip, NAME).unwrap();
     for (good, bad) in [
         (r#""t":1,"g""#, r#""g""#),
@@ -218,7 +218,7 @@ fn what_is_written_keeps_to_the_schema() {
     }
 }
 
-/// How far apart two pixels are where they are furthest, for all but a share of the pixels.
+/// Difference of two pictures, exceeded by only a fraction of the pixels.
 fn quantile_of_differences(a: &Picture, b: &Picture, share: f64) -> u8 {
     let furthest = |(a, b): (&[u8; 4], &[u8; 4])| (0..3).map(|i| a[i].abs_diff(b[i])).max();
     let pairs = a.pixels().iter().zip(b.pixels());
@@ -227,15 +227,15 @@ fn quantile_of_differences(a: &Picture, b: &Picture, share: f64) -> u8 {
     all[((1.0 - share) * (all.len() - 1) as f64) as usize]
 }
 
-/// Places and colours are right; what is apart are cracks between triangles, which this cube's
-/// outlines do not cover, and the smoothing of edges.
+/// Positions and colours are correct; the differences are cracks between triangles, which this
+/// cube's outlines do not cover, and anti-aliasing.
 #[test]
 fn players_show_the_cube_at_whole_frames_and_between_them() {
     let cube = cube();
     let keyed = keyed(&cube, Shading::Gouraud);
     let text = lottie(&keyed, NAME).unwrap();
     let svg = smil(&keyed, NAME).unwrap();
-    // dotlottie-web shows nothing later than a frame before the end.
+    // dotlottie-web shows nothing later than one frame before the end.
     let frames = [0.0, 0.5, 3.0, 3.5, 6.5, 7.5];
     let items = [
         item("smil", &svg, &frames),
@@ -257,7 +257,7 @@ fn players_show_the_cube_at_whole_frames_and_between_them() {
             assert!(apart <= 4.5, "{at}: {apart} levels");
             let inside = quantile_of_differences(&truth, picture, 0.05);
             assert!(inside <= 3, "{at}: {inside} levels");
-            // The same clip as SVG has the same cracks; only the smoothing of edges differs.
+            // The same clip as SVG has the same cracks; only anti-aliasing differs.
             let other = &drawn.pictures[i];
             let from_svg = rmse(other, picture).unwrap();
             assert!(from_svg <= 2.5, "{at}: {from_svg} levels from the SVG");
@@ -267,7 +267,7 @@ fn players_show_the_cube_at_whole_frames_and_between_them() {
     }
 }
 
-/// Without gradients a triangle has one colour, which leaves about 8 levels.
+/// Without gradients a triangle has one colour, which leaves an error of about 8 levels.
 #[test]
 fn players_show_the_flat_cube() {
     let cube = cube();
@@ -285,7 +285,7 @@ fn players_show_the_flat_cube() {
     }
 }
 
-/// An outline that runs the other way round inside another is a hole.
+/// An outline inside another with the opposite winding is a hole.
 #[test]
 fn players_leave_holes_open() {
     let ring = KeyedShape {

@@ -1,4 +1,4 @@
-//! A clip as the player has it: triangles in painting order, places and light as components.
+//! The clip of the player: triangles in painting order, positions and light as components.
 //!
 //! Source: `docs/methods/vector.md` 8.3.
 
@@ -8,59 +8,59 @@ use crate::planar::{PlanarClip, PlanarFrame, PlanarMaterial};
 use glam::Vec2;
 use std::ops::Range;
 
-/// A weight of one of a named input, in coefficient steps.
+/// Coefficient of a named input at weight 1, in steps.
 pub(super) const INPUT_ONE: f64 = 256.0;
 
-/// The painting order from a frame on, until the next one begins.
+/// A painting order from a frame on, until the next epoch begins.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct PlayerEpoch {
-    /// Its first frame; 0 for the first epoch.
+    /// First frame; 0 for the first epoch.
     pub first_frame: u32,
     /// Triangles back to front.
     pub order: Vec<u32>,
 }
 
-/// What the player's container holds.
+/// A clip as stored in the player's container.
 ///
-/// A *point* is a place, shared by all vertices that are never apart; a *wedge* is a point with
-/// one light and one colour. Columns of the motion are x and y of each point in pixels, then, with
-/// Gouraud shading, the light of each wedge times `light_weight`.
+/// A *point* is a position shared by all vertices that coincide in every frame; a *wedge* is a
+/// point with one light and one colour. Columns of the motion are x and y of each point in pixels,
+/// then, with Gouraud shading, the light of each wedge times `light_weight`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerClip {
     /// Width, pixels.
     pub width: u32,
     /// Height, pixels.
     pub height: u32,
-    /// Frames a second.
+    /// Frames per second.
     pub fps: f32,
-    /// Number of frames; frame `i` is at `i / fps`, the last one ends the clip.
+    /// Number of frames; frame `i` is at `i / fps` seconds, the last one ends the clip.
     pub frames: u32,
     /// How triangles are filled.
     pub shading: Shading,
-    /// How much full light counts in the columns.
+    /// Value of full light in the columns.
     pub(crate) light_weight: f64,
-    /// Wedges of each triangle; wedges are numbered as they are first named.
+    /// Wedges of each triangle; wedges are numbered in the order of first use.
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// Point of each wedge; points are numbered as they are first named.
+    /// Point of each wedge; points are numbered in the order of first use.
     pub wedge_points: Vec<u32>,
     /// sRGB albedo of each wedge (Gouraud) or colour of each triangle (flat).
     pub(crate) colors: Vec<[u8; 3]>,
-    /// Frames in which each triangle is drawn: spans, rising and apart.
+    /// Spans of frames in which each triangle is drawn, ascending and disjoint.
     pub(crate) shown: Vec<Vec<Range<u32>>>,
     /// The painting orders.
     pub(crate) epochs: Vec<PlayerEpoch>,
-    /// Places and light; with inputs, its components are theirs.
+    /// Positions and light; with inputs, one component per input.
     pub(crate) motion: Quantised,
-    /// Names of the inputs that drive it; empty if it can only be played.
+    /// Names of the inputs that drive the clip; empty if it can only be played.
     pub inputs: Vec<String>,
 }
 
-/// One moment of a clip of the player.
+/// Positions and light of a clip at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerFrame {
-    /// Place of each wedge, pixels.
+    /// Position of each wedge, pixels.
     pub xy: Vec<Vec2>,
-    /// Light of each wedge, 0 to 1 and a little beyond; ones with flat shading.
+    /// Light of each wedge, 0 to 1 within the quantisation error; 1 with flat shading.
     pub light: Vec<f32>,
 }
 
@@ -73,7 +73,7 @@ impl PlayerClip {
             .map_or(0, |p| *p as usize + 1)
     }
 
-    /// Places and light at a moment, in frames; straight between frames, held beyond the ends.
+    /// Returns positions and light at a time in frames; linear between frames, clamped at the ends.
     pub fn moment(&self, frame: f64) -> PlayerFrame {
         let numbers = self.motion.row(frame);
         let place = |p: &u32| {
@@ -93,13 +93,13 @@ impl PlayerClip {
         }
     }
 
-    /// Whether a triangle is drawn at a moment: as in the frame nearest to it.
+    /// Whether a triangle is drawn at a time in frames: as in the nearest frame.
     pub(crate) fn is_shown_at(&self, triangle: usize, frame: f64) -> bool {
         let nearest = self.nearest(frame);
         self.shown[triangle].iter().any(|s| s.contains(&nearest))
     }
 
-    /// Triangles back to front at a moment: as in the frame nearest to it.
+    /// Triangles back to front at a time in frames: as in the nearest frame.
     pub(crate) fn order_at(&self, frame: f64) -> &[u32] {
         let nearest = self.nearest(frame);
         let after = self.epochs.partition_point(|e| e.first_frame <= nearest);
@@ -107,13 +107,13 @@ impl PlayerClip {
     }
 
     fn nearest(&self, frame: f64) -> u32 {
-        // Halfway belongs to the later frame, as the player rounds.
+        // Halfway belongs to the later frame, as in the player.
         (frame + 0.5).floor().clamp(0.0, f64::from(self.frames - 1)) as u32
     }
 
-    /// One moment as a planar clip of a single frame, in which what is painted later is nearer
-    /// and what is not drawn has no area: [`crate::planar::reference`] of it is what an ideal
-    /// player shows.
+    /// One time as a planar clip of a single frame, in which triangles painted later are nearer and
+    /// triangles that are not drawn have no area: [`crate::planar::reference`] of it is what an
+    /// ideal player shows.
     pub(crate) fn painted(&self, frame: f64) -> PlanarClip {
         let moment = self.planar_frame(frame);
         let mut clip = self.planar(vec![PlanarFrame::default()]);

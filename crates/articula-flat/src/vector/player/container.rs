@@ -1,8 +1,6 @@
 //! Writes the player's container `ARTV`.
 //!
-//! Source: `docs/methods/vector.md` 8.3, `docs/formats/artv.md` (byte by byte). Differs: numbers are of
-//! variable length instead of 16 and 8 bits, so weak components cost what they carry; corners are
-//! written as how far back they were first named.
+//! Source: `docs/methods/vector.md` 8.3, `docs/formats/artv.md` (byte by byte).
 
 use super::clip::PlayerClip;
 use super::stream::Writer;
@@ -15,14 +13,14 @@ use std::io::Write;
 
 /// First bytes of a container.
 pub(crate) const MAGIC: [u8; 4] = *b"ARTV";
-/// The form that is written and read here.
+/// Version of the container that is written and read.
 pub(crate) const VERSION: u8 = 1;
 /// Flag: triangles are shaded, so wedges have light and colours.
 pub(super) const GOURAUD: u32 = 1;
-/// Flag: components are inputs, with their names at the end.
+/// Flag: components are inputs, whose names follow at the end.
 pub(super) const INPUTS: u32 = 2;
 
-/// How many bytes each part takes before compression.
+/// Size of each part before compression, bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct PartSizes {
     /// Sizes, rates and units.
@@ -31,26 +29,26 @@ pub(crate) struct PartSizes {
     pub triangles: usize,
     /// Colours.
     pub colors: usize,
-    /// When triangles are drawn.
+    /// Spans in which triangles are drawn.
     pub shown: usize,
     /// Painting orders.
     pub epochs: usize,
-    /// Mean places and light.
+    /// Mean positions and light.
     pub mean: usize,
-    /// What the components add.
+    /// Bases of the components.
     pub bases: usize,
-    /// How much of each component a frame has.
+    /// Coefficients of the components.
     pub coefficients: usize,
     /// Names of inputs.
     pub inputs: usize,
 }
 
-/// Writes a clip as the bytes that the player reads.
+/// Encodes a clip as a container.
 pub fn encode(clip: &PlayerClip) -> Vec<u8> {
     encode_parts(clip).0
 }
 
-/// Bytes of a container, and how many each of its parts takes.
+/// Returns the bytes of a container and the sizes of its parts.
 pub(crate) fn encode_parts(clip: &PlayerClip) -> (Vec<u8>, PartSizes) {
     let mut to = Writer::default();
     let mut sizes = PartSizes::default();
@@ -87,11 +85,10 @@ pub(crate) fn encode_parts(clip: &PlayerClip) -> (Vec<u8>, PartSizes) {
     (packed(&to.0), sizes)
 }
 
-/// Bytes after which a new block of the Deflate stream may pay, with a code of its own for what
-/// the numbers are like by then.
+/// Bytes after which a new Deflate block, with a code for the numbers that follow, may be smaller.
 const BLOCK_BYTES: usize = 8192;
 
-/// The smaller of one block after another as the encoder likes and of blocks of one size.
+/// The smaller of two Deflate streams: blocks chosen by the encoder, or blocks of a fixed size.
 fn packed(body: &[u8]) -> Vec<u8> {
     let whole = packed_in(body, usize::MAX);
     let parts = packed_in(body, BLOCK_BYTES);
@@ -211,7 +208,7 @@ fn predicted(to: &mut Writer, values: &[i32], parents: &[u32]) {
     }
 }
 
-/// About how many bits numbers take.
+/// Estimated number of bits of the encoded numbers.
 fn bits(values: &[i32]) -> f64 {
     let of = |v: &i32| (1.0 + f64::from(v.unsigned_abs())).log2();
     values.iter().map(of).sum()

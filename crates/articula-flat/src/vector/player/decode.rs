@@ -1,7 +1,7 @@
 //! Reads the player's container `ARTV`.
 //!
-//! Source: `docs/formats/artv.md`. No bytes make it panic, hang or take memory without measure:
-//! what is uncompressed is bounded, and each number that is kept took at least a byte.
+//! Source: `docs/formats/artv.md`. No input causes a panic, a hang or unbounded memory: the
+//! uncompressed size is bounded, and each stored number takes at least one byte of it.
 
 use super::clip::{PlayerClip, PlayerEpoch};
 use super::container::{GOURAUD, INPUTS, MAGIC, VERSION};
@@ -14,16 +14,16 @@ use crate::planar::shading::Shading;
 use std::io::Read;
 use std::ops::Range;
 
-/// The most that a container may uncompress to, bytes.
+/// Maximum uncompressed size of a container, bytes.
 pub(super) const MAX_BODY_BYTES: usize = 32 << 20;
-/// Most components of a clip.
+/// Maximum number of components of a clip.
 pub(super) const MAX_COMPONENTS: usize = 4096;
-/// Most pixels a side.
+/// Maximum width and height, pixels.
 pub(super) const MAX_SIDE: usize = 1 << 15;
-/// Most frames of a second.
+/// Maximum frame rate.
 const MAX_FPS: f64 = 1e4;
 
-/// What the header says.
+/// Contents of the header.
 struct Header {
     frames: u32,
     triangles: usize,
@@ -32,10 +32,10 @@ struct Header {
     flags: u32,
 }
 
-/// Reads a container.
+/// Decodes a container.
 ///
 /// # Errors
-/// What is wrong with the bytes, as [`PlayerError`] lists it.
+/// The violation, as a [`PlayerError`].
 pub fn decode(bytes: &[u8]) -> Result<PlayerClip, PlayerError> {
     let rest = bytes.strip_prefix(&MAGIC).ok_or(PlayerError::NotAClip)?;
     let (version, packed) = rest.split_first().ok_or(PlayerError::Truncated)?;
@@ -130,7 +130,7 @@ fn positive(value: f64, most: f64) -> Result<f64, PlayerError> {
     }
 }
 
-/// Wedges of triangles, points of wedges.
+/// Wedges of triangles, and points of wedges.
 type Corners = (Vec<[u32; 3]>, Vec<u32>);
 
 fn corners(from: &mut Reader<'_>, count: usize) -> Result<Corners, PlayerError> {
@@ -163,7 +163,7 @@ fn colors(from: &mut Reader<'_>, count: usize) -> Result<Vec<[u8; 3]>, PlayerErr
             let levels = from.take(3)?;
             known.push([levels[0], levels[1], levels[2]]);
         }
-        // A new colour is the last one known by now.
+        // A new colour has just become the last known one.
         let at = known.len().checked_sub(back.max(1));
         let at = at.ok_or(PlayerError::Malformed("a colour before the first"))?;
         colors.push(known[at]);
@@ -234,7 +234,7 @@ fn column(
 ) -> Result<Vec<i32>, PlayerError> {
     let mut values: Vec<i32> = Vec::new();
     for parent in parents {
-        // A column without a parent is its own, and not there yet.
+        // A column without a parent names itself, which is not decoded yet.
         let parent = values.get(*parent as usize).filter(|_| is_guessed);
         let guess = parent.copied().unwrap_or(0);
         values.push(within(i64::from(guess) + i64::from(from.signed()?))?);

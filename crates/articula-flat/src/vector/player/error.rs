@@ -1,36 +1,36 @@
-//! What can be wrong with the player's container.
+//! Errors of the player's container.
 
 use thiserror::Error;
 
-/// Why bytes are no clip of the player.
+/// Error of decoding a container.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum PlayerError {
-    /// It does not begin as a container does.
+    /// The first bytes are not those of a container.
     #[error("not a clip of the player: it does not begin with ARTV")]
     NotAClip,
-    /// Written in a form that is not known here.
+    /// The version is not supported.
     #[error("version {0} of the player's clip is not known here; write it anew")]
     Version(u8),
-    /// The Deflate stream does not hold.
+    /// The Deflate stream is malformed.
     #[error("the compressed part of the clip is damaged")]
     Compression,
-    /// It ends too early.
+    /// The container ends too early.
     #[error("the clip ends too early")]
     Truncated,
-    /// It uncompresses to more than is read.
+    /// The uncompressed size exceeds the limit in bytes.
     #[error("the clip uncompresses to more than {0} bytes")]
     TooLarge(usize),
-    /// More of something than is read.
+    /// A number of elements exceeds its limit.
     #[error("{found} {what} are more than {most}")]
     TooMany {
-        /// What it is.
+        /// Kind of element.
         what: &'static str,
-        /// How many it says.
+        /// Number in the file.
         found: usize,
-        /// The most that are read.
+        /// Maximum number.
         most: usize,
     },
-    /// Something in it cannot be.
+    /// A value is invalid.
     #[error("the clip is malformed: {0}")]
     Malformed(&'static str),
 }

@@ -1,8 +1,8 @@
-//! The smallest motion within the tolerances: how many components, how finely written.
+//! The smallest motion within the tolerances: number of components and quantisation steps.
 //!
-//! Source: `docs/methods/vector.md` 8.3. Differs: more components written more coarsely may be smaller
-//! than few fine ones, so ranks from the least that can do are tried, each with the coarsest
-//! steps that hold, measured on what a reader gets back.
+//! Source: `docs/methods/vector.md` 8.3. More components with coarser steps may be smaller than few
+//! with fine ones, so several ranks from the minimum on are tried, each with the coarsest steps
+//! that are within the tolerances, measured on the decoded result.
 
 use super::topology::Topology;
 use crate::low_rank::quantised::{MAX_STEPS, Quantised, Steps};
@@ -10,30 +10,30 @@ use crate::low_rank::{LowRank, Table, decompose};
 use crate::planar::shading::Shading;
 use crate::planar::{PlanarClip, PlanarError};
 
-/// Ranks that are tried from the least one on.
+/// Number of ranks tried after the minimum.
 const RANKS_TRIED: usize = 6;
-/// Halvings of the range of step lengths.
+/// Bisections of the range of steps.
 const HALVINGS: usize = 6;
-/// Most numbers of a table that is decomposed.
+/// Maximum size of a matrix that is decomposed.
 const MAX_NUMBERS: usize = 16 << 20;
-/// Places and light beyond these are no picture.
+/// Maximum absolute position that is accepted, pixels.
 const MAX_PLACE_PX: f32 = 1e6;
 const MAX_LIGHT: f32 = 1e3;
 
-/// Errors that are allowed, or were found.
+/// Errors: allowed or measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Errors {
-    /// Root of the mean square distance of points, pixels.
+    /// RMS distance of points, pixels.
     pub(super) position_px: f64,
-    /// Root of the mean square of light, 8-bit levels.
+    /// RMS error of light, 8-bit levels.
     pub(super) light_levels: f64,
 }
 
-/// The numbers that are to be written.
+/// Matrix of the numbers to be written, one row per frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Numbers {
     pub(super) table: Table,
-    /// Columns of places; those after them hold light.
+    /// Number of position columns; the columns after them hold light.
     pub(super) places: usize,
     pub(super) light_weight: f64,
 }
@@ -50,7 +50,7 @@ impl Errors {
         }
     }
 
-    /// The greater of each.
+    /// The maximum of each error.
     pub(super) fn max(&self, other: &Self) -> Self {
         Self {
             position_px: self.position_px.max(other.position_px),
@@ -58,16 +58,17 @@ impl Errors {
         }
     }
 
-    /// Weight that makes the allowed errors of a place's number and of light's the same.
+    /// Light weight with which the allowed errors of a position number and a light number are
+    /// equal.
     pub(super) fn light_weight(&self) -> f64 {
         let place = self.position_px / std::f64::consts::SQRT_2;
-        // A round number, since the container writes it.
+        // A whole number, since the container stores it.
         (place * 255.0 / self.light_levels).clamp(1e-3, 1e4).ceil()
     }
 }
 
 impl Numbers {
-    /// Columns of all frames.
+    /// Builds the matrix of all frames.
     pub(super) fn new(
         clip: &PlanarClip,
         topology: &Topology,
@@ -111,7 +112,7 @@ impl Numbers {
         })
     }
 
-    /// How far what a reader gets back is from the table.
+    /// Errors of the decoded motion.
     pub(super) fn errors(&self, motion: &Quantised) -> Errors {
         let (mut places, mut light) = (0.0, 0.0);
         for r in 0..self.table.rows() {
@@ -121,12 +122,12 @@ impl Numbers {
         self.as_errors(self.table.rows(), (places, light))
     }
 
-    /// How far one row is from the table's.
+    /// Errors of one decoded row.
     pub(super) fn errors_of_row(&self, row: usize, found: &[f64]) -> Errors {
         self.as_errors(1, self.squares(row, found))
     }
 
-    /// Sums of squares over places and over light of a row.
+    /// Sums of squared errors of positions and of light in a row.
     fn squares(&self, row: usize, found: &[f64]) -> (f64, f64) {
         let of = |range: std::ops::Range<usize>| {
             let pairs = found[range.clone()].iter().zip(&self.table.row(row)[range]);
@@ -135,7 +136,7 @@ impl Numbers {
         (of(0..self.places), of(self.places..found.len()))
     }
 
-    /// Errors of these sums of squares.
+    /// Converts sums of squares to errors.
     fn as_errors(&self, rows: usize, (places, light): (f64, f64)) -> Errors {
         let mean = |sum: f64, count: usize| (sum / (rows * count.max(1)) as f64).sqrt();
         let light = mean(light, self.table.columns - self.places);
@@ -145,7 +146,7 @@ impl Numbers {
         }
     }
 
-    /// Errors of the first components, for every number of them from none on.
+    /// Errors of the first components, for every number of them from zero on.
     fn truncated(&self, low: &LowRank) -> Vec<Errors> {
         let rows = self.table.rows();
         let (mut places, mut light) = (0.0, 0.0);
@@ -157,7 +158,7 @@ impl Numbers {
         for component in &low.components {
             let energy = component.energy();
             let of = |part: &[f64]| energy * part.iter().map(|b| b * b).sum::<f64>();
-            // What rounding leaves may fall below nothing.
+            // Rounding may leave a negative rest.
             places = (places - of(&component.basis[..self.places])).max(0.0);
             light = (light - of(&component.basis[self.places..])).max(0.0);
             errors.push(self.as_errors(rows, (places, light)));
@@ -166,7 +167,7 @@ impl Numbers {
     }
 }
 
-/// Tries ranks and steps; `size` says how many bytes a motion takes.
+/// Tries ranks and steps; `size` returns the bytes of a motion.
 pub(super) fn fit(
     numbers: &Numbers,
     allowed: &Errors,
@@ -198,7 +199,8 @@ pub(super) fn fit(
         .ok_or(PlanarError::Mismatch { at, what })
 }
 
-/// The longest steps with which a rank holds, if there are any.
+/// Quantises a rank with the longest steps that are within the tolerances; `None` if there are
+/// none.
 fn coarsest(
     numbers: &Numbers,
     low: &LowRank,
@@ -217,7 +219,7 @@ fn coarsest(
         let motion = Quantised::new(low, rank, steps.times(factor))?;
         numbers.errors(&motion).holds(allowed).then_some(motion)
     };
-    // Powers of two: from a quarter to twice the steps that theory gives.
+    // Powers of two: from a quarter to twice the theoretical steps.
     let (mut low_power, mut high_power) = (-2.0f64, 1.0f64);
     let mut best = holding(low_power.exp2())?;
     for _ in 0..HALVINGS {
@@ -230,7 +232,7 @@ fn coarsest(
     Some(best)
 }
 
-/// Numbers in whole steps, if none of them is too far away.
+/// Rounds numbers to integer steps; `None` if one is out of range.
 pub(super) fn whole_steps(values: impl Iterator<Item = f64>, step: f64) -> Option<Vec<i32>> {
     let whole = |v: f64| {
         let steps = (v / step).round();

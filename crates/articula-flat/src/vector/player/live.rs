@@ -1,9 +1,9 @@
-//! A face that named inputs drive: the same container, whose components are blend shapes.
+//! A clip that named inputs drive: the same container, with blend shapes as components.
 //!
-//! Source: `docs/methods/vector.md` 8.3: coefficients are plain inputs, so a host may give them. Limits:
-//! offsets on the screen are added, so what turns (the head, a wide opening jaw) runs straight
-//! instead of round; two inputs at once are the sum of each alone; triangles keep one painting
-//! order and none is ever hidden.
+//! Source: `docs/methods/vector.md` 8.3: coefficients are plain inputs, so a host can supply them.
+//! Limits: offsets are added on the screen, so rotations (of the head, a wide opening jaw) follow
+//! straight lines; two inputs at once are the sum of both; triangles have one painting order and
+//! are never hidden.
 
 use super::clip::INPUT_ONE;
 use super::fit::{Errors, Numbers, whole_steps};
@@ -11,26 +11,27 @@ use super::make::{PlayerFile, PlayerOptions, allowed, finish, still_parts};
 use crate::low_rank::quantised::{Quantised, QuantisedComponent, short};
 use crate::planar::{Drawn, Painting, PlanarClip, PlanarError};
 
-/// Inputs, and what each does alone.
+/// Named inputs with the shape of each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LiveSource {
-    /// Frame 0 is the character with all inputs at zero, frame `i + 1` with input `i` at one.
+    /// Shapes: frame 0 is the character with all inputs at zero, frame `i + 1` with input `i` at
+    /// one.
     pub shapes: PlanarClip,
-    /// Names of the inputs, as a host writes them.
+    /// Names of the inputs, as a host passes them.
     pub inputs: Vec<String>,
-    /// A clip to play while no host gives inputs: in each frame a weight for each input. The
-    /// rate is that of `shapes`. Empty for none.
+    /// Clip that plays while no host gives inputs: for each frame a weight of each input, at the
+    /// rate of `shapes`. Empty for none.
     pub weights: Vec<Vec<f32>>,
 }
 
 /// Writes a file that a host drives through `articulaInputs`.
 ///
-/// `drawn` and `painting` are of [`LiveSource::shapes`]; the first order of `painting` is used,
-/// for all that is drawn in some shape.
+/// `drawn` and `painting` belong to [`LiveSource::shapes`]; the first order of `painting` is used,
+/// for all triangles that are drawn in some shape.
 ///
 /// # Errors
-/// What is wrong with the shapes, or [`PlanarError::Mismatch`]: names or weights that do not fit
-/// them, tolerances below a thousandth.
+/// Errors of the shapes, or [`PlanarError::Mismatch`]: names or weights of the wrong number,
+/// tolerances below a thousandth.
 pub(crate) fn live_player(
     source: &LiveSource,
     drawn: &Drawn,
@@ -89,7 +90,7 @@ fn check(source: &LiveSource) -> Result<(), PlanarError> {
     Ok(())
 }
 
-/// The shapes in whole steps, with the weights of the clip.
+/// Quantised shapes, with the weights of the clip as coefficients.
 fn motion(source: &LiveSource, numbers: &Numbers, step: f64) -> Option<Quantised> {
     let neutral = numbers.table.row(0);
     let mean = whole_steps(neutral.iter().copied(), step)?;
@@ -113,7 +114,7 @@ fn motion(source: &LiveSource, numbers: &Numbers, step: f64) -> Option<Quantised
     })
 }
 
-/// The worst errors of a shape alone.
+/// Worst errors of a single shape.
 fn errors(numbers: &Numbers, motion: &Quantised) -> Errors {
     let alone = |input: Option<usize>| {
         let mut row = motion.clone();

@@ -1,4 +1,4 @@
-//! From a planar clip to the file that plays it.
+//! Converts a planar clip to a file that plays it.
 //!
 //! Source: `docs/methods/vector.md` 8.3.
 
@@ -11,16 +11,16 @@ use crate::low_rank::quantised::Quantised;
 use crate::planar::shading::Shading;
 use crate::planar::{Drawn, Epoch, Painting, PlanarClip, PlanarError};
 
-/// How a clip is written for the player.
+/// Options of a player file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PlayerOptions {
-    /// Root of the mean square distance that points may be off, pixels.
+    /// RMS position tolerance of points, pixels.
     pub pos_tol_px: f64,
-    /// Root of the mean square that light may be off, levels.
+    /// RMS tolerance of light, levels.
     pub col_tol_levels: f64,
     /// How triangles are filled.
     pub shading: Shading,
-    /// What kind of file is written.
+    /// Kind of file.
     pub output: PlayerOutput,
 }
 
@@ -35,21 +35,20 @@ impl Default for PlayerOptions {
     }
 }
 
-/// What is known of a written file.
+/// Statistics of a written player file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PlayerStats {
     /// Triangles that are drawn in some frame.
     pub triangles: usize,
-    /// Components.
+    /// Number of components.
     pub rank: usize,
-    /// Root of the mean square distance of points over all frames, pixels.
+    /// RMS distance of points over all frames, pixels.
     pub position_rmse_px: f64,
-    /// Root of the mean square error of light over all frames, levels; 0 with flat shading, whose
-    /// light does not move.
+    /// RMS error of light over all frames, levels; 0 with flat shading, whose light is constant.
     pub light_rmse_levels: f64,
-    /// Bytes of the container's parts, before compression.
+    /// Sizes of the container's parts before compression, bytes.
     pub parts: PartSizes,
-    /// Bytes of the script.
+    /// Size of the script, bytes.
     pub script: usize,
 }
 
@@ -58,9 +57,9 @@ pub(crate) struct PlayerStats {
 pub(crate) struct PlayerFile {
     /// The SVG or module.
     pub text: String,
-    /// The container that is inside it.
+    /// The container inside it.
     pub container: Vec<u8>,
-    /// What is known of it.
+    /// Statistics.
     pub stats: PlayerStats,
 }
 
@@ -69,8 +68,8 @@ pub(crate) struct PlayerFile {
 /// O(frames x vertices x components), with a large factor: some hundred passes.
 ///
 /// # Errors
-/// What is wrong with the clip, or [`PlanarError::Mismatch`]: `drawn` or `painting` of another
-/// clip, tolerances below a thousandth, or a clip of too many numbers.
+/// Errors of the clip, or [`PlanarError::Mismatch`]: `drawn` or `painting` of another clip,
+/// tolerances below a thousandth, or a clip with too many numbers.
 pub(crate) fn player(
     clip: &PlanarClip,
     drawn: &Drawn,
@@ -92,7 +91,7 @@ pub(crate) fn player(
     Ok(finish(&made, &errors, options.output))
 }
 
-/// The tolerances, checked.
+/// Checks the tolerances.
 pub(super) fn allowed(options: &PlayerOptions) -> Result<Errors, PlanarError> {
     for (at, value) in [
         ("pos_tol_px", options.pos_tol_px),
@@ -109,7 +108,7 @@ pub(super) fn allowed(options: &PlayerOptions) -> Result<Errors, PlanarError> {
     })
 }
 
-/// Text and figures of a clip that is complete.
+/// Text and statistics of a finished clip.
 pub(super) fn finish(made: &PlayerClip, errors: &Errors, output: PlayerOutput) -> PlayerFile {
     let (container, parts) = encode_parts(made);
     PlayerFile {
@@ -126,7 +125,7 @@ pub(super) fn finish(made: &PlayerClip, errors: &Errors, output: PlayerOutput) -
     }
 }
 
-/// Everything but the motion.
+/// The clip without its motion.
 pub(super) fn still_parts(
     clip: &PlanarClip,
     drawn: &Drawn,

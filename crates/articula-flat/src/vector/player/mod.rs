@@ -2,10 +2,10 @@
 //!
 //! Source: `docs/methods/vector.md` 8.3; `docs/formats/artv.md`.
 //!
-//! - [`PlayerClip`]: the noun, what the container holds; [`encode`] and [`decode`] write and read it
+//! - [`PlayerClip`]: content of the container; [`encode`] and [`decode`] write and read it
 //! - [`LiveSource`]: a clip that named inputs drive
-//! - [`PlayerOutput`]: the text around it, with the player's script
-//! - [`PlayerError`]: what can be wrong with bytes
+//! - [`PlayerOutput`]: SVG or module, with the player's script
+//! - [`PlayerError`]: errors of malformed containers
 
 mod clip;
 mod container;

@@ -1,29 +1,29 @@
-//! The text of a file that plays: the script without what the file does not need, and the clip
-//! beside it.
+//! Text of a player file: the script, without the parts that the file does not need, and the clip.
 //!
-//! Source: `docs/methods/vector.md` 8.3. An SVG carries its canvas in a `foreignObject`; inside a web page
-//! it may stand inline, in an `<object>` or in an `<iframe>`, not in an `<img>`, where no script
-//! runs.
+//! Source: `docs/methods/vector.md` 8.3. An SVG carries its canvas in a `foreignObject`; in a web
+//! page it works inline, in an `<object>` or in an `<iframe>`, but not in an `<img>`, where scripts
+//! do not run.
 
 use super::clip::PlayerClip;
 use crate::planar::shading::Shading;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
-/// The readable script.
+/// The script with its comments and indentation.
 const SCRIPT: &str = include_str!("player.js");
 
-/// What kind of file is written.
+/// Kind of file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PlayerOutput {
     /// An SVG that plays where scripts run.
     #[default]
     Svg,
-    /// A JavaScript module: `data`, and `mount(canvas, data, element)`, which gives a promise.
+    /// A JavaScript module that exports `data` and `mount(canvas, data, element)`, which returns a
+    /// promise.
     Module,
 }
 
-/// The script for a clip, as small as it is written.
+/// Minified script for a clip.
 pub(super) fn script(shading: Shading, is_live: bool) -> String {
     let mut script = String::new();
     let mut is_wanted = true;
@@ -42,7 +42,7 @@ pub(super) fn script(shading: Shading, is_live: bool) -> String {
     script
 }
 
-/// The file of a clip whose container is given.
+/// Text of the file of a clip with the given container.
 pub(super) fn page(clip: &PlayerClip, container: &[u8], output: PlayerOutput) -> String {
     let script = script(clip.shading, !clip.inputs.is_empty());
     let data = BASE64_STANDARD.encode(container);
@@ -71,7 +71,7 @@ mod tests {
         ] {
             let script = script(shading, live);
             assert!(script.len() < 2500, "{} bytes", script.len());
-            // CDATA must not end early, a comment must not swallow the rest.
+            // CDATA must not end early, and a comment must not swallow the rest.
             for bad in ["]]>", "//", "\n", "</"] {
                 assert!(!script.contains(bad), "{bad}");
             }
@@ -86,7 +86,7 @@ mod tests {
         for line in SCRIPT.lines().map(str::trim).filter(code) {
             let last = line.chars().last().unwrap();
             let ends = ";,({}=:".contains(last);
-            // Lists go on with a dot or a comma.
+            // Lists continue with a dot or a comma.
             let goes_on = SCRIPT.contains(&format!("{line}\n."))
                 || line.ends_with(')')
                 || line.ends_with(']');

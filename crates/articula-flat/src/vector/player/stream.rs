@@ -1,19 +1,19 @@
 //! Numbers of the player's clip as bytes.
 //!
-//! Source: variable-length quantities as in LEB128 (seven bits a byte, lowest first, the eighth
-//! says that more follow), signed ones folded as zigzag: 0, -1, 1, -2, … A real number is two of
-//! them, `whole / 2^shift`, which a script reads in a few characters.
+//! Source: variable-length quantities as in LEB128 (seven bits per byte, lowest first, the eighth
+//! marks that more follow), signed ones as zigzag: 0, -1, 1, -2, … A real number is two of them,
+//! `whole / 2^shift`, which a script reads in a few characters.
 
 use super::error::PlayerError;
 
-/// Whole numbers have at most this many bits.
+/// Maximum number of bits of an integer.
 const MAX_BITS: u32 = 31;
 
-/// Collects bytes.
+/// Appends numbers to bytes.
 #[derive(Debug, Default)]
 pub(super) struct Writer(pub(super) Vec<u8>);
 
-/// Takes bytes apart.
+/// Reads numbers from bytes.
 #[derive(Debug)]
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
@@ -34,8 +34,8 @@ impl Writer {
         self.unsigned((value << 1 ^ value >> 31) as u32);
     }
 
-    /// Writes a positive number of at most 31 bits exactly, so every `f32` in reach and whatever
-    /// was read; others to the nearest.
+    /// Writes a positive number: exactly if it has at most 31 bits, which includes every `f32` in
+    /// range and every number that was read; otherwise rounded.
     pub(super) fn real(&mut self, value: f64) {
         let mut shift = 0;
         let mut whole = value;
@@ -95,7 +95,7 @@ impl<'a> Reader<'a> {
         Ok(f64::from(whole) / f64::from(shift).exp2())
     }
 
-    /// A count or size from `least` to `most`.
+    /// Reads a count or size from `least` to `most`.
     pub(super) fn count(
         &mut self,
         what: &'static str,

@@ -1,4 +1,4 @@
-//! Clips written for the player and read back; bytes that are none.
+//! Player clips written and read back; malformed containers.
 
 use super::clip::PlayerClip;
 use super::container::{MAGIC, VERSION, encode, encode_parts};
@@ -17,15 +17,15 @@ use proptest::prelude::*;
 use std::io::{Read, Write};
 
 impl PlayerClip {
-    /// All frames as a planar clip over its wedges, so that other writers can draw it. Nearness
-    /// is not known: it is zero everywhere, and [`Self::epochs`] tells the order. With flat
-    /// shading each triangle has wedges of its own colour.
+    /// All frames as a planar clip over its wedges, so that other writers can draw it. Nearness is
+    /// unknown and zero everywhere; the order is in [`Self::epochs`]. With flat shading each
+    /// triangle has wedges of its own colour.
     pub(crate) fn to_planar(&self) -> PlanarClip {
         let frames = (0..self.frames).map(|f| self.planar_frame(f64::from(f)));
         self.planar(frames.collect())
     }
 
-    /// Which triangles are drawn when.
+    /// Visibility of the triangles.
     pub(crate) fn drawn(&self) -> Drawn {
         let mut drawn = Drawn::none(self.frames as usize, self.triangles.len());
         for (t, spans) in self.shown.iter().enumerate() {
@@ -52,7 +52,7 @@ fn flat() -> PlayerOptions {
     }
 }
 
-/// A container around bytes that are packed as they are.
+/// A container around bytes that are stored uncompressed.
 fn wrapped(body: &[u8]) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new([&MAGIC[..], &[VERSION]].concat(), Compression::fast());
     encoder.write_all(body).unwrap();
@@ -108,7 +108,7 @@ fn places_and_light_are_within_the_tolerance_of_the_source() {
         for f in 0..24 {
             let moment = clip.moment(f as f64);
             for (triangle, source) in clip.triangles.iter().zip(&seen) {
-                // Corners may have been turned round.
+                // Corners may have been rotated.
                 let places = cube.places(f, *source as usize);
                 let first = moment.xy[triangle[0] as usize];
                 let nearest = |k: &usize| (first - places[*k]).length();
@@ -303,7 +303,7 @@ fn other_beginnings_are_told_apart() {
     ));
 }
 
-/// Whatever is read can be drawn at any moment and written again.
+/// Whatever is decoded can be drawn at any time and encoded again.
 fn is_sound(clip: &PlayerClip) {
     for frame in [-1.0, 0.3, f64::from(clip.frames)] {
         let moment = clip.moment(frame);
@@ -377,7 +377,7 @@ fn inputs_add_up_and_the_clip_plays_their_weights() {
     assert_eq!(clip.inputs, source.inputs);
     assert!(file.text.contains("articulaInputs"));
     let moment = |frame| clip.moment(frame);
-    // Each wedge is a vertex of the cube; the one that moves is the only one that does.
+    // Each wedge is a vertex of the cube; only one moves.
     let moved = (0..clip.wedge_points.len())
         .find(|w| (moment(1.0).xy[*w] - moment(0.0).xy[*w]).length() > 1.0)
         .unwrap();

@@ -1,18 +1,18 @@
-//! Which triangles, points and wedges a clip of the player has.
+//! Numbering of the triangles, wedges and points of a player clip.
 //!
-//! Source: `docs/methods/vector.md` 8.3. Wedges are numbered as they are first named in painting order,
-//! so that most corners are "the next new one" or one named a little before (W. Hoppe calls the
-//! corner of a triangle with its attributes a wedge); each triangle begins with the corners that
-//! are known already, which are the better guess for the new ones.
+//! Source: `docs/methods/vector.md` 8.3. Wedges (corners with attributes, after H. Hoppe) are
+//! numbered in the order of first use in painting order, so that most corners are the next new one
+//! or one used shortly before; each triangle begins with the corners that are already known, which
+//! predict the new ones better.
 
 use crate::planar::shading::Shading;
 use crate::planar::{Drawn, PlanarClip};
 use std::collections::BTreeMap;
 
-/// Numbered triangles, wedges and points, and the vertices that they come from.
+/// Numbered triangles, wedges and points, and the vertices they come from.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Topology {
-    /// Triangle of the clip for each triangle, in painting order of the first epoch.
+    /// Index in the clip of each triangle, in painting order of the first epoch.
     pub(super) sources: Vec<u32>,
     /// Wedges of each triangle.
     pub(super) triangles: Vec<[u32; 3]>,
@@ -25,7 +25,7 @@ pub(super) struct Topology {
 }
 
 impl Topology {
-    /// Takes the triangles of `order` that are drawn in some frame, each once.
+    /// Numbers the triangles of `order` that are drawn in some frame, each once.
     pub(super) fn new(clip: &PlanarClip, drawn: &Drawn, order: &[u32], shading: Shading) -> Self {
         let places = clip.position_classes();
         let lights = match shading {
@@ -62,8 +62,8 @@ impl Topology {
     }
 }
 
-/// For each column the column before it that it is guessed from, itself if there is none: places
-/// and light of a new wedge are near those of the corner named before it.
+/// Column that predicts each column, itself if there is none: positions and light of a new wedge
+/// are close to those of the corner named before it.
 pub(super) fn parents(triangles: &[[u32; 3]], wedge_points: &[u32], light: bool) -> Vec<u32> {
     let mut of_points: Vec<u32> = Vec::new();
     let mut of_wedges: Vec<u32> = Vec::new();
@@ -85,7 +85,7 @@ pub(super) fn parents(triangles: &[[u32; 3]], wedge_points: &[u32], light: bool)
     columns
 }
 
-/// A number for each vertex, the same for vertices that agree in place, albedo and light in every
+/// Class of each vertex: equal for vertices that agree in position, albedo and light in every
 /// frame.
 fn light_classes(clip: &PlanarClip, places: &[u32]) -> Vec<u32> {
     let mut classes = places.to_vec();
@@ -104,7 +104,7 @@ fn refine<K: Ord>(classes: &mut [u32], key: impl Fn(usize) -> K) {
     }
 }
 
-/// The same turn of corners, begun so that as many known ones as can be come first.
+/// Rotates the corners so that as many known ones as possible come first.
 fn known_first(corners: [u32; 3], is_known: impl Fn(u32) -> bool) -> [u32; 3] {
     let [a, b, c] = corners;
     match corners.map(is_known) {
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
     use crate::planar::clip::fixture;
 
-    /// Two triangles that share an edge by place; with `lit` one corner of it differs in light.
+    /// Two triangles that share an edge by position; with `lit` one corner of it differs in light.
     fn pair(lit: bool) -> (PlanarClip, Drawn) {
         let mut clip = fixture::loose(
             &[

@@ -8,9 +8,9 @@ use std::fmt::{self, Display, Write};
 pub(super) struct Document(String);
 
 impl Document {
-    /// Opens a picture of this many pixels.
+    /// Opens a picture of this size in pixels.
     pub(super) fn new(width: u32, height: u32) -> Self {
-        // Gradients add up to the colours at the corners in sRGB only.
+        // The opacities add up to the corner colours in sRGB only.
         Self(format!(
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" \
              xmlns:xlink=\"http://www.w3.org/1999/xlink\" version=\"1.1\" width=\"{width}\" \
@@ -19,27 +19,27 @@ impl Document {
         ))
     }
 
-    /// What was written so far, to write on.
+    /// The text so far, for appending.
     pub(super) fn text(&mut self) -> &mut String {
         &mut self.0
     }
 
-    /// Closes it; the text and the number of its elements.
+    /// Closes the document; returns the text and the number of its elements.
     pub(super) fn end(mut self) -> (String, usize) {
         self.0.push_str("</svg>\n");
-        // Nothing but elements and the first line has such a bracket.
+        // Only elements and the first line contain this bracket.
         let brackets = self.0.matches('<').count();
         let elements = brackets - self.0.matches("</").count() - 1;
         (self.0, elements)
     }
 }
 
-/// Appends formatted text; a `String` takes everything.
+/// Appends formatted text; writing into a `String` does not fail.
 pub(super) fn put(text: &mut String, arguments: fmt::Arguments<'_>) {
     text.write_fmt(arguments).unwrap_or_default();
 }
 
-/// A closed triangle with absolute coordinates, as `d` has it.
+/// A closed triangle with absolute coordinates, in the form of `d`.
 pub(super) struct Outline(pub(super) [Vec2; 3]);
 
 impl Display for Outline {
@@ -53,7 +53,7 @@ impl Display for Outline {
     }
 }
 
-/// Corners as `points` has them, with so many decimals.
+/// Corners in the form of `points`, with a number of decimals.
 pub(super) struct Points(pub(super) [Vec2; 3], pub(super) usize);
 
 impl Display for Points {
@@ -67,7 +67,7 @@ impl Display for Points {
     }
 }
 
-/// A moment or a length of time in milliseconds, as SVG writes it.
+/// A time or duration in milliseconds, in SVG syntax.
 #[derive(Clone, Copy)]
 pub(super) struct Millis(u64);
 
@@ -77,14 +77,14 @@ impl Display for Millis {
     }
 }
 
-/// When frames begin.
+/// Start times of frames.
 #[derive(Clone, Copy)]
 pub(super) struct Clock {
     fps: f64,
 }
 
 impl Clock {
-    /// A clock of so many frames a second.
+    /// Returns the clock of a frame rate.
     ///
     /// # Errors
     /// [`PlanarError::Mismatch`] if frames are shorter than a millisecond or longer than 1000 s.
@@ -96,12 +96,12 @@ impl Clock {
         Ok(Self { fps: fps.into() })
     }
 
-    /// When a frame begins. Cut, not rounded: at `frame / fps` it has begun in any case.
+    /// Start of a frame. Truncated, not rounded, so that the frame has begun at `frame / fps`.
     pub(super) fn begin(self, frame: usize) -> Millis {
         Millis((frame as f64 / self.fps * 1000.0 + 1e-6) as u64)
     }
 
-    /// Time from the begin of a frame to that of another.
+    /// Time from the start of a frame to that of another.
     pub(super) fn between(self, from: usize, to: usize) -> Millis {
         Millis(self.begin(to).0 - self.begin(from).0)
     }
@@ -130,7 +130,7 @@ mod tests {
         let begins: Vec<String> = (0..4).map(|f| clock.begin(f).to_string()).collect();
         assert_eq!(begins, ["0.000s", "0.033s", "0.066s", "0.100s"]);
         assert_eq!(clock.between(1, 3).to_string(), "0.067s");
-        // 31 / 25 s is not cut to 1.239.
+        // 31 / 25 s is not truncated to 1.239.
         assert_eq!(Clock::new(25.0).unwrap().begin(31).to_string(), "1.240s");
         for fps in [0.001, 12.5, 29.97, 999.0, 1000.0] {
             let clock = Clock::new(fps).unwrap();

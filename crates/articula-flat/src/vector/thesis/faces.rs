@@ -1,14 +1,14 @@
 //! Culling, painting order and colour of whole faces.
 //!
-//! Source: thesis 4.2.1 (view-frustum and back-face culling give one flag a face and frame;
-//! occlusion does not count) and 4.2.2 (sorted by depth at initialisation).
+//! Source: thesis 4.2.1 (view-frustum and back-face culling give one flag per face and frame;
+//! occlusion is ignored) and 4.2.2 (sorted by depth at initialisation).
 
 use crate::planar::order::Painting;
 use crate::planar::{Drawn, PlanarClip, PlanarError};
 use glam::Vec2;
 use std::ops::Range;
 
-/// Which faces are in view when, and in which order they are painted.
+/// Visibility of the faces per frame, and their painting order.
 pub(super) struct Faces {
     flags: Drawn,
     /// Faces that are in view in some frame, far ones first.
@@ -37,7 +37,7 @@ impl Faces {
         Ok(Self { flags, order })
     }
 
-    /// Pairs of a face and a frame that are in view.
+    /// Number of pairs of a face and a frame in view.
     pub(super) fn shown(&self) -> usize {
         let of_face = |t: &u32| self.spans(*t).iter().map(Range::len).sum::<usize>();
         self.order.iter().map(of_face).sum()
@@ -57,7 +57,7 @@ impl Faces {
 /// Whether a face shows its front and is not wholly beyond one side of the view.
 fn is_in_view(corners: [Vec2; 3], size: Vec2) -> bool {
     let [a, b, c] = corners.map(|corner| corner.as_dvec2());
-    // y points down, so a face that is counter-clockwise to the viewer has negative area.
+    // y points down, so a counter-clockwise face has negative area.
     let is_front = (b - a).perp_dot(c - a) < 0.0;
     let beyond = |is_out: &dyn Fn(Vec2) -> bool| corners.iter().all(|corner| is_out(*corner));
     let is_out = beyond(&|p| p.x <= 0.0)
@@ -67,14 +67,14 @@ fn is_in_view(corners: [Vec2; 3], size: Vec2) -> bool {
     is_front && !is_out
 }
 
-/// The one colour of a face in a frame: the mean of its corners', sRGB levels.
+/// Colour of a face in a frame: the mean of its corners' colours, sRGB levels.
 pub(super) fn mean_color(clip: &PlanarClip, frame: usize, face: u32) -> [u8; 3] {
     let corners = clip.triangles[face as usize].map(|v| clip.color(frame, v));
     let mean = |k: usize| (corners[0][k] + corners[1][k] + corners[2][k]) / 3.0;
     levels([mean(0), mean(1), mean(2)])
 }
 
-/// Whole levels, 0 to 255.
+/// Rounds to whole levels, 0 to 255.
 pub(super) fn levels(color: [f32; 3]) -> [u8; 3] {
     color.map(|level| level.round().clamp(0.0, 255.0) as u8)
 }
@@ -114,7 +114,7 @@ mod tests {
         }
         assert_eq!(Faces::of(&clip, 0..2, 0).unwrap().order, [1, 2, 0]);
         assert_eq!(Faces::of(&clip, 0..2, 1).unwrap().order, [0, 1, 2]);
-        // The covered ones stay, which is what the thesis is blamed for.
+        // The covered ones stay, since the thesis ignores occlusion.
         assert_eq!(Faces::of(&clip, 0..2, 0).unwrap().shown(), 6);
     }
 

@@ -1,11 +1,12 @@
-//! One frame with three gradients a face.
+//! One frame with three gradients per face.
 //!
-//! Source: thesis 4.2.4: three copies of a face, each with the colour of one corner that fades to
-//! nothing at the opposite edge; `feComposite` adds them up, `feColorMatrix` mends the opacity of
-//! the sum, and a face of the mean colour lies under it. The opacities are the barycentric weights,
-//! so the sum is the Gouraud colour. Differs: the copies come in by `feImage`, the only way that
-//! browsers of today know; they place its picture by the filter's region, which is why that
-//! begins at the picture's corner (10 bytes a face, and much time).
+//! Source: thesis 4.2.4: three copies of a face, each in the colour of one corner with an opacity
+//! that falls to zero at the opposite edge; `feComposite` adds them, `feColorMatrix` restores the
+//! opacity of the sum, and a face in the mean colour lies under it. The opacities are the
+//! barycentric weights, so the sum is the Gouraud colour. Differs: the copies are inserted by
+//! `feImage`, the only element for it that current browsers support; it places its picture by the
+//! filter region, which therefore begins at the picture's corner (10 bytes per face, and slow to
+//! render).
 
 use super::document::{Points, put};
 use super::faces::{levels, mean_color};
@@ -62,11 +63,11 @@ struct Line {
     to: Vec2,
 }
 
-/// From a corner to the foot of its height, where its colour is gone.
+/// Line from a corner to the foot of its height, where its colour has faded out.
 fn fade(corners: [Vec2; 3], corner: usize) -> Line {
     let [from, p, q] = [0, 1, 2].map(|i| corners[(corner + i) % 3].as_dvec2());
     let edge = q - p;
-    // A face in view has area, so no edge is without length.
+    // A face in view has area, so no edge has length 0.
     let to = p + edge * ((from - p).dot(edge) / edge.length_squared());
     Line {
         from: from.as_vec2(),

@@ -1,12 +1,11 @@
-//! The vector graphics of the thesis, as it describes them: the baseline that ratios are
-//! measured against.
+//! The vector graphics of the thesis, as it describes them: the baseline of size ratios.
 //!
-//! Source: thesis 4.2, 6.2.2; `docs/methods/vector.md` 8.6. Triangles are sorted by depth once, at the
-//! neutral frame; whole faces are switched by back-face and frustum culling, never by occlusion;
-//! a face has one colour, and Gouraud shading is for stills. It plays once and stays at its last
-//! frame, as nothing else is said. Differs: the figures with the SVG text are lost to us, so the
-//! wording of the elements is ours, chosen so that the sizes come near the printed ones
-//! ([`formula_bytes`]); faces that are in view in no frame are left out.
+//! Source: thesis 4.2, 6.2.2; `docs/methods/vector.md` 8.6. Triangles are sorted by depth once, at
+//! the neutral frame; whole faces are switched by back-face and frustum culling, never by
+//! occlusion; a face has one colour, and Gouraud shading is for stills. The file plays once and
+//! stays at its last frame, since the thesis does not specify otherwise. Differs: the figures with
+//! the SVG text are lost, so the element wording is ours, chosen so that the sizes are close to the
+//! printed ones ([`formula_bytes`]); faces that are in view in no frame are left out.
 //!
 //! - `document`: head and tail of a file, and its clock
 //! - `faces`: culling, painting order and colour of faces
@@ -22,33 +21,33 @@ use crate::planar::{PlanarClip, PlanarError};
 use document::{Clock, Document};
 use faces::Faces;
 
-/// Most bytes that are written, about.
+/// Approximate maximum number of bytes written.
 const MAX_BYTES: usize = 1 << 30;
 
-/// How the thesis turns a clip into SVG elements.
+/// SVG elements that the thesis uses for a clip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ThesisForm {
     /// A `polygon` for each face and frame in view, shown for that frame.
     Polygon,
     /// A `path` for each face, with the absolute coordinates of every frame.
     Path,
-    /// One frame with three gradients a face.
+    /// One frame with three gradients per face.
     GouraudStill {
-        /// The frame.
+        /// Index of the frame.
         frame: usize,
     },
 }
 
-/// What is written, and which optimisations of thesis 4.2.3 the form [`ThesisForm::Path`] has.
+/// Form, and the optimisations of thesis 4.2.3 for [`ThesisForm::Path`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ThesisSvgOptions {
-    /// The elements.
+    /// SVG elements that are written.
     pub form: ThesisForm,
-    /// Coordinates are left out while a face is hidden.
+    /// Whether coordinates are omitted while a face is hidden.
     pub optimise_hidden: bool,
-    /// Coordinates are left out while a face is in view and stays where it is.
+    /// Whether coordinates are omitted while a face is in view and does not move.
     pub optimise_static: bool,
-    /// The frame whose depths give the painting order, and whose light the colours of paths.
+    /// Frame whose depths give the painting order, and whose light gives the colours of paths.
     pub neutral_frame: usize,
 }
 
@@ -63,21 +62,21 @@ impl Default for ThesisSvgOptions {
     }
 }
 
-/// A file as the thesis would have written it.
+/// An SVG file in a form of the thesis.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ThesisFile {
     /// The SVG.
     pub text: String,
     /// Number of its elements, the root included.
     pub elements: usize,
-    /// Faces that it shows; what the thesis calls nbp.
+    /// Number of faces in view in some frame; *nbp* in the thesis.
     pub triangles: usize,
-    /// Pairs of a face and a frame that it shows.
+    /// Number of pairs of a face and a frame in view.
     pub shown: usize,
 }
 
-/// Bytes that the thesis states (6.2.2): `286 nbp nbf` for polygons, `352 nbp + 56 nbp nbf` for
-/// paths, 1252 for each face of a Gouraud still.
+/// Size in bytes that the thesis states (6.2.2): `286 nbp nbf` for polygons, `352 nbp + 56 nbp nbf`
+/// for paths, 1252 for each face of a Gouraud still.
 pub(crate) fn formula_bytes(form: ThesisForm, triangles: usize, frames: usize) -> usize {
     match form {
         ThesisForm::Polygon => 286 * triangles * frames,
@@ -86,12 +85,12 @@ pub(crate) fn formula_bytes(form: ThesisForm, triangles: usize, frames: usize) -
     }
 }
 
-/// Writes a clip as the thesis does.
+/// Writes a clip as an SVG in a form of the thesis.
 ///
 /// O(faces x frames).
 ///
 /// # Errors
-/// What is wrong with the clip; [`PlanarError::NothingSeen`] if no face is in view;
+/// Errors of the clip; [`PlanarError::NothingSeen`] if no face is in view;
 /// [`PlanarError::Mismatch`] for a frame that the clip does not have, frames shorter than a
 /// millisecond, or a file above a gigabyte.
 pub fn thesis(clip: &PlanarClip, options: &ThesisSvgOptions) -> Result<ThesisFile, PlanarError> {
@@ -130,8 +129,8 @@ pub fn thesis(clip: &PlanarClip, options: &ThesisSvgOptions) -> Result<ThesisFil
     })
 }
 
-/// What a file of flat faces shows at a moment, given in frames, as still SVG: for readers that do
-/// not play, such as [`super::raster`]. Paths run straight from frame to frame, polygons jump.
+/// Returns what a file of flat faces shows at a time in frames, as still SVG: for readers without
+/// animation, such as [`super::raster`]. Paths are interpolated between frames, polygons switch.
 ///
 /// # Errors
 /// As [`thesis`].
@@ -141,7 +140,7 @@ pub(crate) fn thesis_frame(
     moment: f64,
 ) -> Result<String, PlanarError> {
     clip.check()?;
-    // What is negative or not finite becomes a frame that there is not.
+    // A negative or non-finite time becomes a frame that does not exist.
     let frame = if moment >= 0.0 { moment } else { f64::MAX } as usize;
     has_frame(clip, "moment", frame)?;
     let next = (frame + 1).min(clip.frames.len() - 1);

@@ -1,12 +1,12 @@
-//! A `path` for each face, with the absolute coordinates of every frame, and the thesis'
-//! optimisations of it.
+//! A `path` for each face, with the absolute coordinates of every frame, and its optimisations.
 //!
 //! Source: thesis 4.2.2 and 4.2.3. The colour is that of the neutral frame.
 //!
-//! 1. Hidden: the `animate` ends where the face is hidden and another begins where it comes back.
-//! 2. Static: where a face is in view and stays, its coordinates are written once, by an
-//!    `animate` of their own, or else by `keyTimes`; the first if there are more than 200/13
-//!    frames to a static sequence (two more tags take 200 bytes, a key time takes 13).
+//! 1. Hidden: the `animate` ends where the face is hidden and another begins where it is shown
+//!   again.
+//! 2. Static: where a face is in view and does not move, its coordinates are written once, by a
+//!   separate `animate` or else by `keyTimes`; by the former if there are more than 200/13 frames
+//!   per static sequence (two more tags take 200 bytes, a key time takes 13).
 
 use super::ThesisSvgOptions;
 use super::document::{Clock, Outline, put};
@@ -14,10 +14,10 @@ use super::faces::{Faces, mean_color};
 use crate::planar::PlanarClip;
 use std::ops::{Range, RangeInclusive};
 
-/// Frames in which a face stays where it is, from its first to its last.
+/// Frames in which a face does not move, first and last included.
 type Still = RangeInclusive<usize>;
 
-/// Fewest frames of a static sequence: of two, none could be left out.
+/// Minimum number of frames of a static sequence: of two, none could be omitted.
 const FEWEST_STILL: usize = 3;
 
 /// Appends all paths in painting order.
@@ -72,7 +72,7 @@ impl Track<'_> {
         Outline(self.clip.places(frame, self.face as usize))
     }
 
-    /// Static sequences within the spans in which the face is in view, rising.
+    /// Static sequences within the spans in which the face is in view, ascending.
     fn stills(&self, spans: &[Range<usize>]) -> Vec<Still> {
         let mut stills = Vec::new();
         for span in spans {
@@ -105,7 +105,7 @@ impl Track<'_> {
         );
     }
 
-    /// One tag for each time in view and each time hidden.
+    /// Writes one tag for each span in view and each span hidden.
     fn write_visibility(&self, spans: &[Range<usize>], text: &mut String) {
         let frames = self.clip.frames.len();
         let mut at = 0;
@@ -132,7 +132,7 @@ impl Track<'_> {
         );
     }
 
-    /// The coordinates of a span of frames, with the static sequences in it merged.
+    /// Writes the coordinates of a span of frames, with the static sequences in it merged.
     fn write_span(&self, span: &Range<usize>, all_stills: &[Still], text: &mut String) {
         let last = span.end - 1;
         let within = |still: &&Still| span.contains(still.start());
@@ -154,7 +154,7 @@ impl Track<'_> {
             self.write_held(start, end, text);
             at = end;
         }
-        // A span of one frame has nothing to move to, but something to show.
+        // A span of one frame has no motion, but is shown.
         if at < last {
             self.write_animate(&(at..=last).collect::<Vec<_>>(), text);
         } else if span.len() == 1 {
@@ -162,13 +162,13 @@ impl Track<'_> {
         }
     }
 
-    /// An `animate` with a single key.
+    /// Writes an `animate` with a single key.
     fn write_held(&self, start: usize, end: usize, text: &mut String) {
         self.open_animate(start, end, text);
         put(text, format_args!("{}\"/>\n", self.outline(start)));
     }
 
-    /// An `animate` with two keys or more, and `keyTimes` unless they are evenly spaced.
+    /// Writes an `animate` with two or more keys, and `keyTimes` unless they are evenly spaced.
     fn write_animate(&self, keys: &[usize], text: &mut String) {
         let [first, .., last] = keys else {
             if let [only] = keys {

@@ -1,9 +1,9 @@
 //! A `polygon` for each face and frame in view.
 //!
-//! Source: thesis 4.2.2: a polygon cannot be deformed, so a face takes a series of them, each
-//! visible for one frame. A pair of face and frame that is hidden takes none, which is what
-//! the printed sizes of the pyramid say (6.2.2: both formulas give them for one number of frames
-//! only if four or five of the eight faces have polygons). The colour is that of the frame.
+//! Source: thesis 4.2.2: a polygon cannot be deformed, so a face needs a series of them, each
+//! visible for one frame. A hidden pair of face and frame has none, which follows from the printed
+//! sizes of the pyramid (6.2.2: both formulas agree on the number of frames only if four or five of
+//! the eight faces have polygons). The colour is that of the frame.
 
 use super::document::{Clock, Points, put};
 use super::faces::{Faces, mean_color};
@@ -21,7 +21,7 @@ pub(super) fn write(clip: &PlanarClip, faces: &Faces, clock: Clock, text: &mut S
     }
 }
 
-/// Appends the polygon of a face that nothing switches.
+/// Appends the polygon of a face without animation.
 pub(super) fn write_still(
     face: u32,
     corners: [Vec2; 3],
@@ -52,7 +52,7 @@ fn write_one(clip: &PlanarClip, (face, frame): (u32, usize), clock: Clock, text:
     );
     let is_last = frame + 1 == clip.frames.len();
     let (begin, length) = (clock.begin(frame), clock.between(frame, frame + 1));
-    // The first frame is what a viewer without animation shows, so it is hidden when it is over.
+    // Viewers without animation show the first frame, so its polygon is hidden when the frame ends.
     if is_first && !is_last {
         put(
             text,

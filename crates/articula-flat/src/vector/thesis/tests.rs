@@ -1,4 +1,4 @@
-//! Sizes as printed, and what a player shows.
+//! Sizes as printed in the thesis, and what a renderer shows.
 
 use super::*;
 use crate::planar::clip::fixture::{loose, turning_cube};
@@ -18,8 +18,8 @@ fn options(form: ThesisForm) -> ThesisSvgOptions {
     }
 }
 
-/// The pyramid of thesis 6.2.2: eight faces (four sides, a base of four), turned by a user now
-/// and then for twelve seconds. Both printed sizes of its paths say 34 frames a second.
+/// The pyramid of thesis 6.2.2: eight faces (four sides, a base of four), turned intermittently by
+/// a user for twelve seconds. Both printed sizes of its paths imply 34 frames per second.
 fn pyramid() -> PlanarClip {
     let corners = [
         Vec3::new(-1.0, -0.6, -1.0),
@@ -48,7 +48,7 @@ fn pyramid() -> PlanarClip {
         albedo: vec![[200.0, 180.0, 90.0]; 6],
     };
     for f in 0..frames {
-        // Every three seconds, one and a half of turning.
+        // One and a half seconds of turning every three seconds.
         let (drag, since) = (f / 102, f % 102);
         if since >= 51 {
             let axis = [Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.0), Vec3::NEG_X][drag];
@@ -68,7 +68,7 @@ fn pyramid() -> PlanarClip {
     clip
 }
 
-/// `value` within a share of `of`.
+/// Whether `value` is within a fraction of `of`.
 fn near(value: usize, of: f64, share: f64) -> bool {
     (value as f64 / of - 1.0).abs() <= share
 }
@@ -82,8 +82,8 @@ fn the_pyramid_has_the_sizes_of_the_thesis() {
     let formula = formula_bytes(PATH, 8, clip.frames.len());
     assert!(near(path.text.len(), formula as f64, 0.02));
     assert!(near(path.text.len(), 185e3, 0.03));
-    // 529 kB of polygons: for every face in view in a frame. How many those are is up to the
-    // user who turned it; ours shows 4.0 faces a frame, the printed sizes imply 4.5.
+    // 529 kB of polygons: for every face in view in a frame. Their number depends on the user who
+    // turned it; this one shows 4.0 faces per frame, the printed sizes imply 4.5.
     let polygon = thesis(&clip, &options(POLYGON)).unwrap();
     assert_eq!(polygon.shown, path.shown);
     let formula = formula_bytes(POLYGON, 1, polygon.shown);
@@ -164,7 +164,7 @@ fn wrong_frames_and_what_is_out_of_view_are_told() {
 
 #[test]
 fn who_does_not_play_sees_the_first_frame() {
-    // The first frame is another than the neutral one, and has another light.
+    // The first frame differs from the neutral one and has other light.
     let clip = turning_cube(9);
     for form in [POLYGON, PATH] {
         let options = ThesisSvgOptions {
@@ -175,7 +175,7 @@ fn who_does_not_play_sees_the_first_frame() {
         let file = raster(&thesis(&clip, &options).unwrap().text, [255; 4]).unwrap();
         let of = |f: f64| raster(&thesis_frame(&clip, &options, f).unwrap(), [255; 4]).unwrap();
         assert!(file == of(0.0) && file != of(1.0));
-        // Between two frames a path is under way, a polygon is not.
+        // Between two frames a path moves, a polygon does not.
         assert_eq!(of(0.5) == of(0.0), form == POLYGON);
         for bad in [9.0, -0.1, f64::NAN, f64::INFINITY] {
             assert!(thesis_frame(&clip, &options, bad).is_err());
@@ -183,8 +183,9 @@ fn who_does_not_play_sees_the_first_frame() {
     }
 }
 
-/// What a player shows of a file at a moment: faces in painting order, each with its outline as
-/// coordinates. Slow and separate from the writer: the last that began wins, and is frozen.
+/// What a renderer shows of a file at a time: faces in painting order, each with the coordinates of
+/// its outline. Slow and independent of the writer: the last animation that began applies, and is
+/// frozen.
 fn played(text: &str, secs: f64) -> Vec<(String, Vec<f64>)> {
     let xml = Xml::parse(text).unwrap();
     let shapes = xml.root_element().children().filter(Node::is_element);
@@ -262,7 +263,7 @@ fn one_frame_stays() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Whatever is left out, every frame shows the same faces at the same places.
+    /// All optimisations show the same faces at the same positions in every frame.
     #[test]
     fn all_forms_and_optimisations_show_the_same(
         held in prop::collection::vec(0usize..40, 40),
@@ -271,7 +272,7 @@ proptest! {
         neutral_frame in 0usize..40,
     ) {
         let mut clip = turning_cube(40);
-        // Frames that repeat others: still in places, and with jumps.
+        // Frames that repeat others: at rest in intervals, and with jumps.
         let mut frame = 0;
         for (f, to) in held.iter().enumerate() {
             frame = if *to < 12 { *to } else { frame };

@@ -1,8 +1,9 @@
-//! Levels as nodes of `MSFT_lod`, for engines that know that extension and not ours.
+//! Levels as nodes of `MSFT_lod`, for engines that support that extension and not
+//! `ARTICULA_clustered_mesh`.
 //!
-//! Source: MSFT_lod, and for the shares of the screen Babylon.js and the guidelines of Windows
-//! Mixed Reality: the area of a mesh's bounding sphere on the screen over the area of the screen.
-//! Level nodes share skin and vertices with the finest: of each array they take a prefix.
+//! Source: MSFT_lod; screen coverage as in Babylon.js and the guidelines of Windows Mixed Reality:
+//! the projected area of a mesh's bounding sphere divided by the area of the screen. Level nodes
+//! share skin and vertices with the finest: they use a prefix of each array.
 
 use super::read::read_part;
 use crate::error::ReadError;
@@ -21,16 +22,15 @@ use std::collections::{BTreeMap, BTreeSet};
 const LOD: &str = "MSFT_lod";
 const COVERAGE: &str = "MSFT_screencoverage";
 
-/// Error of a level that may be seen, pixels.
+/// Acceptable error of a level, in pixels.
 const ERROR_PX: f32 = 1.0;
-/// Width and height of the screen that levels are chosen for, pixels.
+/// Width and height of the reference screen, in pixels.
 const SCREEN_PX: [u32; 2] = [1920, 1080];
 
-/// The share of the screen that the mesh covers where the error of a level in motion, judged
-/// as levels are chosen by ([`lod_error_metres`]), is what may be seen: from there down the
-/// level is good enough.
+/// Returns the screen coverage of the mesh at which the error of a level in motion
+/// ([`lod_error_metres`]) equals the acceptable error; the level is good enough from there down.
 ///
-/// With `k = ERROR_PX / error_metres` pixels a metre, the ball covers `pi (radius k)^2` of
+/// With `k = ERROR_PX / error_metres` pixels per metre, the sphere covers `pi (radius k)^2` of
 /// `width * height` pixels.
 fn coverage(radius_metres: f32, levels: &LevelTable, level: usize) -> f32 {
     let error = levels.levels.get(level).map_or(f32::INFINITY, |l| {
@@ -46,9 +46,9 @@ fn coverage(radius_metres: f32, levels: &LevelTable, level: usize) -> f32 {
 }
 
 impl Document {
-    /// Shows the levels of a node's mesh, which [`Document::set_mesh_levels`] wrote, as nodes that
-    /// stand in for it as it gets smaller on a screen of 1920 by 1080, where a pixel of error may
-    /// be seen. `radius_metres` is that of the ball around the mesh at rest.
+    /// Adds the levels of a node's mesh, written by [`Document::set_mesh_levels`], as nodes that
+    /// replace it as it becomes smaller on a screen of 1920 by 1080 pixels with an acceptable error
+    /// of one pixel. `radius_metres` is the radius of the bounding sphere of the mesh at rest.
     ///
     /// # Errors
     /// [`WriteError::Mismatch`] if the mesh of the node has no levels, or not as many as the table.
@@ -76,7 +76,7 @@ impl Document {
             coverages.push(least);
             let parts = self.level_primitives((node, level), &objects, &mut arrays);
             if parts.is_empty() {
-                // Nothing is left to show from here down.
+                // All coarser levels are empty too.
                 break;
             }
             ids.push(self.add_level_node(node, parts));
@@ -96,7 +96,7 @@ impl Document {
         Ok(())
     }
 
-    /// The levels of each primitive of a node's mesh that has some.
+    /// Returns the levels of each primitive of a node's mesh that has some.
     fn stored_levels(&self, node: usize) -> Result<Vec<(usize, ClusteredTriangles)>, ReadError> {
         let limits = Limits::default();
         let mut reader = Reader::new(self, &limits, Notes::default());
@@ -114,7 +114,7 @@ impl Document {
         Ok(found)
     }
 
-    /// The primitives that a level of a node's mesh shows.
+    /// Returns the primitives that a level of a node's mesh shows.
     fn level_primitives(
         &mut self,
         (node, level): (usize, usize),
@@ -142,7 +142,7 @@ impl Document {
         out
     }
 
-    /// Puts accessors of the first vertices in the place of those of all.
+    /// Replaces accessors of all vertices by accessors of the first ones.
     fn take_prefixes(
         &mut self,
         owner: Option<&mut Value>,
@@ -160,7 +160,7 @@ impl Document {
         }
     }
 
-    /// An accessor of the first elements of another, over the same bytes.
+    /// Adds an accessor of the first elements of another, over the same bytes.
     fn add_prefix(&mut self, all: usize, count: u32) -> usize {
         let mut accessor = self.json["accessors"][all].clone();
         if index(&accessor, "count") == Some(count as usize) {
@@ -172,7 +172,7 @@ impl Document {
             let reader = Reader::new(self, &limits, Notes::default());
             let place = reader.root.entry("accessors", all);
             let overlay = place.and_then(|p| reader.accessor_at(p).ok());
-            // Sparse elements rise: those of the prefix come first.
+            // Sparse indices ascend, so those of the prefix come first.
             let kept = overlay.as_ref().and_then(|a| a.overlay().ok());
             let kept = kept.map_or(0, |o| o.range(..count as usize).count());
             if kept == 0 {
@@ -184,7 +184,8 @@ impl Document {
         self.add_accessor(accessor)
     }
 
-    /// An accessor of the triangles of a level: a part of the stored list if they are one range.
+    /// Adds an accessor of the triangles of a level: a part of the stored list if they are one
+    /// range.
     fn level_indices(&mut self, object: &ClusteredTriangles, level: usize, all: usize) -> usize {
         let mut accessor = self.json["accessors"][all].clone();
         let is_short = index(&accessor, "componentType") == Some(5123);
@@ -213,8 +214,8 @@ impl Document {
         self.add_accessor(accessor)
     }
 
-    /// A node in no scene that shows primitives where another node stands, and what of the other's
-    /// mesh has no levels, such as lines.
+    /// Adds a node outside of all scenes that shows primitives with the transform of another node,
+    /// together with the primitives of the other's mesh that have no levels, such as lines.
     fn add_level_node(&mut self, node: usize, mut primitives: Vec<Value>) -> usize {
         let fine = self.json["nodes"][node].clone();
         let mut mesh = self.json["meshes"][index(&fine, "mesh").unwrap_or(0)].clone();
@@ -229,7 +230,7 @@ impl Document {
         let mut value = json!({"mesh": push(&mut self.json, "meshes", mesh)});
         let placed = ["matrix", "translation", "rotation", "scale"];
         for key in ["name", "skin", "weights"].into_iter().chain(placed) {
-            // The transform of a skinned node means nothing.
+            // The transform of a skinned node has no effect.
             if fine.get("skin").is_some() && placed.contains(&key) {
                 continue;
             }
@@ -240,8 +241,8 @@ impl Document {
         push(&mut self.json, "nodes", value)
     }
 
-    /// Takes the levels of `MSFT_lod` from a node. Nodes that only stood in for it show nothing
-    /// any longer.
+    /// Removes the `MSFT_lod` levels of a node. Nodes that were only levels of it no longer show a
+    /// mesh.
     pub(super) fn clear_level_nodes(&mut self, node: usize) {
         let value = &mut entries_mut(&mut self.json, "nodes")[node];
         let Some(taken) = take(value, "extensions", LOD) else {
@@ -270,7 +271,7 @@ impl Document {
         }
     }
 
-    /// Nodes that a scene or another node names.
+    /// Returns the nodes that a scene or another node refers to.
     fn shown_nodes(&mut self) -> BTreeSet<usize> {
         let mut found = BTreeSet::new();
         for (list, key) in [("scenes", "nodes"), ("nodes", "children")] {
@@ -287,12 +288,12 @@ impl Document {
     }
 }
 
-/// An object member, made if it is not there.
+/// Returns an object member, created if absent.
 fn member<'a>(owner: &'a mut Value, key: &str) -> &'a mut Value {
     object(owner).entry(key).or_insert_with(|| json!({}))
 }
 
-/// Takes a member of a member, and the latter if nothing is left in it.
+/// Removes and returns a member of a member, and removes the latter if it becomes empty.
 fn take(owner: &mut Value, key: &str, name: &str) -> Option<Value> {
     let members = owner.get_mut(key)?.as_object_mut()?;
     let taken = members.shift_remove(name);

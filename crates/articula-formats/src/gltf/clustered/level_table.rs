@@ -11,7 +11,7 @@ use articula_core::source::RawMesh;
 use articula_core::{LevelRow, LevelTable, SurfaceError};
 use serde_json::{Value, json};
 
-/// The table as JSON. Errors that are not known, infinite here, are left out there.
+/// Returns the table as JSON. Unknown errors, infinite in memory, are omitted.
 pub(super) fn table(levels: &LevelTable) -> Result<Value, WriteError> {
     let mut rows = Vec::new();
     for (l, level) in levels.levels.iter().enumerate() {
@@ -46,8 +46,8 @@ fn members(error: &SurfaceError) -> [(&'static str, f32); 4] {
     ]
 }
 
-/// The table, if meshes that were read have levels. A broken one is a warning: the levels can be
-/// drawn, but nobody knows what they lose.
+/// Reads the table, if meshes that were read have levels. A broken one is a warning: the levels can
+/// be drawn, but their errors are unknown.
 pub(in crate::gltf) fn read_levels(
     reader: &mut Reader<'_>,
     meshes: &[RawMesh],
@@ -64,7 +64,7 @@ pub(in crate::gltf) fn read_levels(
     }
 }
 
-/// Number of levels that the table of the document has.
+/// Returns the number of levels in the table of the document.
 pub(super) fn count(root: &Place<'_>) -> usize {
     let extension = root.dig(&["extensions", CLUSTERED_MESH]);
     extension.map_or(0, |e| e.count("levels").min(MAX_LEVELS + 1))
@@ -95,7 +95,7 @@ fn read_table(extension: &Place<'_>, levels: usize) -> Result<LevelTable, ReadEr
 fn read_row(row: &Place<'_>) -> Result<LevelRow, ReadError> {
     let error = |key| -> Result<SurfaceError, ReadError> {
         let Some(place) = row.get(key) else {
-            // Nothing is known about this level.
+            // The errors of this level are unknown.
             return Ok(SurfaceError {
                 max_metres: f32::INFINITY,
                 p99_metres: f32::INFINITY,

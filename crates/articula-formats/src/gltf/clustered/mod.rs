@@ -1,14 +1,14 @@
 //! The extension `ARTICULA_clustered_mesh`: levels of meshes as ranges of stored triangles.
 //!
-//! Vertices of a primitive stand in the order in which level after level adds them, and its own
-//! index list is the finest level, so that any viewer shows that. The extension of the primitive
-//! names a longer index list, of which the primitive's own is the first part, and says which
-//! levels show which triangles of it. The extension of the document has a row for each level.
-//! The page is `docs/formats/ARTICULA_clustered_mesh.md`, the schema stands beside it.
+//! Vertices of a primitive are in the order in which successive levels add them, and its own index
+//! list is the finest level, so any viewer shows that. The primitive's extension names a longer
+//! index list that begins with the primitive's own, and states which levels show which of its
+//! triangles. The document's extension has a row for each level. The page is
+//! `docs/formats/ARTICULA_clustered_mesh.md`; the schema is next to it.
 //!
-//! - `write`, `level_table`: levels into a document
-//! - `read`: levels out of a document
-//! - `version`: from which end older documents count levels
+//! - `write`, `level_table`: write levels into a document
+//! - `read`: reads levels from a document
+//! - `version`: order of levels in older documents
 //! - `level_nodes`: the same levels as nodes of `MSFT_lod`
 
 mod level_nodes;

@@ -1,4 +1,4 @@
-//! Levels out of a document, believed only after every number was compared.
+//! Reading of levels from a document, after validation of all indices.
 
 use super::level_table;
 use super::version::{Counts, MAX_LEVELS};
@@ -10,8 +10,8 @@ use crate::gltf::reader::Reader;
 use articula_core::source::Primitive;
 use articula_core::{Cluster, ClusteredTriangles, Clusters};
 
-/// The levels of each part of a mesh; none, with a warning, if anything is wrong with any: the
-/// finest level, which the primitives show without them, is there in any case.
+/// Reads the levels of each part of a mesh; empty, with a warning, if any is invalid. The finest
+/// level is shown by the primitives in any case.
 pub(in crate::gltf) fn read_parts(
     reader: &mut Reader<'_>,
     mesh: &Place<'_>,
@@ -56,7 +56,7 @@ fn try_read(
             );
             return Err(extension.malformed(what));
         }
-        // Of vertices that several primitives share not all were kept: this fails then.
+        // Fails if several primitives share vertices, of which not all were kept.
         let fits = object.check(part.positions.len());
         fits.map_err(|e| extension.malformed(e.to_string()))?;
         if !object.level(0).eq(part.triangles.iter().copied()) {
@@ -67,7 +67,7 @@ fn try_read(
     Ok(out)
 }
 
-/// What the extension of a primitive says, with its own numbers in order.
+/// Reads the extension of a primitive and validates it on its own.
 pub(super) fn read_part(
     reader: &mut Reader<'_>,
     extension: &Place<'_>,

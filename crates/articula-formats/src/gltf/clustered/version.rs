@@ -1,4 +1,4 @@
-//! Versions of the extension: from which end its objects count levels.
+//! Versions of the extension, which differ in the order of levels.
 
 use crate::error::ReadError;
 use crate::gltf::place::Place;
@@ -6,11 +6,11 @@ use crate::gltf::place::Place;
 /// The version that is written.
 pub(super) const VERSION: u64 = 2;
 
-/// Most levels that are read or written: whoever asks for each of them is done in time.
+/// Maximum number of levels that are read or written; bounds the time of loops over all levels.
 pub(super) const MAX_LEVELS: usize = 256;
 
-/// How an object of the extension counts levels. The only place that knows of another way than
-/// from the finest, 0.
+/// Order in which an object of the extension counts levels. Outside of this module levels always
+/// count from the finest, 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Counts {
     FromFinest,
@@ -19,7 +19,7 @@ pub(super) enum Counts {
 }
 
 impl Counts {
-    /// That of an object of the extension.
+    /// Returns the order used by an object of the extension.
     pub(super) fn of(extension: &Place<'_>) -> Result<Self, ReadError> {
         let Some(version) = extension.get("version") else {
             return Ok(Self::FromCoarsest);
@@ -31,7 +31,7 @@ impl Counts {
         }
     }
 
-    /// What there is one of for each level, finest first.
+    /// Converts a list with one entry per level to finest first.
     pub(super) fn list<T>(self, mut stored: Vec<T>) -> Vec<T> {
         if self == Self::FromCoarsest {
             stored.reverse();
@@ -39,8 +39,8 @@ impl Counts {
         stored
     }
 
-    /// Number of a level from the finest, for its number in the document; `None` if there is no
-    /// such level among `count`.
+    /// Converts a level index of the document to one from the finest; `None` if there is no such
+    /// level among `count`.
     pub(super) fn level(self, stored: usize, count: usize) -> Option<usize> {
         let from_the_other_end = count.checked_sub(1)?.checked_sub(stored)?;
         Some(match self {

@@ -1,4 +1,4 @@
-//! Levels into a document: every array of a primitive in the order of the levels.
+//! Writing of levels into a document: every array of a primitive in the order of the levels.
 
 use super::version::{MAX_LEVELS, VERSION};
 use crate::error::ReadError;
@@ -17,60 +17,59 @@ use articula_core::{Cluster, ClusteredTriangles, Clusters, LevelTable};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Vertices that 16 bits can number; 65535 itself would restart a strip.
+/// Maximum number of vertices for 16-bit indices; index 65535 would restart a strip.
 const MAX_SHORT: usize = 65535;
 
-/// Extensions of primitives that say nothing of single vertices but by attributes.
+/// Extensions of primitives that refer to single vertices only through attributes.
 const HARMLESS: &[&str] = &[
     CLUSTERED_MESH,
     "EXT_mesh_features",
     "KHR_materials_variants",
 ];
 
-/// The levels of one part of a mesh, as `articula_build::cluster` makes them with the order
-/// `Store`.
+/// Levels of one part of a mesh, as `articula_build::cluster` makes them with the order `Store`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartLevels<'a> {
-    /// For each stored vertex its number in the part as read.
+    /// For each stored vertex, its index in the part as read.
     pub vertices: &'a [u32],
-    /// Stored triangles, numbering the above; the finest level first, in one range.
+    /// Stored triangles, indexing `vertices`; the finest level first, in one range.
     pub triangles: &'a [[u32; 3]],
-    /// Which levels show which of them.
+    /// The levels that show each of them.
     pub clusters: &'a Clusters,
 }
 
-/// The levels of all parts of the mesh that a node shows.
+/// Levels of all parts of the mesh that a node shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshParts<'a> {
-    /// The node, as `node_of_mesh` of [`GltfFile`](crate::gltf::GltfFile) has it.
+    /// The node, as in `node_of_mesh` of [`GltfFile`](crate::gltf::GltfFile).
     pub node: usize,
-    /// One for each primitive of the mesh as read.
+    /// One entry for each primitive of the mesh as read.
     pub parts: Vec<PartLevels<'a>>,
 }
 
 /// A primitive with its vertices in a new order, not yet in the document.
 struct NewPrimitive {
     primitive: usize,
-    /// Attribute or, with the index of its target, morph target, and which array it names.
+    /// Index of the morph target (`None` for an attribute), attribute name, and index of its array.
     slots: Vec<(Option<usize>, String, usize)>,
     arrays: Vec<Reordered>,
 }
 
 impl Document {
-    /// Gives meshes levels, and the document the table of them.
+    /// Writes levels of meshes, and their table into the document.
     ///
-    /// All arrays of vertices get the order of the levels (attributes of every kind and morph
-    /// targets, bytes of elements as they were, sparse ones sparse); vertices that no level uses
-    /// go. Strips, fans and triangles without indices become indexed triangles; points and
-    /// lines stay as they are. A mesh that several nodes show is stored once as long as they are
-    /// given the same levels. What nothing names any longer is dropped.
+    /// All vertex arrays are reordered by level (attributes of every kind and morph targets; the
+    /// bytes of elements are unchanged, sparse ones stay sparse), and vertices that no level uses
+    /// are dropped. Strips, fans and triangles without indices become indexed triangles; points and
+    /// lines stay as they are. A mesh that several nodes use is stored once if they are given the
+    /// same levels. Data that is no longer referenced is dropped.
     ///
-    /// Levels of before, also those of `MSFT_lod` on these nodes, are replaced.
+    /// Previous levels, also those of `MSFT_lod` on these nodes, are replaced.
     ///
     /// # Errors
     /// [`WriteError::Mismatch`] if parts or vertices are not those that [`read`](crate::gltf::read)
-    /// gives, levels differ in number, the finest is not the first range, or a primitive has an
-    /// extension that may speak of single vertices. The document is then as it was.
+    /// returns, levels differ in number, the finest is not the first range, or a primitive has an
+    /// extension that may refer to single vertices. The document is then unchanged.
     pub fn set_mesh_levels(
         &mut self,
         levels: &LevelTable,
@@ -83,7 +82,7 @@ impl Document {
         Ok(())
     }
 
-    /// The same beside levels of `MSFT_lod`.
+    /// As [`Document::set_mesh_levels`], but keeps levels of `MSFT_lod`.
     fn write_mesh_levels(
         &mut self,
         levels: &LevelTable,
@@ -130,7 +129,7 @@ impl Document {
         Ok(())
     }
 
-    /// The levels that meshes of a character have, onto the nodes that show them.
+    /// Writes the levels of a character's meshes onto the nodes that show them.
     pub(in crate::gltf) fn add_stored_levels(
         &mut self,
         levels: &LevelTable,
@@ -162,7 +161,7 @@ impl Document {
         self.write_mesh_levels(levels, &given)
     }
 
-    /// Mesh of each node, and its primitives in their new order; changes nothing.
+    /// Returns the mesh of each node, and its primitives in their new order; changes nothing.
     fn plan(
         &self,
         meshes: &[MeshParts<'_>],
@@ -256,7 +255,7 @@ impl Document {
         set(extensions, CLUSTERED_MESH, value);
     }
 
-    /// All accessors that meshes name.
+    /// Returns all accessors that meshes use.
     fn mesh_accessors(&self) -> BTreeSet<usize> {
         let mut json = json!({ "meshes": self.json.get("meshes") });
         let mut found = BTreeSet::new();

@@ -2,8 +2,8 @@
 //!
 //! Source: `KHR_character_expression` (its response evaluator: the driver runs through the whole
 //! animation), `_joint`, `_morphtarget`, `_texture`, `_mask`, `_mapping`; and the older drafts that
-//! list the expressions under the typed extensions. Differs: what lies between the two ends of an
-//! animation is taken as a straight line.
+//! list the expressions under the typed extensions. Differs: between the two ends of an animation
+//! the response is taken as linear.
 
 use super::super::node_meshes::NodeMeshes;
 use super::super::place::{Place, whole};
@@ -19,16 +19,16 @@ use articula_core::source::{
 use glam::{Quat, Vec3};
 use std::collections::{HashMap, HashSet};
 
-/// Numbers that one binding, channel or mask counts as, against the limit on decoded elements.
+/// Elements counted for one binding, channel or mask, against the limit on decoded elements.
 const COST: u64 = 8;
 
-/// A response may leave the straight line by this much without a word: weights, metres, radians.
+/// Deviation of a response from linear that is not reported: weights, metres, radians.
 const STRAIGHT: f32 = 1e-3;
 
-/// A weight that differs less from rest is not driven.
+/// Smallest difference of a weight from rest that counts as driven.
 const STILL: f32 = 1e-6;
 
-/// The expressions, and for each one that has a clip: clip and expression.
+/// The expressions, and clip and expression index for each one that has a clip.
 #[derive(Debug, Default)]
 pub(in super::super) struct Found {
     pub(in super::super) expressions: Vec<Expression>,
@@ -69,7 +69,7 @@ pub(in super::super) fn read(
     Ok(found)
 }
 
-/// The entries of all drafts: the family's own list, then those under the typed extensions.
+/// Returns the entries of all drafts: the family's own list, then those under the typed extensions.
 fn entries<'a>(root: &Place<'a>) -> Vec<Place<'a>> {
     let lists = ["", "_mapping", "_morphtarget", "_joint", "_texture"];
     let list = |suffix: &&str| extension(root, &format!("{EXPRESSION}{suffix}"));
@@ -79,12 +79,12 @@ fn entries<'a>(root: &Place<'a>) -> Vec<Place<'a>> {
         .collect()
 }
 
-/// The animation of one expression, by the channels that belong to it.
+/// The animation of one expression, with the channels that belong to it.
 struct Response<'a> {
     place: Place<'a>,
     clip: &'a RawClip,
     channels: Vec<&'a Channel>,
-    /// Channels that drive no joint or morph target.
+    /// Number of channels that drive no joint or morph target.
     others: usize,
 }
 
@@ -92,7 +92,7 @@ impl<'a> Response<'a> {
     fn new(root: &Place<'a>, place: &Place<'a>, index: usize, clip: &'a RawClip) -> Self {
         let animation = root.entry("animations", index);
         let all = animation.map_or(Vec::new(), |a| a.entries("channels").unwrap_or_default());
-        // Drafts before KHR_character_expression named the channels of each entry.
+        // Drafts before KHR_character_expression listed the channels of each entry.
         let listed = place
             .get("channels")
             .map(|_| place.entries("channels").unwrap_or_default());
@@ -104,8 +104,8 @@ impl<'a> Response<'a> {
             None => clip.channels.iter().collect(),
             Some(listed) => {
                 let wanted: HashSet<u64> = listed.iter().filter_map(|c| c.whole().ok()).collect();
-                // Channels that were not read are missing from the clip; only where none is, the
-                // numbers of the document are those of the clip.
+                // Channels that were not read are missing from the clip; channel indices of the
+                // document apply to the clip only if none is missing.
                 let is_whole = all.len() == clip.channels.len();
                 let numbered = clip.channels.iter().enumerate();
                 let wanted = numbered.filter(|(i, _)| !is_whole || wanted.contains(&(*i as u64)));
@@ -180,7 +180,7 @@ impl<'a> Response<'a> {
         Ok(())
     }
 
-    /// Value of a channel where the driver has a value.
+    /// Returns the value of a channel at a driver value.
     fn at(&self, channel: &Channel, driver: f32, width: usize) -> Vec<f32> {
         let mut value = vec![0.0; width];
         evaluate::channel(channel, driver * self.clip.duration_secs, &mut value);
@@ -207,7 +207,7 @@ impl<'a> Response<'a> {
     }
 }
 
-/// The masks of an expression. A target is an index or, in earlier drafts, a name.
+/// Reads the masks of an expression. A target is an index or, in earlier drafts, a name.
 fn masks(
     reader: &mut Reader<'_>,
     place: &Place<'_>,
@@ -246,7 +246,7 @@ fn masks(
     Ok(found)
 }
 
-/// The names of the own expressions; of equal ones the first counts.
+/// Names of the character's expressions; of equal ones the first counts.
 struct Names {
     first: HashMap<String, usize>,
     count: usize,
@@ -262,7 +262,7 @@ impl Names {
         Self { first, count }
     }
 
-    /// An own expression by its index or its name.
+    /// Returns an expression of the character by index or name.
     fn own(&self, value: &Place<'_>) -> Option<usize> {
         if let Some(index) = whole(value.value()) {
             return usize::try_from(index).ok().filter(|i| *i < self.count);
@@ -271,8 +271,8 @@ impl Names {
     }
 }
 
-/// The sets of known expressions that the own ones are mapped to. Entries name an own expression
-/// as `source`; in earlier drafts the own one is the key and the known one is `target`.
+/// Reads the mappings to known sets of expressions. Entries name an expression of the character as
+/// `source`; in earlier drafts it is the key and the known one is `target`.
 pub(super) fn sets(reader: &mut Reader<'_>, expressions: &[Expression]) -> Vec<ExpressionSet> {
     let mapping = extension(&reader.root, &format!("{EXPRESSION}_mapping"));
     let sets = mapping.and_then(|m| m.get("expressionSetMappings"));

@@ -1,12 +1,12 @@
-//! The draft KHR_character family: what a glTF file says of a character without VRM.
+//! The draft KHR_character extensions: character data of a glTF file without VRM.
 //!
-//! - `skeleton`: which node stands for which joint of a known rig
+//! - `skeleton`: mapping of nodes to the joints of a known rig
 //! - `expressions`: animations that are driven by one number, with masks and mappings
-//! - `write`: character, skeleton mapping and reference pose into a document
+//! - `write`: writes character, skeleton mapping and reference pose into a document
 //!
-//! Written against the schemas of KhronosGroup/glTF pull request 2512 as of July 2026; read with
-//! tolerance for what came before and after (`KHR_avatar_*`, names in the place of indices). All
-//! of it stands outside of the core format, so a broken entry is a warning. The page is
+//! Implements the schemas of KhronosGroup/glTF pull request 2512 as of July 2026; the reader also
+//! accepts earlier and later forms (`KHR_avatar_*`, names instead of indices). The extensions are
+//! not part of the core format, so a broken entry is a warning. See
 //! `docs/formats/khr-character.md`.
 
 mod expressions;
@@ -28,12 +28,12 @@ pub(super) const SKELETON_MAPPING: &str = "KHR_character_skeleton_mapping";
 pub(super) const REFERENCE_POSE: &str = "KHR_character_reference_pose";
 pub(super) const EXPRESSION: &str = "KHR_character_expression";
 
-/// How the skeleton goes to a rig that others know.
+/// Mapping of the skeleton to a known rig.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RigMapping {
     /// Name of the known rig, such as `vrmHumanoid`.
     pub rig: String,
-    /// Joint of the skeleton and what the known rig calls it.
+    /// Joint of the skeleton, and its name in the known rig.
     pub joints: Vec<(usize, String)>,
 }
 
@@ -42,47 +42,47 @@ pub struct RigMapping {
 pub struct ReferencePose {
     /// Index of the clip.
     pub clip: usize,
-    /// `TPose`, `APose`, `IPose` or a name of the file's own.
+    /// `TPose`, `APose`, `IPose` or a name defined by the file.
     pub kind: String,
 }
 
-/// How one expression of the character makes part of one that others know.
+/// Contribution of one expression of the character to an expression of a known set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExpressionShare {
     /// Name of the expression in the known set.
     pub known: String,
     /// Index into the character's expressions.
     pub expression: usize,
-    /// Its share.
+    /// Its weight.
     pub weight: f32,
 }
 
-/// How the expressions make up a set that others know.
+/// Mapping of the character's expressions to a known set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExpressionSet {
     /// Name of the known set.
     pub set: String,
-    /// The shares, in the order of the file.
+    /// The contributions, in the order of the file.
     pub shares: Vec<ExpressionShare>,
 }
 
-/// What the KHR_character family says of a file.
+/// Content of the KHR_character extensions of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct KhrCharacter {
-    /// Node above everything that belongs to the character.
+    /// Common ancestor of all nodes of the character.
     pub root_node: Option<usize>,
     /// The rigs that the skeleton is mapped to.
     pub rigs: Vec<RigMapping>,
-    /// The clips that are poses.
+    /// The clips that are reference poses.
     pub reference_poses: Vec<ReferencePose>,
     /// The clips that are responses of expressions: clip and expression.
     pub expression_clips: Vec<(usize, usize)>,
-    /// The sets of expressions that the own ones are mapped to.
+    /// The known sets of expressions that the character's are mapped to.
     pub expression_sets: Vec<ExpressionSet>,
 }
 
-/// Reads the family; `None` if the document has nothing of it. `expression_clips` are those of
-/// the expressions that were read.
+/// Reads the family; `None` if the document has none of it. `expression_clips` are those of the
+/// expressions that were read.
 pub(super) fn read(
     reader: &mut Reader<'_>,
     skeletal: &Skeletal,
@@ -104,7 +104,7 @@ pub(super) fn read(
     (character.is_some() || found != KhrCharacter::default()).then_some(found)
 }
 
-/// An extension of the family on an object, in the spelling of any draft.
+/// Returns an extension of the family, under the name of any draft.
 fn extension<'a>(owner: &Place<'a>, name: &str) -> Option<Place<'a>> {
     let extensions = owner.get("extensions")?;
     let older = name.replacen("KHR_character", "KHR_avatar", 1);
@@ -133,7 +133,7 @@ fn reference_poses(root: &Place<'_>) -> Vec<ReferencePose> {
     animations.iter().enumerate().filter_map(pose).collect()
 }
 
-/// Name, as the clip has it, and number of channels of each animation.
+/// Returns the name, as in the clip, and number of channels of each animation.
 pub(super) fn named(animations: Option<&Vec<Value>>) -> Vec<(String, usize)> {
     let animations = animations.into_iter().flatten().enumerate();
     let named = |(i, animation): (usize, &Value)| {

@@ -1,9 +1,9 @@
-//! Which node stands for which joint of a known rig.
+//! Mapping of nodes to the joints of a known rig.
 //!
-//! Source: `KHR_character_skeleton_mapping`. The mapping of one rig has had these forms:
-//! role to node index (the schema that is written), role to `{node, name}`, role to node name,
-//! node name to role, node name to a list of `{target, weight}`; and in `KHR_avatar` one rig
-//! under `target` with a list of `{source, targets: [{joint, weight}]}`.
+//! Source: `KHR_character_skeleton_mapping`. The mapping of one rig has had these forms: role to
+//! node index (the schema that is written), role to `{node, name}`, role to node name, node name to
+//! role, node name to a list of `{target, weight}`; and in `KHR_avatar` one rig under `target` with
+//! a list of `{source, targets: [{joint, weight}]}`.
 
 use super::super::place::Place;
 use super::super::reader::Reader;
@@ -16,11 +16,11 @@ use std::collections::HashMap;
 struct NodeRig {
     rig: String,
     joints: Vec<(usize, String)>,
-    /// Entries that name no node.
+    /// Number of entries that name no node.
     lost: usize,
 }
 
-/// The human bones of VRM 1.0 that the mapping names which speaks most of them: node and bone.
+/// Returns node and VRM 1.0 human bone of the mapping with the most VRM bone names.
 pub(in super::super) fn bones(root: &Place<'_>, nodes: usize) -> Vec<(usize, String)> {
     let is_human = |(_, role): &&(usize, String)| is_vrm_bone(role);
     let human = |rig: &NodeRig| rig.joints.iter().filter(is_human).count();
@@ -30,7 +30,7 @@ pub(in super::super) fn bones(root: &Place<'_>, nodes: usize) -> Vec<(usize, Str
     joints
 }
 
-/// All rigs that the skeleton is mapped to.
+/// Reads all rigs that the skeleton is mapped to.
 pub(super) fn rigs(reader: &mut Reader<'_>, skeletal: &Skeletal) -> Vec<RigMapping> {
     let joint_of = &skeletal.joint_of_node;
     let mut rigs = Vec::new();
@@ -81,7 +81,7 @@ fn by_node(root: &Place<'_>, nodes: usize) -> Vec<NodeRig> {
     found
 }
 
-/// One entry of a mapping, before it is known which side the node is.
+/// One entry of a mapping, before it is known which side is the node.
 enum Entry {
     ToNode { role: String, node: u64 },
     Names { key: String, value: String },
@@ -112,7 +112,7 @@ fn listed_entry(entry: &Place<'_>) -> Option<Entry> {
     Some(Entry::FromName { node, role })
 }
 
-/// Of several weighted targets, the one with the greatest weight.
+/// Returns the weighted target with the greatest weight.
 fn heaviest(targets: &[serde_json::Value], key: &str) -> Option<String> {
     let weight = |t: &serde_json::Value| t.get("weight").and_then(serde_json::Value::as_f64);
     let weight = |t: &serde_json::Value| weight(t).unwrap_or(1.0);
@@ -132,8 +132,8 @@ fn resolved(
 ) -> NodeRig {
     let is_node = |name: &str| usize::from(node_of_name.contains_key(name));
     let is_role = |name: &str| usize::from(is_vrm_bone(name));
-    // Files from before the direction was settled: the side that speaks of VRM bones is the role;
-    // where both or none do, the one that is less often a node.
+    // Files from before the direction was fixed: the side with VRM bone names is the role; where
+    // both or neither have them, the side that matches fewer nodes.
     let (mut keys, mut values) = ((0, 0), (0, 0));
     for entry in entries.iter().flatten() {
         if let Entry::Names { key, value } = entry {

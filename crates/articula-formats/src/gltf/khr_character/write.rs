@@ -1,4 +1,4 @@
-//! Character, skeleton mapping and reference pose written into a document.
+//! Writing of character, skeleton mapping and reference pose into a document.
 //!
 //! Source: the schemas `KHR_character`, `KHR_character_skeleton_mapping` (role to node index) and
 //! `KHR_character_reference_pose`; the guideline `vrmHumanoid`, which leaves eyes and jaw to
@@ -20,19 +20,18 @@ use std::collections::BTreeSet;
 const NO_ROLES: [&str; 3] = ["leftEye", "rightEye", "jaw"];
 
 impl Document {
-    /// Writes the draft extensions KHR_character, KHR_character_skeleton_mapping (to
-    /// `vrmHumanoid`) and, as a new animation, KHR_character_reference_pose; and the credits as
-    /// KHR_xmp_json_ld.
+    /// Writes the draft extensions KHR_character, KHR_character_skeleton_mapping (to `vrmHumanoid`)
+    /// and, as a new animation, KHR_character_reference_pose; and the credits as KHR_xmp_json_ld.
     ///
     /// `bones` are nodes and human bones of VRM, of either version; the reference pose is their
-    /// rest, and `kind` says which it is (`TPose`, `APose`, `IPose`). If several nodes stand at
-    /// the root, or a VRM 0.x character faces -Z, a new root node comes above them; it turns the
-    /// latter to +Z. So this comes last: clips are not to be replaced afterwards. A document that
-    /// has a reference pose keeps it.
+    /// rest pose, and `kind` names it (`TPose`, `APose`, `IPose`). If the scene has several root
+    /// nodes, or a VRM 0.x character faces -Z, a new root node is added above them; it turns the
+    /// latter to +Z. Call this last: clips must not be replaced afterwards. A document that has a
+    /// reference pose keeps it.
     ///
     /// # Errors
-    /// [`WriteError::Mismatch`] if a bone's node is not there, or `bones` has no `hips`; the
-    /// document is unchanged then.
+    /// [`WriteError::Mismatch`] if a bone's node does not exist, or `bones` has no `hips`; the
+    /// document is then unchanged.
     pub fn set_khr_character(
         &mut self,
         bones: &[(usize, String)],
@@ -72,8 +71,8 @@ impl Document {
         Ok(())
     }
 
-    /// The node above all others of the scene; a new one if there is none, or the character is to
-    /// be turned. What no scene shows stays where it is.
+    /// Returns the node above all others of the scene; a new one if there is none, or the character
+    /// has to be turned. Nodes outside of the scene stay unchanged.
     fn common_root(&mut self) -> usize {
         let turns = faces_back(&self.json);
         let roots = self.shown_roots();
@@ -105,7 +104,8 @@ impl Document {
         new
     }
 
-    /// The nodes without parent that the document's scene shows; all of them without a scene.
+    /// Returns the nodes without parent that the document's scene shows; all of them without a
+    /// scene.
     fn shown_roots(&self) -> Vec<usize> {
         let parents = parents(&self.json);
         let is_root = |n: &usize| parents.get(*n) == Some(&None);
@@ -125,11 +125,12 @@ impl Document {
         !super::reference_poses(&root).is_empty()
     }
 
-    /// One key of each bone: its rotation, and the place of the hips.
+    /// Adds an animation with one key per bone: its rotation, and the translation of the hips.
     fn add_reference_pose(&mut self, roles: &[(usize, String)], kind: &str) {
         let mut channels = Vec::new();
         for (node, role) in roles {
-            // A node with a matrix cannot be animated; one that is no transform has no pose.
+            // A node with a matrix cannot be animated; one whose matrix is not a transform has no
+            // pose.
             let Some(rest) = self.split_matrix(*node) else {
                 continue;
             };
@@ -158,7 +159,8 @@ impl Document {
         self.use_extension(REFERENCE_POSE);
     }
 
-    /// The rest of a node as translation, rotation and scale, in which it is stored from now on.
+    /// Returns the rest transform of a node, and stores it as translation, rotation and scale from
+    /// now on.
     fn split_matrix(&mut self, node: usize) -> Option<Transform> {
         let node = &mut self.json["nodes"][node];
         let split = Transform::from_matrix(rest(node).into())?;
@@ -168,7 +170,7 @@ impl Document {
             set(node, "scale", shorts(&split.scale.to_array()));
             return Some(split);
         }
-        // What stands there is kept to the digit.
+        // Existing values are kept exactly.
         let place = Place::root(node);
         let rotation = place.floats::<4>("rotation").ok().flatten();
         Some(Transform {
@@ -177,16 +179,16 @@ impl Document {
         })
     }
 
-    /// Lets the expressions of KHR_character_expression follow their animations, which were
-    /// written anew; `names` are those of the old ones. An expression whose animation is gone, or
-    /// has another number of channels, goes too.
+    /// Updates the expressions of KHR_character_expression after animations were replaced; `old`
+    /// are name and channel count of the previous ones. An expression is removed if its animation
+    /// is missing or has another number of channels.
     pub(in super::super) fn follow_animations(&mut self, old: &[(String, usize)]) {
         let animations = self.json.get("animations").and_then(Value::as_array);
         let new: Vec<(String, usize)> = super::named(animations);
         let moved = |entry: &Value| -> Option<usize> {
             let at = index(entry, "animation")?;
             let animation = old.get(at)?;
-            // Of animations with one name, the first stays the first.
+            // Of animations with equal names, the first corresponds to the first.
             let before = old[..at].iter().filter(|a| *a == animation).count();
             let same = new.iter().enumerate().filter(|(_, a)| *a == animation);
             same.map(|(i, _)| i).nth(before)
@@ -214,7 +216,7 @@ impl Document {
     }
 }
 
-/// What VRM 1.0 calls a bone of VRM 0.x: the first joint of the thumb has another name.
+/// Returns the VRM 1.0 name of a VRM 0.x bone: they differ in the thumb.
 fn new_name(bone: &str) -> String {
     if let Some(side) = bone.strip_suffix("ThumbProximal") {
         return format!("{side}ThumbMetacarpal");

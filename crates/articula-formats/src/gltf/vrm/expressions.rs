@@ -1,7 +1,7 @@
-//! Expressions: names that drive morph targets, and how they weaken each other.
+//! Expressions: names that drive morph targets, and overrides between them.
 //!
 //! Source: VRM 0.x `blendShapeMaster.blendShapeGroups`, VRM 1.0 `expressions`, VRM animation 1.0
-//! `expressions`. Presets of VRM 0.x take their names of VRM 1.0, so that one motion drives both.
+//! `expressions`. Presets of VRM 0.x get their VRM 1.0 names, so that one motion drives both.
 
 use super::super::node_meshes::NodeMeshes;
 use super::super::place::{Place, whole};
@@ -11,7 +11,7 @@ use articula_core::source::{Expression, Mask, MaskKind, MorphBinding};
 use serde_json::Value;
 use std::collections::{HashMap, HashSet};
 
-/// Presets of VRM 0.x and what VRM 1.0 calls them.
+/// Presets of VRM 0.x and their VRM 1.0 names.
 const PRESETS: [(&str, &str); 17] = [
     ("neutral", "neutral"),
     ("a", "aa"),
@@ -42,10 +42,10 @@ const OVERRIDES: [(&str, &[&str]); 3] = [
     ),
 ];
 
-/// Numbers that one binding or mask counts as, against the limit on decoded elements.
+/// Elements counted for one binding or mask, against the limit on decoded elements.
 const COST: u64 = 8;
 
-/// The expressions of a document with their names, in the order in which they are numbered: of
+/// Returns the expressions of a document with their names, in the order of their indices: those of
 /// the character first, then those that only a motion drives.
 fn listed<'a>(root: &Place<'a>) -> Vec<(String, Place<'a>)> {
     let of = |extension: &str| {
@@ -76,7 +76,8 @@ fn old_name(group: &Place<'_>) -> String {
     known.map_or(group.text("name"), |(_, new)| new).to_owned()
 }
 
-/// The node whose way along x is the value of each expression, in the order of the expressions.
+/// Returns, in the order of the expressions, the node whose x translation is the expression's
+/// value.
 pub(in super::super) fn expression_nodes(json: &Value) -> Vec<Option<usize>> {
     let root = Place::root(json);
     let tracks = root.dig(&["extensions", "VRMC_vrm_animation", "expressions"]);
@@ -128,7 +129,7 @@ pub(in super::super) fn read(
     Ok(expressions)
 }
 
-/// An override does nothing to its own kind.
+/// Reads the masks of an expression. An override does not affect its own kind.
 fn masks(
     reader: &mut Reader<'_>,
     place: &Place<'_>,
@@ -163,7 +164,7 @@ fn masks(
     masks
 }
 
-/// The way from nodes and glTF meshes to the meshes of the character.
+/// Mapping from nodes and glTF meshes to the meshes of the character.
 struct Meshes<'a> {
     shown: &'a NodeMeshes,
     of_gltf: HashMap<u64, Vec<usize>>,
@@ -181,7 +182,8 @@ impl<'a> Meshes<'a> {
         Self { shown, of_gltf }
     }
 
-    /// VRM 1.0 names the node that shows a mesh, VRM 0.x the mesh, whoever shows it.
+    /// Reads the morph bindings. VRM 1.0 names the node that shows a mesh; VRM 0.x names the mesh,
+    /// and so all nodes that show it.
     fn bindings(
         &self,
         reader: &mut Reader<'_>,

@@ -1,9 +1,9 @@
-//! VRM 0.x characters face -Z in their file; as read they face +Z, like all others.
+//! Facing of VRM 0.x characters: -Z in the file, +Z as read, like all others.
 //!
-//! Source: VRM 0.x, "VRM rules". The turn by half a circle about the vertical goes into the rest
-//! and the keys of the root joints, whose parts it only swaps and negates, so that turning back
-//! gives every number again. Which way a character faces is seen from its legs at rest, so that a
-//! file that somebody turned already is left alone.
+//! Source: VRM 0.x, "VRM rules". The half turn about the vertical axis is applied to rest and keys
+//! of the root joints, whose components it only swaps and negates, so turning back restores every
+//! number. The facing is detected from the legs at rest, so that a file that was already turned is
+//! left alone.
 
 use super::super::append::index;
 use super::super::place::Place;
@@ -12,7 +12,7 @@ use articula_core::source::{Channel, Character, Property};
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use serde_json::Value;
 
-/// Whether the character of a document is to be turned when it is read, and back when clips are
+/// Returns whether the character of a document is turned when it is read, and back when clips are
 /// written.
 pub(in super::super) fn faces_back(json: &Value) -> bool {
     let root = Place::root(json);
@@ -34,11 +34,11 @@ pub(in super::super) fn faces_back(json: &Value) -> bool {
     let across = |left, right| Some(x(left)? - x(right)?);
     let across =
         across("leftUpperLeg", "rightUpperLeg").or_else(|| across("leftUpperArm", "rightUpperArm"));
-    // A character that faces +Z has its left at +X. Without limbs the format's word counts.
+    // A character that faces +Z has its left at +X. Without limbs the format's rule applies.
     across.is_none_or(|dx| dx < 0.0)
 }
 
-/// Parent of each node.
+/// Returns the parent of each node.
 pub(in super::super) fn parents(json: &Value) -> Vec<Option<usize>> {
     let nodes = json.get("nodes").and_then(Value::as_array);
     let nodes = nodes.map_or(&[][..], Vec::as_slice);
@@ -55,7 +55,8 @@ pub(in super::super) fn parents(json: &Value) -> Vec<Option<usize>> {
     parents
 }
 
-/// Model-from-node at rest; `None` if the node is not there or above itself.
+/// Returns the model-from-node matrix at rest; `None` if the node does not exist or is its own
+/// ancestor.
 fn rest_in_model(json: &Value, parents: &[Option<usize>], node: usize) -> Option<Affine3A> {
     let nodes = json.get("nodes")?.as_array()?;
     let mut model = Affine3A::IDENTITY;
@@ -70,7 +71,7 @@ fn rest_in_model(json: &Value, parents: &[Option<usize>], node: usize) -> Option
     None
 }
 
-/// Parent-from-node at rest.
+/// Returns the parent-from-node matrix at rest.
 pub(in super::super) fn rest(node: &Value) -> Affine3A {
     let place = Place::root(node);
     if let Ok(Some(columns)) = place.floats::<16>("matrix") {
@@ -92,7 +93,7 @@ pub(in super::super) fn rest(node: &Value) -> Affine3A {
     .to_affine()
 }
 
-/// Turns a character by half a circle about the vertical.
+/// Turns a character by half a circle about the vertical axis.
 pub(in super::super) fn turn(character: &mut Character) {
     let joints = &mut character.skeleton.joints;
     let is_root: Vec<bool> = joints.iter().map(|j| j.parent.is_none()).collect();
@@ -111,10 +112,10 @@ pub(in super::super) fn turn(character: &mut Character) {
     }
 }
 
-/// The keys of a root node's channel as the file has them.
+/// Returns the keys of a root node's channel as they are stored in the file.
 pub(in super::super) fn turned_back(channel: &Channel) -> Channel {
     let mut channel = channel.clone();
-    // Half a circle more gives the same place, and each rotation times -1.
+    // Another half turn restores positions, and rotations up to a factor of -1.
     turn_keys(&mut channel);
     if channel.property == Property::Rotation {
         channel.values.iter_mut().for_each(|x| *x = 0.0 - *x);
@@ -127,7 +128,7 @@ fn turn_transform(transform: &mut Transform) {
     transform.rotation = Quat::from_array(turned_rotation(transform.rotation.to_array()));
 }
 
-/// Tangents of splines turn as values do.
+/// Tangents of splines turn like values.
 fn turn_keys(channel: &mut Channel) {
     match channel.property {
         Property::Translation => {
@@ -144,12 +145,12 @@ fn turn_keys(channel: &mut Channel) {
     }
 }
 
-/// Taken from 0, so that no zero becomes negative.
+/// Subtracts from 0, so that no zero becomes negative.
 fn turned_place([x, y, z]: [f32; 3]) -> [f32; 3] {
     [0.0 - x, y, 0.0 - z]
 }
 
-/// The quaternion product of a half turn about y, `(0, 1, 0, 0)`, and another.
+/// Returns the quaternion product of a half turn about y, `(0, 1, 0, 0)`, and another.
 fn turned_rotation([x, y, z, w]: [f32; 4]) -> [f32; 4] {
     [z, w, 0.0 - x, 0.0 - y]
 }

@@ -1,4 +1,4 @@
-//! What stays in the document but is not simulated, counted.
+//! Counts of data that stays in the document but is not simulated.
 //!
 //! Source: VRM 0.x `secondaryAnimation`, `firstPerson`; VRM 1.0 `VRMC_springBone`,
 //! `VRMC_node_constraint`, `lookAt`, `firstPerson`, `VRMC_materials_mtoon`; the node hints of the
@@ -7,16 +7,16 @@
 use super::super::place::Place;
 use articula_core::source::Expression;
 
-/// Something that a file has, that is written again, and that changes nothing here.
+/// Data of a file that is written again but has no effect here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PassThrough {
-    /// What it is, in the plural.
+    /// Name of the data, in the plural.
     pub what: &'static str,
-    /// How many of them there are; never 0.
+    /// Number of items; never 0.
     pub count: usize,
 }
 
-/// Counts what is kept.
+/// Counts the data that is kept.
 pub(in super::super) fn read(root: &Place<'_>, expressions: &[Expression]) -> Vec<PassThrough> {
     let at = |path: &[&str]| root.dig(path);
     let count = |path: &[&str], key: &str| at(path).map_or(0, |place| place.count(key));
@@ -57,7 +57,7 @@ pub(in super::super) fn read(root: &Place<'_>, expressions: &[Expression]) -> Ve
     kept.into_iter().filter(|k| k.count > 0).collect()
 }
 
-/// Entries of a top-level array that have an extension.
+/// Returns the number of entries of a top-level array that have an extension.
 fn extended(root: &Place<'_>, key: &str, name: &str) -> usize {
     let entries = root.entries(key).unwrap_or_default();
     let has = |entry: &&Place<'_>| entry.dig(&["extensions", name]).is_some();
@@ -71,7 +71,8 @@ fn old_colliders(root: &Place<'_>) -> usize {
     groups.iter().map(|group| group.count("colliders")).sum()
 }
 
-/// VRM 0.x lists its materials a second time, in the order of the first.
+/// Returns the number of toon materials. VRM 0.x lists its materials a second time, in the same
+/// order.
 fn toon_materials(root: &Place<'_>) -> usize {
     let old = root.dig(&["extensions", "VRM"]);
     let old = old.map(|vrm| vrm.entries("materialProperties").unwrap_or_default());

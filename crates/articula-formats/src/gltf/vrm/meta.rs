@@ -1,7 +1,7 @@
-//! Who made a VRM character and what may be done with it.
+//! Credits of a VRM character: authors, licence and terms.
 //!
-//! Source: `meta` of VRM 0.x and of VRM 1.0. What a VRM 1.0 file leaves out of its terms stands at
-//! the default of the format, which always forbids.
+//! Source: `meta` of VRM 0.x and of VRM 1.0. Terms that a VRM 1.0 file omits get the default of the
+//! format, which always forbids.
 
 use super::super::place::Place;
 use articula_core::source::Credits;
@@ -16,7 +16,7 @@ const OLD_TERMS: [&str; 5] = [
     "otherPermissionUrl",
 ];
 
-/// Terms of VRM 1.0 and what holds where the file does not say.
+/// Terms of VRM 1.0 and their defaults.
 const TERMS: [(&str, &str); 11] = [
     ("avatarPermission", "onlyAuthor"),
     ("allowExcessivelyViolentUsage", "false"),
@@ -31,10 +31,10 @@ const TERMS: [(&str, &str); 11] = [
     ("otherLicenseUrl", ""),
 ];
 
-/// The one licence document that VRM 1.0 knows.
+/// The only licence document that VRM 1.0 names.
 const PUBLIC_LICENCE: (&str, &str) = ("https://vrm.dev/licenses/1.0/", "VRM Public License 1.0");
 
-/// Reads what VRM says of origin and licence; `None` without such a member.
+/// Reads origin and licence of a VRM file; `None` without such a member.
 pub(in super::super) fn read(root: &Place<'_>) -> Option<Credits> {
     let meta = |extension: &str| root.dig(&["extensions", extension, "meta"]);
     meta("VRMC_vrm")
@@ -94,7 +94,7 @@ fn words(meta: &Place<'_>, key: &str) -> Vec<String> {
     words.filter(|word| !word.is_empty()).collect()
 }
 
-/// A string, number or truth value as text; empty for anything else.
+/// Returns a string, number or boolean as text; empty for anything else.
 fn word(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),

@@ -1,13 +1,13 @@
-//! What VRM 0.x, VRM 1.0 and VRM animation files say of a human beyond glTF.
+//! VRM 0.x, VRM 1.0 and VRM animation files: their human data beyond glTF.
 //!
-//! - `nodes`: which node is which human bone, which one carries an expression track
-//! - `expressions`: named bindings to morph targets, and how they weaken each other
+//! - `nodes`: nodes that are human bones or carry an expression track
+//! - `expressions`: named bindings to morph targets, and overrides between expressions
 //! - `meta`: authors, licence and terms
 //! - `facing`: VRM 0.x characters face -Z in their file
-//! - `kept`: what stays in the document but is not simulated
+//! - `kept`: data that stays in the document but is not simulated
 //!
-//! All of it stands outside of the core format, so a broken entry is a warning. Source: the VRM
-//! specification (vrm-c/vrm-specification). The page is `docs/formats/vrm.md`.
+//! The extensions are not part of the core format, so a broken entry is a warning. Source: the VRM
+//! specification (vrm-c/vrm-specification). See `docs/formats/vrm.md`.
 
 mod expressions;
 pub(super) mod facing;
@@ -24,26 +24,26 @@ pub(super) use nodes::read as read_nodes;
 
 use super::place::Place;
 
-/// The extensions of the three formats, and what reports call them.
+/// Extensions of the three formats, and their names in reports.
 const FORMATS: [(&str, &str); 3] = [
     ("VRMC_vrm", "VRM"),
     ("VRM", "VRM"),
     ("VRMC_vrm_animation", "VRM animation"),
 ];
 
-/// The extension of the format that comes first among those that the document has.
+/// Returns the format's extension of highest precedence that the document has.
 fn extension<'a>(root: &Place<'a>) -> Option<Place<'a>> {
     let mut all = FORMATS.iter();
     all.find_map(|(extension, _)| root.dig(&["extensions", extension]))
 }
 
-/// Format and version, such as `VRM 1.0`; `None` without any of the extensions.
+/// Returns format and version, such as `VRM 1.0`; `None` without any of the extensions.
 pub(super) fn version(root: &Place<'_>) -> Option<String> {
     let mut all = FORMATS.iter();
     let (key, name) = all.find(|(key, _)| root.dig(&["extensions", key]).is_some())?;
     let said = extension(root)?.text("specVersion");
     let said: String = said.chars().take(40).collect();
-    // The first exporters of VRM 0.x gave no version.
+    // The first exporters of VRM 0.x wrote no version.
     let version = match (said.as_str(), *key) {
         ("", "VRM") => "0.x",
         ("", _) => "1.0",

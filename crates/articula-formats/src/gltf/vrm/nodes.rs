@@ -1,7 +1,7 @@
-//! Which node is which human bone, and which one carries the track of an expression.
+//! Nodes that are human bones or carry the track of an expression.
 //!
-//! Source: member `humanoid.humanBones`, a list in VRM 0.x, an object in VRM 1.0 and VRM
-//! animation 1.0; member `expressions` of VRM animation 1.0.
+//! Source: member `humanoid.humanBones`, a list in VRM 0.x, an object in VRM 1.0 and VRM animation
+//! 1.0; member `expressions` of VRM animation 1.0.
 
 use super::super::khr_character;
 use super::super::place::Place;
@@ -9,7 +9,7 @@ use super::super::reader::Reader;
 use super::super::skeleton::HumanNodes;
 use super::{expressions, extension};
 
-/// Reads the human bones and expression tracks of a document with so many nodes.
+/// Reads the human bones and expression tracks of a document with `nodes` nodes.
 pub(in super::super) fn read(reader: &mut Reader<'_>, nodes: usize) -> HumanNodes {
     let mut human = HumanNodes {
         bones: khr_character::bones(&reader.root, nodes),
@@ -42,7 +42,7 @@ fn bones(reader: &mut Reader<'_>, humanoid: &Place<'_>, nodes: usize) -> Vec<(us
                 reader.warn(&bone, "human bone without name left out")
             }
             Ok(Some(node)) => found.push((node, name.to_owned())),
-            // VRM 0.x writes -1 for a bone that is not there.
+            // VRM 0.x writes -1 for an absent bone.
             Ok(None) => {}
             Err(_) if bone.get("node").and_then(|n| n.value().as_i64()) == Some(-1) => {}
             Err(error) => reader.warn(&bone, format!("human bone left out: {error}")),

@@ -1,4 +1,4 @@
-//! BAP on the standard humanoid: joint positions by hand, any motion as BAP and back.
+//! BAP on the standard humanoid: joint positions computed by hand, and round trips of any motion.
 
 use crate::mpeg4::bap::{self, BAPS, BapClip, BapError, BapFrame, Motion, TABLE};
 use crate::{Limits, ReadOptions, WriteError, bvh, joint_map};
@@ -12,7 +12,7 @@ use real::bytes;
 #[path = "../../../tests/it/real/mod.rs"]
 mod real;
 
-/// Half a turn by two in units.
+/// A quarter turn in units of BAP.
 const QUARTER: i32 = 157_080;
 
 fn number(name: &str) -> usize {
@@ -36,7 +36,7 @@ fn pose(values: &[(&str, i32)]) -> BapClip {
     }
 }
 
-/// Where the joints stand, by plain matrix products.
+/// Returns the positions of the joints, by plain matrix products.
 fn places(character: &Character, time_secs: f32) -> Vec<Vec3> {
     globals(character, time_secs)
         .iter()
@@ -82,12 +82,12 @@ fn at_rest_every_joint_stands_at_its_centre() {
     }
 }
 
-/// Parameters with their values, a joint, where it must stand.
+/// Parameters with their values, a joint, and its expected position.
 type Case = (&'static [(&'static str, i32)], &'static str, [f32; 3]);
 
 #[test]
 fn quarter_turns_by_hand() {
-    // Joint, where it stands. Offsets are those of the table, turned on paper.
+    // Expected positions. Offsets are those of the table, rotated by hand.
     let cases: [Case; 8] = [
         // The hanging left arm (-0.0045, -0.5713, -0.0196) swings forward.
         (
@@ -95,7 +95,7 @@ fn quarter_turns_by_hand() {
             "l_wrist",
             [0.1984, 1.4180, 0.5326],
         ),
-        // The right arm rises to the right: about +Z, so by less than nothing.
+        // The right arm rises to the right: about +Z, so with negative values.
         (
             &[("r_shoulder_abduct", -QUARTER)],
             "r_wrist",
@@ -112,7 +112,7 @@ fn quarter_turns_by_hand() {
             "r_ankle",
             [-0.1101, 0.5911, -0.3903],
         ),
-        // The parent's side comes first: flexion turns what abduction has raised.
+        // The parent's side comes first: flexion rotates what abduction has raised.
         (
             &[("l_hip_flexion", QUARTER), ("l_hip_abduct", QUARTER)],
             "l_knee",
@@ -172,8 +172,8 @@ fn frame_numbers_are_times() {
     assert!(bap::character(&clip).clips.is_empty());
 }
 
-/// Smooth random angles that start at rest; the middle of three stays off a quarter turn,
-/// where two axes fall together.
+/// Smooth random angles that start at rest; the middle of three stays away from a quarter turn,
+/// where two axes coincide.
 fn random_clip(dice: &mut Dice, frames: u32) -> BapClip {
     let mut clip = pose(&[]);
     let swings: Vec<(f32, f32)> = TABLE
@@ -206,7 +206,7 @@ fn what_bap_says_comes_back_as_it_was() {
     let character = bap::character(&clip);
     let names = articulation(&character);
     let back = bap::sample(&character, &names, 0, clip.rate_hz).unwrap();
-    // Single precision leaves 1e-6 rad a joint, and 89 joints follow each other.
+    // Single precision leaves 1e-6 rad per joint, over chains of up to 89 joints.
     assert!(back.residuals.is_empty(), "{:?}", back.residuals);
     for (a, b) in clip.frames.iter().zip(&back.clip.frames) {
         for (bap, (x, y)) in TABLE.iter().zip(a.values.iter().zip(&b.values)) {
@@ -227,7 +227,7 @@ fn what_bap_says_comes_back_as_it_was() {
     }
 }
 
-/// The standard humanoid that shows what a rig's joints do since rest, by quaternions.
+/// Returns the standard humanoid with the rotations since rest of a rig's joints, by quaternions.
 fn shown_by_the_standard(rig: &Character, only: impl Fn(&str) -> bool) -> Character {
     let names = articulation(rig);
     let source = |name: &str| {
@@ -280,7 +280,7 @@ fn a_captured_walk_is_as_far_off_as_the_residuals_say() {
     };
     let read = bvh::read(&text, &ReadOptions::default(), &Limits::default());
     let walk = read.unwrap().value.character;
-    // CMU rests with arms out, the standard with arms down: legs, spine and head rest alike.
+    // CMU rests with arms out, the standard with arms down; legs, spine and head agree at rest.
     let figure = shown_by_the_standard(&walk, |joint| {
         let arm = ["clavicular", "shoulder", "elbow", "wrist", "thumb", "index"];
         !arm.iter().any(|part| joint.contains(part))
@@ -290,7 +290,7 @@ fn a_captured_walk_is_as_far_off_as_the_residuals_say() {
         let found = sampled.residuals.iter().find(|r| r.joint == joint);
         found.map_or(1e-4, |r| r.max_radians)
     };
-    // Knees and ankles lack one turn of three, toes two; hips twist to lay the knees right.
+    // Knees and ankles lack one rotation of three, toes two; hips twist to align the knees.
     for residual in &sampled.residuals {
         let part = &residual.joint[2..];
         assert!(
@@ -314,7 +314,7 @@ fn a_captured_walk_is_as_far_off_as_the_residuals_say() {
     for frame in 0..=(figure.clips[0].duration_secs * 30.0) as usize {
         let time = frame as f32 / 30.0;
         let (a, b) = (places(&figure, time), places(&back, time));
-        // A joint is off by what the joints above it turn wrong, each by its own offset.
+        // The error of a joint is bounded by the residuals of its ancestors, each times its offset.
         let mut bounds: Vec<f32> = Vec::new();
         for (index, joint) in JOINTS[..BODY_JOINTS].iter().enumerate() {
             let bound = joint.parent.map_or(1e-6, |p| {
@@ -335,7 +335,7 @@ fn a_captured_walk_is_as_far_off_as_the_residuals_say() {
         "worst joint {worst} m, worst residual {:?}",
         sampled.residuals.first()
     );
-    // Measured: 15 mm at the toes; without laying the hinges 121 mm.
+    // Measured: 15 mm at the toes; without aligned hinges 121 mm.
     assert!(worst < 0.02, "{worst}");
 }
 

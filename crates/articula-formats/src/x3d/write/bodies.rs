@@ -1,8 +1,8 @@
-//! Meshes as they lie in the pose of zero: those that follow one joint, and skin.
+//! Meshes in the zero pose: those that follow one joint, and skin.
 //!
-//! All skin shares one list of points, as the standard has it. A point whose joints carry it to
-//! the same place is moved exactly as in the source; where skins were bound in different poses,
-//! that fails for all but the first, whose points are bound anew.
+//! All skin shares one list of points, as the standard requires. A point whose joints agree on its
+//! position moves exactly as in the source; where skins were bound in different poses, that fails
+//! for all but the first, whose points are bound again.
 
 use super::bones::Bones;
 use super::zero::{agree, influences, model_from_mesh};
@@ -15,9 +15,9 @@ use glam::{DAffine3, DVec3, Vec3};
 pub(super) struct Body {
     /// Index of the mesh.
     pub(super) mesh: usize,
-    /// The one bone that it follows; `None` for skin.
+    /// The only bone that it follows; `None` for skin.
     pub(super) bone: Option<usize>,
-    /// Number of its first point in the list of skin points.
+    /// Index of its first point in the list of skin points.
     pub(super) first_point: usize,
     /// Points of all its primitives.
     pub(super) points: Vec<Vec3>,
@@ -35,7 +35,7 @@ pub(super) struct BodyTarget {
 /// Points that each bone moves, with their weights.
 pub(super) type SkinWeights = Vec<Vec<(usize, f32)>>;
 
-/// Lays every mesh out.
+/// Transforms all meshes to the zero pose.
 pub(super) fn bodies(
     character: &Character,
     bones: &Bones,
@@ -74,11 +74,11 @@ pub(super) fn bodies(
     (list, weights)
 }
 
-/// How a mesh's space becomes that of the model.
+/// Transform from a mesh's space to model space.
 struct Layout {
-    /// Of each joint of the skin: model-from-mesh.
+    /// Model-from-mesh matrix of each joint of the skin.
     matrices: Vec<DAffine3>,
-    /// Of each joint of the skin, the bone that it is.
+    /// Bone of each joint of the skin.
     bones: Vec<usize>,
 }
 
@@ -91,7 +91,7 @@ impl Layout {
         }
     }
 
-    /// The bone that moves every vertex alone, if there is one.
+    /// Returns the only bone that moves all vertices, if there is one.
     fn only_bone(&self, mesh: &RawMesh) -> Option<usize> {
         let mut only = None;
         for primitive in &mesh.primitives {
@@ -107,7 +107,7 @@ impl Layout {
         self.bones.get(joint).copied()
     }
 
-    /// Model-from-mesh of a vertex, and whether its joints agree on it.
+    /// Returns the model-from-mesh matrix of a vertex, and whether its joints agree on it.
     fn matrix(&self, primitive: &Primitive, vertex: usize) -> (DAffine3, bool) {
         let mut influences = influences(primitive, vertex);
         let Some((first, weight)) = influences.next() else {
@@ -131,7 +131,7 @@ impl Layout {
         (matrix, agrees)
     }
 
-    /// Lays out one primitive; counts the vertices that are bound anew.
+    /// Adds one primitive; returns the number of vertices that are bound again.
     fn add(&self, primitive: &Primitive, body: &mut Body, weights: &mut SkinWeights) -> usize {
         let mut loose = 0;
         let mut normals = Vec::with_capacity(primitive.normals.len());
@@ -160,8 +160,8 @@ impl Layout {
         loose
     }
 
-    /// Morph targets: a skin point's offset is shared out among the bones that move it, so that
-    /// each share turns with its bone, as the source has it.
+    /// Returns the morph targets: a skin point's offset is divided among the bones that move it, so
+    /// that each share rotates with its bone, as in the source.
     fn targets(&self, mesh: &RawMesh, body: &Body) -> Vec<BodyTarget> {
         let target = |slot: usize| {
             let mut pieces: std::collections::BTreeMap<usize, Vec<(usize, Vec3)>> =

@@ -1,18 +1,17 @@
-//! Joints in the terms of H-Anim: in the pose of zero all unturned, each turning about its
-//! center.
+//! Joints in H-Anim terms: all unrotated in the zero pose, each rotating about its center.
 //!
-//! With `B` a joint's model matrix in that pose and `G` at some time, its H-Anim matrix is
-//! `P = G · B⁻¹`: what moves every point that is given as it lies in that pose. Of a joint with
-//! local transform `T · R · S`, there `T0 · R0 · S0`, below a parent with `B = b · O` (scale and
-//! orientation), the fields are
+//! With `B` a joint's model matrix in that pose and `G` at some time, its H-Anim matrix is `P = G ·
+//! B⁻¹`, which moves every point given in that pose. For a joint with local transform `T · R · S`,
+//! in the zero pose `T0 · R0 · S0`, below a parent with `B = b · O` (scale and orientation), the
+//! fields are
 //!
-//! - `center` = where the joint lies in the pose,
+//! - `center` = position of the joint in the zero pose,
 //! - `translation` = `b · O · (T - T0)`,
 //! - `rotation` = `O · R · R0⁻¹ · O⁻¹`,
 //! - `scale` = `S / S0`, with `scaleOrientation` = `O · R0`.
 //!
-//! Keys stay keys: all four are linear in the local values. Exact as long as no joint of the pose
-//! stretches its children unevenly; then `O` is the nearest orientation.
+//! Keys are kept, since all four are linear in the local values. Exact as long as no joint of the
+//! pose scales its children non-uniformly; then `O` is the nearest orientation.
 
 use super::names::Names;
 use super::zero::{ZeroPose, zero_pose};
@@ -24,7 +23,7 @@ use articula_core::{Articulation, Transform};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Quat, Vec3};
 use std::collections::HashSet;
 
-/// A joint as it is written.
+/// A joint to be written.
 #[derive(Debug)]
 pub(super) struct Bone {
     /// Nearest ancestor that is written.
@@ -32,7 +31,7 @@ pub(super) struct Bone {
     pub(super) name: String,
     /// Name in the skeleton.
     pub(super) given_name: String,
-    /// Where it lies in the pose of zero.
+    /// Position in the zero pose.
     pub(super) center: Vec3,
     /// The parent's model matrix in that pose, and its orientation.
     above: DAffine3,
@@ -40,13 +39,13 @@ pub(super) struct Bone {
     zero: Local,
     /// Local transform at rest.
     rest: Transform,
-    /// Whether nothing above stretches it unevenly in the pose of zero.
+    /// Whether no ancestor scales it non-uniformly in the zero pose.
     is_even: bool,
-    /// Whether a clip, or the rest pose, stretches it unevenly.
+    /// Whether a clip, or the rest pose, scales it non-uniformly.
     pub(super) is_stretched: bool,
 }
 
-/// A local transform, taken apart.
+/// A decomposed local transform.
 #[derive(Debug, Clone, Copy)]
 struct Local {
     translation: DVec3,
@@ -55,7 +54,7 @@ struct Local {
 }
 
 impl Local {
-    /// Takes a matrix apart so that axes are mirrored as they are at rest.
+    /// Decomposes a matrix so that axes are mirrored as they are at rest.
     fn of(matrix: &DAffine3, rest: &Transform) -> Self {
         let m = matrix.matrix3;
         let lengths = DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length());
@@ -75,7 +74,7 @@ impl Local {
 }
 
 impl Bone {
-    /// The joint's own fields at rest: translation, rotation, scale.
+    /// Returns the joint's fields at rest: translation, rotation, scale.
     pub(super) fn rest(&self) -> (Vec3, DQuat, Vec3) {
         let rest = &self.rest;
         (
@@ -85,19 +84,19 @@ impl Bone {
         )
     }
 
-    /// The field `translation` for a local translation.
+    /// Returns the field `translation` for a local translation.
     pub(super) fn translation(&self, local: Vec3) -> Vec3 {
         let moved = local.as_dvec3() - self.zero.translation;
         self.above.transform_vector3(moved).as_vec3()
     }
 
-    /// The field `rotation` for a local rotation, as a quaternion.
+    /// Returns the field `rotation` for a local rotation, as a quaternion.
     pub(super) fn rotation(&self, local: Quat) -> DQuat {
         let turned = local.as_dquat() * self.zero.rotation.inverse();
         (self.orientation * turned * self.orientation.inverse()).normalize()
     }
 
-    /// The field `scale` for a local scale.
+    /// Returns the field `scale` for a local scale.
     pub(super) fn scale(&self, local: Vec3) -> Vec3 {
         let by = |axis: usize| {
             let zero = self.zero.scale[axis];
@@ -110,13 +109,13 @@ impl Bone {
         DVec3::new(by(0), by(1), by(2)).as_vec3()
     }
 
-    /// The field `scaleOrientation`.
+    /// Returns the field `scaleOrientation`.
     pub(super) fn scale_orientation(&self) -> DQuat {
         (self.orientation * self.zero.rotation).normalize()
     }
 }
 
-/// The joints that are written, parents before children, and their number for each joint of the
+/// The joints that are written, parents before children, and the bone index of each joint of the
 /// skeleton.
 #[derive(Debug)]
 pub(super) struct Bones {
@@ -125,8 +124,8 @@ pub(super) struct Bones {
     pub(super) zero: ZeroPose,
 }
 
-/// Chooses and names the joints. What never moves, moves nothing and is no joint of a skin is
-/// left out, such as the node that holds an armature.
+/// Selects and names the joints. A joint that never moves, moves nothing and is in no skin is left
+/// out, such as the node that holds an armature.
 pub(super) fn bones(
     character: &Character,
     articulation: &Articulation,
@@ -156,7 +155,7 @@ pub(super) fn bones(
         let wanted = joint.in_skin || moving[index] || used.contains(&index) || hanim.is_some();
         let parent = joint.parent.and_then(|p| bones.of_joint[p]);
         if !wanted {
-            // Children find the ancestor that is written.
+            // Children look up the ancestor that is written.
             bones.of_joint[index] = parent;
             continue;
         }
@@ -176,7 +175,7 @@ pub(super) fn bones(
     bones
 }
 
-/// The name of H-Anim 2 for a joint of either version.
+/// Returns the H-Anim 2 name of a joint of either version.
 fn standard_name(hanim: &str) -> &str {
     hanim_table::find(hanim).map_or(hanim, |i| hanim_table::JOINTS[i].name_v2)
 }
@@ -195,7 +194,7 @@ impl Bones {
         let even = Similarity::of(&upright);
         let local = match self.zero.is_binding {
             true => Local::of(&(above.inverse() * zero), &joint.rest),
-            // Exactly, so that no field is written where nothing differs.
+            // Taken over exactly, so that no field is written where nothing differs.
             false => Local {
                 translation: joint.rest.translation.as_dvec3(),
                 rotation: joint.rest.rotation.as_dquat().normalize(),
@@ -217,7 +216,7 @@ impl Bones {
     }
 }
 
-/// Finds the joints that are ever stretched more along one axis than along another.
+/// Marks the joints that are ever scaled non-uniformly.
 fn mark_stretched(character: &Character, bones: &mut Bones) {
     let uneven = |scale: Vec3| {
         let [x, y, z] = scale.to_array();

@@ -2,13 +2,13 @@
 
 use std::fmt::Write as _;
 
-/// A document while it is written.
+/// A document under construction.
 #[derive(Debug, Default)]
 pub(super) struct Markup {
     text: String,
     /// Tags that are open.
     open: Vec<&'static str>,
-    /// Whether the last tag can still get attributes.
+    /// Whether the last tag still accepts attributes.
     in_tag: bool,
 }
 
@@ -59,7 +59,7 @@ impl Markup {
                 '<' => self.text.push_str("&lt;"),
                 '>' => self.text.push_str("&gt;"),
                 '\'' => self.text.push_str("&apos;"),
-                // XML has no way to write most control characters.
+                // XML cannot represent most control characters.
                 c if c.is_control() => self.text.push(' '),
                 c => self.text.push(c),
             }
@@ -68,7 +68,7 @@ impl Markup {
         self
     }
 
-    /// Adds an attribute of numbers, so many together before a comma.
+    /// Adds an attribute of numbers, with a comma after each group.
     pub(super) fn numbers<T: Number>(
         &mut self,
         name: &str,
@@ -87,7 +87,7 @@ impl Markup {
         self
     }
 
-    /// The whole text; nothing may be open any more.
+    /// Returns the whole text; no element may be open.
     pub(super) fn finish(mut self) -> Vec<u8> {
         while !self.open.is_empty() {
             self.close();
@@ -96,13 +96,13 @@ impl Markup {
     }
 }
 
-/// What can stand in a list of numbers.
+/// A number in a list.
 pub(super) trait Number {
     fn put(self, text: &mut String);
 }
 
 impl Number for f32 {
-    /// The shortest text that reads as the same number.
+    /// Writes the shortest text that reads as the same number.
     fn put(self, text: &mut String) {
         put_float(text, &format!("{self:?}"));
     }

@@ -1,10 +1,10 @@
-//! From a character to an H-Anim figure in X3D 4.0, XML encoding.
+//! Conversion of a character to an H-Anim figure in X3D 4.0, XML encoding.
 //!
-//! - `names`: names that the standard allows, each once
+//! - `names`: valid and unique names
 //! - `markup`: tags, attributes, numbers
-//! - `zero`: the pose in which all joints are unturned
-//! - `bones`: joints in the standard's terms
-//! - `bodies`: meshes as they lie in that pose, rigid ones and skin
+//! - `zero`: the pose in which all joints are unrotated
+//! - `bones`: joints with H-Anim fields
+//! - `bodies`: meshes in that pose, rigid ones and skin
 //! - `shapes`: triangles, colours and pictures
 //! - `tracks`: clips as interpolators and routes
 //! - `writer`: the document

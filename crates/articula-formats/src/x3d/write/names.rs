@@ -1,11 +1,11 @@
-//! Names that X3D allows (XML name tokens, and IDs for `DEF`), each given once.
+//! Unique names that X3D allows (XML name tokens, and IDs for `DEF`).
 //!
 //! Source: ISO/IEC 19776-1, 4.3.13; XML 1.0, 2.3.
 
 use std::collections::HashSet;
 
-/// A name as an XML ID may be: letters, digits, `_`, `-` and `.`, none of the last three and no
-/// digit at the start. Everything else becomes `_`.
+/// Returns a name as a valid XML ID: letters, digits, `_`, `-` and `.`, beginning with a letter or
+/// `_`. Other characters become `_`.
 pub(in crate::x3d) fn token(name: &str) -> String {
     let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
     let name = name.trim();
@@ -19,15 +19,15 @@ pub(in crate::x3d) fn token(name: &str) -> String {
     token
 }
 
-/// Names given so far.
+/// Names used so far.
 #[derive(Debug, Default)]
 pub(super) struct Names {
     given: HashSet<String>,
 }
 
 impl Names {
-    /// The token of a name, with a number behind it if it is taken; `usual` stands for an
-    /// empty name.
+    /// Returns the token of a name, with a number appended if it is already used; `usual` replaces
+    /// an empty name.
     pub(super) fn give(&mut self, name: &str, usual: &str) -> String {
         let mut wanted = token(name);
         if wanted.is_empty() {

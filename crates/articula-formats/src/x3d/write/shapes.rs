@@ -1,7 +1,7 @@
 //! Shapes: triangles with their values, colours, pictures.
 //!
-//! A picture is written into the file as a data URI, so that one file is the whole figure.
-//! Source: ISO/IEC 19775-1, 13.3.6 (IndexedFaceSet), clause 12 and 18.
+//! A picture is embedded as a data URI, so that one file is the whole figure. Source: ISO/IEC
+//! 19775-1, 13.3.6 (IndexedFaceSet), clause 12 and 18.
 
 use super::bodies::Body;
 use super::markup::Markup;
@@ -11,10 +11,10 @@ use articula_core::source::{Character, Material, Primitive, RawMesh};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-/// Angle that makes every edge smooth, for primitives without normals.
+/// Crease angle that makes every edge smooth, for primitives without normals.
 const SMOOTH: f32 = std::f32::consts::PI;
 
-/// Appearances that are written so far, so that each is written once.
+/// Appearances written so far, so that each is written once.
 #[derive(Debug)]
 pub(super) struct Shapes<'c> {
     character: &'c Character,
@@ -160,7 +160,7 @@ fn values(markup: &mut Markup, primitive: &Primitive, normals: &[glam::Vec3]) {
     }
 }
 
-/// A linear colour as the screen shows it.
+/// Converts a linear colour value to sRGB.
 fn srgb(linear: f32) -> f32 {
     let c = f64::from(linear.clamp(0.0, 1.0));
     let srgb = if c <= 0.003_130_8 {

@@ -1,12 +1,12 @@
-//! Clips: a time sensor each, an interpolator for each channel, and routes.
+//! Clips: one time sensor each, one interpolator per channel, and routes.
 //!
-//! Interpolators and routes are what every player of X3D and VRML97 knows, and they keep the
-//! keys of the source where they are (`HAnimMotion` has frames of Euler angles only). The first
-//! clip runs when the file is opened; the others are switched off.
+//! Every player of X3D and VRML97 supports interpolators and routes, and they keep the keys of the
+//! source at their times (`HAnimMotion` has only frames of Euler angles). The first clip runs when
+//! the file is opened; the others are disabled.
 //!
-//! Source: ISO/IEC 19775-1, 8.4.1 (TimeSensor), clause 19 (interpolators), 4.4.8 (routes).
-//! A clip also holds at rest what only other clips move, as players keep what was shown last.
-//! Steps become two keys at one time. Curves become straight pieces.
+//! Source: ISO/IEC 19775-1, 8.4.1 (TimeSensor), clause 19 (interpolators), 4.4.8 (routes). A clip
+//! also holds at rest what only other clips move, as players keep the last values. Steps become two
+//! keys at one time. Curves become linear pieces.
 
 use super::bodies::Body;
 use super::bones::{Bone, Bones};
@@ -16,10 +16,10 @@ use articula_core::source::{Channel, Character, Interpolation, Property, RawClip
 use glam::{DQuat, Quat, Vec3};
 use std::collections::HashSet;
 
-/// Longest straight piece of a curve, seconds.
+/// Maximum length of a linear piece of a curve, in seconds.
 const PIECE_SECS: f32 = 1.0 / 60.0;
 
-/// An event path that will be written behind all nodes.
+/// An event path that is written after all nodes.
 #[derive(Debug)]
 pub(super) struct Route {
     from: (String, &'static str),
@@ -37,7 +37,7 @@ impl Route {
     }
 }
 
-/// What channels can drive, by their names in the file.
+/// Possible targets of channels, by their names in the file.
 #[derive(Debug)]
 pub(super) struct Driven<'w> {
     pub(super) character: &'w Character,
@@ -45,11 +45,11 @@ pub(super) struct Driven<'w> {
     pub(super) bodies: &'w [Body],
     /// `DEF` of each bone.
     pub(super) bone_defs: &'w [String],
-    /// `DEF` of each displacer: of each body, of each target.
+    /// `DEF` of each displacer, by body and target.
     pub(super) displacer_defs: &'w [Vec<Vec<String>>],
 }
 
-/// Writes one clip; gives the routes that belong to it.
+/// Writes one clip; returns its routes.
 pub(super) fn write(
     markup: &mut Markup,
     names: &mut Names,
@@ -85,7 +85,8 @@ pub(super) fn write(
     writer.routes
 }
 
-/// What other clips move and this one does not: a player would leave it as the last clip did.
+/// Returns channels that hold what only other clips move: a player would keep the values of the
+/// previous clip.
 fn held(character: &Character, clip: &RawClip) -> Vec<Channel> {
     let key = |c: &Channel| (c.target, c.property);
     let own: HashSet<_> = clip.channels.iter().map(key).collect();
@@ -120,7 +121,7 @@ struct Writer<'m> {
     cycle_secs: f64,
 }
 
-/// Times and values of a channel, flat, as straight pieces.
+/// Times and values of a channel, flattened, as linear pieces.
 struct Straight {
     times_secs: Vec<f32>,
     values: Vec<f32>,
@@ -259,7 +260,7 @@ fn straight(channel: &Channel, width: usize) -> Straight {
     }
 }
 
-/// A curve at its keys and often enough between them.
+/// Samples a curve at its keys and often enough between them.
 fn curve(channel: &Channel, width: usize) -> Straight {
     let mut times_secs = Vec::new();
     for pair in channel.times_secs.windows(2) {
@@ -277,9 +278,9 @@ fn curve(channel: &Channel, width: usize) -> Straight {
     Straight { times_secs, values }
 }
 
-/// A rotation as the standard writes it: axis and angle in radians.
+/// Returns a rotation as the standard writes it: axis and angle in radians.
 pub(super) fn axis_angle(rotation: DQuat) -> [f32; 4] {
-    // The shorter way around, so that the angle is within half a turn.
+    // The shorter rotation, so that the angle is within half a turn.
     let rotation = if rotation.w < 0.0 {
         -rotation
     } else {

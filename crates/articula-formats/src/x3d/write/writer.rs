@@ -13,22 +13,22 @@ use articula_core::Articulation;
 use articula_core::source::{Character, Credits, Property};
 use glam::{DQuat, Vec3};
 
-/// Where the XML schema of X3D 4.0 is published; nothing here asks for it.
+/// Address of the published XML schema of X3D 4.0; never requested here.
 const SCHEMA: &str = "https://www.web3d.org/specifications/x3d-4.0.xsd";
 
 /// Name of the list of skin points.
 const SKIN_POINTS: &str = "skin_points";
 
-/// Writes a character with all its clips, and `sites` as the reader gives them.
+/// Writes a character with all its clips, and `sites` as the reader returns them.
 ///
-/// Joints that `articulation` maps get their names of H-Anim 2, others a legal name of their
-/// own; the name in the skeleton is the joint's description. At rest every joint is unturned, as
-/// the standard demands, whatever the skeleton's rest rotations: joints, points and motions are
-/// those of the source all the same. Meshes that follow one joint become segments, others skin;
-/// morph targets become displacers, clips time sensors with interpolators.
+/// Joints that `articulation` maps get their H-Anim 2 names, others valid names made from their
+/// own; the name in the skeleton is the joint's description. At rest every joint is unrotated, as
+/// the standard requires, whatever the skeleton's rest rotations; the positions of joints and
+/// points and the motions match the source. Meshes that follow one joint become segments, others
+/// skin; morph targets become displacers, clips time sensors with interpolators.
 ///
 /// # Errors
-/// [`WriteError`] if there is no joint, or the articulation is of another skeleton.
+/// [`WriteError`] if there is no joint, or the articulation belongs to another skeleton.
 pub fn write(
     character: &Character,
     articulation: &Articulation,
@@ -84,12 +84,12 @@ pub fn write(
     })
 }
 
-/// A warning with its place.
+/// Formats a warning with its position.
 fn in_words(warning: Warning) -> String {
     format!("{}: {}", warning.at, warning.what)
 }
 
-/// Says what X3D has no place for.
+/// Adds warnings for content that X3D cannot represent.
 fn note_losses(character: &Character, warnings: &mut Vec<Warning>) {
     let mut note = |count: usize, what: &str| {
         if count > 0 {
@@ -110,7 +110,7 @@ fn note_losses(character: &Character, warnings: &mut Vec<Warning>) {
     );
 }
 
-/// A `DEF` for each piece of each morph target of each body.
+/// Returns a `DEF` for each piece of each morph target of each body.
 fn displacer_defs(
     character: &Character,
     bodies: &[Body],
@@ -140,7 +140,7 @@ struct Document<'c> {
     weights: SkinWeights,
     bone_defs: Vec<String>,
     displacer_defs: Vec<Vec<Vec<String>>>,
-    /// What hangs on each bone.
+    /// Content attached to each bone.
     hangs: Vec<Hangs>,
     segment_defs: Vec<String>,
     site_defs: Vec<String>,
@@ -152,14 +152,14 @@ struct Document<'c> {
     markup: Markup,
 }
 
-/// What hangs on one bone.
+/// Content attached to one bone.
 #[derive(Debug, Default)]
 struct Hangs {
     /// Bodies that follow it alone.
     bodies: Vec<usize>,
-    /// Its shares in morph targets of the skin: body, target, piece.
+    /// Its pieces of morph targets of the skin: body, target, piece.
     pieces: Vec<[usize; 3]>,
-    /// Sites, by their number.
+    /// Indices of sites.
     sites: Vec<usize>,
 }
 
@@ -184,7 +184,7 @@ fn hangs(bones: &Bones, bodies: &[Body], sites: &[Site]) -> Vec<Hangs> {
     hangs
 }
 
-/// What is left to do of the joint tree.
+/// Pending step of the traversal of the joint tree.
 enum Step {
     Open(usize),
     Close,
@@ -240,7 +240,7 @@ impl Document<'_> {
         markup.close();
     }
 
-    /// A camera that sees the whole figure from the front.
+    /// Writes a camera that shows the whole figure from the front.
     fn viewpoint(&mut self) {
         let points = self.bodies.iter().flat_map(|b| b.points.iter().copied());
         let points = points.chain(self.bones.list.iter().map(|b| b.center));
@@ -285,7 +285,7 @@ impl Document<'_> {
         self.markup.close();
     }
 
-    /// The joint tree, depth first.
+    /// Writes the joint tree, depth first.
     fn skeleton(&mut self) {
         let mut children = vec![Vec::new(); self.bones.list.len()];
         let mut steps = Vec::new();
@@ -344,7 +344,7 @@ impl Document<'_> {
         }
     }
 
-    /// One share in a morph target.
+    /// Writes one piece of a morph target.
     fn displacer(&mut self, [index, slot, piece]: [usize; 3]) {
         let body = &self.bodies[index];
         let mesh = &self.character.meshes[body.mesh];
@@ -368,7 +368,7 @@ impl Document<'_> {
         markup.close();
     }
 
-    /// A mesh that follows one bone alone.
+    /// Writes a mesh that follows one bone alone.
     fn segment(&mut self, index: usize) {
         let given = &self.character.meshes[self.bodies[index].mesh].name;
         let name = self.names.give(given, "segment");
@@ -406,7 +406,7 @@ impl Document<'_> {
         self.site_defs.push(def);
     }
 
-    /// The points of all skin, and each mesh of it as a group.
+    /// Writes the points of all skin, and each of its meshes as a group.
     fn skin(&mut self) {
         let skins = self.bodies.iter().filter(|b| b.bone.is_none());
         if skins.clone().all(|b| b.points.is_empty()) {
@@ -458,7 +458,7 @@ fn points<'b>(
     markup.close();
 }
 
-/// Says what a node was called where its name had to be changed.
+/// Writes the original name of a node whose name had to be changed.
 fn describe(markup: &mut Markup, name: &str, given: &str) {
     if name != given && !given.is_empty() {
         markup.set("description", given);

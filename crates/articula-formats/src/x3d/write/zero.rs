@@ -1,24 +1,25 @@
-//! The pose in which every joint is unturned and every point is given.
+//! The pose in which every joint is unrotated and every point is written.
 //!
-//! That is the rest pose, if the skin lies there as it was made. If the skin was bound in
-//! another pose, it is the pose of binding: only there can one list of points stand for skin
-//! that several joints move. Joints then show the rest pose by their fields.
+//! This is the rest pose, if the skin was bound in it. If the skin was bound in another pose, it is
+//! the binding pose: only there can one list of points represent skin that several joints move. The
+//! fields of the joints then restore the rest pose.
 
 use articula_core::source::{Character, Primitive, RawMesh};
 use glam::{Affine3A, DAffine3, DMat3};
 
-/// Joint matrices of one point may differ by this share before it counts as bound elsewhere.
+/// Relative difference of the joint matrices of one point from which it counts as bound in another
+/// pose.
 const SAME_BIND: f64 = 1e-4;
 
-/// Model matrix of every joint in the pose of zero.
+/// Model matrix of every joint in the zero pose.
 #[derive(Debug)]
 pub(super) struct ZeroPose {
     pub(super) matrices: Vec<DAffine3>,
-    /// Whether it is the pose of binding, and not that of rest.
+    /// Whether it is the binding pose instead of the rest pose.
     pub(super) is_binding: bool,
 }
 
-/// Finds the pose for a character.
+/// Determines the zero pose of a character.
 pub(super) fn zero_pose(character: &Character) -> ZeroPose {
     let rest = rest_pose(character);
     if character
@@ -56,8 +57,8 @@ fn local(character: &Character, joint: usize) -> DAffine3 {
     )
 }
 
-/// Joints as the inverse bind matrices have them. The first joint of each skin that no skin
-/// before it has placed stays at rest, so that the figure does.
+/// Returns the pose given by the inverse bind matrices. The first joint of each skin that no
+/// earlier skin has placed stays at rest, so that the figure stays in place.
 fn binding_pose(character: &Character, rest: &[DAffine3]) -> Vec<DAffine3> {
     let mut bound: Vec<Option<DAffine3>> = vec![None; rest.len()];
     for mesh in &character.meshes {
@@ -84,7 +85,7 @@ fn binding_pose(character: &Character, rest: &[DAffine3]) -> Vec<DAffine3> {
     matrices
 }
 
-/// Model-from-mesh matrix of each joint of a skin, in a pose.
+/// Returns the model-from-mesh matrix of each joint of a skin, in a pose.
 pub(super) fn model_from_mesh(mesh: &RawMesh, pose: &[DAffine3]) -> Vec<DAffine3> {
     let pairs = mesh.skin.joints.iter().zip(&mesh.skin.inverse_bind);
     pairs
@@ -92,7 +93,7 @@ pub(super) fn model_from_mesh(mesh: &RawMesh, pose: &[DAffine3]) -> Vec<DAffine3
         .collect()
 }
 
-/// Influences of a vertex that count: entry of the skin's list, and weight.
+/// Returns the non-zero influences of a vertex: index in the skin's list, and weight.
 pub(super) fn influences(
     primitive: &Primitive,
     vertex: usize,
@@ -105,13 +106,13 @@ pub(super) fn influences(
         .filter(|(_, weight)| *weight > 0.0)
 }
 
-/// Whether two joints carry a point to the same place.
+/// Returns whether two joints move a point to the same position.
 pub(super) fn agree(a: &DAffine3, b: &DAffine3) -> bool {
     let size = a.matrix3.x_axis.length().max(1e-12);
     a.abs_diff_eq(*b, SAME_BIND * size.max(a.translation.abs().max_element()))
 }
 
-/// Vertices that follow several joints which do not carry them to the same place in a pose.
+/// Returns the number of vertices whose joints do not agree on their position in a pose.
 pub(super) fn loose_vertices(mesh: &RawMesh, pose: &[DAffine3]) -> usize {
     let matrices = model_from_mesh(mesh, pose);
     let is_loose = |primitive: &Primitive, vertex: usize| {

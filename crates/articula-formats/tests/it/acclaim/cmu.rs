@@ -1,11 +1,11 @@
-//! CMU 01/01 as ASF/AMC and as BVH: the same motion by two ways that share no code but the
+//! CMU 01/01 as ASF/AMC and as BVH: the same motion through two readers that share only the
 //! quaternions.
 //!
-//! The BVH file was converted by others. Its first frame is a T-pose that they put before the
-//! motion, so its frame `n + 1` is frame `n` of the AMC file. They gave three bones no length:
+//! The BVH file was converted by others. Its first frame is a T-pose that they inserted before the
+//! motion, so its frame `n + 1` is frame `n` of the AMC file. Three bones have no length in it:
 //! `thorax` (2.06488 units), `lwrist` (1.74178) and `rwrist` (1.72209). So in the BVH file
-//! everything above `thorax` stands 116.6 mm too low along the thorax, and the hands are shorter by
-//! 98.3 and 97.2 mm. With these offsets put back, all joints are the same.
+//! everything above `thorax` is 116.6 mm too low along the thorax, and the hands are shorter by
+//! 98.3 and 97.2 mm. With these offsets restored, all joints agree.
 
 use super::world;
 use crate::real;
@@ -16,7 +16,7 @@ use articula_formats::bvh;
 use articula_formats::{Limits, joint_map};
 use glam::Vec3;
 
-/// Joints of the ASF file and of the BVH file that are the same joint.
+/// Corresponding joints of the ASF file and of the BVH file.
 const TWINS: [(&str, &str); 31] = [
     ("root", "Hips"),
     ("lhipjoint", "LHipJoint"),
@@ -51,11 +51,11 @@ const TWINS: [(&str, &str); 31] = [
     ("rthumb", "RThumb"),
 ];
 
-/// Twins up to here agree in the files as they are.
+/// Pairs before this index agree in the files as they are.
 const SOUND: usize = 14;
 
-/// Joints of the BVH file that lack the length of a bone, and that bone: direction times
-/// length, read in the ASF file.
+/// Joints of the BVH file that lack the length of a bone, and that bone: direction times length,
+/// from the ASF file.
 const LOST: [(&str, [f32; 3], f32); 7] = [
     ("Neck", THORAX, 2.06488),
     ("LeftShoulder", THORAX, 2.06488),
@@ -105,7 +105,7 @@ fn biovision(lost_lengths_back: bool) -> Option<Character> {
     Some(read.unwrap().value.character)
 }
 
-/// Largest distance of each pair of twins over all frames, in millimetres.
+/// Returns the maximum distance of each pair over all frames, in millimetres.
 fn apart_mm(ours: &Character, theirs: &Character) -> Vec<f32> {
     let joint = |c: &Character, name: &str| c.skeleton.find(name).unwrap();
     let twins = TWINS.map(|(a, b)| (joint(ours, a), joint(theirs, b)));
@@ -143,7 +143,7 @@ fn cmu_01_01_is_the_same_in_both_formats() {
     let (sound, all) = (worst(&plain[..SOUND]), worst(&mended));
     println!("worst: {sound:.4} mm as the files are, up to the thorax; {all:.4} mm of all joints");
     assert!(sound < 1.0 && all < 1.0);
-    // The rest is off by what was lost, and by nothing else.
+    // The others differ by the lost lengths and nothing else.
     let unit_mm = 25.4 / 0.45;
     for ((_, theirs), plain) in TWINS.iter().zip(&plain).skip(SOUND) {
         let side = if theirs.starts_with('L') {
@@ -185,7 +185,7 @@ fn bones_are_named_after_the_joint_at_their_start() {
         let (own_meaning, other_meaning) = (hanim(&ours, &a, own), hanim(&theirs, &b, other));
         assert_eq!(own_meaning, other_meaning, "{own} {other}");
     }
-    // Left is left, and the figure stands.
+    // Left is on the left, and the figure is upright.
     let rest = super::at_rest(&ours);
     let place = |name: &str| rest[ours.skeleton.find(name).unwrap()];
     assert!(place("lfemur").x > place("rfemur").x && place("head").y > place("ltoes").y + 1.0);

@@ -1,4 +1,4 @@
-//! Small pairs whose places were computed by hand.
+//! Small pairs with positions computed by hand.
 
 use super::{AMC, ASF, at_rest, plain, world};
 use articula_core::source::{Character, Property};
@@ -37,22 +37,22 @@ fn a_leg_and_an_arm() {
     for (place, [x, y]) in rest.iter().zip(wanted) {
         assert!(near(*place, Vec3::new(x, y, 0.0)), "{place}");
     }
-    // Last bones end at end sites: (2, 0, 0) and (0, -3, 0) in the axes of the figure. The
-    // arm's axes are turned about x, then about z: C = Rz(90) Rx(90), so C⁻¹ x̂ = -ŷ of Rz,
-    // which Rx(-90) turns to ẑ.
+    // Leaf bones end at end sites: (2, 0, 0) and (0, -3, 0) in the axes of the figure. The arm's
+    // axes are rotated about x, then about z: C = Rz(90) Rx(90), so C⁻¹ x̂ = -ŷ of Rz, which
+    // Rx(-90) rotates to ẑ.
     assert_eq!(file.end_sites.len(), 2);
     assert_eq!((file.end_sites[0].0, file.end_sites[1].0), (2, 4));
     assert!(near(file.end_sites[0].1, Vec3::new(0.0, 0.0, 2.0)));
     assert!(near(file.end_sites[1].1, Vec3::new(-3.0, 0.0, 0.0)));
 
-    // Second frame. The root turns about x, then about z: x̂ -> ŷ, ŷ -> ẑ, ẑ -> x̂.
-    // The thigh's own x axis is the figure's y axis, so its own bone does not move; the shin
-    // turns about the same axis.
+    // Second frame. The root rotates about x, then about z: x̂ -> ŷ, ŷ -> ẑ, ẑ -> x̂. The thigh's
+    // own x axis is the figure's y axis, so its own bone does not move; the shin rotates about the
+    // same axis.
     let at = |name| place(character, name, 0.5);
     let root = Vec3::new(1.0, 7.0, 2.0);
     assert!(near(at("root"), root));
     assert!(near(at("shin"), root + Vec3::new(0.0, 0.0, -4.0)));
-    // The arm is moved by 1 along its own x axis, which is the figure's y axis: (3, 5, 0).
+    // The arm moves by 1 along its own x axis, which is the figure's y axis: (3, 5, 0).
     assert!(
         near(at("arm"), root + Vec3::new(0.0, 3.0, 5.0)),
         "{}",
@@ -60,8 +60,8 @@ fn a_leg_and_an_arm() {
     );
 }
 
-/// The arm's end shows its own turn: about its z axis, which C = Rz(90) Rx(90) puts at +x of
-/// the figure. So the arm, which lies along x, turns about itself.
+/// The arm's end shows its rotation: about its z axis, which C = Rz(90) Rx(90) puts at +x of the
+/// figure. So the arm, which lies along x, rotates about itself.
 #[test]
 fn a_bone_turns_about_its_own_axes() {
     let end = |amc: &str| {
@@ -99,8 +99,8 @@ fn three_rotations_turn_in_the_order_of_the_degrees_of_freedom() {
         "axis 0 0 0 XYZ\n    dof rz rx",
     );
     let file = plain(&asf, Some("1\nthigh 90 90\n")).unwrap().value;
-    // Down, turned about z first, points to +x; about x that stays. The other way round it
-    // would point to -z and stay there.
+    // Down, rotated about z first, points to +x; about x that stays. In the other order it would
+    // point to -z and stay there.
     let shin = place(&file.character, "shin", 0.0);
     assert!(near(shin, Vec3::new(4.0, 0.0, 0.0)), "{shin}");
 }
@@ -114,7 +114,7 @@ fn angles_may_be_radians() {
         .replace("axis 90 0 90", &format!("axis {quarter} 0 {quarter}"));
     let radians = AMC.replace("90", &quarter).replace(":DEGREES\n", "");
     let all = plain(&half, Some(&radians)).unwrap().value;
-    // The motion's own word wins over the skeleton's.
+    // The motion's unit overrides the skeleton's.
     let mixed = plain(&half, Some(AMC)).unwrap().value;
     let other = plain(ASF, Some(&format!(":RADIANS\n{radians}")))
         .unwrap()
@@ -139,7 +139,7 @@ fn the_root_may_be_placed_and_turned() {
     let rest = at_rest(&file.character);
     // About y: +x of the figure points to -z.
     assert!(near(rest[2], Vec3::new(0.0, 4.0, 2.0)), "{}", rest[2]);
-    // The motion turns the figure before its orientation does: (3, 4, 0) -> (-4, 3, 0).
+    // The motion rotates the figure before its orientation does: (3, 4, 0) -> (-4, 3, 0).
     let arm = place(&file.character, "arm", 0.0);
     assert!(near(arm, Vec3::new(1.0, 3.0, 9.0)), "{arm}");
 }
@@ -213,7 +213,7 @@ fn the_rate_may_stand_in_the_file() {
     );
 }
 
-/// The unit is told from `length` and the height of the figure (12.0 units here).
+/// The unit is guessed from `length` and the height of the figure (12.0 units here).
 #[test]
 fn the_unit_is_told_and_said() {
     let unit = |length: &str, asf: &str| {
@@ -231,10 +231,10 @@ fn the_unit_is_told_and_said() {
     };
     let (found, said) = unit("0.45", ASF);
     assert!((found - 0.0254 / 0.45).abs() < 1e-7 && said, "{found}");
-    // 11 units of 0.1397 m make 1.54 m: an adult, so `length` is believed.
+    // 11 units of 0.1397 m make 1.54 m: an adult, so `length` is accepted.
     let (found, said) = unit("0.1818", ASF);
     assert!((found - 0.0254 / 0.1818).abs() < 1e-6 && said, "{found}");
-    // 11 units: decimetres are too small for an adult, nothing known fits; 1.7 m.
+    // 11 units: decimetres are too small for an adult, no known unit fits; 1.7 m.
     let (found, said) = unit("1.0", ASF);
     assert!((found - 1.7 / 11.0).abs() < 1e-6 && said, "{found}");
 }
@@ -275,7 +275,7 @@ end
     assert!(told.warnings.iter().any(|w| w.what.contains("+Z is up")));
     let told = told.value.character;
     assert!(near(at_rest(&told)[2], Vec3::new(0.0, 0.5, 0.0)));
-    // z points up, y to the back: (1, 2, 3) -> (1, 3, -2); the spine turns z to -y, so to +z.
+    // z points up, y backwards: (1, 2, 3) -> (1, 3, -2); the spine rotates z to -y, so to +z.
     let head = place(&told, "head", 0.0);
     assert!(near(head, Vec3::new(1.0, 3.0, -1.5)), "{head}");
     let left = read(UpAxis::Y, None).value.character;

@@ -1,11 +1,11 @@
-//! Every fault names its line; counts are bounded; truncated files give a value or an error.
+//! Every error names its line; counts are bounded; truncated files give a value or an error.
 
 use super::{AMC, ASF, plain};
 use articula_formats::ReadOptions;
 use articula_formats::acclaim;
 use articula_formats::{Limits, ReadError};
 
-/// What is replaced by what in the skeleton, and what the error then says.
+/// Replaced text of the skeleton, its replacement, and the expected error.
 const SKELETON_FAULTS: &[(&str, &str, &str)] = &[
     (
         ":version",
@@ -214,7 +214,7 @@ fn depth_and_counts_are_bounded() {
         matches!(error, ReadError::LimitExceeded { limit: 128, .. }),
         "{error}"
     );
-    // A ring hangs from nothing.
+    // A cycle without a root.
     let ring = format!(":bonedata\n{bones}:hierarchy\n{links}b199 b0\n");
     let read = plain(&ring, None).unwrap();
     assert_eq!(

@@ -1,5 +1,5 @@
-//! Promise: ASF/AMC pairs are read in metres and upright, survive writing, and whatever happens
-//! to them gives a value or an error.
+//! ASF/AMC pairs are read in metres and upright and round-trip; any input gives a value or an
+//! error.
 
 mod cmu;
 mod hand;
@@ -13,8 +13,8 @@ use articula_formats::{Limits, Parsed, ReadError};
 use articula_formats::{MotionFile, ReadOptions, UpAxis};
 use glam::Vec3;
 
-/// A thigh with axes of its own, a shin that shares them, and a connecting bone to an arm.
-/// Written from the format's description, not by us.
+/// A thigh with a rotated coordinate system, a shin that shares it, and a connecting bone to an
+/// arm. Written from the description of the format, not by the writer under test.
 const ASF: &str = "# a comment
 :version 1.10
 :name TEST

@@ -1,4 +1,4 @@
-//! What we write opens again with every joint where it was.
+//! Written files reopen with every joint at its position.
 
 use super::{AMC, ASF, plain, world};
 use crate::real;
@@ -30,7 +30,8 @@ fn reopened(written: &WrittenFile) -> MotionFile {
     read.value
 }
 
-/// Largest distance between joints of the same name, in metres, at the frames of a clip.
+/// Returns the maximum distance between joints of the same name, in metres, at the frames of a
+/// clip.
 fn apart_metres(a: &Character, b: &Character, rate_hz: f32, frames: usize) -> f32 {
     let mut worst = 0.0f32;
     for frame in 0..frames {
@@ -94,8 +95,8 @@ fn made() -> impl Strategy<Value = Made> {
         })
 }
 
-/// Any forest: some joints stand at the same place as their parent, some are roots, some are
-/// no joints of a skin.
+/// Makes any forest: some joints have the position of their parent, some are roots, some are not in
+/// a skin.
 fn character(made: &[Made]) -> Character {
     let times_secs: Vec<f32> = (0..FRAMES).map(|f| f as f32 / RATE_HZ).collect();
     let mut character = Character::default();
@@ -136,8 +137,8 @@ fn character(made: &[Made]) -> Character {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
 
-    /// The bound: six decimals of an angle and of a translation (6e-8 m), summed over a chain,
-    /// and the rounding of f32 in chains of 24 turns; bodies here are up to 10 m long.
+    /// The bound: six decimals of an angle and of a translation (6e-8 m), summed over a chain, and
+    /// the rounding of f32 in chains of 24 rotations; bodies here are up to 10 m long.
     #[test]
     fn any_forest_reopens(made in prop::collection::vec(made(), 1..24)) {
         let character = character(&made);
@@ -147,7 +148,7 @@ proptest! {
         prop_assert_eq!(back.frame_time_secs, RATE_HZ.recip());
         let apart = apart_metres(&character, &back.character, RATE_HZ, FRAMES);
         prop_assert!(apart < 2e-5, "{} m", apart);
-        // Written again it does not grow, and stays where it is.
+        // Written again it does not grow, and positions stay.
         let again = acclaim::write(&back.character, Some(0), &WriteOptions {
             rate_hz: RATE_HZ,
             end_sites: back.end_sites.clone(),
@@ -219,7 +220,7 @@ fn names_that_the_format_cannot_hold_are_replaced() {
     );
     let back = reopened(&written).character.skeleton;
     let found: Vec<&str> = back.joints.iter().map(|j| j.name.as_str()).collect();
-    // The root stands at the origin, so its first child hangs from a connecting bone.
+    // The root is at the origin, so its first child is attached by a connecting bone.
     assert_eq!(found[0], "Hips _main_");
     let wanted = [
         "joint_1", "a_b", "a_b_2", "root_2", "end_2", "joint_6", "_a:x",
@@ -315,8 +316,8 @@ fn real_characters_survive() {
         let back = reopened(&written);
         let apart = apart_metres(&character, &back.character, RATE_HZ, frames);
         println!("{name}: {:.4} mm, {:?}", apart * 1000.0, written.left_out);
-        // A position that moves by less than 1e-5 of the figure has no key; that adds up along
-        // a chain.
+        // A position that moves by less than 1e-5 of the figure has no key; that adds up along a
+        // chain.
         assert!(apart < 1e-4, "{name}: {apart} m");
     }
 }

@@ -1,4 +1,4 @@
-//! Levels stored in documents: nothing but the order changes, and what is broken is not believed.
+//! Levels stored in documents: only the order changes, and broken levels are rejected.
 
 use super::tiny::{Tiny, read};
 use crate::real;
@@ -9,8 +9,8 @@ use articula_formats::gltf::MeshParts;
 use articula_formats::gltf::{Document, GltfFile};
 use serde_json::{Value, json};
 
-/// A sheet of 4 x 4 squares with every kind of array: interleaved and strided, integers, sparse
-/// over zeros and over values, named twice, unused vertices; skinned and morphed.
+/// Returns a sheet of 4 x 4 squares with every kind of array: interleaved and strided, integers,
+/// sparse over zeros and over values, used twice, unused vertices; skinned and morphed.
 fn sheet() -> Tiny {
     sheet_in(Tiny::skinned())
 }
@@ -94,7 +94,7 @@ fn sheet_in(mut tiny: Tiny) -> Tiny {
     tiny
 }
 
-/// The sheet with four levels, and with nodes for them.
+/// Returns the sheet with four levels, and with nodes for them.
 pub(crate) fn stored() -> Vec<u8> {
     let mut file = sheet().read().unwrap().value;
     let of = vec![clustered(&file.character.meshes[0], 4)];
@@ -109,7 +109,7 @@ fn reread(document: &Document) -> GltfFile {
     read.value
 }
 
-/// Element of an accessor as its bytes are, sparse ones resolved.
+/// Returns the bytes of an accessor's element, with sparse ones resolved.
 fn element(document: &Document, accessor: &Value, i: usize) -> Vec<u8> {
     let json = &document.json;
     let accessor = &json["accessors"][accessor.as_u64().unwrap() as usize];
@@ -148,7 +148,7 @@ fn element(document: &Document, accessor: &Value, i: usize) -> Vec<u8> {
     at(accessor, i, size)
 }
 
-/// Every array of a primitive holds for each stored vertex what it held.
+/// Checks that every array of a primitive is unchanged for each stored vertex.
 fn same_arrays(old: (&Document, &Value), new: (&Document, &Value), vertices: &[u32]) {
     let owners = |p: &Value| {
         let targets = p["targets"].as_array().cloned().unwrap_or_default();
@@ -172,7 +172,7 @@ fn same_arrays(old: (&Document, &Value), new: (&Document, &Value), vertices: &[u
     }
 }
 
-/// Triangles with their lowest corner first, sorted.
+/// Returns triangles with their lowest corner first, sorted.
 fn set(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
     let turned = |[a, b, c]: [u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap();
     let mut all: Vec<_> = triangles.map(turned).collect();
@@ -180,7 +180,7 @@ fn set(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
     all
 }
 
-/// What a mesh shows at each level is what its levels were made of.
+/// Checks that a mesh shows at each level the triangles of which the level was made.
 fn same_levels(before: &RawMesh, after: &RawMesh, of: &[Clustered], count: usize) {
     assert_eq!(after.clustered.len(), before.primitives.len());
     for (p, (part, object)) in before.primitives.iter().zip(&after.clustered).enumerate() {
@@ -230,7 +230,7 @@ fn every_array_goes_with_its_vertices() {
     );
     assert_eq!(after.character.mesh_levels, Some(table(4)));
     assert_eq!(after.character.skeleton, before.character.skeleton);
-    // Kinds of numbers stay; what was sparse is sparse; an array named twice is one.
+    // Component types are kept; sparse arrays stay sparse; an array used twice is one.
     let accessor = |slot: &Value| &file.document.json["accessors"][slot.as_u64().unwrap() as usize];
     assert_eq!(
         accessor(&new["attributes"]["NORMAL"])["componentType"],
@@ -255,7 +255,7 @@ fn every_array_goes_with_its_vertices() {
     assert_eq!(accessor(&new["attributes"]["POSITION"])["max"][1], 4.0);
     assert_eq!(accessor(&new["indices"])["componentType"], 5123);
     assert_eq!(new["extras"], json!({"kept": true}));
-    // What nothing names any longer is gone.
+    // Unreferenced data was dropped.
     let count = file.document.json["accessors"].as_array().unwrap().len();
     assert_eq!(count, 11 + 3, "three were of no use before");
     let bytes = file.document.buffers[0].len();
@@ -275,7 +275,7 @@ fn storing_again_replaces_and_made_anew_it_is_the_same() {
     let again = reread(&anew);
     assert_eq!(again.character.meshes, once.character.meshes);
     assert_eq!(again.character.mesh_levels, once.character.mesh_levels);
-    // Other levels of what is now in the order of levels: nothing of the first stays.
+    // Other levels of the reordered mesh: nothing of the first stays.
     let mut twice = once.clone();
     let of = vec![clustered(&once.character.meshes[0], 4)];
     store(&mut twice, &of).unwrap();
@@ -335,7 +335,7 @@ fn strips_fans_points_and_shared_arrays() {
     );
 }
 
-/// New clips drop the arrays of the old ones, so accessors are numbered anew.
+/// New clips drop the arrays of the old ones, which renumbers accessors.
 #[test]
 fn levels_survive_new_clips() {
     let mut tiny = Tiny::skinned();
@@ -427,7 +427,7 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
     );
 }
 
-/// Every way in which levels may be broken leaves a character without levels, and a warning.
+/// Any broken level gives a character without levels, and a warning.
 #[test]
 fn broken_levels_are_not_believed() {
     let mut file = sheet().read().unwrap().value;
@@ -483,8 +483,8 @@ fn broken_levels_are_not_believed() {
     assert_eq!(read.value.character.meshes, good.meshes);
 }
 
-/// A file of the first version of the extension, as it was written then: a bending tube of 128,
-/// 64 and 26 triangles.
+/// A file of version 1 of the extension, written by the code of that version: a bending tube of
+/// 128, 64 and 26 triangles.
 const OLD: &[u8] = include_bytes!("../old/clustered-1.glb");
 
 #[test]
@@ -543,7 +543,7 @@ fn both_versions_say_the_same() {
     let mut old = file.document.clone();
     as_old(&mut old);
     assert_eq!(reread(&old).character, new);
-    // A primitive says its version itself: a table written anew beside it changes nothing.
+    // A primitive states its own version: a rewritten table does not affect it.
     old.json["extensions"][name] = file.document.json["extensions"][name].clone();
     assert_eq!(reread(&old).character, new);
     for pointer in [
@@ -604,7 +604,7 @@ fn level_nodes_show_the_same_levels() {
             "{stated:?} {expected}"
         );
     }
-    // Asked again there are no more of them; new levels of the mesh take them away.
+    // A second call adds none; new levels of the mesh remove them.
     let nodes = |f: &GltfFile| f.document.json["nodes"].as_array().unwrap().len();
     let meshes = |f: &GltfFile| reread(&f.document).character.meshes[0].levels.len();
     file.document.add_level_nodes(2, &levels, 1.0).unwrap();
@@ -620,7 +620,8 @@ fn level_nodes_show_the_same_levels() {
     );
 }
 
-/// A level in which a mesh has nothing left ends the chain, and the mesh is not drawn from there.
+/// A level in which a mesh has no triangles ends the chain, and the mesh is not drawn from there
+/// on.
 #[test]
 fn a_mesh_that_vanishes_is_not_drawn_when_small() {
     let mut file = sheet().read().unwrap().value;

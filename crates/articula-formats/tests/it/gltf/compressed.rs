@@ -1,4 +1,4 @@
-//! Compressed buffer views: read as plain ones, and written as such.
+//! Compressed buffer views: read like uncompressed ones, and written uncompressed.
 
 use super::tiny::{Tiny, read};
 use articula_formats::Limits;
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 const EXT: &str = "EXT_meshopt_compression";
 const KHR: &str = "KHR_meshopt_compression";
 
-/// Attributes in the plainest form of bitstream v1: one block, every difference as a byte.
+/// Encodes attributes in the simplest form of bitstream v1: one block, every difference as a byte.
 fn encoded(elements: &[u8], stride: usize) -> Vec<u8> {
     assert!(elements.len() / stride <= 16, "one block");
     let mut out = vec![0xa1];
@@ -27,13 +27,13 @@ fn encoded(elements: &[u8], stride: usize) -> Vec<u8> {
     out
 }
 
-/// Moves a view's bytes into a compressed form in buffer 0; the plain form is nowhere.
+/// Moves a view's bytes into a compressed form in buffer 0, without an uncompressed copy.
 fn compress(tiny: &mut Tiny, name: &str, view: usize, stride: usize, change: Value) {
     let plain = tiny.json["bufferViews"][view].clone();
     let number = |key: &str| plain[key].as_u64().unwrap() as usize;
     let range = number("byteOffset")..number("byteOffset") + number("byteLength");
     let bytes = encoded(&tiny.bytes[range.clone()], stride);
-    // Rubbish where the plain form was: nobody may look there.
+    // Arbitrary bytes replace the uncompressed data, which must not be read.
     tiny.bytes[range].fill(0xEE);
     let count = number("byteLength") / stride;
     let change = merged(
@@ -43,7 +43,7 @@ fn compress(tiny: &mut Tiny, name: &str, view: usize, stride: usize, change: Val
     attach(tiny, name, view, &bytes, change);
 }
 
-/// Gives a view a compressed form; the buffer of its plain form has no bytes.
+/// Gives a view a compressed form; the buffer of its uncompressed form has no bytes.
 fn attach(tiny: &mut Tiny, name: &str, view: usize, bytes: &[u8], members: Value) {
     let place = tiny.view(bytes);
     let place = tiny.json["bufferViews"]
@@ -66,7 +66,7 @@ fn merged(mut to: Value, from: Value) -> Value {
     to
 }
 
-/// A triangle with indices, in all three modes: attributes, triangles, and sparse indices.
+/// Returns a triangle with indices, in all three modes: attributes, triangles, and sparse indices.
 pub(crate) fn every_mode() -> Tiny {
     let mut tiny = Tiny::skinned();
     let indices = tiny.bytes_accessor("SCALAR", 5123, &[0, 0, 1, 0, 2, 0]);
@@ -111,7 +111,7 @@ fn all_modes_are_read_and_written_plain() {
     for gone in ["meshopt", "extensionsUsed", "extensionsRequired"] {
         assert!(!json.to_string().contains(gone), "{gone}: {json}");
     }
-    // Five decoded views, each at a multiple of 4; of the encoded bytes none is left.
+    // Five decoded views, each at a multiple of 4; none of the encoded bytes is left.
     let buffers = &file.document.buffers;
     assert_eq!(buffers[1].len(), 36 + 12 + 48 + 8 + 4);
     assert!(!buffers[0].contains(&0xFF), "{:02x?}", buffers[0]);
@@ -129,7 +129,7 @@ fn both_spellings_and_every_way_to_say_where_the_plain_bytes_would_be() {
             json!({"byteLength": 36}),
             json!({"byteLength": 36, "extensions": {name: {"fallback": true}}}),
             json!({"byteLength": 36, "uri": "gone.bin", "extensions": {name: {"fallback": true}}}),
-            // Not marked, but nothing plain is in it either.
+            // Not marked as a fallback, but it has no uncompressed data.
             json!({"byteLength": 36, "uri": "gone.bin"}),
         ] {
             let mut tiny = Tiny::skinned();
@@ -149,7 +149,7 @@ fn a_plain_form_beside_the_compressed_one_goes() {
     let mut tiny = Tiny::skinned();
     let before = tiny.json["bufferViews"][0].clone();
     compress(&mut tiny, EXT, 0, 12, json!({}));
-    // The plain form stays in buffer 0, together with views that have no other.
+    // The uncompressed form stays in buffer 0, together with views that have no other.
     tiny.json["bufferViews"][0]["buffer"] = before["buffer"].clone();
     tiny.json["buffers"].as_array_mut().unwrap().pop();
     let (file, _) = one_warning(&tiny);
@@ -199,7 +199,7 @@ fn filters_and_the_bounds_of_what_they_round() {
     assert_eq!(accessors[normals].get("min"), None);
 }
 
-/// A way to spoil the extension of view 0, and what the error must say.
+/// An invalid change of view 0's extension, and the expected error.
 type Case = (&'static str, Value, &'static str);
 
 #[test]
@@ -230,8 +230,8 @@ fn hostile_views() {
 
 #[test]
 fn decoded_bytes_count_against_the_limit() {
-    // 4096 still elements of 256 bytes, 32 a block, each block 64 control bytes: 8 kB for 1 MB,
-    // and forty views that all name them.
+    // 4096 constant elements of 256 bytes, 32 per block, each block 64 control bytes: 8 kB for 1
+    // MB, and forty views that all use them.
     let bomb = [&[0xa1][..], &[0xaa; 64 * 128], &[0; 256 + 64]].concat();
     let mut tiny = Tiny::new();
     let view = tiny.view(&[]);

@@ -96,7 +96,7 @@ fn joints_stand_parents_first_in_document_order_and_the_rest_is_left_out() {
         .map(|j| j.in_skin)
         .collect();
     assert_eq!(in_skin, [false, false, true, true]);
-    // Meshes in the order of their nodes; the prop is rigid on its own joint.
+    // Meshes are in the order of their nodes; the prop is rigid on its own joint.
     assert_eq!(file.node_of_mesh, [2, 5]);
     let prop = &file.character.meshes[1];
     assert_eq!(prop.skin.joints, [1]);
@@ -235,7 +235,7 @@ fn eight_influences() {
     let character = good(&tiny).character;
     let primitive = &character.meshes[0].primitives[0];
     assert_eq!(primitive.influences, 8);
-    // The second set names joint 1 too, with no weight: read as joint 0.
+    // The second set names joint 1 too, with zero weight: read as joint 0.
     assert_eq!(primitive.joints[..8], [1, 0, 0, 0, 0, 0, 0, 0]);
     assert_eq!(primitive.weights[..8], [0.5, 0., 0., 0., 0.5, 0., 0., 0.]);
 }
@@ -363,7 +363,7 @@ fn pointers_to_joints_and_weights_drive_what_plain_targets_drive() {
         "moved, so a joint"
     );
 
-    // A mesh's weights are those of its nodes, but for one that has its own.
+    // A mesh's weights apply to its nodes, except one that has its own.
     let mut tiny = Tiny::triangle();
     let offsets = tiny.floats("VEC3", &[1.0; 9]);
     tiny.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": offsets}]);

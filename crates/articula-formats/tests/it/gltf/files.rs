@@ -32,7 +32,7 @@ fn files_below(folder: &Path) -> Vec<PathBuf> {
 /// Joints in skins, vertices, triangles, clips, seconds of all clips together, warnings.
 type Counts = (usize, usize, usize, usize, f32, usize);
 
-/// As the makers of the files (or, for counts of warnings, the Khronos validator) state them.
+/// Stated by the makers of the files or, for counts of warnings, by the Khronos validator.
 const STATED: &[(&str, Counts)] = &[
     ("glb/CesiumMan.glb", (19, 3273, 4672, 1, 2.0, 1)),
     ("glb/RiggedFigure.glb", (19, 370, 256, 1, 1.25, 1)),
@@ -47,7 +47,7 @@ const STATED: &[(&str, Counts)] = &[
         (21, 6578, 6756, 0, 0.0, 0),
     ),
     ("glb/mannequiny.glb", (45, 12597, 13832, 10, 8.0, 0)),
-    // A warning that its views were compressed.
+    // One warning, about its compressed views.
     ("glb/viverse/mannequin.glb", (53, 7125, 12712, 0, 0.0, 1)),
     ("glb/webxr_hand_left.glb", (25, 1360, 2314, 0, 0.0, 0)),
     ("glb/mh_female_dance.glb", (163, 14517, 26756, 1, 23.97, 0)),
@@ -123,9 +123,9 @@ fn again(document: &Document) -> GltfFile {
 }
 
 fn comes_back_the_same(name: &str, file: &GltfFile) {
-    // As it stands.
+    // Unchanged.
     assert_eq!(again(&file.document).character, file.character, "{name}");
-    // With its own clips written anew.
+    // With its own clips replaced.
     let mut replaced = file.document.clone();
     replaced
         .replace_clips(
@@ -135,7 +135,7 @@ fn comes_back_the_same(name: &str, file: &GltfFile) {
         )
         .unwrap();
     assert_eq!(again(&replaced).character, file.character, "{name}");
-    // As a new document, with its joints described.
+    // As a new document, with articulation.
     let mut described = file.character.clone();
     described.articulation = Some(invented(described.skeleton.joints.len()));
     let anew = again(&Document::from_character(&described).unwrap()).character;
@@ -156,7 +156,7 @@ fn comes_back_the_same(name: &str, file: &GltfFile) {
     }
 }
 
-/// A new document has no place for what drives expressions.
+/// A new document cannot hold channels that drive expressions.
 fn without_expressions(file: &GltfFile) -> Vec<RawClip> {
     let mut clips = file.character.clips.clone();
     for clip in &mut clips {

@@ -1,4 +1,4 @@
-//! Files made to harm: each gives one clear error that names the place.
+//! Hostile files: each gives one clear error that names the position.
 
 use super::tiny::{Tiny, read};
 use articula_formats::gltf;
@@ -6,7 +6,7 @@ use articula_formats::{Limits, ReadError};
 use articula_mutate::cut_off;
 use serde_json::{Value, json};
 
-/// A way to spoil a good file, and what the error must say.
+/// An invalid change of a valid file, and the expected error.
 type Case = (&'static str, fn(&mut Tiny), &'static str);
 
 const CASES: &[Case] = &[
@@ -359,16 +359,16 @@ fn many_entries_of_one_thing_meet_the_limits() {
         nodes: 50,
         ..Limits::default()
     };
-    // A thousand pictures of one file.
+    // A thousand pictures from one file.
     let mut tiny = Tiny::skinned();
     tiny.json["images"] = json!(vec![json!({"uri": "a.png"}); 1000]);
     assert!(limit(&tiny, tight).contains("bytes of buffers and pictures"));
-    // A thousand pictures of one view.
+    // A thousand pictures from one view.
     let mut tiny = Tiny::skinned();
     let view = tiny.view(&[0; 1000]);
     tiny.json["images"] = json!(vec![json!({"bufferView": view}); 1000]);
     assert!(limit(&tiny, tight).contains("bytes of pictures"));
-    // A thousand primitives of one array, none of which is even drawn.
+    // A thousand primitives with one array, none of which is drawn.
     let mut tiny = Tiny::skinned();
     let primitive = json!({"attributes": {}, "mode": 0});
     tiny.json["meshes"] = json!([{"primitives": vec![primitive; 1000]}]);

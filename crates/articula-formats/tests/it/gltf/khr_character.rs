@@ -1,5 +1,5 @@
-//! The draft KHR_character family: expressions of all drafts, masks, mappings, reference poses; and
-//! what is written of it.
+//! The draft KHR_character family: reading of expressions of all drafts, masks, mappings and
+//! reference poses; and writing.
 
 use super::tiny::{Tiny, hips_height_metres, read};
 use super::vrm::{figure, new, old};
@@ -12,7 +12,8 @@ fn value(tiny: &Tiny) -> GltfFile {
     tiny.read().unwrap().value
 }
 
-/// Adds an animation with one sampler a channel; each channel is target, values and their kind.
+/// Adds an animation with one sampler per channel; each channel is target, accessor type and
+/// values.
 fn animation(tiny: &mut Tiny, mode: &str, times: &[f32], channels: &[(Value, &str, &[f32])]) {
     let mut all = tiny.json["animations"]
         .as_array()
@@ -214,7 +215,7 @@ fn what_is_written_of_vrm_1() {
     let before = value(&new());
     let (json, again) = written(&new());
     let extensions = &json["extensions"];
-    // Three nodes stand at the root of the scene, so a new one comes above them.
+    // The scene has three root nodes, so a new one is added above them.
     assert_eq!(extensions["KHR_character"]["rootNode"], 5);
     assert_eq!(json["nodes"][5]["children"], json!([0, 3, 4]));
     assert_eq!(json["scenes"][0]["nodes"], json!([5]));
@@ -242,7 +243,7 @@ fn what_is_written_of_vrm_0_faces_the_front_for_everyone() {
     let before = value(&old(-0.1));
     let (json, again) = written(&old(-0.1));
     assert_eq!(json["nodes"][5]["rotation"], json!([0.0, 1.0, 0.0, 0.0]));
-    // Our reader sees the turn and makes none of its own.
+    // The reader recognises the turn and adds none.
     let place = |file: &GltfFile, name: &str| {
         let skeleton = &file.character.skeleton;
         let mut at = skeleton.find(name);

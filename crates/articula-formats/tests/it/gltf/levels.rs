@@ -1,4 +1,4 @@
-//! Coarser levels of nodes (MSFT_lod): read as levels of one mesh, shown once, written again.
+//! Coarser levels of nodes (MSFT_lod): read as levels of one mesh, shown once, round trips.
 
 use super::tiny::{Tiny, read};
 use articula_core::source::{Character, RawMesh};
@@ -6,7 +6,7 @@ use articula_formats::gltf::Document;
 use glam::{Affine3A, Vec3};
 use serde_json::{Value, json};
 
-/// The skinned triangle on node 2 with two coarser forms on nodes 3 and 4, in no scene.
+/// The skinned triangle on node 2 with two coarser levels on nodes 3 and 4, in no scene.
 pub(crate) fn skinned() -> Tiny {
     let mut tiny = Tiny::skinned();
     let attributes = tiny.json["meshes"][0]["primitives"][0]["attributes"].clone();
@@ -23,7 +23,7 @@ pub(crate) fn skinned() -> Tiny {
     tiny
 }
 
-/// The triangle on a moved node, with one coarser form on another.
+/// The triangle on a moved node, with one coarser level on another.
 fn rigid(coarse: Value) -> Tiny {
     let mut tiny = Tiny::triangle();
     let fine = json!({"name": "fine", "mesh": 0, "translation": [0, 2, 0], "rotation": [0, 1, 0, 0],
@@ -49,7 +49,7 @@ fn one_warning(tiny: &Tiny) -> (Character, String) {
     )
 }
 
-/// Triangles and least share of the screen of each level.
+/// Returns triangle count and minimum screen coverage of each level.
 fn told(mesh: &RawMesh) -> Vec<(usize, Option<f32>)> {
     let triangles =
         |p: &[articula_core::source::Primitive]| p.iter().map(|p| p.triangles.len()).sum();
@@ -82,7 +82,7 @@ fn skinned_levels() {
     assert!(mesh.levels.iter().all(|level| level.skin == mesh.skin));
     assert_eq!(mesh.levels[0].primitives[0].weights[..2], [0.25, 0.75]);
     comes_back(&character);
-    // A scene may show the coarser nodes too; they are still not meshes of their own.
+    // A scene may show the coarser nodes too; they are still not separate meshes.
     let mut tiny = skinned();
     tiny.json["scenes"][0]["nodes"] = json!([0, 2, 3, 4]);
     assert_eq!(good(&tiny), character);
@@ -106,14 +106,14 @@ fn shares_of_the_screen_may_be_few_or_none() {
 
 #[test]
 fn a_rigid_level_hangs_where_the_finest_hangs() {
-    // The same transform: nothing between.
+    // The same transform: no offset.
     let same = json!({"mesh": 0, "translation": [0, 2, 0], "rotation": [0, 1, 0, 0]});
     let character = good(&rigid(same));
     let mesh = &character.meshes[0];
     assert_eq!(mesh.levels[0].skin, mesh.skin);
     assert_eq!(character.skeleton.joints.len(), 1);
     comes_back(&character);
-    // Another: it stands in the place of the finest with its own transform, 3 m up, unturned.
+    // Another transform: it replaces the finest with its own transform, 3 m up, unrotated.
     let other = json!({"mesh": 0, "translation": [0, 3, 0]});
     let character = good(&rigid(other.clone()));
     let joint = character.skeleton.joints[0].rest.to_affine();
@@ -126,7 +126,7 @@ fn a_rigid_level_hangs_where_the_finest_hangs() {
     let again = read(&written.write_glb().unwrap()).unwrap().value.character;
     assert_eq!(again.skeleton, character.skeleton);
     assert!(placed(&again).distance(Vec3::new(1.0, 3.0, 0.0)) < 1e-6);
-    // Below a parent of its own it stands where that puts it.
+    // Below its own parent it keeps that transform.
     let mut tiny = rigid(other);
     let nodes = tiny.json["nodes"].as_array_mut().unwrap();
     nodes.push(json!({"translation": [5, 0, 0], "children": [1]}));
@@ -151,7 +151,7 @@ fn branches_with_as_many_meshes_are_paired() {
     let character = good(&tiny);
     let names: Vec<_> = character.meshes.iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names, ["left", "right"]);
-    // The whole branch is 1 m further; the left part besides 1 m lower than the finest.
+    // The whole branch is 1 m further; the left part is also 1 m lower than the finest.
     let offsets = character
         .meshes
         .iter()
@@ -160,7 +160,7 @@ fn branches_with_as_many_meshes_are_paired() {
     let wanted = [Vec3::new(1.0, -1.0, 0.0), Vec3::X];
     assert_eq!(offsets, wanted.map(Affine3A::from_translation));
     comes_back(&character);
-    // One more in the coarser branch: which stands in for which is not said.
+    // One more in the coarser branch: the pairing is undefined.
     let nodes = tiny.json["nodes"].as_array_mut().unwrap();
     nodes[3]["children"] = json!([4, 5, 6]);
     nodes.push(json!({"mesh": 0}));
@@ -209,7 +209,7 @@ fn broken_levels_are_left_out() {
     for (ids, says) in cases {
         let mut tiny = skinned();
         tiny.json["nodes"][2]["extensions"]["MSFT_lod"]["ids"] = ids.clone();
-        // Else they are in no scene, which is another warning.
+        // Otherwise they are in no scene, which is another warning.
         tiny.json["nodes"].as_array_mut().unwrap().truncate(3);
         let (character, warning) = one_warning(&tiny);
         assert!(warning.contains(says), "{ids}: {warning}");

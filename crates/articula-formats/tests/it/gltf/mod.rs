@@ -1,5 +1,5 @@
-//! Promises of the glTF reader and writer: every feature by a tiny file made in code, every
-//! real file, hostile and mutated ones.
+//! Tests of the glTF reader and writer: every feature by a tiny file made in code, every real file,
+//! hostile and mutated ones.
 
 mod clustered;
 mod compressed;

@@ -1,5 +1,5 @@
-//! Seeded mutations of small files on the stable tool chain: whatever the bytes, reading ends
-//! with a value of bounded size or an error, and what was read can be written.
+//! Seeded mutations of small files on stable Rust: for any bytes, reading returns a value of
+//! bounded size or an error, and a value that was read can be written.
 
 use super::tiny::Tiny;
 use super::{clustered, compressed, khr_character, levels, vrm};
@@ -9,7 +9,7 @@ use articula_formats::gltf::{self, Document, GltfFile};
 use articula_mutate::{Edit, Mutations};
 use serde_json::json;
 
-/// What is worth putting in the place of something else.
+/// Replacement words.
 const WORDS: &[&str] = &[
     "-1",
     "0",
@@ -47,7 +47,7 @@ const MUTATIONS: Mutations<'_> = Mutations {
     most: 3,
 };
 
-/// Gives the header the length of the file again, so that mutations reach what is inside.
+/// Updates the lengths in the header, so that mutations reach the content.
 fn mend_header(bytes: &mut [u8], json_length: impl Fn(&[u8]) -> Option<usize>) {
     if bytes.len() < 20 {
         return;
@@ -59,7 +59,7 @@ fn mend_header(bytes: &mut [u8], json_length: impl Fn(&[u8]) -> Option<usize>) {
     }
 }
 
-/// Where the JSON ends if the binary chunk can still be found.
+/// Returns the end of the JSON if the binary chunk can still be found.
 fn json_end(bytes: &[u8]) -> Option<usize> {
     let binary = bytes.windows(4).rposition(|w| w == b"BIN\0")?;
     binary.checked_sub(24)
@@ -127,14 +127,14 @@ fn mutated_files_neither_panic_nor_grow() {
             survives(&bytes, &limits)
         });
     }
-    // One mutant in ten at least must be read, or the test would test little.
+    // At least one mutant in ten must be read, or the test would cover little.
     assert!(
         reads > 400 * fixtures().len(),
         "only {reads} mutants were read"
     );
 }
 
-/// Whether the bytes were read; panics if what was read breaks a promise.
+/// Returns whether the bytes were read; panics if the value violates a guarantee.
 fn survives(bytes: &[u8], limits: &Limits) -> bool {
     let mut alone = |_: &str| Err("nothing".to_owned());
     let Ok(file) = gltf::read(bytes, limits, &mut alone) else {
@@ -157,7 +157,7 @@ fn survives(bytes: &[u8], limits: &Limits) -> bool {
     assert!(floats as u64 <= limits.elements, "{floats} elements");
     assert!(file.warnings.len() <= 1001);
     names_what_is_there(&file.value);
-    // Whatever was read is consistent, so it can be written, and read again.
+    // A value that was read is consistent, so it can be written, and read again.
     let written = Document::from_character(character)
         .unwrap()
         .write_glb()
@@ -191,7 +191,7 @@ fn survives(bytes: &[u8], limits: &Limits) -> bool {
     true
 }
 
-/// Every index that the human extensions give is one of the character's.
+/// Checks that every index of the human extensions exists in the character.
 fn names_what_is_there(file: &GltfFile) {
     let character = &file.character;
     let joints = character.skeleton.joints.len();

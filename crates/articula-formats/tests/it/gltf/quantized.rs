@@ -1,4 +1,4 @@
-//! Every way in which KHR_mesh_quantization lets attributes be stored, by hand.
+//! All attribute encodings of KHR_mesh_quantization, with values computed by hand.
 
 use super::tiny::Tiny;
 use articula_core::source::Primitive;
@@ -10,11 +10,11 @@ const UBYTE: u32 = 5121;
 const SHORT: u32 = 5122;
 const USHORT: u32 = 5123;
 
-/// Component type, whether normalised, and the float that a stored 100 and a stored -100 (or, if
-/// unsigned, the same bits) stand for.
+/// Component type, whether normalised, and the float for a stored 100 and a stored -100 (or, if
+/// unsigned, the same bits).
 type Store = (u32, bool, [f32; 2]);
 
-/// Positions and texture coordinates may be any of these.
+/// Encodings of positions and texture coordinates.
 const ALL: [Store; 8] = [
     (BYTE, false, [100.0, -100.0]),
     (BYTE, true, [100.0 / 127.0, -100.0 / 127.0]),
@@ -26,7 +26,7 @@ const ALL: [Store; 8] = [
     (USHORT, true, [100.0 / 65535.0, 65436.0 / 65535.0]),
 ];
 
-/// Elements of `width` numbers, each padded to four bytes as the format asks.
+/// Stores elements of `width` numbers, each padded to four bytes as the format requires.
 fn store(
     tiny: &mut Tiny,
     kind: &str,
@@ -114,7 +114,7 @@ fn texture_coordinates_with_the_transform_that_makes_them_whole() {
         tiny.json["materials"] = material(json!({"texCoord": 1}));
         let stored = [Vec2::ZERO, Vec2::new(plus, 0.0), Vec2::new(0.0, minus)];
         assert_eq!(primitive(&tiny).texcoords, stored, "{kind:?}");
-        // Powers of two, so that by hand and by machine is the same to the bit.
+        // Powers of two, so that values computed by hand match bit for bit.
         tiny.json["materials"] =
             material(json!({"texCoord": 1, "scale": [0.5, 2], "offset": [8, 0]}));
         let wanted = stored.map(|t| Vec2::new(t.x * 0.5 + 8.0, t.y * 2.0));
@@ -161,7 +161,7 @@ fn morph_targets() {
         ];
         let morph = &primitive(&tiny).morphs[0];
         assert_eq!(morph.positions, wanted, "{kind:?}");
-        // Differences of normals are not unit, and stay as they are.
+        // Differences of normals are not unit vectors, and stay as they are.
         let normals = if kind.1 { &wanted[..] } else { &[] };
         assert_eq!(morph.normals, normals, "{kind:?}");
     }
@@ -169,7 +169,7 @@ fn morph_targets() {
 
 #[test]
 fn what_makes_positions_whole_again_is_in_node_and_skin() {
-    // Without skin in the node: 100 stored units are 1 m, 2 m up.
+    // Without skin, in the node: 100 stored units are 1 m, 2 m up.
     let mut tiny = Tiny::triangle();
     let corners: [&[i32]; 3] = [&[0, 0, 0], &[100, 0, 0], &[0, 100, 0]];
     let accessor = store(&mut tiny, "VEC3", (SHORT, false, [0.0; 2]), &corners);
@@ -181,7 +181,7 @@ fn what_makes_positions_whole_again_is_in_node_and_skin() {
     let corner = character.meshes[0].primitives[0].positions[1];
     let placed = joint.to_affine().transform_point3(corner);
     assert!(placed.distance(Vec3::new(1.0, 2.0, 0.0)) < 1e-6, "{placed}");
-    // With one in its inverse bind matrices.
+    // With a skin, in its inverse bind matrices.
     let mut tiny = triangle();
     let accessor = store(&mut tiny, "VEC3", (SHORT, false, [0.0; 2]), &corners);
     attribute(&mut tiny, "POSITION", accessor);

@@ -4,7 +4,7 @@ use articula_formats::gltf::{self, GltfFile};
 use articula_formats::{Limits, Parsed, ReadError};
 use serde_json::{Value, json};
 
-/// Height of the hips above the ground at rest.
+/// Returns the height of the hips above the ground at rest, in metres.
 pub(crate) fn hips_height_metres(file: &GltfFile) -> f32 {
     let mut bones = file.humanoid.iter().flatten();
     let (hips, _) = bones.find(|(_, bone)| bone == "hips").unwrap();
@@ -40,7 +40,7 @@ impl Tiny {
         tiny
     }
 
-    /// The triangle on node 2, skinned to nodes 0 and 1, one below the other.
+    /// The triangle on node 2, skinned to nodes 0 and 1, one the parent of the other.
     pub(crate) fn skinned() -> Self {
         let mut tiny = Self::triangle();
         let joints = tiny.bytes_accessor("VEC4", 5121, &[0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]);
@@ -60,7 +60,7 @@ impl Tiny {
         tiny
     }
 
-    /// Adds a channel with a sampler of its own to animation 0.
+    /// Adds a channel with a new sampler to animation 0.
     pub(crate) fn channel(&mut self, target: Value, mode: &str, times: &[f32], output: usize) {
         let input = self.floats("SCALAR", times);
         let (least, greatest) = (times[0], times[times.len() - 1]);
@@ -148,7 +148,7 @@ impl Tiny {
     }
 }
 
-/// Reads a file that stands alone.
+/// Reads a file without external data.
 pub(crate) fn read(bytes: &[u8]) -> Result<Parsed<GltfFile>, ReadError> {
     let mut alone = |_: &str| Err("there is nothing beside it".to_owned());
     gltf::read(bytes, &Limits::default(), &mut alone)

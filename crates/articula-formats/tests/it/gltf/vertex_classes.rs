@@ -1,9 +1,9 @@
-//! Which vertices the whole document takes for one.
+//! Classes of vertices that are equal in the whole document.
 
 use super::tiny::Tiny;
 use serde_json::json;
 
-/// Two triangles over six vertices, of which 3 to 5 lie where 0 to 2 lie.
+/// Two triangles over six vertices, of which 3 to 5 have the positions of 0 to 2.
 fn doubled() -> Tiny {
     let mut tiny = Tiny::new();
     let corners = [0., 0., 0., 1., 0., 0., 0., 1., 0.];
@@ -29,7 +29,7 @@ fn every_array_of_the_document_counts() {
     let primitive = &mut tiny.json["meshes"][0]["primitives"][0];
     primitive["attributes"]["TEXCOORD_1"] = json!(second);
     assert_eq!(classes(&tiny, 0), [0, 1, 2, 0, 4, 2]);
-    // A sparse morph target that moves vertex 3, and one that says zero for vertex 5.
+    // A sparse morph target that moves vertex 3, and one that stores zero for vertex 5.
     let indices = tiny.view(&[3, 5]);
     let values: Vec<u8> = [1f32, 0., 0., 0., 0., 0.]
         .iter()
@@ -53,7 +53,7 @@ fn parts_and_vertices_are_those_of_the_character() {
     points["mode"] = json!(0);
     let mut second = part.clone();
     second["indices"] = json!(indices);
-    // Points make no part; parts that share their positions keep the vertices they use.
+    // Points become no part; parts that share their positions keep the vertices they use.
     tiny.json["meshes"][0]["primitives"] = json!([points, part, second]);
     let character = tiny.read().unwrap().value.character;
     assert_eq!(character.meshes[0].primitives.len(), 2);

@@ -1,5 +1,5 @@
-//! VRM 0.x, VRM 1.0 and VRM animation: humanoid map, expressions, credits, what is kept, and the
-//! way that a VRM 0.x character faces.
+//! VRM 0.x, VRM 1.0 and VRM animation: humanoid map, expressions, credits, pass-through data, and
+//! the facing of VRM 0.x characters.
 
 use super::tiny::{Tiny, hips_height_metres, read};
 use articula_core::source::{Channel, Expression, Mask, MaskKind, MorphBinding, Property};
@@ -170,7 +170,7 @@ fn vrm_1_by_hand() {
     assert_eq!(file.character.credits.unwrap().authors, ["A", "B"]);
 }
 
-/// A clip that moves and turns the hips, and turns a leg.
+/// Adds a clip that moves and rotates the hips, and rotates a leg.
 fn moving(mut tiny: Tiny) -> Tiny {
     let places = tiny.floats("VEC3", &[0.25, 1.0, 0.5, 0.0, 1.0, -2.0]);
     let turns = [0.0, 0.0, 0.0, 1.0, 0.5, 0.5, -0.5, 0.5];
@@ -214,7 +214,7 @@ fn vrm_0_is_turned_to_face_the_front_and_written_as_it_was() {
         [0.5, 0.5, -0.5, 0.5],
         "no root joint"
     );
-    // Meshes that hang rigidly at the root turn too.
+    // Meshes rigidly attached to the root turn too.
     let face = &joints[file.character.meshes[0].skin.joints[0]];
     assert_eq!(face.rest.rotation.to_array(), [0.0, 1.0, 0.0, 0.0]);
 
@@ -227,7 +227,7 @@ fn vrm_0_is_turned_to_face_the_front_and_written_as_it_was() {
         )
         .unwrap();
     let mut bare = document.clone();
-    // What a reader sees that knows nothing of VRM.
+    // The view of a reader without VRM support.
     bare.json
         .as_object_mut()
         .unwrap()
@@ -253,7 +253,7 @@ fn vrm_0_that_faces_the_front_already_is_left_alone() {
     assert_eq!(joints[0].rest.rotation.to_array(), [0.0, 0.0, 0.0, 1.0]);
 }
 
-/// Hips, two tracks of expressions and a look-at target.
+/// Hips, two expression tracks and a look-at target.
 pub(crate) fn animation() -> Tiny {
     let mut tiny = Tiny::new();
     tiny.json["nodes"] = json!([{"name": "hips", "translation": [0, 0.9, 0]}, {"name": "happy"},
@@ -326,8 +326,8 @@ fn hostile_extensions_are_warnings_or_nothing() {
     survives_any_word(animation);
 }
 
-/// Puts something else in the place of every value of the document's extensions; each time the
-/// file must be read, and what was read be written.
+/// Replaces every value of the document's extensions in turn; each time the file must be readable,
+/// and the result writable.
 pub(crate) fn survives_any_word(make: impl Fn() -> Tiny) {
     let words = [
         json!(null),
@@ -349,7 +349,7 @@ pub(crate) fn survives_any_word(make: impl Fn() -> Tiny) {
     }
 }
 
-/// Pointers to every value below a value, and to it.
+/// Returns pointers to a value and to every value below it.
 fn paths_of(value: &Value, at: String) -> Vec<String> {
     let below: Vec<(String, &Value)> = match value {
         Value::Object(members) => members.iter().map(|(k, v)| (k.clone(), v)).collect(),

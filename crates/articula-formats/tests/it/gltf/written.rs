@@ -1,4 +1,4 @@
-//! What is written: untouched strangers, smaller animations, extensions with tables.
+//! Writing: unknown content is untouched, animations get smaller, extensions carry tables.
 
 use super::tiny::{Tiny, read};
 use articula_core::source::{Channel, Interpolation, Property, RawClip};
@@ -7,7 +7,7 @@ use articula_formats::gltf::{Document, GltfFile, read_document};
 use articula_formats::{Limits, WriteError};
 use serde_json::{Value, json};
 
-/// What the bytes of a document are read as; read from memory it is the same.
+/// Writes and reads a document; reading it from memory gives the same.
 fn written(document: &Document) -> GltfFile {
     let file = read(&document.write_glb().unwrap()).unwrap();
     assert_eq!(file.warnings, []);
@@ -77,7 +77,7 @@ fn several_buffers_and_inline_pictures_become_one_chunk() {
         let encoded: String = bytes.iter().map(|b| format!("%{b:02x}")).collect();
         format!("data:,{encoded}")
     };
-    // An odd first buffer, so that the second one's views must move.
+    // A first buffer of odd length, so that the second one's views must move.
     json["buffers"] = json!([
         {"uri": uri(&[7, 7, 7]), "byteLength": 3},
         {"uri": uri(&tiny.bytes), "byteLength": tiny.bytes.len()},
@@ -103,7 +103,7 @@ fn several_buffers_and_inline_pictures_become_one_chunk() {
 fn new_clips_take_the_place_of_the_old_and_their_bytes() {
     let mut tiny = waving();
     tiny.json["animations"][0]["extras"] = json!({"author": "someone"});
-    // Bytes behind those of the animation, which must move along.
+    // Bytes after those of the animation, which must move too.
     let marker = tiny.bytes_accessor("SCALAR", 5121, &[0, 1, 2]);
     tiny.json["meshes"][0]["primitives"][0]["indices"] = json!(marker);
     let mut file = tiny.read().unwrap().value;
@@ -116,7 +116,7 @@ fn new_clips_take_the_place_of_the_old_and_their_bytes() {
     assert_eq!(back.character.meshes, file.character.meshes);
     let extras = &back.document.json["animations"][0]["extras"];
     assert_eq!(extras["author"], "someone");
-    // 100 keys of 20 bytes went, 2 keys of 16 came.
+    // 100 keys of 20 bytes were removed, 2 keys of 16 added.
     let after = file.document.write_glb().unwrap().len();
     assert!(before > after + 1500, "{before} to {after}");
 
@@ -207,7 +207,7 @@ fn articulation_and_motion_tables_come_back_and_survive_new_clips() {
         json!({"at": "skin"}),
         "what others say there stays"
     );
-    // Tables describe old keys, so they go with them; what the skins say stays.
+    // Tables describe old keys, so they are removed with them; the articulation of skins stays.
     document
         .replace_clips(&[slide(0)], &file.node_of_joint, &file.node_of_mesh)
         .unwrap();
@@ -228,7 +228,7 @@ fn a_table_that_is_written_again_takes_the_place_of_the_old() {
         document.set_motion_table(0, "segs", bytes).unwrap();
         assert_eq!(document.motion_table(0, "segs"), Some(bytes));
     }
-    // Three bytes no longer fit where two stand; the first two rewrites cost nothing.
+    // Three bytes do not fit over two; the first two rewrites cost nothing.
     assert!(document.buffers[0].len() <= length + 4 + 3);
     assert_eq!(
         written(&document).document.motion_table(0, "segs"),

@@ -1,4 +1,4 @@
-//! Promises of the meshopt decoder: the vectors of its makers, and whatever the bytes.
+//! Tests of the meshopt decoder: the vectors of its makers, and mutations.
 
 mod mutated;
 mod vectors;

@@ -1,5 +1,5 @@
-//! Seeded mutations: whatever the bytes and the shape, decoding ends with as many bytes as the
-//! shape says, or an error.
+//! Seeded mutations: for any bytes and layout, decoding returns the number of bytes that the layout
+//! requires, or an error.
 
 use super::vectors;
 use articula_formats::Limits;
@@ -42,7 +42,7 @@ fn mutants_neither_panic_nor_grow() {
         let mut round = 0;
         decoded += MUTATIONS.read_of(&vector.encoded, 3000, |bytes| {
             let mut shape = vector.shape;
-            // The first is the vector itself.
+            // The first is the unchanged vector.
             if round % 4 == 1 {
                 other_shape(&mut shape, &mut dice);
             }
@@ -55,6 +55,6 @@ fn mutants_neither_panic_nor_grow() {
             true
         });
     }
-    // One in ten at least must be decoded, or the test would test little.
+    // At least one in ten must be decoded, or the test would cover little.
     assert!(decoded > 6300, "only {decoded} mutants were decoded");
 }

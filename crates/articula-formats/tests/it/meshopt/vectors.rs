@@ -1,10 +1,10 @@
-//! The decoder vectors that npm `meshoptimizer` carries (see the README beside this file).
+//! The decoder vectors of npm `meshoptimizer` (see the README in this folder).
 
 use articula_formats::Limits;
 use articula_formats::meshopt::{Filter, Mode, Shape, decode};
 use serde_json::Value;
 
-/// An encoded view and what it holds.
+/// An encoded view and its decoded bytes.
 pub(crate) struct Vector {
     pub(crate) name: String,
     pub(crate) shape: Shape,

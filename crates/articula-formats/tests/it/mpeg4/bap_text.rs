@@ -1,4 +1,4 @@
-//! BAP text: both widths, extensions, and there and back.
+//! BAP text: both widths, extensions, and round trips.
 
 use super::texts::{self, mask};
 use articula_formats::mpeg4::bap::{self, Absent, BapClip, BapFrame};
@@ -89,7 +89,7 @@ proptest! {
     #[test]
     fn there_and_back_all_values_are_the_same(clip in clips()) {
         let mut back = read(std::str::from_utf8(&bap::write(&clip)).unwrap()).unwrap().value;
-        // A file of extensions that never move is written without them.
+        // A file with extensions that never move is written without them.
         back.coded.resize(clip.coded.len(), false);
         for frame in &mut back.frames {
             frame.values.resize(clip.coded.len(), 0);

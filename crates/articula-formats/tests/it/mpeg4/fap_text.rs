@@ -1,4 +1,4 @@
-//! FAP text by hand, its oddities and its faults, and there and back.
+//! FAP text by hand: irregularities, faults, and round trips.
 
 use super::texts::{self, mask};
 use articula_core::fap_table::FAPS;
@@ -36,7 +36,7 @@ fn two_frames_by_hand() {
         defines: true,
     };
     assert_eq!((a.number, a.viseme, a.expression), (0, viseme, expression));
-    // FAP 3 stands first, FAP 48 at 45.
+    // FAP 3 comes first, FAP 48 is at 45.
     assert_eq!((a.low[0], a.low[45]), (120, -4000));
     assert_eq!(
         (b.number, b.viseme),

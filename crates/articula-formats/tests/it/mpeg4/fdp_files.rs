@@ -1,4 +1,4 @@
-//! Xface's description of a face, by hand, and what is refused.
+//! Xface's description of a face: a file by hand, and rejected files.
 
 use super::texts::FDP;
 use articula_formats::mpeg4::fdp::{self, FdpFile};

@@ -1,4 +1,4 @@
-//! Promise: the MPEG-4 text forms are read and written, and BAP drives the standard humanoid.
+//! The MPEG-4 text formats are read and written, and BAP drives the standard humanoid.
 
 mod bap_text;
 mod fap_text;

@@ -1,16 +1,17 @@
-//! Whatever happens to a file, reading gives a value or an error.
+//! Reading any bytes returns a value or an error.
 //!
-//! The stable twin of the fuzz target `mpeg4`: truncation at every byte and seeded mutations.
+//! The counterpart on stable Rust of the fuzz target `mpeg4`: truncation at every byte and seeded
+//! mutations.
 
 use super::texts;
 use articula_formats::mpeg4::{bap, epf, fap, fdp};
 use articula_formats::{Limits, joint_map};
 use articula_mutate::{Edit, Mutations, cut_off};
 
-/// Mutations tried on each file.
+/// Number of mutations per file.
 const TRIES: usize = 3000;
 
-/// The words that the forms know, put in anywhere.
+/// Words of the formats, inserted at random.
 const WORDS: [&str; 16] = [
     "0",
     "1",

@@ -1,10 +1,10 @@
-//! The real files, against what their makers and the data's manifest say of them.
+//! The real files, compared with the statements of their makers and of the data's manifest.
 
 use crate::real::bytes;
 use articula_formats::Limits;
 use articula_formats::mpeg4::{fap, fdp};
 
-/// Name, frames, low-level FAPs that the masks name.
+/// Name, frames, and number of low-level FAPs in the masks.
 const FACES: [(&str, usize, usize); 6] = [
     ("fap/xface_anger.fap", 108, 48),
     ("fap/xface_joy.fap", 108, 42),
@@ -68,7 +68,7 @@ fn alice_has_her_units() {
         (alice.points.len(), influences, alice.sources.len()),
         (35, 43, 29)
     );
-    // Each FAP pulls at a point of the group that the standard gives it.
+    // Each FAP moves a point of the group that the standard assigns to it.
     for point in &alice.points {
         for influence in &point.influences {
             let action = articula_core::fap_table::TABLE[influence.fap - 1]

@@ -1,6 +1,6 @@
-//! Small files, put together by hand.
+//! Small files, written by hand.
 
-/// A mask of so many parameters with those of these numbers (from 1) set.
+/// Returns a mask of `width` parameters with those of the given numbers (from 1) set.
 pub(crate) fn mask(width: usize, set: &[usize]) -> String {
     let word = |n| if set.contains(&n) { "1" } else { "0" };
     (1..=width).map(word).collect::<Vec<_>>().join(" ")
@@ -24,7 +24,7 @@ pub(crate) fn bap() -> String {
     )
 }
 
-/// One frame of either kind of mask.
+/// One frame with both types of mask.
 pub(crate) const EPF: &str = "FBM 1\nFFR 0\nISI 1\nFRR 25 0 0\nTC 0 0 0\nSKN 0\n\
     FMT 3 0 1 1 1 1 0 0 0 0 0 0 0 0 1 2 0 0 0 0 0 0 0 1 0 0 0 0 0 0\nFQU 2\nFIX 60 60\nFBM 2 BQU 3\n";
 

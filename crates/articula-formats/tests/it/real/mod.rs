@@ -1,4 +1,4 @@
-//! Where the real files lie, for the tests that read them. Tests of other crates include it too.
+//! Location of the real files, for the tests that read them. Tests of other crates include it too.
 #![allow(
     dead_code,
     clippy::disallowed_methods,
@@ -8,7 +8,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// The folder of real files, whether or not it is there.
+/// Returns the folder of real files, whether or not it exists.
 pub(crate) fn data_folder() -> PathBuf {
     std::env::var_os("ARTICULA_DATA").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
@@ -16,8 +16,8 @@ pub(crate) fn data_folder() -> PathBuf {
     )
 }
 
-/// The folder of real files; `None`, and one line that says so, if it is not there and
-/// `ARTICULA_REQUIRE_DATA` does not ask for it.
+/// Returns the folder of real files; `None`, with a printed line, if it does not exist and
+/// `ARTICULA_REQUIRE_DATA` is not set.
 pub(crate) fn real_data() -> Option<PathBuf> {
     let folder = data_folder();
     if folder.join("MANIFEST.md").is_file() {
@@ -28,13 +28,13 @@ pub(crate) fn real_data() -> Option<PathBuf> {
     None
 }
 
-/// Whether the real files are there; says so, or fails, as [`real_data`] does.
+/// Returns whether the real files exist; prints a line or fails like [`real_data`].
 pub(crate) fn data_is_here() -> bool {
     real_data().is_some()
 }
 
-/// A file of the folder. `None` if it is not there and `ARTICULA_REQUIRE_DATA` does not ask for
-/// it.
+/// Returns a file of the folder; `None` if it does not exist and `ARTICULA_REQUIRE_DATA` is not
+/// set.
 pub(crate) fn bytes(name: &str) -> Option<Vec<u8>> {
     let found = std::fs::read(data_folder().join(name)).ok();
     assert!(found.is_some() || !is_required(), "{name} is missing");

@@ -1,4 +1,4 @@
-//! Meshes thinned out without care: levels for tests that look at how levels are stored.
+//! Meshes thinned out without regard to quality: levels for tests of how levels are stored.
 #![allow(
     dead_code,
     clippy::unwrap_used,
@@ -12,7 +12,7 @@ use articula_formats::WriteError;
 use articula_formats::gltf::GltfFile;
 use articula_formats::gltf::{MeshParts, PartLevels};
 
-/// Levels of a primitive, finest first: in each step vertices move onto neighbours that stay.
+/// Returns levels of a primitive, finest first: each step moves vertices onto neighbours that stay.
 pub(crate) fn levels(primitive: &Primitive, count: usize) -> Vec<Vec<[u32; 3]>> {
     let mut levels = vec![primitive.triangles.clone()];
     for step in 1..count {
@@ -34,7 +34,7 @@ pub(crate) fn levels(primitive: &Primitive, count: usize) -> Vec<Vec<[u32; 3]>> 
     levels
 }
 
-/// Every part of a mesh with its levels.
+/// Returns every part of a mesh with its levels.
 pub(crate) fn clustered(mesh: &RawMesh, count: usize) -> Vec<Clustered> {
     let of = |p: &Primitive| {
         cluster(
@@ -48,7 +48,7 @@ pub(crate) fn clustered(mesh: &RawMesh, count: usize) -> Vec<Clustered> {
     mesh.primitives.iter().map(of).collect()
 }
 
-/// Numbers that rise as levels get coarser.
+/// Returns a table of errors that increase with coarser levels.
 pub(crate) fn table(count: usize) -> LevelTable {
     let row = |level: usize| {
         let metres = 0.002 * level as f32;

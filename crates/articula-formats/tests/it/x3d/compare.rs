@@ -1,10 +1,10 @@
-//! Two characters compared where it counts: joints and skinned corners at any time.
+//! Comparison of two characters by joints and skinned corners at any time.
 
 use articula_core::LocalPose;
 use articula_core::source::{Character, Property, RawClip, RawMesh, evaluate};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// Model matrices of all joints at a time of a clip; without one, at rest.
+/// Returns model matrices of all joints at a time of a clip; without one, at rest.
 pub(crate) fn globals(
     character: &Character,
     clip: Option<&RawClip>,
@@ -31,7 +31,7 @@ pub(crate) fn globals(
     all
 }
 
-/// Weights of a mesh's morph targets at a time.
+/// Returns the weights of a mesh's morph targets at a time.
 fn weights(character: &Character, mesh: usize, clip: Option<&RawClip>, time_secs: f32) -> Vec<f32> {
     let mut weights = character.meshes[mesh].morph_weights.clone();
     let channels = clip.iter().flat_map(|c| &c.channels);
@@ -49,7 +49,7 @@ fn affine(m: &glam::Affine3A) -> DAffine3 {
     DAffine3::from_mat3_translation(DMat3::from_cols(x, y, z), m.translation.as_dvec3())
 }
 
-/// Where the corners of a mesh's triangles lie, triangle by triangle; triangles that name a
+/// Returns the positions of a mesh's triangle corners, triangle by triangle; triangles that use a
 /// vertex twice are left out.
 pub(crate) fn corners(
     character: &Character,
@@ -87,14 +87,14 @@ pub(crate) fn corners(
     corners
 }
 
-/// Greatest distance between points that belong together.
+/// Returns the maximum distance between corresponding points.
 pub(crate) fn farthest(a: &[DVec3], b: &[DVec3]) -> f64 {
     assert_eq!(a.len(), b.len(), "as many points on both sides");
     let distances = a.iter().zip(b).map(|(a, b)| a.distance(*b));
     distances.fold(0.0, f64::max)
 }
 
-/// Diagonal of the box around points.
+/// Returns the diagonal of the bounding box of points.
 pub(crate) fn extent(points: &[DVec3]) -> f64 {
     let low = points.iter().fold(DVec3::MAX, |l, p| l.min(*p));
     let high = points.iter().fold(DVec3::MIN, |h, p| h.max(*p));

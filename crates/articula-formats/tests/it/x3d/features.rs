@@ -1,4 +1,4 @@
-//! Every feature by a file small enough to work by hand, in both encodings where they differ.
+//! Every feature by a file small enough to compute by hand, in both encodings where they differ.
 
 use super::compare::globals;
 use articula_core::source::{Channel, Character, Property};
@@ -6,20 +6,20 @@ use articula_formats::x3d::{self, X3dFile};
 use articula_formats::{Limits, Parsed, ReadError};
 use glam::{DVec3, Quat, Vec3, Vec4};
 
-/// Reads text with nothing beside it.
+/// Reads text without external files.
 pub(crate) fn read(text: &str) -> Result<Parsed<X3dFile>, ReadError> {
     let mut alone = |name: &str| Err(format!("{name}: nothing lies here"));
     x3d::read(text.as_bytes(), &Limits::default(), &mut alone)
 }
 
-/// What a scene in XML shows; it must hold no fault.
+/// Returns the content of a scene in XML, which must be read without warning.
 fn shown(scene: &str) -> X3dFile {
     let read = read(&format!("<X3D version='4.0'><Scene>{scene}</Scene></X3D>")).unwrap();
     assert_eq!(read.warnings, []);
     read.value
 }
 
-/// The first warning about a scene in XML.
+/// Returns the first warning about a scene in XML.
 fn warned(scene: &str) -> String {
     let read = read(&format!(
         "<X3D version='4.0'>\n<Scene>{scene}</Scene></X3D>"
@@ -67,7 +67,7 @@ fn joints_stand_at_their_centers_unturned() {
 
 #[test]
 fn what_stands_above_is_in_metres() {
-    // 100 units of a centimetre, turned up, and moved.
+    // 100 units of a centimetre, rotated upright, and moved.
     let scene = format!(
         "<Transform translation='0 0 5' rotation='1 0 0 -1.5707963267948966'>{}</Transform>",
         humanoid("scale='2 2 2'", "")
@@ -258,7 +258,7 @@ fn routed_interpolators_are_clips() {
         "the cycle, not the last key"
     );
     near(positions(&character, Some(0), 2.0)[2], [0.1, 2.5, 0.0]);
-    // Two keys at one fraction jump.
+    // Two keys at one fraction form a jump.
     let jump = "<PositionInterpolator DEF='i' key='0 0.5 0.5 1'
         keyValue='0 0 0, 0 0 0, 0 2 0, 0 2 0'/>";
     let character = shown(&routed(jump, "translation")).character;
@@ -282,7 +282,7 @@ fn motions_are_frames_of_angles() {
     let character = shown(&humanoid("", motion)).character;
     let clip = &character.clips[0];
     assert_eq!((clip.name.as_str(), clip.duration_secs), ("step", 0.5));
-    // Z before X: what points down goes to +X by Z after X has turned it to -Z.
+    // Z before X: Z takes a vector that points down to +X after X has rotated it to -Z.
     let at_end = positions(&character, Some(0), 0.5);
     near(at_end[1], [0.1, 0.9, 2.0]);
     near(at_end[2], [0.1, 0.9, 1.6]);

@@ -1,4 +1,4 @@
-//! Hostile files: each wrong thing once, with the reason that the user reads.
+//! Hostile files: each fault once, with the message that the user reads.
 
 use super::features::read;
 use articula_formats::x3d;
@@ -52,14 +52,14 @@ fn every_wrong_xml_file_is_told_why() {
 
 #[test]
 fn entities_and_document_types_go_nowhere() {
-    // A document type as every file has one: skipped, nothing is asked for.
+    // A document type as in every file: skipped, nothing is fetched.
     let good = format!(
         "<?xml version='1.0'?><!DOCTYPE X3D PUBLIC \"ISO//Web3D//DTD X3D 4.0//EN\"
          \"http://www.web3d.org/specifications/x3d-4.0.dtd\">
          <X3D><HAnimHumanoid name='&#65;&amp;&lt;'>{JOINT}</HAnimHumanoid></X3D>"
     );
     assert_eq!(read(&good).unwrap().value.character.name, "A&<");
-    // Entities that grow, entities from files, entities from afar.
+    // Entities that grow, entities from files, entities from remote addresses.
     let lol = "<!DOCTYPE X3D [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;&a;\">]>";
     check(
         &format!("{lol}<X3D name='&b;'/>"),
@@ -249,7 +249,7 @@ fn one_list_used_by_many_is_counted_each_time() {
 
 #[test]
 fn points_that_hundreds_of_faces_share_end_soon() {
-    // A fan of a hundred thousand faces around one point, and a polygon as large.
+    // A fan of a hundred thousand faces around one point, and a polygon of that size.
     let around: String = (1..100_000).map(|i| format!("{i} 0 1 ")).collect();
     let fan: String = (1..99_999)
         .map(|i| format!("0 {i} {} -1 ", i + 1))

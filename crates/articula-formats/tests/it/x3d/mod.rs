@@ -1,5 +1,5 @@
-//! Promises of the X3D reader and writer: every feature by a small file, every real file, what
-//! is written read again, hostile and mutated files.
+//! Tests of the X3D reader and writer: every feature by a small file, every real file, round trips,
+//! hostile and mutated files.
 
 mod compare;
 mod features;

@@ -1,12 +1,12 @@
-//! Seeded mutations, and truncation at every byte, of small files in both encodings: whatever
-//! the bytes, reading ends with a value of bounded size or an error, and what was read can be
-//! written and read again.
+//! Seeded mutations, and truncation at every byte, of small files in both encodings: for any bytes,
+//! reading returns a value of bounded size or an error, and a value that was read can be written
+//! and read again.
 
 use articula_formats::x3d;
 use articula_formats::{Limits, joint_map};
 use articula_mutate::{Edit, Mutations, cut_off};
 
-/// Mutations tried on each file.
+/// Number of mutations per file.
 const TRIES: usize = 4000;
 
 const XML: &str = "<?xml version='1.0'?><!DOCTYPE X3D SYSTEM 'x'><X3D version='4.0'><head>
@@ -45,7 +45,7 @@ DEF t TimeSensor { cycleInterval 2 loop TRUE } DEF i PositionInterpolator { key 
 keyValue [ 0 0 0, 0 1 0 ] } ROUTE t.fraction_changed TO i.set_fraction
 ROUTE i.value_changed TO k.set_translation";
 
-/// The words that the format knows, put in anywhere.
+/// Words of the format, inserted at random.
 const WORDS: [&str; 20] = [
     "<Group>",
     "</Group>",
@@ -69,7 +69,7 @@ const WORDS: [&str; 20] = [
     "#",
 ];
 
-/// Those of them that are numbers.
+/// The numeric ones of them.
 const NUMBERS: &[&str] = &["-1", "1e9", "-1e9", "99999999999", "NaN", "0"];
 
 const MUTATIONS: Mutations<'_> = Mutations {
@@ -86,7 +86,7 @@ const MUTATIONS: Mutations<'_> = Mutations {
     most: 3,
 };
 
-/// Whether the bytes were read; panics if what was read breaks a promise.
+/// Returns whether the bytes were read; panics if the value violates a guarantee.
 fn survives(bytes: &[u8]) -> bool {
     let limits = Limits {
         bytes: 1 << 20,
@@ -125,7 +125,8 @@ fn survives(bytes: &[u8]) -> bool {
     let mapping = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
     let written = x3d::write(&character, &mapping.articulation, &read.value.sites).unwrap();
     let again = x3d::read(&written.bytes, &Limits::default(), &mut picture);
-    // A figure may be as large as numbers go, and then be larger by what joints add.
+    // The extent of a figure may be the maximum number, and exceed it after writing by what joints
+    // add.
     assert!(again.is_ok() || is_huge(&again.unwrap_err().to_string()));
     true
 }
@@ -136,7 +137,7 @@ fn is_huge(error: &str) -> bool {
 
 fn check(good: &str) {
     let read = MUTATIONS.read_of(good.as_bytes(), TRIES, survives);
-    // One mutant in ten at least must be read, or the test would test little.
+    // At least one mutant in ten must be read, or the test would cover little.
     assert!(
         read > TRIES / 10 && read < TRIES,
         "{read} mutants were read"

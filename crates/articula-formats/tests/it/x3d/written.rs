@@ -1,4 +1,4 @@
-//! What is written reads again: joints and skinned corners within a bound at every time.
+//! Written files read back: joints and skinned corners within a bound at every time.
 
 use super::compare::{corners, extent, farthest, globals};
 use crate::real;
@@ -11,19 +11,19 @@ use articula_formats::{Limits, gltf, joint_map};
 use articula_human::{HumanOptions, human};
 use glam::DVec3;
 
-/// How far anything may be off after writing and reading, as a share of the figure. Numbers are
-/// written so that they read the same; what is left are the roundings of rotations (3e-8 each)
-/// along a chain of joints, in 32 bits, and of the matrices that bring vertices to rest.
+/// Maximum error after writing and reading, as a fraction of the figure. Numbers round-trip
+/// exactly; what remains is rounding of rotations (3e-8 each) along a chain of joints, in 32 bits,
+/// and of the matrices that bring vertices to rest.
 const BOUND: f64 = 5e-6;
 
-/// Writes and reads a character; also says whether the rest pose is that of the source.
+/// Writes and reads a character; also returns whether the rest pose is that of the source.
 fn written(character: &Character) -> (X3dFile, bool) {
     let mapping = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
     let written = x3d::write(character, &mapping.articulation, &[]).unwrap();
     let mut alone = |name: &str| Err(format!("{name}: nothing lies here"));
     let read = x3d::read(&written.bytes, &Limits::default(), &mut alone).unwrap();
     assert_eq!(read.warnings, []);
-    // Skin that was bound in another pose than that of rest makes its pose the figure's own.
+    // If the skin was bound in a pose other than rest, that pose becomes the figure's zero pose.
     let at_rest = written
         .left_out
         .iter()
@@ -31,8 +31,8 @@ fn written(character: &Character) -> (X3dFile, bool) {
     (read.value, at_rest)
 }
 
-/// For each joint read, the joint that was written. Those that never move are left out; the
-/// others come depth first.
+/// Returns the written joint for each joint read. Joints that never move are left out; the others
+/// come depth first.
 fn sources(character: &Character, back: &Character) -> Vec<usize> {
     let mapping = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
     let own = |joint: usize| {
@@ -52,7 +52,7 @@ fn sources(character: &Character, back: &Character) -> Vec<usize> {
         .collect()
 }
 
-/// Greatest distance of joints and corners over all clips, as a share of the figure.
+/// Returns the maximum distance of joints and corners over all clips, as a fraction of the figure.
 fn worst(character: &Character, back: &Character, at_rest: bool) -> f64 {
     let sources = sources(character, back);
     let meshes: Vec<(usize, usize)> = (0..character.meshes.len())
@@ -94,7 +94,7 @@ fn worst(character: &Character, back: &Character, at_rest: bool) -> f64 {
     worst
 }
 
-/// The mesh of the same name among those read.
+/// Returns the mesh of the same name among those read.
 fn twin(character: &Character, mesh: usize, back: &Character) -> usize {
     let name = &character.meshes[mesh].name;
     let plain = |s: &str| s.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
@@ -117,7 +117,7 @@ fn the_reference_human_reads_again() {
     let worst = worst(&character, &back, at_rest);
     println!("reference human: {worst:.1e} of the figure");
     assert!(worst < BOUND, "{worst}");
-    // The standard demands it.
+    // Required by the standard.
     assert!(
         back.skeleton
             .joints
@@ -136,7 +136,7 @@ fn real_characters_read_again() {
         ("glb/KayKit_Knight.glb", BOUND),
         ("glb/RobotExpressive.glb", BOUND),
         ("glb/mh_female_dance.glb", BOUND),
-        // Bound in another pose than that of rest, below an armature of scale 100.
+        // Bound in a pose other than rest, below an armature of scale 100.
         ("glb/Quaternius_cyberpunk_pack__Character.glb", BOUND),
         (
             "glb/Quaternius_single_knight_pack__KnightCharacter.glb",

@@ -1,10 +1,10 @@
-//! The floor's kernel on plain arrays: what a machine without AVX2 runs, and what the other one is
-//! tested against.
+//! The kernel of the floor on plain arrays, used on machines without AVX2 and as the reference in
+//! tests of the AVX2 kernel.
 
 use super::{Batch, Channel, Columns, LANES, Lanes, Link, Out, Rows, Tile};
 use std::array::from_fn;
 
-/// Samples a batch, takes it through the hierarchy and writes its matrices.
+/// Samples a batch, applies the hierarchy and writes the matrices.
 pub(super) fn evaluate(clip: &Rows, at: &Batch, chain: &mut [Link], mut out: Out<'_>) {
     for (index, joint) in clip.joints.iter().enumerate() {
         let rotation = match joint.rotation {
@@ -49,7 +49,7 @@ fn normalised(q: [Lanes; 4]) -> [Lanes; 4] {
     q.map(|c| from_fn(|l| c[l] * inverse[l]))
 }
 
-/// Where a joint is whose parent is at `parent`.
+/// Model-space transform of a joint from its parent's and its local transform.
 fn below(parent: &Link, local: &Link) -> Link {
     let ([px, py, pz, pw], [x, y, z, w]) = (&parent.rotation, &local.rotation);
     let [tx, ty, tz] = &local.translation;

@@ -1,27 +1,27 @@
-//! The floor's kernel by the intrinsics of AVX2 and FMA: the same steps as [`super::arrays`].
+//! The kernel of the floor with AVX2 and FMA intrinsics; the same steps as [`super::arrays`].
 
 use super::{Batch, Channel, Columns, LANES, Lanes, Link, Out, Rows, Tile};
 use std::arch::x86_64::*;
 use std::array::from_fn;
 
-/// A number for each of eight characters.
+/// One number for each of eight characters.
 type Wide = __m256;
 
-/// Rotation and translation of a joint of each.
+/// Rotation and translation of a joint, for each of eight characters.
 type Place = ([Wide; 4], [Wide; 3]);
 
-/// Samples a batch, takes it through the hierarchy and writes its matrices.
+/// Samples a batch, applies the hierarchy and writes the matrices.
 pub(super) fn evaluate(clip: &Rows, at: &Batch, chain: &mut [Link], out: Out<'_>) {
     match out {
-        // SAFETY: a floor with this kernel is only made where the machine has AVX2 and FMA.
+        // SAFETY: a floor with this kernel is only made on machines with AVX2 and FMA.
         Out::Stored(out) => unsafe { run::<true>(clip, at, chain, &mut [], out) },
         // SAFETY: as above.
         Out::Tile(tile) => unsafe { run::<false>(clip, at, chain, tile, Default::default()) },
     }
 }
 
-/// Writes into `out` if it is `STORED`, else into `tile`; the other one is empty. A function given
-/// in their place would not be built into the loop.
+/// Writes into `out` if `STORED`, else into `tile`; the unused one is empty. A closure instead
+/// would not be inlined into the loop.
 #[target_feature(enable = "avx2,fma")]
 fn run<const STORED: bool>(
     clip: &Rows,
@@ -64,7 +64,7 @@ fn run<const STORED: bool>(
                 for (i, wide) in rows.into_iter().enumerate() {
                     let low = _mm256_castps256_ps128(wide);
                     let high = _mm256_extractf128_ps::<1>(wide);
-                    // SAFETY: all eight were cut to the number of joints above.
+                    // SAFETY: all eight slices were cut to the number of joints above.
                     let place = unsafe { out[i].get_unchecked_mut(index) };
                     store_quarter(place, row, low);
                     // SAFETY: as above.
@@ -80,7 +80,7 @@ fn run<const STORED: bool>(
     }
 }
 
-/// The row of each character's frame and the one after it, all of one length.
+/// Rows of each character's frame and the next one, all of the same length.
 struct Span<'a> {
     width: usize,
     before: [&'a [[f32; 4]]; LANES],
@@ -105,7 +105,7 @@ impl<'a> Span<'a> {
 }
 
 /// One column at the time of each character. Two characters share a register, so that a
-/// transposition inside its halves is enough.
+/// transposition within its halves is sufficient.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 fn blended(span: &Span<'_>, column: usize, blend: &[Wide; 4]) -> [Wide; 4] {
@@ -121,7 +121,7 @@ fn blended(span: &Span<'_>, column: usize, blend: &[Wide; 4]) -> [Wide; 4] {
     }))
 }
 
-/// Rows and columns of the 4x4 numbers in each half changed over.
+/// Transposes the 4x4 numbers in each half.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 fn transposed(v: [Wide; 4]) -> [Wide; 4] {
@@ -251,21 +251,21 @@ fn store_link(link: &mut Link, (rotation, translation): &Place) {
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 fn load(from: &Lanes) -> Wide {
-    // SAFETY: the eight floats are there, and the load asks for no alignment.
+    // SAFETY: the reference covers eight floats, and the load requires no alignment.
     unsafe { _mm256_loadu_ps(from.as_ptr()) }
 }
 
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 fn store(to: &mut Lanes, wide: Wide) {
-    // SAFETY: there is room for eight floats, and the store asks for no alignment.
+    // SAFETY: the reference covers eight floats, and the store requires no alignment.
     unsafe { _mm256_storeu_ps(to.as_mut_ptr(), wide) }
 }
 
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 fn load_quarter(from: &[f32; 4]) -> __m128 {
-    // SAFETY: the four floats are there, and the load asks for no alignment.
+    // SAFETY: the reference covers four floats, and the load requires no alignment.
     unsafe { _mm_loadu_ps(from.as_ptr()) }
 }
 
@@ -274,6 +274,6 @@ fn load_quarter(from: &[f32; 4]) -> __m128 {
 #[target_feature(enable = "avx2,fma")]
 fn store_quarter(to: &mut [f32; 12], row: usize, quarter: __m128) {
     let place = &mut to.as_chunks_mut::<4>().0[row];
-    // SAFETY: there is room for four floats, and the store asks for no alignment.
+    // SAFETY: a quarter has four floats within the array, and the store requires no alignment.
     unsafe { _mm_storeu_ps(place.as_mut_ptr(), quarter) }
 }

@@ -1,17 +1,19 @@
-//! The floor: eight characters at once through one clip, and nothing else.
+//! The floor: a minimal evaluator of one clip for eight characters at once.
 //!
-//! Source: `docs/methods/runtime.md` part 3, without options: no scales, no blending, no looping, no levels,
-//! one clip for all. Uniform f32 rows, channels that do not move dropped, joints breadth first, the
-//! chain in quaternions and translations, then 3x4 matrices. A scale of a joint without children,
-//! which moves nobody else, is left out; any other is refused. Every other time is stated as a ratio to
-//! this one, so it is written to be fast: [`avx2`] where the machine has it, plain arrays elsewhere.
+//! Source: `docs/methods/runtime.md` part 3, without options: no scales, no blending, no looping, no
+//! levels, one clip for all characters. Uniform f32 rows, constant channels dropped, joints breadth
+//! first, the chain in quaternions and translations, then 3x4 matrices. A scale of a joint without
+//! children, which affects no other joint, is ignored; any other is refused. All other times are
+//! stated as ratios to this one, so it is written to be fast: [`avx2`] where the machine has it,
+//! plain arrays elsewhere.
 //!
-//! Tried, on one Xeon of 2023, ns a character-frame of 67 joints, stored / consumed in tiles:
-//! plain arrays 900 / – without features and 470 / 340 as a clone with AVX2 and `mul_add` (680 / 470
-//! with AVX-512: the compiler finds no good transposition); rows by intrinsics and arithmetic on
-//! arrays 310 / 175 (the compiler cuts registers in halves); intrinsics throughout 200 / 145; the same
-//! without channels that do not move 190 / 115, kept (AVX-512 on eight lanes 15 slower / the same).
-//! Writing the tile and transposing it afterwards costs 60 to 140 more, streaming stores 550.
+//! Alternatives, on one Xeon of 2023, ns per character and frame of 67 joints, stored / consumed in
+//! tiles: plain arrays 900 / – without features and 470 / 340 as a clone with AVX2 and `mul_add`
+//! (680 / 470 with AVX-512: the compiler finds no good transposition); rows by intrinsics and
+//! arithmetic on arrays 310 / 175 (the compiler splits registers into halves); intrinsics throughout
+//! 200 / 145; the same without constant channels 190 / 115, kept (AVX-512 on eight lanes 15 slower /
+//! the same). Writing the tile and transposing it afterwards costs 60 to 140 more, streaming stores
+//! 550.
 
 mod arrays;
 #[cfg(target_arch = "x86_64")]
@@ -39,7 +41,7 @@ pub(crate) struct Tile(pub(crate) [Lanes; 12]);
 /// A 3x4 matrix, row by row.
 pub(crate) type Matrix = [f32; 12];
 
-/// Where a joint of each character is, as the chain carries it.
+/// Model-space transform of a joint, for each character of a batch, as the chain carries it.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]
 struct Link {
@@ -47,34 +49,34 @@ struct Link {
     translation: [Lanes; 3],
 }
 
-/// A joint's rotation or translation.
+/// Source of a joint's rotation or translation.
 #[derive(Debug, Clone, Copy)]
 enum Channel {
-    /// For a translation the fourth number is 0.
+    /// Constant value; the fourth number of a translation is 0.
     Still([f32; 4]),
     /// Column of the rows.
     Moving(usize),
 }
 
-/// Which channels are sampled.
+/// The channels to sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sampled {
-    /// Those that move in the clip.
+    /// Channels that move in the clip.
     Moving,
-    /// All rotations too, as if every joint moved.
+    /// Additionally all rotations, as if every joint moved.
     AllRotations,
 }
 
 /// A joint in breadth-first order.
 #[derive(Debug, Clone, Copy)]
 struct Joint {
-    /// Place in the order; of a root, the number of joints.
+    /// Index of the parent in the order; for a root, the number of joints.
     parent: usize,
     rotation: Channel,
     translation: Channel,
 }
 
-/// The frame each character of a batch is at, and how far on towards the next.
+/// Frame of each character of a batch, and the fraction towards the next frame.
 #[derive(Debug, Clone, Copy)]
 struct Batch {
     frame: [usize; LANES],
@@ -86,12 +88,12 @@ pub(crate) struct Floor {
     clip: Rows,
     chain: Vec<Link>,
     tile: Vec<Tile>,
-    /// Matrices of the characters that fill up the last batch.
+    /// Matrices of the characters that pad the last batch.
     spare: Vec<Matrix>,
     kernel: Kernel,
 }
 
-/// The clip: for each frame a row of the rotations that move, and one of the translations.
+/// The clip: for each frame a row of the moving rotations and one of the moving translations.
 struct Rows {
     joints: Vec<Joint>,
     rotations: Columns,
@@ -100,25 +102,25 @@ struct Rows {
     rate_hz: f32,
 }
 
-/// Channels that move, row by row.
+/// Moving channels, row by row.
 #[derive(Default)]
 struct Columns {
-    /// Channels in a row.
+    /// Number of channels in a row.
     width: usize,
     rows: Vec<[f32; 4]>,
 }
 
-/// The instructions that a batch is evaluated with.
+/// Instruction set that evaluates a batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kernel {
-    /// Whatever the build is for.
+    /// The instruction set of the build.
     Arrays,
-    /// AVX2 and FMA; [`Floor::with`] refuses it where the machine lacks them.
+    /// AVX2 and FMA; [`Floor::with`] refuses it on machines without them.
     Avx2,
 }
 
 impl Kernel {
-    /// The fastest one of this machine.
+    /// The fastest kernel of this machine.
     pub(crate) fn best() -> Self {
         if Self::Avx2.is_here() {
             Self::Avx2
@@ -137,12 +139,12 @@ impl Kernel {
 }
 
 impl Floor {
-    /// Puts the clip into rows, for the fastest kernel of this machine.
+    /// Converts the clip into rows, for the fastest kernel of this machine.
     pub(crate) fn new(rig: &Rig, clip: &Clip, sampled: Sampled) -> Result<Self> {
         Self::with(rig, clip, sampled, Kernel::best())
     }
 
-    /// The same for one kernel.
+    /// As [`Floor::new`], for a given kernel.
     pub(crate) fn with(rig: &Rig, clip: &Clip, sampled: Sampled, kernel: Kernel) -> Result<Self> {
         ensure!(kernel.is_here(), "this machine has no {kernel:?}");
         let clip = Rows::new(rig, clip, sampled)?;
@@ -160,17 +162,17 @@ impl Floor {
         })
     }
 
-    /// Joints of a character, and so matrices that it takes.
+    /// Number of joints, and thus of matrices, of a character.
     pub(crate) fn joints(&self) -> usize {
         self.clip.joints.len()
     }
 
-    /// Bytes that the clip takes.
+    /// Bytes of the clip.
     pub(crate) fn clip_bytes(&self) -> usize {
         16 * (self.clip.rotations.rows.len() + self.clip.translations.rows.len())
     }
 
-    /// Writes the matrices of characters at times within the clip, character after character.
+    /// Writes the matrices of characters at times within the clip, character by character.
     pub(crate) fn store(&mut self, secs: &[f32], out: &mut [Matrix]) {
         let joints = self.joints();
         let mut rest = &mut out[..secs.len() * joints];
@@ -197,8 +199,8 @@ impl Floor {
         }
     }
 
-    /// Hands over the matrices of eight characters after another, in one buffer that stays in the
-    /// nearest cache. What fills up the last batch is handed over too.
+    /// Passes the matrices to `consume`, eight characters at a time, in one buffer that stays in the
+    /// first-level cache. The padding of the last batch is included.
     pub(crate) fn tiles(&mut self, secs: &[f32], mut consume: impl FnMut(&[Tile])) {
         for times in secs.chunks(LANES) {
             let (at, tile) = (self.clip.batch(times), &mut self.tile);
@@ -214,14 +216,14 @@ impl Floor {
     }
 }
 
-/// Where the matrices of a batch go.
+/// Destination of the matrices of a batch.
 enum Out<'a> {
     /// One slice for each character.
     Stored([&'a mut [Matrix]; LANES]),
     Tile(&'a mut [Tile]),
 }
 
-/// Samples a batch, takes it through the hierarchy and writes its matrices.
+/// Samples a batch, applies the hierarchy and writes the matrices.
 fn evaluate(kernel: Kernel, clip: &Rows, at: &Batch, chain: &mut [Link], out: Out<'_>) {
     match kernel {
         #[cfg(target_arch = "x86_64")]
@@ -241,7 +243,7 @@ impl Rows {
         for (at, joint) in order.iter().enumerate() {
             place[*joint] = at;
         }
-        // A clip of one frame stands still between two equal ones.
+        // A clip of one frame is constant between two equal frames.
         let frames = clip.frames().max(2);
         let (mut rotations, mut translations) = (Vec::new(), Vec::new());
         let joints = order.iter().map(|&joint| {
@@ -267,7 +269,7 @@ impl Rows {
         })
     }
 
-    /// Where a batch is in the clip; the last time stands for the characters that are missing.
+    /// Position of a batch in the clip; missing characters repeat the last time.
     fn batch(&self, secs: &[f32]) -> Batch {
         let mut at = Batch {
             frame: [0; LANES],
@@ -283,7 +285,7 @@ impl Rows {
     }
 }
 
-/// Joints that have a scale, at rest or in the clip.
+/// Joints with a scale, at rest or in the clip.
 fn scaled(rig: &Rig, clip: &Clip) -> JointSet {
     let is_one = |scale: &Vec3| scale.distance(Vec3::ONE) < 1e-5;
     let tracks = clip.tracks().scales.iter();
@@ -296,7 +298,7 @@ fn scaled(rig: &Rig, clip: &Clip) -> JointSet {
         .collect()
 }
 
-/// The joints of a rig in the order of what is written: those nearer to the root first.
+/// The joints of a rig in breadth-first order, in which matrices are written.
 pub(super) fn breadth_first(rig: &Rig) -> Vec<usize> {
     let mut depths = vec![0; rig.len()];
     for joint in 0..rig.len() {
@@ -307,7 +309,7 @@ pub(super) fn breadth_first(rig: &Rig) -> Vec<usize> {
     order
 }
 
-/// What a clip or the rest pose says of a joint, one value or one for each frame.
+/// Values of a joint from the clip or the rest pose: one, or one for each frame.
 fn column<T: Copy>(
     tracks: &[Track<T>],
     joint: usize,
@@ -320,7 +322,7 @@ fn column<T: Copy>(
     }
 }
 
-/// Keeps a column that moves, or that is to be sampled although it does not.
+/// Keeps a column that moves, or that is to be sampled although it is constant.
 fn channel(column: Vec<[f32; 4]>, always: bool, kept: &mut Vec<Vec<[f32; 4]>>) -> Channel {
     if !always && column.iter().all(|row| *row == column[0]) {
         return Channel::Still(column[0]);

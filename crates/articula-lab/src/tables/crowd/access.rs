@@ -37,11 +37,11 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
         })
         .collect();
     report.heading(
-        "Ways through a clip",
-        "Each time as a multiple of the same evaluator's forward one. Backward and forward step \
-         1/60 s, skipping half a second, random anywhere.",
+        "Access patterns",
+        "Each time divided by the forward time of the same evaluator. Backward and forward step \
+         1/60 s, skipping half a second, random any time of the clip.",
     );
-    report.head(&["who", "forward, ns", "backward", "skipping", "random"]);
+    report.head(&["evaluator", "forward, ns", "backward", "skipping", "random"]);
     for (who, contestant) in contestants.iter().enumerate() {
         let forward = timings[0][who].median_ns;
         let mut cells = vec![contestant.name.clone(), format!("{forward:.0}")];

@@ -36,12 +36,13 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
     let rows = measured(bench)?;
     let counts = bench.counts();
     report.heading(
-        "Sample and model matrices at full detail",
-        "Times of what is stored are set against the floor that stores 3x4 matrices, times of what is \
-         consumed in tiles against the floor in tiles. The floor and ours sample the channels that \
-         move; the rows with all rotations show the floor for a clip in which every joint turns.",
+        "Sampling and model matrices at full detail",
+        "Evaluators that store their output are compared with the floor that stores 3x4 matrices, \
+         those whose output is consumed in tiles with the floor in tiles. The floor and *ours* \
+         (Articula) sample the channels that move; the rows with all rotations show the floor for a \
+         clip in which every joint rotates.",
     );
-    let mut head = vec!["who".to_owned()];
+    let mut head = vec!["evaluator".to_owned()];
     for (count, _) in &counts {
         head.extend([format!("{count} characters"), "× floor".to_owned()]);
     }
@@ -324,13 +325,13 @@ fn bytes(bench: &Bench, report: &mut CrowdTables, rows: &[Row]) {
     let at = bench.counts().len().min(2) - 1;
     let joints = bench.asset.rig.len() as f64;
     report.heading(
-        "Bytes and time of one joint in one frame",
+        "Bytes and time per joint and frame",
         &format!(
-            "At {} characters; what is in the clip for a joint and frame, and what is written.",
+            "With {} characters; bytes in the clip and bytes written per joint and frame.",
             bench.counts()[at].0
         ),
     );
-    report.head(&["who", "clip, bytes", "written, bytes", "ns"]);
+    report.head(&["evaluator", "clip, bytes", "written, bytes", "ns"]);
     for row in rows {
         let clip = row.clip_bytes.map_or("–".to_owned(), |b| format!("{b:.1}"));
         let ns = format!("{:.2}", row.timings[at].median_ns / joints);

@@ -34,8 +34,8 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
     report.heading(
         "Cost by joints kept",
         &format!(
-            "{count} characters, joints merged in the order that the data give. Gain: time saved over \
-             joints saved, 1 where time falls as joints do."
+            "{count} characters, joints merged in the order computed from the clips. Gain: fraction of \
+             time saved over fraction of joints saved; 1 where time is proportional to joints."
         ),
     );
     report.head(&["joints", "3x4 f32, ns", "gain", "in tiles, ns", "gain"]);

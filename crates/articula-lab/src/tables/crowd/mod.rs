@@ -135,7 +135,7 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     };
     write!(
         report.page,
-        "# What a crowd costs\n\n{HEAD} {} joints, {} frames at {} Hz; batches of ours run on {}.\n",
+        "# Cost of a crowd\n\n{HEAD} {} joints, {} frames at {} Hz; Articula's batches run on {}.\n",
         bench.asset.rig.len(),
         bench.clip().frames(),
         bench.clip().rate_hz(),
@@ -154,7 +154,8 @@ pub(crate) fn write(run: &Run) -> Result<()> {
 }
 
 const HEAD: &str = "Made by `cargo run --release -p articula-lab -- crowd`. Nanoseconds of processor time of one thread
-for each character and frame: the median over rounds in which all take turns, in brackets the
-least. Times of one run may be compared, times of two runs may not. *Quoted* figures come from another
-machine and are set against the floor of that machine. `pab_arnaud.glb`, clip `walk`, distinct
-phases, 1/60 s from frame to frame;";
+per character and frame: the median over rounds in which all evaluators take turns, in brackets the
+minimum. Times of one run are comparable, times of two runs are not. The *floor* is a minimal evaluator
+without scales, blending, looping and levels (docs/methods/runtime.md, part 3). *Quoted* figures were
+measured on another machine and are divided by the floor of that machine. `pab_arnaud.glb`, clip `walk`,
+distinct phases, 1/60 s from frame to frame;";

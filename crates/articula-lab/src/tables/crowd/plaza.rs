@@ -25,18 +25,18 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
     let still = plaza(count, clips, SEED, Plaza::Still);
     let kept: Vec<String> = stage.kept().iter().map(usize::to_string).collect();
     report.heading(
-        "The plaza by tier",
+        "The plaza by level",
         &format!(
             "{count} characters with all clips of the file, one thread, skinning palettes as 3x4 f32; levels \
-             keep {} joints. Everything done for all of them counts, seen or not. Selection: clocks, \
-             views, levels and sorting, as a share of the evaluation that it governs. Error: as the \
-             screen shows it, against every joint of the plain path, all nearer than 20 m and some of \
-             the others. Resident: clips, characters and palettes.",
+             keep {} joints. Times include the work for all characters, visible or not. Selection: \
+             clocks, views, levels and sorting, as a fraction of the evaluation time. Error: on the \
+             screen, against all joints of the plain path, for all characters within 20 m and a \
+             sample of the others. Resident: clips, characters and palettes.",
             kept.join(", ")
         ),
     );
     report.head(&[
-        "scene and tier",
+        "scene and levels",
         "median, ms",
         "p95, ms",
         "selection",
@@ -46,7 +46,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
         "MB written",
         "MB resident",
         "p95, px",
-        "near, px",
+        "max within 20 m, px",
     ]);
     let at = |detail, share| Play {
         detail,
@@ -140,8 +140,9 @@ fn budget(
 ) -> Result<()> {
     report.heading(
         "Under a budget",
-        "The plaza again, with so much time for evaluation, in shares of what merged levels within 1 px \
-         take. Overrun: 95th percentile over frames of the evaluation's time over the budget.",
+        "The same plaza with a budget for evaluation, as a fraction of the time that merged levels \
+         within 1 px take. Overrun: 95th percentile over frames of the evaluation time beyond the \
+         budget.",
     );
     report.head(&[
         "share",
@@ -149,7 +150,7 @@ fn budget(
         "used, ms",
         "overrun, p95",
         "p95, px",
-        "near, px",
+        "max within 20 m, px",
     ]);
     let demand_ms = percentile_at_or_above(&mut merged.evaluate_ms.clone(), 0.5);
     for share in [2.0, 1.0, 0.75, 0.5] {

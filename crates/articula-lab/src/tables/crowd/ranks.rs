@@ -52,18 +52,19 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables, ours: &AtOnePixel) ->
     report.heading(
         "The plaza by ranks of distance",
         &format!(
-            "As crowds are thinned out elsewhere: {count} characters, every joint of whoever is \
-             evaluated, by our own batched evaluator ({:.0} ns each); the choice of ranks is not \
-             counted, and baked poses cost nothing. Errors as above, between what is shown and the \
-             clip. *Equal error*: the cheapest policy of so many full and all others held that stays \
-             within {} px, and {} px for who is nearer than {NEAR_METRES} m. *Equal time*: the one of \
-             them with the least error in the time of our merged levels.",
+            "Update rates by rank of distance, as in several engines: {count} characters; an evaluated \
+             character has all joints and is evaluated in Articula's batches ({:.0} ns each); the time \
+             for ranking is not included, and baked poses cost nothing. Errors as above, between the \
+             shown pose and the clip. *Equal error*: the cheapest policy with a number of fully \
+             updated characters and all others held that stays within {} px, and within {} px nearer \
+             than {NEAR_METRES} m. *Equal time*: the policy with the least error in the time of \
+             Articula's merged levels.",
             trial.pose_ns, GOAL_PX.0, GOAL_PX.1
         ),
     );
-    report.head(&["policy", "evaluations a frame", "ms", "p95, px", "near, px"]);
+    report.head(&["policy", "evaluations per frame", "ms", "p95, px", "max within 20 m, px"]);
     report.row(&[
-        "ours: merged levels within 1 px, everything counted".to_owned(),
+        "Articula: merged levels within 1 px, whole frame".to_owned(),
         "–".to_owned(),
         format!("{:.3}", ours.ms),
         format!("{:.2}", ours.p95_px),

@@ -44,14 +44,14 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
     let timings = race(&mut contestants, &times, bench.rounds());
     let vertices = bench.asset.mesh.len();
     report.heading(
-        "Pose alone, and pose with skin",
+        "Pose with and without skinning",
         &format!(
             "Poses by the plain path; {vertices} vertices, positions and normals, one by one (plain) or grouped by \
-             influence count; vertices keep their strongest influences. Microseconds for each \
+             influence count; vertices keep their strongest influences. Microseconds per \
              character and frame."
         ),
     );
-    report.head(&["what", "µs", "ns for each vertex"]);
+    report.head(&["what", "µs", "ns per vertex"]);
     let pose = timings[0];
     for (name, timing) in names.iter().zip(&timings) {
         let vertex = (timing.median_ns - pose.median_ns) / vertices as f64;

@@ -9,48 +9,52 @@ use std::fmt::Write as _;
 
 const HEAD: &str = "# Conversion to 2D
 
-Made by `cargo run --release -p articula-lab -- flat`. Pictures of 400 x 400 pixels. The faces are the
-specification's (camera 4.5 half heights away); everyone else is framed as `articula flatten` does
-it and has as many triangles as that command gives by default (the woman dancing 1500; heads do not count more here). Only triangles that some
-frame shows count.
+Made by `cargo run --release -p articula-lab -- flat`. Pictures of 400 x 400 pixels. Faces
+are seen by the camera of docs/methods/vector.md, part 9 (4.5 half heights away); all other cases are
+framed as by `articula flatten` and have its default number of triangles (the dancing woman 1500; heads
+have no extra weight here). Only triangles that are visible in some frame are counted.
 
-Errors are those of the file, read back: corners in pixels, the picture against an 8 x 8 supersampled one without
-a painting order, over the character's pixels, at every tenth frame and halfway between frames (mean / worst
-moment). *B/t/f* is bytes for each drawn triangle and frame. *x* is how many times smaller than the thesis'
-form (`path`) of the same clip a file is. That form is written of the cut clip too, which on the face
-is 3 % more than uncut. Wrong pixels in the CSV are those of our orders, also in the thesis' rows.
+Errors are measured on the file, read back: corners in pixels; the picture against an 8 x 8 supersampled
+one without a painting order, over the character's pixels, at every tenth frame and halfway between
+frames (mean / worst). *B/t/f* is bytes per drawn triangle and frame. *x* is the size of the thesis' form
+(`path`) of the same clip divided by the size of the file. That form is written from the cut clip too,
+which on the face makes it 3 % larger than uncut. Wrong pixels in the CSV are those of Articula's painting
+orders, also in the rows of the thesis.
 ";
 
 const ORDERS: &str = "
 ## Pixels painted wrong
 
 Percent of the character's pixels, mean over the frames. *Thesis*: one depth sort, at the first frame. *Constraints*:
-one order for the whole clip. *Epochs*: as many orders as pay, and how often a triangle is written. *Cut*: after
-triangles that pierce each other are cut, as `flatten` does it, and the triangles that are drawn then.
+one order for the whole clip. *Epochs*: as many orders as reduce the error enough to justify their bytes, and the number of copies of a
+triangle. *Cut*: after cutting triangles that pierce each other, as `flatten` does, and the number of
+triangles drawn then.
 
-| case | thesis | depth sort a frame | constraints | epochs (orders, copies) | an order a frame | cut (triangles) | share of the depth sort |
+| case | thesis | depth sort per frame | constraints | epochs (orders, copies) | order per frame | cut (triangles) | fraction of the depth sort |
 | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
 
 const PROFILES: &str = "
-| profile | kB raw / gzip / brotli | B/t/f raw / brotli | x | corners px | levels mean / worst | SSIM mean / worst | shapes | keys | s |
+| profile | kB raw / gzip / brotli | B/t/f raw / brotli | x | corner error, px | colour RMSE, levels, mean / worst | SSIM mean / worst | shapes | keys | seconds |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
 
 const STILLS: &str = "
 ## Stills
 
-The first frame. *Thesis*: three gradients a triangle under filters, over a background triangle.
+The first frame. *Thesis*: three gradients per triangle under filters, over a background triangle. *Levels*: colour RMSE
+in levels of 0 to 255. *B/t*: bytes per triangle.
 
-| case | triangles | thesis B/t | ours B/t | x | levels | SSIM | exact B/t | levels | flat B/t | levels |
+| case | triangles | thesis B/t | Gouraud B/t | x | levels | SSIM | exact B/t | levels | flat B/t | levels |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
 
 const PORTRAITS: &str = "
 ## Portraits
 
-Levels (root mean square over the head) that a warped portrait is off when the head turns, against a picture of the
-turned figure in full quality, under light that turns with it. One view is the thesis' portrait.
+Colour RMSE over the head, in levels of 0 to 255, of the warped portrait at each yaw angle of the head,
+against a picture of the turned figure in full quality, under light that turns with it. One view is the
+thesis' portrait.
 
 | head | triangles | views | document kB | pictures kB | 0° | 10° | 20° | 30° | 40° |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
@@ -101,7 +105,7 @@ pub(super) fn page(all: &[Found], portraits: &[Portrait]) -> Result<String> {
 }
 
 fn bounds(page: &mut String, all: &[Found]) -> Result<()> {
-    page.push_str("\n## Targets of the specification\n\n| target | case | what | bound | found | |\n| --- | --- | --- | --- | --- | --- |\n");
+    page.push_str("\n## Acceptance bounds (docs/methods/vector.md, part 9)\n\n| bound | case | quantity | limit | found | |\n| --- | --- | --- | --- | --- | --- |\n");
     for found in all {
         for target in targets::of(found) {
             let bound = match target.bound {

@@ -85,9 +85,9 @@ fn flat(found: &Found, is_face: bool, all: &mut Vec<Target>) {
     let (raw_most, brotli_most) = if is_face { (6.0, 1.1) } else { (18.0, 3.0) };
     let off = row.flat.errors.position_rmse_px;
     all.extend([
-        at_most(1, "flat smil, bytes a triangle and frame", raw_most, raw),
-        at_most(1, "the same by brotli", brotli_most, brotli),
-        at_most(1, "corners off, px", 0.5, off),
+        at_most(1, "flat smil, bytes per triangle and frame", raw_most, raw),
+        at_most(1, "the same, brotli", brotli_most, brotli),
+        at_most(1, "corner error, px", 0.5, off),
     ]);
 }
 
@@ -98,10 +98,10 @@ fn gouraud(found: &Found, all: &mut Vec<Target>) {
     let (raw, brotli) = per(&row.flat);
     let image = row.flat.errors.image;
     all.extend([
-        at_most(2, "gouraud smil, bytes a triangle and frame", 12.0, raw),
-        at_most(2, "the same by brotli", 1.9, brotli),
-        at_most(2, "levels off, worst moment", 6.5, image.rmse_levels_max),
-        at_least(2, "SSIM, worst moment", 0.985, image.ssim_min),
+        at_most(2, "gouraud smil, bytes per triangle and frame", 12.0, raw),
+        at_most(2, "the same, brotli", 1.9, brotli),
+        at_most(2, "colour RMSE in levels, worst frame", 6.5, image.rmse_levels_max),
+        at_least(2, "SSIM, worst frame", 0.985, image.ssim_min),
     ]);
 }
 
@@ -109,8 +109,8 @@ fn still(found: &Found, all: &mut Vec<Target>) {
     let flat = &found.stills.ours;
     let image = flat.errors.image;
     all.extend([
-        at_most(3, "still, bytes a triangle", 125.0, per(flat).0),
-        at_most(3, "levels off", 4.5, image.rmse_levels),
+        at_most(3, "still, bytes per triangle", 125.0, per(flat).0),
+        at_most(3, "colour RMSE in levels", 4.5, image.rmse_levels),
         at_least(3, "SSIM", 0.99, image.ssim),
     ]);
 }
@@ -128,11 +128,11 @@ fn player(found: &Found, is_face: bool, all: &mut Vec<Target>) {
     all.extend([
         at_most(
             4,
-            "player, bytes a triangle and frame",
+            "player, bytes per triangle and frame",
             bytes,
             per(&row.flat).0,
         ),
-        at_most(4, "corners off, px", off, found_off),
+        at_most(4, "corner error, px", off, found_off),
     ]);
 }
 
@@ -141,7 +141,7 @@ fn order(found: &Found, all: &mut Vec<Target>) {
     let share = orders.split / orders.depth_sort.max(1e-9);
     all.push(at_most(
         5,
-        "wrong pixels, share of the depth sort's",
+        "wrong pixels, fraction of the depth sort's",
         0.5,
         share,
     ));

@@ -237,13 +237,13 @@ fn page(rows: &[Row], chosen: &str) -> Result<String> {
     let mut page = String::from(
         "# Merged levels
 
-Made by `cargo run --release -p articula-lab -- merged-levels`. Millimetres between the full
-character and one whose other joints are merged: the 95th percentile over 700 vertices, the
-greatest over the frames of a clip, the worst clip; *worst* over all watched vertices. *Near* levels
-keep the ancestors of what they keep; *far* ones drop any joint and have a rig of their own.
-*Held out*: order and mean pose were learned without the clips that are judged (one clip at a time,
-an eighth of them where there are more than eight). *Named*: levels of articulation from the name
-map, with the joints above them.
+Made by `cargo run --release -p articula-lab -- merged-levels`. Distance in millimetres
+between the full character and one with the other joints merged: the 95th percentile over 700 vertices,
+the maximum over the frames of a clip and over the clips; *worst*: the maximum over all measured
+vertices. *Near* levels keep the ancestors of every kept joint; *far* levels may drop any joint and have
+a separate rig. *Held out*: joint order and mean pose were computed without the measured clips (one clip
+at a time, an eighth of them where there are more than eight). *Named*: levels of articulation from the
+name map, with the ancestors of their joints.
 
 | character | levels | joints | influences | error | worst | held out |
 | --- | --- | --- | --- | --- | --- | --- |
@@ -260,7 +260,7 @@ map, with the joints above them.
     write!(
         page,
         "
-The levels that are chosen by themselves, far ones from 4 mm on: joints kept, and in brackets the
+The levels that are chosen automatically, far ones from 4 mm on: joints kept, and in brackets the
 error in millimetres.
 
 | character | levels |

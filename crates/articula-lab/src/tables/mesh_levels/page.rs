@@ -12,27 +12,27 @@ const HEAD: &str = "# Mesh levels
 Made by `cargo run --release -p articula-lab -- mesh-levels`. Five levels of each character: 100, 50,
 25, 10 and 1.5 % of its triangles.
 
-![A man in a suit at four levels in a pose that none was made by: whole, hand, head and armpit; below them levels of meshoptimizer](../pictures/mesh-levels.png)
+![A man in a suit at four levels in a pose not used for simplification: whole, hand, head and armpit; below, levels of meshoptimizer](../pictures/mesh-levels.png)
 
 Character by Quaternius, CC0; `--picture FILE` draws it, `--sheets FOLDER` all of them.
 ";
 
 const ERRORS: &str = "
-## How far a level lies from the original
+## Distance of a level from the original
 
 Millimetres for a figure of 1.8 m (a head alone: 0.25 m) between the original surface and the
-level, both ways, at rest and in poses that it was **not** made by: the greatest, the 99th percentile
-and the mean over vertices and face centres. *px*: the greatest in motion in a picture where the
-figure fills 1080 lines. Poses are of the character's own clips; *bends* are random ones within joint
+level, in both directions, at rest and in poses **not** used for simplification: the maximum, the 99th
+percentile and the mean over vertices and face centres. *px*: the maximum in motion in a picture where
+the figure fills 1080 lines. Poses are of the character's own clips; *bends* are random ones within joint
 limits for a character without clips, *morphs* its morph targets for one without a skeleton.
 
-*meshopt* is `meshopt::simplify` on the whole character at rest, equal vertices joined first, asked for
-as many triangles as ours has at that level, from the original each time, without a bound on the
-error. It keeps seams and borders of materials; † where it cannot get within 2 % of the triangles so
-and was run again with its option to cross seams (`Permissive`), after which textures and materials
-may be another triangle's. Ours crosses seams too where nothing else is left, never between materials,
-at a price by how much attributes change. *With normals* is meshoptimizer by
-`simplify_with_attributes`, normals by half. *Ratio*: ours to meshopt, greatest in motion.
+*meshopt* is `meshopt::simplify` on the whole character at rest, with equal vertices joined first, for
+the number of triangles of Articula's level, from the original each time, without a bound on the error.
+It keeps seams and borders of materials; † marks levels for which it could not come within 2 % of the
+number of triangles and was run again with its option to cross seams (`Permissive`), after which
+textures and materials may be those of another triangle. Articula crosses seams too where nothing else is
+left, never between materials, at a cost by the change of attributes. *With normals* is meshoptimizer by
+`simplify_with_attributes`, normals with weight one half. *Ratio*: Articula to meshopt, maximum in motion.
 ";
 
 /// The whole page.
@@ -119,11 +119,11 @@ fn errors(page: &mut String, all: &[Found]) -> Result<()> {
 fn weightings(page: &mut String, all: &[Found]) -> Result<()> {
     page.push_str(
         "
-## What collapses are ordered by
+## Order of collapses
 
-Greatest distance in motion, then the mean, at 50 / 25 / 10 / 1.5 %; all on the same poses, none of
-which any was made by. *Joint weight* is the thesis' level of animation on the rest pose: the error
-times 1 + 4 (1 - greatest skin weight).
+Maximum distance in motion, then the mean, at 50 / 25 / 10 / 1.5 %; all on the same poses, which were not
+used for simplification. *Joint weight* is the thesis' level of animation on the rest pose: the error
+times 1 + 4 (1 - largest skin weight).
 
 | character | poses summed | rest pose only | rest pose and joint weight |
 | --- | --- | --- | --- |
@@ -192,14 +192,15 @@ fn sizes(page: &mut String, all: &[Found]) -> Result<()> {
 const BYTES: &str = "
 ## Bytes
 
-Of our level meshes, all parts of a character, in the same whole numbers for everyone: position 14
-bits on one grid for each mesh, normal 10, texture coordinates 12, weights 8 bits; morph targets left
-out, since neither peer codes them. *Direct*: ours, the level alone; *chunk*: ours, what the level adds to
-the coarser one. *Draco*: npm `draco3dgltf`, edgebreaker, speed 0, which is its best; *meshopt*:
-vertices of up to 24 bytes in the vertex codec and indices in the index codec, both in the order that
-its functions give. *Plain*: those vertices and 16-bit indices (32 where needed) as they lie in a
-buffer; *STORE* holds all levels that way. *Ranges* show the level from STORE, that of vertices
-counted; the thesis has 3i + 1 for its level i, the coarsest 0, which takes that as one.
+Of Articula's level meshes, all parts of a character, with the same quantised values for every codec:
+position 14 bits on one grid per mesh, normal 10, texture coordinates 12, weights 8 bits; without morph
+targets, which neither other codec supports. *Direct*: Articula, the level alone; *chunk*: Articula, the
+addition of the level to the next coarser one. *Draco*: npm `draco3dgltf`, edgebreaker, speed 0, its best
+setting; *meshopt*: vertices of up to 24 bytes in the vertex codec and indices in the index codec, both
+in the order of its functions. *Plain*: those vertices and 16-bit indices (32 where needed) uncoded in a
+buffer; *STORE* holds all levels that way. *Ranges*: the number of ranges that show the level from STORE,
+including that of the vertices; the thesis has 3i + 1 for its level i (0 the coarsest), counted the same
+way.
 
 | character | level | triangles | vertices | direct | chunk | Draco | direct / Draco | meshopt | plain | ranges (3i + 1) | STORE / sum of plain |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
@@ -208,10 +209,10 @@ counted; the thesis has 3i + 1 for its level i, the coarsest 0, which takes that
 fn wholes(page: &mut String, all: &[Found]) -> Result<()> {
     page.push_str(
         "
-All levels in one stream (TRANSPORT, the sum of the chunks) beside what else would be sent, and
-processor time of one thread for it: coding the least of three rounds, the rest once (*round* with morph
-targets and without), triangles of all levels for each second. Times of one run may be compared with each other. *With morph targets*: ours, all levels and
-the finest alone.
+All levels in one stream (TRANSPORT, the sum of the chunks) compared with the alternatives, and the
+processor time of one thread: for coding the minimum of three rounds, for the rest one (*round* with morph
+targets and without), with the triangles of all levels per second. Times of one run are comparable. *With
+morph targets*: Articula, all levels and the finest alone.
 
 | character | whole | / Draco's finest | / five of Draco | / meshopt's finest | / own finest | with morph targets | simplify | round | encode | decode |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |

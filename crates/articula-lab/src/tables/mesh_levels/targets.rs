@@ -87,7 +87,7 @@ fn targets(all: &[Found]) -> Vec<Target> {
         Target {
             median: true,
             ..target(
-                "greatest error in motion at 25 % / meshopt, median",
+                "maximum error in motion at 25 % / meshopt, median",
                 0.6,
                 &error,
             )
@@ -131,9 +131,9 @@ pub(super) fn write(page: &mut String, all: &[Found]) -> Result<()> {
         "
 ## Targets
 
-Every one is for every character, but for the median. *Held*: how many characters hold it.
+Every target applies to every character, except the median. *Held*: the number of characters that meet it.
 
-| target | at most | median | worst | of | held | |
+| target | at most | median | worst | character | held | |
 | --- | --- | --- | --- | --- | --- | --- |
 ",
     );

@@ -229,28 +229,29 @@ fn csv(rows: &[Row]) -> Result<String> {
 const HEAD: &str = "# Retargets: every kind of motion on every kind of character
 
 Made by `cargo run --release -p articula-lab -- retargets` (`--sheets DIR` draws each motion above
-what became of it). Feet are pinned, everything else is as in `convert --onto`.
+the result). Feet are pinned; all other options are those of `convert --onto`.
 
-![Four motions, each above the character that it was put onto](../pictures/retargets.png)
+![Four motions, each above the character that it was retargeted onto](../pictures/retargets.png)
 
 Motions: CMU Graphics Lab (mocap.cs.cmu.edu; created with funding from NSF EIA-0196217) and FAIR1 of
 Animated Drawings (MIT). Characters: Knight by KayKit and man by Quaternius (CC0), Godette by
-SirRichard94 and Lyuma (CC-BY 3.0), our own human.
+SirRichard94 and Lyuma (CC-BY 3.0), the reference human of Articula.
 
-| motion | onto | frames | size | joints mapped / shared / held | slide raw, mm | slide, mm | toes seen, mm | sunk raw, mm | sunk, mm | hands off, % | feet off, % | fastest, deg/s | hinges wrong, % |
+| motion | onto | frames | scale | joints mapped / shared / held | slide raw, mm | slide, mm | toe slide, mm | below floor raw, mm | below floor, mm | hand error, % | foot error, % | max speed, deg/s | wrong hinges, % |
 | --- | --- | ---: | ---: | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
 ";
 
 const TAIL: &str = "
-*Size* is that of the character over that of the source, by the legs. *Slide* is the mean over the
-contacts of heels and toes of the farthest that a resting point comes from where it began, as the
-turns alone give it (raw) and in the result; a dash where no foot rests (motions on the spot). *Toes
-seen* measures the same from outside: contacts are where the source's toe joint is slow, low and near
-where it began, the distance is that of the target's toe joint, which rolls a little over the point that is pinned. *Sunk*
-is the deepest that a sole is below the floor. *Hands off* and *feet off* are the mean distance of
-wrists and ankles from where the source has them, seen from shoulder and hip, in lengths of the limb.
-*Fastest* is the fastest turn of a joint against its parent (in brackets: of the source's joints).
-*Hinges wrong* is the share of frames in which a knee bends forward or an elbow backward.
+*Scale* is the size of the character over that of the source, by the legs. *Slide* is the mean over the
+contacts of heels and toes of the maximum distance of a planted point from its first position, with
+joint rotations only (raw) and in the result; a dash where no foot is planted (motions in place). *Toe
+slide* measures the same from the poses alone: contacts are frames in which the source's toe joint is
+slow, low and close to its first position, the distance is that of the target's toe joint, which rolls
+slightly over the pinned point. *Below floor* is the maximum depth of a sole below the floor. *Hand
+error* and *foot error* are the mean distances of wrists and ankles from those of the source, relative
+to shoulder and hip, in lengths of the limb. *Max speed* is the maximum angular speed of a joint
+relative to its parent (in brackets: of the source's joints). *Wrong hinges* is the fraction of frames
+in which a knee bends forward or an elbow backward.
 ";
 
 #[cfg(test)]

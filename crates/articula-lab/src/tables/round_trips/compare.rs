@@ -1,4 +1,4 @@
-//! How far two readings of one character lie apart: joints over the clips, skin in some poses.
+//! Differences between two readings of one character: joints over the clips, skin in some poses.
 
 use anyhow::{Context, Result};
 use articula_build::source_rate_hz;
@@ -9,37 +9,36 @@ use articula_core::{
 };
 use std::collections::{HashMap, VecDeque};
 
-/// Most frames of a clip whose joints are compared; they are spread evenly.
+/// Maximum number of frames of a clip whose joints are compared, spread evenly.
 const FRAMES: usize = 500;
-/// Frames of a clip whose skin is compared.
+/// Number of frames of a clip whose skin is compared.
 const SKINNED: usize = 5;
 
-/// What was found between two characters.
+/// Differences between two characters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Apart {
-    /// Joints that were compared, by name.
+    /// Number of joints compared, by name.
     pub(super) joints: usize,
-    /// Clips that were compared, by order.
+    /// Number of clips compared, by order.
     pub(super) clips: usize,
-    /// Greatest distance of a joint, millimetres.
+    /// Maximum distance of a joint, millimetres.
     pub(super) joints_mm: f32,
-    /// Greatest distance of a vertex; none if a side has no vertices.
+    /// Maximum distance of a vertex, millimetres; `None` if a side has no vertices.
     pub(super) skin_mm: Option<f32>,
 }
 
-/// Which joints count.
+/// The joints that are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum JointFilter {
     All,
-    /// Those of skins; all, where there is no skin.
+    /// Joints of skins; all joints where there is no skin.
     Skin,
-    /// Those with a twin in the standard, found by it; the skin is not looked at, since its
-    /// vertices come in another order.
+    /// Joints that correspond to one of the standard, matched by it; skins are not compared, since
+    /// the vertices are in another order.
     Twins,
 }
 
-/// Compares a character as it was with one that was written and read again; without clips at
-/// rest.
+/// Compares a character with its written and read copy; at rest where there are no clips.
 pub(super) fn apart(
     was: (&Character, &Articulation),
     is: (&Character, &Articulation),
@@ -82,7 +81,7 @@ pub(super) fn apart(
     Ok(apart)
 }
 
-/// Times of the frames that are compared: on the clip's own grid, where nothing is blended.
+/// Times of the compared frames, on the clip's own grid, where nothing is interpolated.
 fn times(clip: &RawClip) -> Vec<f32> {
     let rate = source_rate_hz(clip);
     let last = (clip.duration_secs * rate).round() as usize;
@@ -90,8 +89,8 @@ fn times(clip: &RawClip) -> Vec<f32> {
     (0..=last).step_by(step).map(|f| f as f32 / rate).collect()
 }
 
-/// Joints of both sides with the same name, those of one name in their order. Some formats call
-/// the first joint `root` whatever its name was.
+/// Pairs of joints with the same name, those with one name in their order. Some formats call the
+/// first joint `root` whatever its name was.
 fn pairs(was: &Side<'_>, is: &Side<'_>, kept: JointFilter) -> Vec<(usize, usize)> {
     if kept == JointFilter::Twins {
         return twins(was, is);
@@ -114,7 +113,7 @@ fn pairs(was: &Side<'_>, is: &Side<'_>, kept: JointFilter) -> Vec<(usize, usize)
     counted.filter_map(pair).collect()
 }
 
-/// Joints of both sides that stand for the same joint of the standard.
+/// Pairs of joints that correspond to the same joint of the standard.
 fn twins(was: &Side<'_>, is: &Side<'_>) -> Vec<(usize, usize)> {
     let is = &is.rig.articulation().joints;
     let was = was.rig.articulation().joints.iter().enumerate();
@@ -128,7 +127,7 @@ fn twins(was: &Side<'_>, is: &Side<'_>) -> Vec<(usize, usize)> {
     was.filter_map(pair).collect()
 }
 
-/// A name as formats that allow no blanks write it.
+/// A name in the form of formats that allow no blanks.
 fn plain(name: &str, joint: usize) -> String {
     if name.trim().is_empty() {
         return format!("joint_{joint}");
@@ -137,7 +136,7 @@ fn plain(name: &str, joint: usize) -> String {
     name.trim().replace(odd, "_")
 }
 
-/// One of the two, in a pose.
+/// One of the two characters, in a pose.
 struct Side<'a> {
     character: &'a Character,
     rig: Rig,
@@ -163,7 +162,7 @@ impl<'a> Side<'a> {
         })
     }
 
-    /// Takes the pose of a clip at a time, or of rest if there is no such clip.
+    /// Applies the pose of a clip at a time, or the rest pose if there is no such clip.
     fn pose(&mut self, clip: usize, time_secs: f32) {
         if let Some(clip) = self.character.clips.get(clip) {
             evaluate::pose(clip, &self.character.skeleton, time_secs, &mut self.local);

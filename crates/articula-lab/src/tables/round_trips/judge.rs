@@ -1,4 +1,4 @@
-//! The Khronos validator over many files, by the node script of the folder `oracle`.
+//! The Khronos validator on many files, by a node script of the folder `oracle`.
 
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
@@ -6,10 +6,10 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Errors of each file.
+/// Number of errors of each file.
 pub(super) type Errors = HashMap<PathBuf, u64>;
 
-/// Errors that the validator finds in each file; `None` without node or its packages.
+/// Counts the errors of the validator in each file; `None` without node or its packages.
 pub(super) fn errors(files: &[PathBuf]) -> Result<Option<Errors>> {
     let oracle = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle");
     let packages = oracle.join("node_modules/gltf-validator").is_dir();

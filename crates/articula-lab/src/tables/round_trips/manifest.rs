@@ -1,9 +1,9 @@
-//! The counts that the list of the data gives for its files, measured there by another parser.
+//! The counts in the manifest of the data, measured by another parser.
 //!
-//! Read are the rows of `## glb/` and `## bvh/` that are about one file: its joints, vertices
-//! and triangles, clips, frames. A row about several files is left out.
+//! The rows of `## glb/` and `## bvh/` about a single file are read: its joints, vertices and
+//! triangles, clips, frames. Rows about several files are ignored.
 
-/// What the list says of one file.
+/// Counts of the manifest for one file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Listed {
     /// Path below the data folder.
@@ -14,7 +14,7 @@ pub(super) struct Listed {
     pub(super) clips: Option<usize>,
 }
 
-/// Every file with a row of its own.
+/// Returns every file with a row of its own.
 pub(super) fn listed(manifest: &str) -> Vec<Listed> {
     let mut folder = "";
     let mut all = Vec::new();
@@ -57,7 +57,7 @@ pub(super) fn listed(manifest: &str) -> Vec<Listed> {
     all
 }
 
-/// The number that a cell begins with.
+/// The number at the beginning of a cell.
 fn number(cell: &str) -> Option<usize> {
     let cell = cell.trim();
     let end = cell

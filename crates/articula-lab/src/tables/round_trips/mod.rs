@@ -1,4 +1,4 @@
-//! Every file of the data: whether it opens, what is in it, and what each writer makes of it.
+//! Round trips of every data file: whether it opens, its contents, and the output of every writer.
 
 mod compare;
 mod judge;
@@ -16,11 +16,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use written::Trip;
 
-/// Files above this size are left out of a small run.
+/// Maximum size of the files of a small run in bytes.
 const SMALL_BYTES: u64 = 200_000;
 
-/// Folders that hold texts of others and test files of formats to come, not characters.
-const NO_DOORS: [&str; 2] = ["licences", "lottie_spec"];
+/// Folders of third-party texts and test files of unsupported formats, which are not read.
+const NOT_READ: [&str; 2] = ["licences", "lottie_spec"];
 
 /// One file.
 struct RoundTrip {
@@ -28,23 +28,23 @@ struct RoundTrip {
     /// Path below the data folder.
     name: String,
     kind: Kind,
-    /// What was found, or the reason why it was refused.
+    /// Contents, or the reason why the file was refused.
     found: Result<Found>,
     trips: Vec<Trip>,
 }
 
-/// What is in a file that opens.
+/// Contents of a file that opens.
 enum Found {
     Figure(Counts),
     Data(Parameters),
 }
 
-/// What is in a file.
+/// Counts of a character file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Counts {
     /// Distinct joints of the skins, or all joints if there is no skin.
     joints: usize,
-    /// Those with a twin in the standard.
+    /// Joints that correspond to one of the standard.
     mapped: usize,
     clips: usize,
     meshes: usize,
@@ -56,7 +56,7 @@ struct Counts {
 }
 
 impl Counts {
-    /// The numbers of the table, in its order.
+    /// The columns of the table, in order.
     fn columns(&self) -> [usize; 8] {
         [
             self.joints,
@@ -70,7 +70,7 @@ impl Counts {
         ]
     }
 
-    /// Counts.
+    /// Counts the contents of a file.
     fn of(opened: &CharacterFile) -> Self {
         let character = &opened.character;
         let primitives = || character.meshes.iter().flat_map(|m| &m.primitives);
@@ -90,7 +90,7 @@ impl Counts {
     }
 }
 
-/// The files of the data folder that a reader is for, in order.
+/// The files of the data folder in a format that is read, in order.
 fn files(data: &Path) -> Result<Vec<(PathBuf, Kind)>> {
     let mut all = Vec::new();
     let mut open = vec![data.to_owned()];
@@ -98,7 +98,7 @@ fn files(data: &Path) -> Result<Vec<(PathBuf, Kind)>> {
         for entry in std::fs::read_dir(&folder).with_context(|| folder.display().to_string())? {
             let path = entry?.path();
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            if path.is_dir() && !NO_DOORS.contains(&name.as_ref()) {
+            if path.is_dir() && !NOT_READ.contains(&name.as_ref()) {
                 open.push(path);
             } else if path.is_file()
                 && let Some(kind) = Kind::of(&path)?
@@ -111,7 +111,7 @@ fn files(data: &Path) -> Result<Vec<(PathBuf, Kind)>> {
     Ok(all)
 }
 
-/// Opens one file, and writes it in every way into a folder.
+/// Opens one file, and writes it with every writer into a folder.
 fn round_trip(data: &Path, path: &Path, kind: Kind, folder: &Path) -> Result<RoundTrip> {
     let name = path
         .strip_prefix(data)
@@ -137,7 +137,7 @@ fn round_trip(data: &Path, path: &Path, kind: Kind, folder: &Path) -> Result<Rou
     })
 }
 
-/// All files that count, opened and written into a folder.
+/// Opens all files, and writes them into a folder.
 fn round_trips(run: &Run, folder: &Path) -> Result<Vec<RoundTrip>> {
     let mut files = files(&run.data)?;
     if run.small {
@@ -148,11 +148,11 @@ fn round_trips(run: &Run, folder: &Path) -> Result<Vec<RoundTrip>> {
         .collect()
 }
 
-/// A folder for what is written on the way.
+/// A temporary folder for the written files.
 fn scratch() -> Result<PathBuf> {
     static MADE: AtomicU32 = AtomicU32::new(0);
     let (process, made) = (std::process::id(), MADE.fetch_add(1, Ordering::Relaxed));
-    let folder = std::env::temp_dir().join(format!("articula-doors-{process}-{made}"));
+    let folder = std::env::temp_dir().join(format!("articula-round-trips-{process}-{made}"));
     std::fs::create_dir_all(&folder)?;
     Ok(folder)
 }
@@ -168,12 +168,12 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     };
     std::fs::remove_dir_all(&folder)?;
     run.save(
-        "doors",
+        "round-trips",
         &page::page(&round_trips, errors.as_ref())?,
         &page::csv(&round_trips)?,
     )?;
     run.save_csv(
-        "doors-written",
+        "round-trips-written",
         &page::csv_written(&round_trips, errors.as_ref())?,
     )
 }
@@ -186,8 +186,8 @@ mod tests {
     /// Files that must be refused, and a word of the reason.
     const REFUSED: [(&str, &str); 1] = [("glb/Quaternius_Astronaut_Barbara_draco.glb", "Draco")];
 
-    /// Every file of the folder opens or is refused for the right reason; what each writer makes
-    /// of it opens again within its bound; and the counts are those that another parser measured.
+    /// Every file of the folder opens or is refused for the right reason; the output of each writer
+    /// opens again within its bound; and the counts are those that another parser measured.
     #[test]
     fn every_door_opens_and_every_writer_comes_back() {
         let Some(data) = data::folder(None).unwrap() else {

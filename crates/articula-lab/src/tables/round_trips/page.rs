@@ -1,4 +1,4 @@
-//! The page of the doors, and its numbers.
+//! The page of the format round trips, and its CSV files.
 
 use super::judge::Errors;
 use super::written::{Trip, Writer};
@@ -8,7 +8,7 @@ use anyhow::Result;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The files that the validator is asked for: what was written, and what it was made of.
+/// The files to validate: the written files and their sources.
 pub(super) fn judged(round_trips: &[RoundTrip]) -> Vec<PathBuf> {
     let written = round_trips.iter().flat_map(|d| &d.trips);
     let mut all: Vec<PathBuf> = written.filter_map(|t| t.path.clone()).collect();
@@ -19,7 +19,7 @@ pub(super) fn judged(round_trips: &[RoundTrip]) -> Vec<PathBuf> {
     all
 }
 
-/// The page for people.
+/// The Markdown page.
 pub(super) fn page(round_trips: &[RoundTrip], errors: Option<&Errors>) -> Result<String> {
     let mut page = String::from(HEAD);
     for RoundTrip {
@@ -65,10 +65,10 @@ pub(super) fn page(round_trips: &[RoundTrip], errors: Option<&Errors>) -> Result
     Ok(page)
 }
 
-/// The writers of text formats, as the table has them.
+/// The writers of text formats, in the order of the columns.
 const TEXTS: [Writer; 3] = [Writer::Bvh, Writer::Acclaim, Writer::X3d];
 
-/// How far joints and skin are apart, and whether anything is missing.
+/// Maximum distances of joints and skin, and the counts of missing joints or clips.
 fn millimetres(trip: &Trip) -> String {
     let apart = match &trip.apart {
         Ok(apart) => apart,
@@ -89,7 +89,7 @@ fn millimetres(trip: &Trip) -> String {
     text
 }
 
-/// The most errors of a written file, and those of the source if it has any.
+/// Maximum number of validator errors of the written files, and those of the source if any.
 fn verdict(round_trip: &RoundTrip, errors: Option<&Errors>) -> String {
     let count = |path: &Path| errors.and_then(|e| e.get(path)).copied();
     let written = round_trip.trips.iter().filter_map(|t| t.path.as_deref());
@@ -102,7 +102,7 @@ fn verdict(round_trip: &RoundTrip, errors: Option<&Errors>) -> String {
     }
 }
 
-/// What is in each file, for machines.
+/// The contents of each file as CSV.
 pub(super) fn csv(round_trips: &[RoundTrip]) -> Result<String> {
     let mut csv = String::from(
         "file,format,opened,joints,mapped,clips,meshes,triangles,morphs,expressions,warnings,why\n",
@@ -130,7 +130,7 @@ pub(super) fn csv(round_trips: &[RoundTrip]) -> Result<String> {
     Ok(csv)
 }
 
-/// What came back of each written file, for machines.
+/// The round trips of each file as CSV.
 pub(super) fn csv_written(round_trips: &[RoundTrip], errors: Option<&Errors>) -> Result<String> {
     let mut csv = String::from(
         "file,written,joints,joints_found,clips,clips_found,joints_apart_mm,skin_apart_mm,bound_mm,holds,validator_errors\n",
@@ -163,32 +163,32 @@ pub(super) fn csv_written(round_trips: &[RoundTrip], errors: Option<&Errors>) ->
     Ok(csv)
 }
 
-const HEAD: &str = "# Every door: what opens, and what comes back
+const HEAD: &str = "# Format round trips
 
-Made by `cargo run --release -p articula-lab -- doors` over every file of the data folder that a
-reader is for.
+Made by `cargo run --release -p articula-lab -- round-trips` over every file of the data folder in a
+format that is read.
 
 ## What is in each file
 
-Joints are the distinct ones of the skins (all, where there is no skin); mapped ones have a twin in
-the H-Anim standard; morphs are counted over all meshes.
+Joints are the distinct ones of the skins (all joints where there is no skin); mapped ones correspond
+to a joint of the H-Anim standard; morphs are counted over all meshes.
 
 | file | format | opens | joints | mapped | clips | meshes | triangles | morphs | expressions | warnings |
 | --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
 ";
 
 const BETWEEN: &str = "
-## What is written opens again
+## Written files, read again
 
-Each file that opens is written in every way that there is (GLB: passed through, with its clips
-written anew, made anew; clips that drive expressions are written out as morph weights); what was written is read again and
-compared with what it was written from: the joints in model space at up to 500 frames of every clip,
-the skinned vertices at five frames of each. Cells are the greatest distances found in millimetres,
-first of a joint, then of a vertex. The bounds that a test holds are 0.001 mm for GLB and 0.1 mm for
-the text formats, all joints and all clips that the format holds (X3D: joints that stand for one of
-the standard; its vertices come in another order). BVH and ASF
-files do not say their unit and up axis: the reader is told what was written. The last column counts
-the errors of the Khronos validator: the most of any written GLB, and those of the source.
+Each file is written by every writer (GLB: the document passed through, the document with new clips,
+and a new document; clips that drive expressions are written as morph weights), read again and compared
+with the original: the joints in model space at up to 500 frames of every clip, the skinned vertices at
+five frames of each. Cells have the maximum distances in millimetres, first of a joint, then of a
+vertex. A test checks bounds of 0.001 mm for GLB and 0.1 mm for the text formats, over all joints and
+clips that the format holds (X3D: joints that correspond to one of the standard; its vertices are in
+another order). BVH and ASF files do not state unit and up axis, which are passed to the reader. The
+last column counts the errors of the Khronos validator: the maximum of the written GLB files, and those
+of the source.
 
 | file | GLB | BVH | ASF, AMC | X3D | validator errors |
 | --- | --- | --- | --- | --- | --- |

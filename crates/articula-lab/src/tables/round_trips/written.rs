@@ -1,4 +1,4 @@
-//! Every writer's output, opened again: how far it lies from what was written.
+//! The output of every writer, opened again and compared with the original.
 
 use super::compare::{Apart, JointFilter, apart};
 use crate::open::{self, Told};
@@ -10,20 +10,21 @@ use articula_core::source::{Character, RawClip};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-/// Farthest that a joint or vertex of a GLB may be from where it was, millimetres: its numbers
-/// are the same 32-bit floats, multiplied in another order.
+/// Maximum distance of a joint or vertex of a GLB from the original, millimetres: the numbers are
+/// the same 32-bit floats, multiplied in another order.
 const GLB_MM: f32 = 0.001;
-/// The same of a text format: six decimals of a degree and a unit over the whole chain.
+/// Maximum distance in a text format, millimetres: six decimals of a degree and a unit over the
+/// whole chain.
 const TEXT_MM: f32 = 0.1;
 
-/// One way to write a character.
+/// One of the writers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Writer {
-    /// The document that was read, as it is.
+    /// The document that was read, unchanged.
     Through,
-    /// The same with its clips written anew.
+    /// The document with its clips written again.
     Clips,
-    /// A new GLB from the character alone.
+    /// A new GLB from the character.
     Anew,
     /// A BVH file of the first clip.
     Bvh,
@@ -36,23 +37,23 @@ pub(super) enum Writer {
 /// A written file that was opened again.
 pub(super) struct Trip {
     pub(super) writer: Writer,
-    /// Joints and clips that the format should hold.
+    /// Number of joints and clips that the format should hold.
     pub(super) joints: usize,
     pub(super) clips: usize,
-    /// What came back, or why nothing did.
+    /// The comparison with the original, or why the file could not be read.
     pub(super) apart: Result<Apart>,
-    /// Where it lies for the validator, if that can judge it.
+    /// Path of the file, if the validator can check it.
     pub(super) path: Option<PathBuf>,
 }
 
 impl Trip {
-    /// The greatest distance of a joint or vertex; endless if nothing came back.
+    /// Maximum distance of a joint or vertex; infinite if the file could not be read.
     pub(super) fn worst_mm(&self) -> f32 {
         let worst = |a: &Apart| a.joints_mm.max(a.skin_mm.unwrap_or(0.0));
         self.apart.as_ref().map_or(f32::INFINITY, worst)
     }
 
-    /// Whether everything came back within the bound.
+    /// Whether all joints and clips were read again within the bound.
     pub(super) fn holds(&self) -> bool {
         let bound = self.writer.bound_mm();
         self.apart.as_ref().is_ok_and(|apart| {
@@ -73,7 +74,7 @@ impl Writer {
         Self::X3d,
     ];
 
-    /// Name as the table has it.
+    /// Name of the writer in the table.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Through => "GLB, passed through",
@@ -85,7 +86,7 @@ impl Writer {
         }
     }
 
-    /// Whether the Khronos validator can judge it.
+    /// Whether the Khronos validator can check the output.
     pub(super) fn is_glb(self) -> bool {
         matches!(self, Self::Through | Self::Clips | Self::Anew)
     }
@@ -94,12 +95,12 @@ impl Writer {
         self.is_glb() || self == Self::X3d
     }
 
-    /// Farthest that a joint may be from where it was, millimetres.
+    /// Maximum distance of a joint from the original, millimetres.
     pub(super) fn bound_mm(self) -> f32 {
         if self.is_glb() { GLB_MM } else { TEXT_MM }
     }
 
-    /// The format that it writes.
+    /// Format of the output.
     fn format(self) -> Format {
         match self {
             Self::Through | Self::Clips | Self::Anew => Format::Glb,
@@ -109,13 +110,13 @@ impl Writer {
         }
     }
 
-    /// The bytes; `None` if this writer has nothing to write of the character.
+    /// The written file; `None` if the writer has nothing to write of the character.
     fn written(self, opened: &CharacterFile) -> Result<Option<EncodedFile>> {
         let clips = !opened.character.clips.is_empty();
         let has = match self {
             Self::Through => opened.gltf.is_some(),
             Self::Clips => opened.gltf.is_some() && clips,
-            // A skeleton alone does not say how high its root is.
+            // A skeleton without a motion does not store the height of its root.
             Self::Bvh | Self::Acclaim => clips,
             Self::Anew | Self::X3d => true,
         };
@@ -136,15 +137,15 @@ impl Writer {
     }
 }
 
-/// The clips with their expressions written out, as a document holds them.
+/// The clips with their expressions written as morph weights, as a document holds them.
 fn baked(character: &Character) -> Result<Vec<RawClip>> {
     let clips = character.clips.iter();
     let baked = clips.map(|clip| Ok(bake(character, clip)?.into_owned()));
     baked.collect()
 }
 
-/// Writes a character in every way that there is, and reads each again. What the validator
-/// can judge is left at `stem` with the writer's number behind it.
+/// Writes a character with every writer, and reads each file again. Files for the validator are
+/// kept at `stem` with the number of the writer appended.
 pub(super) fn trips(opened: &CharacterFile, path: &Path, stem: &Path) -> Result<Vec<Trip>> {
     let mut trips = Vec::new();
     for (number, writer) in Writer::ALL.into_iter().enumerate() {
@@ -175,7 +176,7 @@ pub(super) fn trips(opened: &CharacterFile, path: &Path, stem: &Path) -> Result<
     Ok(trips)
 }
 
-/// Reads what was written, and compares.
+/// Reads a written file, and compares it with the original.
 fn again(was: &CharacterFile, writer: Writer, written: EncodedFile, path: &Path) -> Result<Apart> {
     let (told, format) = match writer {
         Writer::Bvh | Writer::Acclaim => (Told::AsWritten, writer.format()),
@@ -197,8 +198,8 @@ fn again(was: &CharacterFile, writer: Writer, written: EncodedFile, path: &Path)
     )
 }
 
-/// Joints that a writer keeps: all or, in formats of joints alone, those of skins. In X3D those
-/// are compared that stand for a joint of the standard; read again, a lone hand has none.
+/// Number of joints that a writer keeps: all or, in formats of joints only, those of skins. In X3D
+/// only joints that correspond to one of the standard are compared; a single hand has none when read.
 fn joints(opened: &CharacterFile, writer: Writer) -> usize {
     let joints = &opened.character.skeleton.joints;
     let skin = joints.iter().filter(|j| j.in_skin);

@@ -1,20 +1,20 @@
-//! A level in an order that depends on its values alone.
+//! Ordering of a level that depends on its values only.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1: a chunk depends on the coarser level only as a mesh, so
-//! every order and every tie is decided by quantised values.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1: a chunk depends on the coarser level only as
+//! a mesh, so every order and every tie is decided by quantised values.
 
 use super::half_edges::NONE;
 use super::mesh::QuantisedMesh;
 use std::cmp::Ordering;
 
-/// What the faces of a mesh use, in the order of the values.
+/// The points, wedges and faces of a mesh that faces use, sorted by value.
 #[derive(Debug)]
 pub(super) struct Canonical {
     /// Points, wedges and faces in rising order; each face starts with its lowest wedge.
     pub(super) mesh: QuantisedMesh,
-    /// Where each point was in the mesh that was sorted.
+    /// Index of each point in the original mesh.
     pub(super) points: Vec<u32>,
-    /// Where each wedge was.
+    /// Index of each wedge in the original mesh.
     pub(super) wedges: Vec<u32>,
 }
 
@@ -35,7 +35,7 @@ pub(super) fn compare_points(
     positions.then_with(skins).then_with(morphs)
 }
 
-/// Compares what two wedges have beside their points.
+/// Compares two wedges by their values, without their points.
 pub(super) fn compare_wedges(
     (a, i): (&QuantisedMesh, u32),
     (b, j): (&QuantisedMesh, u32),
@@ -56,7 +56,7 @@ pub(super) fn compare_wedges(
 }
 
 impl Canonical {
-    /// Sorts what the faces of a checked mesh use.
+    /// Sorts the used parts of a valid mesh.
     pub(super) fn new(mesh: &QuantisedMesh) -> Self {
         let mut used_wedges = vec![false; mesh.wedges()];
         let mut used_points = vec![false; mesh.points()];
@@ -96,13 +96,13 @@ impl Canonical {
         }
     }
 
-    /// For each point of a finer mesh the equal one of this, for each wedge likewise.
+    /// Returns for each point and each wedge of a finer mesh the equal one of this mesh.
     pub(super) fn matches(&self, fine: &Self) -> (Vec<u32>, Vec<u32>) {
         let (here, there) = (&self.mesh, &fine.mesh);
         let points = matches(self.points.len(), fine.points.len(), |i, j| {
             compare_points((here, i), (there, j))
         });
-        // Wedges are sorted by point, points in the same order in both meshes.
+        // Wedges are sorted by point, and points have the same order in both meshes.
         let wedges = matches(self.wedges.len(), fine.wedges.len(), |i, j| {
             let p = (here, here.wedge_points[i as usize]);
             let q = (there, there.wedge_points[j as usize]);
@@ -112,7 +112,7 @@ impl Canonical {
     }
 }
 
-/// For each of the second list the equal one of the first, both sorted.
+/// For each item of the second sorted list the equal one of the first.
 fn matches(known: usize, fine: usize, compare: impl Fn(u32, u32) -> Ordering) -> Vec<u32> {
     let mut i = 0;
     (0..fine as u32)
@@ -126,7 +126,7 @@ fn matches(known: usize, fine: usize, compare: impl Fn(u32, u32) -> Ordering) ->
         .collect()
 }
 
-/// Where each of `count` ids stands in a list, [`NONE`] if it does not.
+/// Position of each of `count` ids in a list, or [`NONE`].
 fn inverse(list: &[u32], count: usize) -> Vec<u32> {
     let mut places = vec![NONE; count];
     for (place, &id) in list.iter().enumerate() {
@@ -135,7 +135,7 @@ fn inverse(list: &[u32], count: usize) -> Vec<u32> {
     places
 }
 
-/// A face turned so that its lowest wedge comes first.
+/// Rotates a face so that its lowest wedge comes first.
 pub(super) fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {
         [a, b, c]
@@ -147,7 +147,7 @@ pub(super) fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
 }
 
 impl QuantisedMesh {
-    /// Points and wedges picked by id, wedges with the points that they had; no faces.
+    /// Selects points and wedges by id; wedges keep their points; no faces.
     pub(super) fn picked(&self, points: &[u32], wedges: &[u32]) -> Self {
         fn pick<T: Clone>(values: &[T], ids: &[u32]) -> Vec<T> {
             if values.is_empty() {

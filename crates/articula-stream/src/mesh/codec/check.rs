@@ -1,5 +1,4 @@
-//! Whether a mesh holds to its layout: asked of a caller's mesh before it is coded, and of every
-//! mesh that was decoded.
+//! Validation of a mesh against its layout, for meshes to be coded and for every decoded mesh.
 
 use super::canonical::{compare_points, compare_wedges, rotated};
 use super::mesh::{Layout, QuantisedMesh};
@@ -28,10 +27,10 @@ impl Layout {
 }
 
 impl QuantisedMesh {
-    /// Whether all that the documentation of the fields says is so, O(n log n).
+    /// Checks every condition stated for the fields, in O(n log n).
     ///
     /// # Errors
-    /// A [`Mismatch`] that names the first thing that is not.
+    /// A [`Mismatch`] that names the first violation.
     pub fn check(&self, layout: &Layout) -> Result<(), Mismatch> {
         layout.check()?;
         self.check_lengths(layout)?;
@@ -113,7 +112,7 @@ impl QuantisedMesh {
     }
 
     fn check_distinct(&self) -> Result<(), Mismatch> {
-        // By the order that meshes are sorted by, so that what is distinct has one place in it.
+        // Uses the canonical order, in which equal items are adjacent.
         let of = |i: usize| (self, i as u32);
         if let Some(p) = repeated(self.points(), |a, b| compare_points(of(a), of(b))) {
             return Err(wrong("positions", p, "the values of another point"));
@@ -133,7 +132,7 @@ impl QuantisedMesh {
     }
 }
 
-/// One of two equal items, if there are any.
+/// Returns the index of an item that is equal to another, if there is one.
 fn repeated(count: usize, compare: impl Fn(usize, usize) -> Ordering) -> Option<usize> {
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_unstable_by(|a, b| compare(*a, *b));

@@ -1,12 +1,12 @@
-//! Which faces lie beside each other.
+//! Adjacency of faces by half-edges.
 //!
 //! Half-edge `3 f + k` runs from corner `k` of face `f` to the next. Source:
-//! `docs/methods/clustered-mesh.md` 8.1 (a): directed edges that are not manifold count as borders.
+//! `docs/methods/clustered-mesh.md` part 8.1 (a): non-manifold edges count as borders.
 
-/// No half-edge, face, point or wedge.
+/// Marks the absence of a half-edge, face, point or wedge.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// The half-edge that follows in the same face.
+/// The next half-edge in the same face.
 pub(super) fn next(half_edge: u32) -> u32 {
     if half_edge % 3 == 2 {
         half_edge - 2
@@ -15,28 +15,27 @@ pub(super) fn next(half_edge: u32) -> u32 {
     }
 }
 
-/// The half-edge that comes before in the same face.
+/// The previous half-edge in the same face.
 pub(super) fn previous(half_edge: u32) -> u32 {
     next(next(half_edge))
 }
 
-/// The point from which a half-edge runs.
+/// Start point of a half-edge.
 pub(super) fn start(faces: &[[u32; 3]], half_edge: u32) -> u32 {
     faces[half_edge as usize / 3][half_edge as usize % 3]
 }
 
-/// The point to which a half-edge runs.
+/// End point of a half-edge.
 pub(super) fn end(faces: &[[u32; 3]], half_edge: u32) -> u32 {
     start(faces, next(half_edge))
 }
 
-/// The corner of a half-edge's face that it does not touch.
+/// The corner opposite of a half-edge in its face.
 pub(super) fn apex(faces: &[[u32; 3]], half_edge: u32) -> u32 {
     start(faces, previous(half_edge))
 }
 
-/// For each half-edge the one that runs back, [`NONE`] where there is none or the edge is not
-/// manifold.
+/// For each half-edge the opposite one, or [`NONE`] at borders and non-manifold edges.
 pub(super) fn twins(faces: &[[u32; 3]]) -> Vec<u32> {
     let mut edges: Vec<(u32, u32, u32)> = (0..faces.len() as u32 * 3)
         .map(|h| {
@@ -57,7 +56,7 @@ pub(super) fn twins(faces: &[[u32; 3]]) -> Vec<u32> {
     twins
 }
 
-/// The half-edges that leave each point, by where they end.
+/// The outgoing half-edges of each point, sorted by end point.
 #[derive(Debug)]
 pub(super) struct Rings {
     first: Vec<u32>,
@@ -65,7 +64,7 @@ pub(super) struct Rings {
 }
 
 impl Rings {
-    /// Of faces over `points` points.
+    /// Builds the rings of faces over `points` points.
     pub(super) fn new(faces: &[[u32; 3]], points: usize) -> Self {
         let mut first = vec![0; points + 1];
         for &point in faces.iter().flatten() {
@@ -88,7 +87,7 @@ impl Rings {
         Self { first, out }
     }
 
-    /// The half-edges that leave a point.
+    /// The outgoing half-edges of a point.
     pub(super) fn leaving(&self, point: u32) -> &[u32] {
         let i = point as usize;
         &self.out[self.first[i] as usize..self.first[i + 1] as usize]
@@ -108,12 +107,12 @@ mod tests {
 
     #[test]
     fn twins_pair_manifold_edges_alone() {
-        // Two faces share 0-1; a third one that runs along it makes it a border.
+        // Two faces share 0-1; a third one along it makes it a border.
         let pair = [[0, 1, 2], [1, 0, 3]];
         assert_eq!(twins(&pair), [3, NONE, NONE, 0, NONE, NONE]);
         let fin = [[0, 1, 2], [1, 0, 3], [0, 1, 4]];
         assert_eq!(twins(&fin), [NONE; 9]);
-        // Two faces that run the same way.
+        // Two faces with the same direction along an edge.
         assert_eq!(twins(&[[0, 1, 2], [0, 1, 3]]), [NONE; 6]);
     }
 

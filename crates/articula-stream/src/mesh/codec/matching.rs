@@ -1,9 +1,9 @@
-//! Which points of a level are known from the coarser one, and which of those each is.
+//! Matching of the points of a level with those of the coarser level.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (c). Differs: a point is matched when it is discovered,
-//! by the faces of the coarser level before its geometry. Levels made by half-edge collapse keep
-//! each edge whose ends both survive, so the neighbours of a point among the known ones of the
-//! finer level are among its neighbours in the coarser one, in the same order around it.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (c). A point is matched when it is discovered,
+//! by the faces of the coarser level first and by distance second. Half-edge collapse keeps each
+//! edge whose ends both survive, so the known neighbours of a point in the finer level are
+//! neighbours in the coarser one too, in the same rotational order.
 
 use super::half_edges::{self, NONE, Rings};
 use super::mesh::QuantisedMesh;
@@ -11,7 +11,7 @@ use super::mixing::{MixedNatural, Weights, decide};
 use super::number::Natural;
 use super::range_coder::{Bit, Coder};
 
-/// The coarser level as points: what a walk of the finer one looks up.
+/// The coarser level with adjacency, as needed to traverse the finer one.
 #[derive(Debug)]
 pub(super) struct Coarse<'a> {
     positions: &'a [[i32; 3]],
@@ -21,7 +21,7 @@ pub(super) struct Coarse<'a> {
 }
 
 impl<'a> Coarse<'a> {
-    /// Of a mesh in canonical order.
+    /// Indexes a mesh in canonical order.
     pub(super) fn new(mesh: &'a QuantisedMesh) -> Self {
         let faces: Vec<[u32; 3]> = mesh.point_faces().collect();
         let rings = Rings::new(&faces, mesh.points());
@@ -38,7 +38,7 @@ impl<'a> Coarse<'a> {
         self.positions.len()
     }
 
-    /// The wedges at both ends of an edge, in the face on its left.
+    /// Wedges at both ends of an edge, in the face on its left.
     pub(super) fn wedges(&self, from: u32, to: u32) -> Option<[u32; 2]> {
         if from as usize >= self.points() || to as usize >= self.points() {
             return None;
@@ -54,38 +54,38 @@ impl<'a> Coarse<'a> {
         Some(half_edges::apex(&self.faces, half_edge))
     }
 
-    /// The point that comes before `neighbour` counter-clockwise around `about`.
+    /// The point that precedes `neighbour` counter-clockwise around `about`.
     fn before(&self, about: u32, neighbour: u32) -> Option<u32> {
         let half_edge = self.rings.find(&self.faces, neighbour, about)?;
         Some(half_edges::apex(&self.faces, half_edge))
     }
 }
 
-/// Most known points that are looked for near a gate.
+/// Maximum number of known points collected near a gate.
 pub(super) const SEEDS: usize = 6;
 
-/// What surrounds a gate: the edge a-b of a visited face, and a face beyond it.
+/// Surroundings of a gate: the edge a-b of a visited face; the face to be coded lies beyond it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gate {
     pub(super) a: u32,
     pub(super) b: u32,
-    /// The last corner of the visited face, [`NONE`] if there is none.
+    /// Third corner of the visited face, or [`NONE`].
     pub(super) o: u32,
-    /// Known points nearby, where neither end is known.
+    /// Known points nearby, used if neither end is known.
     pub(super) seeds: [u32; SEEDS],
-    /// The known neighbour of `b` that comes last before the gate, the steps to it; likewise the
-    /// one of `a` that comes first after it.
+    /// The last known neighbour of `b` before the gate, with the number of steps to it; likewise
+    /// the first known neighbour of `a` after the gate.
     pub(super) about_b: Option<(u32, u8)>,
     pub(super) about_a: Option<(u32, u8)>,
 }
 
-/// What the coarser level says of the face beyond a gate; contexts below [`Hint::COUNT`].
+/// Prediction for the face beyond a gate from the coarser level; contexts below [`Hint::COUNT`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Hint {
-    /// 0 to 3: whether b and a are known.
+    /// 0 to 3: which of b (2) and a (1) are known.
     pub(super) known: usize,
-    /// 0: no candidate, 1: a free one, 2: the next corner of the loop, 3: the one before,
-    /// 4: another that is taken.
+    /// 0: no candidate, 1: a free one, 2: the next corner of the loop, 3: the previous one, 4:
+    /// another visited one.
     pub(super) candidate: usize,
 }
 
@@ -97,14 +97,14 @@ impl Hint {
     }
 }
 
-/// Matches as far as they are known, and the models.
+/// Matches found so far, and models.
 #[derive(Debug)]
 pub(super) struct Matching<'a> {
     pub(super) coarse: &'a Coarse<'a>,
     taken: Vec<bool>,
     left: usize,
     lowest: u32,
-    /// Where new points may lie, before their positions are known.
+    /// Predicted positions of new points, used until they are coded.
     guesses: Vec<[i32; 3]>,
     marks: Vec<u32>,
     mark: u32,
@@ -122,11 +122,11 @@ struct Models {
     last: usize,
 }
 
-/// Steps around a point of the coarser level.
+/// Maximum number of steps around a point of the coarser level.
 const RING_REACH: usize = 12;
-/// Neighbours of a point that are looked at.
+/// Maximum number of neighbours examined per point.
 const RING_SCAN: usize = 64;
-/// Points that are tried by distance.
+/// Maximum number of points expanded in the search by distance.
 const NEAR_REACH: usize = 64;
 
 impl<'a> Matching<'a> {
@@ -155,17 +155,17 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Whether an id is of the coarser level.
+    /// Returns whether an id belongs to the coarser level.
     pub(super) fn is_known(&self, point: u32) -> bool {
         (point as usize) < self.taken.len()
     }
 
-    /// Whether a known point was found, or a new one made.
+    /// Returns whether a point has been visited; new points always have.
     pub(super) fn is_visited(&self, point: u32) -> bool {
         self.taken.get(point as usize).copied().unwrap_or(true)
     }
 
-    /// The free known point of the lowest rank.
+    /// The unvisited known point of the lowest id.
     pub(super) fn lowest(&mut self) -> Option<u32> {
         while self.taken.get(self.lowest as usize) == Some(&true) {
             self.lowest += 1;
@@ -188,7 +188,7 @@ impl<'a> Matching<'a> {
         *known.unwrap_or_else(|| &self.guesses[point as usize - self.taken.len()])
     }
 
-    /// Where the last corner beyond a gate may lie.
+    /// Predicted position of the corner beyond a gate, by the parallelogram rule.
     fn guess(&self, gate: &Gate) -> [i32; 3] {
         let (a, b) = (self.place(gate.a), self.place(gate.b));
         if gate.o == NONE {
@@ -198,8 +198,7 @@ impl<'a> Matching<'a> {
         std::array::from_fn(|i| a[i] + b[i] - o[i]).map(|x: i32| x.clamp(-(1 << 24), 1 << 24))
     }
 
-    /// What the coarser level says of a gate; `next` and `previous` are the corners of the loop
-    /// beside it.
+    /// Predicts the face beyond a gate; `next` and `previous` are the adjacent corners of the loop.
     pub(super) fn hint(&self, gate: &Gate, next: u32, previous: u32) -> Hint {
         let (coarse, known) = (self.coarse, |p| self.is_known(p));
         let after = |about, (neighbour, _)| coarse.after(about, neighbour);
@@ -222,8 +221,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Codes the id of a point that is discovered beyond a gate: `wanted` is a known id or
-    /// [`NONE`]. Gives nothing if what was read is no free point.
+    /// Codes the id of a point discovered beyond a gate; `wanted` is a known id or [`NONE`].
+    /// Returns `None` if the decoded id is not a free point.
     pub(super) fn code(
         &mut self,
         coder: &mut impl Coder,
@@ -311,7 +310,7 @@ impl<'a> Matching<'a> {
     ) -> Option<u32> {
         if self.left == 0 || !coder.bit(&mut models[0], wanted != NONE) {
             let id = self.points() as u32;
-            // Anywhere will do.
+            // No prediction is possible; any position will do.
             self.guesses.push([0; 3]);
             return Some(id);
         }
@@ -328,8 +327,8 @@ impl<'a> Matching<'a> {
         Some(found)
     }
 
-    /// Free points around the ends of a gate, the likeliest first: those that follow the last
-    /// known neighbour of `b`, and those before the first one of `a`.
+    /// Free points around the ends of a gate, the most likely first: those that follow the last
+    /// known neighbour of `b`, and those that precede the first one of `a`.
     fn ring_candidates(&self, gate: &Gate) -> Vec<u32> {
         let walk = |about: u32, first: Option<(u32, u8)>, is_forward: bool| {
             let mut found = Vec::new();
@@ -376,12 +375,12 @@ impl<'a> Matching<'a> {
                 ranked.push((i + RING_REACH * 3, c));
             }
         }
-        // Stable: b before a.
+        // The sort is stable: b before a.
         ranked.sort_by_key(|r| r.0);
         ranked.into_iter().map(|r| r.1).collect()
     }
 
-    /// Free points of the neighbourhood by distance from where the parallelogram ends.
+    /// Free points nearby, sorted by distance from the parallelogram's prediction.
     fn near_candidates(&mut self, gate: &Gate) -> Vec<u32> {
         self.mark += 1;
         let mut seen: Vec<u32> = Vec::new();

@@ -1,34 +1,34 @@
-//! One decision from several models, each counted by how right it was before.
+//! Mixing of several models for one decision, weighted by their past performance.
 //!
 //! Source: M. Mahoney, "Adaptive weighing of context models for lossless data compression", 2005
-//! (logistic mixing). Integers alone, the logarithm and the logistic function are tables; a model
-//! that has seen little counts little.
+//! (logistic mixing). Integer arithmetic; logarithm and logistic function are tables; a model that
+//! has seen few decisions has less weight.
 
 use super::range_coder::{Bit, Coder};
 
-/// How much each of `N` models counts.
+/// Weights of `N` models.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Weights<const N: usize> {
     weights: [i32; N],
     seen: u8,
 }
 
-/// 1 as a weight.
+/// The weight 1.
 const UNIT: i32 = 1 << 16;
-/// Largest weight either way.
+/// Maximum weight, either way.
 const MOST: i32 = UNIT << 3;
-/// 1 as a log-odds.
+/// The log-odds 1.
 const ODDS: i32 = 256;
-/// Largest log-odds either way.
+/// Maximum log-odds, either way.
 const EDGE: i32 = 12 * ODDS - 1;
-/// Certainty.
+/// The probability 1.
 const ONE: i32 = 1 << 24;
-/// Least probability of either outcome.
+/// Minimum probability of either outcome.
 const LEAST: i32 = 1 << 10;
 
 impl<const N: usize> Default for Weights<N> {
     fn default() -> Self {
-        // More than a mean: models that agree are surer together than each alone.
+        // More than a mean: models that agree are more certain together than each alone.
         let each = if N == 1 {
             UNIT
         } else {
@@ -63,7 +63,7 @@ const fn logarithms() -> [i32; 256] {
     let mut table = [0; 256];
     let mut i = 0;
     while i < 256 {
-        // Sixteen binary places of log2 by squaring.
+        // 16 binary digits of log2 by repeated squaring.
         let mut x = (256 + i as u64) << 22;
         let mut log2 = 0u64;
         let mut place = 0;
@@ -106,10 +106,10 @@ fn squash(odds: i32) -> i32 {
     zero.clamp(LEAST, ONE - LEAST)
 }
 
-/// In 1/16, how much a model counts that has seen so many decisions.
+/// Confidence in a model by the number of decisions that it has seen, in 1/16.
 const TRUST: [i32; 8] = [0, 6, 9, 11, 12, 13, 14, 15];
 
-/// Codes one decision by several models, all of which learn from it.
+/// Codes one decision with several models and updates all of them.
 pub(super) fn decide<const N: usize>(
     coder: &mut impl Coder,
     mut models: [&mut Bit; N],
@@ -139,23 +139,23 @@ pub(super) fn decide<const N: usize>(
     bit
 }
 
-/// How fast weights learn at last, and how much faster at first.
+/// Final learning rate of the weights, and its initial factor.
 const RATE: i64 = 32;
 const FIRST_RATE: i64 = 64;
 
-/// A number from 0 to 2^32 - 2 by the models of `N` contexts at once.
+/// Model of a number from 0 to 2^32 - 2 in `N` contexts at once.
 #[derive(Debug, Clone)]
 pub(super) struct MixedNatural<const N: usize> {
     contexts: [Vec<[Bit; NODES]>; N],
     weights: [Weights<N>; NODES],
 }
 
-/// Decisions with models: 32 of the length, then the two highest bits below the highest one of
+/// Number of modelled decisions: 32 for the length, then the two bits below the highest one for
 /// each length.
 const NODES: usize = 32 + 32 * 3;
 
 impl<const N: usize> MixedNatural<N> {
-    /// With so many contexts of each kind.
+    /// Creates models; `contexts` is the number of contexts of each kind.
     pub(super) fn new(contexts: [usize; N]) -> Self {
         Self {
             contexts: contexts.map(|count| vec![[Bit::default(); NODES]; count]),
@@ -172,7 +172,7 @@ impl<const N: usize> MixedNatural<N> {
         decide(coder, models, &mut self.weights[node], bit)
     }
 
-    /// Codes a number in a context of each kind.
+    /// Codes a number in one context of each kind.
     pub(super) fn code(&mut self, coder: &mut impl Coder, at: [usize; N], value: u32) -> u32 {
         let given = value.saturating_add(1);
         let bits = 31 - given.leading_zeros();

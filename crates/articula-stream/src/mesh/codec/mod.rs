@@ -1,22 +1,22 @@
-//! The codec of meshes on the wire: one level alone, or what one level adds to a coarser one.
+//! Codec of quantised meshes: one level alone, or as a refinement of a coarser one.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1, scheme RT (each finer level is traversed again and its
-//! vertices are matched with those of the coarser level: no attribute is sent twice). In the
-//! order of the line:
+//! Source: `docs/methods/clustered-mesh.md` part 8.1, scheme RT: each finer level is traversed
+//! again and its vertices are matched with those of the coarser level, so no attribute is sent
+//! twice. In the order of processing:
 //!
 //! - `mesh`: a mesh in whole numbers
-//! - `surface`: what is known of a level when its values are coded
-//! - `quantise`: from floating point to whole numbers and back
-//! - `check`: whether a mesh holds to its layout
-//! - `refinement`: levels as bytes and back, the whole walk
-//! - `canonical`: an order that depends on values alone
-//! - `half_edges`: which faces lie beside each other
-//! - `connectivity`: which corners the faces join
-//! - `matching`: which points the coarser level has
-//! - `seams`: which wedges the corners have
+//! - `surface`: the part of a level that is known when its values are coded
+//! - `quantise`: conversion from floating point to whole numbers and back
+//! - `check`: validation of a mesh against its layout
+//! - `refinement`: encoding and decoding of a level
+//! - `canonical`: an order that depends on values only
+//! - `half_edges`: adjacency of faces
+//! - `connectivity`: points of the faces
+//! - `matching`: points known from the coarser level
+//! - `seams`: wedges of the faces
 //! - `positions`: positions of new points
-//! - `attributes`: all values but positions, over a surface that is known
-//! - `mixing`, `number`, `range_coder`: decisions and numbers as bytes
+//! - `attributes`: all values but positions, over a known surface
+//! - `mixing`, `number`, `range_coder`: entropy coding of decisions and numbers
 
 mod attributes;
 mod canonical;

@@ -1,11 +1,12 @@
 //! Whole numbers as binary decisions: adaptive Exp-Golomb codes.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (c, d); Teuhola 1978 for the code. The length in bits is
-//! learnt as a unary code, the bits below the highest one are learnt too, the rest is raw.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (g); Teuhola 1978 for the code. The length in
+//! bits is a unary code with models, the first bits below the highest one have models too, the rest
+//! is raw.
 
 use super::range_coder::{Bit, Coder};
 
-/// Bits below the highest one that have models.
+/// Number of bits below the highest one that have models.
 const MODELLED: u32 = 2;
 
 /// Model of a number from 0 to 2^32 - 2.
@@ -25,7 +26,7 @@ impl Default for Natural {
 }
 
 impl Natural {
-    /// Codes a number; a decoder gives what was written.
+    /// Codes a number; a decoder returns the decoded value.
     pub(super) fn code(&mut self, coder: &mut impl Coder, value: u32) -> u32 {
         let given = value.saturating_add(1);
         let bits = 31 - given.leading_zeros();
@@ -58,7 +59,7 @@ pub(super) struct Integer {
 }
 
 impl Integer {
-    /// Codes a number; a decoder gives what was written.
+    /// Codes a number; a decoder returns the decoded value.
     pub(super) fn code(&mut self, coder: &mut impl Coder, value: i32) -> i32 {
         if coder.bit(&mut self.is_zero, value == 0) {
             return 0;

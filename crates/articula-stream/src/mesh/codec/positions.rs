@@ -1,10 +1,11 @@
-//! Positions of the new points of a level, predicted over its connectivity.
+//! Positions of new points, predicted over the connectivity.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (d). The base is the mean of the known neighbours; to it
-//! come parts, in 1/64 fitted to the level, of the way to the mean parallelogram, of the known
-//! neighbours' mean offset from their own neighbours, and of that offset along the normal. The
-//! axis along which the normal is longest is coded last, moved so that the point stays in the
-//! plane. Whole numbers alone; only the encoder's choice of the parts uses floating point.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (d). The base is the mean of the known
+//! neighbours. Three directions are added, with coefficients in 1/64 fitted to the level: from the
+//! base to the mean parallelogram, the known neighbours' mean offset from their own neighbours, and
+//! the component of that offset along the normal. The axis with the largest normal component is
+//! coded last, shifted so that the point stays in its plane. Integer arithmetic only; the encoder's
+//! choice of coefficients uses floating point.
 
 use super::connectivity::Fault;
 use super::half_edges::{self, NONE, Rings};
@@ -14,21 +15,21 @@ use super::range_coder::{Bit, Coder};
 
 type Vector = [i64; 3];
 
-/// Directions that are added to the base in parts.
+/// Number of directions added to the base.
 const PARTS: usize = 3;
-/// Kinds of places, each with parts of its own: known parallelograms up to 3, and whether all
+/// Number of classes, each with its own coefficients: known parallelograms up to 3, and whether all
 /// neighbours are known.
 const CLASSES: usize = 8;
-/// 1 as a part.
+/// The coefficient 1.
 const UNIT: i64 = 64;
-/// Largest part either way.
+/// Maximum coefficient, either way.
 const MOST: i32 = 256;
-/// Places after the point of a prediction.
+/// Fixed-point unit of predictions.
 const FINE: i64 = 16;
 
 type Parts = [[i32; PARTS]; CLASSES];
 
-/// The surface as it is looked up while positions are coded.
+/// Surface data used while positions are coded.
 struct Places<'a> {
     faces: &'a [[u32; 3]],
     twins: &'a [u32],
@@ -36,16 +37,16 @@ struct Places<'a> {
     bits: u8,
 }
 
-/// What is known around a point, in 1/[`FINE`].
+/// Known surroundings of a point, in 1/[`FINE`].
 #[derive(Debug, Clone, Default)]
 struct Around {
     class: usize,
     known: usize,
     base: Vector,
     parts: [Vector; PARTS],
-    /// Not of unit length; zero where nothing is known.
+    /// Normal of arbitrary length; zero if nothing is known.
     normal: Vector,
-    /// Mean length of the edges to the known neighbours' neighbours.
+    /// Mean edge length from the known neighbours to their own neighbours.
     scale: i64,
 }
 
@@ -69,7 +70,7 @@ fn cross(a: Vector, b: Vector) -> Vector {
     ]
 }
 
-/// Nearest whole number, halves away from zero.
+/// Rounded division; halves away from zero.
 fn divide(a: i64, b: i64) -> i64 {
     let half = b.abs() / 2;
     if a < 0 {
@@ -83,12 +84,12 @@ fn scaled(v: Vector, times: i64, over: i64) -> Vector {
     v.map(|x| divide(x * times, over))
 }
 
-/// Largest of the three distances.
+/// Largest absolute coordinate.
 fn extent(v: Vector) -> i64 {
     v.iter().map(|x| x.abs()).max().unwrap_or(0)
 }
 
-/// A direction of at most 2^12 in each coordinate.
+/// Shifts a direction to at most 2^12 in each coordinate.
 fn shortened(v: Vector) -> Vector {
     let most = extent(v);
     let places = 64 - most.leading_zeros();
@@ -101,7 +102,7 @@ impl Places<'_> {
         positions[point as usize].map(|x| i64::from(x) * FINE)
     }
 
-    /// What is known around `point`, when the points below `known` are.
+    /// Computes the surroundings of `point`; the points below `known` have positions.
     fn around(&self, positions: &[[i32; 3]], point: u32, known: u32) -> Around {
         let mut around = Around::default();
         let at = |p: u32| Self::at(positions, p);
@@ -117,8 +118,8 @@ impl Places<'_> {
             let n1 = half_edges::start(self.faces, opposite);
             let n2 = half_edges::end(self.faces, opposite);
             let twin = self.twins[opposite as usize];
-            // Each neighbour once: the far end of each leaving half-edge, the other end too where
-            // the fan ends.
+            // Counts each neighbour once: the first end of each opposite half-edge, and the second
+            // where the fan ends.
             let is_last = self.twins[half_edges::next(opposite) as usize] == NONE;
             for n in [n1, n2].into_iter().take(1 + usize::from(is_last)) {
                 all += 1;
@@ -137,7 +138,7 @@ impl Places<'_> {
                     let (p, q, r) = (at(n1), at(n2), at(o));
                     parallel = (add(parallel.0, sub(add(p, q), r)), parallel.1 + 1);
                     let across = cross(sub(p, r), sub(q, r));
-                    // Of the face beyond, which runs the other way.
+                    // Subtracted, since the face beyond has the opposite orientation.
                     around.normal = sub(around.normal, across);
                 }
             }
@@ -164,8 +165,8 @@ impl Places<'_> {
         around
     }
 
-    /// How far a known point lies from the mean of its known neighbours, and how long the edges
-    /// to them are.
+    /// Offset of a known point from the mean of its known neighbours, and the mean edge length to
+    /// them.
     fn laplacian(&self, positions: &[[i32; 3]], point: u32, known: u32) -> Option<(Vector, i64)> {
         let at = |p: u32| Self::at(positions, p);
         let here = at(point);
@@ -181,7 +182,7 @@ impl Places<'_> {
         (count > 0).then(|| (sub(here, scaled(sum, 1, count)), divide(length, count)))
     }
 
-    /// A predicted position and how the grid bounds it.
+    /// The predicted position, clamped to the grid.
     fn prediction(&self, around: &Around, parts: &Parts) -> [i32; 3] {
         let most = (1 << self.bits) - 1;
         let mut at = around.base;
@@ -192,17 +193,17 @@ impl Places<'_> {
     }
 }
 
-/// Faces of a point that are looked at.
+/// Maximum number of faces examined per point.
 const MAX_FACES: usize = 64;
 
-/// Kinds of contexts of a residual.
+/// Number of context kinds of a residual.
 const KINDS: usize = 5;
 
 /// Models of residuals.
 struct Residuals {
     magnitudes: Vec<MixedNatural<KINDS>>,
     signs: [Bit; 3],
-    /// Residuals of each coded point, one more than they are; 0 for others.
+    /// Residual of each coded point plus one; 0 for others.
     sizes: Vec<[u32; 3]>,
 }
 
@@ -236,7 +237,7 @@ impl Residuals {
 }
 
 fn class_of(x: u64) -> usize {
-    // Two steps an octave.
+    // Two classes per octave.
     let x = x.min(1 << 24) + 1;
     let log = 63 - x.leading_zeros() as usize;
     if log == 0 {
@@ -245,8 +246,8 @@ fn class_of(x: u64) -> usize {
     (log * 2 + (x >> (log - 1) & 1) as usize).min(23)
 }
 
-/// Codes the positions of the points from `known` on; `positions` has all of them on the
-/// encoder's side, and room for them on the other.
+/// Codes the positions of the points from `known` on; `positions` has their values on the encoder's
+/// side and placeholders on the decoder's.
 pub(super) fn code_positions(
     coder: &mut impl Coder,
     faces: &[[u32; 3]],
@@ -343,11 +344,11 @@ fn code_point(
 }
 
 mod fit {
-    //! The parts that fit a level best.
+    //! Fitting of the coefficients.
 
     use super::{Around, CLASSES, MOST, PARTS, Parts, Places, UNIT, sub};
 
-    /// Robust least squares by reweighting, class by class.
+    /// Robust least squares by iterative reweighting, class by class.
     pub(super) fn parts(places: &Places<'_>, positions: &[[i32; 3]], known: usize) -> Parts {
         let mut classes: [Vec<(Around, [f64; 3])>; CLASSES] = Default::default();
         for point in known..positions.len() {
@@ -395,7 +396,7 @@ mod fit {
         found
     }
 
-    /// Gauss elimination; a direction that says nothing gets no part.
+    /// Gaussian elimination; a direction without information gets the coefficient 0.
     fn solved(mut matrix: [[f64; PARTS]; PARTS], mut right: [f64; PARTS]) -> [f64; PARTS] {
         for i in 0..PARTS {
             matrix[i][i] += 1.0 + matrix[i][i] * 1e-6;

@@ -1,11 +1,12 @@
-//! From floating point to whole numbers and back: one [`QuantisedMesh`] for each level of a part.
+//! Conversion from floating point to whole numbers and back: one [`QuantisedMesh`] per level of a
+//! part.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 5 and 8: one grid for all levels (otherwise vertices would
-//! move between levels) and for all parts of a mesh (otherwise parts that touch would come apart).
-//! Octahedral normals after Cigolle et al., "A survey of efficient representations for
-//! independent unit vectors", 2014: the nearest of the four corners is taken, and of the two
-//! places that one normal has at the rim always the same. Differs: an even number of steps, so
-//! that the axes are met exactly.
+//! Source: `docs/methods/clustered-mesh.md` parts 5 and 8: one grid for all levels (otherwise
+//! vertices would move between levels) and for all parts of a mesh (otherwise gaps would open
+//! between touching parts). Octahedral normals after Cigolle et al., "A survey of efficient
+//! representations for independent unit vectors", 2014: the nearest of the four corners is taken,
+//! and where a normal has two representations at the rim, always the same one. Differs: an even
+//! number of steps, so that the axes are represented exactly.
 
 use super::mesh::{Layout, MorphLayout, QuantisedMesh};
 use articula_core::Mismatch;
@@ -18,7 +19,7 @@ mod weights;
 
 pub(super) use octahedral::normal_of;
 
-/// How finely a mesh is rounded.
+/// Number of bits per coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Precision {
     /// Bits of each position coordinate, 1 to 20.
@@ -39,28 +40,29 @@ impl Default for Precision {
     }
 }
 
-/// Largest morph offset in steps of the grid, either way.
+/// Maximum morph offset in steps of the grid, either way.
 pub(super) const LARGEST_OFFSET: i32 = 1 << 24;
-/// Largest change of a normal's coordinate in 1/127, either way.
+/// Maximum change of a normal's coordinate in 1/127, either way.
 pub(super) const LARGEST_TURN: i32 = 1023;
-/// Steps between two numbers that an `f32` tells apart, up to this share of its value.
+/// Minimum grid step relative to the largest coordinate, so that neighbouring grid values differ as
+/// `f32`.
 const FINEST: f64 = 1.0 / (1 << 22) as f64;
 
-/// The grid that positions are rounded to: `origin + step * n`.
+/// Grid of quantised positions: `origin + step * n`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
-    /// Place of (0, 0, 0), in metres.
+    /// Position of (0, 0, 0), in metres.
     pub origin: Vec3,
-    /// Distance of neighbouring places along an axis, in metres.
+    /// Distance of neighbouring grid positions along an axis, in metres.
     pub step: f32,
 }
 
-/// What takes whole numbers back to metres and textures.
+/// Scale from whole numbers to metres and texture coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
-    /// Of positions and morph offsets.
+    /// Grid of positions and morph offsets.
     pub grid: Grid,
-    /// The texture coordinates of (0, 0): they are `origin + step * n` too.
+    /// Texture coordinates of (0, 0); values are `origin + step * n`.
     pub texcoord_origin: Vec2,
     /// Distance of neighbouring texture coordinates.
     pub texcoord_step: f32,
@@ -69,26 +71,26 @@ pub struct Scale {
 /// All levels of a part in whole numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quantised {
-    /// Kinds and bits, for all levels.
+    /// Layout of all levels.
     pub layout: Layout,
-    /// The way back.
+    /// Scale back to floating point.
     pub scale: Scale,
-    /// One mesh for each level, the finest first. All points and wedges of a level are, by
-    /// value, in every finer one whose triangles named all of its vertices.
+    /// One mesh per level, finest first. By value, a finer level contains all points and wedges of
+    /// a coarser one, if its triangles use all of the coarser level's vertices.
     pub levels: Vec<QuantisedMesh>,
-    /// Faces left out because rounding made two of their corners one, over all levels.
+    /// Number of faces left out because rounding made two of their corners equal, over all levels.
     pub degenerate_faces: usize,
-    /// Faces left out because they are the same as another one of their level.
+    /// Number of faces left out because they equal another face of their level.
     pub duplicate_faces: usize,
-    /// Largest distance that rounding has moved a vertex, in metres.
+    /// Maximum distance that rounding moved a vertex, in metres.
     pub rounding_metres: f32,
 }
 
 impl Grid {
-    /// The grid of the parts of a mesh: the widest axis takes all of its `bits`.
+    /// Creates the grid of the parts of a mesh, with 2^`bits` - 1 steps along the widest axis.
     ///
     /// # Errors
-    /// A [`Mismatch`] if a position is not finite or there are no 1 to 20 bits.
+    /// A [`Mismatch`] if a position is not finite or `bits` is not 1 to 20.
     pub fn new(parts: &[Primitive], bits: u8) -> Result<Self, Mismatch> {
         check_bits("position_bits", bits, 1..=20)?;
         let mut bounds: Option<(Vec3, Vec3)> = None;
@@ -109,7 +111,7 @@ impl Grid {
         })
     }
 
-    /// A place in metres.
+    /// Position of a grid value, in metres.
     fn place(&self, n: [i32; 3]) -> Vec3 {
         let n = DVec3::from(n.map(f64::from));
         (self.origin.as_dvec3() + n * f64::from(self.step)).as_vec3()
@@ -121,12 +123,13 @@ impl Grid {
     }
 }
 
-/// A step of which `extent` has just 2^bits - 1, and that numbers up to `reach` can tell apart.
+/// Step that divides `extent` into 2^bits - 1, but large enough that values up to `reach` differ as
+/// `f32`.
 fn step_of(extent: f64, reach: f64, bits: u8) -> f32 {
     let most = f64::from((1u32 << bits) - 1);
     let step = (extent / most).max(reach * FINEST) as f32;
-    // Rounding to f32 must not push the far end beyond the last place by half a step; it cannot,
-    // but an extent so small that nothing is left of it can.
+    // Rounding to f32 cannot push the far end beyond the last grid value by half a step; an extent
+    // that underflows can.
     if step.is_normal() { step } else { 1.0 }
 }
 
@@ -159,15 +162,15 @@ fn check_length(at: &str, found: usize, expected: usize) -> Result<(), Mismatch>
     Err(Mismatch::new(at, format!("{found} for {expected}")))
 }
 
-/// Rounds one part. `levels` are its triangles at each level, the finest first, as indices of
-/// its vertices; its own list of triangles is not looked at.
+/// Quantises one part. `levels` are its triangles at each level, finest first, as indices of its
+/// vertices; the part's own triangle list is ignored.
 ///
-/// Vertices that no level uses are left out; equal ones become one. A normal of no length
-/// becomes +Z; colours are cut to 0 to 1.
+/// Vertices that no level uses are left out; equal ones are merged. A normal of zero length becomes
+/// +Z; colours are clamped to 0 to 1.
 ///
 /// # Errors
-/// A [`Mismatch`] if lists disagree in length, an index is out of range, a number is not finite,
-/// a vertex has no weight at all, or a morph offset exceeds 2^24 steps or a change of a normal 8.
+/// A [`Mismatch`] if lists differ in length, an index is out of range, a number is not finite, a
+/// vertex has no weight, a morph offset exceeds 2^24 steps, or a change of a normal exceeds 8.
 pub fn quantise(
     part: &Primitive,
     levels: &[Vec<[u32; 3]>],
@@ -198,9 +201,9 @@ pub fn quantise(
     Ok(out)
 }
 
-/// A mesh in floating point again: one vertex for each wedge, in their order.
+/// Converts a mesh back to floating point: one vertex per wedge, in the same order.
 ///
-/// `mesh` must hold to its layout ([`QuantisedMesh::check`]).
+/// `mesh` must be valid for its layout ([`QuantisedMesh::check`]).
 pub fn restore(mesh: &QuantisedMesh, layout: &Layout, scale: &Scale) -> Primitive {
     let points = || mesh.wedge_points.iter().map(|p| *p as usize);
     let influences = mesh.skins.iter().map(Vec::len).max().unwrap_or(1).max(1);
@@ -315,7 +318,7 @@ fn texcoord_grid(part: &Primitive, bits: u8) -> Result<(Vec2, f32), Mismatch> {
     Ok((low, step_of(extent, f64::from(reach), bits)))
 }
 
-/// The part as a mesh of one point and one wedge for each vertex, without faces.
+/// Quantises the part to a mesh with one point and one wedge per vertex, without faces.
 fn whole_numbers(
     part: &Primitive,
     layout: &Layout,
@@ -366,7 +369,7 @@ fn whole_numbers(
     Ok(out)
 }
 
-/// Vectors times `scale`, rounded; or which one is not finite or too large.
+/// Scales and rounds vectors; the error names the first that is not finite or too large.
 fn rounded(vectors: &[Vec3], scale: f64, largest: i32) -> Result<Vec<[i32; 3]>, (usize, String)> {
     let whole = |(v, o): (usize, &Vec3)| {
         let n = (o.as_dvec3() * scale).round();

@@ -1,23 +1,23 @@
-//! Adaptive binary range coding: one bit at a time, each with a model of its own.
+//! Adaptive binary range coding, one model per decision.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (g); G. N. N. Martin, "Range encoding", 1979, with the
-//! carry handling of LZMA. Differs: probabilities are learnt by counting, at a
-//! rate that falls to 1/96. Integers alone, so that all platforms give the same bytes.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (g); G. N. N. Martin, "Range encoding", 1979,
+//! with the carry handling of LZMA. Differs from LZMA: probabilities are learnt by counting, at a
+//! rate that falls to 1/96. Integer arithmetic, so that all platforms produce the same bytes.
 
-/// What a coder knows of one binary decision.
+/// Model of one binary decision.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bit {
     /// Probability of a 0, in 1/[`ONE`].
     zero: u32,
-    /// Decisions seen, up to the slowest rate.
+    /// Number of decisions seen, up to [`SLOWEST`].
     seen: u8,
 }
 
-/// Decisions after which a model no longer learns more slowly.
+/// Number of decisions after which the learning rate stays constant.
 const SLOWEST: u8 = 95;
-/// Certainty; finer than what is learnt, so that the smallest step is not rounded away.
+/// The probability 1, fine enough that the smallest update is not rounded away.
 const ONE: i32 = 1 << 24;
-/// Least probability of either outcome, in 1/[`ONE`].
+/// Minimum probability of either outcome, in 1/[`ONE`].
 const LEAST: i32 = 24 << 8;
 
 impl Default for Bit {
@@ -30,61 +30,61 @@ impl Default for Bit {
 }
 
 impl Bit {
-    /// Probability of a 0, in 1/2^24.
+    /// Returns the probability of a 0, in 1/2^24.
     pub(super) fn zero(self) -> u32 {
         self.zero
     }
 
-    /// Decisions seen, up to a limit.
+    /// Returns the number of decisions seen, up to a limit.
     pub(super) fn seen(self) -> u8 {
         self.seen
     }
 
     pub(super) fn learn(&mut self, bit: bool) {
         let goal = if bit { LEAST } else { ONE - LEAST };
-        // 1 / (seen + 1.5), so that the first decision counts for two thirds.
+        // 1 / (seen + 1.5), so that the first decision has the weight two thirds.
         let step = (goal - self.zero as i32) * 2 / (2 * i32::from(self.seen) + 3);
         self.zero = (self.zero as i32 + step).clamp(LEAST, ONE - LEAST) as u32;
         self.seen = (self.seen + 1).min(SLOWEST);
     }
 }
 
-/// The part of a range that belongs to a 0; at least 1 and less than `range`.
+/// The part of a range for a 0; at least 1 and less than `range`.
 fn split(range: u32, zero: u32) -> u32 {
     ((u64::from(range) * u64::from(zero)) >> 24) as u32
 }
 
-/// Either side of a coder. An encoder writes what it is given and gives it back; a decoder
-/// gives what was written, whatever it is given: one walk serves both.
+/// Encoder or decoder. An encoder writes its arguments and returns them; a decoder ignores them and
+/// returns what was encoded, so that one implementation of a walk serves both.
 pub(super) trait Coder {
-    /// Whether it is a decoder: what it is given means nothing.
+    /// Whether this is a decoder, which ignores the given values.
     const READS: bool;
 
-    /// One decision whose outcome 0 has a probability of `zero` / 2^24, neither 0 nor 1.
+    /// Codes a decision whose outcome 0 has the probability `zero` / 2^24, neither 0 nor 1.
     fn decide(&mut self, zero: u32, bit: bool) -> bool;
 
-    /// One decision by a model, which learns from it.
+    /// Codes a decision with a model and updates it.
     fn bit(&mut self, model: &mut Bit, bit: bool) -> bool {
         let bit = self.decide(model.zero, bit);
         model.learn(bit);
         bit
     }
 
-    /// The lowest `count` (at most 32) bits of a value, all outcomes equally likely.
+    /// Codes the lowest `count` (at most 32) bits of a value with equal probabilities.
     fn raw(&mut self, count: u32, value: u32) -> u32;
 
-    /// Whether more was read than there is: what is decoded from then on means nothing.
+    /// Returns whether the input is used up; values decoded from then on are meaningless.
     fn is_exhausted(&self) -> bool;
 }
 
 const TOP: u32 = 1 << 24;
 
-/// Writes decisions.
+/// Encoder of decisions.
 #[derive(Debug)]
 pub(super) struct Encoder {
     low: u64,
     range: u32,
-    /// The last byte that a carry may still change, and how many 255 follow it.
+    /// The last byte that a carry may still change, and the number of 255 bytes after it.
     pending: Option<u8>,
     pending_full: u64,
     bytes: Vec<u8>,
@@ -126,10 +126,10 @@ impl Encoder {
         }
     }
 
-    /// The bytes of all decisions; trailing zeros are left out, a decoder reads zeros past the
-    /// end.
+    /// Returns the bytes of all decisions; trailing zeros are left out, since a decoder reads zeros
+    /// past the end.
     pub(super) fn finish(mut self) -> Vec<u8> {
-        // Any value in [low, low + range) will do: the one with the most zeros at its end.
+        // Any value in [low, low + range) is valid: takes the one with the most trailing zeros.
         let end = self.low + u64::from(self.range) - 1;
         for bits in (0..32).rev() {
             let round = (end >> bits) << bits;
@@ -182,11 +182,11 @@ impl Coder for Encoder {
     }
 }
 
-/// Zeros that a decoder may read past the end of its bytes before it counts as exhausted: those
-/// that [`Encoder::finish`] leaves out, with room for the four bytes that are read ahead.
+/// Number of zeros that a decoder may read past the end before it counts as exhausted: those
+/// omitted by [`Encoder::finish`], plus the four bytes that are read ahead.
 const SPARE_BYTES: usize = 16;
 
-/// Reads decisions.
+/// Decoder of decisions.
 #[derive(Debug)]
 pub(super) struct Decoder<'a> {
     bytes: &'a [u8],
@@ -209,7 +209,7 @@ impl<'a> Decoder<'a> {
         decoder
     }
 
-    /// Whether all bytes were read.
+    /// Returns whether all bytes were read.
     pub(super) fn is_spent(&self) -> bool {
         self.at >= self.bytes.len()
     }

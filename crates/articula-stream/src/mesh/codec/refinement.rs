@@ -1,9 +1,10 @@
-//! What one level adds to a coarser one, as bytes and back; a level alone adds to nothing.
+//! Encoding and decoding of a level as refinement of a coarser one; a level alone refines an empty
+//! mesh.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1, scheme RT. In the order of the bytes: number of faces;
-//! connectivity with the known points matched on the way; seams and wedges; positions of the new
-//! points; all other values of what is new; a check sum. Both sides see the coarser level in
-//! canonical order, so it may come in any.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1, scheme RT. In the order of the bytes: number
+//! of faces; connectivity with matching of known points; seams and wedges; positions of new points;
+//! all other values of new points and wedges; a check sum. Both sides sort the coarser level into
+//! canonical order, so its original order does not matter.
 
 use super::attributes;
 use super::canonical::{Canonical, compare_points, compare_wedges};
@@ -19,12 +20,12 @@ use super::surface::Surface;
 use crate::{StreamError, StreamLimits};
 use articula_core::Mismatch;
 
-/// One level alone, or what turns a coarser level into it.
+/// Encodes a level, alone or as a refinement of `coarse`.
 ///
 /// Points and wedges that no face uses are not part of a level alone.
 ///
 /// # Errors
-/// A [`Mismatch`] if either mesh is not of the layout.
+/// A [`Mismatch`] if either mesh does not fit the layout.
 pub fn encode_level(
     coarse: Option<&QuantisedMesh>,
     fine: &QuantisedMesh,
@@ -49,18 +50,19 @@ pub fn encode_level(
         &Bounds::none(),
         Some(truth),
     );
-    // Only a decoder finds faults, with the one exception of a level beyond all bounds.
+    // Only a decoder finds faults, except for a level that exceeds all bounds.
     coded.map_err(|fault| Mismatch::new("fine", fault))?;
     Ok(encoder.finish())
 }
 
-/// The level that [`encode_level`] was given, over the same coarser level if there was one. Its
-/// first points and wedges are then those of the coarser one, by the same ids, new ones follow in
-/// the order of discovery; the faces are its own. A level alone comes in an order of its own.
+/// Decodes a level that [`encode_level`] encoded over the same coarser level. Its first points and
+/// wedges are those of `coarse`, with the same ids; new ones follow in the order of discovery.
+/// Faces are those of the level itself. The order of a level decoded alone differs from the
+/// encoder's input.
 ///
 /// # Errors
-/// A [`StreamError`] that says where the bytes make no level over this coarser one, or that it is
-/// too large.
+/// A [`StreamError`] if the bytes are not a valid level over this coarser one, or the level is too
+/// large.
 pub fn decode_level(
     coarse: Option<&QuantisedMesh>,
     bytes: &[u8],
@@ -88,7 +90,7 @@ pub fn decode_level(
     Ok(mesh)
 }
 
-/// How much a level may hold.
+/// Size limit of a level.
 struct Bounds {
     elements: u64,
 }
@@ -99,7 +101,7 @@ impl Bounds {
     }
 }
 
-/// The level that an encoder describes, and what of it is known.
+/// The level to be encoded, with its matches in the coarser one.
 #[derive(Clone, Copy)]
 struct TrueLevel<'a> {
     fine: &'a QuantisedMesh,
@@ -107,13 +109,13 @@ struct TrueLevel<'a> {
     wedges: &'a [u32],
 }
 
-/// Largest number of faces, so that corners can be counted.
+/// Maximum number of faces, so that corner indices fit in 32 bits.
 const MAX_FACES: usize = 1 << 28;
-/// What a face takes while a level is put together, in numbers of four bytes: a few bytes may name
-/// very many faces.
+/// Memory per face while a level is decoded, in numbers of four bytes; limited because a few bytes
+/// may code very many faces.
 const FACE_ELEMENTS: u64 = 24;
 
-/// Codes a level over a coarser one in canonical order; gives it with the coarser one's ids
+/// Codes a level over a coarser one in canonical order; returns it with the coarser level's ids
 /// first.
 fn code(
     coder: &mut impl Coder,
@@ -199,7 +201,8 @@ fn code_rest(
     attributes::code_values(coder, &surface, layout, mesh);
 }
 
-/// Refuses more points and wedges than the limit allows, before there is room for their values.
+/// Refuses more points and wedges than the limit allows, before memory for their values is
+/// allocated.
 fn check_size(layout: &Layout, bounds: &Bounds, points: usize, wedges: usize) -> Result<(), Fault> {
     let of_skin = if layout.joints > 0 { 8 } else { 0 };
     let of_point = 3 + of_skin + layout.morphs.len() as u64 * 3;
@@ -211,7 +214,7 @@ fn check_size(layout: &Layout, bounds: &Bounds, points: usize, wedges: usize) ->
     Ok(())
 }
 
-/// A sum over faces and values, FNV-1a folded to 16 bits.
+/// Check sum over faces and values: FNV-1a folded to 16 bits.
 fn check_sum(mesh: &QuantisedMesh) -> u32 {
     let mut sum = 0xcbf2_9ce4_8422_2325_u64;
     let mut add = |x: u32| sum = (sum ^ u64::from(x)).wrapping_mul(0x0100_0000_01b3);
@@ -232,7 +235,7 @@ fn check_sum(mesh: &QuantisedMesh) -> u32 {
 }
 
 impl QuantisedMesh {
-    /// Nothing, with the lists of morphs that a layout asks for.
+    /// An empty mesh, with the morph lists of a layout.
     fn empty(layout: &Layout) -> Self {
         Self {
             morphs: vec![Vec::new(); layout.morphs.len()],
@@ -241,8 +244,8 @@ impl QuantisedMesh {
         }
     }
 
-    /// This and what is new in a finer level, whose points have the ids `point_ids`, and whose
-    /// wedges stand at `corners` of the faces of `wedges`.
+    /// Returns this mesh extended by the new points and wedges of a finer level; `point_ids` has
+    /// the ids of its points, `corners` its wedges in the order of `wedges`.
     fn extended(
         &self,
         fine: &Self,
@@ -267,7 +270,7 @@ impl QuantisedMesh {
         }
         let mut joined = self.clone();
         joined.append(fine.picked(&points, &sources));
-        // The points of new wedges come with the faces.
+        // The points of new wedges are added together with the faces.
         joined.wedge_points.truncate(self.wedges());
         joined
     }
@@ -286,7 +289,7 @@ impl QuantisedMesh {
         }
     }
 
-    /// Gives a level its faces, and room for the values of what is new where there is none yet.
+    /// Sets the faces of a level, and adds placeholders for the values of new points and wedges.
     fn reserve_values(&mut self, layout: &Layout, points: usize, wedges: &Wedges) {
         let known_wedges = self.wedge_points.len();
         self.wedge_points.extend(&wedges.new_points);
@@ -308,8 +311,8 @@ impl QuantisedMesh {
     }
 }
 
-/// A level over the canonical ids of the coarser one, with the ids that the coarser one came
-/// with, and with what none of its faces used; a new value that is one of those becomes that one.
+/// Maps a level from canonical ids back to the ids of the given coarser level, and adds its unused
+/// points and wedges; a new value that equals an unused one takes its id.
 fn restored(mesh: QuantisedMesh, coarse: &QuantisedMesh, sorted: &Canonical) -> QuantisedMesh {
     let mut unused = rest(&sorted.points, coarse.points());
     unused.sort_by(|&i, &j| compare_points((coarse, i), (coarse, j)));
@@ -344,7 +347,7 @@ fn restored(mesh: QuantisedMesh, coarse: &QuantisedMesh, sorted: &Canonical) -> 
     found
 }
 
-/// The ids below `total` that a list does not name.
+/// The ids below `total` that are not in a list.
 fn rest(list: &[u32], total: usize) -> Vec<u32> {
     let mut is_named = vec![false; total];
     for &id in list {
@@ -354,8 +357,8 @@ fn rest(list: &[u32], total: usize) -> Vec<u32> {
     all.filter(|&id| !is_named[id as usize]).collect()
 }
 
-/// The final id of each of `count` values, of which the first are `known`, and those of the
-/// others that are neither found elsewhere nor among the first `total`.
+/// Returns the final id of each of `count` values, of which the first are `known`, and the list of
+/// values that `find` does not identify with one of the first `total` ids.
 fn ids(
     known: &[u32],
     total: usize,

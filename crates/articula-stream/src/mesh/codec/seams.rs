@@ -1,9 +1,7 @@
-//! Where faces side by side have different wedges at the same point, and which wedges those are.
+//! Seams: edges at which adjacent faces have different wedges, and the wedges of all corners.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (a): a seam bit for each interior edge, two more where it
-//! is set. Differs: contexts are also how many wedges the coarser level has at the ends. Corners
-//! that no seam parts are one sector; a sector is a known wedge of its point, one that another
-//! sector has, or a new one.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (a). Corners that no seam separates form a
+//! sector; a sector has a known wedge of its point, the wedge of another sector, or a new one.
 
 use super::connectivity::Fault;
 use super::half_edges::{self, NONE};
@@ -16,11 +14,11 @@ use super::range_coder::{Bit, Coder};
 #[derive(Debug, Default)]
 pub(super) struct Wedges {
     pub(super) faces: Vec<[u32; 3]>,
-    /// Point of each new wedge; known wedges keep their ids, new ones follow.
+    /// Point of each new wedge; new wedges have the ids after the known ones.
     pub(super) new_points: Vec<u32>,
 }
 
-/// Models of seams.
+/// Models of seams and sectors.
 struct Models {
     is_seam: [Vec<Bit>; 3],
     is_seam_weights: [Weights<3>; 9],
@@ -48,11 +46,11 @@ impl Models {
 struct Seams<'a> {
     faces: &'a [[u32; 3]],
     twins: Vec<u32>,
-    /// Number of known wedges of each known point, where they start.
+    /// The known wedges of each known point.
     known: &'a Known,
-    /// For each corner the known wedge that it had in the coarser level, as far as edges tell.
+    /// Known wedge of each corner as predicted from the coarser level's edges, or [`NONE`].
     expected: Vec<u32>,
-    /// Seams seen so far at each point.
+    /// Number of seams coded so far at each point.
     seen: Vec<u8>,
     sectors: Sectors,
 }
@@ -65,7 +63,7 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// Of a mesh in canonical order: wedges rise by point.
+    /// Indexes a mesh in canonical order, whose wedges are sorted by point.
     pub(super) fn new(mesh: &QuantisedMesh) -> Self {
         let mut first = vec![0; mesh.points() + 1];
         for &point in &mesh.wedge_points {
@@ -88,13 +86,13 @@ impl Known {
         }
     }
 
-    /// Their number, up to 3; 0 for a new point.
+    /// Number of known wedges of a point, up to 3; 0 for a new point.
     fn class(&self, point: u32) -> usize {
         self.of(point).len().min(3)
     }
 }
 
-/// Corners that have the same wedge: a forest of corners.
+/// Disjoint sets of corners with the same wedge.
 #[derive(Debug)]
 struct Sectors {
     parents: Vec<u32>,
@@ -110,20 +108,20 @@ impl Sectors {
         at as u32
     }
 
-    /// The lower corner stays the root.
+    /// Joins two sets; the lower corner stays the root.
     fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         self.parents[a.max(b) as usize] = a.min(b);
     }
 }
 
-/// Wedges of one point that are told apart by one decision each.
+/// Maximum number of wedges of a point that are distinguished by one decision each.
 const FEW: usize = 16;
 
 /// The new wedges of each point.
 struct New {
     points: Vec<u32>,
-    /// For each new wedge the one before at the same point, [`NONE`] for the first.
+    /// For each new wedge the previous one at the same point, [`NONE`] for the first.
     older: Vec<u32>,
     latest: Vec<u32>,
 }
@@ -145,8 +143,8 @@ impl New {
         id
     }
 
-    /// Codes whether a sector has a wedge that another one at its point has, and which.
-    /// `wanted` is that wedge, [`NONE`] if the sector's is new.
+    /// Codes whether a sector has the wedge of another sector at its point, and which; `wanted` is
+    /// that wedge, [`NONE`] for a new one.
     fn code_again(
         &self,
         coder: &mut impl Coder,
@@ -164,7 +162,7 @@ impl New {
             }
             at = self.older[at as usize];
         }
-        // Too many for a decision each: by number, the next one if it is new.
+        // Too many for one decision each: coded by number; the next number is a new wedge.
         let count = self.points.len() as u32;
         let id = coder.raw(32 - count.leading_zeros(), wanted.min(count));
         if id == count {
@@ -176,8 +174,8 @@ impl New {
     }
 }
 
-/// Codes the wedges of a level whose faces of points are known. `truth` is the wedge of each
-/// corner, any numbers that tell wedges apart, and for each of those the known wedge or [`NONE`].
+/// Codes the wedges of a level whose faces of points are known. `truth` has the wedge of each
+/// corner, under any numbering, and for each of these wedges the known wedge or [`NONE`].
 pub(super) fn code_wedges(
     coder: &mut impl Coder,
     faces: &[[u32; 3]],
@@ -209,8 +207,8 @@ pub(super) fn code_wedges(
     seams.code_sectors(coder, &mut models, points, truth)
 }
 
-/// Faces that lie left of a known edge in both levels have the same wedges at its ends: collapses
-/// move the third corner alone.
+/// Predicts the wedges of corners: faces to the left of an edge of known points in both levels have
+/// the same wedges at its ends, since collapses move the third corner only.
 fn expected(faces: &[[u32; 3]], coarse: &Coarse<'_>) -> Vec<u32> {
     let mut expected = vec![NONE; faces.len() * 3];
     for half_edge in 0..expected.len() as u32 {
@@ -230,7 +228,7 @@ fn expected(faces: &[[u32; 3]], coarse: &Coarse<'_>) -> Vec<u32> {
 }
 
 impl Seams<'_> {
-    /// 0 if nothing is expected of two corners at a point, 1 that they have one wedge, 2 two.
+    /// Prediction for two corners at a point: 0 none, 1 the same wedge, 2 different wedges.
     fn expectation(&self, corner: u32, other: u32) -> usize {
         match [corner, other].map(|c| self.expected[c as usize]) {
             [NONE, _] | [_, NONE] => 0,
@@ -301,7 +299,7 @@ impl Seams<'_> {
     ) -> Result<Wedges, Fault> {
         let mut found = Wedges::default();
         let mut wedges = vec![NONE; self.faces.len() * 3];
-        // The new wedge that each true one became.
+        // New wedge assigned to each wedge of the truth.
         let mut given = vec![NONE; truth.map_or(0, |t| t.1.len())];
         let mut new = New::at(points);
         let mut is_used = vec![false; self.known.total];
@@ -337,7 +335,7 @@ impl Seams<'_> {
         Ok(found)
     }
 
-    /// For the first corner of each sector what is expected of the first corner that has any.
+    /// For the root corner of each sector, the prediction of its first corner that has one.
     fn sector_expected(&mut self) -> Vec<u32> {
         let mut found = vec![NONE; self.expected.len()];
         for corner in 0..found.len() {
@@ -349,7 +347,7 @@ impl Seams<'_> {
         found
     }
 
-    /// Codes whether a sector is a known wedge of its point, and which; [`NONE`] if it is not.
+    /// Codes whether a sector has a known wedge of its point, and which; [`NONE`] if not.
     fn code_known(
         &self,
         coder: &mut impl Coder,
@@ -379,7 +377,7 @@ impl Seams<'_> {
             is_used[found as usize] = true;
             return found;
         }
-        // The expected one comes first, then those that no sector has; the last one needs no decision.
+        // The predicted wedge first, then wedges without a sector; the last one needs no decision.
         let rest = || known.clone().filter(|&w| w != expected);
         let used = rest().filter(|&w| is_used[w as usize]);
         let free = rest().filter(|&w| !is_used[w as usize]);

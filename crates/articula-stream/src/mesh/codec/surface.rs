@@ -1,15 +1,15 @@
-//! What is known of a level once its connectivity, matching and positions are coded.
+//! The part of a level that is known once its connectivity, matching and positions are coded.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (c, e, f). The values that are left (normals, texture
-//! coordinates, skins, morphs) are predicted over this surface, in the order of the ids.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (c, e, f). The remaining values (normals,
+//! texture coordinates, skins, morphs) are predicted over this surface, in the order of the ids.
 
-/// A whole level and the part of it that is known from a coarser one.
+/// A whole level, and the part of it that is known from a coarser one.
 ///
 /// Points below `known_points` and wedges below `known_wedges` have all their values. New points
-/// and new wedges have the ids that follow, in the order in which the faces first name them.
+/// and wedges follow, in the order in which the faces first use them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface<'a> {
-    /// Faces of wedges, all of the level, in the order in which they were discovered.
+    /// All faces of the level as triples of wedges, in the order of discovery.
     pub(super) faces: &'a [[u32; 3]],
     /// Point of each wedge.
     pub(super) wedge_points: &'a [u32],

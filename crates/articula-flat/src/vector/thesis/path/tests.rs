@@ -1,4 +1,4 @@
-//! Static sequences and hidden faces, by hand.
+//! Static sequences and hidden faces, computed by hand.
 
 use super::*;
 use crate::planar::clip::fixture;
@@ -7,7 +7,7 @@ use glam::Vec2;
 
 const CORNERS: [[f32; 3]; 3] = [[2.0, 2.0, 0.5], [2.0, 9.0, 0.5], [9.0, 2.0, 0.5]];
 
-/// A triangle that steps a pixel to the right in the frames given, of 100.
+/// A triangle that moves a pixel to the right in the given frames of 100.
 fn stepping(steps: &[usize]) -> PlanarClip {
     let mut clip = fixture::loose(&[(CORNERS, [10, 20, 30])], 100);
     for step in steps {

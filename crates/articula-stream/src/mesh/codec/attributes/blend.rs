@@ -1,27 +1,27 @@
-//! A prediction as a mixture of several, each with a coefficient that the stream names.
+//! Prediction as a mixture of candidates with transmitted coefficients.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (d, e): base + the sum of c (candidate - base), c in 1/64
-//! for each class of surroundings, fitted by robust least squares. The fit is the encoder's own
-//! affair and in floating point; what is predicted comes from the whole numbers alone.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (d, e): base + the sum of c (candidate -
+//! base), with c in 1/64 for each class of surroundings, fitted by robust least squares. The
+//! encoder fits in floating point; the prediction uses the transmitted whole numbers only.
 
 use super::super::range_coder::Coder;
 
-/// 1 as a coefficient.
+/// Fractional bits of a coefficient.
 const UNIT_BITS: u32 = 6;
-/// Bits that say one coefficient.
+/// Bits of a transmitted coefficient.
 const COEFFICIENT_BITS: u32 = 8;
 
-/// Coefficients of each class; that of the first candidate, the base, is left out.
+/// Coefficients of each class, without that of the first candidate, which is the base.
 #[derive(Debug)]
 pub(super) struct Blend<const K: usize> {
     coefficients: Vec<[i32; K]>,
 }
 
-/// What an encoder fits to: class, candidates, the value that they predict.
+/// A sample for fitting: class, candidates, and the value that they predict.
 pub(super) type Sample<const K: usize, const D: usize> = (usize, [[i32; D]; K], [i32; D]);
 
 impl<const K: usize> Blend<K> {
-    /// Fits and writes, or reads, the coefficients of so many classes.
+    /// Fits and writes, or reads, the coefficients of each class.
     pub(super) fn code<C: Coder, const D: usize>(
         coder: &mut C,
         classes: usize,
@@ -52,7 +52,7 @@ impl<const K: usize> Blend<K> {
         }
     }
 
-    /// The prediction.
+    /// Returns the prediction from candidates.
     pub(super) fn predict<const D: usize>(
         &self,
         class: usize,
@@ -82,7 +82,7 @@ fn mixed<const K: usize, const D: usize>(c: &[i32; K], candidates: &[[i32; D]; K
 
 type Taken<'a, const K: usize, const D: usize> = Vec<&'a Sample<K, D>>;
 
-/// Samples of one class; of very many a part, taken evenly.
+/// Samples of one class; an even subset of very many.
 fn of_class<const K: usize, const D: usize>(
     samples: &[Sample<K, D>],
     class: usize,
@@ -101,10 +101,11 @@ fn cost<const K: usize, const D: usize>(samples: &Taken<'_, K, D>, c: &[i32; K])
     samples.iter().map(of_sample).sum()
 }
 
-/// Samples up to which single candidates are tried: of more, all are worth fitting.
+/// Number of samples below which single candidates are tried too; with more, fitting all is worth
+/// the bits.
 const FEW: usize = 4000;
 
-/// Coefficients that are worth their bits; none if the default will do.
+/// Returns coefficients that save more bits than they cost, or `None` if the default is better.
 fn fit<const K: usize, const D: usize>(samples: &Taken<'_, K, D>) -> Option<[i32; K]> {
     if samples.is_empty() {
         return None;
@@ -144,7 +145,7 @@ fn fit<const K: usize, const D: usize>(samples: &Taken<'_, K, D>) -> Option<[i32
     best.1
 }
 
-/// One step of iterated least squares: coefficients 1 to K - 1.
+/// One step of iteratively reweighted least squares for the coefficients 1 to K - 1.
 fn solve<const K: usize, const D: usize>(
     samples: &Taken<'_, K, D>,
     c: &[f64; K],

@@ -7,8 +7,7 @@ use super::stencil::{CLASSES, FRACTION, PREDICTORS};
 use super::{Place, Walk};
 use crate::mesh::codec::range_coder::Coder;
 
-/// Codes the colours of all new wedges. `agree` says whether two wedges agree in the kinds
-/// before.
+/// Codes the colours of all new wedges. `agree` returns in which earlier kinds two wedges agree.
 pub(super) fn code<C: Coder>(
     coder: &mut C,
     walk: &Walk<'_>,

@@ -1,18 +1,18 @@
-//! Normals in whole numbers: of faces, of what lies between them, and on the octahedron.
+//! Normals in whole numbers: of faces, their weighted means, and their octahedral form.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (e); G. Thürmer and C. Wüthrich, "Computing vertex normals
-//! from polygonal facets", 1998, for the weights by angle.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (e); G. Thürmer and C. Wüthrich, "Computing
+//! vertex normals from polygonal facets", 1998, for the weights by angle.
 
 use super::ring::Ring;
 
 /// Length of a unit vector.
 pub(super) const UNIT: i64 = 1 << 14;
 
-/// A vector of length [`UNIT`]; zero for zero. Coordinates are below 2^62.
+/// Scales a vector to the length [`UNIT`]; zero stays zero. Coordinates are below 2^62.
 pub(super) fn unit(v: [i64; 3]) -> [i32; 3] {
     let widest = v.iter().map(|x| x.unsigned_abs()).max().unwrap_or(0);
     let bits = 64 - widest.leading_zeros();
-    // Thirty bits fill a sum of squares; fewer are brought up, so that short ones are as exact.
+    // Normalised to 30 bits, so that squares fit and short vectors keep their precision.
     let v = v.map(|x| {
         if bits > 30 {
             x >> (bits - 30)
@@ -35,7 +35,8 @@ fn cross(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
     })
 }
 
-/// Angle between two vectors of length [`UNIT`], in 1/4096: the arc tangent within 0.004.
+/// Angle between two vectors of length [`UNIT`], in 1/4096, by an arc tangent with an error of at
+/// most 0.004.
 fn angle(a: [i32; 3], b: [i32; 3]) -> i64 {
     let (a, b) = (a.map(i64::from), b.map(i64::from));
     let cosine: i64 = (0..3).map(|d| a[d] * b[d]).sum();
@@ -48,7 +49,7 @@ fn angle(a: [i32; 3], b: [i32; 3]) -> i64 {
     if high == 0 {
         return 0;
     }
-    // atan r = r (pi / 4 + 0.273 (1 - r)) from 0 to 1.
+    // atan r ≈ r (pi / 4 + 0.273 (1 - r)) from 0 to 1.
     let r = low * 4096 / high;
     let first = (r * (3217 + ((1118 * (4096 - r)) >> 12))) >> 12;
     let within = if sine > cosine.abs() {
@@ -59,17 +60,17 @@ fn angle(a: [i32; 3], b: [i32; 3]) -> i64 {
     if cosine < 0 { 12868 - within } else { within }
 }
 
-/// The normals that faces give to elements.
+/// Normals of elements computed from faces.
 #[derive(Debug, Default)]
 pub(super) struct Normals {
-    /// By the angle of each face.
+    /// Weighted by the angle of each face.
     pub(super) by_angle: Vec<[i32; 3]>,
-    /// By the area of each face.
+    /// Weighted by the area of each face.
     pub(super) by_area: Vec<[i32; 3]>,
 }
 
 impl Normals {
-    /// Of each element, over all faces.
+    /// Computes the normals of all elements.
     pub(super) fn new(ring: &Ring, position: impl Fn(u32) -> [i32; 3]) -> Self {
         let mut angles = vec![[0i64; 3]; ring.len()];
         let mut areas = vec![[0i64; 3]; ring.len()];
@@ -86,7 +87,7 @@ impl Normals {
                 let angle = angle(along[k], back);
                 for d in 0..3 {
                     angles[v as usize][d] += i64::from(normal[d]) * angle;
-                    // 2^43 for the widest grid: a million faces fit.
+                    // At most 2^43 on the largest grid: a million faces fit.
                     areas[v as usize][d] = areas[v as usize][d].saturating_add(area[d]);
                 }
             }
@@ -102,17 +103,17 @@ impl Normals {
     }
 }
 
-/// Half the width of the octahedron's square in steps.
+/// Half the width of the octahedral square in steps.
 fn half(bits: u8) -> i32 {
     ((1 << (bits - 1)) - 1).max(1)
 }
 
-/// The last place of the octahedron's square.
+/// Largest coordinate on the octahedral square.
 pub(super) fn last(bits: u8) -> i32 {
     2 * half(bits)
 }
 
-/// The unit vector of a place on the octahedron.
+/// Unit vector of an octahedral position.
 pub(super) fn of_octahedron(place: [i32; 2], bits: u8) -> [i32; 3] {
     let half = half(bits);
     let [x, y] = place.map(|n| i64::from(n - half));
@@ -125,7 +126,7 @@ pub(super) fn of_octahedron(place: [i32; 2], bits: u8) -> [i32; 3] {
     unit([(half - y.abs()) * sign(x), (half - x.abs()) * sign(y), z])
 }
 
-/// The nearest place on the octahedron of a vector.
+/// Octahedral position nearest to a vector.
 pub(super) fn on_octahedron(v: [i32; 3], bits: u8) -> [i32; 2] {
     let half = i64::from(half(bits));
     let [x, y, z] = v.map(i64::from);
@@ -145,8 +146,8 @@ pub(super) fn on_octahedron(v: [i32; 3], bits: u8) -> [i32; 2] {
     })
 }
 
-/// A place beyond the rim of the square, by less than its width, brought back: a normal's other
-/// name.
+/// Folds a position beyond the rim of the square, by less than its width, back into it: the same
+/// normal in its regular form.
 pub(super) fn folded(place: [i32; 2], bits: u8) -> [i32; 2] {
     let last = last(bits);
     let [mut x, mut y] = place;
@@ -159,7 +160,8 @@ pub(super) fn folded(place: [i32; 2], bits: u8) -> [i32; 2] {
     [x.clamp(0, last), y.clamp(0, last)]
 }
 
-/// The name of a place, of those beyond the rim too, that is nearest to another.
+/// The representation of a normal, positions beyond the rim included, that is nearest to another
+/// position.
 pub(super) fn nearest_name(place: [i32; 2], to: [i32; 2], bits: u8) -> [i32; 2] {
     let last = last(bits);
     let [x, y] = place;
@@ -171,7 +173,7 @@ pub(super) fn nearest_name(place: [i32; 2], to: [i32; 2], bits: u8) -> [i32; 2] 
         [last - x, 2 * last - y],
     ];
     let far = |n: &[i32; 2]| (n[0] - to[0]).abs() + (n[1] - to[1]).abs();
-    // Only names that fold back to the very place: one on the rim has none other.
+    // Only positions that fold back to the same one; a position on the rim has no other.
     let is_name = |n: &&[i32; 2]| folded(**n, bits) == place;
     let found = names.iter().filter(is_name).min_by_key(|n| far(n));
     found.copied().unwrap_or(place)

@@ -1,15 +1,15 @@
-//! All values but positions, over a surface whose topology and positions both sides know.
+//! All values but positions, over a surface whose topology and positions are known on both sides.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (e, f, g). One walk serves encoder and decoder. In the
-//! order of the line:
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (e, f, g). One walk serves encoder and
+//! decoder. In the order of processing:
 //!
-//! - `ring`, `siblings`: what lies around a point or a wedge, and on it
-//! - `stencil`: linear predictors over what is known there; `blend`: mixtures of predictions
-//! - `geometry`: normals of faces and the octahedron, in whole numbers
-//! - `residual`: differences as decisions
-//! - `skins`, `morphs`, `normals`, `texcoords`, `colors`: one for each kind of value
+//! - `ring`, `siblings`: surroundings of a point or wedge, and the wedges of a point
+//! - `stencil`: linear predictors over known surroundings; `blend`: mixtures of predictions
+//! - `geometry`: normals of faces and the octahedral form, in whole numbers
+//! - `residual`: coding of differences
+//! - `skins`, `morphs`, `normals`, `texcoords`, `colors`: one per kind of value
 //!
-//! All that is predicted is whole numbers, so that every platform gives the same bytes.
+//! All predictions use integer arithmetic, so that every platform produces the same bytes.
 
 mod blend;
 mod colors;
@@ -34,12 +34,12 @@ use ring::Ring;
 use siblings::Siblings;
 use stencil::Stencils;
 
-/// Where a wedge lies: what is around it and what is on its point.
+/// Surroundings of a wedge and the wedges of its point.
 type Place<'a, 'b> = (&'a Ring, &'a Siblings<'b>);
 
-/// A surface ready to be walked.
+/// A surface prepared for the walk.
 struct Walk<'a> {
-    /// Positions of points, within the widest grid whatever a stream says.
+    /// Positions of points, clamped to the largest grid for any input.
     positions: Vec<[i32; 3]>,
     points: Ring,
     wedges: Ring,
@@ -75,8 +75,8 @@ impl<'a> Walk<'a> {
 
 /// Codes everything but positions for the new points and wedges of a level.
 ///
-/// A decoder's mesh has its positions, and the values of the known points and wedges; what it
-/// has for new ones is replaced. A broken stream gives some valid mesh.
+/// A decoder's mesh has its positions and the values of known points and wedges; placeholders of
+/// new ones are replaced. A broken stream still gives a valid mesh.
 pub(super) fn code_values<C: Coder>(
     coder: &mut C,
     surface: &Surface<'_>,
@@ -118,7 +118,7 @@ pub(super) fn code_values<C: Coder>(
     morphs::code(coder, wedges, (&mut mesh.morph_normals, LARGEST_TURN));
 }
 
-/// Gives every list of a decoder's mesh its length, new values zero.
+/// Resizes every list of a decoder's mesh; new values are zero.
 fn make_room(surface: &Surface<'_>, layout: &Layout, mesh: &mut QuantisedMesh) {
     fn room<T: Clone>(list: &mut Vec<T>, known: usize, all: usize, zero: T) {
         list.truncate(known);

@@ -1,6 +1,7 @@
-//! Morph targets: which points (and wedges) they move, and how far.
+//! Morph targets: the points (and wedges) that they move, and the offsets.
 //!
-//! Most targets move few points, near each other: a point that moves is told by its neighbours.
+//! Most targets move few points, close to each other, so whether a point moves is predicted from
+//! its neighbours.
 
 use super::blend::{Blend, Sample};
 use super::residual::{BOTH, Misses, NEAR, Residuals, SIZES, both, class_of, sign_of};
@@ -18,7 +19,7 @@ struct Models {
     residuals: [Residuals; 3],
 }
 
-/// How many of an element's known neighbours move, in quarters; 5 if none is known.
+/// Fraction of an element's known neighbours that move, in quarters; 5 if none is known.
 fn share(stencils: &Stencils, values: &[[i32; 3]], v: u32) -> (usize, u32) {
     let neighbours = stencils.neighbours(v);
     let (mut moved, mut count, mut size) = (0, 0, 0);
@@ -37,7 +38,8 @@ fn share(stencils: &Stencils, values: &[[i32; 3]], v: u32) -> (usize, u32) {
     (share, size)
 }
 
-/// Codes the vectors of elements `from..` of all targets, each coordinate at most `largest`.
+/// Codes the vectors of the elements from `from` on for all targets; coordinates are at most
+/// `largest`.
 pub(super) fn code<C: Coder>(
     coder: &mut C,
     (stencils, from): (&Stencils, usize),

@@ -1,4 +1,4 @@
-//! Normals of wedges: predicted from the faces and from how far the neighbours' are off theirs.
+//! Normals of wedges, predicted from faces and from the deviation of neighbouring normals.
 
 use super::blend::{Blend, Sample};
 use super::geometry::{self, Normals};
@@ -7,18 +7,18 @@ use super::siblings::{SameAround, SameValue};
 use super::{Place, Walk};
 use crate::mesh::codec::range_coder::Coder;
 
-/// Candidates: by angle and by area over the wedge's faces, by angle and area over the point's,
-/// the neighbours' mean correction, its affine fit, the neighbours' mean, its affine fit, and by
-/// angle over all faces of the point's neighbours.
+/// Candidates: by angle and by area over the wedge's faces, by angle and area over the point's, the
+/// mean correction of the neighbours, its affine fit, the mean of the neighbours, its affine fit,
+/// and by angle over all faces of the point's neighbours.
 const CANDIDATES: usize = 9;
-/// Surroundings: whether a neighbour is known, whether the point has other wedges.
+/// Classes of surroundings: whether a neighbour is known, whether the point has other wedges.
 const CLASSES: usize = 6;
 
 /// Geometric normals of a whole level.
 pub(super) struct Geometry {
     of_wedges: Normals,
     of_points: Normals,
-    /// Those of points by angle, over all neighbours.
+    /// Normals of points weighted by angle, over all neighbours.
     smoothed: Vec<[i32; 3]>,
 }
 
@@ -60,7 +60,7 @@ impl Predictor<'_> {
         known + 3 * usize::from(self.walk.siblings.all(w).len() > 1)
     }
 
-    /// The candidates, and how far apart the corrections of the neighbours are.
+    /// The candidates, and the spread of the neighbours' corrections.
     fn candidates(&self, w: u32, vectors: &[[i32; 3]]) -> ([[i32; 3]; CANDIDATES], u32) {
         let (stencils, geometry) = (&self.walk.of_wedges, self.geometry);
         let by_angle = &geometry.of_wedges.by_angle;
@@ -99,7 +99,7 @@ impl Predictor<'_> {
     }
 }
 
-/// What codes normals.
+/// Models of normals.
 struct Models {
     blend: Blend<CANDIDATES>,
     same: SameValue,
@@ -166,7 +166,7 @@ pub(super) fn code<C: Coder>(
 }
 
 impl Predictor<'_> {
-    /// What the coefficients are fitted to: normals that are no sibling's.
+    /// Samples for fitting: normals that differ from all siblings.
     fn samples(&self, normals: &[[i32; 2]]) -> Vec<Sample<CANDIDATES, 3>> {
         let vector = |place: &[i32; 2]| geometry::of_octahedron(*place, self.bits);
         let vectors: Vec<[i32; 3]> = normals.iter().map(vector).collect();
@@ -183,7 +183,7 @@ impl Predictor<'_> {
         all.filter(is_new).map(sample).collect()
     }
 
-    /// Codes one normal that is no sibling's.
+    /// Codes one normal that differs from all siblings.
     fn code(
         &self,
         coder: &mut impl Coder,
@@ -192,7 +192,7 @@ impl Predictor<'_> {
         (vectors, given): (&[[i32; 3]], [i32; 2]),
     ) -> [i32; 2] {
         let bits = self.bits;
-        // Lengths in steps of the octahedron, about.
+        // Approximate lengths in octahedral steps.
         let scale = |x: u32| x >> (15 - bits.min(14));
         let class = self.class(w);
         let (candidates, apart) = self.candidates(w, vectors);

@@ -1,9 +1,9 @@
-//! Differences from a prediction as decisions, each by several contexts at once.
+//! Differences from a prediction, each coded in several contexts at once.
 
 use super::super::mixing::{MixedNatural, Weights, decide};
 use super::super::range_coder::{Bit, Coder};
 
-/// Contexts of a difference.
+/// Number of contexts of a difference.
 pub(super) const CONTEXTS: usize = 4;
 
 /// Model of signed numbers in several contexts.
@@ -15,7 +15,7 @@ pub(super) struct Residuals {
 }
 
 impl Residuals {
-    /// With so many contexts of each kind, and of signs.
+    /// Creates models for the given number of contexts of each kind and of signs.
     pub(super) fn new(contexts: [usize; CONTEXTS], signs: usize) -> Self {
         Self {
             magnitude: MixedNatural::new(contexts),
@@ -27,7 +27,7 @@ impl Residuals {
         }
     }
 
-    /// Codes a number between -2^30 and 2^30; a decoder gives what was written.
+    /// Codes a number between -2^30 and 2^30; a decoder returns the decoded value.
     pub(super) fn code(
         &mut self,
         coder: &mut impl Coder,
@@ -47,7 +47,7 @@ impl Residuals {
     }
 }
 
-/// Classes of [`class_of`].
+/// Number of classes of [`class_of`].
 pub(super) const SIZES: usize = 20;
 
 /// Size of a number in half octaves: 0, 1, 2, 3, 4-5, 6-7, 8-11 ..
@@ -65,18 +65,19 @@ pub(super) fn sign_of(x: i32) -> usize {
     (x.signum() + 1) as usize
 }
 
-/// How far off the prediction of each element was, of those that have been coded.
+/// Prediction error of each coded element.
 #[derive(Debug)]
 pub(super) struct Misses {
     from: usize,
     sizes: Vec<u32>,
 }
 
-/// Contexts of [`Misses::near`].
+/// Number of contexts of [`Misses::near`].
 pub(super) const NEAR: usize = SIZES * 3;
 
 impl Misses {
-    /// Of elements below `count`, those below `from` known without prediction.
+    /// Creates errors for the elements from `from` to `count`; those below `from` are known without
+    /// prediction.
     pub(super) fn new(from: usize, count: usize) -> Self {
         Self {
             from,
@@ -84,19 +85,19 @@ impl Misses {
         }
     }
 
-    /// What was missed at an element, summed over its values.
+    /// Stores the error of an element, summed over its values.
     pub(super) fn note(&mut self, v: u32, missed: &[i32]) {
         let sum = |sum: u32, x: &i32| sum.saturating_add(x.unsigned_abs());
         self.sizes[v as usize - self.from] = missed.iter().fold(0, sum);
     }
 
-    /// What was missed at one element, for one that takes its value.
+    /// Copies the error of an element whose value is copied.
     pub(super) fn copy(&mut self, v: u32, from: u32) {
         let of = |v: u32| (v as usize).checked_sub(self.from);
         self.sizes[v as usize - self.from] = of(from).map_or(0, |i| self.sizes[i]);
     }
 
-    /// The mean of neighbours as a context, with how many there are.
+    /// Context from the mean error of neighbours and their number.
     pub(super) fn near(&self, neighbours: impl Iterator<Item = u32>) -> usize {
         let (mut sum, mut count) = (0u64, 0);
         for u in neighbours.filter(|u| *u as usize >= self.from) {
@@ -108,10 +109,10 @@ impl Misses {
     }
 }
 
-/// Contexts of [`both`].
+/// Number of contexts of [`both`].
 pub(super) const BOTH: usize = SIZES / 2 * NEAR.div_ceil(2);
 
-/// A size and a context of [`Misses::near`] as one, each half as fine.
+/// Combines a size and a context of [`Misses::near`], each at half resolution.
 pub(super) fn both(size: usize, near: usize) -> usize {
     size / 2 * NEAR.div_ceil(2) + near / 2
 }

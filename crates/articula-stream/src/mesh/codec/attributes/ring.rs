@@ -1,8 +1,9 @@
-//! What lies around an element (a point or a wedge) of a surface.
+//! Surroundings of an element (a point or a wedge) of a surface.
 //!
-//! All walks are short, however many faces meet: a hostile mesh must not make them long.
+//! Walks have a bounded length however many faces meet, so that a hostile mesh cannot make them
+//! long.
 
-/// Faces around an element that are looked at.
+/// Maximum number of faces examined around an element.
 const MAX_CORNERS: usize = 48;
 
 /// The faces around each element.
@@ -15,7 +16,7 @@ pub(super) struct Ring {
 }
 
 impl Ring {
-    /// Of faces that name elements below `count`.
+    /// Builds the rings of faces over `count` elements.
     pub(super) fn new(count: usize, faces: Vec<[u32; 3]>) -> Self {
         let mut starts = vec![0u32; count + 1];
         for &v in faces.as_flattened() {
@@ -69,12 +70,12 @@ impl Ring {
         found.next().map(|e| e[0])
     }
 
-    /// The neighbours of an element that come before it, each once.
+    /// The neighbours of an element with lower ids, each once.
     pub(super) fn known(&self, v: u32, out: &mut Vec<u32>) {
         self.known_below(v, v, out);
     }
 
-    /// The neighbours of an element that come before another, each once.
+    /// The neighbours of an element with ids below `end`, each once.
     pub(super) fn known_below(&self, v: u32, end: u32, out: &mut Vec<u32>) {
         out.clear();
         for u in self.edges(v).flatten().filter(|u| *u < end) {

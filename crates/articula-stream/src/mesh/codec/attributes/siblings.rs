@@ -1,13 +1,14 @@
-//! Wedges of one point: whether a new one has a value of one that is known.
+//! Wedges of the same point, and values that they share.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (e). A seam of one kind is rarely one of another: what
-//! happens at the other end of the edges between two siblings says most of it.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (e). A seam of one kind of value is rarely one
+//! of another; the best predictor are the wedges at the other end of the edges between two
+//! siblings.
 
 use super::super::mixing::{Weights, decide};
 use super::super::range_coder::{Bit, Coder};
 use super::ring::Ring;
 
-/// Siblings that are asked about.
+/// Maximum number of siblings tried.
 const MOST: usize = 8;
 
 /// The wedges of each point.
@@ -45,20 +46,20 @@ impl<'a> Siblings<'a> {
         self.wedge_points[w as usize]
     }
 
-    /// All wedges at the point of a wedge.
+    /// All wedges of a wedge's point.
     pub(super) fn all(&self, w: u32) -> &[u32] {
         let p = self.wedge_points[w as usize] as usize;
         &self.wedges[self.starts[p] as usize..self.starts[p + 1] as usize]
     }
 
-    /// The wedges of a point that come before `end`.
+    /// The wedges of a point with ids below `end`.
     pub(super) fn at(&self, p: u32, end: u32) -> impl Iterator<Item = u32> + '_ {
         let p = p as usize;
         let all = &self.wedges[self.starts[p] as usize..self.starts[p + 1] as usize];
         all.iter().copied().take(MOST).take_while(move |w| *w < end)
     }
 
-    /// Those that come before it, the latest first.
+    /// The siblings with lower ids, latest first.
     pub(super) fn known(&self, w: u32) -> impl Iterator<Item = u32> + '_ {
         let all = self.all(w);
         let count = all.partition_point(|s| *s < w);
@@ -66,7 +67,7 @@ impl<'a> Siblings<'a> {
     }
 }
 
-/// Model of the question for one kind of value.
+/// Model of equality with a sibling, for one kind of value.
 #[derive(Debug, Default)]
 pub(super) struct SameValue {
     by_ends: [[Bit; 4]; 16],
@@ -75,8 +76,8 @@ pub(super) struct SameValue {
 }
 
 impl SameValue {
-    /// Whether a wedge has the value of a sibling, and of which; each value is asked about once.
-    /// `before` says whether two wedges agree in the kinds coded before.
+    /// Codes whether a wedge has the value of a sibling, and which; each distinct value is tried
+    /// once. `before` returns in which earlier kinds two wedges agree.
     pub(super) fn code<V: PartialEq + Copy>(
         &mut self,
         coder: &mut impl Coder,
@@ -101,7 +102,7 @@ impl SameValue {
                 let at = siblings.point(u);
                 for &other in beside.iter().filter(|o| siblings.point(**o) == at) {
                     let is_same = values[u as usize] == values[other as usize];
-                    // One wedge at the other end says less than two that agree or not.
+                    // One wedge at the other end is weaker evidence than two that agree or differ.
                     let found = match (u == other, is_same) {
                         (true, _) => 1,
                         (_, true) => 2,
@@ -126,13 +127,12 @@ impl SameValue {
     }
 }
 
-/// Values around that are asked about: of neighbours, and of other wedges of their points.
+/// Maximum number of surrounding values tried: of neighbours, and of other wedges of their points.
 const MAX_AROUND: usize = 2;
-/// Wedges of neighbouring points that are looked at.
+/// Maximum number of wedges examined at neighbouring points.
 const MAX_NEARBY: usize = 48;
 
-/// Model of the question whether a wedge has the very value of one around, as those of a flat
-/// face have.
+/// Model of equality with a surrounding value, as on flat faces.
 #[derive(Debug)]
 pub(super) struct SameAround {
     by_votes: [[[Bit; 4]; 4]; 2 * MAX_AROUND],
@@ -153,9 +153,8 @@ impl Default for SameAround {
 }
 
 impl SameAround {
-    /// Whether a wedge that has the value of no sibling has that of a neighbour, the most
-    /// frequent first, or that of another wedge at a neighbour's point, the one that is least
-    /// `far` first; and which.
+    /// Codes whether a wedge without an equal sibling has the value of a neighbour (most frequent
+    /// first) or of another wedge at a neighbour's point (smallest `far` first), and which.
     pub(super) fn code<V: PartialEq + Copy>(
         &mut self,
         coder: &mut impl Coder,

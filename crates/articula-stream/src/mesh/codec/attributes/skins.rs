@@ -1,7 +1,7 @@
-//! Skins of points: which joints, then how much of each.
+//! Skins of points: joints first, then their weights.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (f). Differs: there is no count; a joint of a neighbour
-//! is asked about one after the other, the likeliest first, then come how many others.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (f). Each joint of the neighbours is one
+//! decision, the most likely joint first; then follow the number of other joints and their ids.
 
 use super::Walk;
 use super::blend::{Blend, Sample};
@@ -10,24 +10,24 @@ use super::stencil::{CLASSES, FRACTION, PREDICTORS};
 use crate::mesh::codec::mixing::{MixedNatural, Weights, decide};
 use crate::mesh::codec::range_coder::{Bit, Coder};
 
-/// Joints of neighbours that are asked about.
+/// Maximum number of neighbours' joints tried.
 const MAX_ASKED: usize = 24;
-/// The sum of all weights.
+/// Sum of all weights.
 const WHOLE: i32 = 255;
 
 type Skin = Vec<(u16, u8)>;
 
-/// A joint that a neighbour has.
+/// A joint of a neighbour.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
     joint: u16,
-    /// What each predictor makes of its weight.
+    /// Predicted weight by each predictor.
     predictions: [[i32; 1]; PREDICTORS],
-    /// Prediction, from 0 to [`WHOLE`], in 1/2^[`FRACTION`].
+    /// Predicted weight, from 0 to [`WHOLE`], in 1/2^[`FRACTION`].
     weight: i32,
-    /// Neighbours that have it.
+    /// Number of neighbours that have the joint.
     users: usize,
-    /// Least and largest weight that a neighbour has of it.
+    /// Minimum and maximum weight of the joint at the neighbours.
     range: (u8, u8),
 }
 
@@ -35,7 +35,7 @@ fn weight_of(skin: &Skin, joint: u16) -> u8 {
     skin.iter().find(|i| i.0 == joint).map_or(0, |i| i.1)
 }
 
-/// The joints of the neighbours of a point, the likeliest first.
+/// The joints of a point's neighbours, the most likely first.
 fn candidates(
     walk: &Walk<'_>,
     skins: &[Skin],
@@ -75,7 +75,7 @@ fn candidates(
     out
 }
 
-/// Joints without a neighbour: bits of their numbers, learnt.
+/// Joints that no neighbour has, coded by the bits of their ids with models.
 #[derive(Debug)]
 struct Strangers {
     bits: u32,
@@ -128,7 +128,7 @@ impl Models {
         }
     }
 
-    /// Whether the point has a joint of its neighbours.
+    /// Codes whether the point has a joint of its neighbours.
     fn has(
         &mut self,
         coder: &mut impl Coder,
@@ -150,7 +150,7 @@ impl Models {
     }
 }
 
-/// The joints of one point: candidates that it has, then strangers.
+/// Codes the joints of one point: candidates first, then others.
 fn code_joints(
     coder: &mut impl Coder,
     models: &mut Models,
@@ -167,7 +167,7 @@ fn code_joints(
     }
     let is_stranger = |i: &&(u16, u8)| all.iter().all(|c| c.joint != i.0);
     let strangers: Vec<u16> = given.iter().filter(is_stranger).map(|i| i.0).collect();
-    // One joint at least; as many as there are, and no more than have a weight, at most.
+    // At least one joint in all; at most the number of joints, and of weights that fit.
     let room = usize::from(joints)
         .min(WHOLE as usize)
         .saturating_sub(out.len());
@@ -180,7 +180,7 @@ fn code_joints(
     for i in 0..more {
         let given = strangers.get(i).copied().unwrap_or(0);
         let joint = models.strangers.code(coder, given).min(joints.max(1) - 1);
-        // Only a broken stream names a joint twice.
+        // Only a broken stream has a joint twice.
         if out.iter().all(|o: &(u16, i32, (u8, u8))| o.0 != joint) {
             out.push((joint, 0, (0, 0)));
         }
@@ -225,7 +225,7 @@ pub(super) fn code<C: Coder>(coder: &mut C, walk: &Walk<'_>, skins: &mut [Skin],
     }
 }
 
-/// Puts weights in the place of predictions; gives how far off these were.
+/// Codes weights in place of predictions; returns the sum of the prediction errors.
 fn code_weights(
     coder: &mut impl Coder,
     models: &mut Models,
@@ -234,7 +234,7 @@ fn code_weights(
 ) -> i32 {
     let count = chosen.len();
     let (mut left, mut off, mut last) = (WHOLE, 0, 0i32);
-    // What no prediction says anything of gets a small share.
+    // Joints without a prediction get a small share.
     for c in chosen.iter_mut() {
         c.1 = c.1.max(8);
     }

@@ -1,27 +1,28 @@
-//! Linear predictors over an element's known surroundings: which elements count how much.
+//! Linear predictors over the known surroundings of an element.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (d, e). A predictor is a weight for each known element
-//! around; so one set of weights serves all kinds of values. The local affine fit is a weighted
-//! least squares fit over the neighbours and the corners beyond them, evaluated where the element
-//! lies; a little of the identity is added to its matrix, so that it holds for flat surroundings.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (d, e). A predictor is a list of weights of
+//! the known elements around, so one set of weights serves all kinds of values. The local affine
+//! fit is a weighted least squares fit over the neighbours and the corners beyond them, evaluated
+//! at the element's position; a small multiple of the identity is added to its matrix, so that it
+//! is regular for flat surroundings.
 
 use super::ring::Ring;
 
-/// Predictors of a stencil: mean, parallelograms, affine fit, mean by inverse distance.
+/// Number of predictors: mean, parallelograms, affine fit, mean by inverse distance.
 pub(super) const PREDICTORS: usize = 4;
-/// Kinds of surroundings, see [`Stencils::class`].
+/// Number of classes of surroundings, see [`Stencils::class`].
 pub(super) const CLASSES: usize = 6;
-/// 1 as a weight.
+/// The weight 1.
 const UNIT: i64 = 1 << UNIT_BITS;
 const UNIT_BITS: u32 = 14;
-/// Places below one of a predicted value.
+/// Fractional bits of a predicted value.
 pub(super) const FRACTION: u32 = 4;
-/// Elements that a predictor looks at.
+/// Maximum number of elements that a predictor uses.
 const MOST: usize = 16;
-/// Largest value that is predicted from, either way, and largest prediction.
+/// Maximum absolute value of inputs and predictions.
 pub(super) const REACH: i64 = 1 << 28;
 
-/// For each element to be coded, its predictors.
+/// Predictors of each element to be coded.
 #[derive(Debug)]
 pub(super) struct Stencils {
     from: usize,
@@ -32,7 +33,7 @@ pub(super) struct Stencils {
 }
 
 impl Stencils {
-    /// Of the elements `from..`, each at its position.
+    /// Computes the predictors of the elements from `from` on.
     pub(super) fn new(ring: &Ring, position: impl Fn(u32) -> [i32; 3], from: usize) -> Self {
         let mut out = Self {
             from,
@@ -64,13 +65,13 @@ impl Stencils {
         self.entries(v)[..count].iter().map(|e| e.0)
     }
 
-    /// How much is known around an element: 0 nothing, 1 no parallelogram, 2 to 4 one, two,
-    /// more; 5 all neighbours.
+    /// Class of an element: 0 no known neighbour, 1 no parallelogram, 2 to 4 one, two, or more; 5
+    /// all neighbours known.
     pub(super) fn class(&self, v: u32) -> usize {
         usize::from(self.classes[v as usize - self.from])
     }
 
-    /// What each predictor makes of a value, in 1/2^[`FRACTION`]; zero if nothing is known.
+    /// Applies each predictor to a value, in 1/2^[`FRACTION`]; zero if nothing is known.
     pub(super) fn predict<const D: usize>(
         &self,
         v: u32,
@@ -101,7 +102,7 @@ impl Stencils {
     }
 }
 
-/// What is known around one element.
+/// Known surroundings of one element.
 #[derive(Debug, Default)]
 struct Surroundings {
     known: Vec<u32>,
@@ -192,9 +193,9 @@ impl Surroundings {
     }
 }
 
-/// Weights that give at 0 the weighted least squares affine function of values at `offsets`.
+/// Weights that evaluate, at 0, the affine function fitted to values at `offsets`.
 fn affine(offsets: &[[i64; 3]], squares: &[i64]) -> Vec<i32> {
-    // Coordinates of ten bits are fine enough and leave room for the products below.
+    // Coordinates of ten bits are precise enough and leave room for the products below.
     let widest = offsets.iter().flatten().map(|x| x.unsigned_abs()).max();
     let shift = (64 - widest.unwrap_or(0).leading_zeros()).saturating_sub(10);
     let least = squares.iter().copied().min().unwrap_or(1);
@@ -213,7 +214,7 @@ fn affine(offsets: &[[i64; 3]], squares: &[i64]) -> Vec<i32> {
             middle[d] += place[d] * count;
         }
     }
-    // In quarters, so that little is lost by rounding the middle.
+    // In quarters, so that rounding the mean loses little.
     let middle = middle.map(|m| m * 4 / total);
     let mut m = [[0i128; 3]; 3];
     let steps: Vec<[i128; 3]> = places
@@ -237,7 +238,7 @@ fn affine(offsets: &[[i64; 3]], squares: &[i64]) -> Vec<i32> {
     };
     let adjugate: [[i128; 3]; 3] = std::array::from_fn(|r| std::array::from_fn(|c| minor(r, c)));
     let determinant: i128 = (0..3).map(|c| m[0][c] * adjugate[0][c]).sum();
-    // The place of the element itself is 0.
+    // The element itself is at 0.
     let toward: [i128; 3] =
         std::array::from_fn(|r| (0..3).map(|c| -adjugate[r][c] * middle[c]).sum());
     steps
@@ -252,7 +253,7 @@ fn affine(offsets: &[[i64; 3]], squares: &[i64]) -> Vec<i32> {
         .collect()
 }
 
-/// `a / b * UNIT` of a positive `b`, by 64-bit division.
+/// `a / b * UNIT` for a positive `b`, by 64-bit division.
 fn quotient(a: i128, b: i128) -> i64 {
     let bits = 128 - b.leading_zeros();
     let shift = bits.saturating_sub(40);

@@ -1,4 +1,4 @@
-//! Laws of coded values, on random meshes and broken bytes.
+//! Properties of coded values, on random meshes and broken bytes.
 
 use super::super::mesh::MorphLayout;
 use super::super::range_coder::{Decoder, Encoder};
@@ -6,8 +6,8 @@ use super::*;
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A mesh with its faces in an order in which each shares an edge with one before, as far as
-/// there are any, and its points and wedges in the order in which the faces name them.
+/// Orders the faces so that each shares an edge with an earlier one if possible, and points and
+/// wedges by first use.
 pub(super) fn discovered(mesh: &QuantisedMesh) -> QuantisedMesh {
     let points: Vec<[u32; 3]> = mesh.point_faces().collect();
     let mut by_edge: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
@@ -43,8 +43,7 @@ pub(super) fn discovered(mesh: &QuantisedMesh) -> QuantisedMesh {
     renumbered(mesh, faces, (0, 0))
 }
 
-/// The mesh with its faces as given, and points and wedges beyond the known ones in the order
-/// in which these name them.
+/// The mesh with the given faces, and points and wedges beyond the known ones ordered by first use.
 fn renumbered(mesh: &QuantisedMesh, faces: Vec<[u32; 3]>, known: (usize, usize)) -> QuantisedMesh {
     let mut wedges: Vec<usize> = (0..known.1).collect();
     let mut points: Vec<usize> = (0..known.0).collect();
@@ -109,7 +108,7 @@ fn decoded(
     known: (usize, usize),
     bytes: &[u8],
 ) -> QuantisedMesh {
-    // All that a decoder knows: topology, positions, and the values of the coarser level.
+    // Everything that a decoder knows: topology, positions, and the values of the coarser level.
     let first = |n: usize, list: &Vec<[i32; 3]>| list[..n.min(list.len())].to_vec();
     let mut out = QuantisedMesh {
         skins: mesh.skins[..known.0.min(mesh.skins.len())].to_vec(),
@@ -131,7 +130,7 @@ fn decoded(
     out
 }
 
-/// Which kinds a random mesh has.
+/// Random layouts.
 fn layouts() -> impl Strategy<Value = Layout> {
     let bits = |low: u8, high: u8| prop_oneof![Just(0), low..=high];
     let morphs = prop::collection::vec(any::<bool>(), 0..3);
@@ -157,7 +156,7 @@ fn layouts() -> impl Strategy<Value = Layout> {
         )
 }
 
-/// Numbers below what is asked for, from a seed.
+/// Bounded numbers derived from a seed.
 struct Draw<'a> {
     seed: &'a [u32],
     drawn: usize,
@@ -189,7 +188,7 @@ impl Draw<'_> {
     }
 }
 
-/// Points at distinct places, with skins and morph offsets.
+/// Adds points at distinct positions, with skins and morph offsets.
 fn add_points(out: &mut QuantisedMesh, layout: &Layout, draw: &mut Draw<'_>) {
     let mut seen = BTreeSet::new();
     for _ in 0..24 {
@@ -210,7 +209,7 @@ fn add_points(out: &mut QuantisedMesh, layout: &Layout, draw: &mut Draw<'_>) {
     }
 }
 
-/// Distinct wedges, many of which agree in some kinds.
+/// Adds distinct wedges, many of which agree in some kinds.
 fn add_wedges(out: &mut QuantisedMesh, layout: &Layout, draw: &mut Draw<'_>) {
     let mut seen = BTreeSet::new();
     for _ in 0..40 {
@@ -239,7 +238,7 @@ fn add_wedges(out: &mut QuantisedMesh, layout: &Layout, draw: &mut Draw<'_>) {
     }
 }
 
-/// A mesh of random faces and random values of a layout, all distinct that has to be.
+/// A mesh of random faces and random values, distinct where required.
 fn random_mesh(layout: &Layout, seed: &[u32], faces: &[[u32; 3]]) -> QuantisedMesh {
     let mut draw = Draw { seed, drawn: 0 };
     let mut out = QuantisedMesh {
@@ -262,7 +261,7 @@ fn random_mesh(layout: &Layout, seed: &[u32], faces: &[[u32; 3]]) -> QuantisedMe
     discovered(&out)
 }
 
-/// The points and wedges that the first faces name: what a coarser level could have.
+/// Number of points and wedges that the first faces use: a possible coarser level.
 fn named(mesh: &QuantisedMesh, faces: usize) -> (usize, usize) {
     let wedges = mesh.faces[..faces].as_flattened();
     let wedges = wedges.iter().max().map_or(0, |w| *w as usize + 1);
@@ -284,7 +283,7 @@ prop_compose! {
     }
 }
 
-/// A surface of `side` * `side` quads, bent, with all kinds of values.
+/// A curved surface of `side` * `side` quads, with all kinds of values.
 fn hill(side: i32) -> (Layout, QuantisedMesh) {
     let layout = Layout {
         position_bits: 14,
@@ -332,8 +331,8 @@ fn a_smooth_surface_costs_little() {
     let (layout, mesh) = hill(40);
     mesh.check(&layout).unwrap();
     let bytes = encoded(&mesh, &layout, (0, 0));
-    // Affine and quadratic values: a tenth of their raw bits is plenty. A wedge has raw 20 bits of
-    // normal, 24 of texture, 32 of colour, 8 and 2 of skin, and those of the morph.
+    // Affine and quadratic values need less than a tenth of their raw bits. A wedge has 20 raw bits
+    // of normal, 24 of texture coordinates, 32 of colour, 8 and 2 of skin, and those of the morph.
     assert!(
         bytes.len() * 8 < mesh.wedges() * 10,
         "{} bytes",
@@ -391,7 +390,7 @@ proptest! {
         let short = bytes[..cut.index(bytes.len() + 1)].to_vec();
         for bytes in [bytes, short, noise] {
             let got = decoded(&mesh, &layout, known, &bytes);
-            // Two wedges or points may agree; nothing else may be wrong.
+            // Two wedges or points may be equal; every other fault is an error.
             if let Err(error) = got.check(&layout) {
                 prop_assert!(error.what.contains("the values of another"), "{}", error);
             }

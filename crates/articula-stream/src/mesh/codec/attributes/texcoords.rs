@@ -1,8 +1,8 @@
-//! Texture coordinates of wedges: predicted over the wedges of the same piece of the map.
+//! Texture coordinates of wedges, predicted over wedges of the same chart.
 //!
-//! The candidates of the spec and one more, after the prediction of Draco ("tex coords portable"):
-//! the triangle over a known edge in the shape that it has in space. Differs: the side is that of
-//! the face beyond the edge, and the mean of all such edges is taken.
+//! One candidate follows Draco's portable texture coordinate predictor: the triangle over a known
+//! edge keeps its shape in space. Differs from Draco: the side is that of the face beyond the edge,
+//! and the mean over all such edges is taken.
 
 use super::blend::{Blend, Sample};
 use super::residual::{BOTH, Misses, NEAR, Residuals, SIZES, both, class_of, sign_of};
@@ -22,7 +22,7 @@ fn candidates(walk: &Walk<'_>, values: &[[i32; 2]], w: u32) -> [[i32; 2]; CANDID
     out
 }
 
-/// Mean of the places that known edges give by the shape of their faces.
+/// Mean of the positions given by known edges and the shape of their faces.
 fn shaped(walk: &Walk<'_>, values: &[[i32; 2]], w: u32) -> Option<[i32; 2]> {
     let at = |u: u32| walk.positions[walk.siblings.point(u) as usize].map(i64::from);
     let uv = |u: u32| values[u as usize].map(i64::from);
@@ -64,15 +64,15 @@ fn shaped(walk: &Walk<'_>, values: &[[i32; 2]], w: u32) -> Option<[i32; 2]> {
     (count > 0).then(|| sum.map(mean))
 }
 
-/// What stands in where no wedge of the same piece is known: a sibling's or the latest.
+/// Substitute if no wedge of the same chart is known: the value of a sibling, or the latest.
 fn stand_in(walk: &Walk<'_>, values: &[[i32; 2]], w: u32) -> [i32; 2] {
     let sibling = walk.siblings.known(w).next();
     let latest = w.checked_sub(1);
     sibling.or(latest).map_or([0; 2], |u| values[u as usize])
 }
 
-/// Codes the texture coordinates of all new wedges. `agree` says whether two wedges agree in
-/// the kinds before.
+/// Codes the texture coordinates of all new wedges. `agree` returns in which earlier kinds two
+/// wedges agree.
 pub(super) fn code<C: Coder>(
     coder: &mut C,
     walk: &Walk<'_>,

@@ -1,22 +1,21 @@
-//! The loops around what was visited so far, as linked lists of edges.
+//! The loops around the visited faces, as linked lists of edges.
 //!
-//! Source: S. Gumhold and W. Strasser, "Real time compression of triangle mesh connectivity",
-//! 1998 (the cut-border). Differs: an edge without a face beyond stays in its loop as a border,
-//! neighbouring borders become one, and a loop that a face joins with another is spliced in the
-//! same way as one that it splits.
+//! Source: S. Gumhold and W. Strasser, "Real time compression of triangle mesh connectivity", 1998
+//! (the cut-border). Differs: an edge without a face beyond stays in its loop as a border, adjacent
+//! borders are merged, and a face that joins two loops is handled like one that splits a loop.
 
 use super::super::half_edges::NONE;
 
-/// What lies beyond an edge of a loop.
+/// State of the far side of a loop's edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Beyond {
-    /// A face that is to be visited, or it is not known yet that there is none.
+    /// A face to be visited, or not yet known.
     Open,
     /// Nothing; one edge of the mesh.
     Border,
-    /// Nothing; several borders in a row.
+    /// Nothing; several merged borders.
     Borders,
-    /// The entry is in no loop any more.
+    /// The entry is not in a loop any more.
     Gone,
 }
 
@@ -26,10 +25,10 @@ pub(super) struct Entry {
     pub(super) point: u32,
     pub(super) next: u32,
     pub(super) previous: u32,
-    /// The half-edge of the visited face at the edge.
+    /// Half-edge of the visited face at the edge.
     pub(super) half_edge: u32,
     pub(super) beyond: Beyond,
-    /// An entry of the same point, made before.
+    /// An older entry of the same point.
     older: u32,
 }
 
@@ -41,7 +40,7 @@ pub(super) struct Border {
     latest: Vec<u32>,
 }
 
-/// How far a corner is searched along a loop.
+/// Maximum number of steps that a corner is searched along a loop.
 pub(super) const REACH: u32 = 1024;
 
 impl Border {
@@ -53,17 +52,17 @@ impl Border {
         &mut self.entries[entry as usize]
     }
 
-    /// The entry that follows.
+    /// The next entry.
     pub(super) fn next(&self, entry: u32) -> u32 {
         self.at(entry).next
     }
 
-    /// The entry before.
+    /// The previous entry.
     pub(super) fn previous(&self, entry: u32) -> u32 {
         self.at(entry).previous
     }
 
-    /// A new entry, open, linked to itself.
+    /// Adds an open entry, linked to itself.
     pub(super) fn add(&mut self, point: u32, half_edge: u32) -> u32 {
         let id = self.entries.len() as u32;
         if self.latest.len() <= point as usize {
@@ -87,24 +86,24 @@ impl Border {
         self.at_mut(next).previous = entry;
     }
 
-    /// Takes an entry out of its loop.
+    /// Removes an entry from its loop.
     pub(super) fn remove(&mut self, entry: u32) {
         let Entry { next, previous, .. } = *self.at(entry);
         self.link(previous, next);
         self.at_mut(entry).beyond = Beyond::Gone;
     }
 
-    /// An entry of a point that is in a loop.
+    /// Returns an entry of a point that is in a loop.
     pub(super) fn find(&mut self, point: u32) -> Option<u32> {
         let latest = self.latest.get_mut(point as usize)?;
-        // What is gone stays gone.
+        // Removed entries stay removed.
         while *latest != NONE && self.entries[*latest as usize].beyond == Beyond::Gone {
             *latest = self.entries[*latest as usize].older;
         }
         (*latest != NONE).then_some(*latest)
     }
 
-    /// The steps from one entry to another of the same loop, if there are few.
+    /// The number of steps from one entry to another of the same loop, if at most [`REACH`].
     pub(super) fn steps(
         &self,
         from: u32,
@@ -121,23 +120,23 @@ impl Border {
         None
     }
 
-    /// Whether a loop has two corners at most, no row of borders among its edges: both edges
-    /// bound the same two points, and no face can be beyond.
+    /// Returns whether a loop has at most two corners and no merged borders: both edges join the
+    /// same two points, and no face can lie beyond.
     pub(super) fn is_closed(&self, entry: u32) -> bool {
         let next = self.next(entry);
         let single = |e: u32| self.at(e).beyond != Beyond::Borders;
         self.next(next) == entry && single(entry) && single(next)
     }
 
-    /// Drops a loop of two corners.
+    /// Removes a loop of two corners.
     pub(super) fn close(&mut self, entry: u32) {
         let next = self.next(entry);
         self.at_mut(entry).beyond = Beyond::Gone;
         self.at_mut(next).beyond = Beyond::Gone;
     }
 
-    /// Notes that nothing lies beyond an edge; joins it with the borders beside it. Gives an
-    /// entry of the loop, none if the whole loop is border.
+    /// Marks an edge as border and merges it with adjacent borders. Returns an entry of the loop,
+    /// or `None` if the whole loop is border.
     pub(super) fn set_border(&mut self, entry: u32) -> Option<u32> {
         self.at_mut(entry).beyond = Beyond::Border;
         let mut entry = entry;

@@ -1,14 +1,14 @@
-//! Which corners the faces of a level join, face by face, and which points are new.
+//! Connectivity of a level: the points of each face, and which of them are new.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (a); S. Gumhold and W. Strasser, "Real time compression
-//! of triangle mesh connectivity", 1998 (cut-border machine). Differs: known points are matched
-//! on the way ([`super::matching`]), so that the coarser level tells which symbol comes next; a
-//! corner that is already visited but in no loop within reach is named by its point, which covers
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (a); S. Gumhold and W. Strasser, "Real time
+//! compression of triangle mesh connectivity", 1998 (cut-border machine). Differs: known points are
+//! matched during the traversal ([`super::matching`]), so that the coarser level predicts the next
+//! symbol; a visited corner that is in no loop within reach is coded by its point id, which covers
 //! handles, points of several fans and edges of more than two faces. In the order of the walk:
 //!
 //! - `truth`: the mesh that an encoder describes
-//! - `border`: the loops around what was visited
-//! - `symbols`: how each face lies at its gate
+//! - `border`: the loops around the visited faces
+//! - `symbols`: position of each face relative to its gate
 
 mod border;
 mod symbols;
@@ -21,7 +21,7 @@ use border::{Beyond, Border};
 use symbols::{Symbol, Symbols};
 pub(super) use truth::Truth;
 
-/// Faces of points, in the order of the walk. Known points keep their ids, new ones follow.
+/// Faces of points, in the order of the walk. New points have the ids after the known ones.
 #[derive(Debug, Default)]
 pub(super) struct Walked {
     pub(super) faces: Vec<[u32; 3]>,
@@ -29,10 +29,10 @@ pub(super) struct Walked {
     pub(super) new_points: usize,
 }
 
-/// What a decoder finds wrong.
+/// Description of an error in the input of a decoder.
 pub(super) type Fault = &'static str;
 
-/// Walks a level of `count` faces: describes the truth, or finds out what it was.
+/// Walks a level of `count` faces; an encoder describes the truth, a decoder rebuilds it.
 pub(super) fn walk<C: Coder>(
     coder: &mut C,
     coarse: &Coarse<'_>,
@@ -65,22 +65,22 @@ struct Walk<'a, 't, C> {
     border: Border,
     symbols: Symbols,
     seeds: Seeds,
-    /// Twins of the half-edges of visited faces, as far as they were glued.
+    /// Opposite half-edges of visited faces, as far as they are joined.
     twins: Vec<u32>,
-    /// Visited faces of each point.
+    /// Number of visited faces of each point.
     visits: Vec<u8>,
     walked: Walked,
     count: usize,
 }
 
-/// Models of where components start.
+/// Models of the first corners of components.
 #[derive(Debug, Default)]
 struct Seeds {
     is_visited: [Bit; 3],
     known: [Bit; 2],
 }
 
-/// A corner that was visited before, or the known id of a free one, or a new one.
+/// A corner: a visited point, the id of a free known point, or a new point.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Corner {
     Visited(u32),
@@ -134,7 +134,7 @@ impl<C: Coder> Walk<'_, '_, C> {
         Ok(entries[0])
     }
 
-    /// Codes a point that was visited, by its id.
+    /// Codes a visited point by its id.
     fn code_visited(&mut self, visited: u32) -> Result<u32, Fault> {
         let total = self.matching.points() as u32;
         let point = self.coder.raw(32 - total.leading_zeros(), visited);
@@ -144,7 +144,7 @@ impl<C: Coder> Walk<'_, '_, C> {
         Ok(point)
     }
 
-    /// Keeps count of a point that was just found.
+    /// Registers a newly found point.
     fn note_point(&mut self, point: u32) {
         if !self.matching.is_known(point) {
             self.visits.push(0);
@@ -196,7 +196,7 @@ impl<C: Coder> Walk<'_, '_, C> {
         Ok(())
     }
 
-    /// Visits what lies beyond a gate. Gives the next gate of the same loop.
+    /// Visits the face beyond a gate. Returns the next gate of the same loop.
     fn pass(&mut self, gate: u32, stack: &mut Vec<u32>) -> Result<Option<u32>, Fault> {
         let around = self.around(gate);
         let next = self.border.next(gate);
@@ -266,7 +266,7 @@ impl<C: Coder> Walk<'_, '_, C> {
         (0..steps.min(border::REACH)).fold(from, |at, _| step(&self.border, at))
     }
 
-    /// A face beyond a gate; its half-edges run b-a, a-point, point-b.
+    /// Adds a face beyond a gate; its half-edges run b-a, a-point, point-b.
     fn glue(&mut self, gate: u32, point: u32) -> Result<u32, Fault> {
         let a = self.border.at(gate).point;
         let b = self.border.at(self.border.next(gate)).point;
@@ -278,7 +278,7 @@ impl<C: Coder> Walk<'_, '_, C> {
         Ok(face)
     }
 
-    /// A face whose last corner becomes one of the loop, spliced with an entry that is there.
+    /// Adds a face whose last corner joins the loop, spliced with an existing entry.
     fn add_face(
         &mut self,
         gate: u32,
@@ -318,7 +318,7 @@ impl<C: Coder> Walk<'_, '_, C> {
         self.twins[twin as usize] = half_edge;
     }
 
-    /// What is known around a gate.
+    /// Collects the surroundings of a gate.
     fn around(&self, gate: u32) -> Gate {
         let half_edge = self.border.at(gate).half_edge;
         let faces = &self.walked.faces;
@@ -342,7 +342,7 @@ impl<C: Coder> Walk<'_, '_, C> {
         }
     }
 
-    /// Known points in faces that were visited near a half-edge, the nearest first.
+    /// Known points of visited faces near a half-edge, the nearest first.
     fn known_nearby(&self, half_edge: u32) -> [u32; SEEDS] {
         let mut seeds = [NONE; SEEDS];
         if self.matching.coarse.points() == 0 {
@@ -372,7 +372,7 @@ impl<C: Coder> Walk<'_, '_, C> {
         seeds
     }
 
-    /// The first known neighbour that comes in a fan of visited faces, and the steps to it.
+    /// The first known neighbour in a fan of visited faces, and the number of steps to it.
     fn first_known(
         &self,
         first: u32,
@@ -404,13 +404,13 @@ impl<C: Coder> Walk<'_, '_, C> {
     }
 }
 
-/// Faces near a gate that are searched for known points.
+/// Maximum number of faces near a gate that are searched for known points.
 const FACES_REACH: usize = 40;
 
-/// Faces of a fan that are searched for a known point.
+/// Maximum number of faces of a fan that are searched for a known point.
 const FAN_REACH: u8 = 12;
 
-/// What is known of the first face of a component before its corner `k`, 1 or 2.
+/// Surroundings of the first face of a component before its corner `k`, 1 or 2.
 fn seed_gate(points: [u32; 3], k: usize, is_known: impl Fn(u32) -> bool) -> Gate {
     let known = |p: u32| is_known(p).then_some((p, 0));
     let mut gate = Gate {

@@ -1,49 +1,50 @@
-//! How a face lies at its gate, as binary decisions.
+//! Position of a face relative to its gate, as binary decisions.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 8.1 (a): new, right, left, border, the rest; contexts are
-//! the last symbols, the visited faces of the corners nearby, and what the coarser level says.
+//! Source: `docs/methods/clustered-mesh.md` part 8.1 (a): new, right, left, border, the rest;
+//! contexts are the last symbols, the visited faces of nearby corners, and the prediction from the
+//! coarser level.
 
 use super::super::matching::Hint;
 use super::super::mixing::{Weights, decide};
 use super::super::number::Natural;
 use super::super::range_coder::{Bit, Coder};
 
-/// Where the last corner of the face beyond a gate is.
+/// Third corner of the face beyond a gate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Symbol {
-    /// Not visited yet.
+    /// A point not visited yet.
     New,
-    /// The corner after the gate; its edge is glued.
+    /// The corner after the gate; its edge is joined.
     Right,
-    /// The corner before the gate; its edge is glued.
+    /// The corner before the gate; its edge is joined.
     Left,
     /// There is no face.
     Border,
-    /// So many steps after the corner after the gate.
+    /// A number of steps after the corner after the gate.
     Ahead(u32),
-    /// So many steps before the corner before the gate.
+    /// A number of steps before the corner before the gate.
     Behind(u32),
-    /// Any visited point; joined with a loop that it is in, or not.
+    /// Any visited point, possibly joined with a loop that contains it.
     Elsewhere {
         /// Whether it is joined.
         is_joined: bool,
     },
 }
 
-/// What is known of a gate.
+/// Coding context of a gate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Context {
     pub(super) hint: usize,
-    /// Visited faces of the ends of the gate, of the corner after and the one before.
+    /// Number of visited faces at the ends of the gate, at the corner after and at the one before.
     pub(super) visits: [u8; 4],
-    /// Whether the edges after and before may be glued.
+    /// Whether the edges after and before may be joined.
     pub(super) is_open: [bool; 2],
 }
 
 /// Models of symbols.
 #[derive(Debug)]
 pub(super) struct Symbols {
-    /// For each of the four first decisions the models of four kinds of context.
+    /// Models of four kinds of context for each of the first four decisions.
     decisions: Vec<[Vec<Bit>; KINDS]>,
     weights: Vec<Vec<Weights<KINDS>>>,
     rare: [Bit; 3],
@@ -53,7 +54,7 @@ pub(super) struct Symbols {
 }
 
 const KINDS: usize = 5;
-/// Contexts of a kind.
+/// Number of contexts of each kind.
 const SIZE: usize = 1 << 14;
 
 impl Default for Symbols {

@@ -1,31 +1,31 @@
-//! The mesh that an encoder describes, as a walk asks for it.
+//! The mesh that an encoder describes, in the form that the walk queries.
 
 use super::super::half_edges::{self, NONE};
 use super::Corner;
 use super::border::{Beyond, Border};
 use super::symbols::Symbol;
 
-/// Faces of points with what was visited of them so far.
+/// Faces of points, with the state of the traversal.
 #[derive(Debug)]
 pub(in super::super) struct Truth<'a> {
     faces: &'a [[u32; 3]],
     twins: Vec<u32>,
     rings: half_edges::Rings,
-    /// The known point that each point is, [`NONE`] if it is new.
+    /// The known point equal to each point, or [`NONE`] if it is new.
     matches: &'a [u32],
     known: Vec<u32>,
     /// The id that the walk gave to each point.
     ids: Vec<u32>,
     is_visited: Vec<bool>,
-    /// For each visited face, in the order of the walk, the half-edge at its first corner.
+    /// Half-edge at the first corner of each visited face, in the order of the walk.
     firsts: Vec<u32>,
-    /// The half-edge at the first corner of the face that comes next.
+    /// Half-edge at the first corner of the next face.
     current: u32,
     lowest: u32,
 }
 
 impl<'a> Truth<'a> {
-    /// Of faces over points, each of which is new or one of `known` points.
+    /// Creates the truth for faces over points, each of which is new or one of `known` points.
     pub(in super::super) fn new(faces: &'a [[u32; 3]], matches: &'a [u32], known: usize) -> Self {
         let mut points = vec![NONE; known];
         for (point, &id) in matches.iter().enumerate() {
@@ -57,8 +57,8 @@ impl<'a> Truth<'a> {
         &self.ids
     }
 
-    /// Chooses where the next component starts: at the free known point of the lowest rank, if
-    /// it has a face left; at the first face that is left otherwise.
+    /// Chooses the start of the next component: the free known point of the lowest id if it has a
+    /// face left, else the first remaining face.
     pub(super) fn start_component(&mut self, lowest: Option<u32>) {
         let point = lowest.map_or(NONE, |known| self.known[known as usize]);
         let leaving = match point {
@@ -73,7 +73,7 @@ impl<'a> Truth<'a> {
         let free = leaving
             .iter()
             .filter(|h| !self.is_visited[**h as usize / 3]);
-        // Of equals the last one; any will do.
+        // The last one of equals; any is valid.
         if let Some(&first) = free.max_by_key(|h| known(h)) {
             self.current = first;
             return;
@@ -89,7 +89,7 @@ impl<'a> Truth<'a> {
         face[(self.current as usize + corner) % 3]
     }
 
-    /// A corner of the face that comes next.
+    /// A corner of the next face.
     pub(super) fn corner(&self, corner: usize) -> Corner {
         let point = self.point(corner) as usize;
         match self.ids[point] {
@@ -98,40 +98,40 @@ impl<'a> Truth<'a> {
         }
     }
 
-    /// The known id of the last corner, which is not visited; [`NONE`] if it is new.
+    /// The known id of the third corner, which is not visited; [`NONE`] if it is new.
     pub(super) fn free_corner(&self) -> u32 {
         self.matches[self.point(2) as usize]
     }
 
-    /// The id of the last corner, which is visited.
+    /// The id of the third corner, which is visited.
     pub(super) fn visited_corner(&self) -> u32 {
         self.ids[self.point(2) as usize]
     }
 
-    /// Learns the id of a corner.
+    /// Stores the id of a corner.
     pub(super) fn name_corner(&mut self, corner: usize, id: u32) {
         let point = self.point(corner) as usize;
         self.ids[point] = id;
     }
 
-    /// The face that came next was visited.
+    /// Marks the next face as visited.
     pub(super) fn visit(&mut self) {
         self.is_visited[self.current as usize / 3] = true;
         self.firsts.push(self.current);
     }
 
-    /// The half-edge of the truth that a half-edge of the walk is.
+    /// Converts a half-edge of the walk to one of the truth.
     fn half_edge(&self, walked: u32) -> u32 {
         let first = self.firsts[walked as usize / 3];
         first - first % 3 + (first + walked) % 3
     }
 
-    /// The half-edge back from an edge of a loop.
+    /// The half-edge opposite of a loop's edge.
     fn twin(&self, border: &Border, entry: u32) -> u32 {
         self.twins[self.half_edge(border.at(entry).half_edge) as usize]
     }
 
-    /// What lies beyond a gate; moves on to the face there.
+    /// Determines the symbol of a gate and moves on to the face beyond it.
     pub(super) fn symbol(&mut self, border: &mut Border, gate: u32) -> Symbol {
         let beyond = self.twin(border, gate);
         if beyond == NONE || self.is_visited[beyond as usize / 3] {

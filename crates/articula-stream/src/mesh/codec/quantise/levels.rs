@@ -1,4 +1,4 @@
-//! Equal vertices become one, and each level gets the points and wedges that its faces use.
+//! Merges equal vertices, and selects the points and wedges that each level's faces use.
 
 use super::super::canonical::rotated;
 use super::super::mesh::QuantisedMesh;
@@ -6,7 +6,7 @@ use super::Quantised;
 use articula_core::Mismatch;
 use std::collections::{HashMap, HashSet};
 
-/// Makes the levels of `out` from a mesh of one point and one wedge for each vertex.
+/// Makes the levels of `out` from a mesh of one point and one wedge per vertex.
 pub(super) fn merge(
     whole: &QuantisedMesh,
     levels: &[Vec<[u32; 3]>],
@@ -46,7 +46,7 @@ fn wrong(level: usize, what: String) -> Mismatch {
     Mismatch::new(format!("levels[{level}]"), what)
 }
 
-/// Which vertices triangles name, or the first index that is none.
+/// Marks the vertices that triangles use; the error is the first invalid index.
 fn used(vertices: usize, triangles: &[[u32; 3]]) -> Result<Vec<bool>, u32> {
     let mut out = vec![false; vertices];
     for &v in triangles.as_flattened() {
@@ -85,11 +85,12 @@ fn wedge_key(whole: &QuantisedMesh, point: u32, v: usize) -> Vec<i32> {
     key
 }
 
-/// What the next finer level has: a coarser one uses nothing else of what that one names.
+/// The points and wedges of the next finer level; a coarser level uses only these among the
+/// vertices that the finer one names.
 ///
-/// It would not, but for rounding: a wedge all of whose faces became degenerate is gone there.
+/// Substitutes are needed because of rounding: a wedge is lost if all its faces become degenerate.
 struct Finer {
-    /// For each vertex's wedge the one to use: itself, one of the same point, one of the same
+    /// For each vertex the wedge to use: its own, one of the same point, or one of the same
     /// position.
     stand_ins: Vec<Option<u32>>,
 }
@@ -113,8 +114,8 @@ impl Finer {
         }
         let stand_in = |v: usize| {
             let wedge = wedges[v];
-            // A vertex that the finer level never named is there by right: the levels of one
-            // region may meet others at vertices that only finer faces of those name.
+            // A vertex that the finer level does not name is kept: the levels of a region may meet
+            // others at vertices that only finer faces of those use.
             if is_used[wedge as usize] || !named[v] {
                 return Some(wedge);
             }
@@ -132,7 +133,7 @@ impl Finer {
     }
 }
 
-/// The mesh of some faces, points and wedges in the order of first use.
+/// The mesh of some faces, with points and wedges in the order of first use.
 fn of_faces(whole: &QuantisedMesh, points: &[u32], faces: &[[u32; 3]]) -> QuantisedMesh {
     const NONE: u32 = u32::MAX;
     let mut wedge_ids = vec![NONE; whole.wedges()];
@@ -167,7 +168,7 @@ fn of_faces(whole: &QuantisedMesh, points: &[u32], faces: &[[u32; 3]]) -> Quanti
     out
 }
 
-/// The values of some vertices; none of a kind that there is not.
+/// Selects values of vertices; empty for a kind that does not exist.
 fn pick<T: Clone>(values: &[T], kept: &[usize]) -> Vec<T> {
     if values.is_empty() {
         return Vec::new();

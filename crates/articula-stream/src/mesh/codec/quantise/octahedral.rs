@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 
-/// Half the width of the square in steps; its middle is at (half, half).
+/// Half the width of the square in steps; its centre is at (half, half).
 fn half(bits: u8) -> i32 {
     (1 << (bits - 1)) - 1
 }
 
-/// The unit vector of a place on the square; any pair of numbers gives one.
+/// Unit vector of a position on the square; valid for any pair of numbers.
 pub(in super::super) fn normal_of(place: [i32; 2], bits: u8) -> DVec3 {
     let half = f64::from(half(bits).max(1));
     let [x, y] = place.map(|n| f64::from(n) / half - 1.0);
@@ -21,7 +21,7 @@ pub(in super::super) fn normal_of(place: [i32; 2], bits: u8) -> DVec3 {
     out.normalize_or(DVec3::Z)
 }
 
-/// The place whose vector is nearest; +Z for a vector without length.
+/// Position of the nearest representable vector; that of +Z for a zero vector.
 pub(super) fn nearest(normal: DVec3, bits: u8) -> [i32; 2] {
     let sum = normal.x.abs() + normal.y.abs() + normal.z.abs();
     let Some(normal) = normal.try_normalize() else {
@@ -41,7 +41,7 @@ pub(super) fn nearest(normal: DVec3, bits: u8) -> [i32; 2] {
     let mut best = (f64::NEG_INFINITY, [0; 2]);
     for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
         let place = [low[0] + dx, low[1] + dy].map(|n| n.clamp(0, 2 * half(bits)));
-        // A distance tells more than a cosine, which is flat about 1.
+        // By distance, since the cosine is flat near 1.
         let near = -normal_of(place, bits).distance_squared(normal);
         if near > best.0 {
             best = (near, place);
@@ -50,7 +50,7 @@ pub(super) fn nearest(normal: DVec3, bits: u8) -> [i32; 2] {
     at_rim(best.1, bits)
 }
 
-/// Of the two places that a normal has at the rim of the square, the one further on.
+/// Canonical one of the two positions that a normal has on the rim of the square.
 fn at_rim(place: [i32; 2], bits: u8) -> [i32; 2] {
     let last = 2 * half(bits);
     let [x, y] = place;

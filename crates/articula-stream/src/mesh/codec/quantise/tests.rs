@@ -1,10 +1,10 @@
-//! Rounding by hand, and its bounds.
+//! Quantisation computed by hand, and its error bounds.
 
 use super::*;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
-/// A unit square of two triangles, the second one with its own wedges along the diagonal.
+/// A unit square of two triangles; the second has its own wedges along the diagonal.
 fn square() -> Primitive {
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let at = |[x, y]: [f32; 2]| Vec3::new(x, y, 0.0);
@@ -42,7 +42,7 @@ fn equal_vertices_become_one() {
     let out = quantised(&square(), &[vec![[0, 1, 2], [3, 4, 5]]]);
     let mesh = &out.levels[0];
     assert_eq!(mesh.points(), 4);
-    // Vertex 3 is vertex 0; vertex 4 has another texture coordinate than vertex 2.
+    // Vertex 3 equals vertex 0; vertex 4 has another texture coordinate than vertex 2.
     assert_eq!(mesh.faces, [[0, 1, 2], [0, 3, 4]]);
     assert_eq!(mesh.wedge_points, [0, 1, 2, 2, 3]);
     let last = (1 << 14) - 1;
@@ -71,7 +71,7 @@ fn faces_that_rounding_takes_are_counted() {
 #[test]
 fn a_coarse_level_uses_what_the_fine_one_has() {
     let mut part = square();
-    // A second wedge at vertex 1, whose only fine face is gone after rounding.
+    // A second wedge at vertex 1, whose only fine face vanishes by rounding.
     part.positions
         .extend([Vec3::X, Vec3::new(1.0, 1e-5, 0.0), Vec3::X]);
     part.normals.extend([Vec3::X; 3]);
@@ -85,7 +85,7 @@ fn a_coarse_level_uses_what_the_fine_one_has() {
         panic!("two levels");
     };
     assert_eq!(coarse.normals, vec![fine_mesh.normals[0]; 3]);
-    // A vertex that the finer level does not name at all is its own: levels of one region.
+    // A vertex that the finer level does not name is kept: levels of one region.
     let strange = quantised(&part, &[vec![[0, 1, 2]], vec![[0, 6, 2]]]);
     let normals = |level: usize| strange.levels[level].normals.clone();
     assert_eq!(normals(0)[0], normals(1)[0]);
@@ -154,7 +154,7 @@ fn parts() -> impl Strategy<Value = (Primitive, Vec<[u32; 3]>)> {
     })
 }
 
-/// What a wedge is, apart from its number.
+/// The value of a wedge, independent of its id.
 fn wedge_value(mesh: &QuantisedMesh, w: usize) -> impl Ord + use<> {
     let p = mesh.wedge_points[w] as usize;
     let morphs: Vec<_> = mesh.morphs.iter().map(|m| m[p]).collect();
@@ -173,7 +173,7 @@ proptest! {
         let back = restore(&out.levels[0], &out.layout, &out.scale);
         let (step, uv_step) = (out.scale.grid.step, out.scale.texcoord_step);
         prop_assert!(out.rounding_metres <= step * 0.5 * 3f32.sqrt() * 1.001);
-        // Each restored vertex stands for one of the part, within half a step of each kind.
+        // Each restored vertex corresponds to one of the part, within half a step of each kind.
         for v in 0..back.positions.len() {
             let near = |i: &usize| {
                 let within = |a: Vec3, b: Vec3, most: f32| (a - b).abs().max_element() <= most;
@@ -202,7 +202,7 @@ proptest! {
         if twice.scale == once.scale {
             prop_assert_eq!(&twice.levels[0], mesh);
         }
-        // The range of texture coordinates is that of what is left; the rest is the same.
+        // The range of texture coordinates is that of the remaining vertices; the rest is the same.
         twice.levels[0].texcoords.clone_from(&mesh.texcoords);
         prop_assert_eq!(&twice.levels[0], mesh);
         prop_assert!(twice.rounding_metres == 0.0);
@@ -232,7 +232,7 @@ proptest! {
 
     #[test]
     fn parts_that_touch_stay_closed((part, faces) in parts(), shift in 0.0f32..3.0) {
-        // A second part shares the first one's vertices and reaches further.
+        // A second part shares the first one's vertices and extends further.
         let mut other = part.clone();
         other.positions[0] += Vec3::X * shift;
         let grid = Grid::new(&[part.clone(), other.clone()], 14).unwrap();

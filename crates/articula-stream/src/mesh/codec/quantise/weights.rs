@@ -1,7 +1,7 @@
-//! Weights as bytes that sum to exactly 255: the method of the largest remainder (Hamilton).
+//! Weights as bytes with the exact sum 255, by the method of the largest remainder (Hamilton).
 
-/// The influences of one vertex, one for each joint, by falling weight, then rising joint;
-/// none of them 0. What weighs less than half a step may go. Or what is wrong with them.
+/// Influences of one vertex, one per joint, by falling weight, then rising joint, without zeros;
+/// weights below half a step may vanish. The error describes invalid input.
 pub(super) fn bytes(joints: &[u16], weights: &[f32]) -> Result<Vec<(u16, u8)>, String> {
     let mut shares: Vec<(u16, f64)> = Vec::with_capacity(joints.len());
     for (&joint, &weight) in joints.iter().zip(weights) {
@@ -12,7 +12,7 @@ pub(super) fn bytes(joints: &[u16], weights: &[f32]) -> Result<Vec<(u16, u8)>, S
             shares.push((joint, f64::from(weight)));
         }
     }
-    // By joint and weight, so that a sum does not depend on the order in the file.
+    // By joint and weight, so that sums do not depend on the order in the file.
     shares.sort_by(|a, b| (a.0, a.1).partial_cmp(&(b.0, b.1)).unwrap_or(a.0.cmp(&b.0)));
     shares.dedup_by(|next, kept| {
         let is_same = next.0 == kept.0;
@@ -33,7 +33,7 @@ pub(super) fn bytes(joints: &[u16], weights: &[f32]) -> Result<Vec<(u16, u8)>, S
         })
         .collect();
     let given: usize = parts.iter().map(|p| usize::from(p.1)).sum();
-    // A stable sort: of equal remainders the smaller joint's is served first.
+    // The sort is stable: of equal remainders the smaller joint's is rounded up first.
     parts.sort_by(|a, b| b.2.total_cmp(&a.2));
     let count = parts.len();
     for k in 0..255usize.saturating_sub(given) {
@@ -61,7 +61,7 @@ mod tests {
         );
         // 127.5 twice: the smaller joint gets the odd one.
         assert_eq!(bytes(&[9, 2], &[0.5, 0.5]).unwrap(), [(2, 128), (9, 127)]);
-        // 1 of 1000 is 0.255 steps: gone.
+        // 1 of 1000 is 0.255 steps: removed.
         assert_eq!(bytes(&[4, 2], &[0.001, 0.999]).unwrap(), [(2, 255)]);
         // One joint twice; a sum that is not 1.
         assert_eq!(
@@ -94,7 +94,7 @@ mod tests {
                 let error = all / sum * 255.0 - found.first().unwrap_or(&0.0);
                 prop_assert!(error.abs() < 1.001, "{}", error);
             }
-            // What is whole already stays.
+            // Whole numbers stay unchanged.
             let (joints, whole): (Vec<u16>, Vec<f32>) =
                 got.iter().map(|i| (i.0, f32::from(i.1) / 255.0)).unzip();
             prop_assert_eq!(bytes(&joints, &whole).unwrap(), got);

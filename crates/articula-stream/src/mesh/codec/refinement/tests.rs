@@ -1,4 +1,4 @@
-//! Levels as bytes and back: by value the same, whatever the order; altered bytes are errors.
+//! Round trips of levels: equal by value in any order; altered bytes are errors.
 
 use super::*;
 use proptest::prelude::*;
@@ -13,7 +13,7 @@ fn layout() -> Layout {
     }
 }
 
-/// A mesh of what the faces use: each corner is a position and a texture coordinate.
+/// A mesh of faces; each corner is a position and a texture coordinate.
 fn mesh_of(faces: &[[([i32; 3], [i32; 2]); 3]]) -> QuantisedMesh {
     let corners = || faces.iter().flatten();
     let points: BTreeSet<[i32; 3]> = corners().map(|c| c.0).collect();
@@ -139,7 +139,7 @@ fn grid(n: i32, m: i32, is_closed: [bool; 2], seam: i32) -> Vec<[([i32; 3], [i32
     faces
 }
 
-/// A coarser mesh: faces whose corners were moved onto others, as collapses do.
+/// A coarser mesh: corners of faces are moved onto others, as collapses do.
 fn coarser(fine: &QuantisedMesh, seed: u64) -> QuantisedMesh {
     let corner = |w: u32| {
         let w = w as usize;
@@ -209,7 +209,7 @@ fn a_regular_torus_costs_little() {
     let mut encoder = Encoder::new();
     connectivity::walk(&mut encoder, &coarse, Some(&mut truth), faces.len()).unwrap();
     let bytes = encoder.finish().len();
-    // All valences are 6: a handle and what the models learn are all that is to tell.
+    // All valences are 6, so only the handle and the learning of the models cost bits.
     assert!(
         bytes * 8 < faces.len() / 4,
         "{bytes} bytes, {} faces",
@@ -239,7 +239,7 @@ fn any_surface() -> impl Strategy<Value = QuantisedMesh> {
     })
 }
 
-/// A level may drop a wedge that a finer one has again: the one that was kept is meant.
+/// A level may drop a wedge that a finer one has again; it keeps its id.
 #[test]
 fn what_comes_back_keeps_its_id() {
     let (layout, limits) = (layout(), StreamLimits::default());
@@ -272,7 +272,7 @@ proptest! {
         check_chain(&coarse, &fine);
     }
 
-    /// Levels that have nothing to do with each other.
+    /// Unrelated levels.
     #[test]
     fn strangers_come_back(coarse in any_soup(), fine in any_soup()) {
         check_chain(&coarse, &fine);

@@ -1,0 +1,28 @@
+//! `cargo xtask pictures`: makes the moving picture of the readme from the repository's own assets.
+
+use crate::chores::{cargo, root, run};
+use anyhow::{Context, Result};
+
+const CHARACTER: &str = "assets/glb/Quaternius_modular_men__Worker.glb";
+const MOTION: &str = "assets/glb/pab_arnaud.glb";
+const PICTURE: &str = "docs/pictures/walk.svg";
+
+/// Retargets a walk onto a clothed character and writes it as an animated SVG.
+pub(crate) fn pictures() -> Result<()> {
+    let folder = std::env::temp_dir().join(format!("articula-pictures-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    let walk = folder.join("walk.glb").display().to_string();
+    let convert = ["convert", MOTION, &walk, "--onto", CHARACTER];
+    let clip = ["--clip", "walk", "--root-motion", "in-place"];
+    articula(&[&convert[..], &clip].concat())?;
+    let flatten = ["flatten", &walk, PICTURE, "--clip", "walk"];
+    let camera = ["--yaw-deg", "35", "--pitch-deg", "5"];
+    let size = ["--size", "300x460", "--triangles", "620"];
+    articula(&[&flatten[..], &camera, &size].concat())?;
+    std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())
+}
+
+fn articula(words: &[&str]) -> Result<()> {
+    let program = ["run", "--release", "--quiet", "-p", "articula-cli", "--"];
+    run(cargo().args(program).args(words).current_dir(root()))
+}
