@@ -13,7 +13,7 @@ use glam::{Quat, Vec3};
 
 /// Size of a motion in channels, keys, joints and bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct MotionSize {
+pub struct ClipSize {
     /// Number of channels that drive joints.
     pub channels: usize,
     /// Number of keys of these channels.
@@ -25,12 +25,12 @@ pub struct MotionSize {
 }
 
 /// Measures the joint channels of a clip; morph weights and expressions are excluded.
-pub fn motion_size(clip: &RawClip) -> MotionSize {
+pub fn clip_size(clip: &RawClip) -> ClipSize {
     size_of(clip.channels.iter().filter(|c| c.property.is_of_joint()))
 }
 
 /// Measures channels, those of morph weights and expressions included.
-pub(crate) fn size_of<'a>(channels: impl Iterator<Item = &'a Channel>) -> MotionSize {
+pub(crate) fn size_of<'a>(channels: impl Iterator<Item = &'a Channel>) -> ClipSize {
     let channels: Vec<&Channel> = channels.collect();
     let moving: JointSet = channels
         .iter()
@@ -42,7 +42,7 @@ pub(crate) fn size_of<'a>(channels: impl Iterator<Item = &'a Channel>) -> Motion
     times.dedup();
     let floats = times.iter().map(|t| t.len()).sum::<usize>()
         + channels.iter().map(|c| c.values.len()).sum::<usize>();
-    MotionSize {
+    ClipSize {
         channels: channels.len(),
         keys: channels.iter().map(|c| c.times_secs.len()).sum(),
         joints: moving.len(),
@@ -54,7 +54,12 @@ pub(crate) fn size_of<'a>(channels: impl Iterator<Item = &'a Channel>) -> Motion
 /// Morph weights and expressions are kept.
 ///
 /// `HoldLast` holds the first frame, since there is none before it.
-pub fn reduce(rig: &Rig, clip: &RawClip, active: &JointSet, policy: PassivePolicy) -> RawClip {
+pub fn reduce_to_level(
+    rig: &Rig,
+    clip: &RawClip,
+    active: &JointSet,
+    policy: PassivePolicy,
+) -> RawClip {
     let channels = clip
         .channels
         .iter()
@@ -239,7 +244,7 @@ mod tests {
     fn a_passive_joint_keeps_one_key_by_its_policy() {
         let root = JointSet::first(1);
         let arm = |policy| {
-            let reduced = reduce(&rig(), &clip(), &root, policy);
+            let reduced = reduce_to_level(&rig(), &clip(), &root, policy);
             reduced.channels.iter().find(|c| c.target == 1).cloned()
         };
         let angle = |c: &Channel, key: usize| {
@@ -257,8 +262,13 @@ mod tests {
         assert!(fade.times_secs == [0.0, 0.5] && angle(&fade, 1) < 1e-5);
         let long = arm(PassivePolicy::BlendToRest { secs: 9.0 }).unwrap();
         assert_eq!(long.times_secs, [0.0, 2.0], "the clip keeps its length");
-        let before = motion_size(&clip());
-        let after = motion_size(&reduce(&rig(), &clip(), &root, PassivePolicy::Rest));
+        let before = clip_size(&clip());
+        let after = clip_size(&reduce_to_level(
+            &rig(),
+            &clip(),
+            &root,
+            PassivePolicy::Rest,
+        ));
         assert_eq!((before.channels, before.keys, before.joints), (3, 9, 2));
         // Three times, counted once; 12 + 9 + 12 values, then without the arm's 12.
         assert_eq!((before.bytes, after.bytes), (4 * (3 + 33), 4 * (3 + 21)));
@@ -282,13 +292,13 @@ mod tests {
         let rig = Rig::new(&skeleton, articulation).unwrap();
         let mut clip = clip();
         clip.channels[1].target = 0;
-        let reduced = reduce(&rig, &clip, &JointSet::EMPTY, PassivePolicy::Rest);
+        let reduced = reduce_to_level(&rig, &clip, &JointSet::EMPTY, PassivePolicy::Rest);
         assert!(reduced.channels.contains(&clip.channels[1]));
     }
 
     #[test]
     fn a_passive_root_still_travels_and_turns() {
-        let reduced = reduce(&rig(), &clip(), &JointSet::EMPTY, PassivePolicy::HoldLast);
+        let reduced = reduce_to_level(&rig(), &clip(), &JointSet::EMPTY, PassivePolicy::HoldLast);
         assert_eq!(reduced.channels[1], clip().channels[1], "its way is kept");
         let q = |key: usize| Quat::from_slice(&reduced.channels[0].values[4 * key..]);
         // Held tilt 0.1, heading of the clip.

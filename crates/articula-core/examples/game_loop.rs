@@ -3,7 +3,7 @@
 use articula_build::ClipOptions;
 use articula_build::character;
 use articula_build::motion_bounds;
-use articula_build::{LevelOptions, merged_levels};
+use articula_build::{JointLodOptions, merged_levels};
 use articula_core::crowd::{
     CacheUse, ClipState, Crowd, CrowdModel, CrowdParts, Culling, Detail, Frame,
 };
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         None,
         &ClipOptions::default(),
     )?;
-    let levels = merged_levels(&asset, &LevelOptions::default())?;
+    let levels = merged_levels(&asset, &JointLodOptions::default())?;
     let model = CrowdModel::new(CrowdParts {
         clips: ClipSet::new(
             &asset.rig,
@@ -77,17 +77,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             &frame,
             &mut |_notice| { /* footsteps, level changes */ },
         );
-        let rows = crowd.drawn().matrices * model.parts().form.rows();
-        let all = 0..crowd.drawn().batches; // or ranges of them, one for each thread
+        let rows = crowd.draw_list().matrices * model.parts().form.rows();
+        let all = 0..crowd.draw_list().batches; // or ranges of them, one for each thread
         crowd.evaluate(
             &model,
             all,
             PaletteRows::Float(&mut palettes[..rows]),
             &mut scratch,
         );
-        for group in &crowd.drawn().groups {
-            // One instanced draw: the mesh of group.level, instances crowd.drawn().draws[group.draws].
-            let _instances = &crowd.drawn().draws[group.draws.clone()];
+        for group in &crowd.draw_list().groups {
+            // One instanced draw: the mesh of group.level, instances crowd.draw_list().draws[group.draws].
+            let _instances = &crowd.draw_list().draws[group.draws.clone()];
         }
         if step % 60 == 0 {
             let joints = report.work.fk_joints as f32 / report.visible.max(1) as f32;

@@ -1,12 +1,13 @@
-//! One pose for each of eight characters: sampling, forward kinematics and palette in one pass.
+//! Batched evaluation of up to eight characters: sampling, forward kinematics and palettes.
 //!
-//! From cursors ([`ClipSet::cursor`]) to palettes ([`PaletteMap`]). Source: `docs/methods/runtime.md`
-//! part 3. The plain path is [`sample`](crate::sample()), [`blend`](crate::blend()) and
-//! [`local_to_model`](crate::local_to_model); a property test holds every backend to it.
+//! Input: cursors ([`ClipSet::cursor`]). Output: palettes ([`PaletteMap`]). Source:
+//! `docs/methods/runtime.md` part 3. The plain path is [`sample`](crate::sample()),
+//! [`blend`](crate::blend()) and [`local_to_model`](crate::local_to_model); a property test
+//! compares every backend with it.
 //!
-//! Each character is a lane, so no joint waits for another lane's parent. Joints that no scale
-//! reaches chain quaternions; from a scaled joint downwards matrices are chained, as glTF defines
-//! them.
+//! Each character is one SIMD lane, so lanes do not depend on each other. Joints without scale, in
+//! themselves or above, concatenate quaternions; from a scaled joint downwards matrices are
+//! concatenated, as glTF defines.
 
 use crate::Mismatch;
 pub use crate::clip_set::Cursor;
@@ -16,14 +17,14 @@ use crate::simd::{Backend, Kernel, Lanes, Row, dispatch};
 pub use crate::simd::{LANES, Tile};
 use glam::Vec3;
 
-/// What one character of a batch shows.
+/// Pose of one character of a batch: two cursors and the blend between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BatchPose {
-    /// The clip that it plays.
+    /// Cursor of the current clip.
     pub from: Cursor,
-    /// The clip that it fades to, or the same.
+    /// Cursor of the clip faded to, or the same as `from`.
     pub to: Cursor,
-    /// 0 shows `from`, 1 shows `to`.
+    /// Blend from 0, which shows `from`, to 1, which shows `to`.
     pub fade: f32,
 }
 
@@ -37,12 +38,12 @@ impl From<Cursor> for BatchPose {
     }
 }
 
-/// Where the matrices of a joint stand while a batch is worked on.
+/// Working memory of one joint of a batch.
 #[derive(Debug, Clone, Copy)]
 struct Joint {
     /// Rows of the 3x4 model-from-joint matrix.
     matrix: [[Tile; 4]; 3],
-    /// Rotation of that matrix; of no meaning at and below a scaled joint.
+    /// Rotation of that matrix; undefined at and below a scaled joint.
     rotation: [Tile; 4],
 }
 
@@ -53,7 +54,7 @@ impl Joint {
     };
 }
 
-/// Working memory of one thread: as much as fits the level-one cache.
+/// Working memory of one thread, small enough for its L1 cache.
 #[derive(Debug, Clone)]
 pub struct Scratch {
     joints: Vec<Joint>,
@@ -61,7 +62,7 @@ pub struct Scratch {
     halves: Vec<[u16; 4]>,
 }
 
-/// Evaluates batches of one clip set into one kind of palette.
+/// Evaluator of batches: one clip set, one palette map and format, one backend.
 #[derive(Debug, Clone, Copy)]
 pub struct BatchEvaluator<'a> {
     clips: &'a ClipSet,
@@ -71,11 +72,11 @@ pub struct BatchEvaluator<'a> {
 }
 
 impl<'a> BatchEvaluator<'a> {
-    /// Pairs clips, palette, form and backend.
+    /// Combines clips, palette, form and backend.
     ///
     /// # Errors
-    /// A [`Mismatch`] if the palette is of a ladder with other levels, or a rigid form is asked
-    /// of joints that scale reaches or of bind matrices that are not rigid.
+    /// A [`Mismatch`] if the palette was made for other joint LODs, or a rigid form is requested
+    /// for joints with scale, in themselves or above, or for bind matrices that are not rigid.
     pub fn new(
         clips: &'a ClipSet,
         map: &'a PaletteMap,
@@ -103,7 +104,7 @@ impl<'a> BatchEvaluator<'a> {
         })
     }
 
-    /// Parts that were checked before.
+    /// Combines parts that were checked before.
     pub(crate) fn checked(
         clips: &'a ClipSet,
         map: &'a PaletteMap,
@@ -118,7 +119,7 @@ impl<'a> BatchEvaluator<'a> {
         }
     }
 
-    /// Working memory for one thread.
+    /// Allocates working memory for one thread.
     pub fn scratch(&self) -> Scratch {
         let tail = LANES * self.map.len(0) * self.form.rows();
         let half = self.form.is_half();
@@ -129,7 +130,7 @@ impl<'a> BatchEvaluator<'a> {
         }
     }
 
-    /// Rows that the palette of one character takes at a level.
+    /// Number of rows of four numbers of one character's palette at a level.
     pub fn rows(&self, level: usize) -> usize {
         self.map.len(level) * self.form.rows()
     }
@@ -139,8 +140,8 @@ impl<'a> BatchEvaluator<'a> {
     /// O(kept joints); does not allocate. All backends give the same bits.
     ///
     /// # Panics
-    /// If there are no characters or more than eight, `out` is not as long as their palettes or
-    /// of the other kind of floats, or `scratch` is of another evaluator.
+    /// If there are no characters or more than eight, `out` does not have the length of their
+    /// palettes and the kind of floats of the form, or `scratch` is of another evaluator.
     pub fn evaluate(
         &self,
         level: usize,
@@ -198,7 +199,7 @@ impl<'a> BatchEvaluator<'a> {
         );
         self.run(level, shown, Out::Tile, &mut scratch.joints);
         JointTiles {
-            joints: &scratch.joints[..self.clips.joint_lods().kept(level)],
+            joints: &scratch.joints[..self.clips.joint_lods().joint_count(level)],
         }
     }
 
@@ -210,7 +211,7 @@ impl<'a> BatchEvaluator<'a> {
             clips: self.clips,
             form: self.form,
             entries: self.map.entries(level),
-            kept: self.clips.joint_lods().kept(level),
+            kept: self.clips.joint_lods().joint_count(level),
             from: shown.map(|s| s.from),
             fade: shown
                 .iter()
@@ -223,14 +224,15 @@ impl<'a> BatchEvaluator<'a> {
     }
 }
 
-/// Matrices of a batch, eight characters side by side; places in ladder order.
+/// Model-from-joint matrices of a batch, eight characters side by side, in LOD order.
 #[derive(Debug, Clone, Copy)]
 pub struct JointTiles<'a> {
     joints: &'a [Joint],
 }
 
 impl JointTiles<'_> {
-    /// Rows of the 3x4 matrix of the joint at a place, each number for eight characters.
+    /// Rows of the 3x4 matrix of the joint at a place of the LOD order
+    /// ([`JointLods::place`](crate::JointLods::place)), each number for eight characters.
     ///
     /// # Panics
     /// If the level does not keep a joint there.
@@ -239,7 +241,7 @@ impl JointTiles<'_> {
     }
 }
 
-/// Where the kernel writes.
+/// Output of the kernel.
 enum Out<'a> {
     Tile,
     Float(&'a mut [Row]),
@@ -328,7 +330,7 @@ impl Frames for ShortFrames<'_> {
     }
 }
 
-/// The two frames between which each lane stands.
+/// The two frames that each lane blends.
 struct Span<'a, L: Lanes, N> {
     before: [&'a [[N; 4]]; LANES],
     after: [&'a [[N; 4]]; LANES],
@@ -372,9 +374,9 @@ impl<'a, L: Lanes, N> Span<'a, L, N> {
     }
 }
 
-// Sampling is a pass of its own: what it and the chain need at once does not fit the registers
-// (measured: 205 against 129 ns for a figure of 67 joints, nothing stored). Writing follows each
-// joint, while its matrix is near.
+// Sampling is a separate pass: sampling and concatenation together do not fit the registers
+// (measured: 205 against 129 ns for a figure of 67 joints, nothing stored). Entries are written
+// directly after their joint, while its matrix is in the cache.
 impl Batch<'_> {
     #[inline(always)]
     fn walk<L: Lanes, F: Frames>(mut self, frames: F) {
@@ -396,8 +398,8 @@ impl Batch<'_> {
         }
     }
 
-    /// Local rotations, translations and scales of the channels that move, each to the place in
-    /// [`Joint`] where [`Batch::chain`] takes it from.
+    /// Samples local rotations, translations and scales of the moving channels into the fields of
+    /// [`Joint`] that [`Batch::chain`] reads.
     #[inline(always)]
     fn sample<L: Lanes, F: Frames>(&mut self, frames: F) {
         let clips = self.clips;
@@ -422,7 +424,7 @@ impl Batch<'_> {
         }
     }
 
-    /// Moves what was sampled towards a second clip.
+    /// Blends the sampled values with those of a second clip.
     #[inline(always)]
     fn fade_in<L: Lanes, F: Frames>(&mut self, to: &Span<'_, L, F::Number>, fade: L) {
         let clips = self.clips;
@@ -448,7 +450,7 @@ impl Batch<'_> {
         }
     }
 
-    /// The model-space matrix of one joint, whose parent has its own.
+    /// Computes the model-space matrix of one joint from that of its parent.
     #[inline(always)]
     fn chain<L: Lanes>(&mut self, place: usize) {
         let clips = self.clips;
@@ -523,7 +525,8 @@ impl Joint {
         store4(rows[2], z);
     }
 
-    /// The last column: the local translation before the chain, the place in the model after.
+    /// The last column: the local translation before [`Batch::chain`], the model-space position
+    /// after it.
     #[inline(always)]
     fn translation<L: Lanes>(&self) -> [L; 3] {
         let [x, y, z] = &self.matrix;
@@ -538,7 +541,7 @@ impl Joint {
         v[2].store(&mut z[3]);
     }
 
-    /// The first row, before the chain.
+    /// The first row, which holds the scale before [`Batch::chain`].
     #[inline(always)]
     fn scale<L: Lanes>(&self) -> [L; 3] {
         let [x, y, z, _] = &self.matrix[0];
@@ -555,7 +558,7 @@ impl Joint {
 }
 
 // No closures and no iterators over lanes below: they would be compiled without the backend's
-// instructions, and then not be joined with the kernel (measured: eighteen times slower).
+// instructions, and then not be inlined into the kernel (measured: eighteen times slower).
 
 #[inline(always)]
 fn splat4<L: Lanes>(v: [f32; 4]) -> [L; 4] {
@@ -602,7 +605,7 @@ fn normalised<L: Lanes>(q: [L; 4]) -> [L; 4] {
     ]
 }
 
-/// Normalised linear blend on the short way.
+/// Normalised linear blend along the shorter arc.
 #[inline(always)]
 fn faded<L: Lanes>(a: [L; 4], b: [L; 4], weight: L) -> [L; 4] {
     let towards = weight.mul(dot4(a, b).sign());
@@ -624,7 +627,7 @@ fn lerp3<L: Lanes>(a: [L; 3], b: [L; 3], weight: L) -> [L; 3] {
     ]
 }
 
-/// A translation or scale, brought back from the range of its slot.
+/// A translation or scale, decoded by the range of its slot.
 #[inline(always)]
 fn vector<L: Lanes, F: Frames>(
     clips: &ClipSet,
@@ -680,7 +683,7 @@ fn along<L: Lanes>(row: [L; 4], v: [L; 3]) -> L {
     xy.add(row[2].mul(v[2]))
 }
 
-/// Where a parent's rows take a point.
+/// Transforms a point by a parent's rows.
 #[inline(always)]
 fn moved<L: Lanes>(rows: &[[L; 4]; 3], point: [L; 3]) -> [L; 3] {
     [
@@ -690,7 +693,7 @@ fn moved<L: Lanes>(rows: &[[L; 4]; 3], point: [L; 3]) -> [L; 3] {
     ]
 }
 
-/// Without scale: model-space quaternions, and the matrix of each.
+/// Model-space matrix and rotation of a joint without scale.
 #[inline(always)]
 fn quaternion_chain<L: Lanes>(
     parent: Option<&Joint>,
@@ -713,7 +716,8 @@ fn quaternion_chain<L: Lanes>(
     (rows, rotation)
 }
 
-/// With scale: matrices all the way down, so that children inherit shear as glTF has it.
+/// Model-space matrix of a joint with scale, by products of matrices, so that children inherit
+/// shear as in glTF.
 #[inline(always)]
 fn matrix_chain<L: Lanes>(
     parent: Option<&Joint>,
@@ -746,7 +750,7 @@ fn matrix_chain<L: Lanes>(
     ]
 }
 
-/// Where a parent's rows take a direction.
+/// Transforms a direction by a parent's rows.
 #[inline(always)]
 fn turned<L: Lanes>(rows: &[[L; 4]; 3], v: [L; 3]) -> [L; 3] {
     [along(rows[0], v), along(rows[1], v), along(rows[2], v)]

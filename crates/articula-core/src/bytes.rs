@@ -35,23 +35,23 @@ impl std::error::Error for MalformedBytes {}
 /// A reader of a byte slice from start to end.
 ///
 /// ```
-/// use articula_core::{Bytes, push_varint};
+/// use articula_core::{ByteReader, push_varint};
 ///
 /// let mut written = 7u32.to_le_bytes().to_vec();
 /// push_varint(&mut written, 300);
-/// let mut bytes = Bytes::new(&written);
+/// let mut bytes = ByteReader::new(&written);
 /// assert_eq!(bytes.u32()?, 7);
 /// assert_eq!(bytes.varint()?, 300);
 /// bytes.end()?;
 /// # Ok::<(), articula_core::MalformedBytes>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Bytes<'a> {
+pub struct ByteReader<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
-impl<'a> Bytes<'a> {
+impl<'a> ByteReader<'a> {
     /// Creates a reader at the first byte.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 0 }
@@ -149,10 +149,10 @@ mod tests {
 
     #[test]
     fn what_is_cut_off_too_long_or_out_of_range_names_its_place() {
-        let mut long = Bytes::new(&[0x80; 6]);
+        let mut long = ByteReader::new(&[0x80; 6]);
         assert_eq!(long.varint().unwrap_err().at, 5);
-        assert_eq!(Bytes::new(&[0x80]).varint().unwrap_err().at, 1);
-        let mut short = Bytes::new(&[1, 2, 3]);
+        assert_eq!(ByteReader::new(&[0x80]).varint().unwrap_err().at, 1);
+        let mut short = ByteReader::new(&[1, 2, 3]);
         assert_eq!(short.take::<2>(), Ok([1, 2]));
         assert_eq!(short.u32().unwrap_err().at, 2);
         assert_eq!(
@@ -160,7 +160,7 @@ mod tests {
             "byte 2: 1 bytes too many"
         );
         for value in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-            assert!(Bytes::new(&value.to_le_bytes()).positive("a").is_err());
+            assert!(ByteReader::new(&value.to_le_bytes()).positive("a").is_err());
         }
     }
 
@@ -169,7 +169,7 @@ mod tests {
         for value in [0, 1, 127, 128, 16_383, 16_384, (1 << 35) - 1] {
             let mut out = Vec::new();
             push_varint(&mut out, value);
-            let mut bytes = Bytes::new(&out);
+            let mut bytes = ByteReader::new(&out);
             assert_eq!((bytes.varint(), bytes.left()), (Ok(value), 0));
         }
     }

@@ -1,11 +1,11 @@
-//! All clips of a rig in ladder order: what batches sample.
+//! Clip set: all clips of a rig in LOD order, laid out for batched sampling.
 //!
 //! Source: `docs/methods/runtime.md` part 3. One frame is one row of four-number slots: first the
-//! rotations that move in any clip, then translations, then scales, each in ladder order, so a
-//! level reads a prefix of each. Channels that no clip moves are constants and take no slot.
-//! Differs: a slot holds one joint's four numbers and not one component of eight joints. A
-//! batch then turns two rows of every character into lanes once, and characters that play
-//! different clips share a batch.
+//! rotations that move in any clip, then translations, then scales, each in LOD order, so a level
+//! reads a prefix of each. Channels that no clip moves are constants and take no slot. A slot holds
+//! the four numbers of one joint rather than one component of eight joints: a batch then transposes
+//! two rows of every character into lanes once, and characters that play different clips share a
+//! batch.
 
 use crate::Mismatch;
 use crate::clip::{Clip, Track};
@@ -16,11 +16,11 @@ use crate::rig::Rig;
 use crate::simd::Row;
 use glam::{Quat, Vec3, Vec4};
 
-/// Differences that files leave in channels that stand still: a channel whose numbers stay
-/// within this of their first ones is a constant, and a scale this near to one is one.
+/// Tolerance for the noise of constant channels in files: a channel whose numbers stay within this
+/// of their first ones is a constant, and a scale this near to one is one.
 const STILL: f32 = 2e-6;
 
-/// How the numbers of a [`ClipSet`] are stored.
+/// Storage format of the numbers of a [`ClipSet`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum ClipStorage {
     /// Four f32 a slot, 16 bytes.
@@ -84,16 +84,16 @@ pub struct ClipSet {
     slots: usize,
     segments: Vec<Segment>,
     held: Vec<u32>,
-    /// Whether a joint or one above it is scaled, by place.
+    /// Whether each joint or one above it is scaled, in LOD order.
     scaled: Vec<bool>,
 }
 
 impl ClipSet {
-    /// Lays out clips in the order of a ladder. A rig without clips gets one that is its rest
-    /// pose, so there is always something to show.
+    /// Lays out clips in the LOD order of `joint_lods`. A rig without clips gets one that is its
+    /// rest pose, so there is always a clip.
     ///
     /// # Errors
-    /// A [`Mismatch`] if the ladder or a clip is of another rig, a value is not finite, a
+    /// A [`Mismatch`] if the joint LODs or a clip are of another rig, a value is not finite, a
     /// rotation is not of unit length within 1e-3, or all clips together exceed 2^32 slots.
     pub fn new(
         rig: &Rig,
@@ -170,7 +170,7 @@ impl ClipSet {
         })
     }
 
-    /// The joint order and levels.
+    /// The joint order and the number of joints of each level.
     pub fn joint_lods(&self) -> &JointLods {
         &self.joint_lods
     }
@@ -180,7 +180,7 @@ impl ClipSet {
         self.segments.len()
     }
 
-    /// Time of the last frame of a clip; 0 for a single pose.
+    /// Duration of a clip in seconds, the time of its last frame; 0 for a single pose.
     pub fn duration_secs(&self, clip: usize) -> f32 {
         let segment = &self.segments[clip];
         (segment.frames - 1) as f32 / segment.rate_hz
@@ -191,7 +191,7 @@ impl ClipSet {
         self.scaled.contains(&true)
     }
 
-    /// Bytes that the frames of all clips take.
+    /// Size of the frames of all clips in bytes.
     pub fn bytes(&self) -> usize {
         match &self.rows {
             Rows::Float(rows) => size_of_val(rows.as_slice()),
@@ -199,13 +199,13 @@ impl ClipSet {
         }
     }
 
-    /// Slots of one frame: channels that some clip moves.
+    /// Number of slots of one frame: channels that some clip moves.
     pub(crate) fn slots(&self) -> usize {
         self.slots
     }
 
-    /// Where a time falls in a clip. Times before the first or after the last frame show that
-    /// frame; a time that is no number counts as 0.
+    /// Returns the two frames around a time of a clip and the blend between them. Times before the
+    /// first or after the last frame give that frame; NaN counts as 0.
     ///
     /// # Panics
     /// If there is no such clip.
@@ -226,7 +226,7 @@ impl ClipSet {
         }
     }
 
-    /// Local transform of one joint at a cursor, the plain way.
+    /// Local transform of one joint at a cursor, computed without SIMD.
     pub(crate) fn local(&self, at: &Cursor, place: usize) -> Transform {
         let source = self.sources[place];
         let constant = self.constants[place];
@@ -256,7 +256,7 @@ impl ClipSet {
         }
     }
 
-    /// Whether each joint or one above it is scaled, by place.
+    /// Whether each joint or one above it is scaled, in LOD order.
     pub(crate) fn scaled(&self) -> &[bool] {
         &self.scaled
     }
@@ -265,12 +265,12 @@ impl ClipSet {
         &self.rows
     }
 
-    /// Whether each joint's rotation, translation and scale come from slots, by place.
+    /// Slots of each joint's rotation, translation and scale, in LOD order.
     pub(crate) fn sources(&self) -> &[TrackSlots] {
         &self.sources
     }
 
-    /// Places below `kept` whose rotations take slots; the slots count up from 0.
+    /// Places below `kept` whose rotations take slots; these slots are numbered from 0.
     pub(crate) fn rotations(&self, kept: usize) -> &[u16] {
         below(&self.moving[0], kept)
     }
@@ -330,7 +330,7 @@ fn check(clip: &Clip, joints: usize) -> Result<(), Mismatch> {
         return Err(not_finite("scales"));
     }
     let mut rotations = clip.tracks().rotations.iter().flat_map(|t| &t.values);
-    // A length that is no number fails too.
+    // A NaN length fails too.
     if !rotations.all(|q| (q.length() - 1.0).abs() <= 1e-3) {
         return Err(Mismatch::new(
             "rotations",
@@ -397,8 +397,8 @@ impl<'a> Frames<'a> {
     }
 }
 
-/// Gives a slot to every channel that some frame moves away from its constant: rotations
-/// first, then translations, then scales.
+/// Assigns a slot to every channel that some frame moves away from its constant: rotations first,
+/// then translations, then scales.
 fn layout(
     joint_lods: &JointLods,
     constants: &[Transform],
@@ -428,7 +428,7 @@ fn layout(
     (sources, next as usize)
 }
 
-/// All clips as rows, and what is known of each.
+/// All clips as rows, and the segment of each.
 fn written(
     rates_hz: &[f32],
     frames: &[Frames<'_>],
@@ -446,7 +446,8 @@ fn written(
             for (place, source) in sources.iter().enumerate() {
                 let now = clip.at(usize::from(joint_lods.joints()[place]), frame);
                 if let Some(slot) = source[0].map(|s| s as usize) {
-                    // Frame by frame in one hemisphere, so that a straight blend is the short one.
+                    // In the hemisphere of the frame before, so that a linear blend takes the
+                    // shorter arc.
                     let q = match frame {
                         0 => now.rotation,
                         _ => {
@@ -478,11 +479,10 @@ fn written(
             held,
         });
     }
-    // A set that nothing moves still has a frame to point at.
     (rows, segments)
 }
 
-/// The rows as 16-bit integers, and the ranges of the slots that are no rotations.
+/// The rows as 16-bit integers, and the ranges of the translation and scale slots.
 fn shortened(rows: &[Row], slots: usize, first_range: usize) -> (Rows, Vec<SlotRange>) {
     const LARGEST: f32 = i16::MAX as f32;
     let ranges: Vec<SlotRange> = (first_range..slots)

@@ -65,7 +65,7 @@ pub struct JointErrorBounds {
 
 /// Scale and tolerance factor of each joint in the current frame.
 #[derive(Debug, Clone, Copy)]
-pub struct JointViews<'a> {
+pub struct JointViewScales<'a> {
     /// Pixels per metre at the depth of each joint; the maximum over all cameras.
     pub pixels_per_metre: &'a [f32],
     /// Tolerance factor of each joint (below 1 during contacts, above 1 without attention).
@@ -142,7 +142,7 @@ impl DriftController {
     /// Returns the joints whose wanted transform is needed now: those that are not passive, those
     /// whose wait is over, and those whose tolerance has shrunk by more than the hysteresis allows,
     /// because they have come closer or need more care.
-    pub fn due(&self, now_secs: f64, views: JointViews<'_>) -> JointSet {
+    pub fn due(&self, now_secs: f64, views: JointViewScales<'_>) -> JointSet {
         let growth = 1.0 + self.opts.hysteresis;
         let is_due = |j: &usize| {
             let judged = &self.judged[*j];
@@ -158,7 +158,7 @@ impl DriftController {
     pub fn step(
         &mut self,
         now_secs: f64,
-        views: JointViews<'_>,
+        views: JointViewScales<'_>,
         due: &JointSet,
         wanted: &LocalPose,
     ) -> &LocalPose {
@@ -180,7 +180,7 @@ impl DriftController {
             + shown.translations[joint].distance(wanted.translations[joint])
     }
 
-    fn tolerance(&self, joint: usize, views: JointViews<'_>) -> f32 {
+    fn tolerance(&self, joint: usize, views: JointViewScales<'_>) -> f32 {
         let attention = views.attention[joint] * self.bounds[joint].share;
         tolerance_metres(
             self.opts.epsilon_px,
@@ -189,7 +189,7 @@ impl DriftController {
         )
     }
 
-    fn judge(&mut self, joint: usize, now: f64, views: JointViews<'_>, wanted: &LocalPose) {
+    fn judge(&mut self, joint: usize, now: f64, views: JointViewScales<'_>, wanted: &LocalPose) {
         let tolerance = self.tolerance(joint, views);
         let high = tolerance * (1.0 + self.opts.hysteresis);
         let settled = now - self.judged[joint].changed_secs >= f64::from(self.opts.dwell_secs);
@@ -238,7 +238,7 @@ impl DriftController {
     }
 
     /// Keeps the shown error within the bound, counts updates, and sets the time of the next test.
-    fn bound(&mut self, joint: usize, now: f64, views: JointViews<'_>, wanted: &LocalPose) {
+    fn bound(&mut self, joint: usize, now: f64, views: JointViewScales<'_>, wanted: &LocalPose) {
         let tolerance = self.tolerance(joint, views);
         let mut error = self.error_metres(joint, wanted);
         match self.states.state(joint) {

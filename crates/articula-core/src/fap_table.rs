@@ -69,7 +69,7 @@ pub struct FapAction {
     /// Group and number of the feature point (2.10 is `(2, 10)`); the left one of two.
     pub point: (u8, u8),
     /// Whether negative values are allowed.
-    pub both_ways: bool,
+    pub two_sided: bool,
 }
 
 /// One facial animation parameter.
@@ -110,71 +110,71 @@ pub static TABLE: [Fap; FAPS] = [
     high("viseme", 1, (63, 63)),
     high("expression", 1, (63, 63)),
     one_way("open_jaw", 2, (FapUnit::MouthNose, FapDirection::Down), (2, 1), 4, (1080, 360)),
-    both_ways("lower_t_midlip", 2, (FapUnit::MouthNose, FapDirection::Down), (2, 2), 2, (600, 180)),
-    both_ways("raise_b_midlip", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 3), 2, (1860, 600)),
-    both_ways("stretch_l_cornerlip", 2, (FapUnit::MouthWidth, FapDirection::Left), (2, 4), 2, (600, 180)),
-    both_ways("stretch_r_cornerlip", 2, (FapUnit::MouthWidth, FapDirection::Right), (2, 5), 2, (600, 180)),
-    both_ways("lower_t_lip_lm", 2, (FapUnit::MouthNose, FapDirection::Down), (2, 6), 2, (600, 180)),
-    both_ways("lower_t_lip_rm", 2, (FapUnit::MouthNose, FapDirection::Down), (2, 7), 2, (600, 180)),
-    both_ways("raise_b_lip_lm", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 8), 2, (1860, 600)),
-    both_ways("raise_b_lip_rm", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 9), 2, (1860, 600)),
-    both_ways("raise_l_cornerlip", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 4), 2, (600, 180)),
-    both_ways("raise_r_cornerlip", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 5), 2, (600, 180)),
+    two_sided("lower_t_midlip", 2, (FapUnit::MouthNose, FapDirection::Down), (2, 2), 2, (600, 180)),
+    two_sided("raise_b_midlip", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 3), 2, (1860, 600)),
+    two_sided("stretch_l_cornerlip", 2, (FapUnit::MouthWidth, FapDirection::Left), (2, 4), 2, (600, 180)),
+    two_sided("stretch_r_cornerlip", 2, (FapUnit::MouthWidth, FapDirection::Right), (2, 5), 2, (600, 180)),
+    two_sided("lower_t_lip_lm", 2, (FapUnit::MouthNose, FapDirection::Down), (2, 6), 2, (600, 180)),
+    two_sided("lower_t_lip_rm", 2, (FapUnit::MouthNose, FapDirection::Down), (2, 7), 2, (600, 180)),
+    two_sided("raise_b_lip_lm", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 8), 2, (1860, 600)),
+    two_sided("raise_b_lip_rm", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 9), 2, (1860, 600)),
+    two_sided("raise_l_cornerlip", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 4), 2, (600, 180)),
+    two_sided("raise_r_cornerlip", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 5), 2, (600, 180)),
     one_way("thrust_jaw", 2, (FapUnit::MouthNose, FapDirection::Forward), (2, 1), 1, (600, 180)),
-    both_ways("shift_jaw", 2, (FapUnit::MouthWidth, FapDirection::Right), (2, 1), 1, (1080, 360)),
-    both_ways("push_b_lip", 2, (FapUnit::MouthNose, FapDirection::Forward), (2, 3), 1, (1080, 360)),
-    both_ways("push_t_lip", 2, (FapUnit::MouthNose, FapDirection::Forward), (2, 2), 1, (1080, 360)),
-    both_ways("depress_chin", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 10), 1, (420, 180)),
-    both_ways("close_t_l_eyelid", 3, (FapUnit::IrisDiameter, FapDirection::Down), (3, 1), 1, (1080, 600)),
-    both_ways("close_t_r_eyelid", 3, (FapUnit::IrisDiameter, FapDirection::Down), (3, 2), 1, (1080, 600)),
-    both_ways("close_b_l_eyelid", 3, (FapUnit::IrisDiameter, FapDirection::Up), (3, 3), 1, (600, 240)),
-    both_ways("close_b_r_eyelid", 3, (FapUnit::IrisDiameter, FapDirection::Up), (3, 4), 1, (600, 240)),
-    both_ways("yaw_l_eyeball", 3, (FapUnit::Angle, FapDirection::Left), (3, 5), 128, (1200, 420)),
-    both_ways("yaw_r_eyeball", 3, (FapUnit::Angle, FapDirection::Left), (3, 6), 128, (1200, 420)),
-    both_ways("pitch_l_eyeball", 3, (FapUnit::Angle, FapDirection::Down), (3, 5), 128, (900, 300)),
-    both_ways("pitch_r_eyeball", 3, (FapUnit::Angle, FapDirection::Down), (3, 6), 128, (900, 300)),
-    both_ways("thrust_l_eyeball", 3, (FapUnit::EyeSeparation, FapDirection::Forward), (3, 5), 1, (600, 180)),
-    both_ways("thrust_r_eyeball", 3, (FapUnit::EyeSeparation, FapDirection::Forward), (3, 6), 1, (600, 180)),
-    both_ways("dilate_l_pupil", 3, (FapUnit::IrisDiameter, FapDirection::Growth), (3, 5), 1, (420, 120)),
-    both_ways("dilate_r_pupil", 3, (FapUnit::IrisDiameter, FapDirection::Growth), (3, 6), 1, (420, 120)),
-    both_ways("raise_l_i_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 1), 2, (900, 360)),
-    both_ways("raise_r_i_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 2), 2, (900, 360)),
-    both_ways("raise_l_m_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 3), 2, (900, 360)),
-    both_ways("raise_r_m_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 4), 2, (900, 360)),
-    both_ways("raise_l_o_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 5), 2, (900, 360)),
-    both_ways("raise_r_o_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 6), 2, (900, 360)),
-    both_ways("squeeze_l_eyebrow", 4, (FapUnit::EyeSeparation, FapDirection::Right), (4, 1), 1, (900, 300)),
-    both_ways("squeeze_r_eyebrow", 4, (FapUnit::EyeSeparation, FapDirection::Left), (4, 2), 1, (900, 300)),
-    both_ways("puff_l_cheek", 5, (FapUnit::EyeSeparation, FapDirection::Left), (5, 1), 2, (900, 300)),
-    both_ways("puff_r_cheek", 5, (FapUnit::EyeSeparation, FapDirection::Right), (5, 2), 2, (900, 300)),
+    two_sided("shift_jaw", 2, (FapUnit::MouthWidth, FapDirection::Right), (2, 1), 1, (1080, 360)),
+    two_sided("push_b_lip", 2, (FapUnit::MouthNose, FapDirection::Forward), (2, 3), 1, (1080, 360)),
+    two_sided("push_t_lip", 2, (FapUnit::MouthNose, FapDirection::Forward), (2, 2), 1, (1080, 360)),
+    two_sided("depress_chin", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 10), 1, (420, 180)),
+    two_sided("close_t_l_eyelid", 3, (FapUnit::IrisDiameter, FapDirection::Down), (3, 1), 1, (1080, 600)),
+    two_sided("close_t_r_eyelid", 3, (FapUnit::IrisDiameter, FapDirection::Down), (3, 2), 1, (1080, 600)),
+    two_sided("close_b_l_eyelid", 3, (FapUnit::IrisDiameter, FapDirection::Up), (3, 3), 1, (600, 240)),
+    two_sided("close_b_r_eyelid", 3, (FapUnit::IrisDiameter, FapDirection::Up), (3, 4), 1, (600, 240)),
+    two_sided("yaw_l_eyeball", 3, (FapUnit::Angle, FapDirection::Left), (3, 5), 128, (1200, 420)),
+    two_sided("yaw_r_eyeball", 3, (FapUnit::Angle, FapDirection::Left), (3, 6), 128, (1200, 420)),
+    two_sided("pitch_l_eyeball", 3, (FapUnit::Angle, FapDirection::Down), (3, 5), 128, (900, 300)),
+    two_sided("pitch_r_eyeball", 3, (FapUnit::Angle, FapDirection::Down), (3, 6), 128, (900, 300)),
+    two_sided("thrust_l_eyeball", 3, (FapUnit::EyeSeparation, FapDirection::Forward), (3, 5), 1, (600, 180)),
+    two_sided("thrust_r_eyeball", 3, (FapUnit::EyeSeparation, FapDirection::Forward), (3, 6), 1, (600, 180)),
+    two_sided("dilate_l_pupil", 3, (FapUnit::IrisDiameter, FapDirection::Growth), (3, 5), 1, (420, 120)),
+    two_sided("dilate_r_pupil", 3, (FapUnit::IrisDiameter, FapDirection::Growth), (3, 6), 1, (420, 120)),
+    two_sided("raise_l_i_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 1), 2, (900, 360)),
+    two_sided("raise_r_i_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 2), 2, (900, 360)),
+    two_sided("raise_l_m_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 3), 2, (900, 360)),
+    two_sided("raise_r_m_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 4), 2, (900, 360)),
+    two_sided("raise_l_o_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 5), 2, (900, 360)),
+    two_sided("raise_r_o_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 6), 2, (900, 360)),
+    two_sided("squeeze_l_eyebrow", 4, (FapUnit::EyeSeparation, FapDirection::Right), (4, 1), 1, (900, 300)),
+    two_sided("squeeze_r_eyebrow", 4, (FapUnit::EyeSeparation, FapDirection::Left), (4, 2), 1, (900, 300)),
+    two_sided("puff_l_cheek", 5, (FapUnit::EyeSeparation, FapDirection::Left), (5, 1), 2, (900, 300)),
+    two_sided("puff_r_cheek", 5, (FapUnit::EyeSeparation, FapDirection::Right), (5, 2), 2, (900, 300)),
     one_way("lift_l_cheek", 5, (FapUnit::EyeNose, FapDirection::Up), (5, 3), 2, (600, 180)),
     one_way("lift_r_cheek", 5, (FapUnit::EyeNose, FapDirection::Up), (5, 4), 2, (600, 180)),
-    both_ways("shift_tongue_tip", 6, (FapUnit::MouthWidth, FapDirection::Right), (6, 1), 1, (1080, 420)),
-    both_ways("raise_tongue_tip", 6, (FapUnit::MouthNose, FapDirection::Up), (6, 1), 1, (1080, 420)),
-    both_ways("thrust_tongue_tip", 6, (FapUnit::MouthWidth, FapDirection::Forward), (6, 1), 1, (1080, 420)),
-    both_ways("raise_tongue", 6, (FapUnit::MouthNose, FapDirection::Up), (6, 2), 1, (1080, 420)),
+    two_sided("shift_tongue_tip", 6, (FapUnit::MouthWidth, FapDirection::Right), (6, 1), 1, (1080, 420)),
+    two_sided("raise_tongue_tip", 6, (FapUnit::MouthNose, FapDirection::Up), (6, 1), 1, (1080, 420)),
+    two_sided("thrust_tongue_tip", 6, (FapUnit::MouthWidth, FapDirection::Forward), (6, 1), 1, (1080, 420)),
+    two_sided("raise_tongue", 6, (FapUnit::MouthNose, FapDirection::Up), (6, 2), 1, (1080, 420)),
     one_way("tongue_roll", 6, (FapUnit::Angle, FapDirection::Curl), (6, 3), 512, (1080, 420)),
-    both_ways("head_pitch", 7, (FapUnit::Angle, FapDirection::Down), (7, 1), 170, (1860, 600)),
-    both_ways("head_yaw", 7, (FapUnit::Angle, FapDirection::Left), (7, 1), 170, (1860, 600)),
-    both_ways("head_roll", 7, (FapUnit::Angle, FapDirection::Right), (7, 1), 170, (1860, 600)),
-    both_ways("lower_t_midlip_o", 8, (FapUnit::MouthNose, FapDirection::Down), (8, 1), 2, (600, 180)),
-    both_ways("raise_b_midlip_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 2), 2, (1860, 600)),
-    both_ways("stretch_l_cornerlip_o", 8, (FapUnit::MouthWidth, FapDirection::Left), (8, 3), 2, (600, 180)),
-    both_ways("stretch_r_cornerlip_o", 8, (FapUnit::MouthWidth, FapDirection::Right), (8, 4), 2, (600, 180)),
-    both_ways("lower_t_lip_lm_o", 8, (FapUnit::MouthNose, FapDirection::Down), (8, 5), 2, (600, 180)),
-    both_ways("lower_t_lip_rm_o", 8, (FapUnit::MouthNose, FapDirection::Down), (8, 6), 2, (600, 180)),
-    both_ways("raise_b_lip_lm_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 7), 2, (1860, 600)),
-    both_ways("raise_b_lip_rm_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 8), 2, (1860, 600)),
-    both_ways("raise_l_cornerlip_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 3), 2, (600, 180)),
-    both_ways("raise_r_cornerlip_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 4), 2, (600, 180)),
-    both_ways("stretch_l_nose", 9, (FapUnit::EyeNose, FapDirection::Left), (9, 1), 1, (540, 120)),
-    both_ways("stretch_r_nose", 9, (FapUnit::EyeNose, FapDirection::Right), (9, 2), 1, (540, 120)),
-    both_ways("raise_nose", 9, (FapUnit::EyeNose, FapDirection::Up), (9, 3), 1, (680, 180)),
-    both_ways("bend_nose", 9, (FapUnit::EyeNose, FapDirection::Right), (9, 3), 1, (900, 180)),
-    both_ways("raise_l_ear", 10, (FapUnit::EyeNose, FapDirection::Up), (10, 1), 1, (900, 240)),
-    both_ways("raise_r_ear", 10, (FapUnit::EyeNose, FapDirection::Up), (10, 2), 1, (900, 240)),
-    both_ways("pull_l_ear", 10, (FapUnit::EyeNose, FapDirection::Left), (10, 3), 1, (900, 300)),
-    both_ways("pull_r_ear", 10, (FapUnit::EyeNose, FapDirection::Right), (10, 4), 1, (900, 300)),
+    two_sided("head_pitch", 7, (FapUnit::Angle, FapDirection::Down), (7, 1), 170, (1860, 600)),
+    two_sided("head_yaw", 7, (FapUnit::Angle, FapDirection::Left), (7, 1), 170, (1860, 600)),
+    two_sided("head_roll", 7, (FapUnit::Angle, FapDirection::Right), (7, 1), 170, (1860, 600)),
+    two_sided("lower_t_midlip_o", 8, (FapUnit::MouthNose, FapDirection::Down), (8, 1), 2, (600, 180)),
+    two_sided("raise_b_midlip_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 2), 2, (1860, 600)),
+    two_sided("stretch_l_cornerlip_o", 8, (FapUnit::MouthWidth, FapDirection::Left), (8, 3), 2, (600, 180)),
+    two_sided("stretch_r_cornerlip_o", 8, (FapUnit::MouthWidth, FapDirection::Right), (8, 4), 2, (600, 180)),
+    two_sided("lower_t_lip_lm_o", 8, (FapUnit::MouthNose, FapDirection::Down), (8, 5), 2, (600, 180)),
+    two_sided("lower_t_lip_rm_o", 8, (FapUnit::MouthNose, FapDirection::Down), (8, 6), 2, (600, 180)),
+    two_sided("raise_b_lip_lm_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 7), 2, (1860, 600)),
+    two_sided("raise_b_lip_rm_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 8), 2, (1860, 600)),
+    two_sided("raise_l_cornerlip_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 3), 2, (600, 180)),
+    two_sided("raise_r_cornerlip_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 4), 2, (600, 180)),
+    two_sided("stretch_l_nose", 9, (FapUnit::EyeNose, FapDirection::Left), (9, 1), 1, (540, 120)),
+    two_sided("stretch_r_nose", 9, (FapUnit::EyeNose, FapDirection::Right), (9, 2), 1, (540, 120)),
+    two_sided("raise_nose", 9, (FapUnit::EyeNose, FapDirection::Up), (9, 3), 1, (680, 180)),
+    two_sided("bend_nose", 9, (FapUnit::EyeNose, FapDirection::Right), (9, 3), 1, (900, 180)),
+    two_sided("raise_l_ear", 10, (FapUnit::EyeNose, FapDirection::Up), (10, 1), 1, (900, 240)),
+    two_sided("raise_r_ear", 10, (FapUnit::EyeNose, FapDirection::Up), (10, 2), 1, (900, 240)),
+    two_sided("pull_l_ear", 10, (FapUnit::EyeNose, FapDirection::Left), (10, 3), 1, (900, 300)),
+    two_sided("pull_r_ear", 10, (FapUnit::EyeNose, FapDirection::Right), (10, 4), 1, (900, 300)),
 ];
 
 const fn high(name: &'static str, step: u16, largest: (u16, u16)) -> Fap {
@@ -187,7 +187,7 @@ const fn high(name: &'static str, step: u16, largest: (u16, u16)) -> Fap {
     }
 }
 
-const fn both_ways(
+const fn two_sided(
     name: &'static str,
     group: u8,
     (unit, direction): (FapUnit, FapDirection),
@@ -199,7 +199,7 @@ const fn both_ways(
         unit,
         direction,
         point,
-        both_ways: true,
+        two_sided: true,
     };
     Fap {
         name,
@@ -222,7 +222,7 @@ const fn one_way(
         unit,
         direction,
         point,
-        both_ways: false,
+        two_sided: false,
     };
     Fap {
         name,
@@ -282,7 +282,7 @@ mod tests {
         // Five parameters go in one direction only: jaw open and thrust, cheeks up, tongue roll.
         let one_way = TABLE
             .iter()
-            .filter(|f| f.action.is_some_and(|a| !a.both_ways));
+            .filter(|f| f.action.is_some_and(|a| !a.two_sided));
         let names: Vec<&str> = one_way.map(|f| f.name).collect();
         assert_eq!(
             names,
@@ -314,7 +314,7 @@ mod tests {
             };
             pairs += 1;
             let (a, b) = (left.action.unwrap(), right.action.unwrap());
-            assert_eq!((a.unit, a.both_ways), (b.unit, b.both_ways));
+            assert_eq!((a.unit, a.two_sided), (b.unit, b.two_sided));
             assert_eq!((left.step, left.largest), (right.step, right.largest));
             let mirrored = match a.direction {
                 // Both eyes look left.

@@ -119,7 +119,7 @@ impl JointLods {
     }
 
     /// Number of joints that a level keeps: the first places of the order.
-    pub fn kept(&self, level: usize) -> usize {
+    pub fn joint_count(&self, level: usize) -> usize {
         usize::from(self.kept[level])
     }
 
@@ -220,12 +220,12 @@ mod tests {
         // Closed over ancestors: {0,1,2}, {0,1}, {0}; what goes first stands last.
         assert_eq!(joint_lods.joints(), [0, 1, 2, 4, 3]);
         let kept: Vec<usize> = (0..joint_lods.levels())
-            .map(|l| joint_lods.kept(l))
+            .map(|l| joint_lods.joint_count(l))
             .collect();
         assert_eq!(kept, [5, 3, 2, 1]);
         let target = |joint, level| {
             let mut place = joint_lods.place(joint);
-            while place >= joint_lods.kept(level) {
+            while place >= joint_lods.joint_count(level) {
                 place = usize::from(joint_lods.parents()[place]?);
             }
             Some(place)
@@ -234,7 +234,7 @@ mod tests {
         assert_eq!(target(3, 1), Some(2));
         assert_eq!(target(4, 1), Some(1));
         assert_eq!(target(3, 3), Some(0));
-        assert_eq!(joint_lods.joints()[..joint_lods.kept(2)], [0, 1]);
+        assert_eq!(joint_lods.joints()[..joint_lods.joint_count(2)], [0, 1]);
         assert_eq!(joint_lods.parents()[4], Some(2));
     }
 

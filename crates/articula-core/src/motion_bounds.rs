@@ -166,7 +166,7 @@ mod tests {
             let (from, to) = (k as f32, ((k + 1) as f32).min(duration_secs));
             let (least, greatest) = (Vec3::X * from, Vec3::X * to);
             Bound {
-                sphere: Sphere::around_box(least, greatest),
+                sphere: Sphere::from_corners(least, greatest),
                 least,
                 greatest,
             }

@@ -1,14 +1,14 @@
-//! What evaluation writes for a character: which matrices, in which form.
+//! Palettes: the joint matrices that evaluation writes for a character, and their format.
 //!
-//! Source: `docs/methods/runtime.md` part 3 (output choices). A palette holds one entry for each joint
-//! that a level keeps, or for each binding of a skin; entries are sorted by [place](Ladder),
-//! so the palette of a level is a prefix of the full one.
+//! Source: `docs/methods/runtime.md` part 3 (output choices). A palette holds one entry for each
+//! joint that a level keeps, or for each binding of a skin; entries are sorted by
+//! [place](JointLods::place), so the palette of a level is a prefix of the full one.
 
 use crate::Mismatch;
 use crate::joint_lods::JointLods;
 use glam::{Affine3A, Quat, Vec3};
 
-/// How a matrix of a palette is written: rows of four numbers.
+/// Format of a palette entry: rows of four numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PaletteForm {
     /// Three rows of a 3x4 matrix, f32: 48 bytes.
@@ -16,15 +16,15 @@ pub enum PaletteForm {
     Matrix,
     /// Three rows of a 3x4 matrix, half floats: 24 bytes; exact to 1/2048 of each number.
     HalfMatrix,
-    /// Unit quaternion (x, y, z, w), then translation and a one, f32: 32 bytes. Only where no
-    /// scale reaches the joints.
+    /// Unit quaternion (x, y, z, w), then translation and a one, f32: 32 bytes. Only for joints
+    /// without scale, in themselves or above.
     Rigid,
-    /// The same in half floats: 16 bytes.
+    /// [`PaletteForm::Rigid`] in half floats: 16 bytes.
     HalfRigid,
 }
 
 impl PaletteForm {
-    /// Rows of four numbers that an entry takes.
+    /// Number of rows of four numbers per entry.
     pub fn rows(self) -> usize {
         match self {
             Self::Matrix | Self::HalfMatrix => 3,
@@ -32,7 +32,7 @@ impl PaletteForm {
         }
     }
 
-    /// Bytes that an entry takes.
+    /// Number of bytes per entry.
     pub fn bytes(self) -> usize {
         match self {
             Self::Matrix => 48,
@@ -42,18 +42,18 @@ impl PaletteForm {
         }
     }
 
-    /// Whether it is written in half floats.
+    /// Whether the numbers are half floats.
     pub fn is_half(self) -> bool {
         matches!(self, Self::HalfMatrix | Self::HalfRigid)
     }
 
-    /// Whether it holds a rotation and a translation only.
+    /// Whether an entry holds only a rotation and a translation.
     pub fn is_rigid(self) -> bool {
         matches!(self, Self::Rigid | Self::HalfRigid)
     }
 }
 
-/// Memory of the caller that palettes are written to, as rows of four numbers.
+/// Output buffer for palettes, as rows of four numbers.
 #[derive(Debug)]
 pub enum PaletteRows<'a> {
     /// For the forms in f32.
@@ -71,7 +71,7 @@ impl PaletteRows<'_> {
         }
     }
 
-    /// A part of them, to hand on.
+    /// Reborrows a range of the rows.
     ///
     /// # Panics
     /// If the range reaches beyond the rows.
@@ -83,7 +83,7 @@ impl PaletteRows<'_> {
     }
 }
 
-/// A bind matrix, ready for both kinds of forms.
+/// An inverse bind matrix, prepared for matrix and rigid forms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bind {
     /// Rows of the 3x4 matrix.
@@ -96,13 +96,13 @@ pub(crate) struct Bind {
 /// One entry of a palette.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Entry {
-    /// Place of the joint in the ladder.
+    /// Place of the joint in the LOD order.
     pub(crate) place: u16,
-    /// Mesh-space matrix that the joint's matrix is multiplied with, if any.
+    /// Inverse bind matrix that the joint's matrix is multiplied by, if any.
     pub(crate) bind: Option<Bind>,
 }
 
-/// Which matrices a palette holds, and how many of them at each level.
+/// The matrices of a palette, and their number at each level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaletteMap {
     entries: Vec<Entry>,
@@ -111,23 +111,23 @@ pub struct PaletteMap {
 }
 
 impl PaletteMap {
-    /// The model-from-joint matrices of the joints that a level keeps, in ladder order.
+    /// Model-from-joint matrices of the joints that a level keeps, in LOD order.
     pub fn joints(joint_lods: &JointLods) -> Self {
         let entry = |place| Entry { place, bind: None };
         Self {
             entries: (0..joint_lods.joints().len() as u16).map(entry).collect(),
             counts: (0..joint_lods.levels())
-                .map(|l| joint_lods.kept(l))
+                .map(|l| joint_lods.joint_count(l))
                 .collect(),
             rigid: true,
         }
     }
 
-    /// Skinning matrices: each joint's matrix times an inverse bind matrix. `bindings` gives
-    /// place and matrix of each entry, sorted by place.
+    /// Skinning matrices: each joint's matrix times an inverse bind matrix. `bindings` has the
+    /// place ([`JointLods::place`]) and the inverse bind matrix of each entry, sorted by place.
     ///
     /// # Errors
-    /// A [`Mismatch`] if a place is beyond the ladder or smaller than the one before, or a
+    /// A [`Mismatch`] if a place is not in the LOD order or smaller than the one before, or a
     /// matrix is not finite.
     pub fn skin(joint_lods: &JointLods, bindings: &[(u16, Affine3A)]) -> Result<Self, Mismatch> {
         let mut entries = Vec::with_capacity(bindings.len());
@@ -154,8 +154,9 @@ impl PaletteMap {
                 bind: Some(bind(matrix)),
             });
         }
-        let count =
-            |level| entries.partition_point(|e| usize::from(e.place) < joint_lods.kept(level));
+        let count = |level| {
+            entries.partition_point(|e| usize::from(e.place) < joint_lods.joint_count(level))
+        };
         Ok(Self {
             counts: (0..joint_lods.levels()).map(count).collect(),
             entries,
@@ -163,7 +164,7 @@ impl PaletteMap {
         })
     }
 
-    /// Entries that a palette of this level holds.
+    /// Number of entries of a palette at a level.
     pub fn len(&self, level: usize) -> usize {
         self.counts[level]
     }
@@ -200,7 +201,7 @@ fn bind(matrix: &Affine3A) -> Bind {
     }
 }
 
-/// Whether lengths and angles are kept, within what f32 files hold.
+/// Whether a matrix preserves lengths and angles, within the precision of f32 files.
 fn is_rigid(matrix: &Affine3A) -> bool {
     let m = matrix.matrix3;
     let product = m.transpose() * m;

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::ops::{Add, Mul, Sub};
 
 /// A floating-point type of which percentiles can be computed: `f32` and `f64`.
-pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+pub trait Float: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
     #[doc(hidden)]
     const ZERO: Self;
     #[doc(hidden)]
@@ -17,7 +17,7 @@ pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
 
 macro_rules! real {
     ($($number:ty),*) => {$(
-        impl Real for $number {
+        impl Float for $number {
             const ZERO: Self = 0.0;
 
             fn order(a: &Self, b: &Self) -> Ordering {
@@ -51,7 +51,7 @@ real!(f32, f64);
 /// assert_eq!(percentile(&mut metres, 0.5), 2.0);
 /// assert!((percentile(&mut metres, 0.95) - 3.8).abs() < 1e-6);
 /// ```
-pub fn percentile<T: Real>(values: &mut [T], fraction: T) -> T {
+pub fn percentile<T: Float>(values: &mut [T], fraction: T) -> T {
     if values.is_empty() {
         return T::ZERO;
     }

@@ -1,28 +1,30 @@
-//! Pose keys shared by all characters of a rig: whole palettes, ready to be blended.
+//! Pose cache: whole palettes at key times, shared by all characters of a rig and blended each
+//! frame.
 //!
-//! Source: `docs/methods/motion-lod.md` part 6 and `docs/methods/runtime.md` 4.1. Linear blend skinning is linear
-//! in the palette, so between two cached palettes every vertex moves on a straight line; keys are
-//! chosen (by `articula-build`) so that this line stays near the motion. A character then costs
-//! one look-up a frame: where its time falls between two keys ([`PoseCache::locate`]). The
-//! palettes are blended by the CPU ([`PoseCache::blend`]) or by a vertex shader ([`BlendRecord`]).
+//! Source: `docs/methods/motion-lod.md` part 6 and `docs/methods/runtime.md` 4.1. Linear blend
+//! skinning is linear in the palette, so between two cached palettes every vertex moves on a
+//! straight line; keys are chosen (by `articula-build`) so that this line stays near the motion. A
+//! character then costs one look-up per frame, of the two keys around its time
+//! ([`PoseCache::locate`]). The palettes are blended by the CPU ([`PoseCache::blend`]) or by a
+//! vertex shader ([`BlendRecord`]).
 //!
-//! Differs: a character holds no key and no cursor. Its record is made anew each frame from clip,
-//! level and time, so a change of clip or level is nothing to be told of, and keys of different
-//! clips or levels cannot be mixed up. The two ends of a clip are never blended with each other.
+//! A character holds no key and no cursor. Its record is computed each frame from clip, level and
+//! time, so a change of clip or level needs no notification, and keys of different clips or levels
+//! cannot be mixed. The two ends of a clip are never blended with each other.
 
 use crate::Mismatch;
 use crate::clip_set::ClipSet;
 use crate::palette::{PaletteForm, PaletteMap, PaletteRows};
 use crate::simd::{Backend, Kernel, LANES, Lanes, Row, dispatch};
 
-/// Most buckets for each key in the table that finds keys by time.
+/// Maximum number of buckets per key in the table that finds keys by time.
 const BUCKETS_PER_KEY: usize = 8;
 
-/// Where a character stands between two cached palettes: the 16 bytes that leave the CPU when
-/// the GPU blends.
+/// Blend of two cached palettes for one character: the 16 bytes that leave the CPU when the GPU
+/// blends.
 ///
-/// The cached palettes ([`PoseCache::rows`]) are uploaded once, three rows of four numbers a
-/// matrix. Each frame a vertex shader then reads the record of its instance and takes, for a
+/// The cached palettes ([`PoseCache::rows`]) are uploaded once, three rows of four numbers per
+/// matrix. Each frame a vertex shader then reads the record of its instance and computes, for a
 /// vertex that is bound to entry `b` of the palette,
 ///
 /// ```text
@@ -32,30 +34,30 @@ const BUCKETS_PER_KEY: usize = 8;
 /// let world_position = characters[r.character] * model_position;
 /// ```
 ///
-/// It may as well blend the two skinned positions: that is the same point.
+/// Blending the two skinned positions instead gives the same point.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C)]
 pub struct BlendRecord {
-    /// First matrix of the cached palette at or before the time.
+    /// Index of the first matrix of the cached palette at or before the time.
     pub before: u32,
-    /// First matrix of the cached palette after it; `before` at the last key.
+    /// Index of the first matrix of the cached palette after it; `before` at the last key.
     pub after: u32,
     /// Blend between the two, 0 to 1.
     pub blend: f32,
-    /// The caller's number of the character, such as where its place in the world stands.
+    /// Index of the character, for example into its world transforms.
     pub character: u32,
 }
 
 const _: () = assert!(size_of::<BlendRecord>() == 16);
 
 impl BlendRecord {
-    /// The same for a character.
+    /// Returns the record for a character.
     #[must_use]
     pub(crate) fn of(self, character: u32) -> Self {
         Self { character, ..self }
     }
 
-    /// The bytes that a GPU reads: four little-endian words in the order of the fields.
+    /// Returns the bytes that a GPU reads: four little-endian words in the order of the fields.
     pub fn to_le_bytes(self) -> [u8; 16] {
         let words = [
             self.before,
@@ -74,12 +76,13 @@ impl BlendRecord {
 /// Keys of one clip at one level.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CachedKeys {
-    /// Times of the keys: rising, the first 0, the last the clip's end.
+    /// Times of the keys in seconds: rising, the first 0, the last the clip's end.
     pub times_secs: Vec<f32>,
-    /// First matrix of the first key's palette. Palettes of further keys follow without gaps.
+    /// Index of the first matrix of the first key's palette. Palettes of further keys follow
+    /// without gaps.
     pub first_matrix: u32,
-    /// Metres of skin by which blending between the keys misses the same level evaluated: per
-    /// frame the 95th percentile over vertices, then the greatest over frames.
+    /// Distance in metres between the skin blended from the keys and that of the same level
+    /// evaluated: per frame the 95th percentile over vertices, then the maximum over frames.
     pub error_metres: f32,
 }
 
@@ -93,7 +96,7 @@ pub enum CachedRows {
 }
 
 impl CachedRows {
-    /// How each matrix is written.
+    /// Format of each matrix.
     pub(crate) fn form(&self) -> PaletteForm {
         match self {
             Self::Float(_) => PaletteForm::Matrix,
@@ -118,10 +121,10 @@ struct Key {
     per_sec: f32,
 }
 
-/// Keys of one clip at one level, as they are found by time.
+/// Keys of one clip at one level, with the table that finds them by time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Segment {
-    /// First of the keys; a key at an infinite time stands behind the last.
+    /// First of the keys; a key at an infinite time follows the last.
     first_key: u32,
     /// Index of the last key, counted from the first.
     last: u32,
@@ -134,28 +137,29 @@ struct Segment {
     error_metres: f32,
 }
 
-/// Cached palettes of one rig: shared by every character, clip and level that they serve.
+/// Cached palettes of one rig at key times, by clip and level, shared by all characters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PoseCache {
     levels: usize,
-    /// Matrices of a palette, by level.
+    /// Number of matrices of a palette, by level.
     entries: Vec<usize>,
-    /// By clip, then level; `None` where poses are to be evaluated.
+    /// By clip, then level; `None` where poses must be evaluated.
     segments: Vec<Option<Segment>>,
     keys: Vec<Key>,
-    /// Key, counted from the first of its segment, that every time of a bucket lies behind.
+    /// For each bucket the latest key, counted from the first of its segment, that no time of the
+    /// bucket precedes.
     buckets: Vec<u32>,
     rows: CachedRows,
 }
 
 impl PoseCache {
-    /// Puts keys and palettes together. `keys` has one entry for each clip, and in it one for
-    /// each level; `None` says that this clip is to be evaluated at this level. Levels may share
-    /// palettes, and nothing says in which order they stand.
+    /// Combines keys and palettes. `keys` has one entry for each clip, and in it one for each
+    /// level; `None` means that this clip is evaluated at this level. Levels may share palettes,
+    /// and palettes may be in any order.
     ///
     /// # Errors
-    /// A [`Mismatch`] if the palette is of another ladder, an entry is missing, times do not rise
-    /// from 0 to the clip's end, an error is negative or no number, palettes reach beyond the
+    /// A [`Mismatch`] if the palette is of other joint LODs, an entry is missing, times do not rise
+    /// from 0 to the clip's end, an error is negative or not finite, palettes reach beyond the
     /// rows, or there are more than 2^32 matrices.
     pub fn new(
         clips: &ClipSet,
@@ -235,7 +239,7 @@ impl PoseCache {
             .windows(2)
             .map(|w| w[1] - w[0])
             .fold(f32::MAX, f32::min);
-        // As many buckets as make each no longer than the shortest span, within reason.
+        // Enough buckets that none is longer than the shortest span, up to a limit.
         let wanted = (times[last] / least).ceil() as usize;
         let count = wanted.clamp(1, BUCKETS_PER_KEY * times.len());
         let mut segment = Segment {
@@ -253,7 +257,7 @@ impl PoseCache {
             error_metres: keys.error_metres,
         };
         if !segment.buckets_per_sec.is_finite() {
-            // A clip that is over at once: every time has the only bucket.
+            // A clip of almost no duration: every time is in the only bucket.
             segment.buckets_per_sec = 0.0;
         }
         for (k, time) in times.iter().enumerate() {
@@ -268,7 +272,7 @@ impl PoseCache {
             per_sec: 0.0,
         });
         // A key of an earlier bucket lies before every time of a later one, however times are
-        // rounded, because the bucket of a time never falls.
+        // rounded, because the bucket never falls as the time rises.
         let mut behind = 0;
         for bucket in 0..count as u32 {
             while behind < last && segment.bucket(times[behind + 1]) < bucket {
@@ -284,27 +288,27 @@ impl PoseCache {
         self.segments.len() / self.levels
     }
 
-    /// Number of levels of the ladder, whether cached or not.
+    /// Number of joint LODs, whether cached or not.
     pub(crate) fn levels(&self) -> usize {
         self.levels
     }
 
-    /// How palettes are written.
+    /// Format of the palettes.
     pub fn form(&self) -> PaletteForm {
         self.rows.form()
     }
 
-    /// All cached palettes, to upload: three rows a matrix.
+    /// All cached palettes, for upload: three rows per matrix.
     pub fn rows(&self) -> &CachedRows {
         &self.rows
     }
 
-    /// Matrices of one palette of a level.
+    /// Number of matrices of one palette of a level.
     pub fn matrices(&self, level: usize) -> usize {
         self.entries[level]
     }
 
-    /// Bytes of palettes, keys and tables.
+    /// Size of palettes, keys and tables in bytes.
     pub fn bytes(&self) -> usize {
         self.rows.len() / 3 * self.form().bytes()
             + size_of_val(self.keys.as_slice())
@@ -312,8 +316,8 @@ impl PoseCache {
             + size_of_val(self.segments.as_slice())
     }
 
-    /// Metres of skin that blending adds to the level's own error; `None` says that poses of
-    /// this clip and level are to be evaluated.
+    /// Error in metres that blending adds to the level's own; `None` if poses of this clip and
+    /// level must be evaluated.
     ///
     /// # Panics
     /// If there is no such clip or level.
@@ -322,7 +326,7 @@ impl PoseCache {
         self.segment(clip, level).map(|s| s.error_metres)
     }
 
-    /// Times of the keys of a clip at a level; `None` as in [`PoseCache::error_metres`].
+    /// Times of the keys of a clip at a level in seconds; `None` as in [`PoseCache::error_metres`].
     ///
     /// # Panics
     /// If there is no such clip or level.
@@ -338,12 +342,12 @@ impl PoseCache {
         })
     }
 
-    /// Where a time falls between the cached palettes of a clip at a level, for character 0;
-    /// `None` says that the pose is to be evaluated.
+    /// Finds the two cached palettes around a time of a clip at a level, and the blend between
+    /// them, for character 0; `None` if the pose must be evaluated.
     ///
-    /// Times before the first or after the last key show that key; a time that is no number
-    /// counts as 0. A table gives the key: O(1) while the shortest span is no less than an
-    /// eighth of the mean, a few steps more where it is. Does not allocate.
+    /// Times before the first or after the last key show that key; NaN counts as 0. The key is
+    /// found through a table: O(1) while the shortest span is at least an eighth of the mean, a few
+    /// more steps otherwise. Does not allocate.
     ///
     /// # Panics
     /// If there is no such clip or level.
@@ -382,14 +386,14 @@ impl PoseCache {
         self.segments[clip * self.levels + level].as_ref()
     }
 
-    /// Writes the palettes of characters at one level, one after the other: each the straight
-    /// blend of the two that its record names, and at a key that one itself, bit for bit.
+    /// Writes the palettes of characters at one level, one after the other: each the linear blend
+    /// of the two in its record, and at a key exactly the palette of the key.
     ///
     /// O(matrices); does not allocate. All backends give the same bits.
     ///
     /// # Panics
-    /// If `out` is not as long as these palettes or of the other kind of floats, or a record is
-    /// of another cache or level.
+    /// If `out` does not have the length of these palettes and the kind of floats of the cache, or
+    /// a record is of another cache or level.
     pub fn blend(
         &self,
         level: usize,
@@ -424,14 +428,14 @@ impl PoseCache {
 }
 
 impl Segment {
-    /// Bucket of a time that is a number and not negative; never falls as the time rises.
+    /// Bucket of a non-negative time; never falls as the time rises.
     #[inline]
     fn bucket(&self, time_secs: f32) -> u32 {
         ((time_secs * self.buckets_per_sec) as u32).min(self.last_bucket)
     }
 }
 
-/// Palettes that are blended, in rows of one kind of floats.
+/// Kernel that blends palettes of one kind of floats.
 struct Blend<'a, R> {
     rows: &'a [R],
     /// Rows of a palette.
@@ -507,7 +511,7 @@ fn blend_halves<L: Lanes>(a: &[[u16; 4]], b: &[[u16; 4]], weight: f32, out: &mut
     }
 }
 
-/// The numbers, then zeros.
+/// The numbers, padded with zeros.
 #[inline(always)]
 fn filled(halves: &[u16]) -> [u16; LANES] {
     let mut filled = [0; LANES];
@@ -553,7 +557,7 @@ mod tests {
     #[test]
     fn by_hand() {
         let (clips, map) = parts();
-        // The single pose stands first among the palettes.
+        // The single pose is the first palette.
         let all = [
             vec![keys(&[0.0, 0.125, 0.25, 1.0], 1)],
             vec![keys(&[0.0], 0)],

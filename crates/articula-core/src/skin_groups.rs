@@ -39,7 +39,7 @@ struct Quad {
 /// Unskinned positions and normals in mesh space, in the order of one [`GroupedSkin`], at rest or
 /// with morph targets added.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
+pub struct MorphedShape {
     quads: Vec<Quad>,
     /// Morph target weights of the last call of [`GroupedSkin::morph`].
     weights: Vec<f32>,
@@ -47,7 +47,7 @@ pub struct Shape {
 
 /// One flag for each block of a [`GroupedSkin`]: whether its skinned output is out of date.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Stale {
+pub struct StaleBlocks {
     blocks: Vec<bool>,
 }
 
@@ -91,7 +91,7 @@ pub struct GroupedSkin {
     /// Palette indices of the influences, vertex after vertex of a group.
     indices: Vec<u16>,
     weights: Vec<f32>,
-    rest: Shape,
+    rest: MorphedShape,
 }
 
 impl GroupedSkin {
@@ -110,7 +110,7 @@ impl GroupedSkin {
             lane_of: vec![0; mesh.len()],
             indices: Vec::new(),
             weights: Vec::new(),
-            rest: Shape {
+            rest: MorphedShape {
                 quads: Vec::new(),
                 weights: vec![0.0; mesh.morph_weights.len()],
             },
@@ -196,14 +196,14 @@ impl GroupedSkin {
 
     /// Returns the shape at rest, without morph targets; clone it for a character with morph
     /// targets.
-    pub fn rest(&self) -> &Shape {
+    pub fn rest(&self) -> &MorphedShape {
         &self.rest
     }
 
     /// Returns flags with all blocks stale, as before the first call of
     /// [`GroupedSkin::skin_stale`]. Allocates.
-    pub fn stale(&self) -> Stale {
-        Stale {
+    pub fn stale(&self) -> StaleBlocks {
+        StaleBlocks {
             blocks: vec![true; self.blocks.len()],
         }
     }
@@ -213,7 +213,13 @@ impl GroupedSkin {
     ///
     /// # Panics
     /// If an argument belongs to another mesh.
-    pub fn morph(&self, mesh: &Mesh, weights: &[f32], shape: &mut Shape, stale: &mut Stale) {
+    pub fn morph(
+        &self,
+        mesh: &Mesh,
+        weights: &[f32],
+        shape: &mut MorphedShape,
+        stale: &mut StaleBlocks,
+    ) {
         assert_eq!(mesh.len(), self.len(), "the mesh is another one");
         assert_eq!(
             weights.len(),
@@ -256,7 +262,7 @@ impl GroupedSkin {
     ///
     /// # Panics
     /// If `stale` belongs to another mesh.
-    pub fn mark_joints(&self, moved: &JointSet, stale: &mut Stale) {
+    pub fn mark_joints(&self, moved: &JointSet, stale: &mut StaleBlocks) {
         self.check_stale(stale);
         for (flag, block) in stale.blocks.iter_mut().zip(&self.blocks) {
             *flag |= !block.joints.is_disjoint(moved);
@@ -284,7 +290,7 @@ impl GroupedSkin {
     ///
     /// # Panics
     /// If an argument belongs to another mesh.
-    pub fn skin(&self, shape: &Shape, palette: &[Matrix3x4], out: &mut SkinnedMesh) {
+    pub fn skin(&self, shape: &MorphedShape, palette: &[Matrix3x4], out: &mut SkinnedMesh) {
         self.check_palette(palette);
         self.check_out(out);
         self.check_shape(shape);
@@ -300,9 +306,9 @@ impl GroupedSkin {
     /// If an argument belongs to another mesh.
     pub fn skin_stale(
         &self,
-        shape: &Shape,
+        shape: &MorphedShape,
         palette: &[Matrix3x4],
-        stale: &mut Stale,
+        stale: &mut StaleBlocks,
         out: &mut SkinnedMesh,
     ) -> usize {
         self.check_palette(palette);
@@ -329,7 +335,7 @@ impl GroupedSkin {
         self.blocks.partition_point(|b| b.quads.end <= quad)
     }
 
-    fn check_shape(&self, shape: &Shape) {
+    fn check_shape(&self, shape: &MorphedShape) {
         assert_eq!(
             shape.quads.len(),
             self.vertices.len(),
@@ -337,7 +343,7 @@ impl GroupedSkin {
         );
     }
 
-    fn check_stale(&self, stale: &Stale) {
+    fn check_stale(&self, stale: &StaleBlocks) {
         assert_eq!(
             stale.blocks.len(),
             self.blocks.len(),
@@ -365,7 +371,7 @@ impl GroupedSkin {
     fn skin_block(
         &self,
         block: &Block,
-        shape: &Shape,
+        shape: &MorphedShape,
         palette: &[Matrix3x4],
         out: &mut SkinnedMesh,
     ) {

@@ -13,7 +13,7 @@ pub struct Sphere {
 
 impl Sphere {
     /// The smallest ball around the box between two corners, rounding covered.
-    pub fn around_box(least: Vec3, greatest: Vec3) -> Self {
+    pub fn from_corners(least: Vec3, greatest: Vec3) -> Self {
         let centre = 0.5 * (least + greatest);
         let corner = (greatest - centre).abs().max((least - centre).abs());
         Self {
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn by_hand() {
-        let box_ball = Sphere::around_box(Vec3::new(-1.0, 0.0, -2.0), Vec3::new(1.0, 4.0, 2.0));
+        let box_ball = Sphere::from_corners(Vec3::new(-1.0, 0.0, -2.0), Vec3::new(1.0, 4.0, 2.0));
         assert_eq!(box_ball.centre, Vec3::Y * 2.0);
         assert!((box_ball.radius - 3.0).abs() < 1e-5);
         let unit = |x| Sphere {

@@ -10,7 +10,7 @@ pub enum PictureError {
     Malformed {
         /// Part of the picture file.
         at: &'static str,
-        /// What was found and what was expected.
+        /// Description of what was found and what was expected.
         what: String,
     },
     /// The format of the bytes is not supported.
@@ -38,7 +38,7 @@ pub enum PictureError {
     Mismatch {
         /// Name of the argument.
         at: &'static str,
-        /// What was found and what was expected.
+        /// Description of what was found and what was expected.
         what: String,
     },
 }

@@ -39,7 +39,8 @@ impl Default for Ground {
 }
 
 impl Ground {
-    /// Returns a floor at a height, centred under the bounds, with 1.5 times their size.
+    /// Returns a floor at a height, centred under the bounds, with a radius of 1.5 times their
+    /// longest side.
     pub fn below(bounds: &Bounds, height_m: f32) -> Self {
         let (middle, size) = (bounds.middle(), bounds.high - bounds.low);
         Self {

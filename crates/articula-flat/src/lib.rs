@@ -23,7 +23,7 @@
 //!     PrepareClipOptions, PreparedClip, Profile, Quality, ReferenceFrames, Settings, flatten,
 //!     sampled_frames,
 //! };
-//! use articula_flat::planar::{PlanarClip, PlanarError, PlanarFrame, Surface};
+//! use articula_flat::planar::{PlanarClip, PlanarError, PlanarFrame, PlanarMaterial};
 //! use glam::Vec2;
 //!
 //! let frame = |at: f64| PlanarFrame {
@@ -41,7 +41,7 @@
 //!     triangles: vec![[0, 1, 2]],
 //!     surface: vec![0],
 //!     part: vec![0],
-//!     surfaces: vec![Surface { name: "red".into(), albedo: Some([200, 30, 30]) }],
+//!     surfaces: vec![PlanarMaterial { name: "red".into(), albedo: Some([200, 30, 30]) }],
 //!     albedo: vec![[200.0, 30.0, 30.0]; 3],
 //! };
 //! let frames: Vec<f64> = (0..10).map(f64::from).collect();

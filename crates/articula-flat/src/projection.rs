@@ -6,7 +6,7 @@
 use articula_core::Camera;
 use glam::{Vec2, Vec3, Vec4};
 
-/// How size depends on depth.
+/// Kind of projection: perspective or parallel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Projection {
     /// Perspective with the field of view of the camera's viewport.

@@ -7,7 +7,9 @@
 //! `docs/formats/motion-tables.md`.
 
 use crate::{Limits, ReadError};
-use articula_core::{Bytes, KeyMode, KeyTable, MAX_JOINTS, PoseKeys, TableHashes, push_varint};
+use articula_core::{
+    ByteReader, KeyMode, KeyTable, MAX_JOINTS, PoseKeys, TableHashes, push_varint,
+};
 
 const SEGS: &[u8; 4] = b"ASEG";
 const POSE_KEYS: &[u8; 4] = b"APKY";
@@ -52,7 +54,7 @@ pub fn write_segs(table: &KeyTable) -> Vec<u8> {
 /// [`ReadError::Malformed`] with the byte offset, [`ReadError::Unsupported`] for another version,
 /// [`ReadError::LimitExceeded`].
 pub fn read_segs(bytes: &[u8], limits: &Limits) -> Result<KeyTable, ReadError> {
-    let mut r = Bytes::new(bytes);
+    let mut r = ByteReader::new(bytes);
     let (mode, hashes, base_metres) = head_of(&mut r, SEGS)?;
     let mode = match mode {
         0 => KeyMode::Hold,
@@ -112,7 +114,7 @@ pub fn write_pose_keys(keys: &PoseKeys) -> Vec<u8> {
 /// # Errors
 /// As [`read_segs`].
 pub fn read_pose_keys(bytes: &[u8], limits: &Limits) -> Result<PoseKeys, ReadError> {
-    let mut r = Bytes::new(bytes);
+    let mut r = ByteReader::new(bytes);
     let (_, hashes, base_metres) = head_of(&mut r, POSE_KEYS)?;
     let tick_hz = r.positive("a tick rate")?;
     let ticks = r.u32()?;
@@ -160,7 +162,7 @@ fn gaps(out: &mut Vec<u8>, rising: &[u32]) {
     }
 }
 
-fn head_of(r: &mut Bytes<'_>, magic: &[u8; 4]) -> Result<(u8, TableHashes, f32), ReadError> {
+fn head_of(r: &mut ByteReader<'_>, magic: &[u8; 4]) -> Result<(u8, TableHashes, f32), ReadError> {
     let found = r.take::<4>()?;
     if found != *magic {
         let expected = String::from_utf8_lossy(magic);
@@ -187,7 +189,7 @@ fn head_of(r: &mut Bytes<'_>, magic: &[u8; 4]) -> Result<(u8, TableHashes, f32),
 
 /// Reads ascending numbers below `end`. Each takes at least one byte, so the file size bounds their
 /// count.
-fn gaps_of(r: &mut Bytes<'_>, end: u32) -> Result<Vec<u32>, ReadError> {
+fn gaps_of(r: &mut ByteReader<'_>, end: u32) -> Result<Vec<u32>, ReadError> {
     let count = r.varint()?;
     if count > r.left() as u64 {
         return Err(r
@@ -212,7 +214,7 @@ fn gaps_of(r: &mut Bytes<'_>, end: u32) -> Result<Vec<u32>, ReadError> {
 }
 
 /// Reads a count that must not exceed `limit`.
-fn count(r: &mut Bytes<'_>, which: &'static str, limit: usize) -> Result<usize, ReadError> {
+fn count(r: &mut ByteReader<'_>, which: &'static str, limit: usize) -> Result<usize, ReadError> {
     let at = format!("byte {}", r.at());
     let count = r.varint()?;
     Limits::check(&at, which, count, limit as u64)?;

@@ -15,7 +15,7 @@ pub(crate) struct Contestant<'a> {
     pub(crate) frame: Frame<'a>,
 }
 
-/// What a contestant took, in nanoseconds for each character and frame.
+/// Time of a contestant, in nanoseconds per character and frame.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
 pub(crate) struct Timing {
     pub(crate) median_ns: f64,

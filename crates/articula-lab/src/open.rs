@@ -18,7 +18,7 @@ pub(crate) enum Content {
 pub(crate) struct Parameters {
     /// Short description of its contents.
     pub(crate) what: String,
-    /// Whether what is written of it reads the same; `None` if the format is not written.
+    /// Whether the file reads the same after writing; `None` if the format is not written.
     pub(crate) comes_back: Option<bool>,
     pub(crate) warnings: usize,
 }

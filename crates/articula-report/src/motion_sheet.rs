@@ -26,7 +26,7 @@ pub struct MotionLine<'a> {
     pub distance_m: f32,
 }
 
-/// Draws a clip and the result of each method, one row per method, at `count` frames.
+/// Draws a clip and the result of each method, one row per method, at a number of frames.
 ///
 /// # Errors
 /// [`PictureError`] if the page is too large.

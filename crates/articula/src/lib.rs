@@ -17,8 +17,8 @@
 //! Entry points:
 //!
 //! - [`fs::open`], [`open()`], [`CharacterFile`]: reads GLB, glTF, VRM, VRMA, BVH, ASF and AMC,
-//!   BVA, X3D and BAP files into one editable [`Character`](articula_core::source::Character) and
-//!   keeps what writing them back needs; [`CharacterFile::add_clips`] adds the motions of other
+//!   BVA, X3D and BAP files into one editable [`Character`](articula_core::source::Character), with
+//!   the data needed to write them back; [`CharacterFile::add_clips`] adds the motions of other
 //!   files
 //! - [`Figure`]: rig, mesh and clips in the form that a frame reads
 //! - [`crowd`]: thousands of instances of one character, each at a level of detail chosen by

@@ -50,7 +50,7 @@ pub struct PreparedAsset {
 /// There is one job per clip. The output does not depend on threads or order.
 ///
 /// # Errors
-/// An [`Error`](crate::Error) that names the file and what of it does not fit, or
+/// An [`Error`](crate::Error) that names the file and the cause, or
 /// [`Error::Cancelled`](crate::Error::Cancelled).
 pub fn prepare(
     opened: CharacterFile,

@@ -79,7 +79,9 @@ fn paths(text: &str) -> impl Iterator<Item = &str> {
 fn numbers(text: &str) -> impl Iterator<Item = String> {
     text.split(|c: char| c.is_whitespace() || "()|`;:/[]".contains(c))
         .map(|word| word.trim_end_matches([',', '.', '%']).replace(',', ""))
-        .filter(|word| word.parse::<f64>().is_ok() && word.starts_with(|c: char| c.is_ascii_digit()))
+        .filter(|word| {
+            word.parse::<f64>().is_ok() && word.starts_with(|c: char| c.is_ascii_digit())
+        })
 }
 
 #[cfg(test)]

@@ -22,9 +22,11 @@ mod rate;
 mod root_motion;
 mod trim;
 
-pub use cycle::{CloseOptions, ClosedLoop, LoopCycle, MIN_SCORE, close, find};
+pub use cycle::{CloseOptions, ClosedLoop, LoopCycle, MIN_SCORE, close_loop, find_loop};
 pub use key_reduction::{ReduceOptions, ReducedClip, reduce_keys};
-pub use rate::resample;
-pub use root_motion::{RootMotion, RootMotionMode, RootMotionOptions, TrajectoryKey, split};
+pub use rate::resample_keys;
+pub use root_motion::{
+    RootMotion, RootMotionMode, RootMotionOptions, TrajectoryKey, split_root_motion,
+};
 pub use subject::EditSubject;
 pub use trim::trim;

@@ -13,7 +13,7 @@ use articula_core::source::{Channel, Interpolation, RawClip};
 /// # Errors
 /// A [`Mismatch`] if the rate is not positive, the clip is malformed, or it would have more than a
 /// million keys per channel or more floats than the memory limit allows.
-pub fn resample(clip: &RawClip, rate_hz: f32) -> Result<RawClip, Mismatch> {
+pub fn resample_keys(clip: &RawClip, rate_hz: f32) -> Result<RawClip, Mismatch> {
     channel::check(clip)?;
     let numbers = clip.channels.iter().map(channel::width).sum();
     steps_at(clip, clip.duration_secs, rate_hz, numbers)?;
@@ -77,15 +77,15 @@ mod tests {
     #[test]
     fn the_end_is_a_key_whatever_the_rate() {
         let clip = line(&[0.0, 1.0], &[0.0, 2.0]);
-        let out = resample(&clip, 4.0).unwrap();
+        let out = resample_keys(&clip, 4.0).unwrap();
         assert_eq!(out.channels[0].times_secs, [0.0, 0.25, 0.5, 0.75, 1.0]);
         assert_eq!(out.channels[0].values[3], 0.5);
-        let out = resample(&clip, 0.4 * 4.0).unwrap();
+        let out = resample_keys(&clip, 0.4 * 4.0).unwrap();
         assert_eq!(out.channels[0].times_secs, [0.0, 0.625, 1.0]);
         assert_eq!(out.channels[0].values[3], 1.25);
         // 2751 frames at 120 Hz end by rounding after the second to last one.
         let clip = line(&[0.0, 22.925], &[0.0, 2.0]);
-        let times = resample(&clip, 120.0).unwrap().channels[0]
+        let times = resample_keys(&clip, 120.0).unwrap().channels[0]
             .times_secs
             .clone();
         assert_eq!(times.len(), 2752);
@@ -95,18 +95,18 @@ mod tests {
     #[test]
     fn endless_clips_and_no_rates_are_refused() {
         let clip = line(&[0.0, 1e30], &[0.0, 2.0]);
-        assert!(resample(&clip, 30.0).is_err());
+        assert!(resample_keys(&clip, 30.0).is_err());
         let clip = line(&[0.0, 1.0], &[0.0, 2.0]);
         for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-            assert!(resample(&clip, bad).is_err(), "{bad}");
+            assert!(resample_keys(&clip, bad).is_err(), "{bad}");
         }
     }
 
     proptest! {
         #[test]
         fn twice_is_once_and_keys_are_hit(clip in clips(), rate in 5.0f32..120.0) {
-            let once = resample(&clip, rate).unwrap();
-            prop_assert_eq!(&resample(&once, rate).unwrap(), &once);
+            let once = resample_keys(&clip, rate).unwrap();
+            prop_assert_eq!(&resample_keys(&once, rate).unwrap(), &once);
             let densest = once.channels.iter().max_by_key(|c| c.times_secs.len()).unwrap();
             for t in &densest.times_secs {
                 let t = *t;

@@ -9,8 +9,8 @@ use crate::motion_error::contacts::attention;
 use articula_core::joint_state::JointState;
 use articula_core::percentile;
 use articula_core::{
-    Camera, DriftController, DriftOptions, JointSet, JointViews, LocalPose, ModelPose, Viewport,
-    Wrap, angle_between, frame_position, local_to_model, sample,
+    Camera, DriftController, DriftOptions, JointSet, JointViewScales, LocalPose, ModelPose,
+    Viewport, Wrap, angle_between, frame_position, local_to_model, sample,
 };
 use glam::Vec3;
 
@@ -108,7 +108,7 @@ pub fn play_camera_path(
                     .pixels_per_metre(camera.view(model.position(j)).z.abs())
             })
             .collect();
-        let views = JointViews {
+        let views = JointViewScales {
             pixels_per_metre: &ppm,
             attention: &care,
         };

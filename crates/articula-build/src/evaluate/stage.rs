@@ -186,7 +186,7 @@ impl<'a> ClipEvaluator<'a> {
     /// Returns the default parameter of a method at a distance, without calibration: a tolerance of
     /// one pixel for `skin-px` and Ahn's method, the threshold of [`MethodOptions`] for the thesis,
     /// every second frame for skipping, level 0 for fixed levels.
-    pub fn usual_parameter(&self, method: &Method, distance_m: f32) -> f32 {
+    pub fn default_parameter(&self, method: &Method, distance_m: f32) -> f32 {
         let pixel_metres = 1.0 / self.setup.viewport.pixels_per_metre(distance_m);
         match method {
             Method::SkinPx(_) | Method::Ahn => pixel_metres,

@@ -15,7 +15,7 @@ mod measure;
 use crate::character::Asset;
 use crate::influences::limit;
 use crate::joint_lods::{
-    self, LevelOptions, LevelSkin, LevelSkins, MAX_FRAMES, MergedLevels, Tally, Watched, rising,
+    self, JointLodOptions, LevelSkin, LevelSkins, MAX_FRAMES, MergedLevels, Tally, Watched, rising,
 };
 use crate::surface_distance::{SkinPoint, attach};
 use articula_core::{
@@ -78,7 +78,7 @@ impl FigureLevels {
 /// mesh level over the vertices of the asset's mesh, the original first. `poses` are positions of
 /// all vertices, the rest pose first; they determine which point of a level corresponds to which
 /// vertex ([`attach`]). Tolerances start at `opts.first_metres` and grow by half an octave; there
-/// are at most `opts.most_levels` levels.
+/// are at most `opts.max_levels` levels.
 ///
 /// # Errors
 /// A [`Mismatch`] if an argument belongs to another character, or a level has no triangle.
@@ -87,7 +87,7 @@ pub fn figure_levels(
     merged: &MergedLevels,
     mesh_levels: &[&[[u32; 3]]],
     poses: &[Vec<Vec3>],
-    opts: &LevelOptions,
+    opts: &JointLodOptions,
 ) -> Result<FigureLevels, Mismatch> {
     check(asset, merged, mesh_levels, poses)?;
     let mesh = &asset.mesh;
@@ -118,7 +118,7 @@ pub fn figure_levels(
     let chosen = chain::choose(
         candidates,
         opts.first_metres,
-        opts.most_levels.min(JointLods::MAX_LEVELS),
+        opts.max_levels.min(JointLods::MAX_LEVELS),
     );
     let shown: Vec<DisplayedLevel> = chosen.iter().map(DisplayedLevel::of).collect();
     let errors = table(merged, &scene.measure(&shown, MAX_FRAMES));
@@ -166,7 +166,7 @@ fn check(
 }
 
 /// Watched vertices that some triangle uses.
-fn watched(asset: &Asset, opts: &LevelOptions) -> Watched {
+fn watched(asset: &Asset, opts: &JointLodOptions) -> Watched {
     let mesh = &asset.mesh;
     let mut is_used = vec![false; mesh.len()];
     for v in mesh.triangles.iter().flatten() {
@@ -192,7 +192,7 @@ fn candidates(
             let level = FigureLevel {
                 joint_level: skin.joint_level,
                 mesh_level,
-                joints: merged.joint_lods.kept(skin.joint_level),
+                joints: merged.joint_lods.joint_count(skin.joint_level),
                 triangles: triangles.len(),
                 vertices: vertices[mesh_level],
                 influences: skin.skin.influences,

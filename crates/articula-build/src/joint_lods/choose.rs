@@ -3,7 +3,7 @@
 //! A level is kept if its error is about twice that of the level before, so that it suits a more
 //! distant view, and if it drops a significant share of the joints.
 
-use super::LevelOptions;
+use super::JointLodOptions;
 use super::order::Order;
 
 /// Minimum share of the joints of the previous level that a level drops.
@@ -29,7 +29,7 @@ pub(super) struct Choice<'a> {
 pub(super) fn levels(
     near: &Choice<'_>,
     far: Option<&Choice<'_>>,
-    opts: &LevelOptions,
+    opts: &JointLodOptions,
 ) -> KeptCounts {
     let all = near.order.joints.len();
     let mut kept = vec![(all, false)];
@@ -38,7 +38,7 @@ pub(super) fn levels(
     while tolerance < 1e3 {
         let far = far.filter(|_| tolerance >= opts.far_from_metres);
         let choice = far.unwrap_or(near);
-        let floor = choice.floor.max(opts.fewest_joints).clamp(1, all);
+        let floor = choice.floor.max(opts.min_joints).clamp(1, all);
         let within = |n: &usize| choice.order.errors_metres[*n] <= tolerance;
         let fewest = (floor..=all).find(within).unwrap_or(all);
         let (last, _) = kept[kept.len() - 1];
@@ -49,7 +49,7 @@ pub(super) fn levels(
         tolerance *= 2.0;
     }
     // Too many levels: drop the inner level whose neighbours have the most similar counts.
-    while kept.len() > opts.most_levels.max(1) {
+    while kept.len() > opts.max_levels.max(1) {
         let ratio = |i: usize| kept[i + 1].0 as f32 / kept[i - 1].0 as f32;
         let inner = 1..kept.len() - 1;
         match inner.max_by(|a, b| ratio(*a).total_cmp(&ratio(*b)).then(b.cmp(a))) {
@@ -78,7 +78,7 @@ mod tests {
         }
     }
 
-    fn levels(order: &Order, floor: usize, opts: &LevelOptions) -> Vec<u16> {
+    fn levels(order: &Order, floor: usize, opts: &JointLodOptions) -> Vec<u16> {
         super::levels(&Choice { order, floor }, None, opts).near
     }
 
@@ -89,11 +89,11 @@ mod tests {
             mm([99.0, 90.0, 80.0, 60.0, 30.0, 0.9, 0.0]),
             mm([99.0, 40.0, 7.0, 3.0, 2.0, 1.0, 0.0]),
         );
-        let opts = LevelOptions {
+        let opts = JointLodOptions {
             first_metres: 1e-3,
             far_from_metres: 4e-3,
-            fewest_joints: 1,
-            ..LevelOptions::default()
+            min_joints: 1,
+            ..JointLodOptions::default()
         };
         let choice = |order| Choice { order, floor: 1 };
         // Near, 1 mm: 5. Far, 4 mm: 3, 8 mm: 2, 64 mm: 1.
@@ -106,22 +106,22 @@ mod tests {
         // Kept 0 to 10; tolerances 1, 2, 4, 8 … mm.
         let mm = [99.0, 50.0, 40.0, 30.0, 9.0, 8.0, 3.0, 2.5, 0.9, 0.5, 0.0];
         let order = order(&mm.map(|e| e / 1000.0));
-        let opts = LevelOptions {
+        let opts = JointLodOptions {
             first_metres: 1e-3,
-            fewest_joints: 2,
-            ..LevelOptions::default()
+            min_joints: 2,
+            ..JointLodOptions::default()
         };
         // 1 mm: 8. 2 mm: 8. 4 mm: 6. 8 mm: 5. 16 mm: 4. 32 mm: 3. 64 mm: 2, the floor.
         assert_eq!(levels(&order, 0, &opts), [10, 8, 6, 5, 4, 3, 2]);
         assert_eq!(levels(&order, 5, &opts), [10, 8, 6, 5], "a floor");
-        let few = LevelOptions {
-            most_levels: 3,
+        let few = JointLodOptions {
+            max_levels: 3,
             ..opts
         };
         let some = levels(&order, 0, &few);
         assert_eq!((some.len(), some[0], some[2]), (3, 10, 2), "both ends stay");
-        let one = LevelOptions {
-            most_levels: 1,
+        let one = JointLodOptions {
+            max_levels: 1,
             ..opts
         };
         assert_eq!(levels(&order, 0, &one), [10]);
@@ -129,12 +129,12 @@ mod tests {
 
     #[test]
     fn nothing_to_drop_leaves_one_level() {
-        let opts = LevelOptions::default();
+        let opts = JointLodOptions::default();
         assert_eq!(levels(&order(&[0.0, 0.0]), 0, &opts), [1]);
         // Without motion everything above the floor goes at once.
         assert_eq!(
             levels(&order(&[0.0; 31]), 0, &opts),
-            [30, opts.fewest_joints as u16]
+            [30, opts.min_joints as u16]
         );
         let endless = [f32::INFINITY; 31];
         assert_eq!(levels(&order(&endless), 0, &opts), [30]);

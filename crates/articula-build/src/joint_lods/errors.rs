@@ -7,7 +7,7 @@ use super::moments::{model_of, pose_of, share_frames, spread_frames};
 use super::prefixes::Prefixes;
 use super::skins::{LevelSkin, LevelSkins, placed_skins, skin_part};
 use super::watch::{Watched, skin_of};
-use super::{LevelOptions, check, check_tolerances};
+use super::{JointLodOptions, check, check_tolerances};
 use crate::character::Asset;
 use articula_core::percentile;
 use articula_core::{Binding, Clip, ClipLodErrors, JointLods, LodErrors, Mesh, Mismatch};
@@ -30,7 +30,7 @@ pub fn lod_errors(
     asset: &Asset,
     joint_lods: &JointLods,
     skins: &LevelSkins,
-    opts: &LevelOptions,
+    opts: &JointLodOptions,
 ) -> Result<LodErrors, Mismatch> {
     check(asset)?;
     check_tolerances(asset, joint_lods)?;
@@ -55,7 +55,7 @@ pub(super) fn table(
     full: &Mesh,
     skins: &[LevelSkin],
     bindings: &[Binding],
-    opts: &LevelOptions,
+    opts: &JointLodOptions,
 ) -> Result<LodErrors, Mismatch> {
     let watched = Watched::draw(full, asset.rig.len(), opts.vertices, opts.seed);
     let reduced: Vec<Mesh> = skins

@@ -13,7 +13,7 @@ use super::moments::pose_at;
 use super::prefixes::Prefixes;
 use super::skins::{LevelSkins, placed_skins};
 use super::watch::skin_of;
-use super::{LevelOptions, check};
+use super::{JointLodOptions, check};
 use crate::character::Asset;
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{
@@ -66,7 +66,7 @@ pub fn far_levels(
     order: &[u16],
     kept: &[u16],
     mean: &LocalPose,
-    opts: &LevelOptions,
+    opts: &JointLodOptions,
 ) -> Result<Option<(FarLevels, LodErrors)>, Mismatch> {
     check(asset)?;
     check_order(&asset.rig, order, kept, mean)?;
@@ -358,7 +358,7 @@ mod tests {
         let mut asset = arm(3);
         let angles = (0..5).map(|i| Quat::from_rotation_z(turn * i as f32));
         asset.clips = vec![moving(3, 1, &angles.collect::<Vec<Quat>>())];
-        let opts = LevelOptions::default();
+        let opts = JointLodOptions::default();
         let found = far_levels(&asset, &[0, 2, 1], &[2, 1], &mean_pose(&asset), &opts);
         found.unwrap().unwrap()
     }
@@ -391,7 +391,7 @@ mod tests {
             &[0, 2, 1],
             &[3],
             &mean_pose(&asset),
-            &LevelOptions::default(),
+            &JointLodOptions::default(),
         );
         let left = whole.unwrap().unwrap().1.clips[0].levels_metres[1];
         assert!((left - (1.0 - 0.025f32.cos())).abs() < 1e-5, "{left}");
@@ -402,7 +402,7 @@ mod tests {
         let asset = arm(3);
         let mean = mean_pose(&asset);
         let at = |order: &[u16], kept: &[u16]| {
-            let found = far_levels(&asset, order, kept, &mean, &LevelOptions::default());
+            let found = far_levels(&asset, order, kept, &mean, &JointLodOptions::default());
             found.unwrap_err().at
         };
         assert_eq!(at(&[0, 1], &[1]), "order");

@@ -53,14 +53,14 @@ use order::Folds;
 
 /// Options of [`merged_levels`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LevelOptions {
+pub struct JointLodOptions {
     /// Joints that every level keeps, such as those that carry attachments; their ancestors are
     /// kept too.
     pub protected: JointSet,
     /// Maximum number of levels, including the full character; at most [`JointLods::MAX_LEVELS`].
-    pub most_levels: usize,
+    pub max_levels: usize,
     /// Minimum number of joints of the coarsest level.
-    pub fewest_joints: usize,
+    pub min_joints: usize,
     /// Maximum error of the first coarser level, in metres; each further level is allowed twice the
     /// error of the one before.
     pub first_metres: f32,
@@ -75,14 +75,14 @@ pub struct LevelOptions {
     pub seed: u64,
 }
 
-impl Default for LevelOptions {
+impl Default for JointLodOptions {
     /// At most 8 levels starting at 0.5 mm, at least 8 joints, no far levels; 700 vertices, 256
     /// frames.
     fn default() -> Self {
         Self {
             protected: JointSet::EMPTY,
-            most_levels: 8,
-            fewest_joints: 8,
+            max_levels: 8,
+            min_joints: 8,
             first_metres: 0.5e-3,
             far_from_metres: f32::INFINITY,
             vertices: 700,
@@ -109,7 +109,7 @@ pub struct MergedLevels {
 ///
 /// # Errors
 /// A [`Mismatch`] if a clip or the mesh belongs to another rig.
-pub fn merged_levels(asset: &Asset, opts: &LevelOptions) -> Result<MergedLevels, Mismatch> {
+pub fn merged_levels(asset: &Asset, opts: &JointLodOptions) -> Result<MergedLevels, Mismatch> {
     check(asset)?;
     let mean = mean_pose(asset);
     if opts.far_from_metres == f32::INFINITY {
@@ -149,7 +149,7 @@ pub fn merged_levels(asset: &Asset, opts: &LevelOptions) -> Result<MergedLevels,
 pub fn far_order(
     asset: &Asset,
     mean: &LocalPose,
-    opts: &LevelOptions,
+    opts: &JointLodOptions,
 ) -> Result<Vec<u16>, Mismatch> {
     check(asset)?;
     let opts = far_options(asset, opts);
@@ -157,15 +157,15 @@ pub fn far_order(
 }
 
 /// Options of far levels: the joint that carries root motion is protected as well.
-fn far_options(asset: &Asset, opts: &LevelOptions) -> LevelOptions {
+fn far_options(asset: &Asset, opts: &JointLodOptions) -> JointLodOptions {
     let mut protected = opts.protected.intersection(&asset.rig.all());
     protected.insert(asset.rig.root());
-    LevelOptions { protected, ..*opts }
+    JointLodOptions { protected, ..*opts }
 }
 
-fn capped(opts: &LevelOptions) -> LevelOptions {
-    LevelOptions {
-        most_levels: opts.most_levels.min(JointLods::MAX_LEVELS),
+fn capped(opts: &JointLodOptions) -> JointLodOptions {
+    JointLodOptions {
+        max_levels: opts.max_levels.min(JointLods::MAX_LEVELS),
         ..*opts
     }
 }
@@ -177,7 +177,7 @@ fn capped(opts: &LevelOptions) -> LevelOptions {
 pub fn levels_of(
     asset: &Asset,
     joint_lods: JointLods,
-    opts: &LevelOptions,
+    opts: &JointLodOptions,
 ) -> Result<MergedLevels, Mismatch> {
     let skins = level_skins(asset, &joint_lods, opts)?;
     let errors = lod_errors(asset, &joint_lods, &skins, opts)?;
@@ -196,7 +196,7 @@ pub fn levels_of(
 pub fn joint_lods(
     asset: &Asset,
     mean: &LocalPose,
-    opts: &LevelOptions,
+    opts: &JointLodOptions,
 ) -> Result<JointLods, Mismatch> {
     check(asset)?;
     let order = order::order(asset, mean, Folds::Leaves, opts);

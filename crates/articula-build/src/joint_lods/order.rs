@@ -7,7 +7,7 @@
 //! is evaluated on the watched vertices that it moves, and again only after a fold that touched one
 //! of them.
 
-use super::LevelOptions;
+use super::JointLodOptions;
 use super::moments::{model_of, pose_of, share_frames, spread_frames};
 use super::watch::{Watched, skin_of};
 use crate::character::Asset;
@@ -38,7 +38,12 @@ pub(super) enum Folds {
 }
 
 /// Merges one joint after another; protected joints go last.
-pub(super) fn order(asset: &Asset, mean: &LocalPose, folds: Folds, opts: &LevelOptions) -> Order {
+pub(super) fn order(
+    asset: &Asset,
+    mean: &LocalPose,
+    folds: Folds,
+    opts: &JointLodOptions,
+) -> Order {
     let mut fold = Fold::new(asset, mean, folds, opts);
     let count = asset.rig.len();
     let mut errors_metres = vec![0.0; count + 1];
@@ -115,7 +120,7 @@ struct Fold {
 }
 
 impl Fold {
-    fn new(asset: &Asset, mean: &LocalPose, folds: Folds, opts: &LevelOptions) -> Self {
+    fn new(asset: &Asset, mean: &LocalPose, folds: Folds, opts: &JointLodOptions) -> Self {
         let rig = &asset.rig;
         let mesh = skin_of(asset);
         let watched = Watched::draw(&mesh, rig.len(), opts.vertices, opts.seed);
@@ -340,9 +345,9 @@ mod tests {
     }
 
     fn folded(asset: &Asset, protected: JointSet, folds: Folds) -> Order {
-        let opts = LevelOptions {
+        let opts = JointLodOptions {
             protected,
-            ..LevelOptions::default()
+            ..JointLodOptions::default()
         };
         order(asset, &mean_pose(asset), folds, &opts)
     }

@@ -45,7 +45,7 @@ impl<'a> Prefixes<'a> {
 
     pub(super) fn of(rig: &'a Rig, joint_lods: &JointLods) -> Self {
         let kept: Vec<u16> = (0..joint_lods.levels())
-            .map(|l| joint_lods.kept(l) as u16)
+            .map(|l| joint_lods.joint_count(l) as u16)
             .collect();
         let at = |j: usize| joint_lods.mean()[joint_lods.place(j)];
         let mean: LocalPose = (0..rig.len()).map(at).collect();
@@ -56,7 +56,7 @@ impl<'a> Prefixes<'a> {
         self.kept.len()
     }
 
-    pub(super) fn kept(&self, level: usize) -> usize {
+    pub(super) fn joint_count(&self, level: usize) -> usize {
         self.kept[level]
     }
 

@@ -5,7 +5,7 @@ use super::measure::{Tally, measure};
 use super::plan::Plan;
 use super::prefixes::Prefixes;
 use super::watch::Watched;
-use super::{LevelOptions, check, check_tolerances};
+use super::{JointLodOptions, check, check_tolerances};
 use crate::character::Asset;
 use articula_core::{Binding, JointLods, Mesh, Mismatch, Morph, PaletteMap};
 use glam::{Affine3A, Vec3};
@@ -123,7 +123,7 @@ pub(crate) fn skin_part(skin: &LevelSkin, bindings: &[Binding], vertices: &[u32]
 pub fn level_skins(
     asset: &Asset,
     joint_lods: &JointLods,
-    opts: &LevelOptions,
+    opts: &JointLodOptions,
 ) -> Result<LevelSkins, Mismatch> {
     check(asset)?;
     check_tolerances(asset, joint_lods)?;
@@ -171,7 +171,7 @@ pub(super) fn placed_skins(
     asset: &Asset,
     mesh: &Mesh,
     prefixes: &Prefixes<'_>,
-    opts: &LevelOptions,
+    opts: &JointLodOptions,
 ) -> Result<PlacedSkins, Mismatch> {
     let mut plan = Plan::new(asset, mesh, prefixes);
     let candidates = candidates(&mut plan);
@@ -203,7 +203,7 @@ fn choose(
     mesh: &Mesh,
     plan: &Plan<'_>,
     candidates: Vec<Vec<LevelSkin>>,
-    opts: &LevelOptions,
+    opts: &JointLodOptions,
 ) -> Vec<LevelSkin> {
     let watched = Watched::draw(mesh, asset.rig.len(), opts.vertices, opts.seed);
     let reduced = candidates.iter().flatten();
@@ -298,7 +298,7 @@ fn assemble(plan: &Plan<'_>, mut levels: Vec<LevelSkin>) -> PlacedSkins {
         for index in &mut skin.binding_indices {
             *index = at[usize::from(*index)];
         }
-        let kept = plan.prefixes.kept(level);
+        let kept = plan.prefixes.joint_count(level);
         skin.palette = used.partition_point(|b| place(b) < kept);
     }
     let bindings = used.iter().map(|b| plan.bindings()[usize::from(*b)]);

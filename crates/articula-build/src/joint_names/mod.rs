@@ -24,13 +24,13 @@ use articula_core::source::Skeleton;
 use matching::Candidate;
 use std::collections::BTreeSet;
 
-/// Maximum level of the joints listed in [`Mapping::missing`]: finer levels contain fingers and
+/// Maximum level of the joints listed in [`JointMapping::missing`]: finer levels contain fingers and
 /// single vertebrae, which most rigs lack intentionally.
 const EXPECTED_LEVEL: u8 = 2;
 
 /// Mapping of a skeleton's joints to H-Anim.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Mapping {
+pub struct JointMapping {
     /// Level and region of every joint, and the name of the joint map; empty if none fits.
     pub articulation: Articulation,
     /// Joints without a counterpart in H-Anim, in the skeleton's order.
@@ -55,7 +55,7 @@ pub fn map(
     skeleton: &Skeleton,
     profiles: &[JointMap],
     given: Option<&[(usize, String)]>,
-) -> Mapping {
+) -> JointMapping {
     let candidate = given
         .and_then(|bones| by_humanoid_map(skeleton, profiles, bones))
         .or_else(|| best(skeleton, profiles, RigScope::Body))
@@ -137,7 +137,7 @@ fn by_shape(skeleton: &Skeleton) -> Option<Candidate> {
     Candidate::new(skeleton, "shape", found, RigScope::Body)
 }
 
-fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> Mapping {
+fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> JointMapping {
     let present: BTreeSet<&str> = candidate.names().collect();
     let expected = JOINTS.iter().filter(|j| j.level <= EXPECTED_LEVEL);
     let missing = expected.map(|j| j.name).filter(|n| !present.contains(n));
@@ -156,7 +156,7 @@ fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> Mapping
             reason,
         })
     };
-    Mapping {
+    JointMapping {
         gaps: candidate
             .meanings
             .iter()
@@ -173,13 +173,13 @@ fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> Mapping
     }
 }
 
-fn unmapped(skeleton: &Skeleton) -> Mapping {
+fn unmapped(skeleton: &Skeleton) -> JointMapping {
     let gap = |joint: usize| Gap {
         joint,
         name: skeleton.joints[joint].name.clone(),
         reason: GapReason::NoEntry,
     };
-    Mapping {
+    JointMapping {
         articulation: Articulation {
             profile: String::new(),
             joints: levels::by_depth(skeleton),

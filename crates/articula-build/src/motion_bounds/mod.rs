@@ -100,7 +100,7 @@ fn measure(asset: &Asset, reach: &Reach, clip: &Clip, margin: f32) -> Result<Cli
         let what = "the skin leaves the finite numbers";
         Mismatch::new(format!("clip \"{}\"", clip.name), what)
     })?;
-    let anchors = Sphere::around_box(anchor.least, anchor.greatest);
+    let anchors = Sphere::from_corners(anchor.least, anchor.greatest);
     ClipBounds::new(clip.duration_secs(), seconds, anchors)
 }
 

@@ -36,7 +36,7 @@ pub struct CacheOptions {
     /// exceed that of the next level.
     pub share: f32,
     /// Error that blending may always add at level 0, in metres; doubled at each further level.
-    pub least_metres: f32,
+    pub min_metres: f32,
     /// Maximum size of all palettes together, in bytes.
     pub palette_bytes: usize,
     /// Number of vertices that errors are measured on.
@@ -52,7 +52,7 @@ impl Default for CacheOptions {
         Self {
             form: PaletteForm::Matrix,
             share: 0.25,
-            least_metres: 0.5e-3,
+            min_metres: 0.5e-3,
             palette_bytes: 16 << 20,
             vertices: 700,
             seed: 1,
@@ -67,7 +67,7 @@ impl CacheOptions {
     pub(crate) fn tolerances_metres(&self, level: usize, levels_metres: &[f32]) -> Vec<f32> {
         let own = levels_metres.get(level).copied().unwrap_or(0.0);
         let next = levels_metres.get(level + 1).copied().unwrap_or(0.0);
-        let first = (self.share * own).max(self.least_metres * (1u32 << level) as f32);
+        let first = (self.share * own).max(self.min_metres * (1u32 << level) as f32);
         let wider = (1..=MAX_DOUBLINGS).map(|i| first * (1u32 << i) as f32);
         let wider = wider.take_while(|t| own + t <= next);
         std::iter::once(first).chain(wider).collect()
@@ -93,7 +93,7 @@ pub struct CacheReport {
     /// Index of the level.
     pub level: usize,
     /// Whether the clip is cached at this level.
-    pub fate: CacheDecision,
+    pub decision: CacheDecision,
     /// Number of keys that the tolerance requires.
     pub keys: usize,
     /// Size of their palettes in bytes.
@@ -195,7 +195,7 @@ fn check(
         let what = "quaternions do not blend linearly; take a matrix form";
         return Err(Mismatch::new("form", what));
     }
-    let numbers = [("share", opts.share), ("least_metres", opts.least_metres)];
+    let numbers = [("share", opts.share), ("least_metres", opts.min_metres)];
     for (name, value) in numbers {
         if !value.is_finite() || value < 0.0 {
             return Err(Mismatch::new(name, "must be a number, not negative"));
@@ -244,7 +244,7 @@ fn planned(
         let report = CacheReport {
             clip,
             level,
-            fate: if pays {
+            decision: if pays {
                 CacheDecision::Cached
             } else {
                 CacheDecision::TooFast
@@ -269,10 +269,10 @@ fn allot(plans: &mut [Vec<Plan>], most_bytes: usize) {
     let levels = plans.first().map_or(0, Vec::len);
     for level in (0..levels).rev() {
         for report in plans.iter_mut().map(|of_clip| &mut of_clip[level].report) {
-            if report.fate == CacheDecision::Cached {
+            if report.decision == CacheDecision::Cached {
                 match left.checked_sub(report.bytes) {
                     Some(rest) => left = rest,
-                    None => report.fate = CacheDecision::NoRoom,
+                    None => report.decision = CacheDecision::NoRoom,
                 }
             }
         }
@@ -296,7 +296,7 @@ fn bake(
     let mut written = 0;
     for level in (0..levels).rev() {
         for (clip, plan) in plans.iter().map(|of_clip| &of_clip[level]).enumerate() {
-            if plan.report.fate != CacheDecision::Cached {
+            if plan.report.decision != CacheDecision::Cached {
                 continue;
             }
             keys[clip][level] = Some(CachedKeys {

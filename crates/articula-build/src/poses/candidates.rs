@@ -82,14 +82,14 @@ impl Candidates {
         all
     }
 
-    /// Whether two candidates may differ by at least `least_metres`; false only if none do.
-    pub(super) fn differ(&self, least_metres: f32) -> bool {
+    /// Whether two candidates may differ by at least `min_metres`; false only if none do.
+    pub(super) fn differ(&self, min_metres: f32) -> bool {
         let Some(first) = self.list.first() else {
             return false;
         };
-        let apart = |c: &Candidate| first.shape.apart_metres(&c.shape);
+        let apart = |c: &Candidate| first.shape.separation_metres(&c.shape);
         // Half of the largest distance is at most the distance from some candidate to the first.
-        self.list.iter().any(|c| apart(c) >= 0.5 * least_metres)
+        self.list.iter().any(|c| apart(c) >= 0.5 * min_metres)
     }
 
     /// Appends other candidates with groups of their own.

@@ -77,7 +77,7 @@ pub struct Poses {
     /// Poses to measure on: spread over all clips and different from all of `shaping`.
     pub measuring: Vec<SkinPose>,
     /// Minimum shape distance between the two sets, in metres; infinite if one is empty.
-    pub apart_metres: f32,
+    pub separation_metres: f32,
 }
 
 /// Selects poses of a character; fewer than asked for if there are not enough different ones.
@@ -94,13 +94,13 @@ pub fn poses(asset: &Asset, opts: &PoseOptions) -> Result<Poses, Mismatch> {
     let Some(rest_shape) = sample.shape(asset, &rest) else {
         return Ok(alone(rest));
     };
-    let least_metres = SAME_SHAPE * sample.diagonal_metres();
+    let min_metres = SAME_SHAPE * sample.diagonal_metres();
     picked.known.push(rest_shape);
-    picked.least_metres = least_metres;
+    picked.min_metres = min_metres;
 
     let mut moving = Candidates::of_clips(asset, &sample);
     let mut source = SkinPoseSource::Clips;
-    if !moving.differ(least_metres) {
+    if !moving.differ(min_metres) {
         moving = Candidates::of_bends(asset, &sample, opts.seed);
         source = SkinPoseSource::Bends;
     }
@@ -130,7 +130,7 @@ pub fn poses(asset: &Asset, opts: &PoseOptions) -> Result<Poses, Mismatch> {
         source,
         shaping,
         measuring,
-        apart_metres: picked.apart_metres,
+        separation_metres: picked.separation_metres,
     })
 }
 
@@ -139,7 +139,7 @@ fn alone(rest: SkinPose) -> Poses {
         source: SkinPoseSource::Rest,
         shaping: vec![rest],
         measuring: Vec::new(),
-        apart_metres: f32::INFINITY,
+        separation_metres: f32::INFINITY,
     }
 }
 
@@ -199,7 +199,7 @@ mod tests {
         assert_eq!((found.measuring.len(), clips_measured(&found)), (24, 1));
         let used: Vec<f64> = found.shaping[1..].iter().map(secs).collect();
         assert!(found.measuring.iter().all(|p| !used.contains(&secs(p))));
-        assert!(found.apart_metres > 0.0 && found.apart_metres.is_finite());
+        assert!(found.separation_metres > 0.0 && found.separation_metres.is_finite());
         assert_eq!(poses(&asset, &PoseOptions::default()).unwrap(), found);
     }
 

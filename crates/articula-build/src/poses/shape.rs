@@ -79,7 +79,7 @@ impl Sample {
 impl Shape {
     /// Root mean square distance to another shape of the same sample after the best rotation, in
     /// metres.
-    pub(super) fn apart_metres(&self, other: &Self) -> f32 {
+    pub(super) fn separation_metres(&self, other: &Self) -> f32 {
         let mut sum = DMat3::ZERO;
         for (a, b) in self.points.iter().zip(&other.points) {
             sum += DMat3::from_cols(*a * b.x, *a * b.y, *a * b.z);
@@ -145,10 +145,10 @@ mod tests {
     #[test]
     fn by_hand() {
         let line = |half: f64| shape(&[DVec3::X * half, DVec3::X * -half]);
-        assert!((line(1.0).apart_metres(&line(1.5)) - 0.5).abs() < 1e-6);
+        assert!((line(1.0).separation_metres(&line(1.5)) - 0.5).abs() < 1e-6);
         let upright = shape(&[DVec3::Y * 1.5, DVec3::Y * -1.5]);
         assert!(
-            (line(1.0).apart_metres(&upright) - 0.5).abs() < 1e-6,
+            (line(1.0).separation_metres(&upright) - 0.5).abs() < 1e-6,
             "turned"
         );
         // Mirrored shapes differ: the best rotation leaves the third axis wrong.
@@ -156,7 +156,7 @@ mod tests {
             let ends = [DVec3::X * 3.0, DVec3::Y * 2.0, DVec3::Z * z];
             shape(&[ends[0], ends[1], ends[2], -ends[0] - ends[1] - ends[2]])
         };
-        assert!(cross(1.0).apart_metres(&cross(-1.0)) > 0.1);
+        assert!(cross(1.0).separation_metres(&cross(-1.0)) > 0.1);
     }
 
     proptest! {
@@ -171,12 +171,12 @@ mod tests {
             let q = glam::DQuat::from_scaled_axis(DVec3::from_array(turn));
             let mut moved: Vec<DVec3> = points.iter().map(|p| q * *p + DVec3::from_array(way)).collect();
             let here = shape(&points);
-            prop_assert!(here.apart_metres(&shape(&moved)) < 1e-5);
+            prop_assert!(here.separation_metres(&shape(&moved)) < 1e-5);
             moved[0].x += push;
-            let apart = here.apart_metres(&shape(&moved));
+            let apart = here.separation_metres(&shape(&moved));
             // The motion that leaves all other points in place is no better than the best one.
             prop_assert!(apart <= (push * push / points.len() as f64).sqrt() as f32 + 1e-5);
-            prop_assert!((apart - shape(&moved).apart_metres(&here)).abs() < 1e-5);
+            prop_assert!((apart - shape(&moved).separation_metres(&here)).abs() < 1e-5);
         }
     }
 }

@@ -11,17 +11,17 @@ pub(super) struct Picked {
     /// Shapes that further poses must differ from.
     pub(super) known: Vec<Shape>,
     /// Distance below which two poses count as one.
-    pub(super) least_metres: f32,
+    pub(super) min_metres: f32,
     /// Minimum distance of a measuring pose to the poses selected before.
-    pub(super) apart_metres: f32,
+    pub(super) separation_metres: f32,
 }
 
 impl Picked {
     pub(super) fn new(opts: &PoseOptions) -> Self {
         Self {
             known: Vec::with_capacity(1 + opts.shaping + opts.morphs),
-            least_metres: 0.0,
-            apart_metres: f32::INFINITY,
+            min_metres: 0.0,
+            separation_metres: f32::INFINITY,
         }
     }
 
@@ -31,7 +31,7 @@ impl Picked {
         let mut nearest = self.nearest(from);
         let mut poses = Vec::new();
         while poses.len() < count {
-            let Some(best) = greatest(&nearest, |i| nearest[i] >= self.least_metres) else {
+            let Some(best) = greatest(&nearest, |i| nearest[i] >= self.min_metres) else {
                 break;
             };
             let picked = &from.list[best];
@@ -46,7 +46,7 @@ impl Picked {
     /// the fewest so far.
     pub(super) fn held_out(&mut self, from: &Candidates, count: usize) -> Vec<SkinPose> {
         let known = self.nearest(from);
-        let is_new = |i: usize| known[i] >= self.least_metres;
+        let is_new = |i: usize| known[i] >= self.min_metres;
         let mut nearest = known.clone();
         let mut taken = vec![false; known.len()];
         let mut of_group = vec![0usize; from.groups()];
@@ -65,7 +65,7 @@ impl Picked {
             approach(&mut nearest, from, &picked.shape);
             taken[best] = true;
             of_group[picked.group] += 1;
-            self.apart_metres = self.apart_metres.min(known[best]);
+            self.separation_metres = self.separation_metres.min(known[best]);
             poses.push(picked.pose.clone());
         }
         poses
@@ -83,7 +83,7 @@ impl Picked {
 
 fn approach(nearest: &mut [f32], from: &Candidates, shape: &Shape) {
     for (near, candidate) in nearest.iter_mut().zip(&from.list) {
-        *near = near.min(shape.apart_metres(&candidate.shape));
+        *near = near.min(shape.separation_metres(&candidate.shape));
     }
 }
 

@@ -90,13 +90,13 @@ pub struct Scene {
 
 impl Scene {
     /// Returns the time of the last camera key in seconds: one lap of a looping path.
-    pub fn lap_secs(&self) -> f64 {
+    pub fn loop_secs(&self) -> f64 {
         self.camera.last().map_or(0.0, |key| key.secs)
     }
 
     /// Returns the camera at a time; `None` if the scene has no camera key.
     pub fn camera_at(&self, secs: f64) -> Option<Camera> {
-        let lap = self.lap_secs();
+        let lap = self.loop_secs();
         let secs = if self.camera_loops && lap > 0.0 {
             secs.rem_euclid(lap)
         } else {
@@ -156,6 +156,6 @@ mod tests {
         let mut scene = plaza(1, 1, 1, Plaza::Still);
         scene.camera.clear();
         assert_eq!(scene.camera_at(1.0), None);
-        assert_eq!(scene.lap_secs(), 0.0);
+        assert_eq!(scene.loop_secs(), 0.0);
     }
 }

@@ -241,7 +241,7 @@ mod tests {
     #[test]
     fn the_dolly_drives_in_and_out_in_a_lap() {
         let scene = plaza(PLAZA_COUNT, 1, 1, Plaza::Moving);
-        assert!((scene.lap_secs() - 40.0).abs() < 1e-6, "200 m at 5 m/s");
+        assert!((scene.loop_secs() - 40.0).abs() < 1e-6, "200 m at 5 m/s");
         let eye = |secs| scene.camera_at(secs).unwrap().eye;
         assert!((eye(10.0) - Vec3::new(0.0, 1.7, 50.0)).length() < 1e-3);
         assert!((eye(20.0) - Vec3::new(0.0, 1.7, 0.0)).length() < 1e-3);

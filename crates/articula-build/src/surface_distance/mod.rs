@@ -35,7 +35,7 @@ pub struct DistanceOptions {
     /// Whether the reverse distance is measured too, from face centres and edge midpoints of the
     /// level to the original surface; each value is then the larger of both. It detects a level
     /// that spans a gap, such as a web between fingers.
-    pub both_ways: bool,
+    pub two_sided: bool,
     /// Seed of the samples.
     pub seed: u64,
 }
@@ -46,7 +46,7 @@ impl Default for DistanceOptions {
         Self {
             vertices: 100_000,
             face_centres: 10_000,
-            both_ways: false,
+            two_sided: false,
             seed: 1,
         }
     }
@@ -102,7 +102,7 @@ pub fn surface_distances(
         }
     }
     let mut found: Vec<LevelDistances> = tallies.into_iter().map(Tally::level).collect();
-    if opts.both_ways {
+    if opts.two_sided {
         let back = way_back(original, levels, rest, motion);
         for (level, back) in found.iter_mut().zip(&back) {
             level.raise(back);

@@ -7,7 +7,8 @@ use articula_build::levers;
 use articula_build::{Asset, character};
 use articula_build::{ChainTolerance, joint_bounds};
 use articula_core::{
-    DriftController, DriftOptions, JointViews, LocalPose, PosedMesh, Wrap, angle_between, sample,
+    DriftController, DriftOptions, JointViewScales, LocalPose, PosedMesh, Wrap, angle_between,
+    sample,
 };
 use glam::Vec3;
 use proptest::prelude::*;
@@ -87,7 +88,7 @@ fn whole_body_under_split(asset: &Asset, epsilon_px: f32) -> Result<(), TestCase
         let mut drift = DriftController::new(asset.rig.rest_pose(), bounds, opts);
         let ppm = vec![100.0; asset.rig.len()];
         let attention = vec![1.0; asset.rig.len()];
-        let views = JointViews {
+        let views = JointViewScales {
             pixels_per_metre: &ppm,
             attention: &attention,
         };

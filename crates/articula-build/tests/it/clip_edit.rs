@@ -2,9 +2,9 @@
 
 use crate::random_figure::{Row, character_of, flat, rows};
 use articula_build::clip_edit::EditSubject;
-use articula_build::clip_edit::{CloseOptions, close};
+use articula_build::clip_edit::{CloseOptions, close_loop};
 use articula_build::clip_edit::{ReduceOptions, ReducedClip, reduce_keys};
-use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, split};
+use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, split_root_motion};
 use articula_core::source::{
     Channel, Character, Interpolation, Joint, MorphTarget, Property, RawClip, evaluate,
 };
@@ -211,7 +211,7 @@ proptest! {
         let count = character.skeleton.joints.len();
         let subject = EditSubject::new(&character, flat(count), &[]).unwrap();
         let mode = RootMotionMode::Extract;
-        let out = split(&subject, &character.clips[0], &RootMotionOptions { mode, smooth_secs }).unwrap();
+        let out = split_root_motion(&subject, &character.clips[0], &RootMotionOptions { mode, smooth_secs }).unwrap();
         prop_assert_eq!(out.carrier, Some(0));
         // Rounding, and the permitted error of straight pieces between keys.
         prop_assert!(out.worst_metres <= 3e-4, "{}", out.worst_metres);
@@ -246,7 +246,7 @@ proptest! {
         let count = character.skeleton.joints.len();
         let subject = EditSubject::new(&character, flat(count), &[]).unwrap();
         let clip = &character.clips[0];
-        let out = close(&subject, clip, &CloseOptions { window_secs }).unwrap();
+        let out = close_loop(&subject, clip, &CloseOptions { window_secs }).unwrap();
         prop_assert!(out.seam_radians <= 1e-5, "{}", out.seam_radians);
         let rig = Rig::new(&character.skeleton, flat(count)).unwrap();
         let end = clip.duration_secs;
@@ -263,7 +263,7 @@ proptest! {
         let [p, q] = [0.0, end].map(|t| joints(&character, &rig, clip, t).position(1));
         let way = Vec3::new((q - p).x, 0.0, (q - p).z).length();
         prop_assert!((out.travel_metres - way).abs() < 1e-3 * way.max(1.0));
-        let again = close(&subject, &out.clip, &CloseOptions { window_secs }).unwrap();
+        let again = close_loop(&subject, &out.clip, &CloseOptions { window_secs }).unwrap();
         prop_assert!(again.moved_metres < 1e-3, "{}", again.moved_metres);
         if let Some(w) = window_secs.filter(|w| 2.2 * w < end) {
             let middle = 0.5 * end;
@@ -285,7 +285,7 @@ proptest! {
         let subject = EditSubject::new(&character, flat(count), &[]).unwrap();
         let mode = RootMotionMode::InPlace;
         let opts = RootMotionOptions { mode, smooth_secs: 0.0 };
-        let out = split(&subject, &character.clips[0], &opts).unwrap();
+        let out = split_root_motion(&subject, &character.clips[0], &opts).unwrap();
         let rig = Rig::new(&character.skeleton, flat(count)).unwrap();
         let start = joints(&character, &rig, &character.clips[0], 0.0).position(1);
         for key in &out.trajectory {
@@ -302,7 +302,7 @@ proptest! {
             prop_assert!((a_hips.y - b_hips.y).abs() < 1e-4, "height stays with the hips");
         }
         // An in-place clip has no trajectory left.
-        let again = split(&subject, &out.clip, &RootMotionOptions::default()).unwrap();
+        let again = split_root_motion(&subject, &out.clip, &RootMotionOptions::default()).unwrap();
         for key in &again.trajectory {
             prop_assert!(key.x_metres.abs() < 3e-4 && key.z_metres.abs() < 3e-4 && key.yaw_radians.abs() < 1e-3);
         }

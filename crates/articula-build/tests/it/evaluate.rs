@@ -475,7 +475,7 @@ fn the_thesis_never_updates_a_slow_joint_beside_a_quick_one() {
     // Frame to frame it turns by 6e-4 rad; the quick joint by up to 0.7.
     assert_eq!(updates(&Method::Thesis, 1e-3), 0);
     // A pixel at 5 m is 5.8 mm: with the minimum lever of 10 mm, a correction every 33 degrees.
-    let pixel = stage.usual_parameter(&Method::SkinPx(SkinPxVariant::Hold), 5.0);
+    let pixel = stage.default_parameter(&Method::SkinPx(SkinPxVariant::Hold), 5.0);
     assert_eq!(updates(&Method::SkinPx(SkinPxVariant::Hold), pixel), 1);
 }
 

@@ -4,7 +4,7 @@ use crate::reference_human::asset_of_4000;
 use articula_build::Asset;
 use articula_build::attach;
 use articula_build::{FigureLevels, figure_levels};
-use articula_build::{LevelOptions, MergedLevels, merged_levels};
+use articula_build::{JointLodOptions, MergedLevels, merged_levels};
 use articula_build::{PoseOptions, poses, positions};
 use articula_core::{Mesh, PosedMesh, Wrap};
 use glam::Vec3;
@@ -21,11 +21,11 @@ struct Figure {
     poses: Vec<Vec<Vec3>>,
 }
 
-fn options() -> LevelOptions {
-    LevelOptions {
+fn options() -> JointLodOptions {
+    JointLodOptions {
         frames: 40,
-        most_levels: 12,
-        ..LevelOptions::default()
+        max_levels: 12,
+        ..JointLodOptions::default()
     }
 }
 
@@ -229,8 +229,8 @@ fn one_joint_is_enough_for_levels_and_what_does_not_fit_is_refused() {
     still.mesh.binding_indices.fill(root);
     let merged = merged_levels(
         &still,
-        &LevelOptions {
-            most_levels: 1,
+        &JointLodOptions {
+            max_levels: 1,
             ..options()
         },
     )

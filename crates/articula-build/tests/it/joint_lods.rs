@@ -4,7 +4,7 @@ use crate::random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{
-    LevelOptions, LevelSkins, MergedLevels, joint_lods, level_skins, lod_errors, mean_pose,
+    JointLodOptions, LevelSkins, MergedLevels, joint_lods, level_skins, lod_errors, mean_pose,
     merged_levels, named_joint_lods,
 };
 use articula_core::loa::LoaExpression;
@@ -29,11 +29,11 @@ fn asset(rows: &[Row]) -> Asset {
     character(&source, Some(flat(rows.len())), &opts).unwrap()
 }
 
-fn options() -> LevelOptions {
-    LevelOptions {
-        fewest_joints: 1,
+fn options() -> JointLodOptions {
+    JointLodOptions {
+        min_joints: 1,
         first_metres: 1e-3,
-        ..LevelOptions::default()
+        ..JointLodOptions::default()
     }
 }
 
@@ -86,7 +86,7 @@ fn check_palette(joint_lods: &JointLods, skins: &LevelSkins) {
             .iter()
             .map(|b| usize::from(b.joint));
         for joint in joints {
-            assert!(joint_lods.place(joint) < joint_lods.kept(level));
+            assert!(joint_lods.place(joint) < joint_lods.joint_count(level));
         }
     }
 }
@@ -147,7 +147,7 @@ proptest! {
     #[test]
     fn far_levels_follow_the_clip_and_keep_the_mean_pose(rows in rows()) {
         let asset = asset(&rows);
-        let opts = LevelOptions {
+        let opts = JointLodOptions {
             far_from_metres: 0.0,
             ..options()
         };
@@ -229,15 +229,15 @@ fn built(source: &Character) -> Asset {
 }
 
 fn prepared(asset: &Asset, far_from_metres: f32) -> MergedLevels {
-    let opts = LevelOptions {
+    let opts = JointLodOptions {
         far_from_metres,
-        ..LevelOptions::default()
+        ..JointLodOptions::default()
     };
     let levels = merged_levels(asset, &opts).unwrap();
     let far = levels.far.as_ref().map_or(0, |f| f.joint_lods.levels());
     let all = levels.joint_lods.levels() + far;
     levels.errors.check(asset.clips.len(), all).unwrap();
-    assert!(all <= opts.most_levels);
+    assert!(all <= opts.max_levels);
     levels
 }
 
@@ -272,7 +272,7 @@ fn a_thousand_joints_without_mesh_and_two_trees() {
     let asset = built(&figure(joints, &turning, 40));
     for far in [0.01, f32::INFINITY] {
         let levels = prepared(&asset, far);
-        assert_eq!(levels.joint_lods.kept(0), 1000);
+        assert_eq!(levels.joint_lods.joint_count(0), 1000);
         assert!(levels.skins.bindings.is_empty());
     }
 }
@@ -296,10 +296,10 @@ fn mirrored_and_vanishing_scales_stay_finite() {
         .collect();
     let asset = built(&figure(joints, &[1, 2, 4], 20));
     for far in [0.0, f32::INFINITY] {
-        let opts = LevelOptions {
-            fewest_joints: 1,
+        let opts = JointLodOptions {
+            min_joints: 1,
             far_from_metres: far,
-            ..LevelOptions::default()
+            ..JointLodOptions::default()
         };
         let levels = merged_levels(&asset, &opts).unwrap();
         let errors = &levels.errors.clips[0].worst_metres;
@@ -314,21 +314,23 @@ fn sockets_and_named_levels_are_kept() {
     let asset = built(&figure(joints.collect(), &[1, 2, 3, 9], 20));
     let attachment = JointSet::from_iter([19]);
     for far_from_metres in [0.0, f32::INFINITY] {
-        let opts = LevelOptions {
+        let opts = JointLodOptions {
             protected: attachment,
-            fewest_joints: 3,
+            min_joints: 3,
             far_from_metres,
-            ..LevelOptions::default()
+            ..JointLodOptions::default()
         };
         let levels = merged_levels(&asset, &opts).unwrap();
-        let coarsest = levels.joint_lods.kept(levels.joint_lods.levels() - 1);
+        let coarsest = levels
+            .joint_lods
+            .joint_count(levels.joint_lods.levels() - 1);
         assert!(
             [0, 19]
                 .iter()
                 .all(|j| levels.joint_lods.place(*j) < coarsest)
         );
         if let Some(far) = levels.far {
-            let least = far.joint_lods.kept(far.joint_lods.levels() - 1);
+            let least = far.joint_lods.joint_count(far.joint_lods.levels() - 1);
             assert!(far.joints[..least].contains(&19));
         }
     }
@@ -338,7 +340,7 @@ fn sockets_and_named_levels_are_kept() {
         .collect();
     let joint_lods = named_joint_lods(&asset, &mean_pose(&asset), &named).unwrap();
     let kept: Vec<usize> = (0..joint_lods.levels())
-        .map(|l| joint_lods.kept(l))
+        .map(|l| joint_lods.joint_count(l))
         .collect();
     assert_eq!(kept[0], 20);
     assert_eq!(kept[2], 1);

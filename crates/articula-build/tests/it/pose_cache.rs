@@ -4,7 +4,7 @@ use crate::random_figure::{RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{CacheDecision, CacheOptions, CachedPoses, cached_poses};
-use articula_build::{LevelOptions, MergedLevels, merged_levels};
+use articula_build::{JointLodOptions, MergedLevels, merged_levels};
 use articula_core::batch::BatchEvaluator;
 use articula_core::{
     Backend, CachedRows, ClipSet, ClipStorage, PaletteForm, PaletteRows, f32_from_half, percentile,
@@ -30,9 +30,9 @@ fn asset(rows: &[Row]) -> Asset {
 }
 
 fn prepared(asset: Asset) -> Figure {
-    let opts = LevelOptions {
-        fewest_joints: 1,
-        ..LevelOptions::default()
+    let opts = JointLodOptions {
+        min_joints: 1,
+        ..JointLodOptions::default()
     };
     let levels = merged_levels(&asset, &opts).unwrap();
     let joint_lods = levels.joint_lods.clone();
@@ -132,7 +132,7 @@ proptest! {
         // Half floats round what is cached and what is written: at a time between those measured
         // their noise may be greater, by twice half a step of four numbers within 4 m.
         let noise = if half { 2.0 * 4.0 * 4.0 / 4096.0 } else { ROUNDING_METRES };
-        for report in made.report.iter().filter(|r| r.fate == CacheDecision::Cached) {
+        for report in made.report.iter().filter(|r| r.decision == CacheDecision::Cached) {
             prop_assert_eq!(made.cache.error_metres(0, report.level), Some(report.error_metres));
             prop_assert!(report.error_metres <= report.worst_metres);
             let keys: Vec<f32> = made.cache.times_secs(0, report.level).unwrap().collect();
@@ -166,7 +166,7 @@ proptest! {
             prop_assert_eq!((tolerance / least).log2().fract(), 0.0, "doubled, or not");
             // Chosen within the tolerance at half ticks, plus half of the curvature within a tick.
             prop_assert!(report.error_metres <= 1.5 * report.tolerance_metres + ROUNDING_METRES, "{report:?}");
-            prop_assert_eq!(made.cache.error_metres(0, report.level).is_some(), report.fate == CacheDecision::Cached);
+            prop_assert_eq!(made.cache.error_metres(0, report.level).is_some(), report.decision == CacheDecision::Cached);
         }
     }
 
@@ -180,13 +180,13 @@ proptest! {
         prop_assert!(palette_bytes_of(&made) <= palette_bytes);
         let mut left = palette_bytes;
         for (made, whole) in made.report.iter().zip(&whole.report).rev() {
-            let fits = whole.fate == CacheDecision::Cached && whole.bytes <= left;
-            prop_assert_eq!(made.fate == CacheDecision::Cached, fits);
+            let fits = whole.decision == CacheDecision::Cached && whole.bytes <= left;
+            prop_assert_eq!(made.decision == CacheDecision::Cached, fits);
             if fits {
                 left -= made.bytes;
                 prop_assert_eq!(made.error_metres, whole.error_metres);
             } else {
-                prop_assert!(made.fate == whole.fate || made.fate == CacheDecision::NoRoom);
+                prop_assert!(made.decision == whole.decision || made.decision == CacheDecision::NoRoom);
             }
         }
         prop_assert_eq!(palette_bytes - left, palette_bytes_of(&made));
@@ -214,7 +214,11 @@ fn hostile_figures() {
     without_mesh.mesh = articula_core::Mesh::default();
     let figure = prepared(without_mesh);
     let made = figure.cached(&CacheOptions::default());
-    assert!(made.report.iter().all(|r| r.fate == CacheDecision::TooFast));
+    assert!(
+        made.report
+            .iter()
+            .all(|r| r.decision == CacheDecision::TooFast)
+    );
     assert_eq!(palette_bytes_of(&made), 0);
 
     let figure = prepared(asset(&three()[..1]));
@@ -227,7 +231,7 @@ fn hostile_figures() {
             .cached(&nothing)
             .report
             .iter()
-            .all(|r| r.fate != CacheDecision::Cached)
+            .all(|r| r.decision != CacheDecision::Cached)
     );
 }
 

@@ -118,7 +118,7 @@ fn a_folded_square_by_hand() {
     // Back from the level: the diagonal's midpoint is below the tip of a pyramid of slope 45
     // degrees, and the nearest of its sides is half a diagonal away.
     let both = DistanceOptions {
-        both_ways: true,
+        two_sided: true,
         ..opts
     };
     let found = surface_distances(&full, &[&level], &rest, &[lifted], &both).unwrap();
@@ -136,7 +136,7 @@ fn a_folded_square_by_hand() {
         surface_distances(&parts, &[&web], &far, &[], &DistanceOptions::default()).unwrap();
     assert_eq!(one_way[0].rest, SurfaceError::default());
     let both = DistanceOptions {
-        both_ways: true,
+        two_sided: true,
         ..DistanceOptions::default()
     };
     let found = surface_distances(&parts, &[&web], &far, &[], &both).unwrap();

@@ -201,8 +201,8 @@ fn looked_at(
         hash.add(player);
         tally.add(player);
         let crowd = player.crowd();
-        let palettes = crowd.drawn().matrices * asset.model().parts().form.bytes();
-        let bytes = palettes + size_of_val(crowd.drawn().records.as_slice());
+        let palettes = crowd.draw_list().matrices * asset.model().parts().form.bytes();
+        let bytes = palettes + size_of_val(crowd.draw_list().records.as_slice());
         reports.push((report, bytes));
         // The first frame, then at even intervals.
         if counted * looks / settings.frames >= looked.len() && looked.len() < looks {

@@ -107,7 +107,11 @@ fn wrong_usage_of_folders_says_what_would_be_right() {
     }
     let ran = articula(&here, &["convert", "clips", "out", "--to", "fbx"]);
     assert_eq!(ran.status, 2);
-    assert!(ran.err.contains("supported conversions: glb"), "{}", ran.err);
+    assert!(
+        ran.err.contains("supported conversions: glb"),
+        "{}",
+        ran.err
+    );
     let line = fault(&here, 1, &["convert", "empty", "out"]);
     assert!(line.contains("readable are .glb"), "{line}");
 }

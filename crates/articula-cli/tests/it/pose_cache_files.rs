@@ -4,7 +4,7 @@ use crate::real::{data_folder, data_is_here};
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{CacheDecision, CacheOptions, CachedPoses, cached_poses};
-use articula_build::{LevelOptions, MergedLevels, merged_levels};
+use articula_build::{JointLodOptions, MergedLevels, merged_levels};
 use articula_core::batch::BatchEvaluator;
 use articula_core::{Backend, ClipSet, ClipStorage, PaletteForm, PaletteRows, skin_points};
 use articula_formats::{Limits, gltf, joint_map};
@@ -73,7 +73,7 @@ fn a_walking_human_blends_within_what_its_cache_states() {
         return;
     }
     let asset = asset();
-    let levels = merged_levels(&asset, &LevelOptions::default()).unwrap();
+    let levels = merged_levels(&asset, &JointLodOptions::default()).unwrap();
     let joint_lods = levels.joint_lods.clone();
     let clips = ClipSet::new(&asset.rig, joint_lods, &asset.clips, ClipStorage::Float).unwrap();
     // Every vertex is watched, so nothing is left to the sample.
@@ -88,14 +88,14 @@ fn a_walking_human_blends_within_what_its_cache_states() {
         println!(
             "{} level {level}: {:?}, {} keys, {} bytes, {:.2} mm for {:.2} mm",
             asset.clips[clip].name,
-            report.fate,
+            report.decision,
             report.keys,
             report.bytes,
             report.error_metres * 1e3,
             report.tolerance_metres * 1e3,
         );
-        assert_ne!(report.fate, CacheDecision::NoRoom);
-        if report.fate != CacheDecision::Cached {
+        assert_ne!(report.decision, CacheDecision::NoRoom);
+        if report.decision != CacheDecision::Cached {
             continue;
         }
         // Times that are no multiples of anything.

@@ -24,7 +24,7 @@ pub struct BudgetPolicy {
     pub cap_px: f32,
     /// Error below which a character is not improved further, pixels; 0 spends the whole budget,
     /// `cap_px` only what the cap requires.
-    pub enough_px: f32,
+    pub target_px: f32,
     /// Interval in frames at which a character above the cap gains weight: after waiting `w` frames
     /// its weight is multiplied by `(1 + w / patience_frames)³`. 0 disables ageing.
     pub patience_frames: u32,
@@ -37,7 +37,7 @@ impl Default for BudgetPolicy {
     fn default() -> Self {
         Self {
             cap_px: 1.0,
-            enough_px: 0.0,
+            target_px: 0.0,
             patience_frames: 16,
             hold_frames: 16,
         }
@@ -139,7 +139,7 @@ impl CharacterEntry {
         self.target = within(policy.cap_px);
         self.last = self.target;
         if request.weight > WEIGHTS.0 {
-            self.last = within(policy.enough_px).max(self.target);
+            self.last = within(policy.target_px).max(self.target);
         }
     }
 

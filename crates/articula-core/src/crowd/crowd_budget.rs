@@ -103,7 +103,7 @@ fn cost(model: &CrowdModel, costs: &CostModel, level: usize) -> f32 {
 
 /// Workload of evaluating `poses` poses at a level.
 pub(crate) fn work(model: &CrowdModel, level: usize, poses: u64) -> Workload {
-    let kept = model.parts().clips.joint_lods().kept(level);
+    let kept = model.parts().clips.joint_lods().joint_count(level);
     Workload {
         characters: poses,
         sampled_joints: poses * model.parts().clips.rotations(kept).len() as u64,

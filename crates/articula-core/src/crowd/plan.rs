@@ -235,7 +235,7 @@ impl Plan {
         &self.batches
     }
 
-    pub(crate) fn drawn(&self) -> &DrawList {
+    pub(crate) fn draw_list(&self) -> &DrawList {
         &self.drawn
     }
 

@@ -477,7 +477,7 @@ impl Crowd {
     }
 
     /// Result of culling a character in the last tick.
-    pub fn seen(&self, character: usize) -> CullResult {
+    pub fn cull_result(&self, character: usize) -> CullResult {
         self.seen[character]
     }
 
@@ -498,8 +498,8 @@ impl Crowd {
     }
 
     /// Draw list of the last tick: the visible characters by level, and where their palettes are.
-    pub fn drawn(&self) -> &DrawList {
-        self.plan.drawn()
+    pub fn draw_list(&self) -> &DrawList {
+        self.plan.draw_list()
     }
 
     /// Range of matrices that a range of batches writes, among all matrices of the frame.
@@ -507,15 +507,15 @@ impl Crowd {
     /// # Panics
     /// If the range ends beyond the batches.
     pub fn matrices_of(&self, batches: Range<usize>) -> Range<usize> {
-        assert!(batches.end <= self.drawn().batches, "no such batches");
+        assert!(batches.end <= self.draw_list().batches, "no such batches");
         self.plan.first_matrix(batches.start)..self.plan.first_matrix(batches.end)
     }
 
     /// Returns the batches from `first` on that write about `1 / parts` of all matrices, for
     /// distribution over threads. Empty when no batches are left.
     pub fn share_of_batches(&self, first: usize, parts: usize) -> Range<usize> {
-        let count = self.drawn().batches;
-        let aim = self.plan.first_matrix(first) + self.drawn().matrices.div_ceil(parts.max(1));
+        let count = self.draw_list().batches;
+        let aim = self.plan.first_matrix(first) + self.draw_list().matrices.div_ceil(parts.max(1));
         let mut end = (first + 1).min(count);
         while end < count && self.plan.first_matrix(end) < aim {
             end += 1;

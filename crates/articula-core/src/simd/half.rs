@@ -1,7 +1,7 @@
 //! Half floats (IEEE 754 binary16), for palettes of half the size.
 
-/// The nearest half float, ties to even, as bits; too large becomes infinite, and NaN stays
-/// NaN (quiet).
+/// Returns the nearest half float as bits, ties to even; too large values become infinite, and NaN
+/// stays NaN (quiet).
 pub fn half_from_f32(value: f32) -> u16 {
     let bits = value.to_bits();
     let sign = (bits >> 16) as u16 & 0x8000;
@@ -16,8 +16,8 @@ pub fn half_from_f32(value: f32) -> u16 {
         return sign | 0x7c00 | payload;
     }
     if rest < 0x3880_0000 {
-        // Below the least normal half: adding a half puts the digits where they belong, rounded
-        // by the addition itself.
+        // Below the smallest normal half: adding 0.5 aligns the significand, and the addition
+        // rounds it.
         let shifted = f32::from_bits(rest) + 0.5;
         return sign | (shifted.to_bits() - 0x3f00_0000) as u16;
     }
@@ -25,7 +25,7 @@ pub fn half_from_f32(value: f32) -> u16 {
     sign | ((rest - 0x3800_0000 + 0x0fff + odd) >> 13) as u16
 }
 
-/// The number that a half float stands for.
+/// Returns the value of a half float, given as bits.
 pub fn f32_from_half(half: u16) -> f32 {
     let sign = u32::from(half & 0x8000) << 16;
     let rest = u32::from(half & 0x7fff);

@@ -1,10 +1,10 @@
-//! Eight lanes at once: the only place that names an instruction set, and the only `unsafe`.
+//! Eight SIMD lanes: the only module that names instruction sets, and the only `unsafe` code.
 //!
-//! A kernel is written once over [`Lanes`] and run by [`dispatch`] on the chosen [`Backend`].
-//! No backend fuses multiply and add or estimates a root, so all of them give the same bits;
-//! the plain arrays of [`scalar`] are the oracle. Source: `docs/methods/runtime.md` part 3. Differs:
-//! transposes are written as intrinsics, since compilers turn plain loops into single inserts
-//! (measured: 417 against 222 ns for a figure of 67 joints).
+//! A kernel is written once over [`Lanes`] and run by [`dispatch`] on the chosen [`Backend`]. No
+//! backend fuses multiply and add or estimates a root, so all of them give the same bits; the plain
+//! arrays of [`scalar`] are the oracle. Source: `docs/methods/runtime.md` part 3. Transposes are
+//! written as intrinsics, since compilers turn plain loops into single inserts (measured: 417
+//! against 222 ns for a figure of 67 joints).
 
 pub(crate) mod half;
 pub(crate) mod scalar;
@@ -17,7 +17,7 @@ use crate::Mismatch;
 use std::fmt;
 use std::str::FromStr;
 
-/// Characters in a batch.
+/// Number of characters in a batch.
 pub const LANES: usize = 8;
 
 /// One row of a matrix or one quaternion.
@@ -26,7 +26,7 @@ pub(crate) type Row = [f32; 4];
 /// Eight half floats, as bits.
 pub(crate) type Halves = [u16; LANES];
 
-/// Eight lanes in memory, as aligned as the widest load wants them.
+/// Eight lanes in memory, aligned for the widest load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(32))]
 pub struct Tile(pub [f32; LANES]);
@@ -39,7 +39,7 @@ impl Tile {
 /// Instruction sets that a kernel can run on; all give the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Backend {
-    /// Plain arrays, as the compiler makes them: every machine.
+    /// Plain arrays, left to the compiler; available on every machine.
     Scalar,
     /// 128-bit vectors of every x86-64 processor.
     Sse2,
@@ -50,16 +50,16 @@ pub enum Backend {
 }
 
 impl Backend {
-    /// All of them, the slowest first.
+    /// All backends, the slowest first.
     pub const ALL: [Self; 4] = [Self::Scalar, Self::Sse2, Self::Avx2, Self::Simd128];
 
-    /// The fastest one that this machine has.
+    /// Returns the fastest backend that this machine supports.
     pub fn best() -> Self {
         let found = Self::ALL.into_iter().rev().find(|b| b.is_available());
         found.unwrap_or(Self::Scalar)
     }
 
-    /// Whether this machine has it.
+    /// Whether this machine supports it.
     pub fn is_available(self) -> bool {
         match self {
             Self::Scalar => true,
@@ -82,7 +82,7 @@ impl Backend {
     }
 }
 
-/// As people and arguments spell it.
+/// Writes the name that [`FromStr`] reads.
 impl fmt::Display for Backend {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
@@ -114,7 +114,7 @@ pub(crate) trait Lanes: Copy {
     /// One with the sign of each lane.
     fn sign(self) -> Self;
     fn weights(weights: &[f32; LANES]) -> Self::Weights;
-    /// `before + (after - before) * weight`, row by row, turned so that each of the four
+    /// `before + (after - before) * weight`, row by row, transposed so that each of the four
     /// results holds one component of all lanes.
     fn lerp_rows(before: [&Row; LANES], after: [&Row; LANES], weights: Self::Weights) -> [Self; 4];
     /// The same from 16-bit integers, not scaled.
@@ -123,7 +123,7 @@ pub(crate) trait Lanes: Copy {
         after: [&[i16; 4]; LANES],
         weights: Self::Weights,
     ) -> [Self; 4];
-    /// Four components of all lanes, turned back into one row for each lane: row `at` of every
+    /// Four components of all lanes, transposed back to one row for each lane: row `at` of every
     /// `stride` rows. `out` has at least `7 * stride + at + 1` rows.
     fn store_rows(components: [Self; 4], out: &mut [Row], stride: usize, at: usize);
     /// The same as half floats, rounded to the nearest, ties to even.

@@ -1,4 +1,4 @@
-//! Lanes as plain arrays: what every other backend is held to.
+//! Lanes as plain arrays: the oracle of the other backends.
 
 use super::half::half_from_f32;
 use super::{LANES, Lanes, Row, Tile};

@@ -46,7 +46,7 @@ impl Simd128 {
     }
 }
 
-/// Turns four rows into four columns.
+/// Transposes four rows.
 #[inline(always)]
 fn turned(rows: [v128; 4]) -> [v128; 4] {
     let [a, b, c, d] = rows;

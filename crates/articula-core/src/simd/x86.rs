@@ -27,7 +27,7 @@ pub(super) fn run_sse2<K: Kernel>(kernel: K) {
     kernel.run::<Sse2>();
 }
 
-/// Turns four rows into four columns, in each half of 128 bits.
+/// Transposes four rows, in each half of 128 bits.
 ///
 /// # Safety
 /// The machine has AVX.
@@ -49,11 +49,11 @@ unsafe fn turned(rows: [__m256; 4]) -> [__m256; 4] {
     }
 }
 
-/// Eight lanes in one vector. Lane `i` shares its place within the halves with lane `i + 4`.
+/// Eight lanes in one vector. Lanes `i` and `i + 4` have the same position within their halves.
 #[derive(Clone, Copy)]
 struct Avx2(__m256);
 
-/// Blends pairs of rows (lanes `i` and `i + 4`) and turns them.
+/// Blends pairs of rows (lanes `i` and `i + 4`) and transposes them.
 ///
 /// # Safety
 /// The machine has AVX2.
@@ -169,8 +169,8 @@ impl Lanes for Avx2 {
         }
     }
 
-    // No closures and no iterators over vectors from here on: they would be compiled without
-    // the instructions, and then not be joined with the kernel.
+    // No closures and no iterators over vectors from here on: they would be compiled without the
+    // instructions, and then not be inlined into the kernel.
 
     #[inline(always)]
     fn weights(w: &[f32; LANES]) -> [__m256; 4] {
@@ -292,7 +292,7 @@ impl Sse2 {
     }
 }
 
-/// Turns four rows into four columns.
+/// Transposes four rows.
 #[inline(always)]
 fn turned_quarter(rows: [__m128; 4]) -> [__m128; 4] {
     let [mut a, mut b, mut c, mut d] = rows;

@@ -51,7 +51,7 @@ pub struct Primitive {
 
 /// A coarser replacement of a [`RawMesh`], drawn when the mesh is small on the screen.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct MeshLevel {
+pub struct RawMeshLevel {
     /// The joints that deform it.
     pub skin: Skin,
     /// The drawable parts, each with as many morph targets as the mesh, or each with none.
@@ -76,7 +76,7 @@ pub struct RawMesh {
     /// Minimum fraction of the screen for which `primitives` are made, if the file states it.
     pub screen_coverage: Option<f32>,
     /// Coarser levels of the mesh, the finest first.
-    pub levels: Vec<MeshLevel>,
+    pub levels: Vec<RawMeshLevel>,
     /// Empty, or one entry for each primitive: levels over the primitive's own vertices, the finest
     /// of which are its triangles. Must be cleared when vertices or triangles of a primitive
     /// change.

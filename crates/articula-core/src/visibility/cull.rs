@@ -1,14 +1,14 @@
-//! Which bodies are seen, which soon may be, and how large: one pass over a crowd.
+//! Culls bodies against views and computes their size on screen, in one pass over a crowd.
 //!
-//! Source: `docs/methods/motion-lod.md` part 5, and 4.3 for several cameras. Takes the frustums of the
-//! views and where the bodies are; gives, for the level and the budget that come next, a
-//! [`Visibility`] and pixels per metre.
+//! Source: `docs/methods/motion-lod.md` part 5, and 4.3 for several cameras. Input: the frustums of
+//! the views and the bounds of the bodies. Output: a [`Visibility`] and pixels per metre for each
+//! body, from which level and budget are chosen.
 //!
-//! Shadow maps, mirrors and second cameras are views like the first. Only what is seen now
-//! counts: there is no memory, so a cut of the camera needs nothing special.
+//! Shadow maps, mirrors and further cameras are views like the first. There is no memory of earlier
+//! frames, so a cut of the camera is no special case.
 //!
-//! Bodies are taken by fours through `glam`'s vectors, in blocks that stay in the nearest cache
-//! however many views there are.
+//! Bodies are processed in groups of four with `glam`'s vectors, in blocks that stay in the L1
+//! cache for any number of views.
 
 use super::frustum::{Frustum, Tangents};
 use super::world_bounds::{LANES, columns, filled};
@@ -18,40 +18,40 @@ use crate::view::Camera;
 use glam::{Quat, Vec2, Vec3, Vec4};
 use std::ops::Range;
 
-/// Depth below which nothing is taken to come closer, so that a camera inside a body still gets
+/// Minimum depth in metres; smaller depths count as this, so that a camera inside a body gets
 /// finite pixels per metre.
 pub const MIN_DEPTH_METRES: f32 = 0.1;
 
-/// Whether a body is seen.
+/// Visibility of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[repr(u8)]
 pub enum Visibility {
-    /// No view can see it before it is looked for again: nothing but its clock need run.
+    /// Not visible before the next test: only clock, events and root motion need to run.
     #[default]
     Hidden,
-    /// Not seen, but it may be before it is looked for again: out of view, or wholly occluded.
+    /// Inside the cull margin: not visible, but it may be before the next test; or wholly occluded.
     Margin,
     /// Its bound meets the frustum of a view.
     Visible,
 }
 
-/// What the views see of one body.
+/// Result of culling one body.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CullResult {
-    /// The most that one metre of it spans, over the views that see it (or that it is near to),
-    /// at the nearest depth of its bound (of its wake-ahead bound, where it is [`Visibility::Margin`]).
-    /// Finite; 0 for a hidden body.
+    /// Maximum number of pixels that one metre spans, over the views that see the body (or have it
+    /// inside their cull margin), at the nearest depth of its bound (of its bound inflated by the
+    /// margin, for [`Visibility::Margin`]). Finite; 0 for a hidden body.
     pub pixels_per_metre: f32,
-    /// Whether it is seen.
+    /// Visibility of the body.
     pub visibility: Visibility,
 }
 
 /// Pixels that one metre spans.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum PixelDensity {
-    /// So many at a depth of one metre, falling with depth: perspective.
+    /// Value at a depth of one metre, falling with depth: perspective.
     AtOneMetre(f32),
-    /// So many at any depth: parallel projection.
+    /// Value at any depth: parallel projection.
     Everywhere(f32),
 }
 
@@ -76,7 +76,7 @@ pub struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// A view by its frustum and its own pixels per metre. Where these are no positive number it
+    /// A view with its frustum and its pixels per metre. If these are not positive and finite it
     /// sees nothing.
     fn new(frustum: Frustum, density: PixelDensity) -> Self {
         let (PixelDensity::AtOneMetre(pixels) | PixelDensity::Everywhere(pixels)) = density;
@@ -97,8 +97,8 @@ impl<'a> View<'a> {
     }
 
     /// The view of a picture that need not be centred on the viewing direction, such as that of an
-    /// eye of a headset. The orientation is world from camera, looking along -Z; one metre spans so
-    /// many pixels at a depth of one metre. What is no camera sees nothing.
+    /// eye of a headset. The orientation is world from camera, looking along -Z; one metre spans
+    /// `pixels_at_one_metre` pixels at a depth of one metre. An invalid camera sees nothing.
     pub fn off_axis(
         eye: Vec3,
         orientation: Quat,
@@ -110,17 +110,17 @@ impl<'a> View<'a> {
     }
 
     /// The view of a parallel projection, such as that of a shadow map: a beam of the given half
-    /// width and half height in metres, in which one metre spans so many pixels at any depth.
+    /// width and half height in metres, in which one metre spans `pixels_per_metre` pixels at any
+    /// depth.
     pub fn parallel(eye: Vec3, orientation: Quat, half_size: Vec2, pixels_per_metre: f32) -> Self {
         let density = PixelDensity::Everywhere(pixels_per_metre);
         let beam = Frustum::orthographic(eye, orientation, half_size.x, half_size.y);
         Self::new(beam, density)
     }
 
-    /// The same view, seeing only what lies between two depths. Unless told so, a view sees from its
-    /// eye on without end: a body before a renderer's near plane must still move, since its shadow
-    /// or its hand may reach into view. A depth below zero lets a parallel projection see behind
-    /// its eye.
+    /// Limits the view to a range of depths in metres. By default a view begins at its eye and has
+    /// no far end: a body before a renderer's near plane must still move, since its shadow or its
+    /// hand may reach into view. A depth below zero lets a parallel projection see behind its eye.
     #[must_use]
     pub fn within(self, depths_metres: Range<f32>) -> Self {
         let Range { start, end } = depths_metres;
@@ -130,8 +130,8 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The same view of a camera that may move by so much and turn by so much until it looks
-    /// again: bodies that this could bring into view are [`Visibility::Margin`].
+    /// Sets the cull margin: the distance and the angle by which the camera may move and turn until
+    /// the next test. Bodies that this could bring into view are [`Visibility::Margin`].
     #[must_use]
     pub fn moving(self, cull_margin_metres: f32, cull_margin_radians: f32) -> Self {
         Self {
@@ -142,18 +142,18 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The same view with the part of each body, 0 to 1, that other things hide from it, in the
-    /// order of the bodies. From 1 on the body is not seen but [`Visibility::Margin`]. Missing ones
-    /// and such that are no number count as 0.
+    /// Sets the occluded fraction of each body in this view, 0 to 1, in the order of the bodies.
+    /// From 1 on a body in the view is [`Visibility::Margin`] instead of visible. Missing entries
+    /// and NaN count as 0.
     #[must_use]
     pub fn with_occluded(self, occluded: &'a [f32]) -> Self {
         Self { occluded, ..self }
     }
 
-    /// How long it takes at least until one metre of a body, by its bound in the world, may span
-    /// more than `limit` pixels. 0 if it already does or the limit is no number; infinite if it
-    /// cannot (as at [`MIN_DEPTH_METRES`]) or while this view does not see the bound: that it
-    /// comes into view is told by [`cull`].
+    /// Minimum time in seconds until one metre of a body, given by its bound in world space, may
+    /// span more than `limit` pixels. 0 if it already does or the limit is NaN; infinite if it
+    /// cannot (because of [`MIN_DEPTH_METRES`]) or while this view does not see the bound, since
+    /// [`cull`] reports a bound that comes into view.
     pub(crate) fn secs_until_denser(
         &self,
         bound: Sphere,
@@ -186,12 +186,12 @@ impl<'a> View<'a> {
     }
 }
 
-/// Bounds on how fast a camera and a body may come closer to each other.
+/// Upper bounds on the speed at which a camera and a body approach each other.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ApproachSpeed {
-    /// Speed of the camera and speed of the body's root, added.
+    /// Sum of the speeds of the camera and of the body's root.
     pub metres_per_sec: f32,
-    /// How fast the camera turns.
+    /// Turn rate of the camera.
     pub radians_per_sec: f32,
 }
 
@@ -203,13 +203,13 @@ pub struct Bodies<'a> {
 }
 
 impl<'a> Bodies<'a> {
-    /// Puts the slices together.
+    /// Combines the slices.
     ///
-    /// - `bounds`: in the world, each holding its body from now until it is looked for again.
-    ///   They change when a root moves or the clip goes on, which need not be at every frame;
-    ///   [`Sphere::carried`] makes one.
-    /// - `cull_margin_metres`: how far root motion may carry the bound meanwhile: the way of the root and
-    ///   the arc of the bound's centre about it. What is no number counts as 0.
+    /// - `bounds`: in world space, each containing its body from now until the next test. They
+    ///   change when a root moves or the clip advances, which need not be in every frame;
+    ///   [`Sphere::carried`] computes one.
+    /// - `cull_margin_metres`: distance that root motion may move the bound until then: the path of
+    ///   the root plus the arc of the bound's centre about it. NaN counts as 0.
     ///
     /// # Errors
     /// A [`Mismatch`] if the lengths differ.
@@ -234,8 +234,8 @@ impl<'a> Bodies<'a> {
     }
 }
 
-/// How long it takes at least until a body's pixels per metre may have grown by the factor
-/// `1 + growth`, over the views that see its bound in the world: until then what was judged by
+/// Returns the minimum time in seconds until a body's pixels per metre may have grown by the factor
+/// `1 + growth`, over the views that see its bound in world space: until then a choice made from
 /// `seen` holds within that factor. 0 for a body that was not visible.
 ///
 /// Source: `docs/methods/motion-lod.md` 4.5, last paragraph.
@@ -256,12 +256,13 @@ pub fn secs_until_grown(
         .fold(f32::INFINITY, f32::min)
 }
 
-/// Looks for every body in every view.
+/// Culls every body against every view.
 ///
-/// A body whose bound is no finite number is hidden. O(bodies x views); does not allocate.
+/// A body is visible if any view sees it, and hidden if its bound is not finite. O(bodies x views);
+/// does not allocate.
 ///
 /// # Panics
-/// If `out` has not one entry for each body.
+/// If `out` does not have one entry for each body.
 pub fn cull(views: &[View<'_>], bodies: Bodies<'_>, out: &mut [CullResult]) {
     assert_eq!(out.len(), bodies.len(), "one answer for each body");
     for (b, out) in out.chunks_mut(BLOCK).enumerate() {
@@ -279,14 +280,14 @@ pub fn cull(views: &[View<'_>], bodies: Bodies<'_>, out: &mut [CullResult]) {
     }
 }
 
-/// What an infinite way counts as, so that no turn of 0 multiplies it to no number.
+/// Maximum of a cull margin in metres, so that no infinite margin times a turn of 0 gives NaN.
 const FARTHEST_METRES: f32 = 1e18;
 
 const GROUPS: usize = 16;
 const BLOCK: usize = LANES * GROUPS;
 
-/// World bounds of some bodies, by fours, and what was found of them so far: 0 pixels per metre
-/// where no view saw them.
+/// World-space bounds of some bodies in groups of four, and their pixels per metre so far, 0 where
+/// no view saw them.
 struct Block {
     groups: usize,
     x: [Vec4; GROUPS],
@@ -313,7 +314,7 @@ impl Block {
         }
     }
 
-    /// Takes over at most [`BLOCK`] bodies.
+    /// Loads at most [`BLOCK`] bodies.
     fn place(&mut self, bounds: &[Sphere], margins: &[f32]) {
         let (bounds, last_bounds) = bounds.as_chunks();
         let (margins, last_margins) = margins.as_chunks();
@@ -345,7 +346,7 @@ impl Block {
         self.margin[group] = margin.min(Vec4::splat(FARTHEST_METRES));
     }
 
-    /// Adds what one view sees.
+    /// Adds the results of one view.
     fn look(&mut self, view: &View<'_>, occluded: &[f32]) {
         let f = &view.frustum;
         let eye = splats(f.eye);
@@ -362,13 +363,13 @@ impl Block {
             let depth = dot(&forward);
             let [a, b, c, d] = sides.map(|(normal, offset)| dot(&normal) + offset);
             let ends = (depth - begin).min(end - depth);
-            // How far the centre is inside, negative outside; infinite places are infinitely
-            // outside, and what is no number has no depth.
+            // How far the centre is inside, negative outside; infinite positions are infinitely far
+            // outside, and NaN has no depth.
             let inside = a.min(b).min(c.min(d)).min(ends);
             let radius = self.radius[g];
             let mut reach = radius + self.margin[g] + view.cull_margin_metres;
             if view.cull_margin_radians > 0.0 {
-                // The sum of three sides is at least the distance, and cheaper.
+                // The sum of the three components is at least the distance, and cheaper.
                 let distance = x.abs() + y.abs() + z.abs() + (reach - radius);
                 reach += view.cull_margin_radians * distance;
             }
@@ -385,7 +386,7 @@ impl Block {
             } else {
                 let nearest = depth - Vec4::select(visible, radius, reach);
                 let density = pixels / nearest.max(Vec4::splat(MIN_DEPTH_METRES));
-                // Above zero at any depth, since 0 stands for not seen.
+                // Above zero at any depth, since 0 means not seen.
                 density.max(Vec4::splat(f32::MIN_POSITIVE))
             };
             self.visible[g] = self.visible[g].max(Vec4::select(visible, density, zero));
@@ -413,7 +414,7 @@ impl Block {
         let density = Vec4::select(visible, self.visible[group], self.near[group]);
         let [visible, near] = [visible, density.cmpgt(Vec4::ZERO)].map(|mask| mask.bitmask());
         let density = density.to_array();
-        // No branch: in a crowd who is seen follows no pattern.
+        // No branch: visibility in a crowd follows no pattern.
         std::array::from_fn(|lane| CullResult {
             pixels_per_metre: density[lane],
             visibility: FOUND[(2 * (visible >> lane & 1) + (near >> lane & 1)) as usize],
@@ -426,7 +427,7 @@ fn splats(v: Vec3) -> [Vec4; 3] {
     [Vec4::splat(v.x), Vec4::splat(v.y), Vec4::splat(v.z)]
 }
 
-/// From 0 to `most`; 0 of what is no number.
+/// Clamps to 0 and `most`; NaN gives 0.
 fn at_most(value: f32, most: f32) -> f32 {
     if value > 0.0 { value.min(most) } else { 0.0 }
 }
@@ -437,7 +438,7 @@ mod tests {
     use crate::view::Viewport;
     use proptest::prelude::*;
 
-    /// Bodies as their owner keeps them.
+    /// Bounds and cull margins of some bodies.
     #[derive(Debug, Clone, Default)]
     struct Crowd {
         bounds: Vec<Sphere>,
@@ -450,7 +451,7 @@ mod tests {
     };
 
     impl Crowd {
-        /// Unit balls that may move so far.
+        /// Unit spheres with their cull margins.
         fn of(rows: &[(Vec3, f32)]) -> Self {
             let mut crowd = Self::default();
             for (centre, margin) in rows {
@@ -512,7 +513,7 @@ mod tests {
         let near = viewport.pixels_per_metre(10.0);
         assert!((seen[0].pixels_per_metre - near).abs() < 1e-3 * near);
         assert_eq!(seen[1].pixels_per_metre, 0.0);
-        // A camera inside a body stands at the least depth from it.
+        // A camera inside a body counts as at the minimum depth from it.
         let inside = viewport.pixels_per_metre(MIN_DEPTH_METRES);
         assert!((seen[3].pixels_per_metre - inside).abs() < 1e-3 * inside);
     }
@@ -541,7 +542,7 @@ mod tests {
 
     #[test]
     fn both_eyes_of_a_headset_see() {
-        // What is far to the left is seen by the left eye alone.
+        // A body far to the left is seen by the left eye alone.
         let eye = |side: f32, left, right| {
             let tangents = Tangents {
                 left,
@@ -633,7 +634,7 @@ mod tests {
                 crowd.seen(&[view])
             );
         }
-        // A way that is no number wakes nothing, but what is seen is seen.
+        // A NaN margin adds nothing, but a visible body stays visible.
         let odd = Crowd::of(&[
             (ahead, f32::NAN),
             (-ahead, f32::NAN),
@@ -703,7 +704,7 @@ mod tests {
     }
 
     proptest! {
-        /// The pass by fours against one body and one view at a time.
+        /// Compares the pass in groups of four with one body and one view at a time.
         #[test]
         fn agrees_with_the_plain_test(
             rows in prop::collection::vec((vector(30.0), 0.0f32..3.0, 0.0f32..4.0), 0..150),
@@ -740,8 +741,8 @@ mod tests {
     }
 
     proptest! {
-        /// Acceptance test 13's half for visibility: a camera that moves, turns and runs into a
-        /// body that comes to meet it never sees it denser than was foretold.
+        /// Acceptance test 13 of `docs/methods/motion-lod.md` part 10: a camera that moves and
+        /// turns towards an approaching body never sees it denser than predicted.
         #[test]
         fn a_dolly_keeps_the_bound(
             eye in vector(20.0),
@@ -757,7 +758,7 @@ mod tests {
             let before = crowd(Vec3::ZERO).seen(&[View::of(&start)])[0];
             let secs = secs_until_grown(&[View::of(&start)], BALL, before, growth, closing);
             prop_assert!(secs > 0.0 || before.visibility != Visibility::Visible);
-            // Towards each other most of the time, whatever the random way says.
+            // Towards each other most of the time, whatever the random direction.
             let inwards = (way - eye.normalize_or_zero()).normalize_or_zero();
             for step in 0..=20 {
                 let t = secs.min(10.0) * step as f32 / 20.0;

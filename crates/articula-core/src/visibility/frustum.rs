@@ -1,8 +1,8 @@
-//! What a camera can see: the space between four sides, from a near depth to a far one.
+//! View frustum: the space between four sides, from a near depth to a far one.
 //!
-//! Near is the eye itself unless another depth is given, and there is no far end unless one is
-//! given: a body between the eye and a renderer's near plane must still move, since its shadow
-//! or its hand may reach into view.
+//! The near depth is that of the eye unless given, and there is no far depth unless given: a body
+//! between the eye and a renderer's near plane must still move, since its shadow or its hand may
+//! reach into view.
 
 use crate::view::{Camera, Viewport};
 use glam::{Quat, Vec3, Vec4};
@@ -24,7 +24,7 @@ pub struct Tangents {
 }
 
 impl Tangents {
-    /// Of a picture that is centred on the viewing direction.
+    /// Tangents of a picture that is centred on the viewing direction.
     pub(crate) fn of(viewport: &Viewport) -> Self {
         let up = (0.5 * viewport.fov_y_radians).tan();
         let side = up * viewport.width_px / viewport.height_px;
@@ -39,22 +39,21 @@ impl Tangents {
 
 /// The space that a camera sees, in world space.
 ///
-/// A frustum of values that make no camera (NaN, an empty or a half-turn wide picture) sees
-/// nothing.
+/// A frustum of invalid values (NaN, an empty picture or one half a turn wide) sees nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Frustum {
     pub(crate) eye: Vec3,
     pub(crate) forward: Vec3,
     /// Inward unit normal and offset: a point `p` is inside where
-    /// `normal . (p - eye) + offset >= 0`. Relative to the eye, so that worlds far from their
-    /// origin keep their digits.
+    /// `normal . (p - eye) + offset >= 0`. Relative to the eye, so that precision is kept far from
+    /// the origin of the world.
     pub(crate) sides: [Vec4; 4],
     pub(crate) near_metres: f32,
     pub(crate) far_metres: f32,
 }
 
 impl Frustum {
-    /// Sees nothing.
+    /// The frustum that sees nothing.
     pub(crate) const NOTHING: Self = Self {
         eye: Vec3::ZERO,
         forward: Vec3::NAN,
@@ -63,14 +62,14 @@ impl Frustum {
         far_metres: f32::MAX,
     };
 
-    /// What a perspective camera sees.
+    /// Frustum of a perspective camera.
     pub(crate) fn of(camera: &Camera) -> Self {
         let tangents = Tangents::of(&camera.viewport);
         Self::perspective(camera.eye, camera.orientation, tangents)
     }
 
-    /// What is seen from a point through a picture that need not be centred; the orientation is
-    /// world from camera, looking along -Z.
+    /// Frustum from a point through a picture that need not be centred; the orientation is world
+    /// from camera, looking along -Z.
     pub(crate) fn perspective(eye: Vec3, orientation: Quat, tangents: Tangents) -> Self {
         let Tangents {
             left,
@@ -89,7 +88,7 @@ impl Frustum {
         Self::new(eye, orientation, sides, is_picture)
     }
 
-    /// What a parallel projection sees: a beam of the given half width and half height.
+    /// Frustum of a parallel projection: a beam of the given half width and half height in metres.
     pub(crate) fn orthographic(
         eye: Vec3,
         orientation: Quat,
@@ -106,8 +105,8 @@ impl Frustum {
         Self::new(eye, orientation, sides, is_picture)
     }
 
-    /// The same, seeing nothing nearer than this depth. A depth below zero lets a parallel
-    /// projection see behind its eye.
+    /// Returns the frustum with a near depth. A depth below zero lets a parallel projection see
+    /// behind its eye.
     #[must_use]
     pub(crate) fn with_near(self, near_metres: f32) -> Self {
         Self {
@@ -116,7 +115,7 @@ impl Frustum {
         }
     }
 
-    /// The same, seeing nothing farther than this depth.
+    /// Returns the frustum with a far depth.
     #[must_use]
     pub(crate) fn with_far(self, far_metres: f32) -> Self {
         Self {
@@ -130,22 +129,22 @@ impl Frustum {
         self.forward.dot(point - self.eye)
     }
 
-    /// Whether a ball may be seen: true for every ball that reaches inside, and for a few beyond
-    /// a corner. The plain version of what [`crate::visibility::cull`] does to many.
+    /// Whether a sphere may be visible: true for every sphere that reaches inside, and for a few
+    /// beyond a corner. The plain version of [`crate::visibility::cull`] for one body.
     pub(crate) fn meets(&self, centre: Vec3, radius: f32) -> bool {
         let depth = self.depth(centre);
         let inside = |side: &Vec4| {
             let normal = side.truncate();
             normal.dot(centre - self.eye) + side.w >= -radius
         };
-        // An infinite depth, or one that is no number, passes no comparison.
+        // An infinite depth or NaN passes no comparison.
         depth.abs() <= f32::MAX
             && depth + radius >= self.near_metres
             && depth - radius <= self.far_metres
             && self.sides.iter().all(inside)
     }
 
-    /// Whether a point is seen.
+    /// Whether a point is visible.
     #[cfg(test)]
     pub(crate) fn contains(&self, point: Vec3) -> bool {
         self.meets(point, 0.0)
@@ -258,7 +257,7 @@ mod tests {
     }
 
     proptest! {
-        /// What projects into the picture is inside, what does not is outside.
+        /// A point is inside exactly if it projects into the picture.
         #[test]
         fn agrees_with_the_projection(
             eye in prop::array::uniform3(-20.0f32..20.0),
@@ -271,7 +270,7 @@ mod tests {
             let (px, depth) = camera.project(point);
             let size = glam::Vec2::new(1280.0, 720.0);
             let margin = px.min_element().min((size - px).min_element());
-            // Within half a pixel of an edge, or a hand's breadth of the eye, rounding decides.
+            // Within half a pixel of an edge, or 10 cm of the eye, rounding decides.
             prop_assume!(margin.abs() > 0.5 && depth.abs() > 0.1);
             prop_assert_eq!(Frustum::of(&camera).contains(point), margin > 0.0 && depth > 0.0);
         }

@@ -1,8 +1,9 @@
-//! Which bodies are seen, soon may be, and how large they look: the part before any level is chosen.
+//! Visibility of bodies: frustum culling, occlusion and size on screen, before any level is chosen.
 //!
-//! - [`View`]: who looks, how far, and how many pixels a metre spans
-//! - [`Bodies`], [`cull`]: who is looked at; one pass over a crowd
-//! - [`Occlusion`]: how much of a body others hide, for those who ask no renderer
+//! - [`View`]: frustum, pixels per metre, cull margin and occluded fractions of one view
+//! - [`Bodies`], [`cull`]: bounds of the bodies, and one pass over them that culls against all
+//!   views
+//! - [`Occlusion`]: occluded fraction of a body, for callers that query no renderer
 
 mod cull;
 mod frustum;

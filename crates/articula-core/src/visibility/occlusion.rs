@@ -1,17 +1,19 @@
-//! How much of a body is hidden behind others: an estimate for those who have no renderer to ask.
+//! Estimate of how much of a body is hidden behind others, for callers without a renderer to query.
 //!
-//! Source: `docs/methods/motion-lod.md` part 5 takes the occluded fraction from the engine; this makes one,
-//! after the software occlusion buffers of the field. Capsules that lie *inside* the nearest
-//! bodies are drawn into a small grid of depths, and the boxes of the others are looked up in it.
-//! Conservative on both sides: a cell counts as covered only if a capsule covers all of it, at the
-//! farthest depth of what covers it, and a box is tested by the rectangle around it at its nearest
-//! depth. So 1 is given only to what cannot be seen.
+//! Source: `docs/methods/motion-lod.md` part 5. An engine may supply occluded fractions from its
+//! renderer; this module computes them as software occlusion buffers do. Capsules that lie *inside*
+//! the nearest bodies are drawn into a small depth grid, and the boxes of the other bodies are
+//! tested against it. The test is conservative on both sides: a cell counts as covered only if one
+//! capsule covers all of it, at the farthest depth of that capsule, and a box is tested by its
+//! screen rectangle at its nearest depth. So only a body that cannot be visible has fraction 1.
 //!
-//! A look-up costs as much as evaluating a few joints, so this pays for bodies that are dear to
-//! evaluate or to draw, in dense crowds; far ones at a coarse level are cheaper shown than asked for.
+//! A test costs as much as evaluating a few joints, so it pays for bodies that are expensive to
+//! evaluate or to draw, in dense crowds; showing far ones at a coarse level is cheaper than testing
+//! them.
 //!
-//! It never hides a body behind its own capsules, since these lie behind the front of its box.
-//! Draw where bodies are in this frame, not in the last one, else who steps out comes late.
+//! A body is never hidden by its own capsules, since these lie behind the front of its box. Draw
+//! bodies where they are in this frame, not in the last one; otherwise a body that comes into view
+//! appears late.
 
 use super::frustum::Tangents;
 use crate::Mismatch;
@@ -20,10 +22,10 @@ use crate::motion_bounds::Bound;
 use crate::view::Camera;
 use glam::{Mat3, Quat, Vec2, Vec3, Vec4};
 
-/// What comes nearer to the eye than this hides nothing and is not hidden.
+/// Depth in metres; capsules and boxes nearer to the eye hide nothing and are not hidden.
 const NEAR_METRES: f32 = 0.05;
 
-/// A part of a cell; no edge is trusted to be nearer to a border than this.
+/// Margin for rounding, as a fraction of a cell.
 const ROUNDING_CELLS: f32 = 1e-3;
 
 /// Points on the half circle around each end of a capsule.
@@ -38,7 +40,7 @@ const ARC: [(f32, f32); 5] = {
     ]
 };
 
-/// A grid of depths as seen from one camera.
+/// Depth grid of one camera, into which occluders are drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Occlusion {
     columns: usize,
@@ -46,15 +48,16 @@ pub struct Occlusion {
     /// For each cell, row by row from the top, the depth behind which all of it is hidden.
     depths: Vec<f32>,
     eye: Vec3,
-    /// To the right, up, and depth.
+    /// Axes: right, up, depth.
     camera_from_world: Mat3,
-    /// Cells for a tangent of one, to the right and down, and the viewing direction's place.
+    /// Cells per unit of tangent, to the right and down, and the cell position of the viewing
+    /// direction.
     cells: Vec2,
     middle: Vec2,
 }
 
 impl Occlusion {
-    /// Room for a grid; 160 by 90 suits a crowd seen in full HD.
+    /// Makes an empty grid; 160 by 90 cells suit a crowd in full HD.
     ///
     /// # Errors
     /// A [`Mismatch`] if a side has no cell or more than 4096.
@@ -75,14 +78,14 @@ impl Occlusion {
         })
     }
 
-    /// Begins a frame as a camera sees it, with nothing hidden.
+    /// Begins a frame of a camera, with nothing hidden.
     pub fn begin(&mut self, camera: &Camera) {
         let tangents = Tangents::of(&camera.viewport);
         self.begin_off_axis(camera.eye, camera.orientation, tangents);
     }
 
-    /// The same for a picture that need not be centred, such as that of an eye of a headset; the
-    /// orientation is world from camera, looking along -Z. What is no camera hides nothing.
+    /// Begins a frame of a picture that need not be centred, such as that of an eye of a headset;
+    /// the orientation is world from camera, looking along -Z. An invalid camera hides nothing.
     pub fn begin_off_axis(&mut self, eye: Vec3, orientation: Quat, tangents: Tangents) {
         self.depths.fill(f32::INFINITY);
         self.eye = eye;
@@ -93,7 +96,7 @@ impl Occlusion {
         self.middle = Vec2::new(tangents.left, tangents.up) * self.cells;
     }
 
-    /// Draws a capsule of the world that lies inside something opaque. Does not allocate.
+    /// Draws a capsule, in world space, that lies inside something opaque. Does not allocate.
     pub fn draw(&mut self, capsule: &Capsule) {
         let radius = capsule.radius;
         let [a, b] = capsule.ends.map(|end| self.view(end));
@@ -101,7 +104,7 @@ impl Occlusion {
         if !(nearest >= NEAR_METRES && radius > 0.0 && (a + b).is_finite()) {
             return;
         }
-        // Two half circles that face the eye, with the line from one end to the other between.
+        // Two half circles that face the eye, joined by straight lines from one end to the other.
         let toward = (a + b).normalize();
         let along = (b - a).reject_from_normalized(toward);
         let along = along
@@ -120,9 +123,9 @@ impl Occlusion {
         self.fill(&outline, farthest);
     }
 
-    /// The part of a body, 0 to 1, that is hidden: of the cells that the rectangle around its box
-    /// has in the picture. 1 only if no point of the box can be seen; 0 for what is out of the
-    /// picture, reaches the eye or is no number. `bound` is in model space; does not allocate.
+    /// Returns the occluded fraction of a body, 0 to 1: the part of the cells of its screen
+    /// rectangle that is hidden. 1 only if no point of its box is visible; 0 if the box is outside
+    /// the picture, reaches the eye or is not finite. `bound` is in model space; does not allocate.
     pub fn occluded(&self, bound: &Bound, position: Vec3, rotation: Quat, scale: f32) -> f32 {
         let centre = 0.5 * (bound.least + bound.greatest);
         let half = (0.5 * scale) * (bound.greatest - bound.least);
@@ -155,7 +158,7 @@ impl Occlusion {
             let at = [0, 1].map(|i| values[i] * scales[i] * cells + middle);
             let least = at[0].min(at[1]).min_element() - ROUNDING_CELLS;
             let greatest = at[0].max(at[1]).max_element() + ROUNDING_CELLS;
-            // A cast cuts towards zero and keeps to the ends of its range.
+            // A cast truncates towards zero and saturates.
             (least as usize, ((greatest + 1.0) as usize).min(most))
         };
         let (left, right) = range(xs, self.cells.x, self.middle.x, self.columns);
@@ -177,9 +180,9 @@ impl Occlusion {
         self.camera_from_world * (point - self.eye)
     }
 
-    /// Hides what lies behind a depth in every cell that is inside a closed line around points
-    /// of a convex body. The line itself need not be convex: between any two points of the body
-    /// there is body, so a cell is inside where its upper and its lower border are.
+    /// Limits to `depth` every cell that is inside a closed line around points of a convex body.
+    /// The line itself need not be convex: between any two points of the body there is body, so a
+    /// cell is inside if its upper and its lower border are.
     fn fill(&mut self, outline: &[Vec2], depth: f32) {
         let (mut top, mut bottom) = (f32::INFINITY, f32::NEG_INFINITY);
         for p in outline {
@@ -206,7 +209,7 @@ impl Occlusion {
     }
 }
 
-/// The leftmost and the rightmost place at which a closed line crosses a height.
+/// The leftmost and the rightmost position at which a closed line crosses a height.
 fn crossing(outline: &[Vec2], y: f32) -> (f32, f32) {
     let (mut left, mut right) = (f32::INFINITY, f32::NEG_INFINITY);
     let mut from = outline[outline.len() - 1];
@@ -229,7 +232,7 @@ mod tests {
 
     fn bound(half: Vec3) -> Bound {
         Bound {
-            sphere: Sphere::around_box(-half, half),
+            sphere: Sphere::from_corners(-half, half),
             least: -half,
             greatest: half,
         }

@@ -1,13 +1,14 @@
-//! Bounds of many bodies carried into the world at once.
+//! Transforms the bounds of many bodies to world space.
 //!
-//! Takes where the roots of a crowd are and a bound of each in model space; gives the bounds in
-//! the world that [`crate::visibility::cull`] looks for. By fours through `glam`'s vectors.
+//! Takes the root transforms of a crowd and a bound of each body in model space; returns the
+//! world-space bounds that [`crate::visibility::cull`] tests. Works in groups of four with `glam`'s
+//! vectors.
 
 use crate::Mismatch;
 use crate::sphere::Sphere;
 use glam::{Mat4, Quat, Vec3, Vec4};
 
-/// Where bodies are, and what holds each of them; one entry of each slice for each body.
+/// Root transforms and model-space bounds of bodies; one entry of each slice for each body.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Places<'a> {
     positions: &'a [Vec3],
@@ -17,7 +18,7 @@ pub(crate) struct Places<'a> {
 }
 
 impl<'a> Places<'a> {
-    /// Puts the slices together.
+    /// Combines the slices.
     ///
     /// - `positions`: of the roots in the world, metres
     /// - `rotations`: world from model, unit
@@ -51,12 +52,12 @@ impl<'a> Places<'a> {
     }
 }
 
-/// Writes the bound of every body in the world: what [`Sphere::carried`] does to one.
+/// Writes the world-space bound of every body, as [`Sphere::carried`] computes it for one.
 ///
 /// O(bodies); does not allocate.
 ///
 /// # Panics
-/// If `out` has not one entry for each body.
+/// If `out` does not have one entry for each body.
 pub(crate) fn carry(places: Places<'_>, out: &mut [Sphere]) {
     assert_eq!(out.len(), places.bounds.len(), "one bound for each body");
     let (positions, last_positions) = places.positions.as_chunks();
@@ -105,7 +106,7 @@ fn carry_four(
     })
 }
 
-/// The first four values, filled up behind the end.
+/// The first four values, padded with `filler`.
 #[inline]
 pub(crate) fn filled<T: Copy>(values: &[T], filler: T) -> [T; LANES] {
     match values.first_chunk() {
@@ -114,7 +115,7 @@ pub(crate) fn filled<T: Copy>(values: &[T], filler: T) -> [T; LANES] {
     }
 }
 
-/// Four rows as four columns.
+/// Transposes four rows.
 #[inline]
 pub(crate) fn columns([a, b, c, d]: [Vec4; 4]) -> [Vec4; 4] {
     let m = Mat4::from_cols(a, b, c, d).transpose();

@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 /// The knapsack alone, without cap and ageing.
 const PLAIN: BudgetPolicy = BudgetPolicy {
     cap_px: f32::INFINITY,
-    enough_px: 0.0,
+    target_px: 0.0,
     patience_frames: 0,
     hold_frames: 0,
 };
@@ -421,9 +421,9 @@ fn who_is_above_the_cap_comes_first() {
     let (mut budget, ids) = crowd.budget(policy);
     assert_eq!(budget.solve(10.0).above_cap, 0);
     assert_eq!([budget.choice(0), budget.choice(1)], [Some(0), Some(1)]);
-    // With `enough_px` at the cap no further upgrade is taken.
+    // With `target_px` at the cap no further upgrade is taken.
     budget.set_policy(BudgetPolicy {
-        enough_px: 2.0,
+        target_px: 2.0,
         ..policy
     });
     let report = budget.solve(1e6);
@@ -449,7 +449,7 @@ fn small_changes_of_scale_touch_nothing() {
     let crowd = equals(2);
     let policy = BudgetPolicy {
         cap_px: 9.0,
-        enough_px: 9.0,
+        target_px: 9.0,
         ..PLAIN
     };
     let (mut budget, ids) = crowd.budget(policy);

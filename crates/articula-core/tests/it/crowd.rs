@@ -120,9 +120,9 @@ fn camera() -> Camera {
 }
 
 fn palettes(crowd: &Crowd, model: &CrowdModel) -> Vec<[f32; 4]> {
-    let mut rows = vec![[0.0; 4]; crowd.drawn().matrices * 3];
+    let mut rows = vec![[0.0; 4]; crowd.draw_list().matrices * 3];
     let mut scratch = model.evaluator().scratch();
-    let all = 0..crowd.drawn().batches;
+    let all = 0..crowd.draw_list().batches;
     crowd.evaluate(model, all, PaletteRows::Float(&mut rows), &mut scratch);
     rows
 }
@@ -160,7 +160,7 @@ fn draws_name_the_palette_of_their_character() {
     for share in [false, true] {
         let (crowd, report) = played(&model, &square, share, 7);
         let rows = palettes(&crowd, &model);
-        assert_eq!(crowd.drawn().draws.len(), report.visible);
+        assert_eq!(crowd.draw_list().draws.len(), report.visible);
         assert_eq!(report.own + report.followers, report.visible);
         assert!(
             report.visible < square.positions.len(),
@@ -169,9 +169,9 @@ fn draws_name_the_palette_of_their_character() {
         assert!(share == (report.followers > 0) && report.blended > 0);
         let mut drawn = vec![false; square.positions.len()];
         let mut others = 0;
-        for group in &crowd.drawn().groups {
+        for group in &crowd.draw_list().groups {
             assert_eq!(group.matrices, model.parts().palette.len(group.level));
-            for draw in &crowd.drawn().draws[group.draws.clone()] {
+            for draw in &crowd.draw_list().draws[group.draws.clone()] {
                 let character = draw.character as usize;
                 assert!(!std::mem::replace(&mut drawn[character], true));
                 assert_eq!(crowd.level(character), Some(group.level));
@@ -203,7 +203,7 @@ fn ranges_of_batches_give_the_same_bytes_in_any_order() {
     for parts in [2, 3, 7, 1000] {
         let mut ranges = Vec::new();
         let mut first = 0;
-        while first < crowd.drawn().batches {
+        while first < crowd.draw_list().batches {
             let range = crowd.share_of_batches(first, parts);
             first = range.end;
             ranges.push(range);
@@ -239,8 +239,8 @@ fn a_frame_allocates_nothing() {
             let views = [View::of(&camera)];
             let frame = square.frame(&views, 0.1 * i as f32, i % 2 == 0);
             crowd.tick(&model, &frame, &mut |_| heard += 1);
-            let used = crowd.drawn().matrices * 3;
-            let all = 0..crowd.drawn().batches;
+            let used = crowd.draw_list().matrices * 3;
+            let all = 0..crowd.draw_list().batches;
             crowd.evaluate(
                 &model,
                 all,
@@ -416,13 +416,13 @@ proptest! {
                 cache: CacheUse::Never,
             };
             let report = crowd.tick(&model, &frame, &mut |_| {});
-            prop_assert_eq!(crowd.drawn().draws.len(), report.visible);
+            prop_assert_eq!(crowd.draw_list().draws.len(), report.visible);
             let rows = palettes(&crowd, &model);
             prop_assert!(rows.iter().flatten().all(|v| v.is_finite()));
-            for draw in &crowd.drawn().draws {
+            for draw in &crowd.draw_list().draws {
                 let level = crowd.level(draw.character as usize).unwrap();
                 let end = draw.first_matrix as usize + model.parts().palette.len(level);
-                prop_assert!(end <= crowd.drawn().matrices);
+                prop_assert!(end <= crowd.draw_list().matrices);
             }
         }
     }
@@ -537,10 +537,10 @@ fn cached_poses_are_blended_by_either_side() {
     frame.cache = CacheUse::Cpu;
     let by_cpu = crowd.tick(&model, &frame, &mut |_| {});
     let rows = palettes(&crowd, &model);
-    let draws = crowd.drawn().draws.to_vec();
+    let draws = crowd.draw_list().draws.to_vec();
     assert!(by_cpu.cached > 20 && by_cpu.own > 2);
     assert_eq!(
-        (draws.len(), crowd.drawn().records.len()),
+        (draws.len(), crowd.draw_list().records.len()),
         (by_cpu.visible, 0)
     );
     assert!(by_cpu.bound_px <= 3.0);
@@ -549,15 +549,15 @@ fn cached_poses_are_blended_by_either_side() {
     let by_gpu = crowd.tick(&model, &frame, &mut |_| {});
     assert!(by_gpu.cached >= by_cpu.cached);
     assert_eq!(
-        crowd.drawn().draws.len() + crowd.drawn().records.len(),
+        crowd.draw_list().draws.len() + crowd.draw_list().records.len(),
         by_gpu.visible
     );
     let CachedRows::Float(cached) = model.parts().cache.as_ref().unwrap().rows() else {
         panic!("cached in f32");
     };
     let mut compared = 0;
-    for group in &crowd.drawn().record_groups {
-        for record in &crowd.drawn().records[group.records.clone()] {
+    for group in &crowd.draw_list().record_groups {
+        for record in &crowd.draw_list().records[group.records.clone()] {
             let level = crowd.level(record.character as usize);
             assert_eq!(level, Some(group.level));
             let mut of_character = draws.iter().filter(|d| d.character == record.character);

@@ -5,7 +5,7 @@ use articula_core::joint_state::{JointState, JointStates, PassivePolicy, Transit
 use articula_core::source::{self, Joint, MorphTarget, Primitive, Skeleton, Skin};
 use articula_core::{
     Articulation, Clip, DriftController, DriftOptions, JointArticulation, JointErrorBounds,
-    JointSet, JointViews, LocalPose, Mesh, ModelPose, Region, Rig, SkinnedMesh, Track, Tracks,
+    JointSet, JointViewScales, LocalPose, Mesh, ModelPose, Region, Rig, SkinnedMesh, Track, Tracks,
     Transform, Viewport, Wrap, angle_between, local_to_model, palette, sample, sample_morphs, skin,
 };
 use glam::{Affine3A, Quat, Vec3};
@@ -65,7 +65,7 @@ fn play(clip: &Clip, display_hz: f64, opts: DriftOptions, ppm: impl Fn(f64) -> f
     (0..=frames)
         .map(|i| {
             let secs = i as f64 / display_hz;
-            let views = JointViews {
+            let views = JointViewScales {
                 pixels_per_metre: &[ppm(secs)],
                 attention: &[1.0],
             };
@@ -223,7 +223,7 @@ fn a_joint_that_suddenly_needs_care_wakes() {
         for i in 0..200 {
             let secs = f64::from(i) / 60.0;
             let attention = [if i < touch { 1.0 } else { 0.25 }];
-            let views = JointViews {
+            let views = JointViewScales {
                 pixels_per_metre: &ppm,
                 attention: &attention,
             };
@@ -331,7 +331,7 @@ fn a_frame_does_not_allocate() {
     let mut drift = DriftController::new(rig.rest_pose(), vec![bounds; 4], DriftOptions::default());
     let mut pose = rig.rest_pose().clone();
     let mut model = ModelPose::new(rig.len());
-    let views = JointViews {
+    let views = JointViewScales {
         pixels_per_metre: &[80.0; 4],
         attention: &[1.0; 4],
     };

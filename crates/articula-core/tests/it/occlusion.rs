@@ -62,7 +62,7 @@ fn no_point_of_a_hidden_box_can_be_seen() {
         for (at, axis, half, scale) in targets {
             let (position, rotation) = (at + Vec3::NEG_Z * 8.0, Quat::from_scaled_axis(axis));
             let (least, greatest) = (Vec3::splat(-half), Vec3::new(half, 2.0 * half, half));
-            let sphere = Sphere::around_box(least, greatest);
+            let sphere = Sphere::from_corners(least, greatest);
             let bound = Bound { sphere, least, greatest };
             let occluded = grid.occluded(&bound, position, rotation, scale);
             prop_assert!((0.0..=1.0).contains(&occluded));

@@ -9,9 +9,9 @@ use articula_core::Progress;
 /// Options of [`PreparedClip::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrepareClipOptions {
-    /// How many wrong pixels one painting order may cause.
+    /// Tolerance and number of painting orders.
     pub order: OrderOptions,
-    /// How intersecting triangles are cut; `None` to leave them.
+    /// Options of cutting intersecting triangles; `None` to leave them.
     pub split: Option<SplitOptions>,
 }
 
@@ -40,7 +40,7 @@ pub struct PreparedClip {
     pub wrong_percent: f64,
     /// Wrong pixels of a depth sort per frame, percent of the character's.
     pub wrong_percent_depth_sort: f64,
-    /// How writers seal edges.
+    /// Options of sealing edges.
     pub(crate) underlap: UnderlapOptions,
 }
 

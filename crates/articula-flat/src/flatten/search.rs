@@ -42,7 +42,7 @@ pub struct Flattened {
     pub tried: Vec<Trial>,
 }
 
-/// A quality that the search tried.
+/// A quality that the search tried, with its size and error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial {
     /// The quality.

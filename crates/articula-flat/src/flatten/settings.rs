@@ -58,10 +58,10 @@ impl Profile {
 /// A tolerance that has no effect.
 const ANY: f32 = 16.0;
 
-/// Tolerances of a file.
+/// Shading and tolerances of a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
-    /// How triangles are filled.
+    /// Shading of the triangles.
     pub shading: Shading,
     /// Position tolerance of a corner, pixels.
     pub pos_tol_px: f32,

@@ -72,7 +72,7 @@ pub enum PlanarError {
     Mismatch {
         /// Name of the argument.
         at: &'static str,
-        /// What was found and what was expected.
+        /// Description of what was found and what was expected.
         what: String,
     },
     /// The caller cancelled the work ([`articula_core::Progress`]).

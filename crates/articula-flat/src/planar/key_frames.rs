@@ -32,7 +32,7 @@ pub(crate) struct KeyOptions {
     pub pos_tol_px: f32,
     /// Maximum colour difference at a corner, levels.
     pub col_tol_levels: f32,
-    /// How triangles are filled.
+    /// Shading of the triangles.
     pub shading: Shading,
     /// Units of gradient lines.
     pub lines: LineUnits,
@@ -206,7 +206,7 @@ impl Wish {
     }
 }
 
-/// Returns the points of a shape in a frame, pixels.
+/// Points of a shape by frame, pixels.
 struct Outline<'a> {
     /// Points after sealing.
     sealed: &'a dyn Fn(usize) -> Vec<Vec2>,

@@ -15,7 +15,7 @@ const FLAT_SPREAD: f32 = 1.5;
 /// A triangle whose parallelogram is smaller than this is treated as a line, square pixels.
 const MIN_AREA: f32 = 1e-2;
 
-/// How triangles are filled.
+/// Fill of the triangles: one colour or one gradient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Shading {
     /// One colour.

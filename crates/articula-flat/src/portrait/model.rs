@@ -33,7 +33,7 @@ pub struct Portrait {
     pub clips: Vec<PortraitClip>,
 }
 
-/// Numbers of elements of a portrait.
+/// Numbers of views, triangles, vertices and expressions of a portrait.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PortraitCounts {
     /// Number of view pictures.
@@ -47,7 +47,7 @@ pub struct PortraitCounts {
 }
 
 impl Portrait {
-    /// Returns the numbers of elements.
+    /// Returns the numbers of views, triangles, vertices and expressions.
     pub fn counts(&self) -> PortraitCounts {
         PortraitCounts {
             views: self.views.len(),

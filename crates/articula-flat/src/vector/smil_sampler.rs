@@ -95,7 +95,7 @@ const ATTRIBUTES: [&str; 16] = [
 ];
 
 impl AnimatedSvg {
-    /// Parses a file's text.
+    /// Parses the text of an animated SVG.
     ///
     /// # Errors
     /// [`PictureError::Malformed`] for text that violates XML, SVG or SMIL,

@@ -17,12 +17,12 @@ use std::collections::BTreeMap;
 /// Options of a still.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct StillOptions {
-    /// How triangles are filled.
+    /// Shading of the triangles.
     pub shading: Shading,
     /// Whether red, green and blue are painted separately: exact inside, three times as long, and a
     /// little dark along the silhouette.
     pub exact: bool,
-    /// How edges are sealed.
+    /// Options of sealing edges.
     pub underlap: UnderlapOptions,
 }
 

@@ -12,7 +12,7 @@ use super::place::Place;
 use super::reader::Reader;
 use super::skeleton::{Skeletal, node_place};
 use crate::error::ReadError;
-use articula_core::source::{MeshLevel, Primitive, Skin};
+use articula_core::source::{Primitive, RawMeshLevel, Skin};
 use glam::Affine3A;
 
 /// A node and those that replace it, the finest first.
@@ -191,10 +191,12 @@ pub(super) fn attach(
             for (&m, n) in fine.iter().zip(coarse) {
                 let instead = Instead { chain, top, n };
                 let level = read_level(reader, given, lods, (&instead, m, shown))?;
-                shown.meshes[m].levels.extend(level.map(|level| MeshLevel {
-                    screen_coverage: *coverage,
-                    ..level
-                }));
+                shown.meshes[m]
+                    .levels
+                    .extend(level.map(|level| RawMeshLevel {
+                        screen_coverage: *coverage,
+                        ..level
+                    }));
             }
         }
     }
@@ -214,7 +216,7 @@ fn read_level(
     given: &Given<'_>,
     lods: &Lods,
     (instead, m, shown): (&Instead<'_>, usize, &NodeMeshes),
-) -> Result<Option<MeshLevel>, ReadError> {
+) -> Result<Option<RawMeshLevel>, ReadError> {
     let node = node_place(reader, instead.n)?;
     let (_, mut primitives) = read_parts(reader, &node, given)?;
     if primitives.is_empty() {
@@ -243,7 +245,7 @@ fn read_level(
             }
         },
     };
-    Ok(Some(MeshLevel {
+    Ok(Some(RawMeshLevel {
         skin,
         primitives,
         screen_coverage: None,

@@ -202,7 +202,7 @@ fn apply(raw: &Frame, face: &mut FapFrame) -> Result<(), ReadError> {
 /// Returns warnings for negative values of unidirectional parameters.
 fn one_way(clip: &FapClip) -> Vec<Warning> {
     let goes_back = |&(index, fap): &(usize, &articula_core::fap_table::Fap)| {
-        let one_way = fap.action.is_some_and(|action| !action.both_ways);
+        let one_way = fap.action.is_some_and(|action| !action.two_sided);
         one_way && clip.range(index + 1).is_some_and(|(low, _)| low < 0)
     };
     let found = TABLE.iter().enumerate().filter(goes_back);

@@ -1,7 +1,7 @@
 //! Every real humanoid maps to the standard, on the correct sides.
 
 use crate::real::bytes;
-use articula_build::joint_names::{GapReason, Mapping};
+use articula_build::joint_names::{GapReason, JointMapping};
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{Region, Transform};
 use articula_formats::joint_map;
@@ -108,7 +108,7 @@ fn humanoid(json: &Value) -> Option<Vec<(usize, String)>> {
     })
 }
 
-fn mapped(name: &str) -> (Skeleton, Mapping) {
+fn mapped(name: &str) -> (Skeleton, JointMapping) {
     let json = document(name);
     let (skeleton, joint_of) = skeleton(&json);
     let given = humanoid(&json).map(|bones| {
@@ -120,7 +120,7 @@ fn mapped(name: &str) -> (Skeleton, Mapping) {
     (skeleton, mapping)
 }
 
-fn position(skeleton: &Skeleton, mapping: &Mapping, hanim: &str) -> Option<Vec3> {
+fn position(skeleton: &Skeleton, mapping: &JointMapping, hanim: &str) -> Option<Vec3> {
     let joints = &mapping.articulation.joints;
     let found = joints
         .iter()

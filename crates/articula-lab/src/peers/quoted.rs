@@ -35,6 +35,7 @@ pub(crate) const QUOTED: &[Quoted] = &[
         work: "decompression to local poses only",
         times: &[(100, (479.0, 479.0)), (1000, (596.0, 596.0))],
     },
+    // The source measured the first value with 200 characters; it is listed in the column of 100.
     Quoted {
         who: "bevy 0.19",
         work: "animation systems and transforms",

@@ -1,9 +1,9 @@
 //! Update rates by rank of distance, the method of several engines for crowds.
 //!
 //! The nearest visible characters are evaluated at every frame, the next ones at a fixed rate with
-//! their last pose held between, all others are frozen or show a pose that was baked beforehand. The
-//! default numbers are those of several engines. This module decides the time that each character
-//! shows and evaluates nothing.
+//! their last pose held between, all others are frozen or show a pose that was baked beforehand.
+//! Several engines ship such ranks. This module decides the time that each character shows and
+//! evaluates nothing.
 
 use articula_core::Camera;
 use glam::Vec3;
@@ -119,7 +119,8 @@ pub(crate) fn is_visible(camera: &Camera, position: Vec3) -> bool {
     let p = camera.view(position + Vec3::Y * BODY_RADIUS_METRES);
     let slope_y = (0.5 * camera.viewport.fov_y_radians).tan();
     let slope_x = slope_y * camera.viewport.width_px / camera.viewport.height_px;
-    // Signed distance to a side plane through the eye; a body farther outside than its radius is hidden.
+    // Signed distance to a side plane through the eye; a body farther outside than its radius is
+    // hidden.
     let within = |across: f32, slope: f32| {
         across.abs() - slope * p.z <= BODY_RADIUS_METRES * slope.hypot(1.0)
     };

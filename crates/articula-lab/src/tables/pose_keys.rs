@@ -1,8 +1,8 @@
 //! Evaluations saved by whole-pose keys between which palettes are blended.
 //!
-//! Source: `docs/methods/motion-lod.md` part 11.2; protocol 11.1. All vertices are measured instead of
-//! 700: these clips are short, and the random choice of vertices changes a count by one span, which is
-//! up to five points.
+//! Source: `docs/methods/motion-lod.md` part 11.2; protocol 11.1. All vertices are measured instead
+//! of 700: these clips are short, and the random choice of vertices changes a count by one span,
+//! which is up to five points.
 
 use super::{CLIPS, Run};
 use anyhow::{Context, Result};
@@ -44,7 +44,7 @@ struct Saved {
     published_percent: f32,
     /// With keys placed by the motion.
     percent: f32,
-    /// With a key at every n-th frame, the greatest n that does.
+    /// With a key at every n-th frame, for the largest n within the limit.
     uniform_percent: f32,
     /// Evaluations in percent that one span corresponds to.
     span_percent: f32,
@@ -154,8 +154,8 @@ mod tests {
                 assert!(gap <= (s.span_percent + 0.5).max(3.0), "{what}");
                 assert!(s.uniform_percent <= s.percent + 1e-3, "{what}");
             }
-            // With 700 vertices the random choice changes the result by one or two spans, the mean over
-            // choices by less than one.
+            // With 700 vertices the random choice changes the result by one or two spans, the mean
+            // over choices by less than one.
             let draws: Vec<Vec<Saved>> = (1..=5)
                 .map(|seed| {
                     let setup = EvaluationSetup {

@@ -5,7 +5,7 @@ use super::hash::{Hash, hash_of};
 use crate::coding::Coding;
 use crate::unit::{Field, Marker, Unit, bits_of};
 use crate::{StreamError, StreamLimits};
-use articula_core::{Bytes, LevelRow, LevelTable, SurfaceError, push_varint};
+use articula_core::{ByteReader, LevelRow, LevelTable, SurfaceError, push_varint};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 
@@ -74,7 +74,7 @@ impl MeshStream {
     /// [`StreamError::Malformed`] if this is not a stream, [`StreamError::Unsupported`] for another
     /// version.
     pub fn head_length(bytes: &[u8]) -> Result<usize, StreamError> {
-        let mut r = Bytes::new(bytes);
+        let mut r = ByteReader::new(bytes);
         if r.take::<4>()? != *MAGIC {
             return Err(StreamError::malformed("byte 0", "no \"AMSH\" mesh stream"));
         }
@@ -108,7 +108,7 @@ impl MeshStream {
                 what,
             ));
         };
-        let mut r = Bytes::new(head);
+        let mut r = ByteReader::new(head);
         r.take::<FIXED>()?;
         let is_old = head[MAGIC.len()] == OLD_VERSION;
         let (number, levels) = read_levels(&mut r, is_old)?;
@@ -307,7 +307,7 @@ pub(super) fn record(object: &StreamObject) -> Vec<u8> {
 }
 
 /// Reads the number of the level as stored in this version, and the table.
-fn read_levels(r: &mut Bytes<'_>, is_old: bool) -> Result<(usize, LevelTable), StreamError> {
+fn read_levels(r: &mut ByteReader<'_>, is_old: bool) -> Result<(usize, LevelTable), StreamError> {
     let number = count_of(r, "levels", MAX_LEVELS)?;
     let count = count_of(r, "levels", MAX_LEVELS)?;
     if count == 0 {
@@ -344,7 +344,7 @@ fn read_levels(r: &mut Bytes<'_>, is_old: bool) -> Result<(usize, LevelTable), S
     Ok((number, levels))
 }
 
-fn read_error(r: &mut Bytes<'_>) -> Result<SurfaceError, StreamError> {
+fn read_error(r: &mut ByteReader<'_>) -> Result<SurfaceError, StreamError> {
     let mut metres = || {
         let value = f32::from_le_bytes(r.take()?);
         match value >= 0.0 {
@@ -360,7 +360,7 @@ fn read_error(r: &mut Bytes<'_>) -> Result<SurfaceError, StreamError> {
     })
 }
 
-fn read_object(r: &mut Bytes<'_>) -> Result<StreamObject, StreamError> {
+fn read_object(r: &mut ByteReader<'_>) -> Result<StreamObject, StreamError> {
     let mut number = || {
         let value = r.varint()?;
         u32::try_from(value).map_err(|_| r.bad(format!("index {value}")))
@@ -428,7 +428,11 @@ fn read_object(r: &mut Bytes<'_>) -> Result<StreamObject, StreamError> {
 }
 
 /// Reads a count of at most `limit`.
-fn count_of(r: &mut Bytes<'_>, which: &'static str, limit: usize) -> Result<usize, StreamError> {
+fn count_of(
+    r: &mut ByteReader<'_>,
+    which: &'static str,
+    limit: usize,
+) -> Result<usize, StreamError> {
     let at = format!("byte {}", r.at());
     let count = r.varint()?;
     StreamLimits::check(&at, which, count, limit as u64)?;

@@ -26,7 +26,7 @@ pub struct EncodedMeshStream {
     pub unit: Unit,
 }
 
-/// Encodes the levels in the range `shown`, finest first: its coarsest is coded alone, the others
+/// Encodes the range `shown` of levels (0 is the finest): its coarsest is coded alone, the others
 /// as refinements. `0..n` is the whole character, `l..l + 1` a single level. Refinement chunks are
 /// identical in every stream that contains them, so a client that received level `l` alone refines
 /// it with the chunks of the whole stream.

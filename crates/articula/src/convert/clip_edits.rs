@@ -77,7 +77,7 @@ pub struct Looped {
     /// The part that loops best; `None` if the clip is too short or too static to repeat.
     pub part: Option<LoopPart>,
     /// Minimum score of a loop.
-    pub score_least: f32,
+    pub min_score: f32,
     /// Result of closing, if a loop was found.
     pub closed: Option<LoopClosed>,
 }
@@ -306,12 +306,12 @@ fn subject(opened: &CharacterFile) -> Result<EditSubject<'_>> {
 
 /// Cuts a clip to its loop and closes it, if it has one.
 fn looped(subject: &EditSubject<'_>, clip: &mut RawClip, options: &CloseOptions) -> Result<Looped> {
-    let part = clip_edit::find(subject, clip)?;
+    let part = clip_edit::find_loop(subject, clip)?;
     let is_loop = part.is_some_and(|p| p.is_loop);
     let mut closed = None;
     if let Some(part) = part.filter(|_| is_loop) {
         *clip = clip_edit::trim(clip, part.start_secs..=part.end_secs)?;
-        let out = clip_edit::close(subject, clip, options)?;
+        let out = clip_edit::close_loop(subject, clip, options)?;
         *clip = out.clip;
         closed = Some(LoopClosed {
             window_secs: out.window_secs,
@@ -334,7 +334,7 @@ fn looped(subject: &EditSubject<'_>, clip: &mut RawClip, options: &CloseOptions)
         is_loop,
         is_whole: part.is_some_and(|p| p.is_whole),
         part: part.map(told),
-        score_least: clip_edit::MIN_SCORE,
+        min_score: clip_edit::MIN_SCORE,
         closed,
     })
 }
@@ -344,7 +344,7 @@ fn root_motion(
     clip: &mut RawClip,
     options: &RootMotionOptions,
 ) -> Result<RootMotionEdited> {
-    let out = clip_edit::split(subject, clip, options)?;
+    let out = clip_edit::split_root_motion(subject, clip, options)?;
     *clip = out.clip;
     let way = |a: &TrajectoryKey, b: &TrajectoryKey| {
         (a.x_metres - b.x_metres).hypot(a.z_metres - b.z_metres)
@@ -374,7 +374,7 @@ fn keys(clip: &RawClip) -> usize {
 
 fn resample(clip: &mut RawClip, rate_hz: f32) -> Result<Resampled> {
     let keys_before = keys(clip);
-    *clip = clip_edit::resample(clip, rate_hz)?;
+    *clip = clip_edit::resample_keys(clip, rate_hz)?;
     Ok(Resampled {
         rate_hz,
         keys_before,

@@ -71,7 +71,8 @@ pub struct FitQuality {
     pub hands_error: EndEffectorSummary,
     /// Distance of the feet from their source positions relative to the hips, in leg lengths.
     pub feet_error: EndEffectorSummary,
-    /// Distance of the head from its source position relative to the hips, in lengths of the spine.
+    /// Distance of the head from its source position relative to the hips, as a fraction of the
+    /// distance between hips and head.
     pub head_error: EndEffectorSummary,
     /// Fraction of frames and sides in which a knee or elbow bends the wrong way.
     pub hinge_wrong_share: f32,

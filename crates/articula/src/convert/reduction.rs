@@ -2,7 +2,7 @@
 
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
-use articula_build::{MotionSize, motion_size, reduce};
+use articula_build::{ClipSize, clip_size, reduce_to_level};
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::{LoaExpression, Selection, with_ancestors};
 use articula_core::source::RawClip;
@@ -69,8 +69,8 @@ pub struct JointsHeld {
     pub after: AnimationSize,
 }
 
-impl AddAssign<MotionSize> for AnimationSize {
-    fn add_assign(&mut self, size: MotionSize) {
+impl AddAssign<ClipSize> for AnimationSize {
+    fn add_assign(&mut self, size: ClipSize) {
         self.channels += size.channels;
         self.keys += size.keys;
         self.animation_bytes += size.bytes;
@@ -89,9 +89,9 @@ pub fn hold_joints(
     let active = active.union(&plain);
     let (mut before, mut after) = (AnimationSize::default(), AnimationSize::default());
     let reduced = clips.iter().map(|clip| {
-        before += motion_size(clip);
-        let out = reduce(rig, clip, &active, policy);
-        after += motion_size(&out);
+        before += clip_size(clip);
+        let out = reduce_to_level(rig, clip, &active, policy);
+        after += clip_size(&out);
         out
     });
     let reduced: Vec<RawClip> = reduced.collect();

@@ -13,7 +13,7 @@ use articula_build::motion_bounds;
 use articula_build::{Asset, character};
 use articula_build::{CacheOptions, cached_poses};
 use articula_build::{
-    LevelOptions, LevelSkins, MergedLevels, joint_lods, level_skins, lod_errors, mean_pose,
+    JointLodOptions, LevelSkins, MergedLevels, joint_lods, level_skins, lod_errors, mean_pose,
     named_joint_lods, skin_of,
 };
 use articula_core::crowd::{CrowdModel, CrowdParts, RootTrajectory};
@@ -111,9 +111,9 @@ impl CrowdAsset {
             warnings.push("no mesh: points on the bones stand for the skin".to_owned());
             asset.mesh = skin_of(&asset).into_owned();
         }
-        let opts = LevelOptions {
+        let opts = JointLodOptions {
             seed: options.seed,
-            ..LevelOptions::default()
+            ..JointLodOptions::default()
         };
         let levels = lods_with_skins(&asset, &options.joints, &opts, work)?;
         let (mesh_lods, levels, meshes) = if options.mesh_levels > 1 && has_mesh {
@@ -204,7 +204,7 @@ impl CrowdAsset {
             None => (mesh.len(), mesh.triangles.len()),
         };
         CrowdLevel {
-            joints: self.joint_lods().kept(level),
+            joints: self.joint_lods().joint_count(level),
             matrices: shared.model.parts().palette.len(level),
             vertices,
             triangles,
@@ -306,7 +306,7 @@ fn unmapped(asset: &Asset, wanted: &JointLodMethod) -> Option<String> {
 fn lods_with_skins(
     asset: &Asset,
     wanted: &JointLodMethod,
-    opts: &LevelOptions,
+    opts: &JointLodOptions,
     work: &Executor<'_>,
 ) -> Result<MergedLevels> {
     let joint_lods = match wanted {

@@ -5,7 +5,9 @@
 //! are left alone: the sway and steps of a dance belong to it.
 
 use articula_build::clip_edit::EditSubject;
-use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey, split};
+use articula_build::clip_edit::{
+    RootMotionMode, RootMotionOptions, TrajectoryKey, split_root_motion,
+};
 use articula_core::crowd::{RootDelta, RootTrajectory};
 use articula_core::source::Character;
 use articula_core::{Articulation, Clip, Mismatch};
@@ -33,7 +35,7 @@ pub fn put_in_place(
     // Clips of a character that cannot be split into root and body stay unchanged.
     if let Ok(subject) = subject {
         for (clip, way) in clips.iter_mut().zip(&mut ways) {
-            let told = split(&subject, clip, &RootMotionOptions::default());
+            let told = split_root_motion(&subject, clip, &RootMotionOptions::default());
             if !told.is_ok_and(|t| farthest(&t.trajectory) > ROOM_METRES) {
                 continue;
             }
@@ -41,7 +43,7 @@ pub fn put_in_place(
                 mode: RootMotionMode::InPlace,
                 smooth_secs: SMOOTH_SECS,
             };
-            match split(&subject, clip, &opts) {
+            match split_root_motion(&subject, clip, &opts) {
                 Ok(out) => {
                     *clip = out.clip;
                     *way = Some(out.trajectory);

@@ -102,14 +102,14 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds one visible character.
+    /// Adds one shown character.
     fn see(&mut self, player: &CrowdPlayer, level: usize, character: usize) {
         let state = player.crowd().player(character);
         self.blended += usize::from(state.fade() > 0.0);
         let from = state.clip_state().clip();
         let to = state.next().map_or(from, |v| v.clip());
         let error = player.asset().model().error_metres(from, to, level);
-        let density = player.crowd().seen(character).pixels_per_metre;
+        let density = player.crowd().cull_result(character).pixels_per_metre;
         self.is_unbounded |= density == f32::MAX;
         self.most_px = self.most_px.max(error * density);
     }
@@ -129,8 +129,8 @@ impl LevelTally {
     pub fn add(&mut self, player: &CrowdPlayer) {
         self.frames += 1;
         let crowd = player.crowd();
-        for group in &crowd.drawn().groups {
-            let draws = &crowd.drawn().draws[group.draws.clone()];
+        for group in &crowd.draw_list().groups {
+            let draws = &crowd.draw_list().draws[group.draws.clone()];
             let sums = &mut self.levels[group.level];
             self.palettes.clear();
             self.palettes.extend(draws.iter().map(|d| d.first_matrix));
@@ -145,12 +145,12 @@ impl LevelTally {
                 sums.see(player, group.level, draw.character as usize);
             }
         }
-        for group in &crowd.drawn().record_groups {
+        for group in &crowd.draw_list().record_groups {
             let sums = &mut self.levels[group.level];
             sums.groups += 1;
             sums.records += group.records.len();
             sums.characters += group.records.len();
-            for record in &crowd.drawn().records[group.records.clone()] {
+            for record in &crowd.draw_list().records[group.records.clone()] {
                 sums.see(player, group.level, record.character as usize);
             }
         }

@@ -3,7 +3,7 @@
 use crate::error::{Context, Result};
 use articula_build::Asset;
 use articula_build::{FigureLevel, figure_levels};
-use articula_build::{LevelOptions, MergedLevels};
+use articula_build::{JointLodOptions, MergedLevels};
 use articula_build::{PoseOptions, poses, positions};
 use articula_build::{SimplifyOptions, simplify};
 use articula_build::{SkinPoint, attach, compact};
@@ -57,7 +57,7 @@ impl MeshLods {
         asset: &Asset,
         merged: &MergedLevels,
         mesh_levels: usize,
-        opts: &LevelOptions,
+        opts: &JointLodOptions,
     ) -> Result<(Self, MergedLevels, Vec<Mesh>)> {
         let pose_options = PoseOptions {
             seed: opts.seed,

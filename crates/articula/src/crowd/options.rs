@@ -70,7 +70,7 @@ pub struct CrowdOptions {
     pub storage: ClipStorage,
     /// Whether poses are cached; needs [`PaletteMatrices::Skin`] and a form of matrices.
     pub pose_cache: bool,
-    /// Instruction set; all give the same bits.
+    /// Instruction set; all produce the same bits.
     pub backend: Backend,
     /// Seed of the vertices and frames on which errors are measured.
     pub seed: u64,

@@ -24,9 +24,9 @@ impl Default for PaletteHash {
 impl PaletteHash {
     /// Adds the palettes and blend records of a player's current frame.
     pub fn add(&mut self, player: &CrowdPlayer) {
-        let matrices = player.crowd().drawn().matrices;
+        let matrices = player.crowd().draw_list().matrices;
         self.add_rows(matrices, player.palettes());
-        self.add_records(&player.crowd().drawn().records);
+        self.add_records(&player.crowd().draw_list().records);
     }
 
     /// Adds palettes.

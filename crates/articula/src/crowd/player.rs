@@ -60,7 +60,7 @@ pub struct CrowdGroup<'a> {
 pub enum PoseSource {
     /// The palettes of the frame: index of its first matrix.
     Written(usize),
-    /// The pose cache, blended by the GPU.
+    /// A record of the pose cache, which the GPU blends.
     Record(BlendRecord),
 }
 
@@ -231,7 +231,7 @@ impl CrowdPlayer {
         }
         Parts {
             model,
-            rows: Some(self.palettes.first(self.crowd.drawn().matrices)),
+            rows: Some(self.palettes.first(self.crowd.draw_list().matrices)),
             crowd: &self.crowd,
             scratches: self.scratches[..count].iter_mut(),
             first: 0,
@@ -241,17 +241,21 @@ impl CrowdPlayer {
 
     /// Returns the characters to draw, grouped by level.
     pub fn groups(&self) -> impl Iterator<Item = CrowdGroup<'_>> {
-        self.crowd.drawn().groups.iter().map(|group| CrowdGroup {
-            level: group.level,
-            mesh: self.asset.mesh(group.level),
-            draws: &self.crowd.drawn().draws[group.draws.clone()],
-            matrices: group.matrices,
-        })
+        self.crowd
+            .draw_list()
+            .groups
+            .iter()
+            .map(|group| CrowdGroup {
+                level: group.level,
+                mesh: self.asset.mesh(group.level),
+                draws: &self.crowd.draw_list().draws[group.draws.clone()],
+                matrices: group.matrices,
+            })
     }
 
     /// Returns the palettes of this frame, one after the other.
     pub fn palettes(&self) -> PaletteSlice<'_> {
-        self.palettes.written(self.crowd.drawn().matrices)
+        self.palettes.written(self.crowd.draw_list().matrices)
     }
 
     /// Returns the transform of a character from model to world space.
@@ -283,19 +287,19 @@ impl CrowdPlayer {
     /// Returns the pose source of each character; `None` for those that are not shown.
     pub fn sources(&self) -> Vec<Option<PoseSource>> {
         let mut sources = vec![None; self.positions.len()];
-        for draw in &self.crowd.drawn().draws {
+        for draw in &self.crowd.draw_list().draws {
             let first = draw.first_matrix as usize;
             sources[draw.character as usize] = Some(PoseSource::Written(first));
         }
-        for record in &self.crowd.drawn().records {
+        for record in &self.crowd.draw_list().records {
             sources[record.character as usize] = Some(PoseSource::Record(*record));
         }
         sources
     }
 
     fn source(&self, character: usize) -> Option<PoseSource> {
-        let mut draws = self.crowd.drawn().draws.iter();
-        let mut records = self.crowd.drawn().records.iter();
+        let mut draws = self.crowd.draw_list().draws.iter();
+        let mut records = self.crowd.draw_list().records.iter();
         let draw = draws.find(|d| d.character as usize == character);
         let written = draw.map(|d| PoseSource::Written(d.first_matrix as usize));
         let mut record = || records.find(|r| r.character as usize == character);
@@ -383,7 +387,7 @@ impl<'a> Iterator for Parts<'a> {
         let scratch = self.scratches.next()?;
         let mut batches = self.crowd.share_of_batches(self.first, self.count);
         if self.scratches.len() == 0 {
-            batches.end = self.crowd.drawn().batches;
+            batches.end = self.crowd.draw_list().batches;
         }
         if batches.is_empty() {
             return None;

@@ -30,7 +30,7 @@ pub struct EvaluatedClip<'a> {
     pub figure: &'a Figure,
     /// Index of the clip.
     pub clip: usize,
-    /// Cameras, and the points on the skin where error is measured.
+    /// Cameras, and the sample of vertices on which error is measured.
     pub setup: EvaluationSetup,
     /// Options of the methods besides their parameter.
     pub options: MethodOptions,

@@ -105,7 +105,7 @@ fn trial(
     distance_m: f32,
     tuning: ParameterChoice,
 ) -> MethodRun {
-    let usual = || play(stage, method, stage.usual_parameter(method, distance_m)).0;
+    let usual = || play(stage, method, stage.default_parameter(method, distance_m)).0;
     match tuning {
         ParameterChoice::Usual => usual(),
         ParameterChoice::Fixed(parameter) => play(stage, method, parameter).0,

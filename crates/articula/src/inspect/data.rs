@@ -16,7 +16,7 @@ pub struct DataInspection {
     pub file: String,
     /// Name of the format.
     pub format: &'static str,
-    /// Name of the contents, as stored in the file or derived from the file name.
+    /// FAP files: name of the clip. Empty for other files.
     pub name: String,
     /// Size of the file in bytes.
     pub bytes: usize,

@@ -18,7 +18,7 @@ pub struct MeshLevelOptions {
     pub region_weights: Vec<(String, f32)>,
     /// Named zones that may be shown at independent levels; the remaining vertices form one more.
     pub split: Vec<(String, Zone)>,
-    /// Error measure of the simplifier.
+    /// Poses and weights of the error that the simplifier minimises.
     pub weighting: ErrorWeighting,
     /// Vertices that no level removes, by mesh name; indices within the mesh.
     pub locked: BTreeMap<String, Vec<u32>>,

@@ -18,7 +18,7 @@ pub use human::reference_human;
 pub use options::OpenOptions;
 
 use crate::error::{Context, Error, Result};
-use articula_build::joint_names::Mapping;
+use articula_build::joint_names::JointMapping;
 use articula_core::Articulation;
 use articula_core::joint_names::JointMap;
 use articula_core::source::{Character, Property};
@@ -41,7 +41,7 @@ pub struct CharacterFile {
     /// then written from `character.clips`. Set it after changing `character.clips`.
     pub clips_changed: bool,
     /// H-Anim joint, level and region of the joints, from the file's own map or from joint names.
-    pub mapping: Mapping,
+    pub mapping: JointMapping,
     /// Document of a glTF file, preserved when it is written; `None` for other formats.
     pub gltf: Option<GltfSource>,
     /// Joint index and offset in metres of each end site of a BVH, ASF or X3D file.

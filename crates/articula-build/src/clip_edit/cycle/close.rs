@@ -55,7 +55,7 @@ pub struct ClosedLoop {
 ///
 /// # Errors
 /// A [`Mismatch`] if the clip does not belong to this character or is longer than can be verified.
-pub fn close(
+pub fn close_loop(
     subject: &EditSubject<'_>,
     clip: &RawClip,
     opts: &CloseOptions,

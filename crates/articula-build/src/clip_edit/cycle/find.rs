@@ -211,7 +211,7 @@ fn by_length(frames: &Frames, least: usize, spread: f32) -> Vec<Option<(usize, f
 ///
 /// # Errors
 /// A [`Mismatch`] if the clip does not belong to this character or is too long to be analysed.
-pub fn find(subject: &EditSubject<'_>, clip: &RawClip) -> Result<Option<LoopCycle>, Mismatch> {
+pub fn find_loop(subject: &EditSubject<'_>, clip: &RawClip) -> Result<Option<LoopCycle>, Mismatch> {
     subject.check(clip)?;
     let source_hz = source_rate_hz(clip);
     let rate = source_hz.min(COMPARED_HZ);

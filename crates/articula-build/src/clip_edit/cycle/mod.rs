@@ -6,8 +6,8 @@
 mod close;
 mod find;
 
-pub use close::{CloseOptions, ClosedLoop, close};
-pub use find::{LoopCycle, MIN_SCORE, find};
+pub use close::{CloseOptions, ClosedLoop, close_loop};
+pub use find::{LoopCycle, MIN_SCORE, find_loop};
 
 #[cfg(test)]
 mod tests {
@@ -57,7 +57,7 @@ mod tests {
         let (character, _) = bar(3);
         let subject = figure(&character);
         let wave = walk(3.7, |t| 0.6 * (TAU * t).sin());
-        let cycle = find(&subject, &wave).unwrap().unwrap();
+        let cycle = find_loop(&subject, &wave).unwrap().unwrap();
         assert!(cycle.is_loop && !cycle.is_whole);
         assert!(
             (cycle.end_secs - cycle.start_secs - 1.0).abs() < 0.02,
@@ -68,9 +68,11 @@ mod tests {
             (cycle.seam_metres - 0.01).abs() < 0.003 && cycle.score > 0.95,
             "{cycle:?}"
         );
-        let turn = find(&subject, &walk(3.0, |t| 0.5 * t)).unwrap().unwrap();
+        let turn = find_loop(&subject, &walk(3.0, |t| 0.5 * t))
+            .unwrap()
+            .unwrap();
         assert!(!turn.is_loop && turn.score < 0.7, "{turn:?}");
-        let short = find(&subject, &walk(0.2, |t| t)).unwrap();
+        let short = find_loop(&subject, &walk(0.2, |t| t)).unwrap();
         assert_eq!(short, None);
     }
 
@@ -84,7 +86,7 @@ mod tests {
         for key in 0..twice.channels[0].times_secs.len() {
             twice.channels[0].values[3 * key + 1] = 0.9;
         }
-        let found = find(&subject, &twice).unwrap().unwrap();
+        let found = find_loop(&subject, &twice).unwrap().unwrap();
         // A bar has no height, so it must meet exactly.
         assert!(found.is_loop && found.seam_metres < 0.001, "{found:?}");
     }
@@ -97,7 +99,7 @@ mod tests {
         let opts = CloseOptions {
             window_secs: Some(0.2),
         };
-        let closed = close(&subject, &open, &opts).unwrap();
+        let closed = close_loop(&subject, &open, &opts).unwrap();
         assert!(closed.seam_radians < 1e-6);
         assert!((closed.travel_metres - 1.3).abs() < 1e-5 && closed.turn_radians == 0.0);
         let at = |secs: f32| {
@@ -133,7 +135,7 @@ mod tests {
                 values: times.iter().flat_map(turn).collect(),
                 times_secs: times,
             });
-            close(&subject, &clip, &CloseOptions::default()).unwrap()
+            close_loop(&subject, &clip, &CloseOptions::default()).unwrap()
         };
         let (drift, curve) = (turning(0.2), turning(1.2));
         assert_eq!(drift.turn_radians, 0.0);

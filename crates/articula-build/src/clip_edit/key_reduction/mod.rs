@@ -19,7 +19,7 @@ use super::channel;
 use super::grid::{VERIFIED_HZ, grid};
 use super::subject::EditSubject;
 use crate::clip::steps_at;
-use crate::reduce::{MotionSize, size_of};
+use crate::reduce::{ClipSize, size_of};
 use articula_core::Mismatch;
 use articula_core::source::RawClip;
 use choice::{Choice, KeptKeys};
@@ -50,9 +50,9 @@ pub struct ReducedClip {
     /// Number of times that were verified.
     pub times: usize,
     /// Size of the source clip, morph weights included.
-    pub before: MotionSize,
+    pub before: ClipSize,
     /// Size of the reduced clip.
-    pub after: MotionSize,
+    pub after: ClipSize,
 }
 
 /// Removes keys as long as nothing of the character moves by more than the bound.

@@ -80,7 +80,7 @@ const JUMP_SECS: f32 = 1e-4;
 ///
 /// # Errors
 /// A [`Mismatch`] if the clip does not belong to this character or is longer than can be verified.
-pub fn split(
+pub fn split_root_motion(
     subject: &EditSubject<'_>,
     clip: &RawClip,
     opts: &RootMotionOptions,
@@ -387,7 +387,7 @@ mod tests {
             mode,
             smooth_secs: 0.0,
         };
-        split(&subject, clip, &opts).unwrap()
+        split_root_motion(&subject, clip, &opts).unwrap()
     }
 
     fn keyed(clip: &RawClip) -> Vec<(usize, Property, usize)> {

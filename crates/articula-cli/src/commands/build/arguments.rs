@@ -138,7 +138,9 @@ fn percent(text: &str) -> Result<f64, String> {
 
 fn region_factor(text: &str) -> Result<(String, f32), String> {
     let known = || Region::ALL.map(|r| r.to_string()).join(", ");
-    let (name, factor) = text.split_once('=').ok_or("expected a form such as face=8")?;
+    let (name, factor) = text
+        .split_once('=')
+        .ok_or("expected a form such as face=8")?;
     let region = name
         .parse::<Region>()
         .map_err(|_| format!("expected one of the regions {}", known()))?;

@@ -156,7 +156,7 @@ fn of_loop(looped: &Looped) -> String {
         ),
         None => format!(
             "  no loop, clip unchanged: the best part ({part}) scores below {}\n",
-            looped.score_least
+            looped.min_score
         ),
     }
 }

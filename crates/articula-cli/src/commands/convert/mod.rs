@@ -172,7 +172,8 @@ fn ended(
 }
 
 fn format(name: &str) -> Result<Format, String> {
-    Format::of_extension(name).ok_or_else(|| format!("supported conversions: {}", articula::conversions()))
+    Format::of_extension(name)
+        .ok_or_else(|| format!("supported conversions: {}", articula::conversions()))
 }
 
 impl ConvertArgs {

@@ -393,7 +393,7 @@ impl CrowdArgs {
 
     /// Number of frames that count.
     fn frames(&self, scene: &Scene) -> anyhow::Result<usize> {
-        let lap = scene.lap_secs();
+        let lap = scene.loop_secs();
         let usual = if lap > 0.0 {
             lap.min(LONGEST_LAP_SECS)
         } else {

@@ -178,7 +178,10 @@ fn legend() -> String {
             "thesis",
             "the metric of the thesis: a threshold on how far a joint rotates and moves per frame",
         ),
-        ("ahn", "similar poses of a joint are replaced by one of them"),
+        (
+            "ahn",
+            "similar poses of a joint are replaced by one of them",
+        ),
         (
             "skip-hold, skip-lerp",
             "only every n-th frame is sampled, then held or interpolated",
@@ -252,7 +255,8 @@ fn mesh_levels(report: &DemoReport) -> String {
             level.bytes_added as f64 / 1e3
         );
     }
-    let caption = "Mesh levels: maximum distance from the original surface, and bytes in the stream";
+    let caption =
+        "Mesh levels: maximum distance from the original surface, and bytes in the stream";
     format!(
         "<section>\n<h2>Mesh levels simplified in motion</h2>\n\
          <p>One stored mesh, five levels: each is a few ranges of one index list over the first vertices of one \
@@ -370,7 +374,12 @@ fn crowd(report: &DemoReport) -> String {
         ),
         table(
             "The levels in use",
-            head(&["joints", "characters", "maximum error", "measured error p95"]),
+            head(&[
+                "joints",
+                "characters",
+                "maximum error",
+                "measured error p95"
+            ]),
             &levels
         )
     )

@@ -33,7 +33,8 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
     let duration = moving.duration_secs;
     let steps = (duration * f64::from(args.fps)).round().max(1.0);
     if steps > MAX_FRAMES {
-        let what = format!("{steps} frames, at most {MAX_FRAMES} are allowed; lower the frame rate");
+        let what =
+            format!("{steps} frames, at most {MAX_FRAMES} are allowed; lower the frame rate");
         return Err(fault::usage(format!("--fps {}: {what}", args.fps)));
     }
     if duration <= 0.0 {

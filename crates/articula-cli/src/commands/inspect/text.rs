@@ -181,7 +181,13 @@ fn clips(found: &Inspection) -> Table {
 
 fn meshes(found: &Inspection) -> Table {
     let any = found.meshes.iter().any(|m| !m.levels.is_empty());
-    let headings = ["name", "vertices", "triangles", "influences", "morph targets"];
+    let headings = [
+        "name",
+        "vertices",
+        "triangles",
+        "influences",
+        "morph targets",
+    ];
     let levels = any.then_some("coarser levels: triangles (minimum screen coverage)");
     let headings: Vec<&str> = headings.into_iter().chain(levels).collect();
     let mut table = Table::new(&headings);

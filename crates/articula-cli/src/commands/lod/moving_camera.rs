@@ -41,7 +41,10 @@ pub(super) fn run(
         report.written.extend(write(&plots, target)?);
     }
     if let Some(target) = &args.contact_sheet {
-        let notes = vec!["Seen from the camera's position, zoomed to the figure. Error: p95 over the skin.".into()];
+        let notes = vec![
+            "Seen from the camera's position, zoomed to the figure. Error: p95 over the skin."
+                .into(),
+        ];
         let mut artist = drawn::artist(scene.figure, drawn::LARGE);
         let heading = report.heading();
         let picture = camera_path_sheet(&stage, &mut artist, &played.run, &heading, notes);

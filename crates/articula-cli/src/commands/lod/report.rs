@@ -120,7 +120,10 @@ impl LodReport {
         vec![
             format!(
                 "{} frames at {} Hz, {} joints, {} of them moving; {tuned}.",
-                self.frames, hundredths(self.rate_hz), self.joints, self.joints_moving
+                self.frames,
+                hundredths(self.rate_hz),
+                self.joints,
+                self.joints_moving
             ),
             "Left: reference. Right: reduced; in the corner at its true size on the screen.".into(),
         ]

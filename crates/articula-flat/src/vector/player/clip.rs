@@ -35,7 +35,7 @@ pub struct PlayerClip {
     pub fps: f32,
     /// Number of frames; frame `i` is at `i / fps` seconds, the last one ends the clip.
     pub frames: u32,
-    /// How triangles are filled.
+    /// Shading of the triangles.
     pub shading: Shading,
     /// Value of full light in the columns.
     pub(crate) light_weight: f64,
@@ -60,7 +60,7 @@ pub struct PlayerClip {
 pub struct PlayerFrame {
     /// Position of each wedge, pixels.
     pub xy: Vec<Vec2>,
-    /// Light of each wedge, 0 to 1 within the quantisation error; 1 with flat shading.
+    /// Light of each wedge, 0 to 1 up to the coding error; 1 with flat shading.
     pub light: Vec<f32>,
 }
 

@@ -18,7 +18,7 @@ pub(crate) struct PlayerOptions {
     pub pos_tol_px: f64,
     /// RMS tolerance of light, levels.
     pub col_tol_levels: f64,
-    /// How triangles are filled.
+    /// Shading of the triangles.
     pub shading: Shading,
     /// Kind of file.
     pub output: PlayerOutput,

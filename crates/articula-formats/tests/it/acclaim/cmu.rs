@@ -178,7 +178,7 @@ fn bones_are_named_after_the_joint_at_their_start() {
     let (a, b) = (meaning(&ours), meaning(&theirs));
     assert_eq!(a.articulation.profile, "cmu-asf");
     for (own, other) in TWINS {
-        let hanim = |c: &Character, m: &articula_build::joint_names::Mapping, name: &str| {
+        let hanim = |c: &Character, m: &articula_build::joint_names::JointMapping, name: &str| {
             let joint = c.skeleton.find(name).unwrap();
             m.articulation.joints[joint].hanim.clone()
         };

@@ -32,7 +32,7 @@ fn reopened(written: &WrittenFile) -> MotionFile {
 
 /// Returns the maximum distance between joints of the same name, in metres, at the frames of a
 /// clip.
-fn apart_metres(a: &Character, b: &Character, rate_hz: f32, frames: usize) -> f32 {
+fn separation_metres(a: &Character, b: &Character, rate_hz: f32, frames: usize) -> f32 {
     let mut worst = 0.0f32;
     for frame in 0..frames {
         let time_secs = frame as f32 / rate_hz;
@@ -146,7 +146,7 @@ proptest! {
         let written = acclaim::write(&character, Some(0), &options).unwrap();
         let back = reopened(&written);
         prop_assert_eq!(back.frame_time_secs, RATE_HZ.recip());
-        let apart = apart_metres(&character, &back.character, RATE_HZ, FRAMES);
+        let apart = separation_metres(&character, &back.character, RATE_HZ, FRAMES);
         prop_assert!(apart < 2e-5, "{} m", apart);
         // Written again it does not grow, and positions stay.
         let again = acclaim::write(&back.character, Some(0), &WriteOptions {
@@ -156,7 +156,7 @@ proptest! {
         let twice = reopened(&again);
         let joints = |c: &Character| c.skeleton.joints.len();
         prop_assert_eq!(joints(&twice.character), joints(&back.character));
-        let apart = apart_metres(&back.character, &twice.character, RATE_HZ, FRAMES);
+        let apart = separation_metres(&back.character, &twice.character, RATE_HZ, FRAMES);
         prop_assert!(apart < 2e-5, "{} m", apart);
     }
 }
@@ -171,7 +171,7 @@ fn a_pair_written_again_is_the_same_figure() {
     let written = acclaim::write(&first.character, Some(0), &options).unwrap();
     assert!(written.left_out.is_empty(), "{:?}", written.left_out);
     let second = reopened(&written);
-    assert!(apart_metres(&first.character, &second.character, 2.0, 2) < 1e-5);
+    assert!(separation_metres(&first.character, &second.character, 2.0, 2) < 1e-5);
     // Same joints in the same order with the same axes, and the same ends.
     for (a, b) in first
         .character
@@ -241,7 +241,7 @@ fn what_does_not_fit_is_said() {
     assert_eq!(written.left_out.len(), 2, "{:?}", written.left_out);
     assert!(written.left_out[0].contains("scale") && written.left_out[1].contains("end site"));
     let back = reopened(&written).character;
-    assert!(apart_metres(&character, &back, 2.0, 2) < 1e-5);
+    assert!(separation_metres(&character, &back, 2.0, 2) < 1e-5);
 
     let rate = |rate_hz| WriteOptions {
         rate_hz,
@@ -279,7 +279,7 @@ fn real_motions_survive() {
         };
         let written = acclaim::write(&file.character, Some(0), &options).unwrap();
         let back = reopened(&written);
-        let apart = apart_metres(&file.character, &back.character, rate_hz, frames);
+        let apart = separation_metres(&file.character, &back.character, rate_hz, frames);
         println!("{name}: {:.4} mm", apart * 1000.0);
         assert!(apart < 2e-5, "{name}: {apart} m");
     }
@@ -314,7 +314,7 @@ fn real_characters_survive() {
         };
         let written = acclaim::write(&character, Some(0), &options).unwrap();
         let back = reopened(&written);
-        let apart = apart_metres(&character, &back.character, RATE_HZ, frames);
+        let apart = separation_metres(&character, &back.character, RATE_HZ, frames);
         println!("{name}: {:.4} mm, {:?}", apart * 1000.0, written.left_out);
         // A position that moves by less than 1e-5 of the figure has no key; that adds up along a
         // chain.

@@ -1,4 +1,4 @@
-//! Forward, backward, random and skipping access: what each way through the clip costs.
+//! Cost of forward, backward, random and skipping access to a clip.
 
 use super::frame_order::Access;
 use super::ours::{Batched, plain};

@@ -1,4 +1,4 @@
-//! Sample and model matrices at full detail: who takes how long for how many.
+//! Sampling and model matrices at full detail, for several evaluators and numbers of characters.
 
 use super::frame_order::Access;
 use super::ours::{Batched, plain};
@@ -13,20 +13,20 @@ use articula_core::{ClipSet, ClipStorage, JointLods, PaletteForm, PaletteMap};
 use articula_report::{BarSeries, PlotOptions, bar_plot};
 use std::hint::black_box;
 
-/// What a row may be compared with.
+/// Floor with which a row is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Against {
     Stored,
     Tiles,
 }
 
-/// One evaluator over all numbers of characters.
+/// Times of one evaluator for all numbers of characters.
 struct Row {
     who: String,
     against: Against,
-    /// Bytes that it writes for a joint.
+    /// Bytes written per joint.
     joint_bytes: usize,
-    /// Bytes of the clip for a joint and frame, where it is known.
+    /// Bytes of the clip per joint and frame, where known.
     clip_bytes: Option<f64>,
     timings: Vec<Timing>,
 }
@@ -115,7 +115,7 @@ fn floor_tiles<'a>(bench: &Bench, name: &str, sampled: Sampled) -> Result<Contes
     })
 }
 
-/// Arrays of structs, every character with its own.
+/// Arrays of structs, one evaluator state per character.
 pub(super) fn structs<'a>(bench: &Bench, count: usize) -> Result<Contestant<'a>> {
     let structs = Structs::new(&bench.asset.rig, bench.clip())?;
     let mut characters = vec![structs.character(); count];
@@ -131,7 +131,7 @@ pub(super) fn structs<'a>(bench: &Bench, count: usize) -> Result<Contestant<'a>>
     })
 }
 
-/// Our clip in both storages, and the palette of all joints.
+/// Articula's clip in both storages, and the palette of all joints.
 struct Ours {
     floats: ClipSet,
     shorts: ClipSet,
@@ -160,7 +160,7 @@ impl Ours {
     }
 }
 
-/// A contestant with what is known of it.
+/// A contestant and its known sizes.
 struct Candidate<'a> {
     contestant: Contestant<'a>,
     against: Against,
@@ -169,7 +169,7 @@ struct Candidate<'a> {
     clip_bytes: Option<usize>,
 }
 
-/// Everyone that runs in this process, the floors first.
+/// All evaluators that run in this process, the floors first.
 fn candidates<'a>(bench: &'a Bench, ours: &'a Ours, count: usize) -> Result<Vec<Candidate<'a>>> {
     let of = |contestant, against, joint_bytes, clip_bytes| Candidate {
         contestant,
@@ -208,7 +208,7 @@ fn candidates<'a>(bench: &'a Bench, ours: &'a Ours, count: usize) -> Result<Vec<
         ("ours, rigid f32", PaletteForm::Rigid),
         ("ours, rigid half", PaletteForm::HalfRigid),
     ] {
-        // A rotation and a translation cannot hold a scale.
+        // Rigid forms store a rotation and a translation, no scale.
         if !(form.is_rigid() && ours.floats.is_scaled()) {
             let contestant = float.stored(name, form, count)?;
             all.push(of(contestant, Against::Stored, form.bytes(), bytes));
@@ -224,7 +224,7 @@ fn candidates<'a>(bench: &'a Bench, ours: &'a Ours, count: usize) -> Result<Vec<
     Ok(all)
 }
 
-/// Races them for every number of characters.
+/// Times them for every number of characters.
 fn measured(bench: &Bench) -> Result<Vec<Row>> {
     let ours = Ours::new(bench)?;
     let joint_frames = (bench.clip().frames() * bench.asset.rig.len()) as f64;
@@ -256,7 +256,7 @@ fn measured(bench: &Bench) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// three.js in node, which is a process of its own and runs after the race.
+/// Times three.js in node, a separate process that runs after the race.
 fn three_rows(bench: &Bench, report: &mut CrowdTables, rows: &[Row]) -> Result<()> {
     let clip = bench.clip().name.as_str();
     let mut found: Vec<ThreeTimes> = Vec::new();
@@ -320,7 +320,7 @@ fn quoted_cells(quoted: &Quoted, counts: &[(usize, usize)]) -> Vec<String> {
     cells
 }
 
-/// Bytes and nanoseconds for a joint and a frame (thesis 6.3.1).
+/// Bytes and nanoseconds per joint and frame (thesis 6.3.1).
 fn bytes(bench: &Bench, report: &mut CrowdTables, rows: &[Row]) {
     let at = bench.counts().len().min(2) - 1;
     let joints = bench.asset.rig.len() as f64;

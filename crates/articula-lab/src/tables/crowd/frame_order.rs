@@ -1,14 +1,14 @@
-//! Ways through a clip, as times of every character and frame.
+//! Access patterns of a clip, as the times of every character and frame.
 
 use super::Bench;
 use articula_build::{Plaza, plaza};
 
-/// Ways through a clip.
+/// Access patterns of a clip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Access {
     Forward,
     Backward,
-    /// Half a second from frame to frame.
+    /// Steps of half a second.
     Skipping,
     Random,
 }
@@ -37,7 +37,7 @@ impl Access {
         };
         let frame = |f: usize| {
             let phases = match self {
-                // Another seed at each frame: the phases of another crowd.
+                // A different seed for each frame gives the phases of another crowd.
                 Self::Random => {
                     let other = plaza(count, 1, f as u64 + 2, Plaza::Still);
                     other.members.iter().map(|m| m.play.phase).collect()

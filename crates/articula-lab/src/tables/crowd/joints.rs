@@ -1,15 +1,15 @@
-//! Cost by joints kept: whether a level of articulation saves time as it saves joints.
+//! Cost by joints kept: whether a level of articulation saves time in proportion to joints.
 
 use super::frame_order::Access;
 use super::ours::Batched;
 use super::{Bench, CrowdTables, Line, evaluation};
 use crate::measure::race;
 use anyhow::Result;
-use articula_build::{LevelOptions, joint_lods, mean_pose};
+use articula_build::{JointLodOptions, joint_lods, mean_pose};
 use articula_core::{ClipSet, ClipStorage, JointLods, PaletteForm, PaletteMap};
 use articula_report::{PlotOptions, Series, Values, line_plot};
 
-/// Joints of the coarser levels, as the published row has them.
+/// Joints kept by the coarser levels, as in the published row.
 const KEPT: [u16; 5] = [48, 32, 24, 16, 8];
 
 /// Adds the section.
@@ -41,7 +41,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
     report.head(&["joints", "3x4 f32, ns", "gain", "in tiles, ns", "gain"]);
     let mut shares = [Vec::new(), Vec::new()];
     for level in 0..levels {
-        let kept = clips.joint_lods().kept(level);
+        let kept = clips.joint_lods().joint_count(level);
         let joints = kept as f64 / clips.joint_lods().joints().len() as f64;
         let mut cells = vec![kept.to_string()];
         for form in 0..2 {
@@ -70,11 +70,11 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
     Ok(())
 }
 
-/// The clip alone, on a ladder with the published numbers of joints.
+/// The clip with joint LODs of the published numbers of joints.
 fn clip_set(bench: &Bench) -> Result<ClipSet> {
     let asset = &bench.asset;
     let mean = mean_pose(asset);
-    let order = joint_lods(asset, &mean, &LevelOptions::default())?;
+    let order = joint_lods(asset, &mean, &JointLodOptions::default())?;
     let mut kept = vec![asset.rig.len() as u16];
     kept.extend(KEPT.iter().filter(|k| usize::from(**k) < asset.rig.len()));
     let joint_lods = JointLods::new(&asset.rig, order.joints().to_vec(), kept, &mean)?;

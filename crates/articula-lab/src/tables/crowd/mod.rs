@@ -1,7 +1,7 @@
-//! What a crowd costs, side by side in one run: ours, the floor, and what others do.
+//! Cost of a crowd, measured in one run: Articula, the floor and other evaluators.
 //!
-//! Source: `docs/methods/runtime.md` parts 1 and 4, thesis 6.3.1. One file for each section of the page;
-//! every section adds to one [`Report`]. All times are processor time of one thread.
+//! Source: `docs/methods/runtime.md` parts 1 and 4, thesis 6.3.1. One module for each section of
+//! the page; every section adds to one [`CrowdTables`]. All times are processor time of one thread.
 
 mod access;
 mod evaluation;
@@ -27,12 +27,12 @@ const FILE: &str = "glb/pab_arnaud.glb";
 const CLIP: &str = "walk";
 const SEED: u64 = 1;
 
-/// What every section measures on.
+/// Inputs of every section.
 struct Bench {
     asset: Asset,
     /// Index of the clip.
     clip: usize,
-    /// The file, for peers that open it themselves.
+    /// The file, for evaluators that open it themselves.
     file: PathBuf,
     small: bool,
 }
@@ -42,12 +42,12 @@ impl Bench {
         &self.asset.clips[self.clip]
     }
 
-    /// Rounds of a race.
+    /// Number of rounds of a race.
     fn rounds(&self) -> usize {
         if self.small { 2 } else { 21 }
     }
 
-    /// Numbers of characters, each with its frames in a turn.
+    /// Numbers of characters, each with the number of frames per round.
     fn counts(&self) -> Vec<(usize, usize)> {
         if self.small {
             vec![(100, 2)]
@@ -56,19 +56,19 @@ impl Bench {
         }
     }
 
-    /// The middle one of the numbers of characters, for sections that vary something else.
+    /// The middle number of characters, for sections that vary something else.
     fn usual(&self) -> (usize, usize) {
         if self.small { (100, 2) } else { (1000, 16) }
     }
 
-    /// Where in the clip each of a crowd starts, 0 to 1.
+    /// Phase in the clip at which each character starts, 0 to 1.
     fn phases(&self, count: usize) -> Vec<f32> {
         let members = plaza(count, 1, SEED, Plaza::Still).members;
         members.iter().map(|m| m.play.phase).collect()
     }
 }
 
-/// The page, its numbers and its pictures, as the sections fill them.
+/// The page, its CSV file and its plots, filled by the sections.
 #[derive(Default)]
 struct CrowdTables {
     page: String,
@@ -76,15 +76,15 @@ struct CrowdTables {
     plots: Vec<(&'static str, String)>,
 }
 
-/// One measured row of the CSV.
+/// One row of the CSV file.
 struct Line<'a> {
     section: &'a str,
     who: &'a str,
     count: usize,
-    /// What the section varies.
+    /// Property that the section varies.
     variant: &'a str,
     timing: Timing,
-    /// Time of the floor that it is compared with.
+    /// Time of the floor with which the row is compared.
     floor_ns: f64,
 }
 

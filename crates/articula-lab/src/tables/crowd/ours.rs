@@ -1,4 +1,4 @@
-//! Our evaluators as contestants: the batched one in every form, and the plain path.
+//! Articula's evaluators as contestants: the batched one in every form, and the plain path.
 
 use super::Bench;
 use crate::measure::Contestant;
@@ -32,7 +32,7 @@ impl Palettes {
     }
 }
 
-/// What a batched contestant plays, and how far.
+/// Inputs of a batched contestant.
 #[derive(Clone, Copy)]
 pub(super) struct Batched<'a> {
     pub(super) clips: &'a ClipSet,
@@ -69,7 +69,7 @@ impl<'a> Batched<'a> {
         })
     }
 
-    /// Leaves the matrices of each batch in lanes, where a consumer would take them.
+    /// Leaves the matrices of each batch in lanes, for a consumer.
     pub(super) fn tiles(self, name: &str) -> Result<Contestant<'a>> {
         let form = PaletteForm::Matrix;
         let evaluator = BatchEvaluator::new(self.clips, self.map, form, Backend::best())?;
@@ -92,7 +92,7 @@ impl<'a> Batched<'a> {
     }
 }
 
-/// The plain path, one character after the other, each with its own matrices.
+/// The plain path, character by character, each with its own matrices.
 pub(super) fn plain<'a>(bench: &'a Bench, count: usize) -> Contestant<'a> {
     let (rig, clip) = (&bench.asset.rig, bench.clip());
     let all = rig.all();

@@ -1,4 +1,4 @@
-//! The plaza by tier: what a whole frame of 10,000 costs, and what it shows.
+//! The plaza at each kind of level: time of a whole frame of 10,000 characters, and its error.
 
 use super::stage::{Outcome, Play, SceneBench};
 use super::{Bench, CrowdTables, SEED};
@@ -7,17 +7,17 @@ use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
 use articula_core::crowd::{CacheUse, Detail};
 use articula_core::percentile_at_or_above;
 
-/// Frames that are looked back on to tell a budget's overrun.
+/// Percentile over frames by which overruns of a budget are reported.
 const OVERRUN: f64 = 0.95;
 
-/// Our frame at one pixel, which others are set against.
+/// Frame time and errors at one pixel, the reference for other policies.
 pub(super) struct AtOnePixel {
     pub(super) ms: f64,
     pub(super) p95_px: f32,
     pub(super) near_px: f32,
 }
 
-/// Adds the section; gives the frame of merged levels.
+/// Adds the section; returns the frame of merged levels.
 pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel> {
     let count = if bench.small { 400 } else { PLAZA_COUNT };
     let clips = bench.asset.clips.len();
@@ -95,12 +95,12 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
     })
 }
 
-/// One lap of the camera at 60 Hz, or a little of it.
+/// Frames of one lap of the camera at 60 Hz, or of a part of it in a small run.
 fn lap_frames(bench: &Bench, scene: &Scene) -> usize {
     if bench.small {
         8
     } else {
-        (60.0 * scene.lap_secs()) as usize
+        (60.0 * scene.loop_secs()) as usize
     }
 }
 
@@ -130,7 +130,7 @@ fn row(report: &mut CrowdTables, count: usize, name: &str, outcome: &Outcome) {
     ));
 }
 
-/// The same crowd under a budget of evaluation time, and by how much frames exceed it.
+/// The same crowd under budgets of evaluation time, and the overruns of its frames.
 fn budget(
     bench: &Bench,
     report: &mut CrowdTables,

@@ -1,4 +1,4 @@
-//! The plaza by ranks of distance, as it is thinned out elsewhere: what it costs and what it shows.
+//! The plaza with update rates by rank of distance: cost and error.
 
 use super::frame_order::Access;
 use super::ours::Batched;
@@ -15,23 +15,23 @@ use articula_core::{
 };
 use glam::Vec3;
 
-/// Skin points of a character that are watched.
+/// Number of measured skin points of a character.
 const POINTS: usize = 200;
 
-/// Errors that our goals allow, pixels: over all that are visible, and of those that are near.
+/// Maximum errors in pixels: 95th percentile over visible characters, maximum within 20 m.
 const GOAL_PX: (f32, f32) = (1.0, 2.0);
 
-/// What a policy does to the picture.
+/// Cost and error of a policy.
 struct PolicyOutcome {
-    /// Evaluations a frame, mean over the frames.
+    /// Evaluations per frame, mean over the frames.
     evaluations: f64,
-    /// 95th percentile over the visible characters that were looked at.
+    /// 95th percentile of the error over the sampled visible characters.
     p95_px: f32,
-    /// Greatest among those that are near.
+    /// Maximum error of characters within 20 m.
     near_px: f32,
 }
 
-/// The crowd that policies are tried on.
+/// The crowd on which policies are tried.
 struct Trial<'a> {
     bench: &'a Bench,
     scene: Scene,
@@ -62,7 +62,13 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables, ours: &AtOnePixel) ->
             trial.pose_ns, GOAL_PX.0, GOAL_PX.1
         ),
     );
-    report.head(&["policy", "evaluations per frame", "ms", "p95, px", "max within 20 m, px"]);
+    report.head(&[
+        "policy",
+        "evaluations per frame",
+        "ms",
+        "p95, px",
+        "max within 20 m, px",
+    ]);
     report.row(&[
         "Articula: merged levels within 1 px, whole frame".to_owned(),
         "–".to_owned(),
@@ -151,7 +157,7 @@ impl Trial<'_> {
         ));
     }
 
-    /// Plays the policy for a while and looks at some of the characters, and all that are near.
+    /// Plays the policy for a while and measures a sample of the characters and all within 20 m.
     fn seen(&self, ranks: &Ranks) -> Result<PolicyOutcome> {
         let members = &self.scene.members;
         let frames = if self.bench.small { 2 } else { 12 };
@@ -161,7 +167,7 @@ impl Trial<'_> {
         let mut evaluations = 0;
         let mut before: Option<Vec<Moment>> = None;
         for frame in 0..=frames {
-            // Late enough that frozen ones have been so for a while.
+            // Late enough for frozen characters to have been frozen for a while.
             let secs = 5.0 + frame as f64 / 60.0;
             let camera = self.scene.camera_at(secs);
             let camera = camera.context("the plaza has a camera")?;
@@ -188,7 +194,7 @@ impl Trial<'_> {
         })
     }
 
-    /// How far the skin of a character is off that shows one time of the scene for another.
+    /// Error of a character's skin that shows one time of the scene instead of another.
     fn error_px(
         &self,
         camera: &Camera,
@@ -214,7 +220,7 @@ impl Trial<'_> {
     }
 }
 
-/// Whether a pose was worked out for this frame.
+/// Whether a pose was evaluated for this frame.
 fn is_evaluated(now: &Moment, before: &Moment) -> bool {
     match now.rank {
         Rank::Full => true,

@@ -1,4 +1,4 @@
-//! Skinning on the processor: for each vertex by influence count, and beside the pose it follows.
+//! Skinning on the CPU: time per vertex by influence count, beside the time of the pose.
 
 use super::frame_order::Access;
 use super::{Bench, CrowdTables, Line};
@@ -10,16 +10,16 @@ use articula_core::{
 use glam::Affine3A;
 use std::hint::black_box;
 
-/// Influences that each vertex keeps.
+/// Maximum numbers of influences of a vertex.
 const INFLUENCES: [usize; 3] = [1, 2, 4];
 
-/// Characters: skinning costs sixty poses.
+/// Number of characters: skinning costs as much as sixty poses.
 const COUNT: usize = 40;
 
-/// How vertices are skinned.
+/// Skinning of vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum SkinningMethod {
-    /// Not at all.
+    /// No skinning.
     PoseAlone,
     Plain,
     /// Grouped by influence count.
@@ -80,7 +80,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
     Ok(())
 }
 
-/// Poses every character, and skins it if it is told to.
+/// A contestant that poses every character, and skins it by a method.
 fn follower<'a>(bench: &'a Bench, mesh: &'a Mesh, way: SkinningMethod) -> Contestant<'a> {
     let (rig, clip) = (&bench.asset.rig, bench.clip());
     let all = rig.all();
@@ -112,7 +112,7 @@ fn follower<'a>(bench: &'a Bench, mesh: &'a Mesh, way: SkinningMethod) -> Contes
     }
 }
 
-/// The mesh with at most so many influences a vertex, the strongest ones, which sum to 1 again.
+/// The mesh with the strongest influences of each vertex, at most `most`, normalised to sum 1.
 fn strongest(mesh: &Mesh, most: usize) -> Mesh {
     let mut reduced = Mesh {
         influences: most,

@@ -1,4 +1,4 @@
-//! A crowd of ours on a scene: the parts put together, played frame by frame, timed and judged.
+//! A crowd of Articula on a scene: played frame by frame, timed and measured.
 
 use super::Bench;
 use crate::measure::thread_ns;
@@ -14,102 +14,102 @@ use articula_core::crowd::{CharacterState, ClipState, Crowd};
 use articula_core::{PosedMesh, Wrap, blend, percentile_at_or_above, sample, skin_points};
 use glam::{Vec2, Vec3};
 
-/// Time from frame to frame.
+/// Time step between frames.
 const STEP_SECS: f32 = 1.0 / 60.0;
 
-/// Frames before anything counts.
+/// Frames before the first one that counts.
 const WARM_UP: usize = 10;
 
-/// Skin points of a character that are watched.
+/// Number of measured skin points of a character.
 const POINTS: usize = 200;
 
-/// What is nearer to the camera's plane is not drawn.
+/// Points nearer to the camera's plane than this are not drawn.
 const NEAR_PLANE_METRES: f32 = 0.1;
 
-/// Nearer than this a character is near.
+/// Characters nearer than this count as near.
 pub(super) const NEAR_METRES: f32 = 20.0;
 
-/// Everyone is posed in every frame, so nobody waits.
+/// A budget policy without waiting: all characters are posed in every frame.
 const NOBODY_WAITS: BudgetPolicy = BudgetPolicy {
     cap_px: 1.0,
-    enough_px: 0.0,
+    target_px: 0.0,
     patience_frames: 0,
     hold_frames: 0,
 };
 
-/// What all runs on scenes share.
+/// Inputs of all runs on scenes.
 pub(super) struct SceneBench<'a> {
     bench: &'a Bench,
     asset: CrowdAsset,
     vertices: Vec<u32>,
 }
 
-/// What one run on a scene gave.
+/// Results of one run on a scene.
 #[derive(Default)]
 pub(super) struct Outcome {
-    /// Milliseconds of each frame: selection and evaluation.
+    /// Milliseconds of selection in each frame.
     pub(super) select_ms: Vec<f64>,
     pub(super) evaluate_ms: Vec<f64>,
-    /// Characters seen, mean.
+    /// Visible characters, mean over frames.
     pub(super) visible: f64,
-    /// Poses evaluated, mean.
+    /// Evaluated poses, mean over frames.
     pub(super) poses: f64,
-    /// Megabytes of palettes written in a frame, mean.
+    /// Megabytes of palettes written per frame, mean.
     pub(super) written_mb: f64,
-    /// Bytes of clips, characters and palettes.
+    /// Megabytes of clips, characters and palettes.
     pub(super) resident_mb: f64,
-    /// 95th percentile of the error over the visible characters that were looked at.
+    /// 95th percentile of the error over the sampled visible characters.
     pub(super) p95_px: f32,
-    /// Greatest error of those that are near.
+    /// Maximum error of characters within 20 m.
     pub(super) near_px: f32,
 }
 
 impl Outcome {
-    /// A percentile of the whole frame's milliseconds.
+    /// A percentile of the milliseconds of the whole frame.
     pub(super) fn frame_ms(&self, share: f64) -> f64 {
         let whole = self.select_ms.iter().zip(&self.evaluate_ms);
         let mut whole: Vec<f64> = whole.map(|(a, b)| a + b).collect();
         percentile_at_or_above(&mut whole, share)
     }
 
-    /// Selection as a share of the evaluation that it governs, medians.
+    /// Selection as a fraction of the evaluation, medians.
     pub(super) fn selection_share(&self) -> f64 {
         let evaluate = percentile_at_or_above(&mut self.evaluate_ms.clone(), 0.5);
         percentile_at_or_above(&mut self.select_ms.clone(), 0.5) / evaluate.max(1e-9)
     }
 }
 
-/// How a scene is played.
+/// Options for playing a scene.
 #[derive(Clone, Copy)]
 pub(super) struct Play {
     pub(super) detail: Detail,
     pub(super) share: bool,
     pub(super) cache: CacheUse,
     pub(super) frames: usize,
-    /// Characters that are looked at in every eighth frame: one of so many.
+    /// One of this many characters is measured in every eighth frame.
     pub(super) look_at_one_of: usize,
 }
 
-/// What is on the screen in a frame.
+/// A frame on the screen.
 #[derive(Clone, Copy)]
 struct DisplayedFrame<'a> {
-    /// Which of the frames that are looked at.
+    /// Number of the frame among the measured ones.
     number: usize,
     player: &'a CrowdPlayer,
     camera: Camera,
 }
 
-/// Errors of the characters that were looked at, pixels.
+/// Errors of the measured characters, pixels.
 #[derive(Default)]
 pub(super) struct Errors {
-    /// Of those that were drawn from all.
+    /// Errors of the random sample.
     pub(super) drawn: Vec<f32>,
-    /// Greatest of those that are near, drawn or not.
+    /// Maximum error of characters within 20 m, in the sample or not.
     pub(super) near_px: f32,
 }
 
 impl Errors {
-    /// Adds a character that is so far from the camera.
+    /// Adds a character at a distance from the camera.
     pub(super) fn add(&mut self, px: f32, metres: f32, drawn: bool) {
         if metres < NEAR_METRES {
             self.near_px = self.near_px.max(px);
@@ -136,7 +136,7 @@ impl<'a> SceneBench<'a> {
         })
     }
 
-    /// Joints that each level keeps.
+    /// Number of joints that each level keeps.
     pub(super) fn kept(&self) -> Vec<usize> {
         let all = 0..self.asset.levels();
         all.map(|l| self.asset.level(l).joints).collect()
@@ -170,7 +170,7 @@ impl<'a> SceneBench<'a> {
             let selected = thread_ns();
             player.evaluate();
             let evaluated = thread_ns();
-            let bytes = player.crowd().drawn().matrices * model.parts().form.bytes();
+            let bytes = player.crowd().draw_list().matrices * model.parts().form.bytes();
             most_bytes = most_bytes.max(bytes);
             costs.observe(&report.work, (evaluated - selected) as f64);
             if is_budget && number % WARM_UP == WARM_UP - 1 {
@@ -182,7 +182,7 @@ impl<'a> SceneBench<'a> {
             outcome.select_ms.push(1e-6 * (selected - start) as f64);
             let evaluate_ns = evaluated - selected;
             outcome.evaluate_ms.push(1e-6 * evaluate_ns as f64);
-            let records = size_of_val(player.crowd().drawn().records.as_slice());
+            let records = size_of_val(player.crowd().draw_list().records.as_slice());
             outcome.add(&report, bytes + records, play.frames);
             if number.is_multiple_of(8) {
                 let now = DisplayedFrame {
@@ -210,7 +210,7 @@ impl<'a> SceneBench<'a> {
             let clip_state = self.clip_state(member.play, 0.0);
             let mut player = CharacterState::from(clip_state);
             if let Some(fade) = member.cross_fade {
-                // Fades that are under way begin at different times.
+                // Fades in progress began at different times.
                 let left = fade.fade_secs * (1.0 - fade.start);
                 player.fade_to(self.clip_state(fade.other, 0.0), left.max(STEP_SECS));
             }
@@ -230,7 +230,7 @@ impl<'a> SceneBench<'a> {
             .at_secs(clips, at as f32)
     }
 
-    /// Whoever has finished a fade starts the way back.
+    /// Starts the reverse cross-fade of characters whose fade has ended.
     fn follow_fades(&self, scene: &Scene, crowd: &mut Crowd) {
         for (i, member) in scene.members.iter().enumerate() {
             if let Some(fade) = member.cross_fade
@@ -243,7 +243,7 @@ impl<'a> SceneBench<'a> {
         }
     }
 
-    /// Looks at all characters that are near and at one of so many of all.
+    /// Measures all characters within 20 m and a sample of the others.
     fn look(
         &self,
         now: &DisplayedFrame<'_>,
@@ -266,7 +266,7 @@ impl<'a> SceneBench<'a> {
         }
     }
 
-    /// Watched points as the palette of a level shows them.
+    /// Measured points as posed by the palette of a level.
     fn shown_points(&self, player: &CrowdPlayer, level: usize, source: &PoseSource) -> Vec<Vec3> {
         let mut matrices = Vec::new();
         player.skin_matrices(level, source, &mut matrices);
@@ -280,7 +280,7 @@ impl<'a> SceneBench<'a> {
         points
     }
 
-    /// The same points in the full pose of what a character plays, by the plain path.
+    /// The same points in the full pose of the character's clips, by the plain path.
     fn true_points(&self, player: &CharacterState) -> Vec<Vec3> {
         let asset = &self.bench.asset;
         let pose = |clip_state: &ClipState| {
@@ -310,7 +310,7 @@ impl Outcome {
     }
 }
 
-/// A budget with room for late frames.
+/// The detail with a budget large enough for late frames.
 fn within(detail: Detail, costs: &CostModel) -> Detail {
     match detail {
         Detail::Budget { cost } => Detail::Budget {
@@ -320,8 +320,8 @@ fn within(detail: Detail, costs: &CostModel) -> Detail {
     }
 }
 
-/// 95th percentile, over the points that are on the screen, of how far two skins of a character
-/// are apart there.
+/// 95th percentile, over the points on the screen, of the distance in pixels between two skins of
+/// a character.
 pub(super) fn distance_px(
     camera: &Camera,
     member: &SceneCharacter,
@@ -339,7 +339,7 @@ pub(super) fn distance_px(
     p95_px(apart.collect())
 }
 
-/// 95th percentile, the value at or above it; 0 of nothing.
+/// 95th percentile, the value at or above it; 0 without values.
 pub(super) fn p95_px(values: Vec<f32>) -> f32 {
     let mut values: Vec<f64> = values.into_iter().map(f64::from).collect();
     percentile_at_or_above(&mut values, 0.95) as f32

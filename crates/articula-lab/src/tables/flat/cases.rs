@@ -1,4 +1,4 @@
-//! Characters in motion before a camera, as the command `flatten` puts them up.
+//! Characters in motion before a camera, set up as by the command `flatten`.
 
 use anyhow::{Context, Result};
 use articula::flatten::{FramedCharacter, FramedParts, Shot};
@@ -12,17 +12,18 @@ use articula_flat::planar::{BakeOptions, Lighting, PlanarSubject, Turntable};
 use glam::Vec3;
 use std::path::Path;
 
-/// Side of the picture, pixels.
+/// Side of the picture in pixels.
 pub(super) const SIDE_PX: f32 = 400.0;
 
-/// How the camera is put up.
+/// Placement of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Framing {
-    /// As near as the motion allows, this far round to the left; degrees.
+    /// As close as the motion allows, at this azimuth to the left in degrees.
     Tight(f32),
-    /// The specification's: 4.5 half heights away, 1.15 times the half height of the face.
+    /// For faces: 4.5 half heights away, the picture 1.15 times as high as the face
+    /// (docs/methods/vector.md, part 9).
     Face,
-    /// The head of a whole figure: what lies above this share of its height.
+    /// Before the head of a whole figure: the part above this fraction of its height.
     Above(f32),
 }
 
@@ -32,9 +33,9 @@ pub(super) struct Case {
     pub(super) name: &'static str,
     pub(super) file: &'static str,
     pub(super) clip: &'static str,
-    /// Frames that are spread over the clip.
+    /// Number of frames, spread over the clip.
     pub(super) frames: usize,
-    /// Shares of the clip, 1 is all of it.
+    /// Fraction of the clip that is used; 1 is the whole clip.
     pub(super) share: f64,
     pub(super) framing: Framing,
     pub(super) turn_degrees: f32,
@@ -42,14 +43,14 @@ pub(super) struct Case {
     pub(super) kind: Kind,
 }
 
-/// Which targets a case belongs to.
+/// Acceptance bounds that apply to a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A speaking face: targets 1 to 5.
+    /// A speaking face: bounds 1 to 5.
     Face,
-    /// A body: targets 1, 4 and 5, with the bounds of a walk.
+    /// A body: bounds 1, 4 and 5, with the limits of a walk.
     Walk,
-    /// Reported, with the order's target.
+    /// Only the bound on the painting order.
     Other,
 }
 
@@ -85,7 +86,7 @@ const fn face(name: &'static str, clip: &'static str, kind: Kind) -> Case {
     }
 }
 
-/// All of them; the first is the small one.
+/// All cases; the first is that of a small run.
 pub(super) const CASES: [Case; 8] = [
     face("face, talk", "talk", Kind::Face),
     face("face, talk and turn", "talk_turn", Kind::Face),
@@ -135,7 +136,7 @@ impl Case {
         Ok(Figure::new(self.open(data)?)?)
     }
 
-    /// Puts up the camera and simplifies what it sees.
+    /// Sets up the camera and simplifies the visible triangles.
     pub(super) fn framed<'a>(&self, figure: &'a Figure) -> Result<FramedCharacter<'a>> {
         let asset = &figure.asset;
         let clip = figure.clip(Some(self.clip))?;
@@ -215,7 +216,7 @@ impl Case {
         let mut opened = articula::fs::open(data.join(self.file))?;
         let source = &mut opened.character;
         if self.file == KNIGHT {
-            // One sword and no shield.
+            // Keep one sword and no shield.
             let is_worn = |name: &str| name.starts_with("Knight_") || name == "1H_Sword";
             source.meshes.retain(|m| is_worn(&m.name));
             source
@@ -232,7 +233,7 @@ impl Case {
     }
 }
 
-/// The speaking of one head for the morph targets of another that are called alike.
+/// The speech of one head on the morph targets with the same names of another.
 fn speech_onto(from: &Character, onto: &Character) -> Result<SourceClip> {
     let clip = from.clips.iter().find(|c| c.name == "talk");
     let clip = clip.context("no clip talk")?;
@@ -262,7 +263,7 @@ fn speech_onto(from: &Character, onto: &Character) -> Result<SourceClip> {
     })
 }
 
-/// Whether two morph targets are one: `eyeBlink_L` and `eyeBlinkLeft`.
+/// Whether two names mean the same morph target: `eyeBlink_L` and `eyeBlinkLeft`.
 fn same(a: &str, b: &str) -> bool {
     let plain = |name: &str| {
         let long = name.replace("_L", "Left").replace("_R", "Right");
@@ -275,12 +276,12 @@ fn viewport() -> Viewport {
     Viewport {
         width_px: SIDE_PX,
         height_px: SIDE_PX,
-        // The camera of the specification's faces: 4.5 half heights away.
+        // The camera of the faces: 4.5 half heights away.
         fov_y_radians: 2.0 * (1.0f32 / 4.5).atan(),
     }
 }
 
-/// The specification's camera before a head.
+/// The camera before a head.
 pub(super) fn before(bounds: &Bounds) -> Camera {
     let half = 1.15 * 0.5 * (bounds.high.y - bounds.low.y);
     let middle = bounds.middle();

@@ -1,6 +1,6 @@
-//! Conversion to 2D: what each profile weighs and how far it is off, beside the thesis' own form.
+//! Conversion to 2D: size and error of each profile, beside the thesis' form.
 //!
-//! Source: `docs/methods/vector.md` 4, 9 and 10. One file for each section of the page.
+//! Source: `docs/methods/vector.md` parts 4, 9 and 10. One module for each section of the page.
 
 mod cases;
 mod orders;
@@ -14,18 +14,18 @@ use anyhow::Result;
 use cases::{CASES, Case};
 use std::path::PathBuf;
 
-/// Which part of the table is run.
+/// The part of the table to run.
 #[derive(clap::Args, Default)]
 pub(crate) struct Choice {
-    /// Cases whose names contain this, and no others.
+    /// Run only cases whose names contain this text.
     #[arg(long)]
     only: Option<String>,
-    /// Folder that receives the files that were written, and pictures of them.
+    /// Folder for the written files and pictures of them.
     #[arg(long)]
     files: Option<PathBuf>,
 }
 
-/// What was found of one case.
+/// Results of one case.
 struct Found {
     case: Case,
     triangles: usize,

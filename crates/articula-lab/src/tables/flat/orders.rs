@@ -1,11 +1,11 @@
-//! Pixels that are painted wrong, by how the painting order was found.
+//! Pixels painted in the wrong order, by the method that finds the painting order.
 
 use anyhow::Result;
 use articula_core::Progress;
 use articula_flat::flatten::{PrepareClipOptions, PreparedClip};
 use articula_flat::planar::{OrderComparison, PlanarClip};
 
-/// Wrong pixels in percent of the character's, mean over the frames.
+/// Wrong pixels in percent of the character's pixels, mean over the frames.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Orders {
     /// One depth sort, at the first frame.
@@ -14,14 +14,14 @@ pub(super) struct Orders {
     pub(super) depth_sort: f64,
     /// One order from constraints.
     pub(super) single: f64,
-    /// Orders as many as pay.
+    /// Several orders, one per epoch.
     pub(super) epochs: f64,
-    /// How many, and how often a triangle is written.
+    /// Number of orders, and copies of a triangle.
     pub(super) count: usize,
     pub(super) copies: f64,
     /// An order for each frame.
     pub(super) per_frame: f64,
-    /// As many as pay, after cutting what pierces; and the triangles that are drawn then.
+    /// Several orders after cutting piercing triangles, and the number of triangles drawn then.
     pub(super) split: f64,
     pub(super) split_triangles: usize,
 }
@@ -37,7 +37,7 @@ impl Orders {
         )?)
     }
 
-    /// All ways of ordering a clip; `cut` is it prepared, what pierces cut.
+    /// Measures all methods on a clip; `cut` is the prepared clip with piercing triangles cut.
     pub(super) fn of(clip: &PlanarClip, cut: &PreparedClip) -> Result<Self> {
         let ways = OrderComparison::of(clip)?;
         Ok(Self {

@@ -1,4 +1,4 @@
-//! What was found, as a page and as numbers.
+//! The page of the conversion to 2D, and its CSV files.
 
 use super::Found;
 use super::portraits::{Row as Portrait, YAWS_DEGREES};
@@ -26,8 +26,8 @@ const ORDERS: &str = "
 ## Pixels painted wrong
 
 Percent of the character's pixels, mean over the frames. *Thesis*: one depth sort, at the first frame. *Constraints*:
-one order for the whole clip. *Epochs*: as many orders as reduce the error enough to justify their bytes, and the number of copies of a
-triangle. *Cut*: after cutting triangles that pierce each other, as `flatten` does, and the number of
+one order for the whole clip. *Epochs*: as few orders as keep the wrong pixels within the order tolerance, and the mean number of copies
+of a triangle. *Cut*: after cutting triangles that pierce each other, as `flatten` does, and the number of
 triangles drawn then.
 
 | case | thesis | depth sort per frame | constraints | epochs (orders, copies) | order per frame | cut (triangles) | fraction of the depth sort |
@@ -194,7 +194,7 @@ fn stills(page: &mut String, all: &[Found]) -> Result<()> {
     Ok(())
 }
 
-/// Every profile of every case.
+/// Every profile of every case as CSV.
 pub(super) fn csv(all: &[Found]) -> Result<String> {
     let mut csv = String::from(
         "case,profile,triangles_drawn,frames,raw_bytes,gzip_bytes,brotli_bytes,position_rmse_px,\
@@ -230,7 +230,7 @@ pub(super) fn csv(all: &[Found]) -> Result<String> {
     Ok(csv)
 }
 
-/// Every portrait.
+/// Every portrait as CSV.
 pub(super) fn portraits_csv(all: &[Portrait]) -> Result<String> {
     let mut csv = String::from("head,triangles,views,document_bytes,picture_bytes");
     for yaw in YAWS_DEGREES {

@@ -1,6 +1,6 @@
-//! Portraits: how far a turned 2D head is from the turned figure, by its view pictures.
+//! Portraits: error of a turned 2D head against the turned figure, by its number of views.
 //!
-//! Source: `docs/methods/vector.md` 10.
+//! Source: `docs/methods/vector.md` part 10.
 
 use super::super::Run;
 use super::cases::before;
@@ -17,7 +17,7 @@ use articula_flat::portrait::{
     Head, HeadPose, PortraitExpression, PortraitOptions, PortraitSource, build,
 };
 
-/// Turns at which it is compared, degrees.
+/// Yaw angles at which the portrait is compared, degrees.
 pub(super) const YAWS_DEGREES: [f32; 5] = [0.0, 10.0, 20.0, 30.0, 40.0];
 /// A portrait.
 pub(super) struct Row {
@@ -27,19 +27,19 @@ pub(super) struct Row {
     /// Bytes of the document and of its pictures.
     pub(super) document: usize,
     pub(super) pictures: usize,
-    /// Levels off at each turn.
+    /// Colour RMSE at each yaw angle, in levels of 0 to 255.
     pub(super) rmse_levels: Vec<f64>,
 }
 
-/// A head, and the triangles that its 2D mesh has; all of them where that is nothing.
+/// A head, and the number of triangles of its 2D mesh; all triangles if `None`.
 struct Sitter {
     name: &'static str,
     file: &'static str,
     triangles: Option<usize>,
 }
 
-/// The heads; the first is the small one. A 2D mesh as fine as the head has the head's outline; a
-/// coarser one is judged against an outline that it cannot have.
+/// The heads; the first is that of a small run. A 2D mesh as fine as the head has the head's
+/// outline; a coarser one is compared with an outline that it cannot have.
 const SITTERS: [Sitter; 4] = [
     Sitter {
         name: "ICT head of 554",

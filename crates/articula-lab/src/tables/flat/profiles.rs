@@ -14,7 +14,7 @@ use articula_flat::vector::player::PlayerOutput;
 use articula_flat::vector::{ThesisForm, ThesisSvgOptions, thesis};
 use std::path::Path;
 
-/// A profile at a setting.
+/// A profile with its settings.
 pub(super) struct Row {
     pub(super) name: &'static str,
     pub(super) flat: Flattened,
@@ -27,15 +27,15 @@ pub(super) struct Stills {
     pub(super) ours: Flattened,
     pub(super) exact: Flattened,
     pub(super) flat: Flattened,
-    /// Bytes of the thesis' form and the triangles in it.
+    /// Bytes of the thesis' form, and the number of triangles in it.
     pub(super) thesis_bytes: usize,
     pub(super) thesis_triangles: usize,
 }
 
-/// Frames up to which a flip-book is written.
+/// Maximum number of frames for which a flip-book is written.
 const FLIPBOOK_FRAMES: usize = 60;
 
-/// The names of the rows that targets are read from.
+/// Names of the rows to which acceptance bounds apply.
 pub(super) const THESIS: &str = "thesis, path";
 pub(super) const FLAT: &str = "smil flat 0.5 px";
 pub(super) const GOURAUD: &str = "smil gouraud 0.5 px, 8 levels";
@@ -110,7 +110,7 @@ fn settings() -> Vec<(&'static str, Profile, Quality)> {
     ]
 }
 
-/// Every profile of a case; the files go to a folder if one is given.
+/// Every profile of a case; the files are written to a folder if one is given.
 pub(super) fn rows(
     framed: &FramedCharacter<'_>,
     prepared: &PreparedClip,
@@ -152,7 +152,7 @@ pub(super) fn rows(
     Ok(rows)
 }
 
-/// Stills of the first frame, each at its own best.
+/// Stills of the first frame, each in its best setting.
 pub(super) fn stills(framed: &FramedCharacter<'_>, clip: &PlanarClip) -> Result<Stills> {
     let mut first = clip.clone();
     first.frames.truncate(1);
@@ -190,7 +190,7 @@ pub(super) fn stills(framed: &FramedCharacter<'_>, clip: &PlanarClip) -> Result<
 }
 
 impl super::Found {
-    /// A profile's row.
+    /// The row of a profile.
     pub(super) fn row(&self, name: &str) -> Option<&Row> {
         self.profiles.iter().find(|r| r.name == name)
     }

@@ -1,23 +1,21 @@
-//! The targets of the specification, and what was found.
-//!
-//! Source: `docs/methods/vector.md` 9.
+//! The acceptance bounds of `docs/methods/vector.md`, part 9, and the measured values.
 
 use super::Found;
 use super::cases::Kind;
 use super::profiles::{FLAT, GOURAUD, PLAYER, PLAYER_COARSE};
 use articula_flat::flatten::Flattened;
 
-/// A bound and what was found.
+/// A bound and the measured value.
 #[derive(Debug, Clone)]
 pub(super) struct Target {
-    /// Number in the specification.
+    /// Number of the bound in `docs/methods/vector.md`, part 9.
     pub(super) number: u8,
     pub(super) what: &'static str,
     pub(super) bound: Bound,
     pub(super) found: f64,
 }
 
-/// Which side of a number is good.
+/// An upper or lower limit.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Bound {
     AtMost(f64),
@@ -33,7 +31,7 @@ impl Target {
     }
 }
 
-/// The targets of a case.
+/// The bounds of a case.
 pub(super) fn of(found: &Found) -> Vec<Target> {
     let mut all = Vec::new();
     let is_face = found.case.kind == Kind::Face;
@@ -71,7 +69,7 @@ fn at_least(number: u8, what: &'static str, least: f64, found: f64) -> Target {
     }
 }
 
-/// Bytes for each triangle and frame, raw and by brotli.
+/// Bytes per triangle and frame, raw and with Brotli.
 fn per(flat: &Flattened) -> (f64, f64) {
     let of = |bytes| flat.per_triangle_and_frame(bytes);
     (of(flat.sizes.raw), of(flat.sizes.brotli))
@@ -100,7 +98,12 @@ fn gouraud(found: &Found, all: &mut Vec<Target>) {
     all.extend([
         at_most(2, "gouraud smil, bytes per triangle and frame", 12.0, raw),
         at_most(2, "the same, brotli", 1.9, brotli),
-        at_most(2, "colour RMSE in levels, worst frame", 6.5, image.rmse_levels_max),
+        at_most(
+            2,
+            "colour RMSE in levels, worst frame",
+            6.5,
+            image.rmse_levels_max,
+        ),
         at_least(2, "SSIM, worst frame", 0.985, image.ssim_min),
     ]);
 }

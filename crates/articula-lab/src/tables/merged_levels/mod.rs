@@ -1,4 +1,4 @@
-//! What merged levels cost: error by joints kept, and on clips that the order never saw.
+//! Error of merged levels by joints kept, also on clips not used for the joint order.
 //!
 //! Source: `docs/methods/motion-lod.md` part 8, `docs/methods/runtime.md` 4.1.
 
@@ -9,7 +9,7 @@ use crate::data;
 use anyhow::{Context, Result};
 use articula_build::Asset;
 use articula_build::{
-    LevelOptions, far_levels, far_order, joint_lods, levels_of, mean_pose, merged_levels,
+    JointLodOptions, far_levels, far_order, joint_lods, levels_of, mean_pose, merged_levels,
     named_joint_lods,
 };
 use articula_core::loa::LoaExpression;
@@ -17,7 +17,7 @@ use articula_core::{JointLods, LodErrors};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Characters of the table; the first alone in a small run.
+/// Characters of the table; a small run has only the first.
 const CHARACTERS: [&str; 7] = [
     "pab_arnaud",
     "KayKit_Knight",
@@ -28,19 +28,19 @@ const CHARACTERS: [&str; 7] = [
     "CesiumMan",
 ];
 
-/// Joints kept, as far as a character has more.
+/// Numbers of joints kept, as far as a character has more.
 const COUNTS: [u16; 7] = [96, 64, 48, 32, 24, 16, 10];
 
-/// Levels that a user would name.
+/// Levels of articulation that a user would name.
 const NAMED: [&str; 4] = ["loa(High)", "loa(Medium)", "loa(Low)", "loa(VeryLow)"];
 
-/// Most parts of the clips that are held out one after the other.
+/// Maximum number of parts into which the clips are divided for holding out.
 const MAX_PARTS: usize = 8;
 
-/// Pictures beside the table.
+/// Pictures in addition to the table.
 #[derive(clap::Args, Default)]
 pub(crate) struct Sheets {
-    /// Folder that receives a sheet of each character: full, and at each level.
+    /// Folder for a sheet of each character: full, and at each level.
     #[arg(long)]
     sheets: Option<PathBuf>,
 }
@@ -51,11 +51,11 @@ struct Row {
     kind: &'static str,
     kept: usize,
     influences: usize,
-    /// 95th percentile over vertices, greatest over frames, the worst clip.
+    /// 95th percentile over vertices, maximum over frames and clips.
     error_mm: f32,
-    /// Greatest over vertices, frames and clips.
+    /// Maximum over vertices, frames and clips.
     worst_mm: f32,
-    /// As `error_mm` with order and mean pose learned without the clip that is judged.
+    /// As `error_mm`, with order and mean pose computed without the measured clip.
     held_out_mm: Option<f32>,
 }
 
@@ -85,7 +85,7 @@ pub(crate) fn write(run: &Run, sheets: &Sheets) -> Result<()> {
     run.save("merged-levels", &page(&rows, &chosen)?, &csv(&rows)?)
 }
 
-/// All joints, then the counts below.
+/// The number of all joints, then the smaller counts.
 fn counts(asset: &Asset) -> Vec<u16> {
     let all = asset.rig.len() as u16;
     let fewer = COUNTS.into_iter().filter(|n| *n < all);
@@ -93,7 +93,7 @@ fn counts(asset: &Asset) -> Vec<u16> {
 }
 
 fn near_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
-    let opts = LevelOptions::default();
+    let opts = JointLodOptions::default();
     let counts = counts(asset);
     let judged = |learned: &Asset, judged: &Asset| {
         let mean = mean_pose(learned);
@@ -127,7 +127,7 @@ fn near_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
 }
 
 fn far_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
-    let opts = LevelOptions::default();
+    let opts = JointLodOptions::default();
     let counts = &counts(asset)[1..];
     let judged = |learned: &Asset, judged: &Asset| {
         let mean = mean_pose(learned);
@@ -166,13 +166,13 @@ fn named_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
         .map(|text| text.parse::<LoaExpression>())
         .collect();
     let joint_lods = named_joint_lods(asset, &mean_pose(asset), &expressions?)?;
-    let levels = levels_of(asset, joint_lods, &LevelOptions::default())?;
+    let levels = levels_of(asset, joint_lods, &JointLodOptions::default())?;
     let row = |l: usize| {
         let (error_mm, worst_mm) = worst(&levels.errors, l);
         Row {
             character,
             kind: "named",
-            kept: levels.joint_lods.kept(l),
+            kept: levels.joint_lods.joint_count(l),
             influences: levels.skins.levels[l].influences,
             error_mm,
             worst_mm,
@@ -182,7 +182,7 @@ fn named_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
     Ok((1..levels.joint_lods.levels()).map(row).collect())
 }
 
-/// The character without some clips, and with those alone, one after the other.
+/// Pairs of the character without some clips and with only those, for each part of the clips.
 fn parts(asset: &Asset) -> Vec<(Asset, Asset)> {
     let clips = asset.clips.len();
     if clips < 2 {
@@ -201,7 +201,7 @@ fn parts(asset: &Asset) -> Vec<(Asset, Asset)> {
         .collect()
 }
 
-/// Greatest errors of a level over clips, millimetres.
+/// Maximum errors of a level over clips, millimetres.
 fn worst(errors: &LodErrors, level: usize) -> (f32, f32) {
     let greatest = |of: &dyn Fn(usize) -> f32| {
         let all = (0..errors.clips.len()).map(of);
@@ -213,22 +213,22 @@ fn worst(errors: &LodErrors, level: usize) -> (f32, f32) {
     )
 }
 
-/// A line about the levels that are chosen without being asked for any.
+/// A line about the levels that are chosen by default.
 fn default_levels(name: &str, asset: &Asset) -> Result<String> {
-    let opts = LevelOptions {
+    let opts = JointLodOptions {
         far_from_metres: 4e-3,
-        ..LevelOptions::default()
+        ..JointLodOptions::default()
     };
     let levels = merged_levels(asset, &opts)?;
     let near = levels.joint_lods.levels();
     let at = |l: usize, kept: usize| format!("{kept} ({:.1})", worst(&levels.errors, l).0);
     let mut all: Vec<String> = (0..near)
-        .map(|l| at(l, levels.joint_lods.kept(l)))
+        .map(|l| at(l, levels.joint_lods.joint_count(l)))
         .collect();
     if let Some(far) = &levels.far {
         all.push("far:".into());
         let joint_lods = &far.joint_lods;
-        all.extend((0..joint_lods.levels()).map(|l| at(near + l, joint_lods.kept(l))));
+        all.extend((0..joint_lods.levels()).map(|l| at(near + l, joint_lods.joint_count(l))));
     }
     Ok(format!("| {name} | {} |", all.join(" ")))
 }

@@ -1,8 +1,8 @@
-//! A character in full and at each of its levels, large and at the size it is chosen for.
+//! A character in full and at each of its levels, large and at the size for which it is chosen.
 
 use anyhow::{Context, Result};
 use articula_build::Asset;
-use articula_build::{LevelOptions, merged_levels};
+use articula_build::{JointLodOptions, merged_levels};
 use articula_core::{Clip, Mesh, PosedMesh, Rig, SkinnedMesh, Wrap};
 use articula_flat::{Appearance, Bounds};
 use articula_formats::{Limits, gltf};
@@ -13,7 +13,7 @@ use std::path::Path;
 const TILE: (u32, u32) = (220, 300);
 const MOMENTS: usize = 6;
 
-/// One way to show the character.
+/// The character at one level.
 struct Variant<'a> {
     label: String,
     rig: &'a Rig,
@@ -22,15 +22,15 @@ struct Variant<'a> {
     error_metres: f32,
 }
 
-/// Draws the first clip at some moments.
+/// Draws the first clip at several times.
 pub(super) fn write(data: &Path, name: &str, asset: &Asset, path: &Path) -> Result<()> {
     let bytes = std::fs::read(data.join(format!("glb/{name}.glb")))?;
     let mut none = |_: &str| Err("no files beside".to_owned());
     let file = gltf::read(&bytes, &Limits::default(), &mut none)?.value;
     let (paint, _) = Appearance::new(&file.character.materials, &file.character.images);
-    let opts = LevelOptions {
+    let opts = JointLodOptions {
         far_from_metres: 4e-3,
-        ..LevelOptions::default()
+        ..JointLodOptions::default()
     };
     let levels = merged_levels(asset, &opts)?;
     let near = levels.joint_lods.levels();
@@ -40,7 +40,7 @@ pub(super) fn write(data: &Path, name: &str, asset: &Asset, path: &Path) -> Resu
         looks.push(Variant {
             label: format!(
                 "{} joints, {:.1} mm",
-                levels.joint_lods.kept(level),
+                levels.joint_lods.joint_count(level),
                 1e3 * error(level)
             ),
             rig: &asset.rig,
@@ -55,7 +55,7 @@ pub(super) fn write(data: &Path, name: &str, asset: &Asset, path: &Path) -> Resu
             looks.push(Variant {
                 label: format!(
                     "far, {} joints, {:.1} mm",
-                    far.joint_lods.kept(level),
+                    far.joint_lods.joint_count(level),
                     1e3 * metres
                 ),
                 rig: &far.rig,
@@ -80,7 +80,7 @@ pub(super) fn write(data: &Path, name: &str, asset: &Asset, path: &Path) -> Resu
     }
     let sheet = ContactSheet {
         title: format!("{name}, {}", asset.clips[0].name),
-        notes: vec!["Small: where the error of the level is one pixel.".into()],
+        notes: vec!["Small: at the size where the error of the level is one pixel.".into()],
         rows,
         ..ContactSheet::default()
     };
@@ -94,7 +94,7 @@ fn skinned(look: &Variant<'_>, secs: f64) -> SkinnedMesh {
     posed.skinned(&look.mesh.morph_weights)
 }
 
-/// The character large, and small as the level is made for.
+/// The character large, and at the size for which the level is made.
 fn cell(
     full: &Variant<'_>,
     look: &Variant<'_>,

@@ -1,4 +1,4 @@
-//! Who is simplified.
+//! The characters that are simplified.
 
 use crate::subdivide::subdivide;
 use anyhow::Result;
@@ -12,15 +12,15 @@ use std::path::Path;
 pub(super) struct Entry {
     pub(super) name: &'static str,
     file: &'static str,
-    /// Whether every triangle becomes four first.
+    /// Whether it is subdivided once before simplification.
     subdivided: bool,
-    /// How tall it is said to be, metres.
+    /// Nominal height, metres.
     height_metres: f32,
 }
 
-/// A figure.
+/// Height of a figure.
 const BODY_METRES: f32 = 1.8;
-/// A head alone.
+/// Height of a head.
 const HEAD_METRES: f32 = 0.25;
 
 const fn entry(name: &'static str, file: &'static str) -> Entry {
@@ -64,23 +64,23 @@ pub(super) const CHARACTERS: [Entry; 12] = [
     head("ICT face 52k", "face/ict_facekit_expressions.glb"),
 ];
 
-/// The one that a small run takes.
+/// The character of a small run.
 pub(super) const SMALL: &str = "pab_arnaud";
 
-/// The one that the page has a picture of (by Quaternius, CC0).
+/// The character in the picture of the page (by Quaternius, CC0).
 pub(super) const PICTURED: &str = "Quaternius suit";
 
-/// A character, as the file has it and ready to be played.
+/// A character as read from the file, and as an asset.
 pub(super) struct Subject {
     pub(super) name: &'static str,
     pub(super) source: Character,
     pub(super) asset: Asset,
-    /// How tall it is said to be.
+    /// Nominal height, metres.
     pub(super) told_height_metres: f32,
 }
 
 impl Subject {
-    /// How tall it is in a pose.
+    /// Height in a pose, metres.
     pub(super) fn height_metres(&self, pose: &[Vec3]) -> f32 {
         let ys = || {
             self.asset

@@ -1,4 +1,4 @@
-//! Who simplifies, and by what.
+//! The simplifiers under comparison.
 
 use super::characters::Subject;
 use crate::peers::meshopt::{Seams, Simplifier};
@@ -7,20 +7,21 @@ use articula_build::{ErrorWeighting, LevelTriangles, SimplifyOptions, simplify};
 use articula_build::{PoseOptions, SkinPose, SkinPoseSource, poses, positions};
 use glam::Vec3;
 
-/// How much heavier the thesis' weighting makes what moves with two joints alike, halved.
+/// Factor by which the thesis' weighting increases errors of vertices with two equal weights,
+/// halved.
 const JOINT_STRENGTH: f32 = 4.0;
 
-/// Times as many triangles as asked for, from which on a peer may cross seams instead.
+/// Number of triangles relative to the requested one above which seams may be crossed instead.
 const STUCK: f32 = 1.02;
 
-/// A way to simplify.
+/// A simplifier with its settings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Contestant {
-    /// Ours: errors summed over poses.
+    /// Articula: errors summed over poses.
     Ours,
-    /// Ours, the rest pose alone.
+    /// Articula, the rest pose only.
     Rest,
-    /// Ours, the rest pose, heavier near joints.
+    /// Articula, the rest pose, with larger weights near joints.
     Joint,
     /// meshoptimizer by positions.
     Meshopt,
@@ -51,11 +52,11 @@ impl Contestant {
 /// Positions of all vertices in poses, metres.
 pub(super) struct Posed {
     pub(super) source: SkinPoseSource,
-    /// What ours is simplified by, the rest pose first.
+    /// Poses for simplification by Articula, the rest pose first.
     pub(super) shaping: Vec<Vec<Vec3>>,
-    /// What everyone is measured on.
+    /// Poses on which all simplifiers are measured.
     pub(super) measuring: Vec<Vec<Vec3>>,
-    /// The poses of those.
+    /// The same poses as joints and morph weights.
     pub(super) measuring_poses: Vec<SkinPose>,
 }
 
@@ -79,17 +80,17 @@ impl Posed {
     }
 }
 
-/// What a contestant has made.
+/// Levels made by one simplifier.
 pub(super) struct Made {
     pub(super) who: Contestant,
-    /// Coarsest first, the last as the original.
+    /// Coarsest first; the last is the original.
     pub(super) levels: Vec<LevelTriangles>,
     /// Whether seams were crossed, for each level.
     pub(super) crossed_seams: Vec<bool>,
 }
 
-/// Five levels of a character, the coarsest first, the last as the original. Peers get as many
-/// triangles as ours has at each level; one may keep more if it cannot go on.
+/// Five levels of a character, coarsest first, the last the original. meshoptimizer is given the
+/// number of triangles of Articula's level; it may keep more if it cannot continue.
 pub(super) fn levels(
     who: Contestant,
     subject: &Subject,
@@ -152,7 +153,7 @@ fn peer(
     Ok(made)
 }
 
-/// Sorted by part: a triangle is of the part that its vertices are of.
+/// Triangles sorted by the part that their vertices belong to.
 fn part_by_part(subject: &Subject, mut triangles: Vec<[u32; 3]>) -> LevelTriangles {
     let parts = &subject.asset.mesh.parts;
     let part = |t: &[u32; 3]| parts.partition_point(|p| p.vertices.end <= t[0] as usize);

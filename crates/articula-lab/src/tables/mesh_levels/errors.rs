@@ -1,4 +1,4 @@
-//! How far levels lie from the original, at rest and in poses that none was made by.
+//! Distance of levels from the original, at rest and in poses not used for simplification.
 
 use super::characters::Subject;
 use super::contestants::{Contestant, Made, Posed, levels};
@@ -8,23 +8,23 @@ use articula_build::{DistanceOptions, surface_distances};
 use articula_core::SurfaceError;
 use rayon::prelude::*;
 
-/// Lines of the picture that the figure fills.
+/// Height of the figure in the picture, in lines.
 pub(super) const LINES_PX: f32 = 1080.0;
 
-/// One level of one contestant.
+/// One level of one simplifier.
 pub(super) struct Row {
     pub(super) who: Contestant,
-    /// Its place among the levels, the coarsest first.
+    /// Index of the level, coarsest first.
     pub(super) level: usize,
     pub(super) triangles: usize,
     pub(super) vertices: usize,
-    /// Whether a peer could not get there without crossing seams.
+    /// Whether seams had to be crossed to reach the number of triangles.
     pub(super) crossed_seams: bool,
     pub(super) rest: Millimetres,
     pub(super) motion: Millimetres,
 }
 
-/// Distances of a figure as tall as it is told to be.
+/// Distances, scaled to the nominal height of the figure.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Millimetres {
     pub(super) max: f32,
@@ -42,7 +42,7 @@ impl Millimetres {
     }
 }
 
-/// Measures contestants, every level but the original.
+/// Measures all simplifiers at every level but the original.
 pub(super) fn rows(
     subject: &Subject,
     posed: &Posed,
@@ -66,7 +66,7 @@ fn rows_of(made: &Made, posed: &Posed, scale: f32) -> Result<Vec<Row>> {
     };
     let triangles: Vec<&[[u32; 3]]> = coarser.iter().map(|l| l.triangles.as_slice()).collect();
     let opts = DistanceOptions {
-        both_ways: true,
+        two_sided: true,
         ..DistanceOptions::default()
     };
     let distances = surface_distances(
@@ -92,7 +92,7 @@ fn rows_of(made: &Made, posed: &Posed, scale: f32) -> Result<Vec<Row>> {
         .collect())
 }
 
-/// Number of vertices that triangles name.
+/// Number of vertices used by triangles.
 fn used(triangles: &[[u32; 3]]) -> usize {
     let mut all: Vec<u32> = triangles.iter().flatten().copied().collect();
     all.sort_unstable();

@@ -1,6 +1,7 @@
-//! Mesh levels: what they cost in looks and in bytes, beside what others make.
+//! Mesh levels: errors and bytes, beside other simplifiers and codecs.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 9 and 10. One file for each section of the page.
+//! Source: `docs/methods/clustered-mesh.md` parts 9 and 10. One module for each section of the
+//! page.
 
 mod characters;
 mod contestants;
@@ -21,44 +22,44 @@ use contestants::{Contestant, Posed};
 use sheet::Extent;
 use std::path::PathBuf;
 
-/// Shares of the triangles in the order in which levels are coded, the coarsest first; so are all
-/// lists of levels here. Files that are written number them from the finest, 0.
+/// Fractions of the triangles in coding order, coarsest first, as in all lists of levels here.
+/// Written files number levels from the finest, 0.
 const SHARES: [&str; 5] = ["1.5 %", "10 %", "25 %", "50 %", "100 %"];
 
-/// Level of 25 % of the triangles, the one with a target.
+/// The level of 25 % of the triangles, to which a target applies.
 const QUARTER: usize = 2;
 
-/// Poses that are measured on.
+/// Number of poses for measuring.
 const POSES: usize = 24;
-/// Rounds of which the least time is kept.
+/// Number of rounds, of which the minimum time is kept.
 const ROUNDS: usize = 3;
-/// Poses of a small run.
+/// Number of poses of a small run.
 const SMALL_POSES: usize = 6;
 
-/// Which part of the table is run.
+/// The part of the table to run.
 #[derive(clap::Args, Default)]
 pub(crate) struct Choice {
-    /// Characters whose names contain this, and no others.
+    /// Run only characters whose names contain this text.
     #[arg(long)]
     only: Option<String>,
-    /// Folder that receives a sheet of each character at every level.
+    /// Folder for a sheet of each character at every level.
     #[arg(long)]
     sheets: Option<PathBuf>,
-    /// File that receives the picture of the page.
+    /// File for the picture of the page.
     #[arg(long)]
     picture: Option<PathBuf>,
 }
 
-/// What was found of one character.
+/// Results of one character.
 struct Found {
     name: &'static str,
-    /// Where its poses come from.
+    /// Source of its poses.
     source: SkinPoseSource,
-    /// How many poses were measured on.
+    /// Number of poses for measuring.
     poses: usize,
-    /// How tall it is said to be, metres.
+    /// Nominal height, metres.
     height_metres: f32,
-    /// Seconds of one thread that ours simplified in, tables of poses apart.
+    /// Seconds of one thread for simplification by Articula, without the tables of poses.
     simplify_secs: f64,
     errors: Vec<errors::Row>,
     sizes: sizes::Sizes,
@@ -122,7 +123,8 @@ mod tests {
     use super::*;
     use crate::data;
 
-    /// What the page promises of one real character; sizes of Draco where node is there.
+    /// A real character meets the targets of the page; Draco's sizes are checked where node is
+    /// available.
     #[test]
     fn a_real_character_holds_the_targets() {
         let Some(data) = data::folder(None).unwrap() else {
@@ -142,12 +144,12 @@ mod tests {
             "{error} of meshoptimizer's error in motion at 25 %"
         );
         assert!(found.to_meshopt().unwrap() < 0.6);
-        assert!(found.to_own().unwrap() < 1.35, "goal of the specification");
+        assert!(found.to_own().unwrap() < 1.35, "target of docs/methods/clustered-mesh.md");
         if let Some(draco) = found.to_draco() {
-            assert!(draco < 1.1, "goal of the specification, found {draco}");
+            assert!(draco < 1.1, "target of docs/methods/clustered-mesh.md, found {draco}");
             assert!(found.to_draco_levels().unwrap() < 0.55);
         }
-        // Triangles fall, and what is left is nearer to the original the more there are of them.
+        // Triangles decrease, and levels with more triangles are closer to the original.
         for level in 1..SHARES.len() - 1 {
             let row = |l| found.row(Contestant::Ours, l).unwrap();
             assert!(row(level).triangles > row(level - 1).triangles);

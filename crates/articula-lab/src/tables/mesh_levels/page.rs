@@ -1,4 +1,4 @@
-//! What was found, as a page and as numbers.
+//! The page of the mesh levels, and its CSV files.
 
 use super::contestants::Contestant;
 use super::errors::{LINES_PX, Row};
@@ -52,7 +52,7 @@ impl Found {
         rows.find(|r| r.who == who && r.level == level)
     }
 
-    /// Ours to meshoptimizer's, greatest distance in motion.
+    /// Ratio of Articula's to meshoptimizer's maximum distance in motion.
     pub(super) fn ratio(&self, level: usize) -> Option<f32> {
         let of = |who| self.row(who, level).map(|r| r.motion.max);
         Some(of(Contestant::Ours)? / of(Contestant::Meshopt)?)
@@ -254,7 +254,7 @@ morph targets*: Articula, all levels and the finest alone.
     Ok(())
 }
 
-/// One line for each character, contestant and level.
+/// One line for each character, simplifier and level.
 pub(super) fn errors_csv(all: &[Found]) -> Result<String> {
     let mut csv = String::from(
         "character,who,level,triangles,vertices,crossed_seams,rest_max_mm,rest_p99_mm,rest_mean_mm,motion_max_mm,motion_p99_mm,motion_mean_mm\n",

@@ -1,4 +1,4 @@
-//! A character in motion at every level, whole and close up, to be looked at: hands, face and armpits.
+//! A character in motion at every level, whole and in close-ups of hands, face and armpits.
 
 use super::QUARTER;
 use super::SHARES;
@@ -14,20 +14,20 @@ use glam::Vec3;
 use std::path::Path;
 
 const TILE_PX: (u32, u32) = (230, 250);
-/// From how far above it is seen, radians.
+/// Elevation of the camera, radians.
 const ELEVATION: f32 = 0.1;
-/// Moments that are shown.
+/// Number of poses shown.
 const MOMENTS: usize = 3;
-/// What is seen of a shoulder, part of the height.
+/// Size of the visible part of a shoulder, as a fraction of the height.
 const ARMPIT: f32 = 0.09;
 
-/// What a picture is of.
+/// Part of the character in a picture.
 #[derive(Clone, Copy)]
 enum View {
     Body,
-    /// The skin of a joint and what hangs on it, from an azimuth in radians.
+    /// The skin of a joint and its descendants, from an azimuth in radians.
     Below(&'static str, f32),
-    /// What is near a joint.
+    /// The surroundings of a joint, from an azimuth in radians.
     Near(&'static str, f32),
 }
 
@@ -38,16 +38,16 @@ const VIEWS: [View; 4] = [
     View::Near("l_shoulder", 0.7),
 ];
 
-/// What a sheet shows.
+/// Contents of a sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Extent {
-    /// All levels at several moments.
+    /// All levels in several poses.
     Full,
-    /// One moment, the levels down to 10 %: for a page.
+    /// One pose, the levels down to 10 %: for a page.
     Page,
 }
 
-/// Draws some poses of those that are measured on.
+/// Draws some of the poses for measuring.
 pub(super) fn write(
     subject: &Subject,
     posed: &Posed,
@@ -114,12 +114,12 @@ fn row(
         }
     }
     Ok(SheetRow {
-        label: format!("{label}: {} tris", level.triangles.len()),
+        label: format!("{label}: {} triangles", level.triangles.len()),
         cells: vec![SheetCell { tiles }],
     })
 }
 
-/// The box that is looked at, and from where; `None` if the character has no such thing.
+/// The box in the picture and the azimuth; `None` if the character lacks the joint.
 fn seen(subject: &Subject, moment: &SkinnedMesh, view: View) -> Option<(Bounds, f32)> {
     let mesh = &subject.asset.mesh;
     let rig = &subject.asset.rig;

@@ -1,4 +1,4 @@
-//! What levels take: ours and what others make of the same meshes.
+//! Bytes of levels: Articula and other codecs on the same meshes.
 
 use super::characters::Subject;
 use crate::measure::thread_ns;
@@ -15,19 +15,19 @@ use articula_stream::mesh::{Grid, Quantised, QuantisedMesh, decode_level, encode
 #[derive(Debug, Clone, Default)]
 pub(super) struct Level {
     pub(super) triangles: usize,
-    /// Vertices as a GPU has them.
+    /// Number of vertices on a GPU.
     pub(super) vertices: usize,
-    /// Ours, the level alone.
+    /// Articula, the level alone.
     pub(super) direct: usize,
-    /// Ours, what the level adds to the coarser one; the coarsest alone.
+    /// Articula, the addition of the level to the next coarser one; the coarsest alone.
     pub(super) chunk: usize,
     /// Draco; `None` without node.
     pub(super) draco: Option<usize>,
     pub(super) meshopt: usize,
-    /// Vertices and indices as they lie in a buffer.
+    /// Vertices and indices uncoded in a buffer.
     pub(super) plain: usize,
-    /// Ranges that show the level: one of vertices and those of triangles, of the part that has
-    /// most, in the written form.
+    /// Number of ranges that show the level in the written form, for the part with most: one of
+    /// vertices and those of triangles.
     pub(super) ranges: usize,
 }
 
@@ -36,13 +36,13 @@ pub(super) struct Level {
 pub(super) struct Sizes {
     /// Coarsest first.
     pub(super) levels: Vec<Level>,
-    /// All levels in the written form, as they lie in a buffer.
+    /// All levels in the written form, uncoded in a buffer.
     pub(super) store: usize,
-    /// Ours with morph targets: all chunks, and the finest level alone. `None` without any.
+    /// Articula with morph targets: all chunks, and the finest level alone. `None` without any.
     pub(super) with_morphs: Option<(usize, usize)>,
-    /// Draco's finest level by kind: position, normal, ...
+    /// Draco's finest level by kind of value: position, normal, ...
     pub(super) draco_kinds: Vec<(&'static str, usize)>,
-    /// Least processor time that all chunks take, without morph targets.
+    /// Minimum processor time for all chunks, without morph targets.
     pub(super) seconds: Seconds,
 }
 
@@ -56,19 +56,19 @@ pub(super) struct Seconds {
 }
 
 impl Sizes {
-    /// All chunks.
+    /// Bytes of all chunks.
     pub(super) fn whole(&self) -> usize {
         self.levels.iter().map(|l| l.chunk).sum()
     }
 }
 
-/// A part of a character with its levels, and the same in whole numbers.
+/// A part of a character with its levels, quantised.
 struct Object {
     levels: Vec<Vec<[u32; 3]>>,
     vertices: usize,
-    /// Without morph targets, which no other codec has.
+    /// Without morph targets, which no other codec supports.
     bare: Quantised,
-    /// With them, if there are any.
+    /// With morph targets, if there are any.
     full: Option<Quantised>,
 }
 
@@ -126,7 +126,7 @@ fn objects(subject: &Subject, levels: &[LevelTriangles]) -> Result<Vec<Object>> 
     Ok(objects)
 }
 
-/// The levels of a part in whole numbers, in the order in which they are coded.
+/// The levels of a part, quantised, in coding order.
 fn in_order(part: &Primitive, levels: &[Vec<[u32; 3]>], grid: &Grid) -> Result<Quantised> {
     let finest_first: Vec<_> = levels.iter().rev().cloned().collect();
     let mut coded = quantise(part, &finest_first, grid, &PRECISION)?;
@@ -134,7 +134,7 @@ fn in_order(part: &Primitive, levels: &[Vec<[u32; 3]>], grid: &Grid) -> Result<Q
     Ok(coded)
 }
 
-/// The bytes of our codec, and its time.
+/// Adds the bytes of Articula's codec, and its time.
 fn add_ours(objects: &[Object], rounds: usize, sizes: &mut Sizes) -> Result<()> {
     for object in objects {
         let chunks = chunks(&object.bare)?;
@@ -165,7 +165,7 @@ fn add_ours(objects: &[Object], rounds: usize, sizes: &mut Sizes) -> Result<()> 
     Ok(())
 }
 
-/// The coarsest level, then what each level adds.
+/// The coarsest level, then the addition of each level.
 fn chunks(part: &Quantised) -> Result<Vec<Vec<u8>>> {
     let layout = &part.layout;
     let mut chunks = Vec::new();
@@ -178,7 +178,7 @@ fn chunks(part: &Quantised) -> Result<Vec<Vec<u8>>> {
     Ok(chunks)
 }
 
-/// Seconds that all chunks take to be made, and to be read; what is read must be as large.
+/// Seconds for coding and decoding all chunks; the decoded mesh must have the same size.
 fn race(objects: &[Object]) -> Result<[f64; 2]> {
     let start = thread_ns();
     let coded: Result<Vec<_>> = objects.iter().map(|o| chunks(&o.bare)).collect();
@@ -208,7 +208,7 @@ fn race(objects: &[Object]) -> Result<[f64; 2]> {
     Ok([middle - start, end - middle].map(|ns| 1e-9 * ns as f64))
 }
 
-/// What others make, but for Draco, which takes all meshes at once.
+/// Adds the bytes of the other codecs but Draco, which takes all meshes at once.
 fn add_object(object: &Object, wire: &[WireMesh], sizes: &mut Sizes) -> Result<()> {
     for (mesh, level) in wire.iter().zip(&mut sizes.levels) {
         level.triangles += mesh.triangles.len();
@@ -259,7 +259,7 @@ fn add_draco(meshes: &[Vec<WireMesh>], sizes: &mut Sizes) -> Result<()> {
     Ok(())
 }
 
-/// The bytes of each kind, as more than those before it take.
+/// Adds the bytes of each kind of value, as differences to the kinds before it.
 fn add_kinds(mesh: &WireMesh, found: &draco::Coded, kinds: &mut Vec<(&'static str, usize)>) {
     let mut add =
         |kind: &'static str, bytes: usize| match kinds.iter_mut().find(|(k, _)| *k == kind) {

@@ -1,43 +1,43 @@
-//! What was aimed at, and what was found.
+//! The targets of the mesh levels, and the measured values.
 
 use super::Found;
 use super::QUARTER;
 use anyhow::Result;
 use std::fmt::Write as _;
 
-/// One number of each character that should not exceed a bound.
+/// A value of each character with an upper bound.
 struct Target {
     what: &'static str,
-    /// Whether the median counts, and not the worst.
+    /// Whether the bound applies to the median instead of the worst.
     median: bool,
     bound: f64,
     values: Vec<(&'static str, f64)>,
 }
 
 impl Found {
-    /// All our chunks to Draco's finest level.
+    /// All of Articula's chunks to Draco's finest level.
     pub(super) fn to_draco(&self) -> Option<f64> {
         let finest = self.sizes.levels.last()?.draco?;
         Some(self.sizes.whole() as f64 / finest as f64)
     }
 
-    /// All our chunks to all levels of Draco.
+    /// All of Articula's chunks to all levels of Draco.
     pub(super) fn to_draco_levels(&self) -> Option<f64> {
         let levels: Option<Vec<usize>> = self.sizes.levels.iter().map(|l| l.draco).collect();
         Some(self.sizes.whole() as f64 / levels?.iter().sum::<usize>() as f64)
     }
 
-    /// All our chunks to meshoptimizer's finest level.
+    /// All of Articula's chunks to meshoptimizer's finest level.
     pub(super) fn to_meshopt(&self) -> Option<f64> {
         Some(self.sizes.whole() as f64 / self.sizes.levels.last()?.meshopt as f64)
     }
 
-    /// All our chunks to our finest level alone.
+    /// All of Articula's chunks to its finest level alone.
     pub(super) fn to_own(&self) -> Option<f64> {
         Some(self.sizes.whole() as f64 / self.sizes.levels.last()?.direct as f64)
     }
 
-    /// Our worst level alone to the same of Draco.
+    /// Articula's level alone to the same level of Draco, at the worst level.
     fn direct_to_draco(&self) -> Option<f64> {
         let levels = self.sizes.levels.iter();
         let ratios: Option<Vec<f64>> = levels
@@ -52,13 +52,13 @@ impl Found {
         Some(finest.direct as f64 / finest.draco? as f64)
     }
 
-    /// Our written form to all levels as they would lie in buffers.
+    /// Articula's written form to all levels uncoded in buffers.
     fn store_to_sum(&self) -> Option<f64> {
         let plain: usize = self.sizes.levels.iter().map(|l| l.plain).sum();
         Some(self.sizes.store as f64 / plain as f64)
     }
 
-    /// Ranges of the finer levels to what the thesis has.
+    /// Ranges of the finer levels to those of the thesis.
     fn ranges_to_thesis(&self) -> Option<f64> {
         let finer = self.sizes.levels.iter().enumerate().skip(1);
         finer
@@ -66,7 +66,7 @@ impl Found {
             .reduce(f64::max)
     }
 
-    /// Seconds that 100,000 triangles are simplified, rounded and coded in.
+    /// Seconds for simplifying, rounding and coding 100,000 triangles.
     fn seconds_of_100k(&self) -> Option<f64> {
         let finest = self.sizes.levels.last()?.triangles;
         let seconds = self.sizes.seconds;
@@ -161,7 +161,7 @@ Every target applies to every character, except the median. *Held*: the number o
     Ok(())
 }
 
-/// Of sorted values.
+/// Median of sorted values.
 fn median(sorted: &[(&str, f64)]) -> f64 {
     let (low, high) = (sorted.len().saturating_sub(1) / 2, sorted.len() / 2);
     let at = |i: usize| sorted.get(i).map_or(f64::NAN, |v| v.1);

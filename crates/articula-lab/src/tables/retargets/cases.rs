@@ -1,4 +1,4 @@
-//! Which motions are put onto which characters.
+//! The pairs of motions and characters.
 
 use anyhow::{Context, Result};
 use articula::convert::{FittedClip, fit_clips};
@@ -9,16 +9,16 @@ use articula_formats::mpeg4::bap;
 use articula_human::HumanOptions;
 use std::path::Path;
 
-/// Where a motion comes from.
+/// Source of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum MotionSource {
-    /// A clip of a file of the data; the first without a name.
+    /// A clip of a data file; the first clip if the name is empty.
     File(&'static str, &'static str),
-    /// Body animation parameters, told from another motion on our human.
+    /// Body animation parameters, made from another motion on the reference human.
     Bap(&'static str),
 }
 
-/// Who receives it.
+/// Character that receives a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum MotionTarget {
     File(&'static str),
@@ -35,13 +35,13 @@ pub(super) struct Case {
     pub(super) target: MotionTarget,
     /// Leading seconds that are left out: captures begin with a frame of the rest pose.
     pub(super) skip_secs: f32,
-    /// Whether a small run has it.
+    /// Whether it is part of a small run.
     pub(super) small: bool,
-    /// Whether it stands in the picture beside the table.
+    /// Whether it is in the picture of the page.
     pub(super) shown: bool,
 }
 
-/// A character with the name that the table has for it.
+/// A character and its name in the table.
 type Onto = (&'static str, MotionTarget);
 
 const CMU_WALK: &str = "bvh/cmu_12_01_walk.bvh";
@@ -60,7 +60,7 @@ const KNIGHT: Onto = onto("KayKit Knight", "glb/KayKit_Knight.glb");
 const GODETTE: Onto = onto("Godette", "vrm/Godette_vrm_v4.vrm");
 const HUMAN: Onto = ("our human", MotionTarget::Human);
 
-/// The table, in its order: every kind of motion, every kind of character.
+/// The rows of the table, in order: every kind of motion, every kind of character.
 pub(super) const CASES: [Case; 14] = [
     case("CMU walk", file(CMU_WALK), MH_MAN).skip(),
     case("CMU walk", file(CMU_WALK), KNIGHT)
@@ -146,7 +146,7 @@ fn human() -> Result<CharacterFile> {
     Ok(CharacterFile::from_character("human", character))
 }
 
-/// The motion of a case, alone in its character.
+/// The motion of a case, as the only clip of its character.
 pub(super) fn source(data: &Path, case: &Case) -> Result<CharacterFile> {
     let mut actor = match case.source {
         MotionSource::File(name, wanted) => {
@@ -173,7 +173,7 @@ pub(super) fn target(data: &Path, case: &Case) -> Result<CharacterFile> {
         MotionTarget::File(name) => {
             let mut actor = open(data, name)?;
             if case.target == KNIGHT.1 {
-                // Without the arms and shields that it may carry, which hide its limbs.
+                // Without shields and other meshes that hide its limbs.
                 let meshes = &mut actor.character.meshes;
                 meshes.retain(|m| m.name.starts_with("Knight_"));
             }
@@ -183,7 +183,7 @@ pub(super) fn target(data: &Path, case: &Case) -> Result<CharacterFile> {
     }
 }
 
-/// The first clip of a figure on another, by what their joints are.
+/// The first clip of a figure retargeted onto another by the H-Anim map.
 pub(super) fn retargeted(from: &CharacterFile, onto: &CharacterFile) -> Result<FittedClip> {
     let options = AddClipsOptions {
         by_names: false,
@@ -194,8 +194,8 @@ pub(super) fn retargeted(from: &CharacterFile, onto: &CharacterFile) -> Result<F
     fitted.context("no clip")
 }
 
-/// The motion of a file told in body animation parameters: put onto our human, sampled,
-/// written, read.
+/// The motion of a file as body animation parameters: retargeted onto the reference human, sampled,
+/// written and read.
 fn bap_of(data: &Path, name: &str) -> Result<CharacterFile> {
     let mut from = open(data, name)?;
     skip(&mut from.character.clips[0], 0.009);
@@ -209,7 +209,7 @@ fn bap_of(data: &Path, name: &str) -> Result<CharacterFile> {
     Ok(read?)
 }
 
-/// Leaves out the beginning of a clip; its keys are those of one rate.
+/// Removes the beginning of a clip whose keys have one rate.
 fn skip(clip: &mut RawClip, secs: f32) {
     let frame_secs = 1.0 / source_rate_hz(clip);
     let start = (secs / frame_secs).round() * frame_secs;

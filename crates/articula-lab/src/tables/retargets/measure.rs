@@ -1,5 +1,4 @@
-//! Quality of a motion as seen from outside: poses are evaluated and looked at, nothing is asked
-//! of what made them.
+//! Quality of a motion measured from its poses alone, independently of the retargeting code.
 
 use anyhow::Result;
 use articula::CharacterFile;
@@ -9,21 +8,22 @@ use articula_core::{LocalPose, ModelPose, Rig, angle_between, local_to_model};
 use glam::Vec3;
 use std::ops::Range;
 
-/// A resting foot moves by less than this, metres a second on a leg of one metre.
+/// Maximum speed of a planted foot, metres per second on a leg of one metre.
 const REST_SPEED: f32 = 0.2;
-/// And is less than this above where it is lowest, metres on a leg of one metre.
+/// Maximum height above its lowest position, metres on a leg of one metre.
 const REST_HEIGHT: f32 = 0.06;
-/// And comes less far from where it began, metres on a leg of one metre: slow motion is no rest.
+/// Maximum distance from its first position, metres on a leg of one metre: slow motion is no
+/// contact.
 const REST_METRES: f32 = 0.03;
-/// For at least so long, seconds.
+/// Minimum duration of a contact, seconds.
 const REST_SECS: f32 = 0.15;
-/// Sine of the angle by which a straight knee may seem to bend forward.
+/// Sine of the angle by which a straight knee may appear to bend forward.
 const WRONG_SINE: f32 = 0.1;
 
-/// Joints that may stand for the toes, the best first.
+/// Joints that can represent the toes, the best first.
 const TOES: [&str; 3] = ["metatarsal", "midtarsal", "ankle"];
 
-/// A clip, frame by frame.
+/// A clip, evaluated frame by frame.
 pub(super) struct Played {
     pub(super) rig: Rig,
     pub(super) locals: Vec<LocalPose>,
@@ -31,7 +31,7 @@ pub(super) struct Played {
     pub(super) rate_hz: f32,
 }
 
-/// A foot that rests: name of the joint that is watched, frames.
+/// A contact of a foot: name of the measured joint, and frames.
 pub(super) type Contact = (String, Range<usize>);
 
 impl Played {
@@ -57,12 +57,13 @@ impl Played {
         })
     }
 
-    /// The same at the clip's own rate.
+    /// Evaluates a clip at its own rate.
     pub(super) fn of(actor: &CharacterFile, clip: &RawClip) -> Result<Self> {
         Self::new(actor, clip, source_rate_hz(clip))
     }
 
-    /// Fastest turn of a mapped joint against its parent: its name, degrees a second.
+    /// Maximum angular speed of a mapped joint relative to its parent: its name, degrees per
+    /// second.
     pub(super) fn fastest(&self) -> (String, f32) {
         let joints = &self.rig.articulation().joints;
         let mut worst = (String::new(), 0.0);
@@ -79,7 +80,7 @@ impl Played {
         worst
     }
 
-    /// When each foot rests on the ground, watched at the foremost joint that the other has too.
+    /// Contacts of each foot, measured at the foremost joint that the other figure has too.
     pub(super) fn contacts(&self, other: &Self) -> Vec<Contact> {
         let mut contacts = Vec::new();
         let leg = self.leg_metres();
@@ -122,8 +123,8 @@ impl Played {
         contacts
     }
 
-    /// Mean over contacts of the farthest that the toes come from where they began, in
-    /// millimetres over the ground; none without contacts.
+    /// Mean over contacts of the maximum distance of the toes from their first position, in
+    /// millimetres over the ground; `None` without contacts.
     pub(super) fn slide_mm(&self, contacts: &[Contact]) -> Option<f32> {
         let slide = |(name, frames): &Contact| {
             let toe = self.joint(name)?;
@@ -140,8 +141,8 @@ impl Played {
         (!slides.is_empty()).then(|| 1000.0 * sum / slides.len() as f32)
     }
 
-    /// Share of frames and sides in which a knee bends forward: the shank is turned against the
-    /// thigh about the line from the right to the left hip.
+    /// Fraction of frames and sides in which a knee bends forward: the rotation of the shank
+    /// against the thigh about the line from the right to the left hip.
     pub(super) fn knees_wrong_share(&self) -> f32 {
         let find = |name: &str| self.joint(name);
         let hips = find("l_hip").zip(find("r_hip"));

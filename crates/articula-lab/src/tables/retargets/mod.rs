@@ -1,5 +1,5 @@
-//! Motions of every kind of file on every kind of character: how good they are, in numbers and
-//! in pictures.
+//! Quality of retargeted motions of every kind of file on every kind of character, in numbers and
+//! pictures.
 
 mod cases;
 mod measure;
@@ -16,26 +16,26 @@ use rayon::prelude::*;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// What a case came to.
+/// Result of one case.
 struct Row {
     case: Case,
     source: CharacterFile,
     target: CharacterFile,
-    /// The motion, and what became of it.
+    /// The motion before and after retargeting.
     before: Played,
     after: Played,
     report: RetargetReport,
     seen: VisibleQuality,
 }
 
-/// What is seen from outside.
+/// Quality measured from the poses alone.
 struct VisibleQuality {
     contacts: usize,
-    /// Slide of the resting toes, millimetres, of the source at the target's size and of the
-    /// target.
+    /// Slide of the resting toes in millimetres, of the source scaled to the target's size and of
+    /// the target.
     slide_source_mm: Option<f32>,
     slide_mm: Option<f32>,
-    /// Fastest turns, degrees a second.
+    /// Maximum angular speeds, degrees per second.
     fastest_source: (String, f32),
     fastest: (String, f32),
     knees_wrong_share: f32,
@@ -89,13 +89,13 @@ fn rows(run: &Run) -> Result<Vec<Row>> {
     cases.par_iter().map(row).collect()
 }
 
-/// Where pictures go, if they are drawn.
+/// Pictures to draw.
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct Pictures {
-    /// Folder that receives a sheet of each.
+    /// Folder for a sheet of each case.
     #[arg(long)]
     sheets: Option<PathBuf>,
-    /// File that receives the picture beside the table.
+    /// File for the picture of the page.
     #[arg(long)]
     picture: Option<PathBuf>,
 }
@@ -126,7 +126,7 @@ fn draw(rows: &[&Row], path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The motion above what became of it.
+/// Sheet of each motion above its result.
 fn sheet_of(rows: &[&Row]) -> Result<ContactSheet> {
     let mut lines = Vec::new();
     for row in rows {
@@ -140,7 +140,7 @@ fn sheet_of(rows: &[&Row]) -> Result<ContactSheet> {
         }
     }
     Ok(ContactSheet {
-        title: "Motions, and what became of them".into(),
+        title: "Motions and their retargeted results".into(),
         rows: lines,
         ..ContactSheet::default()
     })
@@ -259,9 +259,8 @@ mod tests {
     use super::*;
     use crate::data;
 
-    /// Feet slide by at most 20 mm in the mean while they rest, no limb flips, knees and
-    /// elbows bend the right way. Slide, speed and knees are measured here once more, from the
-    /// poses alone.
+    /// Planted feet slide by at most 20 mm in the mean, no limb flips, knees and elbows bend in the
+    /// right direction. Slide, speed and knees are also measured from the poses alone.
     #[test]
     fn every_retarget_holds_its_bounds() {
         const SLIDE_MM: f32 = 20.0;
@@ -283,8 +282,8 @@ mod tests {
             let slide = seen.slide_mm.unwrap_or(0.0);
             assert!(slide <= SLIDE_MM, "{name}: {slide} mm seen");
             resting += usize::from(seen.contacts > 0 && q.slide.contacts > 0);
-            // Pinning a foot may hurry a knee by up to 5 rad/s; a flip of half a turn within a
-            // frame is 1,800 degrees a second at the 10 Hz of the slowest motion here.
+            // Pinning a foot may speed up a knee by up to 5 rad/s; a flip of half a turn within a
+            // frame is 1,800 degrees per second at the 10 Hz of the slowest motion here.
             let (fastest, source) = (&seen.fastest, &seen.fastest_source);
             let bound = 1.3 * source.1 + 5f32.to_degrees();
             assert!(fastest.1 <= bound, "{name}: {fastest:?} after {source:?}");

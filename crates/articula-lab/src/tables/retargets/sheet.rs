@@ -1,4 +1,4 @@
-//! A motion and what became of it, side by side at some moments.
+//! A motion and its retargeted result, side by side at several times.
 
 use super::measure::Played;
 use anyhow::{Context, Result};
@@ -8,13 +8,13 @@ use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_vi
 use articula_report::{SheetCell, SheetRow, draw_skeleton, followed};
 use glam::{Affine3A, Vec2, Vec3};
 
-/// Size of one picture, pixels.
+/// Size of one picture in pixels.
 const TILE: (u32, u32) = (128, 162);
-/// From where figures are seen: a little from their left and from above.
+/// Direction of view: slightly from the figure's left and from above.
 const AZIMUTH: f32 = 0.6;
 const ELEVATION: f32 = 0.15;
 
-/// Moments of a clip that are shown.
+/// Number of frames of a clip that are shown.
 pub(super) const MOMENTS: usize = 6;
 
 /// Draws one figure in its poses.
@@ -28,7 +28,7 @@ pub(super) struct Artist<'a> {
 }
 
 impl<'a> Artist<'a> {
-    /// Frames the camera on the moments; it follows the root over the ground.
+    /// Frames the camera on the shown frames; it follows the root over the ground.
     pub(super) fn new(
         actor: &CharacterFile,
         played: &'a Played,
@@ -121,7 +121,7 @@ impl<'a> Artist<'a> {
     }
 }
 
-/// Where a figure looks, radians from +Z: square to the line between its hips.
+/// Heading of a figure, radians from +Z: perpendicular to the line between its hips.
 fn facing(rig: &Rig, model: &ModelPose) -> f32 {
     let Some((left, right)) = hips(rig, model) else {
         return 0.0;

@@ -1,7 +1,7 @@
 //! Wedges of the same point, and values that they share.
 //!
 //! Source: `docs/methods/clustered-mesh.md` part 8.1 (e). A seam of one kind of value is rarely one
-//! of another; the best predictor are the wedges at the other end of the edges between two
+//! of another; the best evidence is the wedges at the other end of the edges between two
 //! siblings.
 
 use super::super::mixing::{Weights, decide};

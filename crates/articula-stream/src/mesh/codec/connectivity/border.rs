@@ -103,7 +103,7 @@ impl Border {
         (*latest != NONE).then_some(*latest)
     }
 
-    /// The number of steps from one entry to another of the same loop, if at most [`REACH`].
+    /// The number of steps from one entry to another of the same loop, if below [`REACH`].
     pub(super) fn steps(
         &self,
         from: u32,
