@@ -8,12 +8,12 @@ pub(crate) use articula::fs::{in_folder, shown};
 
 /// The character format that a file name implies.
 pub(crate) fn format(path: &Path) -> Option<Format> {
-    Format::of_name(&path.to_string_lossy())
+    Format::from_name(&path.to_string_lossy())
 }
 
 /// The format without a character (FAP, FDP, EPF) that a file name implies.
 pub(crate) fn data_format(path: &Path) -> Option<DataFormat> {
-    DataFormat::of_name(&path.to_string_lossy())
+    DataFormat::from_name(&path.to_string_lossy())
 }
 
 /// Reads a whole file of at most `limit` bytes; pipes and devices are cut off there too.

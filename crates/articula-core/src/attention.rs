@@ -1,32 +1,31 @@
-//! When a clip matters more than usual, and how that and a character's importance scale what
-//! error is tolerated.
+//! Attention: intervals of a clip that matter more than usual, and how they and a character's
+//! importance scale the tolerance.
 //!
-//! Source: `docs/methods/motion-lod.md` 4.3 (`m`, the multiplier of the tolerance) and 4.6 (contacts).
-//! Made before the frame; what it gives goes into the tolerance of a joint or a level.
+//! Source: `docs/methods/motion-lod.md` 4.3 (`m`, the multiplier of the tolerance) and 4.6
+//! (contacts). Made ahead of time; its factor scales the tolerance of a joint or a level.
 
 use crate::Mismatch;
 use crate::sample::Wrap;
 
-/// The least multiplier of a tolerance: no character is held to less than a 64th of it.
+/// Minimum multiplier of a tolerance.
 pub(crate) const MIN_MULTIPLIER: f32 = 1.0 / 64.0;
 
-/// The greatest: none is let go farther than 64 times the tolerance, so that one who matters to
-/// nobody still moves like a body.
+/// Maximum multiplier of a tolerance, so that a character of no importance still moves like a body.
 pub(crate) const GREATEST_MULTIPLIER: f32 = 64.0;
 
-/// A stretch of a clip in which errors are tolerated differently.
+/// An interval of a clip with a different tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttentionInterval {
-    /// Where it begins, seconds of the clip.
+    /// Start of the interval in seconds of the clip.
     pub start_secs: f32,
-    /// Where it ends; the end itself belongs to it.
+    /// End of the interval in seconds of the clip, included.
     pub end_secs: f32,
-    /// What multiplies the tolerance: below 1 where care is due (0.25 for a foot that stands,
-    /// perhaps 0.5 for someone who talks), above 1 where little is seen.
+    /// Multiplier of the tolerance: below 1 where errors are noticed more (0.25 for a standing
+    /// foot, perhaps 0.5 for a talking character), above 1 where less.
     pub factor: f32,
 }
 
-/// The factor of a clip at every time.
+/// Tolerance factor of a clip over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attention {
     duration_secs: f64,
@@ -37,12 +36,12 @@ pub struct Attention {
 }
 
 impl Attention {
-    /// Joins intervals of a clip; the smallest factor counts where some overlap, and 1 where
-    /// there is none. What lies beyond the clip is never asked for.
+    /// Combines intervals of a clip: the smallest factor counts where some overlap, and 1 where
+    /// there is none. Parts beyond the clip have no effect.
     ///
     /// # Errors
-    /// A [`Mismatch`] if the duration is no finite number from 0 on, an interval does not end
-    /// after it starts, or a factor is not positive and finite.
+    /// A [`Mismatch`] if the duration is negative or not finite, an interval is not finite or ends
+    /// before it starts, or a factor is not positive and finite.
     pub fn new(duration_secs: f32, intervals: &[AttentionInterval]) -> Result<Self, Mismatch> {
         if !(duration_secs.is_finite() && duration_secs >= 0.0) {
             let what = format!("{duration_secs} is no duration");
@@ -61,7 +60,7 @@ impl Attention {
         }
         let mut starts_secs: Vec<f32> = intervals
             .iter()
-            // An interval counts up to and with its end.
+            // An interval includes its end.
             .flat_map(|i| [i.start_secs, i.end_secs.next_up()])
             .chain([f32::NEG_INFINITY])
             .collect();
@@ -82,8 +81,8 @@ impl Attention {
         })
     }
 
-    /// The factor at a time of play, which wraps as the clip's does; a time that is no number
-    /// counts as 0. O(log of the intervals); does not allocate.
+    /// Returns the factor at a playback time, which wraps as that of the clip does; a time that is
+    /// not finite counts as 0. O(log of the number of intervals); does not allocate.
     pub fn at(&self, time_secs: f64, wrap: Wrap) -> f32 {
         let time = if time_secs.is_finite() {
             time_secs
@@ -101,22 +100,22 @@ impl Attention {
     }
 }
 
-/// The multiplier `m` of a tolerance, from the factor of what is played and the importance of who
-/// plays it: 1 is everyone's, twice as much tolerates half.
+/// Returns the multiplier `m` of a tolerance, from the factor of the clip and the importance of the
+/// character: 1 is neutral, 2 halves the tolerance.
 ///
-/// Stays between [`MIN_MULTIPLIER`] and [`GREATEST_MULTIPLIER`]. Importance 0 and below gives
-/// the greatest, infinite importance the least; what is no number counts as 1.
+/// Stays between [`MIN_MULTIPLIER`] and [`GREATEST_MULTIPLIER`]. Importance 0 and below gives the
+/// maximum, infinite importance the minimum; NaN counts as 1.
 pub(crate) fn multiplier(factor: f32, importance: f32) -> f32 {
     let or_one = |v: f32| if v.is_nan() { 1.0 } else { v };
     let m = or_one(factor).max(0.0) / or_one(importance).max(0.0);
-    // Nothing over nothing, and endless over endless, say nothing.
+    // 0 / 0 and infinity / infinity count as 1.
     or_one(m).clamp(MIN_MULTIPLIER, GREATEST_MULTIPLIER)
 }
 
-/// Tolerance in metres at a joint: `epsilon_px * attention / pixels_per_metre`.
+/// Returns the tolerance in metres at a joint: `epsilon_px * attention / pixels_per_metre`.
 ///
-/// `attention` lowers it where care is due (contacts, faces looked at) and raises it where
-/// little is seen; 1 is neutral.
+/// `attention` is the multiplier: below 1 where errors are noticed more (contacts, faces), above 1
+/// where less; 1 is neutral.
 pub(crate) fn tolerance_metres(epsilon_px: f32, attention: f32, pixels_per_metre: f32) -> f32 {
     epsilon_px * attention / pixels_per_metre.max(1e-6)
 }
@@ -150,7 +149,7 @@ mod tests {
 
     #[test]
     fn a_walk_by_hand() {
-        // Two steps that overlap, and a word said meanwhile.
+        // Two steps that overlap, and speech meanwhile.
         let steps = [
             interval(0.0, 0.6, 0.25),
             interval(0.5, 1.0, 0.25),
@@ -189,7 +188,7 @@ mod tests {
         assert_eq!(multiplier(1.0, f32::NAN), 1.0);
         assert_eq!(multiplier(f32::NAN, 2.0), 0.5);
         assert_eq!(multiplier(0.0, 0.0), 1.0);
-        // Someone twice as important, standing: a pixel at 100 px/m tolerates 1.25 mm.
+        // A standing character, twice as important: a pixel at 100 px/m tolerates 1.25 mm.
         let metres = tolerance_metres(1.0, multiplier(0.25, 2.0), 100.0);
         assert!((metres - 1.25e-3).abs() < 1e-9);
     }

@@ -1,18 +1,18 @@
-//! A ball swept along a segment: the shape of a trunk, a limb, a head.
+//! Capsule: a sphere swept along a segment, which approximates a trunk, a limb or a head.
 
 use glam::{Quat, Vec3};
 
 /// All points within a radius of a segment; metres.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Capsule {
-    /// The segment's ends.
+    /// Ends of the segment.
     pub ends: [Vec3; 2],
-    /// The radius around it.
+    /// Radius around the segment.
     pub radius: f32,
 }
 
 impl Capsule {
-    /// The capsule carried along by a body: scaled, then turned, then moved.
+    /// Returns the capsule transformed with its body: scaled, then rotated, then translated.
     #[must_use]
     pub fn carried(self, position: Vec3, rotation: Quat, scale: f32) -> Self {
         Self {
@@ -21,7 +21,7 @@ impl Capsule {
         }
     }
 
-    /// Whether a point lies inside or on it.
+    /// Whether a point lies inside the capsule or on it.
     pub fn contains(&self, point: Vec3) -> bool {
         let [a, b] = self.ends;
         let along = b - a;

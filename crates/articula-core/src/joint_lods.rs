@@ -1,10 +1,11 @@
-//! Levels of a rig as prefixes of one joint order: merged joints move with an ancestor.
+//! Joint LODs: levels of a rig as prefixes of one joint order, with merged joints that move with an
+//! ancestor.
 //!
-//! Source: `docs/methods/motion-lod.md` part 8 and `docs/methods/runtime.md` part 3. Level 0 has every joint;
-//! each further level keeps no more. A joint that a level does not keep is *merged*: it stands in
-//! the rig's mean pose, so it moves with its nearest kept ancestor. Kept joints keep their true
-//! transforms, because every level contains the ancestors of what it contains. Which joints go
-//! first is decided by `articula-build` from the character's motion.
+//! Source: `docs/methods/motion-lod.md` part 8 and `docs/methods/runtime.md` part 3. Level 0 has
+//! every joint; each further level keeps no more. A joint that a level does not keep is *merged*:
+//! it has the rig's mean pose relative to its nearest kept ancestor and moves with it. Kept joints
+//! have their true transforms, because every level contains the ancestors of its joints.
+//! `articula-build` decides from the character's motion which joints are dropped first.
 
 use crate::Mismatch;
 use crate::joint_set::JointSet;
@@ -12,12 +13,13 @@ use crate::math::Transform;
 use crate::pose::LocalPose;
 use crate::rig::Rig;
 
-/// One joint order of a rig, and how many of its joints each level keeps.
+/// Joint order of a rig, and the number of its joints that each level keeps.
 ///
-/// Levels may keep the same joints, so that they differ in what else belongs to a level: the mesh,
-/// or the influences of its vertices.
+/// Levels may keep the same joints and differ in what else belongs to a level: the mesh, or the
+/// influences of its vertices.
 ///
-/// A *place* is a position in that order. Parents stand at smaller places than their children.
+/// A *place* is an index into this order, the LOD order. Parents have smaller places than their
+/// children.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointLods {
     joints: Vec<u16>,
@@ -28,11 +30,11 @@ pub struct JointLods {
 }
 
 impl JointLods {
-    /// Most levels of a ladder: a level fits in four bits.
+    /// Maximum number of levels: a level fits in four bits.
     pub const MAX_LEVELS: usize = 16;
 
-    /// Checks an order of all joints of a rig and the number that each level keeps, and takes
-    /// the mean pose in which merged joints stand.
+    /// Combines an order of all joints of a rig, the number of joints that each level keeps and the
+    /// mean pose of merged joints.
     ///
     /// # Errors
     /// A [`Mismatch`] if `joints` is not a permutation of the rig's joints with parents first,
@@ -76,18 +78,18 @@ impl JointLods {
         })
     }
 
-    /// The ladder of one level that keeps every joint, breadth first.
+    /// Makes one level that keeps every joint, in breadth-first order.
     ///
     /// # Errors
-    /// Never in fact: the rig's own order is an order of its joints.
+    /// Does not occur: the breadth-first order of a rig is valid.
     pub fn whole(rig: &Rig) -> Result<Self, Mismatch> {
         let kept = vec![rig.len() as u16];
         Self::new(rig, breadth_first(rig), kept, rig.rest_pose())
     }
 
-    /// The ladder whose levels keep given joint sets, such as named levels of articulation;
-    /// ancestors of kept joints are kept too. The full rig is added in front if it is not there,
-    /// a set that keeps nothing keeps the roots' first joint.
+    /// Makes levels that keep given joint sets, such as named levels of articulation; ancestors of
+    /// kept joints are kept too. The full rig is added in front if it is missing, and an empty set
+    /// keeps the first joint.
     ///
     /// # Errors
     /// A [`Mismatch`] if a set is not within the one before, once closed over ancestors.
@@ -118,12 +120,12 @@ impl JointLods {
         self.kept.len()
     }
 
-    /// Number of joints that a level keeps: the first places of the order.
+    /// Number of joints that a level keeps: the first ones of the order.
     pub fn joint_count(&self, level: usize) -> usize {
         usize::from(self.kept[level])
     }
 
-    /// Joint of the rig at each place: all of its joints.
+    /// Joint of the rig at each place; all joints of the rig.
     pub fn joints(&self) -> &[u16] {
         &self.joints
     }
@@ -217,7 +219,7 @@ mod tests {
             JointSet::EMPTY,
         ];
         let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        // Closed over ancestors: {0,1,2}, {0,1}, {0}; what goes first stands last.
+        // Closed over ancestors: {0,1,2}, {0,1}, {0}; joints dropped first come last.
         assert_eq!(joint_lods.joints(), [0, 1, 2, 4, 3]);
         let kept: Vec<usize> = (0..joint_lods.levels())
             .map(|l| joint_lods.joint_count(l))

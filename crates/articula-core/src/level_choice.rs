@@ -1,12 +1,12 @@
-//! The rule by which a level is chosen, for joints and for meshes: the coarsest whose error is not
-//! seen, with hysteresis.
+//! Choice of a level, for joints and for meshes: the coarsest within the tolerance, with
+//! hysteresis.
 
-/// A coarser level is taken only when its error is below this part of the tolerance, so that a
-/// character on the border does not change to and fro.
+/// A coarser level is taken only when its error is below this fraction of the tolerance, so that a
+/// character at the limit does not alternate between levels.
 const HYSTERESIS: f32 = 0.8;
 
-/// The coarsest level within a tolerance, from the level that is shown now. A tolerance that is
-/// no number gives full detail.
+/// Returns the coarsest level within a tolerance, starting from the level that is shown now. A NaN
+/// tolerance gives full detail.
 #[inline]
 pub(crate) fn level_within(
     tolerance_metres: f32,
@@ -21,7 +21,7 @@ pub(crate) fn level_within(
         level -= 1;
     }
     if level == start {
-        // Who just came into view has nothing to keep.
+        // A character that just came into view has no level to keep.
         let part = if shown.is_some() { HYSTERESIS } else { 1.0 };
         while level < coarsest && fits(level + 1, part) {
             level += 1;
@@ -30,12 +30,12 @@ pub(crate) fn level_within(
     level
 }
 
-/// The pixels per metre from which on a level is coarse enough, and from which on too coarse:
-/// between them [`level_within`] keeps it.
+/// Returns the range of pixels per metre in which [`level_within`] keeps a level: below it a
+/// coarser level is chosen, above it a finer one.
 #[inline]
 pub(crate) fn kept_between(errors_metres: &[f32], level: usize, px: f32) -> [f32; 2] {
-    // Full detail is never too coarse, the coarsest level never too fine. A tolerance that is no
-    // number keeps nothing.
+    // Full detail is never too coarse, the coarsest level never too fine. A NaN tolerance keeps no
+    // level.
     let most = px / errors_metres[level];
     let least = errors_metres
         .get(level + 1)
@@ -59,7 +59,7 @@ mod tests {
         assert_eq!(level(f32::NAN, Some(2)), 0);
         assert_eq!(level(0.0, None), 0);
         assert_eq!(level(9.0, Some(1)), 3);
-        // On the border: kept when it is shown, not taken when a finer one is.
+        // At the limit: kept if it is shown, not chosen if a finer one is.
         assert_eq!(level(0.02, Some(2)), 2);
         assert_eq!(level(0.02, Some(1)), 1);
         assert_eq!(level(0.026, Some(1)), 2);

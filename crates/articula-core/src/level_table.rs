@@ -1,15 +1,17 @@
-//! What each level of a character's meshes costs and loses: the numbers that selection works with.
+//! Level table of a character's meshes: size and error of each mesh level, by which levels are
+//! chosen.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 7. All objects of a character have the same list of levels.
+//! Source: `docs/methods/clustered-mesh.md` part 7. All objects of a character have the same list
+//! of levels.
 
 use crate::Mismatch;
 use crate::mesh_level::MeshErrors;
 
-/// How far one surface lies from another over many points, metres. All infinite for a level that
-/// has nothing left to show, or whose error is not known.
+/// Statistics of the distance between two surfaces over many points, in metres. All infinite for a
+/// level without triangles, or whose error is unknown.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SurfaceError {
-    /// The greatest.
+    /// Maximum.
     pub max_metres: f32,
     /// 99th percentile.
     pub p99_metres: f32,
@@ -19,35 +21,36 @@ pub struct SurfaceError {
     pub mean_metres: f32,
 }
 
-/// One level over all meshes of a character.
+/// Size and error of one level over all meshes of a character.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelRow {
-    /// Triangles that it shows.
+    /// Number of triangles.
     pub triangles: u64,
-    /// Vertices that they need.
+    /// Number of vertices that they use.
     pub vertices: u64,
     /// Distance from the original surface at rest.
     pub rest: SurfaceError,
-    /// The same over poses of the character's motions.
+    /// Distance from the original surface over poses of the character's motions.
     pub motion: SurfaceError,
 }
 
-/// The levels of all meshes of a character.
+/// Size and error of all mesh levels of a character.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LevelTable {
-    /// The original first, then coarser and coarser ones.
+    /// Levels from the original to the coarsest.
     pub levels: Vec<LevelRow>,
-    /// Names of the regions that may have levels of their own; none if there is but one.
+    /// Names of the regions that may be at different levels; empty if there is only one.
     pub regions: Vec<String>,
-    /// Coarsest level up to which regions may be at different levels, beginning with the original.
+    /// Coarsest level of the range, from the original on, within which regions may be at different
+    /// levels.
     pub mixable_to: usize,
 }
 
 impl LevelTable {
-    /// The errors in motion that a level is chosen by.
+    /// Returns the errors in motion, by which a level is chosen.
     ///
     /// # Errors
-    /// A [`Mismatch`] if there is no level, or the first one is not free of error.
+    /// A [`Mismatch`] if there is no level, or the error of the first one is not 0.
     pub fn errors(&self) -> Result<MeshErrors, Mismatch> {
         let list = |number: fn(&SurfaceError) -> f32| -> Vec<f32> {
             self.levels.iter().map(|l| number(&l.motion)).collect()

@@ -1,46 +1,46 @@
-//! What each level of a ladder costs in each clip: the numbers that selection works with.
+//! LOD errors: the error of each joint LOD in each clip, by which levels are chosen.
 //!
 //! Source: `docs/methods/motion-lod.md` 4.3 and 8, `docs/methods/runtime.md` 4.1. Written by
 //! `articula-build`, read every frame.
 
 use crate::Mismatch;
 
-/// How much farther off than the tolerance a small part of a character may be, such as what it
-/// holds in a hand: the 95th percentile over vertices does not see it, but a viewer does.
+/// Factor by which a small part of a character, such as an object in its hand, may exceed the
+/// tolerance: the 95th percentile over vertices does not include it, but a viewer sees it.
 const SMALL_PART: f32 = 2.0;
 
-/// The error that a level is judged by: the greater of the 95th percentile over vertices and half
-/// of the greatest.
+/// Returns the LOD error in metres, by which a level is chosen: the larger of the 95th percentile
+/// over vertices and half of the maximum.
 #[inline]
 pub fn lod_error_metres(p95_metres: f32, max_metres: f32) -> f32 {
     p95_metres.max(max_metres / SMALL_PART)
 }
 
-/// Errors of one clip, level by level.
+/// Errors of all levels in one clip.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ClipLodErrors {
-    /// Error of each level in metres of skin: per frame the 95th percentile over vertices
-    /// of the distance to the full character, then the greatest over the frames. Rising.
+    /// Error of each level in metres of skin: per frame the 95th percentile over vertices of the
+    /// distance to the full character, then the maximum over frames. Rising.
     pub levels_metres: Vec<f32>,
-    /// The same with the greatest over vertices. Rising.
+    /// The same with the maximum over vertices. Rising.
     pub worst_metres: Vec<f32>,
-    /// Greatest speed of a vertex while the clip plays at its own speed, metres per second
-    /// (95th percentile over vertices, the greatest over frames): what a shift in time costs.
+    /// Maximum speed of a vertex while the clip plays at speed 1, metres per second (95th
+    /// percentile over vertices, maximum over frames); bounds the error of a shift in time.
     pub speed_metres_per_sec: f32,
     /// Distance between the last and the first frame of the clip, metres (95th percentile over
-    /// vertices): 0 for a clip that closes.
+    /// vertices): 0 for a closed loop.
     pub seam_metres: f32,
 }
 
 impl ClipLodErrors {
-    /// The error that each level is judged by ([`lod_error_metres`]).
+    /// LOD error of each level ([`lod_error_metres`]).
     pub(crate) fn judged(&self) -> impl Iterator<Item = f32> + '_ {
         let pairs = self.levels_metres.iter().zip(&self.worst_metres);
         pairs.map(|(most, worst)| lod_error_metres(*most, *worst))
     }
 }
 
-/// Errors of all clips of a ladder.
+/// LOD errors of all clips of a rig.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LodErrors {
     /// One entry for each clip.
@@ -51,8 +51,8 @@ impl LodErrors {
     /// Checks the table against the number of clips and levels it is used with.
     ///
     /// # Errors
-    /// A [`Mismatch`] if an entry is missing, is not a number, is negative or falls with the
-    /// level, or if level 0 is not free of error.
+    /// A [`Mismatch`] if an entry is missing, is NaN, is negative or falls with the level, or if
+    /// the error of level 0 is not 0.
     pub fn check(&self, clips: usize, levels: usize) -> Result<(), Mismatch> {
         if self.clips.len() != clips {
             let what = format!("{} entries for {clips} clips", self.clips.len());

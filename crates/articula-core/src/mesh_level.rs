@@ -1,41 +1,41 @@
-//! The mesh level of one character: the coarsest whose error its viewer cannot see.
+//! Choice of the mesh level of one character: the coarsest whose error is within the tolerance.
 //!
-//! Source: `docs/methods/clustered-mesh.md` 7, and the choice of joint levels (`crate::crowd`), whose rule
-//! and hysteresis are taken over: a level's error in metres, times the pixels that a metre spans
-//! at the character's nearest depth, is its error in pixels. Level 0 is the original. Differs: a
-//! level that is not there yet cannot be shown.
+//! Source: `docs/methods/clustered-mesh.md` part 7. Rule and hysteresis are those of joint LODs
+//! (`crate::crowd`): the error of a level in metres, times the pixels that one metre spans at the
+//! character's nearest depth, is its error in pixels. Level 0 is the original. A level that is not
+//! loaded cannot be shown.
 //!
-//! Pure functions over a table; nothing here allocates but its making.
+//! Pure functions over a table; only its construction allocates.
 
 use crate::Mismatch;
 use crate::level_choice::{kept_between, level_within};
 use crate::lod_error::lod_error_metres;
 
-/// Errors of the levels of a mesh.
+/// Errors of the levels of a mesh, by which a level is chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshErrors {
-    /// From the original, which has none, to the coarsest.
+    /// From the original, whose error is 0, to the coarsest.
     levels_metres: Vec<f32>,
 }
 
-/// What was chosen for a character.
+/// Mesh level chosen for a character.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshChoice {
     /// Level to draw now.
     pub level: usize,
-    /// Level that would be drawn if it were loaded: what to ask a stream for.
+    /// Level that would be drawn if it were loaded; to be requested from a stream.
     pub wanted: usize,
     /// Error of the level that is drawn, metres of the unscaled character.
     pub error_metres: f32,
 }
 
 impl MeshErrors {
-    /// Takes the error of each level in metres, the original first. A level counts as at least as
-    /// bad as every finer one.
+    /// Takes the error of each level in metres, the original first. A level's error counts as at
+    /// least that of every finer one.
     ///
     /// # Errors
-    /// A [`Mismatch`] if there is no level, an error is negative or no number, or the first level,
-    /// the original, is not free of error. An error may be infinite: that of an empty level.
+    /// A [`Mismatch`] if there is no level, an error is negative or NaN, or the error of the first
+    /// level, the original, is not 0. The error of an empty level may be infinite.
     pub fn new(levels_metres: &[f32]) -> Result<Self, Mismatch> {
         if let Some(l) = levels_metres.iter().position(|e| e.is_nan() || *e < 0.0) {
             let what = format!("{} is no error", levels_metres[l]);
@@ -55,11 +55,11 @@ impl MeshErrors {
         })
     }
 
-    /// The same from both statistics of each level: the 95th percentile over vertices and the
-    /// greatest ([`lod_error_metres`]).
+    /// Computes the error of each level from two statistics, the 95th percentile over vertices and
+    /// the maximum ([`lod_error_metres`]).
     ///
     /// # Errors
-    /// As [`MeshErrors::new`], or if the lists are not of one length.
+    /// As [`MeshErrors::new`], or if the lists differ in length.
     pub(crate) fn of_statistics(p95_metres: &[f32], max_metres: &[f32]) -> Result<Self, Mismatch> {
         if p95_metres.len() != max_metres.len() {
             let what = format!("{} levels, not {}", max_metres.len(), p95_metres.len());
@@ -75,12 +75,14 @@ impl MeshErrors {
         &self.levels_metres
     }
 
-    /// The coarsest level within a tolerance, which is pixels over pixels per metre, times what
-    /// attention makes of it. `shown` is the level that is drawn now: a coarser one is taken only
-    /// when its error is below 0.8 of the tolerance, so that a character on the border does not
-    /// change to and fro. `finest_loaded` caps what is drawn, not what is wanted.
+    /// Chooses the coarsest level within a tolerance in metres: tolerated pixels over pixels per
+    /// metre, times the multiplier of attention.
     ///
-    /// A tolerance that is no number wants the original. O(levels).
+    /// `shown` is the level that is drawn now: a coarser one is taken only when its error is below
+    /// 0.8 of the tolerance, so that a character at the limit does not alternate between levels.
+    /// `finest_loaded` limits [`MeshChoice::level`], not [`MeshChoice::wanted`].
+    ///
+    /// A NaN tolerance gives the original. O(levels).
     #[inline]
     pub fn choose(
         &self,
@@ -99,9 +101,9 @@ impl MeshErrors {
         }
     }
 
-    /// The pixels per metre from which on a level is coarse enough, and from which on it is too
-    /// coarse, for so many tolerated pixels: between them [`MeshErrors::choose`] keeps it, so that
-    /// a character whose size hardly changes need not be asked about.
+    /// Returns the range of pixels per metre in which [`MeshErrors::choose`] keeps a level at a
+    /// tolerance of `px` pixels: below it a coarser level is chosen, above it a finer one. A
+    /// character whose size stays in the range needs no new choice.
     ///
     /// # Panics
     /// If there is no such level.
@@ -123,7 +125,7 @@ mod tests {
         let all = 0;
         let choose = |tolerance, shown, loaded| errors.choose(tolerance, shown, loaded);
         assert_eq!(choose(4e-3, None, all).level, 2);
-        // From a finer level it is taken only with some room: 4 mm are 0.8 of 5 mm.
+        // From a finer level it is taken only with some slack: 4 mm are 0.8 of 5 mm.
         assert_eq!(choose(4e-3, Some(1), all).level, 1);
         assert_eq!(choose(5.01e-3, Some(1), all).level, 2);
         assert_eq!(choose(4e-3, Some(2), all).level, 2, "kept");
@@ -156,7 +158,7 @@ mod tests {
             [0.0, 3.0, 3.0],
             "a coarser one is never better"
         );
-        // 10 mm in a twentieth of the vertices, 30 mm in one finger: judged by the finger.
+        // 10 mm in a twentieth of the vertices, 30 mm in one finger: the finger decides.
         let both = MeshErrors::of_statistics(&[0.0, 0.01], &[0.0, 0.03]).unwrap();
         assert_eq!(both.levels_metres()[1], 0.015);
     }
@@ -184,7 +186,7 @@ mod tests {
                 prop_assert!(kept.level <= fresh.level);
                 shown = Some(kept.level);
             }
-            // A size that trembles by less than the hysteresis changes a level once at most.
+            // A size that varies by less than the hysteresis changes a level once at most.
             let mut level = errors.choose(1.0, shown, 0).level;
             let mut changes = 0;
             for tremble in &wobble {

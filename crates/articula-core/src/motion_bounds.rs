@@ -1,30 +1,29 @@
-//! What holds a moving character, by the second of its clip: for waking it ahead of view.
+//! Bounds of an animated character for each second of its clips, for culling.
 //!
-//! Source: `docs/methods/motion-lod.md` part 5 ("the union of the clip's precomputed per-second boxes
-//! over `[now, now + horizon]`"). Differs: each second also keeps a ball, smaller than the one
-//! around its box, and what is in a blend of clips has a bound of its own, because a blend of two
-//! poses need not lie between them.
+//! Source: `docs/methods/motion-lod.md` part 5. The bound of an interval is the union of those of
+//! its seconds. Each second has a box and a sphere, which is smaller than the one around its box. A
+//! blend of clips has a separate bound, because a blend of two poses need not lie between them.
 //!
-//! Made before the frame by `articula-build`, from every vertex.
+//! Computed ahead of time by `articula-build`, from every vertex.
 
 use crate::Mismatch;
 use crate::sample::Wrap;
 use crate::sphere::Sphere;
 use glam::Vec3;
 
-/// A ball and a box in model space; both hold the same.
+/// A sphere and a box in model space that both contain the same points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
-    /// The ball.
+    /// The sphere.
     pub sphere: Sphere,
-    /// Least corner of the box.
+    /// Minimum corner of the box.
     pub least: Vec3,
-    /// Greatest corner of the box.
+    /// Maximum corner of the box.
     pub greatest: Vec3,
 }
 
 impl Bound {
-    /// Holds what both hold.
+    /// Returns a bound that contains both.
     #[must_use]
     pub(crate) fn union(self, other: Self) -> Self {
         Self {
@@ -34,7 +33,7 @@ impl Bound {
         }
     }
 
-    /// Whether both the ball and the box hold a point.
+    /// Whether both the sphere and the box contain a point.
     pub fn contains(&self, point: Vec3) -> bool {
         self.sphere.contains(point)
             && point.cmpge(self.least).all()
@@ -52,15 +51,15 @@ pub struct ClipBounds {
 }
 
 impl ClipBounds {
-    /// Puts together what was measured.
+    /// Combines measured bounds.
     ///
-    /// - `seconds`: entry `k` holds the character from second `k` of the clip to second `k + 1`,
+    /// - `seconds`: entry `k` contains the character from second `k` of the clip to second `k + 1`,
     ///   both included; the last one may be shorter
-    /// - `anchors`: holds the joint that everything hangs on, over the whole clip
+    /// - `anchors`: contains the joint from which all skin hangs, over the whole clip
     ///
     /// # Errors
-    /// A [`Mismatch`] if the duration is negative or no number, or there are not as many
-    /// seconds as it has begun (one at least).
+    /// A [`Mismatch`] if the duration is negative or not finite, or the number of seconds is not
+    /// [`ClipBounds::count`].
     pub fn new(duration_secs: f32, seconds: Vec<Bound>, anchors: Sphere) -> Result<Self, Mismatch> {
         if !(duration_secs.is_finite() && duration_secs >= 0.0) {
             let what = format!("{duration_secs} is no duration");
@@ -82,18 +81,19 @@ impl ClipBounds {
         })
     }
 
-    /// How many seconds a clip of this duration has begun, at least one.
+    /// Number of entries for a clip of this duration: its seconds rounded up, at least one.
     pub fn count(duration_secs: f32) -> usize {
         (duration_secs.ceil() as usize).max(1)
     }
 
-    /// Holds the character at every time of the clip.
+    /// Bound of the character at every time of the clip.
     pub fn whole(&self) -> &Bound {
         &self.whole
     }
 
-    /// Holds the character from clip time `now_secs` for `horizon_secs` of play at `speed` (1 is
-    /// the clip's own, negative runs backwards). Times that are no number give the whole clip.
+    /// Returns a bound of the character from clip time `now_secs` for `horizon_secs` of playback at
+    /// `speed` (negative plays backwards). Times that are not finite give the bound of the whole
+    /// clip.
     ///
     /// O(seconds passed over); does not allocate.
     pub fn over(&self, now_secs: f64, horizon_secs: f32, speed: f32, wrap: Wrap) -> Bound {
@@ -133,16 +133,16 @@ impl ClipBounds {
 /// Bounds of a character in all its clips.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionBounds {
-    /// One for each clip, in their order.
+    /// One entry for each clip, in the order of the clips.
     pub clips: Vec<ClipBounds>,
-    /// The farthest that any skin can be from the joint that everything hangs on, whatever the
-    /// joints below turn by; metres.
+    /// Maximum distance of any skin from the joint from which it hangs, for any rotations of the
+    /// joints below; metres.
     pub reach_metres: f32,
 }
 
 impl MotionBounds {
-    /// Holds the character in every blend of two clips, at whatever times and weights: an arm
-    /// may pass wide of both the poses that it is blended from.
+    /// Returns a bound of the character in every blend of two clips, at any times and weights. A
+    /// blended arm may lie outside the bounds of both poses.
     ///
     /// # Panics
     /// If there is no such clip.
@@ -160,7 +160,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A point that walks a metre a second along x, on a clip of so many seconds.
+    /// A point that moves along x at 1 m/s for `duration_secs`.
     fn walk(duration_secs: f32) -> ClipBounds {
         let second = |k: usize| {
             let (from, to) = (k as f32, ((k + 1) as f32).min(duration_secs));

@@ -1,9 +1,10 @@
-//! How far a long piece of work is, told to the caller, who may end it.
+//! Progress reports of long work, which the caller may cancel.
 
 use std::fmt;
 use std::ops::ControlFlow;
 
-/// Hears how far work is and may end it; passed as `&mut` to whatever takes longer than a frame.
+/// Receiver of progress reports, which may cancel the work; passed as `&mut` to functions that take
+/// longer than a frame.
 ///
 /// ```
 /// use articula_core::{Cancelled, Progress};
@@ -28,21 +29,21 @@ use std::ops::ControlFlow;
 #[derive(Default)]
 pub struct Progress<'a> {
     hook: Option<&'a mut dyn FnMut(f32) -> ControlFlow<()>>,
-    /// Share that is done when this part begins, and the share that the part itself is.
+    /// Fraction of the work done when this part begins, and the fraction that the part covers.
     span: Option<(f32, f32)>,
 }
 
-/// The caller ended the work before it was done.
+/// Error of work that the caller cancelled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cancelled;
 
 impl<'a> Progress<'a> {
-    /// Nobody listens, and the work runs to its end.
+    /// Ignores all reports; the work runs to its end.
     pub fn none() -> Self {
         Self::default()
     }
 
-    /// Tells `hook` the share of the work that is done, 0 to 1; `Break` ends the work.
+    /// Calls `hook` with the fraction of the work that is done, 0 to 1; `Break` cancels the work.
     pub fn new(hook: &'a mut dyn FnMut(f32) -> ControlFlow<()>) -> Self {
         Self {
             hook: Some(hook),
@@ -50,10 +51,10 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Says that a share of the work is done, 0 to 1.
+    /// Reports the fraction of the work that is done, 0 to 1.
     ///
     /// # Errors
-    /// [`Cancelled`] if the listener wants no more; the caller gives up what it was doing.
+    /// [`Cancelled`] if the hook returned `Break`; the caller then abandons its work.
     pub fn step(&mut self, done: f32) -> Result<(), Cancelled> {
         let done = match self.span {
             Some((from, share)) => from + share * done,
@@ -65,7 +66,7 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// The progress of a part of this work: its 0 to 1 is `from` to `to` here.
+    /// Returns the progress of a part of this work: its 0 to 1 is `from` to `to` here.
     pub fn part(&mut self, from: f32, to: f32) -> Progress<'_> {
         let (start, share) = self.span.unwrap_or((0.0, 1.0));
         Progress {

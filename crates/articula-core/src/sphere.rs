@@ -1,18 +1,18 @@
-//! A ball that holds something: the cheapest bound there is to turn, scale and test.
+//! Bounding sphere, the cheapest bound to transform and to test.
 
 use glam::{Quat, Vec3};
 
-/// A ball in the space of whatever it bounds; metres.
+/// A bounding sphere, in metres in the space of what it bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sphere {
-    /// Its middle.
+    /// Centre.
     pub centre: Vec3,
-    /// Its radius.
+    /// Radius.
     pub radius: f32,
 }
 
 impl Sphere {
-    /// The smallest ball around the box between two corners, rounding covered.
+    /// Returns the smallest sphere around the box between two corners, enlarged to cover rounding.
     pub fn from_corners(least: Vec3, greatest: Vec3) -> Self {
         let centre = 0.5 * (least + greatest);
         let corner = (greatest - centre).abs().max((least - centre).abs());
@@ -22,7 +22,7 @@ impl Sphere {
         }
     }
 
-    /// The smallest ball around two, rounding covered.
+    /// Returns the smallest sphere around two, enlarged to cover rounding.
     #[must_use]
     pub(crate) fn union(self, other: Self) -> Self {
         let apart = other.centre - self.centre;
@@ -33,7 +33,7 @@ impl Sphere {
         if distance + self.radius <= other.radius {
             return other;
         }
-        // Neither holds the other, so they lie apart and the division is safe.
+        // Neither contains the other, so their centres differ and the division is safe.
         let radius = 0.5 * (distance + self.radius + other.radius);
         let centre = self.centre + apart * ((radius - self.radius) / distance);
         Self {
@@ -42,7 +42,7 @@ impl Sphere {
         }
     }
 
-    /// The ball carried along by what it bounds: scaled, then turned, then moved.
+    /// Returns the sphere transformed with its body: scaled, then rotated, then translated.
     #[must_use]
     pub fn carried(self, position: Vec3, rotation: Quat, scale: f32) -> Self {
         Self {
@@ -51,13 +51,13 @@ impl Sphere {
         }
     }
 
-    /// Whether a point lies inside or on it.
+    /// Whether a point lies inside the sphere or on it.
     pub(crate) fn contains(&self, point: Vec3) -> bool {
         point.distance(self.centre) <= self.radius
     }
 }
 
-/// Four roundings of f32 at the size of the numbers that a radius is made from.
+/// Adds four roundings of f32 at the magnitude of the numbers that a radius is computed from.
 fn rounded_up(radius: f32, centre: Vec3) -> f32 {
     radius + 4.0 * f32::EPSILON * (radius + centre.abs().max_element())
 }

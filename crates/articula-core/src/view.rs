@@ -1,18 +1,18 @@
-//! What the viewer sees: viewport, camera and pixels per metre.
+//! Viewport, camera and pixels per metre.
 //!
-//! Source: `docs/methods/motion-lod.md` part 0. A length of one metre at view depth `z`, seen square
-//! on, spans `height / (2 z tan(fov / 2))` pixels.
+//! Source: `docs/methods/motion-lod.md` part 0. A length of one metre at view depth `z`,
+//! perpendicular to the viewing direction, spans `height / (2 z tan(fov / 2))` pixels.
 
 use glam::{Quat, Vec2, Vec3};
 
-/// Size and opening of the picture.
+/// Size and field of view of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewport {
     /// Width in pixels.
     pub width_px: f32,
     /// Height in pixels.
     pub height_px: f32,
-    /// Vertical field of view.
+    /// Vertical field of view in radians.
     pub fov_y_radians: f32,
 }
 
@@ -28,27 +28,27 @@ impl Default for Viewport {
 }
 
 impl Viewport {
-    /// Pixels that one metre spans at a depth in metres; depths below a millimetre count as
-    /// one, so the answer is finite.
+    /// Number of pixels that one metre spans at a depth in metres; depths below a millimetre count
+    /// as a millimetre, so the result is finite.
     pub fn pixels_per_metre(&self, depth_m: f32) -> f32 {
         self.height_px / (2.0 * depth_m.max(1e-3) * (0.5 * self.fov_y_radians).tan())
     }
 }
 
-/// A perspective camera in the space of what it looks at.
+/// A perspective camera, in the space of its subject.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// Where it stands.
+    /// Position of the eye in metres.
     pub eye: Vec3,
     /// World-from-camera rotation; the camera looks along its own -Z, +Y up.
     pub orientation: Quat,
-    /// What it projects on.
+    /// Picture that it projects onto.
     pub viewport: Viewport,
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`, upright. Looking straight up or down, or at
-    /// its own place, it keeps some fixed heading.
+    /// A camera at `eye` that looks at `target`, upright. Looking straight up or down, or at its
+    /// own position, it has a fixed heading.
     pub fn looking_at(eye: Vec3, target: Vec3, viewport: Viewport) -> Self {
         let back = (eye - target).try_normalize().unwrap_or(Vec3::Z);
         let up = if back.cross(Vec3::Y).length_squared() < 1e-8 {
@@ -65,13 +65,13 @@ impl Camera {
         }
     }
 
-    /// The point in camera space: x right, y up, and depth in z, positive ahead; metres.
+    /// Returns a point in camera space: x right, y up, and depth in z, positive ahead; metres.
     pub fn view(&self, point: Vec3) -> Vec3 {
         let p = self.orientation.conjugate() * (point - self.eye);
         Vec3::new(p.x, p.y, -p.z)
     }
 
-    /// Pixel position (origin at the top left, y down) and depth of a point. Points nearer
+    /// Returns pixel position (origin at the top left, y down) and depth of a point. Points nearer
     /// than a millimetre, or behind, are projected as if they were a millimetre away.
     pub fn project(&self, point: Vec3) -> (Vec2, f32) {
         let p = self.view(point);
@@ -81,7 +81,7 @@ impl Camera {
         (Vec2::new(x, y), p.z)
     }
 
-    /// Direction in which it looks.
+    /// Viewing direction.
     pub fn forward(&self) -> Vec3 {
         self.orientation * Vec3::NEG_Z
     }

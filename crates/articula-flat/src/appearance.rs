@@ -163,10 +163,10 @@ mod tests {
             image(vec![1]),
             image(vec![]),
         ];
-        let (look, faults) = Appearance::new(&[using(0), using(1), using(7)], &images);
+        let (appearance, faults) = Appearance::new(&[using(0), using(1), using(7)], &images);
         assert_eq!(faults.len(), 1);
         assert_eq!(faults[0].image, 1);
-        let has = |m: usize| look.texture_of(&look.materials[m]).is_some();
+        let has = |m: usize| appearance.texture_of(&appearance.materials[m]).is_some();
         assert!(has(0) && !has(1) && !has(2));
     }
 }

@@ -101,7 +101,7 @@ impl Default for RenderOptions {
 pub fn render(
     mesh: &Mesh,
     skinned: &SkinnedMesh,
-    look: &Appearance,
+    appearance: &Appearance,
     camera: &Camera,
     options: &RenderOptions,
 ) -> Result<Picture, PictureError> {
@@ -116,7 +116,7 @@ pub fn render(
             ),
         });
     }
-    let scene = RenderPass::new(mesh, skinned, look, camera, options)?;
+    let scene = RenderPass::new(mesh, skinned, appearance, camera, options)?;
     let buffer = scene.draw()?;
     scene.shade(&buffer)
 }
@@ -125,7 +125,7 @@ pub fn render(
 struct RenderPass<'a> {
     mesh: &'a Mesh,
     skinned: &'a SkinnedMesh,
-    look: &'a Appearance,
+    appearance: &'a Appearance,
     options: &'a RenderOptions,
     screen: Screen,
     corners: Vec<Vec4>,
@@ -204,7 +204,7 @@ impl<'a> RenderPass<'a> {
     fn new(
         mesh: &'a Mesh,
         skinned: &'a SkinnedMesh,
-        look: &'a Appearance,
+        appearance: &'a Appearance,
         camera: &Camera,
         options: &'a RenderOptions,
     ) -> Result<Self, PictureError> {
@@ -213,13 +213,13 @@ impl<'a> RenderPass<'a> {
         for (p, part) in mesh.parts.iter().enumerate() {
             part_of[part.triangles.clone()].fill(p as u32);
         }
-        let material = |m: Option<usize>| m.and_then(|m| look.materials.get(m)).cloned();
+        let material = |m: Option<usize>| m.and_then(|m| appearance.materials.get(m)).cloned();
         let materials = mesh.parts.iter().map(|p| material(p.material));
         let materials = materials.map(Option::unwrap_or_default).collect();
         let mut scene = Self {
             mesh,
             skinned,
-            look,
+            appearance,
             options,
             screen,
             corners: skinned
@@ -340,7 +340,7 @@ impl<'a> RenderPass<'a> {
         let colors = &self.mesh.colors;
         let vertex = colors[a] * weights.x + colors[b] * weights.y + colors[c] * weights.z;
         let mut color = material.base_color * vertex;
-        if let Some(texture) = self.look.texture_of(material) {
+        if let Some(texture) = self.appearance.texture_of(material) {
             let uv = &self.mesh.texcoords;
             let at = uv[a] * weights.x + uv[b] * weights.y + uv[c] * weights.z;
             color *= texture.sample(at, level);
@@ -402,7 +402,7 @@ impl<'a> RenderPass<'a> {
     }
 
     fn texture_level(&self, triangle: usize) -> usize {
-        let Some(texture) = self.look.texture_of(self.material(triangle)) else {
+        let Some(texture) = self.appearance.texture_of(self.material(triangle)) else {
             return 0;
         };
         let uv = self.mesh.triangles[triangle].map(|v| self.mesh.texcoords[v as usize]);
@@ -569,9 +569,9 @@ mod tests {
     /// Colour in the centre of a picture of one plate.
     fn middle(material: Material, images: &[Image], eye: Vec3) -> Rgba {
         let (mesh, skinned) = plates(&[0.0]);
-        let (look, faults) = Appearance::new(&[material], images);
+        let (appearance, faults) = Appearance::new(&[material], images);
         assert!(faults.is_empty());
-        let picture = render(&mesh, &skinned, &look, &camera(eye), &even()).unwrap();
+        let picture = render(&mesh, &skinned, &appearance, &camera(eye), &even()).unwrap();
         picture.get(31, 31).unwrap()
     }
 
@@ -625,7 +625,7 @@ mod tests {
             double_sided: true,
             ..Material::default()
         };
-        let look = Appearance::new(&[both], &[]).0;
+        let appearance = Appearance::new(&[both], &[]).0;
         let options = RenderOptions {
             light: Light {
                 key: 0.5,
@@ -636,7 +636,8 @@ mod tests {
         };
         let grey = srgb_byte(0.6);
         for z in [2.0, -2.0] {
-            let picture = render(&mesh, &skinned, &look, &camera(Vec3::Z * z), &options).unwrap();
+            let picture =
+                render(&mesh, &skinned, &appearance, &camera(Vec3::Z * z), &options).unwrap();
             assert_eq!(picture.get(31, 31), Some([grey, grey, grey, 255]));
         }
     }
@@ -644,7 +645,7 @@ mod tests {
     #[test]
     fn parallel_size_is_the_scale_and_parts_can_be_left_out() {
         let (mesh, skinned) = plates(&[0.0, -3.0]);
-        let look = Appearance::new(&[Material::default()], &[]).0;
+        let appearance = Appearance::new(&[Material::default()], &[]).0;
         let camera = camera(Vec3::Z * 2.0);
         let area = |parts, projection| {
             let options = RenderOptions {
@@ -652,7 +653,7 @@ mod tests {
                 projection,
                 ..even()
             };
-            let picture = render(&mesh, &skinned, &look, &camera, &options).unwrap();
+            let picture = render(&mesh, &skinned, &appearance, &camera, &options).unwrap();
             picture.pixels().iter().filter(|p| **p == [255; 4]).count()
         };
         let parallel = Projection::Parallel {
@@ -678,7 +679,7 @@ mod tests {
             double_sided: true,
             ..Material::default()
         };
-        let look = Appearance::new(&[both], &[]).0;
+        let appearance = Appearance::new(&[both], &[]).0;
         let camera = camera(Vec3::new(0.0, 1.2, 2.2));
         let at = |height_m: f32, place: Vec3| {
             let ground = Ground {
@@ -690,7 +691,7 @@ mod tests {
                 ground: Some(ground),
                 ..even()
             };
-            let picture = render(&mesh, &skinned, &look, &camera, &options).unwrap();
+            let picture = render(&mesh, &skinned, &appearance, &camera, &options).unwrap();
             let (pixel, _) = camera.project(place);
             picture.get(pixel.x as u32, pixel.y as u32).unwrap()[0]
         };
@@ -707,11 +708,11 @@ mod tests {
     #[test]
     fn more_samples_change_only_edges_and_wrong_sizes_are_refused() {
         let (mesh, skinned) = plates(&[0.0]);
-        let look = Appearance::default();
+        let appearance = Appearance::default();
         let camera = camera(Vec3::new(0.7, 0.4, 2.0));
         let with = |samples| {
             let options = RenderOptions { samples, ..even() };
-            render(&mesh, &skinned, &look, &camera, &options).unwrap()
+            render(&mesh, &skinned, &appearance, &camera, &options).unwrap()
         };
         let (coarse, fine) = (with(Supersampling::Two), with(Supersampling::Eight));
         // The plate's outline is about 100 pixels long.
@@ -721,7 +722,7 @@ mod tests {
         assert_eq!(coarse.get(31, 31), fine.get(31, 31));
         let other = SkinnedMesh::default();
         assert!(matches!(
-            render(&mesh, &other, &look, &camera, &even()),
+            render(&mesh, &other, &appearance, &camera, &even()),
             Err(PictureError::Mismatch { .. })
         ));
     }

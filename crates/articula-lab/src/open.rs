@@ -46,8 +46,8 @@ impl Kind {
             return Ok(None);
         }
         let name = path.display().to_string();
-        let figure = Format::of_name(&name).map(Self::Figure);
-        let known = figure.or_else(|| DataFormat::of_name(&name).map(Self::Data));
+        let figure = Format::from_name(&name).map(Self::Figure);
+        let known = figure.or_else(|| DataFormat::from_name(&name).map(Self::Data));
         known
             .map(Some)
             .with_context(|| format!("{name}: an unknown extension"))

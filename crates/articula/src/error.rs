@@ -32,13 +32,13 @@ pub enum Error {
     Mismatch(#[from] Mismatch),
     /// The file is valid, but the requested result cannot be made from it.
     #[error("{0}")]
-    Unsuited(String),
+    Unsupported(String),
     /// An argument is invalid, or names something that does not exist.
     #[error("{0}")]
     Argument(String),
     /// A list of locked vertices does not fit the meshes.
     #[error("locked vertices: {0}")]
-    Locked(String),
+    LockedVertices(String),
     /// The skeleton of a motion is missing: `.amc` without its `.asf`.
     #[error("{0}")]
     Skeleton(String),
@@ -91,9 +91,9 @@ impl Error {
         }
     }
 
-    /// An [`Error::Unsuited`].
+    /// An [`Error::Unsupported`].
     pub(crate) fn unsuited(what: impl Into<String>) -> Self {
-        Self::Unsuited(what.into())
+        Self::Unsupported(what.into())
     }
 
     /// An [`Error::Argument`].

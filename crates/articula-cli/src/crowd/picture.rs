@@ -20,7 +20,7 @@ pub(crate) fn draw(
 ) -> anyhow::Result<Picture> {
     let mut stage = TimedCrowd::new(asset, scene, settings)?;
     let allowance = match settings.detail {
-        DetailGoal::Budget { ms, .. } => Some(FrameBudget::of_ns(1e6 * ms)),
+        DetailGoal::Budget { ms, .. } => Some(FrameBudget::from_ns(1e6 * ms)),
         _ => None,
     };
     stage.plan(0.0, allowance.as_ref())?;

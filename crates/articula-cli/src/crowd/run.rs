@@ -8,7 +8,7 @@ use super::timing::{Spread, thread_ns};
 use crate::console::Console;
 use articula::crowd::{
     BudgetController, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter, ErrorSample,
-    ErrorSummary, FrameBudget, LevelTally, LevelUse, PaletteHash,
+    ErrorSummary, FrameBudget, LevelStatistics, LevelTally, PaletteHash,
 };
 use articula_build::Scene;
 use articula_core::budget::AllocationReport;
@@ -50,7 +50,7 @@ pub(crate) struct Run {
     pub(crate) poses: Poses,
     /// Maximum error in pixels by which levels and shared poses were chosen.
     pub(crate) bound_px: Option<f32>,
-    pub(crate) tiers: Vec<LevelUse>,
+    pub(crate) tiers: Vec<LevelStatistics>,
     pub(crate) error: ErrorSummary,
     pub(crate) hash: String,
     /// Time of the scene in seconds and time of the frame in milliseconds, for each frame.
@@ -154,7 +154,7 @@ fn timed(
     let bar = console.progress("playing", 1);
     for frame in 0..WARM_UP_FRAMES + settings.frames {
         let (clock, start) = (Instant::now(), thread_ns());
-        let allowance = budget.as_mut().map(BudgetController::decide);
+        let allowance = budget.as_mut().map(BudgetController::next_budget);
         let report = stage.plan(step_secs(frame), allowance.as_ref())?;
         let tick_ns = (thread_ns() - start) as f64;
         let evaluate_ns = stage.evaluate() as f64;

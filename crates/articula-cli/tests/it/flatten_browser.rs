@@ -44,7 +44,7 @@ fn film() -> &'static Film {
     static FILM: OnceLock<Film> = OnceLock::new();
     FILM.get_or_init(|| {
         let source = human(&HumanOptions { triangles: 4000 }).unwrap();
-        let (look, _) = Appearance::new(&source.materials, &source.images);
+        let (appearance, _) = Appearance::new(&source.materials, &source.images);
         let asset = character(&source, None, &ClipOptions::default()).unwrap();
         let walk = asset.clips.iter().position(|c| c.name == "walk").unwrap();
         let length = f64::from(asset.clips[walk].duration_secs());
@@ -60,7 +60,7 @@ fn film() -> &'static Film {
             rig: &asset.rig,
             mesh: &asset.mesh,
             triangles: &triangles,
-            look: &look,
+            appearance: &appearance,
             clip: Some(&asset.clips[walk]),
             morph_weights: &asset.mesh.morph_weights,
         };
@@ -75,7 +75,7 @@ fn film() -> &'static Film {
         let options = BakeOptions {
             camera,
             projection: Projection::Perspective,
-            lamp: Lighting::default(),
+            lighting: Lighting::default(),
             fps: fps as f32,
             turn,
         };

@@ -5,8 +5,8 @@
 
 use super::prepared::PreparedClip;
 use super::reference_frames::{BACKGROUND, ReferenceFrames};
-use super::report::{Errors, Sizes};
-use super::search::{Flattened, Trial};
+use super::report::{FileErrors, FileSize};
+use super::search::{Flattened, TriedQuality};
 use super::settings::{Profile, Settings};
 use crate::item_buffer::Supersampling;
 use crate::planar::PlanarError;
@@ -54,8 +54,8 @@ pub fn flatten_live(
         return Err(PlanarError::BudgetTooSmall { least, budget });
     }
     Ok(Flattened {
-        sizes: Sizes::of(&bytes)?,
-        errors: Errors {
+        sizes: FileSize::of(&bytes)?,
+        errors: FileErrors {
             position_rmse_px: file.stats.position_rmse_px,
             image,
             wrong_pixels_percent: prepared.wrong_percent,
@@ -69,7 +69,7 @@ pub fn flatten_live(
         keys: 0,
         shapes: file.stats.triangles,
         orders: 1,
-        tried: vec![Trial {
+        tried: vec![TriedQuality {
             quality,
             bytes: raw,
             image: Some(image),

@@ -9,7 +9,7 @@
 //! - [`ReferenceFrames`]: reference pictures of the character
 //! - [`flatten()`]: writes a file, under a byte budget at the best of the quality steps;
 //!   [`flatten_live`]: writes a file that a host drives
-//! - [`Flattened`]: bytes, [`Sizes`], [`Errors`], and the [`Representation`] that a decision
+//! - [`Flattened`]: bytes, [`FileSize`], [`FileErrors`], and the [`Representation`] that a decision
 //!   compares
 //!
 //! Long work reports its progress and can be cancelled ([`articula_core::Progress`]).
@@ -26,6 +26,6 @@ mod written;
 pub use live::flatten_live;
 pub use prepared::{PrepareClipOptions, PreparedClip};
 pub use reference_frames::{ImageError, ReferenceFrames, sampled_frames};
-pub use report::{Errors, Representation, Sizes};
-pub use search::{Flattened, Trial, flatten};
+pub use report::{FileErrors, FileSize, Representation};
+pub use search::{Flattened, TriedQuality, flatten};
 pub use settings::{Profile, Quality, Settings};

@@ -11,7 +11,7 @@ const LARGE: usize = 4 << 20;
 
 /// Size of a file, raw and compressed, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Sizes {
+pub struct FileSize {
     /// Uncompressed.
     pub raw: u64,
     /// Compressed by gzip, level 9.
@@ -20,7 +20,7 @@ pub struct Sizes {
     pub brotli: u64,
 }
 
-impl Sizes {
+impl FileSize {
     /// Measures the sizes of a file.
     ///
     /// # Errors
@@ -50,7 +50,7 @@ impl Sizes {
 
 /// Errors of a converted file.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Errors {
+pub struct FileErrors {
     /// Root mean square distance of corners from their exact positions, pixels.
     pub position_rmse_px: f64,
     /// Error of its pictures against the reference.
@@ -82,9 +82,9 @@ mod tests {
     #[test]
     fn text_that_repeats_shrinks() {
         let text = "m1 2l3 4 5 6z".repeat(200);
-        let sizes = Sizes::of(text.as_bytes()).unwrap();
+        let sizes = FileSize::of(text.as_bytes()).unwrap();
         assert_eq!(sizes.raw, 2600);
         assert!(sizes.gzip < 100 && sizes.brotli < sizes.gzip);
-        assert_eq!(Sizes::of(&[]).unwrap().raw, 0);
+        assert_eq!(FileSize::of(&[]).unwrap().raw, 0);
     }
 }

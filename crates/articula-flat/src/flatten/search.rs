@@ -6,7 +6,7 @@
 
 use super::prepared::PreparedClip;
 use super::reference_frames::{ImageError, ReferenceFrames};
-use super::report::{Errors, Representation, Sizes};
+use super::report::{FileErrors, FileSize, Representation};
 use super::settings::{Profile, Quality, Settings};
 use super::written::{Written, write};
 use crate::planar::PlanarError;
@@ -23,9 +23,9 @@ pub struct Flattened {
     /// Quality that was chosen.
     pub quality: Quality,
     /// Size of the file.
-    pub sizes: Sizes,
+    pub sizes: FileSize,
     /// Error of the file.
-    pub errors: Errors,
+    pub errors: FileErrors,
     /// Triangles that are drawn in some frame.
     pub triangles_drawn: usize,
     /// Frames of the clip.
@@ -39,12 +39,12 @@ pub struct Flattened {
     /// Number of painting orders, one after the other.
     pub orders: usize,
     /// Settings that the search tried; one without a budget.
-    pub tried: Vec<Trial>,
+    pub tried: Vec<TriedQuality>,
 }
 
 /// A quality that the search tried, with its size and error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Trial {
+pub struct TriedQuality {
     /// The quality.
     pub quality: Quality,
     /// Size of its file, bytes.
@@ -83,13 +83,13 @@ pub fn flatten(
 ) -> Result<Flattened, PlanarError> {
     let candidates = candidates(settings);
     let most = settings.max_bytes.unwrap_or(u64::MAX);
-    let mut tried: Vec<Trial> = Vec::new();
+    let mut tried: Vec<TriedQuality> = Vec::new();
     let mut best: Option<(Written, Quality, ImageError)> = None;
     let mut least = u64::MAX;
     let share = 1.0 / candidates.len() as f32;
     for (c, quality) in candidates.iter().enumerate() {
         let mut progress = progress.part(c as f32 * share, (c + 1) as f32 * share);
-        let is_known = |t: &Trial| t.image.is_some() && kind(&t.quality) == kind(quality);
+        let is_known = |t: &TriedQuality| t.image.is_some() && kind(&t.quality) == kind(quality);
         if !tried.iter().any(is_known) {
             let written = write(prepared, settings.profile, quality, &settings.name)?;
             progress.step(0.5)?;
@@ -99,7 +99,7 @@ pub fn flatten(
             let shown = |f| written.picture(prepared, f);
             let image = fits.then(|| truth.compare(shown, &mut progress.part(0.5, 1.0)));
             let image = image.transpose()?;
-            tried.push(Trial {
+            tried.push(TriedQuality {
                 quality: *quality,
                 bytes,
                 image,
@@ -119,8 +119,8 @@ pub fn flatten(
         budget: most,
     })?;
     Ok(Flattened {
-        sizes: Sizes::of(&written.bytes)?,
-        errors: Errors {
+        sizes: FileSize::of(&written.bytes)?,
+        errors: FileErrors {
             position_rmse_px: written.position_rmse_px,
             image,
             wrong_pixels_percent: prepared.wrong_percent,
@@ -150,8 +150,8 @@ fn candidates(settings: &Settings) -> Vec<Quality> {
             let merge = q.merge_levels.unwrap_or(0.0) >= asked.merge_levels.unwrap_or(0.0);
             tol && fill && merge && *q != asked
         };
-        let ladder = Quality::ladder(settings.profile).into_iter();
-        all.extend(ladder.filter(is_coarser));
+        let steps = Quality::steps(settings.profile).into_iter();
+        all.extend(steps.filter(is_coarser));
     }
     all
 }

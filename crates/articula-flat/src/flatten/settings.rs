@@ -90,7 +90,7 @@ impl Quality {
     /// Quality steps that a byte budget is searched on (`docs/methods/vector.md` 9). Within one
     /// kind of filling, each step is coarser than the one before; empty for profiles without
     /// settings.
-    pub(crate) fn ladder(profile: Profile) -> Vec<Self> {
+    pub(crate) fn steps(profile: Profile) -> Vec<Self> {
         let step = |shading, pos_tol_px, col_tol_levels, merge_levels| Self {
             shading,
             pos_tol_px,

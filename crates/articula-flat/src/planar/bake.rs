@@ -45,7 +45,7 @@ pub struct BakeOptions {
     /// Perspective or parallel.
     pub projection: Projection,
     /// The light.
-    pub lamp: Lighting,
+    pub lighting: Lighting,
     /// Frames per second of the planar clip.
     pub fps: f32,
     /// Rotation of the subject during the clip.
@@ -83,19 +83,19 @@ impl Turntable {
 /// of another mesh.
 pub fn bake(
     subject: &PlanarSubject<'_>,
-    moments_secs: &[f64],
+    frame_times_secs: &[f64],
     options: &BakeOptions,
 ) -> Result<PlanarClip, PlanarError> {
-    if moments_secs.is_empty() {
+    if frame_times_secs.is_empty() {
         return Err(PlanarError::NoFrames);
     }
-    if moments_secs.len() > MAX_FRAMES {
-        let (found, most) = (moments_secs.len(), MAX_FRAMES);
+    if frame_times_secs.len() > MAX_FRAMES {
+        let (found, most) = (frame_times_secs.len(), MAX_FRAMES);
         return Err(PlanarError::TooManyFrames { found, most });
     }
     let (mut clip, sources) = still_parts(subject, options)?;
     let mut poser = Poser::new(subject);
-    for (f, secs) in moments_secs.iter().enumerate() {
+    for (f, secs) in frame_times_secs.iter().enumerate() {
         poser.pose(*secs);
         let angle = options.turn.at(*secs);
         let frame = project(&poser.skinned, &sources, f, angle, options)?;
@@ -174,7 +174,7 @@ fn still_parts(
         albedo: Vec::new(),
     };
     let colors = fitted(subject, |triangle| {
-        painter.look(painter.part_of[triangle[0] as usize])
+        painter.appearance(painter.part_of[triangle[0] as usize])
     });
     let mut index = std::collections::BTreeMap::new();
     let mut sources = Vec::new();
@@ -222,8 +222,8 @@ impl<'a> Painter<'a> {
         for (p, part) in mesh.parts.iter().enumerate() {
             part_of[part.vertices.clone()].fill(p);
         }
-        let look = subject.look;
-        let of = |m: Option<usize>| m.and_then(|m| look.materials.get(m)).cloned();
+        let appearance = subject.appearance;
+        let of = |m: Option<usize>| m.and_then(|m| appearance.materials.get(m)).cloned();
         let mut materials: Vec<Material> = mesh
             .parts
             .iter()
@@ -248,11 +248,11 @@ impl<'a> Painter<'a> {
         let mesh = self.subject.mesh;
         let of_part = |(p, material): (usize, &Material)| {
             let vertices = mesh.parts.get(p).map_or(0..0, |part| part.vertices.clone());
-            let look = self.look(p);
-            let color = |v| look.at_vertex(&self.subject, v as u32).to_array();
+            let appearance = self.appearance(p);
+            let color = |v| appearance.at_vertex(&self.subject, v as u32).to_array();
             let mut colors = vertices.map(|v| color(v).map(|level| level as u8));
             let first = colors.next().unwrap_or([255; 3]);
-            let is_plain = look.texture.is_none();
+            let is_plain = appearance.texture.is_none();
             PlanarMaterial {
                 name: material.name.clone(),
                 albedo: (is_plain && colors.all(|c| c == first)).then_some(first),
@@ -261,17 +261,17 @@ impl<'a> Painter<'a> {
         self.materials.iter().enumerate().map(of_part).collect()
     }
 
-    fn look(&self, part: usize) -> SurfaceColor<'_> {
+    fn appearance(&self, part: usize) -> SurfaceColor<'_> {
         let material = &self.materials[part];
         SurfaceColor {
             material,
-            texture: self.subject.look.texture_of(material),
+            texture: self.subject.appearance.texture_of(material),
         }
     }
 
     /// Whether a triangle of a cut-out material is transparent at its corners and its centroid.
     fn is_cut_away(&self, triangle: &[u32; 3], material: &Material) -> bool {
-        let Some(texture) = self.subject.look.texture_of(material) else {
+        let Some(texture) = self.subject.appearance.texture_of(material) else {
             return false;
         };
         let uv = triangle.map(|v| self.subject.mesh.texcoords[v as usize]);
@@ -357,8 +357,8 @@ fn project(
 ) -> Result<PlanarFrame, PlanarError> {
     let screen = Screen::new(&options.camera, options.projection);
     let turn = Quat::from_rotation_y(angle);
-    let lamp = options.lamp;
-    let toward = options.camera.orientation * lamp.direction.normalize_or(Vec3::Z);
+    let lighting = options.lighting;
+    let toward = options.camera.orientation * lighting.direction.normalize_or(Vec3::Z);
     let mut out = PlanarFrame::default();
     for source in sources {
         let v = source.vertex as usize;
@@ -375,7 +375,7 @@ fn project(
         let facing = normal.dot(toward) * if source.is_back { -1.0 } else { 1.0 };
         out.xy.push(glam::Vec2::new(corner.x, corner.y) / corner.w);
         out.nearness.push(corner.z / corner.w);
-        let light = lamp.ambient + lamp.diffuse * facing.max(0.0);
+        let light = lighting.ambient + lighting.diffuse * facing.max(0.0);
         out.light.push(light.clamp(0.0, 1.0));
     }
     Ok(out)
@@ -454,7 +454,7 @@ mod tests {
     #[test]
     fn two_sided_triangles_are_there_twice_with_opposite_light() {
         let mut figure = figure();
-        for material in &mut figure.look.materials {
+        for material in &mut figure.appearance.materials {
             material.double_sided = true;
         }
         let clip = bake(&figure.subject(), &[0.0], &figure.options).unwrap();
@@ -463,7 +463,7 @@ mod tests {
         let [a, b, c] = clip.places(0, 0);
         let [p, q, r] = clip.places(0, 1);
         assert_eq!((a, b, c), (p, r, q));
-        let ambient = figure.options.lamp.ambient;
+        let ambient = figure.options.lighting.ambient;
         let light = |t: usize| clip.frames[0].light[clip.triangles[t][0] as usize];
         assert!((light(0).min(light(1)) - ambient).abs() < 1e-6);
     }

@@ -26,7 +26,7 @@ impl PlanarClip {
     /// O(frames x samples covered).
     ///
     /// # Errors
-    /// Errors of the clip, or [`PlanarError::NothingSeen`].
+    /// Errors of the clip, or [`PlanarError::NothingVisible`].
     pub fn triangles_seen(&self) -> Result<usize, PlanarError> {
         Ok(Drawn::seen(self)?.ever().len())
     }
@@ -48,7 +48,7 @@ impl Drawn {
     /// O(frames x samples covered).
     ///
     /// # Errors
-    /// Errors of the clip, or [`PlanarError::NothingSeen`].
+    /// Errors of the clip, or [`PlanarError::NothingVisible`].
     #[cfg(test)]
     pub(crate) fn of(clip: &PlanarClip) -> Result<Self, PlanarError> {
         Ok(Self::seen(clip)?.with_short_gaps())
@@ -67,7 +67,7 @@ impl Drawn {
     /// Finds the visible triangles of a clip, frame by frame.
     ///
     /// # Errors
-    /// Errors of the clip, or [`PlanarError::NothingSeen`].
+    /// Errors of the clip, or [`PlanarError::NothingVisible`].
     pub(crate) fn seen(clip: &PlanarClip) -> Result<Self, PlanarError> {
         clip.check()?;
         let mut drawn = Self::none(clip.frames.len(), clip.triangles.len());
@@ -84,7 +84,7 @@ impl Drawn {
             }
         }
         if !drawn.bits.contains(&true) {
-            return Err(PlanarError::NothingSeen);
+            return Err(PlanarError::NothingVisible);
         }
         Ok(drawn)
     }

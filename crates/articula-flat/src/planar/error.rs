@@ -56,7 +56,7 @@ pub enum PlanarError {
     NoFrames,
     /// No triangle is visible in any frame.
     #[error("no triangle is seen in any frame; turn the camera or show other meshes")]
-    NothingSeen,
+    NothingVisible,
     /// No setting makes a file as small as the budget.
     #[error(
         "the smallest file has {least} bytes, the budget is {budget}; ask for fewer triangles, fewer frames a second, or the player profile"

@@ -14,7 +14,7 @@ use glam::Vec3;
 /// A small human, and a camera that sees all of it in 200 x 200 pixels.
 pub(crate) struct Figure {
     pub(crate) asset: Asset,
-    pub(crate) look: Appearance,
+    pub(crate) appearance: Appearance,
     pub(crate) options: BakeOptions,
 }
 
@@ -26,7 +26,7 @@ impl Figure {
             rig: &self.asset.rig,
             mesh,
             triangles: &mesh.triangles,
-            look: &self.look,
+            appearance: &self.appearance,
             clip: None,
             morph_weights: &mesh.morph_weights,
         }
@@ -35,7 +35,7 @@ impl Figure {
 
 pub(crate) fn figure() -> Figure {
     let source = human(&HumanOptions { triangles: 2000 }).unwrap();
-    let (look, _) = Appearance::new(&source.materials, &source.images);
+    let (appearance, _) = Appearance::new(&source.materials, &source.images);
     let asset = character(&source, None, &ClipOptions::default()).unwrap();
     let bounds = Bounds {
         low: Vec3::new(-0.9, 0.0, -0.5),
@@ -49,13 +49,13 @@ pub(crate) fn figure() -> Figure {
     let options = BakeOptions {
         camera: orbit_view(&bounds, 0.0, 0.0, viewport),
         projection: Projection::Perspective,
-        lamp: Lighting::default(),
+        lighting: Lighting::default(),
         fps: 25.0,
         turn: Turntable::default(),
     };
     Figure {
         asset,
-        look,
+        appearance,
         options,
     }
 }

@@ -20,10 +20,10 @@ const CLOSER_PX: f32 = 1024.0;
 impl PlanarSubject<'_> {
     /// Returns the smallest box around the subject's triangles at all given times; `None` without
     /// triangles.
-    pub fn bounds(&self, moments_secs: &[f64], turn: &Turntable) -> Option<Bounds> {
+    pub fn bounds(&self, frame_times_secs: &[f64], turn: &Turntable) -> Option<Bounds> {
         let used = used_vertices(self);
         let mut poser = Poser::new(self);
-        Bounds::around(moments_secs.iter().filter_map(|secs| {
+        Bounds::around(frame_times_secs.iter().filter_map(|secs| {
             poser.pose(*secs);
             let angle = turn.at(*secs);
             let places = used
@@ -39,7 +39,7 @@ impl PlanarSubject<'_> {
     /// sees the subject at all given times; `None` without triangles.
     pub fn camera(
         &self,
-        moments_secs: &[f64],
+        frame_times_secs: &[f64],
         turn: &Turntable,
         (azimuth_radians, elevation_radians): (f32, f32),
         viewport: Viewport,
@@ -47,7 +47,7 @@ impl PlanarSubject<'_> {
         let mut view = TightView::new(azimuth_radians, elevation_radians, viewport);
         let used = used_vertices(self);
         let mut poser = Poser::new(self);
-        for secs in moments_secs {
+        for secs in frame_times_secs {
             poser.pose(*secs);
             let angle = turn.at(*secs);
             let places = used.iter().map(|v| poser.skinned.positions[*v]);
@@ -68,7 +68,7 @@ impl PlanarSubject<'_> {
     /// [`PlanarError::Picture`] if the camera's picture is too large.
     pub fn seen(
         &self,
-        moments_secs: &[f64],
+        frame_times_secs: &[f64],
         options: &BakeOptions,
     ) -> Result<Vec<bool>, PlanarError> {
         let (camera, projection) = closer(options);
@@ -78,7 +78,7 @@ impl PlanarSubject<'_> {
         let mut poser = Poser::new(self);
         let faces = faces(self);
         let mut seen = vec![false; self.triangles.len()];
-        for secs in moments_secs {
+        for secs in frame_times_secs {
             poser.pose(*secs);
             let angle = options.turn.at(*secs);
             let corner = |p: &Vec3| screen.corner(options.turn.apply(*p, angle));
@@ -146,7 +146,9 @@ fn used_vertices(subject: &PlanarSubject<'_>) -> Vec<usize> {
 fn faces(subject: &PlanarSubject<'_>) -> Vec<Faces> {
     let mut two_sided = vec![false; subject.mesh.len()];
     for part in &subject.mesh.parts {
-        let material = part.material.and_then(|m| subject.look.materials.get(m));
+        let material = part
+            .material
+            .and_then(|m| subject.appearance.materials.get(m));
         two_sided[part.vertices.clone()].fill(material.is_some_and(|m| m.double_sided));
     }
     let of = |t: &[u32; 3]| {
@@ -210,7 +212,7 @@ mod tests {
         let figure = figure();
         let seen = figure.subject().seen(&[0.0], &figure.options).unwrap();
         let options = BakeOptions {
-            lamp: Lighting::default(),
+            lighting: Lighting::default(),
             ..figure.options.clone()
         };
         let clip = bake(&figure.subject(), &[0.0], &options).unwrap();

@@ -13,7 +13,7 @@ pub struct PlanarSubject<'a> {
     /// Triangles that are shown, over the mesh's vertices: the mesh's own, or a coarser level.
     pub triangles: &'a [[u32; 3]],
     /// Materials and textures.
-    pub look: &'a Appearance,
+    pub appearance: &'a Appearance,
     /// Motion; the rest pose without one.
     pub clip: Option<&'a Clip>,
     /// Morph weights at rest, also used for targets that no track drives.

@@ -44,16 +44,16 @@ impl SurfaceColor<'_> {
     }
 }
 
-/// sRGB levels of the vertices that triangles use; `look` returns the surface of a triangle.
+/// sRGB levels of the vertices that triangles use; `appearance` returns the surface of a triangle.
 ///
 /// O(triangles).
 pub(super) fn fitted<'a>(
     subject: &PlanarSubject<'_>,
-    look: impl Fn(&[u32; 3]) -> SurfaceColor<'a>,
+    appearance: impl Fn(&[u32; 3]) -> SurfaceColor<'a>,
 ) -> BTreeMap<u32, [f32; 3]> {
     let mut fit = Fit::new(subject);
     for triangle in subject.triangles {
-        fit.add(subject, triangle, &look(triangle));
+        fit.add(subject, triangle, &appearance(triangle));
     }
     fit.solve();
     let color = |(vertex, unknown): (&u32, &usize)| {
@@ -103,7 +103,7 @@ impl Fit {
         &mut self,
         subject: &PlanarSubject<'_>,
         vertex: u32,
-        look: &SurfaceColor<'_>,
+        appearance: &SurfaceColor<'_>,
     ) -> usize {
         if let Some(unknown) = self.of_vertex.get(&vertex) {
             return *unknown;
@@ -113,7 +113,7 @@ impl Fit {
         let [x, y, z] = place.to_array().map(f32::to_bits);
         let key = [self.part_of[v], x, y, z, at.x.to_bits(), at.y.to_bits()];
         let unknown = *self.known.entry(key).or_insert_with(|| {
-            let color = look.at_vertex(subject, vertex);
+            let color = appearance.at_vertex(subject, vertex);
             self.unknowns.push(Unknown {
                 color,
                 low: color,
@@ -128,10 +128,15 @@ impl Fit {
         unknown
     }
 
-    fn add(&mut self, subject: &PlanarSubject<'_>, triangle: &[u32; 3], look: &SurfaceColor<'_>) {
+    fn add(
+        &mut self,
+        subject: &PlanarSubject<'_>,
+        triangle: &[u32; 3],
+        appearance: &SurfaceColor<'_>,
+    ) {
         let mesh = subject.mesh;
-        let unknowns = triangle.map(|v| self.unknown(subject, v, look));
-        let Some(texture) = look.texture else {
+        let unknowns = triangle.map(|v| self.unknown(subject, v, appearance));
+        let Some(texture) = appearance.texture else {
             return;
         };
         let places = triangle.map(|v| mesh.positions[v as usize]);
@@ -154,8 +159,8 @@ impl Fit {
             let blend = |i: usize| shares[i];
             let place = at[0] * blend(0) + at[1] * blend(1) + at[2] * blend(2);
             let vertex_color = colors[0] * blend(0) + colors[1] * blend(1) + colors[2] * blend(2);
-            let (wanted, opacity) = look.color(vertex_color, place, level);
-            if opacity >= look.material.alpha_cutoff {
+            let (wanted, opacity) = appearance.color(vertex_color, place, level);
+            if opacity >= appearance.material.alpha_cutoff {
                 self.wish(unknowns, shares, wanted, weight);
             }
         }
@@ -236,14 +241,14 @@ mod tests {
     /// Sum of squared errors over the samples of the subject's triangles.
     fn error(
         subject: &PlanarSubject<'_>,
-        look: &SurfaceColor<'_>,
+        appearance: &SurfaceColor<'_>,
         color: impl Fn(u32) -> Vec3,
     ) -> f32 {
         let mut sum = 0.0;
         for t in subject.triangles {
             for s in samples() {
                 let at = |i: usize| subject.mesh.texcoords[t[i] as usize] * s[i];
-                let (wanted, _) = look.color(Vec4::ONE, at(0) + at(1) + at(2), 0);
+                let (wanted, _) = appearance.color(Vec4::ONE, at(0) + at(1) + at(2), 0);
                 let shown = (0..3).map(|i| color(t[i]) * s[i]).sum::<Vec3>();
                 sum += shown.distance_squared(wanted);
             }
@@ -261,13 +266,15 @@ mod tests {
         }
         let (texture, material) = (half_black(16), Material::default());
         let subject = figure.subject();
-        let look = || SurfaceColor {
+        let appearance = || SurfaceColor {
             material: &material,
             texture: Some(&texture),
         };
-        let found = fitted(&subject, |_| look());
-        let fit = error(&subject, &look(), |v| Vec3::from(found[&v]));
-        let single = error(&subject, &look(), |v| look().at_vertex(&subject, v));
+        let found = fitted(&subject, |_| appearance());
+        let fit = error(&subject, &appearance(), |v| Vec3::from(found[&v]));
+        let single = error(&subject, &appearance(), |v| {
+            appearance().at_vertex(&subject, v)
+        });
         assert!(fit < 0.95 * single, "{fit} {single}");
         // Nothing is darker or lighter than the texture.
         let levels = found.values().map(|c| c[0]);
@@ -280,12 +287,12 @@ mod tests {
         let figure = figure();
         let subject = figure.subject();
         let material = Material::default();
-        let look = || SurfaceColor {
+        let appearance = || SurfaceColor {
             material: &material,
             texture: None,
         };
-        for (vertex, color) in fitted(&subject, |_| look()) {
-            let expected = look().at_vertex(&subject, vertex);
+        for (vertex, color) in fitted(&subject, |_| appearance()) {
+            let expected = appearance().at_vertex(&subject, vertex);
             assert_eq!(expected.to_array(), color);
         }
     }

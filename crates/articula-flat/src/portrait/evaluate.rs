@@ -36,7 +36,7 @@ pub(super) fn truth(
     Ok(render(
         source.mesh,
         &skinned,
-        source.look,
+        source.appearance,
         &source.camera,
         &options,
     )?)

@@ -100,10 +100,10 @@ pub(crate) fn flat_mesh(
         let [a, b, c] = triangle.map(local);
         let part = part_at(source.mesh, triangle[0]);
         let material = part.and_then(|p| source.mesh.parts[p].material);
-        let look = material.and_then(|m| source.look.materials.get(m));
+        let appearance = material.and_then(|m| source.appearance.materials.get(m));
         triangles.push([a, b, c]);
         materials.push(material);
-        if look.is_some_and(|m| m.double_sided) {
+        if appearance.is_some_and(|m| m.double_sided) {
             triangles.push([a, c, b]);
             materials.push(material);
         }

@@ -1,4 +1,4 @@
-// Starts the player of the page; `json`, `pictures` and `behind` are defined before.
+// Starts the player of the page: `json`, `pictures` and `behind` are there.
 const load = async (source) => {
   const image = new Image();
   image.src = source;

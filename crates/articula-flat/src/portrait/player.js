@@ -1,8 +1,8 @@
-// A talking 2D face that turns its head, on a canvas. Written by articula; no dependency.
+// A talking face in 2D that can turn its head, on a canvas. Written by articula; no dependency.
 //
-//   const face = new ArticulaPortrait(canvas, json, images);   // images: one per view
+//   const face = new ArticulaPortrait(canvas, json, images);   // images: one for each view
 //   face.pose({ yaw: 20, pitch: 5, roll: 0 }, { jawOpen: 0.4, eyeBlinkLeft: 1 });
-//   face.play("talk", { audio });                              // optional: audio is the clock
+//   face.play("talk", { audio });                              // audio is an option: the clock
 //
 // Angles are in degrees: yaw towards the figure's left, pitch down, roll counter-clockwise.
 "use strict";
@@ -46,12 +46,12 @@ class ArticulaPortrait {
     this.spans = [most((v) => v.yaw), most((v) => v.pitch)];
   }
 
-  /** Key of a name: both spellings (`eyeBlinkLeft`, `eyeBlink_L`) have the same. */
+  /** Names of both spellings (`eyeBlinkLeft`, `eyeBlink_L`) are one. */
   static fold(name) {
     return name.toLowerCase().replace(/_?left$/, "_l").replace(/_?right$/, "_r");
   }
 
-  /** Shows a pose. Unknown names are ignored; a name without a side drives both sides. */
+  /** Shows a pose. Unknown names do nothing; a name without a side drives both. */
   pose({ yaw = 0, pitch = 0, roll = 0 } = {}, weights = {}) {
     const driven = new Array(this.expressions.length).fill(0);
     for (const [name, weight] of Object.entries(weights)) {
@@ -62,12 +62,12 @@ class ArticulaPortrait {
     this.draw({ yaw, pitch, roll }, driven);
   }
 
-  /** Shows vertex positions that the host projected: x and y, in the order of the file's `vertices`. */
+  /** Shows places of the vertices that the host projected: x and y, in the order of the file's `vertices`. */
   positions(places, { yaw = 0, pitch = 0 } = {}) {
     this.paint(places, { yaw, pitch });
   }
 
-  /** Plays a clip by name or index, in a loop; with `audio`, synchronised to it. */
+  /** Plays a clip by its name or number, in a loop; with `audio`, in time with it. */
   play(clip = 0, { audio = null } = {}) {
     this.stop();
     this.clip = typeof clip === "number" ? this.clips[clip] : this.clips.find((c) => c.name === clip);
@@ -90,7 +90,7 @@ class ArticulaPortrait {
     this.running = 0;
   }
 
-  /** Stops the clock and shows the clip at a time. */
+  /** Stops the clock and shows one moment of the clip. */
   seek(seconds) {
     this.stop();
     this.show(seconds);
@@ -123,7 +123,7 @@ class ArticulaPortrait {
   /** The two triangles at each edge. */
   findNeighbours() {
     const edges = new Map();
-    // The back of the same triangle is not a neighbour.
+    // A triangle's own back is no neighbour.
     const own = (t) => [...this.triangles.subarray(3 * t, 3 * t + 3)].sort((a, b) => a - b).join();
     const key = (t, i) => {
       const a = this.triangles[3 * t + i];
@@ -139,7 +139,7 @@ class ArticulaPortrait {
     });
   }
 
-  /** Vertex positions: modes over the nodes of the grid, bilinear between four of them. */
+  /** Where the vertices are: modes over the nodes of the grid, blended between four of them. */
   places({ yaw, pitch, roll }, weights) {
     const { yaw: yaws, pitch: pitches } = this.json.grid;
     const rank = this.rest.length;
@@ -204,13 +204,13 @@ class ArticulaPortrait {
     return out;
   }
 
-  /** Area, positive if the front is visible. */
+  /** Positive where the front is seen. */
   area(places, t) {
     const [ax, ay, bx, by, cx, cy] = this.corners(places, t);
     return -0.5 * ((bx - ax) * (cy - ay) - (by - ay) * (cx - ax));
   }
 
-  /** Weight of each view: squared ratio of areas times nearness. */
+  /** How much each view counts: the square of its share of the triangle's area, the nearer more. */
   weights(t, area, near) {
     const shown = Math.max(Math.abs(area), 1e-3);
     const found = this.views.map((view, i) => {
@@ -230,7 +230,7 @@ class ArticulaPortrait {
     return this.views.map((v) => fall(v.yaw, yaw, this.spans[0]) * fall(v.pitch, pitch, this.spans[1]));
   }
 
-  /** Corners moved outward under later neighbours, and a little over earlier ones. */
+  /** Corners moved outward under neighbours that come later, and a little over earlier ones. */
   sealed(c, edges) {
     const [parallel, farthest] = [0.15, 2];
     if (!edges[0] && !edges[1] && !edges[2]) return c;
@@ -264,7 +264,7 @@ class ArticulaPortrait {
     return out;
   }
 
-  /** Map from a view's picture to the portrait; a sliver in the view has one colour. */
+  /** The map from a view's picture to the portrait; a sliver in the view takes one colour. */
   map(from, to) {
     const [ux, uy, vx, vy] = [from[2] - from[0], from[3] - from[1], from[4] - from[0], from[5] - from[1]];
     const [px, py, qx, qy] = [to[2] - to[0], to[3] - to[1], to[4] - to[0], to[5] - to[1]];
@@ -307,7 +307,7 @@ class ArticulaPortrait {
     context.globalAlpha = 1;
   }
 
-  /** Paints a triangle with each contributing view, the strongest first, blended by weight. */
+  /** Paints a triangle with each view that counts, the strongest first, so that all blend by weight. */
   fill(t, corners, grown, weights) {
     const taken = weights.map((w, i) => [w, this.views[i]]).filter(([w]) => w >= 0.03);
     taken.sort((a, b) => b[0] - a[0]);

@@ -21,7 +21,7 @@ pub struct PortraitSource<'a> {
     /// Joints of the figure.
     pub rig: &'a Rig,
     /// Materials and textures.
-    pub look: &'a Appearance,
+    pub appearance: &'a Appearance,
     /// Triangles of the 2D mesh: a few over the same vertices (any level of the mesh).
     pub triangles: &'a [[u32; 3]],
     /// Part of the figure that turns with the head.

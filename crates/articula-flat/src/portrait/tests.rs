@@ -42,7 +42,7 @@ fn plate(corners: [Vec3; 4], color: Vec4, open: Vec3) -> source::RawMesh {
 struct Mask {
     mesh: Mesh,
     rig: Rig,
-    look: Appearance,
+    appearance: Appearance,
     expressions: Vec<PortraitExpression>,
     camera: Camera,
 }
@@ -95,7 +95,7 @@ fn mask() -> Mask {
     };
     Mask {
         rig: Rig::new(&skeleton, articulation).unwrap(),
-        look: Appearance::default(),
+        appearance: Appearance::default(),
         expressions,
         camera: Camera::looking_at(Vec3::Z * 0.6, Vec3::ZERO, viewport),
         mesh,
@@ -107,7 +107,7 @@ impl Mask {
         PortraitSource {
             mesh: &self.mesh,
             rig: &self.rig,
-            look: &self.look,
+            appearance: &self.appearance,
             triangles: &self.mesh.triangles,
             head: Head::Whole { pivot: Vec3::ZERO },
             expressions: &self.expressions,
@@ -435,7 +435,7 @@ fn a_whole_human_turns_its_head_by_the_neck() {
     use articula_build::character;
     use articula_human::{HumanOptions, human};
     let source = human(&HumanOptions { triangles: 2000 }).unwrap();
-    let (look, _) = Appearance::new(&source.materials, &source.images);
+    let (appearance, _) = Appearance::new(&source.materials, &source.images);
     let asset = character(&source, None, &ClipOptions::default()).unwrap();
     let joint = asset.rig.find("skullbase").expect("the human has a head");
     let viewport = Viewport {
@@ -447,7 +447,7 @@ fn a_whole_human_turns_its_head_by_the_neck() {
     let source = PortraitSource {
         mesh: &asset.mesh,
         rig: &asset.rig,
-        look: &look,
+        appearance: &appearance,
         triangles: &asset.mesh.triangles,
         head: Head::Joints(vec![joint]),
         expressions: &[],

@@ -108,14 +108,15 @@ pub(crate) fn views(
             };
             let is_here = |t: usize| layer == 0 || of_view[owners[t] as usize] == layer;
             let mesh = subset(source.mesh, is_here);
-            let mut look = source.look.clone();
+            let mut appearance = source.appearance.clone();
             if layers.turned[v] == Some(layer) {
-                look.materials
+                appearance
+                    .materials
                     .iter_mut()
                     .for_each(|m| m.double_sided = true);
             }
             let options = render_options(pose);
-            let picture = render(&mesh, &skinned[v], &look, &source.camera, &options)?;
+            let picture = render(&mesh, &skinned[v], &appearance, &source.camera, &options)?;
             let picture = picture.crop(low.0, low.1, high.0 - low.0, high.1 - low.1);
             sheet.place(bleed(&picture), low);
         }

@@ -54,7 +54,7 @@ fn parameters_of(figure: &Character, source: &CharacterFile) -> Result<EncodedFi
 /// Rotations that no parameter represents.
 fn unsaid(residuals: &[BapResidual]) -> Option<LossyPart> {
     let worst = residuals.first()?;
-    Some(LossyPart::Turns {
+    Some(LossyPart::Rotations {
         joints: residuals.len(),
         most: worst.joint.to_owned(),
         max_radians: worst.max_radians,

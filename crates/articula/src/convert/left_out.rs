@@ -25,7 +25,7 @@ pub enum LossyPart {
     /// A number of clips after the first.
     Clips(usize),
     /// Rotations for which BAP has no parameter.
-    Turns {
+    Rotations {
         /// Number of affected joints.
         joints: usize,
         /// H-Anim name of the joint with the greatest angle.

@@ -162,7 +162,7 @@ impl ConvertOptions {
         }
         let fits = match to.writes() {
             WriteSupport::Any => true,
-            WriteSupport::Back => from == to,
+            WriteSupport::SameFormat => from == to,
             WriteSupport::Never => false,
         };
         if fits {

@@ -32,7 +32,7 @@ pub fn write(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
 /// Writes a data file without a character. In FAP files, masks select the parameters that change.
 ///
 /// # Errors
-/// [`Error::Unsuited`] for formats that can only be read.
+/// [`Error::Unsupported`] for formats that can only be read.
 pub fn write_data(data: &Data) -> Result<EncodedFile> {
     let format = match data {
         Data::Fap(clip) => {

@@ -86,7 +86,7 @@ impl CrowdAsset {
     /// # Errors
     /// An [`Error`](crate::Error) if the options do not fit the character, or
     /// [`Error::Cancelled`](crate::Error::Cancelled).
-    pub fn of_asset(asset: Asset, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
+    pub fn from_asset(asset: Asset, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
         Self::prepared(asset, (&[], Vec::new()), options, work)
     }
 

@@ -21,7 +21,7 @@ pub struct FrameBudget {
 
 impl FrameBudget {
     /// A budget in nanoseconds at the current unit costs.
-    pub fn of_ns(cost_ns: f32) -> Self {
+    pub fn from_ns(cost_ns: f32) -> Self {
         Self {
             cost_ns,
             prices: None,
@@ -43,10 +43,10 @@ impl FrameBudget {
 /// use articula::crowd::BudgetController;
 ///
 /// let mut budget = BudgetController::new(2.0);
-/// assert_eq!(budget.decide().cost_ns, 2e6);
+/// assert_eq!(budget.next_budget().cost_ns, 2e6);
 /// // After the frame: what it did, and the nanoseconds that planning and evaluation took.
 /// budget.observe(&Default::default(), 500_000.0, 0.0);
-/// assert!(budget.decide().cost_ns <= 1.5e6);
+/// assert!(budget.next_budget().cost_ns <= 1.5e6);
 /// ```
 #[derive(Debug)]
 pub struct BudgetController {
@@ -72,7 +72,7 @@ impl BudgetController {
     }
 
     /// Returns the budget of the next frame.
-    pub fn decide(&mut self) -> FrameBudget {
+    pub fn next_budget(&mut self) -> FrameBudget {
         let due = self.frames > 0 && self.frames.is_multiple_of(REPRICE_FRAMES);
         // New costs rebuild the choice of every character, which is expensive.
         let renew = due && is_stale(&self.given, &self.costs);
@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn what_is_not_evaluation_is_taken_off() {
         let mut allocator = BudgetController::new(1.0);
-        assert_eq!(allocator.decide().cost_ns, 1e6);
+        assert_eq!(allocator.next_budget().cost_ns, 1e6);
         let work = Workload {
             characters: 1000,
             ..Workload::default()
@@ -126,13 +126,13 @@ mod tests {
         allocator.observe(&work, 200_000.0, 1000.0);
         // A little less, since measured times vary.
         let about = |cost: f32, left: f32| cost <= left && cost > 0.97 * left;
-        assert!(about(allocator.decide().cost_ns, 800_000.0));
+        assert!(about(allocator.next_budget().cost_ns, 800_000.0));
         // Moves by a tenth, towards at most twice the mean.
         allocator.observe(&work, 9e9, 1000.0);
-        assert!(about(allocator.decide().cost_ns, 780_000.0));
-        assert!(BudgetController::new(0.1).decide().prices.is_none());
+        assert!(about(allocator.next_budget().cost_ns, 780_000.0));
+        assert!(BudgetController::new(0.1).next_budget().prices.is_none());
         let mut poor = BudgetController::new(0.1);
         poor.observe(&work, 5e5, 1000.0);
-        assert_eq!(poor.decide().cost_ns, 0.0);
+        assert_eq!(poor.next_budget().cost_ns, 0.0);
     }
 }

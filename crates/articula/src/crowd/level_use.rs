@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// Statistics of one level over all frames; counts of characters and poses are means per frame.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LevelUse {
+pub struct LevelStatistics {
     /// The level; 0 is full detail.
     pub level: usize,
     /// Number of joints that the level keeps.
@@ -69,7 +69,7 @@ pub struct DrawCost {
 
 impl DrawCost {
     /// Sums the costs of all levels.
-    pub fn sum(tiers: &[LevelUse]) -> Self {
+    pub fn sum(tiers: &[LevelStatistics]) -> Self {
         tiers.iter().fold(Self::default(), |sum, tier| Self {
             draw_groups: sum.draw_groups + tier.renderer.draw_groups,
             palette_bytes: sum.palette_bytes + tier.renderer.palette_bytes,
@@ -157,7 +157,7 @@ impl LevelTally {
     }
 
     /// Returns statistics of every level that was used.
-    pub fn levels(&self, asset: &CrowdAsset, samples: &[ErrorSample]) -> Vec<LevelUse> {
+    pub fn levels(&self, asset: &CrowdAsset, samples: &[ErrorSample]) -> Vec<LevelStatistics> {
         let levels = self.levels.iter().enumerate();
         let shown = levels.filter(|(_, sums)| sums.characters > 0);
         shown
@@ -171,7 +171,7 @@ impl LevelTally {
         level: usize,
         sums: &Sums,
         samples: &[ErrorSample],
-    ) -> LevelUse {
+    ) -> LevelStatistics {
         let mean = |count: usize| count as f64 / self.frames.max(1) as f64;
         let model = asset.model();
         let made = asset.level(level);
@@ -182,7 +182,7 @@ impl LevelTally {
         let mut errors: Vec<f64> = looked.map(|c| c.p95_px).collect();
         let p95 = percentile(&mut errors, 0.95);
         let parts = asset.full().mesh.parts.len().max(1);
-        LevelUse {
+        LevelStatistics {
             level,
             joints: made.joints,
             matrices: made.matrices,

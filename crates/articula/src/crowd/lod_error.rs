@@ -38,7 +38,7 @@ pub struct CharacterError {
     pub worst_px: f64,
     /// Whether the character belongs to the even sample; if not, it was measured because it is
     /// near.
-    pub is_drawn: bool,
+    pub is_sampled: bool,
 }
 
 /// Errors of one measured frame.
@@ -73,7 +73,7 @@ impl ErrorSummary {
     pub fn of(samples: &[ErrorSample]) -> Self {
         let all = || samples.iter().flat_map(|l| &l.characters);
         let near = || all().filter(|c| c.distance_m < NEAR_METRES);
-        let mut drawn: Vec<f64> = all().filter(|c| c.is_drawn).map(|c| c.p95_px).collect();
+        let mut drawn: Vec<f64> = all().filter(|c| c.is_sampled).map(|c| c.p95_px).collect();
         Self {
             p95: percentile(&mut drawn, 0.95),
             max: all().map(|c| c.p95_px).fold(0.0, f64::max),
@@ -138,18 +138,18 @@ impl ErrorMeter {
         // A new sample for each call.
         let seed = self.seed.wrapping_add(self.looks.wrapping_mul(0x9e37_79b9));
         self.looks += 1;
-        let mut is_drawn = vec![false; visible.len()];
+        let mut is_sampled = vec![false; visible.len()];
         for at in every(visible.len(), DRAWN, seed) {
-            is_drawn[at] = true;
+            is_sampled[at] = true;
         }
         let sources = player.sources();
         let mut characters = Vec::new();
-        for (&(character, level), is_drawn) in visible.iter().zip(is_drawn) {
+        for (&(character, level), is_sampled) in visible.iter().zip(is_sampled) {
             let distance_m = camera.eye.distance(player.positions()[character]);
             let Some(source) = &sources[character] else {
                 continue;
             };
-            if !is_drawn && distance_m >= NEAR_METRES {
+            if !is_sampled && distance_m >= NEAR_METRES {
                 continue;
             }
             self.pose_truth(player, character);
@@ -166,7 +166,7 @@ impl ErrorMeter {
                 distance_m,
                 p95_px: percentile(&mut errors, 0.95),
                 worst_px: percentile(&mut errors, 1.0),
-                is_drawn,
+                is_sampled,
             });
         }
         ErrorSample { secs, characters }
@@ -283,12 +283,12 @@ mod tests {
 
     #[test]
     fn near_ones_count_for_the_maximum_and_not_for_the_percentile() {
-        let one = |distance_m, p95_px, is_drawn| CharacterError {
+        let one = |distance_m, p95_px, is_sampled| CharacterError {
             level: 0,
             distance_m,
             p95_px,
             worst_px: 2.0 * p95_px,
-            is_drawn,
+            is_sampled,
         };
         let look = ErrorSample {
             secs: 0.0,

@@ -69,7 +69,7 @@ impl CrowdPlayer {
     /// full-detail palettes of all characters.
     ///
     /// # Errors
-    /// [`Error::Unsuited`] if the palettes would take more than 16 GiB.
+    /// [`Error::Unsupported`] if the palettes would take more than 16 GiB.
     pub fn new(asset: &CrowdAsset, characters: usize) -> Result<Self> {
         let model = asset.model();
         Ok(Self {
@@ -116,14 +116,14 @@ impl CrowdPlayer {
     /// # Panics
     /// If there is no such character.
     pub fn place(&mut self, character: usize, position: Vec3, yaw_radians: f32) {
-        self.place_turned(character, position, Quat::from_rotation_y(yaw_radians));
+        self.set_transform(character, position, Quat::from_rotation_y(yaw_radians));
     }
 
     /// Sets a character's position and rotation.
     ///
     /// # Panics
     /// If there is no such character.
-    pub fn place_turned(&mut self, character: usize, position: Vec3, rotation: Quat) {
+    pub fn set_transform(&mut self, character: usize, position: Vec3, rotation: Quat) {
         self.positions[character] = position;
         self.rotations[character] = rotation;
     }
@@ -167,7 +167,7 @@ impl CrowdPlayer {
     }
 
     /// Sets the budget of the next frames.
-    pub fn allow(&mut self, allowance: &FrameBudget) {
+    pub fn set_frame_budget(&mut self, allowance: &FrameBudget) {
         allowance.apply(&mut self.crowd, self.asset.model());
         self.detail = Detail::Budget {
             cost: allowance.cost_ns,

@@ -126,7 +126,7 @@ impl<'a> ScenePlayer<'a> {
     /// Returns the camera at the current time.
     ///
     /// # Errors
-    /// [`Error::Unsuited`] if the scene has none.
+    /// [`Error::Unsupported`] if the scene has none.
     pub fn camera(&self) -> Result<Camera> {
         let camera = self.scene.camera_at(self.secs);
         camera.ok_or_else(|| Error::unsuited("the scene has no camera"))
@@ -136,14 +136,14 @@ impl<'a> ScenePlayer<'a> {
     /// budget of this frame; without it the last one stays in force.
     ///
     /// # Errors
-    /// [`Error::Unsuited`] if the scene has no camera.
+    /// [`Error::Unsupported`] if the scene has no camera.
     pub fn plan(&mut self, dt_secs: f64, allowance: Option<&FrameBudget>) -> Result<CrowdReport> {
         self.secs += dt_secs;
         let camera = self.camera()?;
         let (way, turn) = self.ahead(&camera);
         let views = [View::of(&camera).moving(way, turn)];
         if let Some(allowance) = allowance {
-            self.player.allow(allowance);
+            self.player.set_frame_budget(allowance);
         }
         self.turn_fades();
         let culling = match self.detail {

@@ -58,7 +58,7 @@ impl CameraPath {
     /// most this many pixels.
     ///
     /// # Errors
-    /// [`Error::Unsuited`] if the path has no key frame.
+    /// [`Error::Unsupported`] if the path has no key frame.
     pub fn play(&self, stage: &ClipEvaluator<'_>, limit_px: Option<f32>) -> Result<PlayedPath> {
         let play = |epsilon_px: f32| {
             let options = DriftOptions {

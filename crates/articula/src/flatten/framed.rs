@@ -49,7 +49,7 @@ pub struct FramedParts {
     /// Shown triangles, as indices of the character's vertices.
     pub triangles: Vec<[u32; 3]>,
     /// Times of the frames, in seconds of the clip.
-    pub moments_secs: Vec<f64>,
+    pub frame_times_secs: Vec<f64>,
 }
 
 /// A character framed by a camera, ready for flattening.
@@ -57,13 +57,13 @@ pub struct FramedParts {
 pub struct FramedCharacter<'a> {
     figure: &'a Figure,
     shot: Shot,
-    look: Appearance,
+    appearance: Appearance,
     /// Camera, lighting, frame rate and turn.
     pub options: BakeOptions,
     /// Shown triangles, as indices of the character's vertices.
     pub triangles: Vec<[u32; 3]>,
     /// Times of the frames, in seconds of the clip.
-    pub moments_secs: Vec<f64>,
+    pub frame_times_secs: Vec<f64>,
 }
 
 impl<'a> FramedCharacter<'a> {
@@ -79,9 +79,9 @@ impl<'a> FramedCharacter<'a> {
             let what = "no mesh to show; give a file with one, or hide fewer of them";
             return Err(Error::unsuited(what)).context(&figure.opened.name);
         }
-        let (look, _) = Appearance::new(&character.materials, &character.images);
-        let (moments_secs, fps) = moments(figure, &shot)?;
-        let length = moments_secs.last().copied().unwrap_or_default();
+        let (appearance, _) = Appearance::new(&character.materials, &character.images);
+        let (frame_times_secs, fps) = moments(figure, &shot)?;
+        let length = frame_times_secs.last().copied().unwrap_or_default();
         let options = BakeOptions {
             camera: articula_core::Camera::looking_at(
                 glam::Vec3::Z,
@@ -89,7 +89,7 @@ impl<'a> FramedCharacter<'a> {
                 shot.viewport,
             ),
             projection: Projection::Perspective,
-            lamp: Lighting::default(),
+            lighting: Lighting::default(),
             fps,
             turn: Turntable {
                 axis: (0.0, 0.0),
@@ -103,10 +103,10 @@ impl<'a> FramedCharacter<'a> {
         let mut framed = Self {
             figure,
             shot,
-            look,
+            appearance,
             options,
             triangles: figure.asset.mesh.triangles.clone(),
-            moments_secs,
+            frame_times_secs,
         };
         work.step(LOOKING, 0, 2)?;
         framed.put_up_camera()?;
@@ -120,14 +120,14 @@ impl<'a> FramedCharacter<'a> {
     /// that prescribe them.
     pub fn from_parts(figure: &'a Figure, shot: Shot, parts: FramedParts) -> Self {
         let character = &figure.opened.character;
-        let (look, _) = Appearance::new(&character.materials, &character.images);
+        let (appearance, _) = Appearance::new(&character.materials, &character.images);
         Self {
             figure,
             shot,
-            look,
+            appearance,
             options: parts.options,
             triangles: parts.triangles,
-            moments_secs: parts.moments_secs,
+            frame_times_secs: parts.frame_times_secs,
         }
     }
 
@@ -153,7 +153,7 @@ impl<'a> FramedCharacter<'a> {
             rig: &asset.rig,
             mesh: &asset.mesh,
             triangles: &self.triangles,
-            look: &self.look,
+            appearance: &self.appearance,
             clip: self.shot.clip.map(|c| &asset.clips[c]),
             morph_weights: &asset.mesh.morph_weights,
         }
@@ -164,7 +164,7 @@ impl<'a> FramedCharacter<'a> {
     /// # Errors
     /// An [`Error`] that names the file, if it has more triangles or frames than can be converted.
     pub fn clip(&self) -> Result<PlanarClip> {
-        self.at(&self.moments_secs)
+        self.at(&self.frame_times_secs)
     }
 
     /// Projects the clip at fractional frame numbers.
@@ -172,7 +172,7 @@ impl<'a> FramedCharacter<'a> {
     /// # Errors
     /// An [`Error`] that names the file, if it has more triangles or frames than can be converted.
     pub fn at_frames(&self, frames: &[f64]) -> Result<PlanarClip> {
-        let first = self.moments_secs.first().copied().unwrap_or_default();
+        let first = self.frame_times_secs.first().copied().unwrap_or_default();
         let secs = |f: &f64| first + f / f64::from(self.options.fps);
         let moments: Vec<f64> = frames.iter().map(secs).collect();
         self.at(&moments)
@@ -182,15 +182,15 @@ impl<'a> FramedCharacter<'a> {
     ///
     /// # Errors
     /// An [`Error`] that names the file, if it has more triangles or frames than can be converted.
-    pub fn at(&self, moments_secs: &[f64]) -> Result<PlanarClip> {
-        bake(&self.subject(), moments_secs, &self.options).context(&self.figure.opened.name)
+    pub fn at(&self, frame_times_secs: &[f64]) -> Result<PlanarClip> {
+        bake(&self.subject(), frame_times_secs, &self.options).context(&self.figure.opened.name)
     }
 
     /// A subset of the frame times, evenly spaced, that includes the last.
     fn looks(&self) -> Vec<f64> {
-        let step = self.moments_secs.len().div_ceil(LOOKS).max(1);
-        let last = self.moments_secs.last().copied();
-        let some = self.moments_secs.iter().copied().step_by(step);
+        let step = self.frame_times_secs.len().div_ceil(LOOKS).max(1);
+        let last = self.frame_times_secs.last().copied();
+        let some = self.frame_times_secs.iter().copied().step_by(step);
         some.chain(last).collect()
     }
 

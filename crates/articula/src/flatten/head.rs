@@ -32,7 +32,7 @@ const NECK: [&str; 9] = [
 /// A head framed by a camera, ready for making a portrait.
 pub struct FramedHead<'a> {
     figure: &'a Figure,
-    look: Appearance,
+    appearance: Appearance,
     head: Head,
     expressions: Vec<PortraitExpression>,
     clips: Vec<PortraitClip>,
@@ -60,7 +60,7 @@ impl<'a> FramedHead<'a> {
             return Err(Error::unsuited(what));
         }
         let character = &figure.opened.character;
-        let (look, _) = Appearance::new(&character.materials, &character.images);
+        let (appearance, _) = Appearance::new(&character.materials, &character.images);
         let rest = PosedMesh::new(&asset.rig, &asset.mesh)
             .pose(asset.rig.rest_pose())
             .skinned(&asset.mesh.morph_weights)
@@ -99,7 +99,7 @@ impl<'a> FramedHead<'a> {
         });
         Ok(Self {
             figure,
-            look,
+            appearance,
             head,
             expressions,
             clips: sampled.into_iter().collect(),
@@ -113,7 +113,7 @@ impl<'a> FramedHead<'a> {
         PortraitSource {
             mesh: &self.figure.asset.mesh,
             rig: &self.figure.asset.rig,
-            look: &self.look,
+            appearance: &self.appearance,
             triangles: &self.triangles,
             head: self.head.clone(),
             expressions: &self.expressions,

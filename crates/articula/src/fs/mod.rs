@@ -32,13 +32,13 @@ pub fn open(path: impl AsRef<Path>) -> Result<CharacterFile> {
 pub fn open_with(path: impl AsRef<Path>, options: &OpenOptions) -> Result<CharacterFile> {
     let path = path.as_ref();
     let name = shown(path);
-    if let Some(data) = open::DataFormat::of_name(&name) {
+    if let Some(data) = open::DataFormat::from_name(&name) {
         return Err(Error::unsuited(data.advice())).context(name);
     }
     let limit = options.limits.bytes;
     let bytes = read(path, limit)?;
     let mut fetch = beside(path, limit);
-    if Format::of_bytes(&bytes, &name) == Some(Format::Amc) && options.skeleton.is_none() {
+    if Format::from_bytes(&bytes, &name) == Some(Format::Amc) && options.skeleton.is_none() {
         let (skeleton, how) = skeleton_beside(path).with_context(|| &name)?;
         let options = OpenOptions {
             skeleton: Some(read(&skeleton, limit)?),

@@ -10,7 +10,7 @@ pub(super) fn skeleton_of<'a>(
     motion: &str,
     beside: &[&'a str],
 ) -> Result<(&'a str, Option<&'static str>)> {
-    let is_skeleton = |name: &&&str| Format::of_name(name) == Some(Format::Asf);
+    let is_skeleton = |name: &&&str| Format::from_name(name) == Some(Format::Asf);
     let beside: Vec<&'a str> = beside.iter().filter(is_skeleton).copied().collect();
     let name = stem(motion);
     let begins = beside.iter().filter(|p| name.starts_with(&stem(p)));

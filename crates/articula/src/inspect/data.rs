@@ -1,6 +1,6 @@
 //! Contents of MPEG-4 data files: parameters, their ranges and units.
 
-use super::{Face, Warning};
+use super::{FaceInspection, WarningInspection};
 use crate::open::{Data, DataFile, DataFormat};
 use articula_core::fap_table::{FAPS, GROUPS, TABLE};
 use articula_formats::mpeg4::epf::EpfFrame;
@@ -25,7 +25,7 @@ pub struct DataInspection {
     pub clips: Vec<DataClip>,
     meshes: [(); 0],
     /// Face animation data.
-    pub face: Option<Face>,
+    pub face: Option<FaceInspection>,
     /// FAP files: groups of parameters.
     pub groups: Vec<FapGroup>,
     /// FAP files: parameters that the masks select. FDP files: parameters that move a vertex.
@@ -33,11 +33,11 @@ pub struct DataInspection {
     /// FDP files: neutral distances of the face, in the unit of its mesh.
     pub fapu: Option<FaceUnits>,
     /// FDP files: feature points.
-    pub points: Vec<FeaturePoint>,
+    pub points: Vec<FeaturePointInspection>,
     /// EPF files: encoder settings.
     pub coding: Option<EncoderSettings>,
     /// Warnings.
-    pub warnings: Vec<Warning>,
+    pub warnings: Vec<WarningInspection>,
 }
 
 /// Motion of a FAP file.
@@ -107,7 +107,7 @@ pub struct FaceUnits {
 
 /// A feature point of a face.
 #[derive(Debug, Serialize)]
-pub struct FeaturePoint {
+pub struct FeaturePointInspection {
     /// Number in the standard, such as `3.5`.
     pub point: String,
     /// Number of vertices in its zone.
@@ -140,7 +140,7 @@ pub fn inspect_data(opened: DataFile, file: &str, format: DataFormat) -> DataIns
         Data::Epf(frames) => of_epf(frames),
         Data::Fdp(face) => of_fdp(face),
     };
-    let warning = |w: articula_formats::Warning| Warning {
+    let warning = |w: articula_formats::Warning| WarningInspection {
         at: w.at,
         what: w.what,
     };
@@ -203,7 +203,7 @@ fn parameter(index: usize, range: Option<(i32, i32)>, moves: bool) -> FapParamet
 fn of_fdp(file: &FdpFile) -> DataInspection {
     let moved = file.moved();
     let units = file.fapu;
-    let point = |p: &fdp::FeaturePoint| FeaturePoint {
+    let point = |p: &fdp::FeaturePoint| FeaturePointInspection {
         point: format!("{}.{}", p.point.0, p.point.1),
         vertices: p.zone.len(),
         faps: p.influences.iter().map(|i| i.fap).collect(),
@@ -243,6 +243,6 @@ fn of_epf(frames: &[EpfFrame]) -> DataInspection {
     }
 }
 
-fn face(faps: usize) -> Option<Face> {
-    Some(Face { faps, morphs: 0 })
+fn face(faps: usize) -> Option<FaceInspection> {
+    Some(FaceInspection { faps, morphs: 0 })
 }

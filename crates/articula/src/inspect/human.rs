@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// Humanoid data of a file; written as fields of [`Inspection`](super::Inspection).
 #[derive(Debug, Serialize)]
-pub struct Human {
+pub struct HumanoidInspection {
     /// Version of the humanoid extension, such as `VRM 1.0`.
     pub format_version: Option<String>,
     /// Number of human bones that the file names; null if it names none.
@@ -62,7 +62,7 @@ pub struct ExpressionInspection {
     /// Name of the expression.
     pub name: String,
     /// Morph targets that it drives.
-    pub morphs: Vec<Morph>,
+    pub morphs: Vec<MorphInspection>,
     /// Names of the joints that it moves.
     pub joints: Vec<String>,
     /// Whether it has only the states on and off.
@@ -75,7 +75,7 @@ pub struct ExpressionInspection {
 
 /// A morph target that an expression drives.
 #[derive(Debug, Serialize)]
-pub struct Morph {
+pub struct MorphInspection {
     /// Name of the mesh.
     pub mesh: String,
     /// Name of the target, or its index.
@@ -97,9 +97,9 @@ pub struct PassThroughItem {
 #[derive(Debug, Serialize)]
 pub struct KhrCharacter {
     /// Rigs that the skeleton is mapped to.
-    pub rigs: Vec<Rig>,
+    pub rigs: Vec<MappedRig>,
     /// Clips that contain a reference pose.
-    pub reference_poses: Vec<Pose>,
+    pub reference_poses: Vec<ReferencePoseClip>,
     /// Names of the clips that define expressions.
     pub expression_clips: Vec<String>,
     /// Names of the expression sets that the file's expressions are mapped to.
@@ -108,7 +108,7 @@ pub struct KhrCharacter {
 
 /// A rig that the skeleton is mapped to.
 #[derive(Debug, Serialize)]
-pub struct Rig {
+pub struct MappedRig {
     /// Name of the rig.
     pub name: String,
     /// Number of mapped joints.
@@ -117,7 +117,7 @@ pub struct Rig {
 
 /// A clip with a reference pose.
 #[derive(Debug, Serialize)]
-pub struct Pose {
+pub struct ReferencePoseClip {
     /// Name of the clip.
     pub clip: String,
     /// Kind of the pose.
@@ -125,12 +125,12 @@ pub struct Pose {
 }
 
 /// Summarises the humanoid data of a file.
-pub(super) fn of(opened: &CharacterFile) -> Human {
+pub(super) fn of(opened: &CharacterFile) -> HumanoidInspection {
     let behind = opened.gltf.as_ref();
     let character = &opened.character;
     let kept = behind.map_or(&[][..], |b| &b.kept);
     let expressions = character.expressions.iter();
-    Human {
+    HumanoidInspection {
         format_version: behind.and_then(|b| b.version.clone()),
         human_bones: behind.and_then(|b| b.humanoid.as_ref()).map(Vec::len),
         credits: character.credits.as_ref().map(credits),
@@ -170,7 +170,7 @@ fn expression(character: &source::Character, found: &source::Expression) -> Expr
         // Meshes may have been removed since the file was read.
         let mesh = character.meshes.get(m.mesh);
         let name = mesh.and_then(|mesh| mesh.morph_names.get(m.target));
-        Morph {
+        MorphInspection {
             mesh: mesh.map_or(String::new(), |mesh| mesh.name.clone()),
             target: match name.map_or("", |n| n.as_str()) {
                 "" => format!("#{}", m.target),
@@ -197,11 +197,11 @@ fn khr_character(opened: &CharacterFile) -> Option<KhrCharacter> {
         let clip = opened.character.clips.get(index);
         clip.map_or(String::new(), |c| c.name.clone())
     };
-    let rigs = found.rigs.iter().map(|r| Rig {
+    let rigs = found.rigs.iter().map(|r| MappedRig {
         name: r.rig.clone(),
         joints: r.joints.len(),
     });
-    let poses = found.reference_poses.iter().map(|p| Pose {
+    let poses = found.reference_poses.iter().map(|p| ReferencePoseClip {
         clip: clip(p.clip),
         kind: p.kind.clone(),
     });

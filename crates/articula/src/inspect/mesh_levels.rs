@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// A coarser level of one mesh.
 #[derive(Debug, Serialize)]
-pub struct MeshLevel {
+pub struct CoarserMesh {
     /// Number of triangles.
     pub triangles: usize,
     /// Number of vertices.
@@ -20,9 +20,9 @@ pub struct MeshLevel {
 
 /// Levels of all meshes together.
 #[derive(Debug, Serialize)]
-pub struct Levels {
+pub struct MeshLevelsInspection {
     /// The levels, finest first.
-    pub levels: Vec<Level>,
+    pub levels: Vec<MeshLevelInspection>,
     /// Names of zones that may be shown at independent levels.
     pub regions: Vec<String>,
     /// Coarsest level up to which zones may differ.
@@ -31,7 +31,7 @@ pub struct Levels {
 
 /// One level of all meshes. Errors are null if the file does not state them.
 #[derive(Debug, Serialize)]
-pub struct Level {
+pub struct MeshLevelInspection {
     /// Number of the level; 0 is the finest.
     pub level: usize,
     /// Number of triangles.
@@ -47,13 +47,13 @@ pub struct Level {
 }
 
 /// The coarser levels of a mesh, finest first.
-pub(super) fn of_mesh(mesh: &source::RawMesh) -> Vec<MeshLevel> {
+pub(super) fn of_mesh(mesh: &source::RawMesh) -> Vec<CoarserMesh> {
     let vertices = |parts: &[source::Primitive]| parts.iter().map(|p| p.positions.len()).sum();
     let triangles = |parts: &[source::Primitive]| parts.iter().map(|p| p.triangles.len()).sum();
-    let nodes: Vec<MeshLevel> = mesh
+    let nodes: Vec<CoarserMesh> = mesh
         .levels
         .iter()
-        .map(|level| MeshLevel {
+        .map(|level| CoarserMesh {
             triangles: triangles(&level.primitives),
             vertices: vertices(&level.primitives),
             screen_coverage: level.screen_coverage,
@@ -64,17 +64,17 @@ pub(super) fn of_mesh(mesh: &source::RawMesh) -> Vec<MeshLevel> {
         return nodes;
     };
     (1..count)
-        .map(|level| MeshLevel {
+        .map(|level| CoarserMesh {
             screen_coverage: nodes.get(level - 1).and_then(|n| n.screen_coverage),
             ..clustered(&mesh.clustered, level)
         })
         .collect()
 }
 
-fn clustered(parts: &[ClusteredTriangles], level: usize) -> MeshLevel {
+fn clustered(parts: &[ClusteredTriangles], level: usize) -> CoarserMesh {
     let all = || parts.iter().map(|p| &p.clusters);
     let ranges = |c: &articula_core::Clusters| c.ranges(level).map(|r| [r.start, r.end]).collect();
-    MeshLevel {
+    CoarserMesh {
         triangles: all().map(|c| c.triangles(level) as usize).sum(),
         vertices: all().map(|c| c.vertices(level) as usize).sum(),
         screen_coverage: None,
@@ -83,11 +83,11 @@ fn clustered(parts: &[ClusteredTriangles], level: usize) -> MeshLevel {
 }
 
 /// Levels of all meshes, from the file's table of errors.
-pub(super) fn of(table: &LevelTable, meshes: &[source::RawMesh]) -> Levels {
+pub(super) fn of(table: &LevelTable, meshes: &[source::RawMesh]) -> MeshLevelsInspection {
     let finite = |metres: f32| metres.is_finite().then_some(metres);
     let parts = || meshes.iter().flat_map(|m| &m.clustered);
     let rows = table.levels.iter().enumerate();
-    let level = |(l, row): (usize, &articula_core::LevelRow)| Level {
+    let level = |(l, row): (usize, &articula_core::LevelRow)| MeshLevelInspection {
         level: l,
         triangles: row.triangles,
         vertices: row.vertices,
@@ -95,7 +95,7 @@ pub(super) fn of(table: &LevelTable, meshes: &[source::RawMesh]) -> Levels {
         error_motion_m: finite(row.motion.max_metres),
         ranges: parts().map(|p| p.clusters.ranges(l).count()).sum(),
     };
-    Levels {
+    MeshLevelsInspection {
         levels: rows.map(level).collect(),
         regions: table.regions.clone(),
         mixable_to: table.mixable_to,

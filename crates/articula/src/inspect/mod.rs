@@ -10,14 +10,15 @@ mod skeletons;
 mod stream;
 
 pub use data::{
-    DataClip, DataInspection, EncoderSettings, FaceUnits, FapGroup, FapParameter, FeaturePoint,
-    inspect_data,
+    DataClip, DataInspection, EncoderSettings, FaceUnits, FapGroup, FapParameter,
+    FeaturePointInspection, inspect_data,
 };
 pub use extent::Extent;
 pub use human::{
-    Credits, ExpressionInspection, Human, KhrCharacter, Morph, PassThroughItem, Pose, Rig, Term,
+    Credits, ExpressionInspection, HumanoidInspection, KhrCharacter, MappedRig, MorphInspection,
+    PassThroughItem, ReferencePoseClip, Term,
 };
-pub use mesh_levels::{Level, Levels, MeshLevel};
+pub use mesh_levels::{CoarserMesh, MeshLevelInspection, MeshLevelsInspection};
 pub use stream::{StreamInspection, StreamLevel, inspect_stream};
 
 use crate::error::Result;
@@ -52,13 +53,13 @@ pub struct Inspection {
     /// The meshes.
     pub meshes: Vec<MeshInspection>,
     /// Mesh levels of all meshes together; null if the file has none.
-    pub mesh_levels: Option<Levels>,
+    pub mesh_levels: Option<MeshLevelsInspection>,
     /// Number of materials.
     pub materials: usize,
     /// Number of pictures.
     pub images: usize,
     /// Face animation data.
-    pub face: Option<Face>,
+    pub face: Option<FaceInspection>,
     /// Height of the skinned rest pose, in metres.
     pub height_m: Option<f32>,
     /// Bounding box of the skinned rest pose.
@@ -69,11 +70,11 @@ pub struct Inspection {
     pub articulation_stored: bool,
     /// Humanoid data.
     #[serde(flatten)]
-    pub human: Human,
+    pub human: HumanoidInspection,
     /// All joints and nodes.
     pub map: Vec<JointInspection>,
     /// Warnings.
-    pub warnings: Vec<Warning>,
+    pub warnings: Vec<WarningInspection>,
 }
 
 /// A connected group of skin joints.
@@ -166,12 +167,12 @@ pub struct MeshInspection {
     /// Minimum screen coverage for which it is intended, as stored in the file.
     pub screen_coverage: Option<f32>,
     /// Coarser levels stored in the file, finest first.
-    pub levels: Vec<MeshLevel>,
+    pub levels: Vec<CoarserMesh>,
 }
 
 /// Face animation data.
 #[derive(Debug, Serialize)]
-pub struct Face {
+pub struct FaceInspection {
     /// Number of MPEG-4 facial animation parameters with a table.
     pub faps: usize,
     /// Number of morph targets; those of the same name in several meshes count once.
@@ -180,7 +181,7 @@ pub struct Face {
 
 /// A warning about a file.
 #[derive(Debug, Serialize)]
-pub struct Warning {
+pub struct WarningInspection {
     /// Location, as a path into the file.
     pub at: String,
     /// What was found.
@@ -365,7 +366,7 @@ fn mesh_of(mesh: &source::RawMesh) -> MeshInspection {
     }
 }
 
-fn face_of(character: &source::Character) -> Option<Face> {
+fn face_of(character: &source::Character) -> Option<FaceInspection> {
     let mut names = BTreeSet::new();
     let mut unnamed = 0;
     for mesh in &character.meshes {
@@ -379,17 +380,17 @@ fn face_of(character: &source::Character) -> Option<Face> {
         }
     }
     let morphs = names.len() + unnamed;
-    (morphs > 0).then_some(Face { faps: 0, morphs })
+    (morphs > 0).then_some(FaceInspection { faps: 0, morphs })
 }
 
-fn warnings_of(figure: &Figure) -> Vec<Warning> {
+fn warnings_of(figure: &Figure) -> Vec<WarningInspection> {
     let character = &figure.opened.character;
-    let read = figure.opened.warnings.iter().map(|w| Warning {
+    let read = figure.opened.warnings.iter().map(|w| WarningInspection {
         at: w.at.clone(),
         what: w.what.clone(),
     });
     let (_, broken) = Appearance::new(&character.materials, &character.images);
-    let pictures = broken.into_iter().map(|fault| Warning {
+    let pictures = broken.into_iter().map(|fault| WarningInspection {
         at: format!("images[{}]", fault.image),
         what: format!("its surface is shown in plain colour: {}", fault.what),
     });
@@ -397,10 +398,10 @@ fn warnings_of(figure: &Figure) -> Vec<Warning> {
 }
 
 /// Warnings about the character as a whole, in addition to those of the reader.
-fn oddities(found: &Inspection) -> Vec<Warning> {
+fn oddities(found: &Inspection) -> Vec<WarningInspection> {
     let mut odd = Vec::new();
     let mut say = |at: &str, what: String| {
-        odd.push(Warning {
+        odd.push(WarningInspection {
             at: at.into(),
             what,
         });

@@ -99,11 +99,11 @@ impl MeshLevelOptions {
                 let mut names: Vec<&str> = mesh.parts.iter().map(|p| p.name.as_str()).collect();
                 names.dedup();
                 let what = format!("no mesh \"{name}\"; there are {}", names.join(", "));
-                return Err(Error::Locked(what));
+                return Err(Error::LockedVertices(what));
             };
             if parts.iter().any(|p| p.mesh != first.mesh) {
                 let what = format!("several meshes are called \"{name}\"; give them other names");
-                return Err(Error::Locked(what));
+                return Err(Error::LockedVertices(what));
             }
             // Parts of one mesh are consecutive, and vertices are numbered across them.
             let of_mesh: Vec<u32> = parts
@@ -114,7 +114,7 @@ impl MeshLevelOptions {
             for v in vertices {
                 let Some(vertex) = of_mesh.get(*v as usize) else {
                     let what = format!("{name}: vertex {v} of {}", of_mesh.len());
-                    return Err(Error::Locked(what));
+                    return Err(Error::LockedVertices(what));
                 };
                 locked.push(*vertex);
             }

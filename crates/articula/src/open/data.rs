@@ -45,7 +45,7 @@ impl DataFormat {
     const ALL: [Self; 3] = [Self::Fap, Self::Epf, Self::Fdp];
 
     /// Returns the format for a file name's extension.
-    pub fn of_name(name: &str) -> Option<Self> {
+    pub fn from_name(name: &str) -> Option<Self> {
         let extension = super::format::extension(name)?.to_ascii_lowercase();
         Self::ALL.into_iter().find(|f| f.name() == extension)
     }
@@ -114,9 +114,9 @@ mod tests {
     fn names_are_those_of_no_character() {
         for format in DataFormat::ALL {
             let name = format!("a.{}", format.name().to_uppercase());
-            assert_eq!(DataFormat::of_name(&name), Some(format));
-            assert_eq!(Format::of_name(&name), None);
+            assert_eq!(DataFormat::from_name(&name), Some(format));
+            assert_eq!(Format::from_name(&name), None);
         }
-        assert_eq!(DataFormat::of_name("fap"), None);
+        assert_eq!(DataFormat::from_name("fap"), None);
     }
 }

@@ -51,7 +51,7 @@ pub enum WriteSupport {
     /// Any character.
     Any,
     /// Only characters read from the same format.
-    Back,
+    SameFormat,
     /// None; the format is only read.
     Never,
 }
@@ -73,13 +73,13 @@ const ROWS: &[Row] = &[
         format: Format::Vrm,
         name: "vrm",
         open: document::open,
-        writes: WriteSupport::Back,
+        writes: WriteSupport::SameFormat,
     },
     Row {
         format: Format::Vrma,
         name: "vrma",
         open: document::open,
-        writes: WriteSupport::Back,
+        writes: WriteSupport::SameFormat,
     },
     Row {
         format: Format::Bvh,
@@ -133,7 +133,7 @@ const ROWS: &[Row] = &[
 
 impl Format {
     /// Returns the format for a file name's extension.
-    pub fn of_name(name: &str) -> Option<Self> {
+    pub fn from_name(name: &str) -> Option<Self> {
         Self::of_extension(extension(name)?)
     }
 
@@ -146,8 +146,8 @@ impl Format {
 
     /// Detects the format from the first bytes; `name` distinguishes the formats that are glTF
     /// containers.
-    pub fn of_bytes(bytes: &[u8], name: &str) -> Option<Self> {
-        let named = Self::of_name(name);
+    pub fn from_bytes(bytes: &[u8], name: &str) -> Option<Self> {
+        let named = Self::from_name(name);
         let first = bytes.iter().position(|b| !b.is_ascii_whitespace());
         let text = &bytes[first.unwrap_or(bytes.len())..];
         // Some editors put a byte order mark in front of text.
@@ -234,7 +234,7 @@ pub fn conversions() -> String {
         let rows = ROWS.iter().filter(move |row| row.writes == writes);
         rows.map(|row| row.name.to_owned())
     };
-    let back = named(WriteSupport::Back).map(|name| format!("{name} to {name}"));
+    let back = named(WriteSupport::SameFormat).map(|name| format!("{name} to {name}"));
     format!(
         "{} to {}; {}",
         listed(ROWS.iter().map(|row| row.name.to_owned())),
@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn bytes_decide_and_names_refine() {
-        let of = |bytes: &[u8], name: &str| Format::of_bytes(bytes, name);
+        let of = |bytes: &[u8], name: &str| Format::from_bytes(bytes, name);
         assert_eq!(of(b"glTF....", "a.bvh"), Some(Format::Glb));
         assert_eq!(of(b"glTF....", "a.VRM"), Some(Format::Vrm));
         assert_eq!(of(b" \n{\"asset\"", "a"), Some(Format::Gltf));
@@ -279,7 +279,7 @@ mod tests {
         for row in ROWS {
             assert_eq!(row.format.name(), row.name);
             let file = format!("a.{}", row.name.to_uppercase());
-            assert_eq!(Format::of_name(&file), Some(row.format));
+            assert_eq!(Format::from_name(&file), Some(row.format));
         }
         assert!(conversions().starts_with("glb, gltf"));
         assert!(conversions().ends_with("vrma to vrma"));

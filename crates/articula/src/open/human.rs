@@ -13,7 +13,7 @@ use articula_human::{HumanOptions, human};
 /// None that a caller could avoid.
 pub fn reference_human() -> Result<CharacterFile> {
     let made = human(&HumanOptions::default());
-    let character = made.map_err(|e| Error::Unsuited(e.to_string()))?;
+    let character = made.map_err(|e| Error::Unsupported(e.to_string()))?;
     let glb = Document::from_character(&character)?.write_glb()?;
     let nothing: &mut Resolver<'_> = &mut |_: &str| Err("nothing lies beside it".into());
     open(&glb, "reference human", &OpenOptions::default(), nothing)

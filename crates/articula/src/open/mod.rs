@@ -67,10 +67,10 @@ pub fn open(
     options: &OpenOptions,
     beside: &mut Resolver<'_>,
 ) -> Result<CharacterFile> {
-    if let Some(data) = DataFormat::of_name(name) {
+    if let Some(data) = DataFormat::from_name(name) {
         return Err(Error::unsuited(data.advice())).context(name);
     }
-    let Some(format) = Format::of_bytes(bytes, name) else {
+    let Some(format) = Format::from_bytes(bytes, name) else {
         let what = format!(
             "the start of the file: not a format that is read; give a {} file",
             readable()

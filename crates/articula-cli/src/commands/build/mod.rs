@@ -100,7 +100,7 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     let added = added(&mut opened, &motions, console)?;
     let built = console.work(|work| prepare(opened, &options, work));
     let built = built.map_err(|error| match (error.cause(), &args.mesh_levels.lock) {
-        (articula::Error::Locked(what), Some(list)) => {
+        (articula::Error::LockedVertices(what), Some(list)) => {
             anyhow::anyhow!("{}: {what}", files::shown(list))
         }
         _ => error.into(),

@@ -97,7 +97,7 @@ pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
             let dropped = counted(*count, "clip", "clips");
             format!("{dropped} (a .{format} file holds one; --clip NAME chooses)")
         }
-        LossyPart::Turns {
+        LossyPart::Rotations {
             joints,
             most,
             max_radians,

@@ -5,7 +5,7 @@ use crate::crowd::run::{BudgetFound, Memory, Poses, Run};
 use crate::crowd::timing::Spread;
 use crate::fault::clean;
 use crate::table::Table;
-use articula::crowd::{DrawCost, ErrorSummary, LevelUse};
+use articula::crowd::{DrawCost, ErrorSummary, LevelStatistics};
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
 
@@ -54,7 +54,7 @@ pub(super) struct CrowdRunReport {
     pub(super) overrun_p95: Option<f64>,
     pub(super) budget: Option<BudgetFound>,
     #[serde(serialize_with = "by_level")]
-    pub(super) tiers: Vec<LevelUse>,
+    pub(super) tiers: Vec<LevelStatistics>,
     pub(super) renderer: DrawCost,
     pub(super) palette_hash: String,
     /// Files written.
@@ -63,7 +63,7 @@ pub(super) struct CrowdRunReport {
 }
 
 /// Serialises levels as an object, keyed by name in the order of the levels.
-fn by_level<S: Serializer>(tiers: &[LevelUse], out: S) -> Result<S::Ok, S::Error> {
+fn by_level<S: Serializer>(tiers: &[LevelStatistics], out: S) -> Result<S::Ok, S::Error> {
     out.collect_map(tiers.iter().map(|t| (format!("level_{}", t.level), t)))
 }
 

@@ -8,8 +8,8 @@ use crate::crowd::stage::Settings;
 use anyhow::Context;
 use articula::Figure;
 use articula::crowd::{
-    CacheUse, CrowdAsset, CrowdOptions, DetailGoal, JointLodMethod, LevelUse, PaletteMatrices,
-    RootMotion,
+    CacheUse, CrowdAsset, CrowdOptions, DetailGoal, JointLodMethod, LevelStatistics,
+    PaletteMatrices, RootMotion,
 };
 use articula_build::{Plaza, Scene, plaza};
 use serde::Serialize;
@@ -29,7 +29,7 @@ pub(super) struct Crowd {
     pub(super) epsilon_px: f32,
     pub(super) ways: Vec<CrowdVariant>,
     /// Levels of the second variant.
-    pub(super) levels: Vec<LevelUse>,
+    pub(super) levels: Vec<LevelStatistics>,
 }
 
 /// Cost and error of one variant.

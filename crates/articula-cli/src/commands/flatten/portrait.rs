@@ -9,7 +9,7 @@ use anyhow::Context;
 use articula::flatten::FramedHead;
 use articula_core::Progress;
 use articula_core::Viewport;
-use articula_flat::flatten::{Representation, Sizes};
+use articula_flat::flatten::{FileSize, Representation};
 use articula_flat::portrait::PictureFormat;
 use articula_flat::portrait::{EmbeddedFile, PageOptions, page};
 use articula_flat::portrait::{HeadPose, Portrait, PortraitOptions, build};
@@ -85,7 +85,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         .flat_map(|(_, bytes)| bytes)
         .copied()
         .collect();
-    let sizes = Sizes::of(&all)?;
+    let sizes = FileSize::of(&all)?;
     let counts = portrait.counts();
     let report = PortraitReport {
         out: files::shown(args.out()),

@@ -1,6 +1,6 @@
 //! The report of `flatten`.
 
-use articula_flat::flatten::{Flattened, ImageError, Quality, Representation, Trial};
+use articula_flat::flatten::{Flattened, ImageError, Quality, Representation, TriedQuality};
 use articula_flat::planar::Shading;
 use serde::Serialize;
 
@@ -235,7 +235,7 @@ impl RepresentationReport {
 }
 
 impl TrialReport {
-    fn new(trial: &Trial, most: u64) -> Self {
+    fn new(trial: &TriedQuality, most: u64) -> Self {
         Self {
             settings: SettingsReport::new(&trial.quality),
             bytes: trial.bytes,

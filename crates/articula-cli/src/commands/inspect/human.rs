@@ -2,14 +2,14 @@
 
 use crate::fault::clean;
 use crate::table::{Table, counted};
-use articula::inspect::{Human, Morph, Pose, Rig, Term};
+use articula::inspect::{HumanoidInspection, MappedRig, MorphInspection, ReferencePoseClip, Term};
 
 /// Maximum number of rows of the table of expressions, and of names in a list.
 const MAX_ROWS: usize = 100;
 const MAX_NAMES: usize = 8;
 
 /// Format, origin and licence.
-pub(super) fn head(found: &Human) -> String {
+pub(super) fn head(found: &HumanoidInspection) -> String {
     let mut text = String::new();
     let version = found.format_version.as_deref().unwrap_or_default();
     let bones = match found.human_bones {
@@ -40,12 +40,12 @@ pub(super) fn head(found: &Human) -> String {
 }
 
 /// Draft extensions, expressions, and data that is kept.
-pub(super) fn body(found: &Human) -> String {
+pub(super) fn body(found: &HumanoidInspection) -> String {
     let mut text = String::new();
     if let Some(khr) = &found.khr_character {
-        let rig = |r: &Rig| format!("{} ({} joints)", r.name, r.joints);
+        let rig = |r: &MappedRig| format!("{} ({} joints)", r.name, r.joints);
         let rigs: Vec<String> = khr.rigs.iter().map(rig).collect();
-        let pose = |p: &Pose| format!("{} (clip \"{}\")", p.kind, p.clip);
+        let pose = |p: &ReferencePoseClip| format!("{} (clip \"{}\")", p.kind, p.clip);
         let poses: Vec<String> = khr.reference_poses.iter().map(pose).collect();
         text.push('\n');
         line(&mut text, "skeleton mapped to: ", &[&named(&rigs)]);
@@ -83,7 +83,7 @@ pub(super) fn body(found: &Human) -> String {
     text
 }
 
-fn expressions_table(found: &Human) -> Table {
+fn expressions_table(found: &HumanoidInspection) -> Table {
     let headings = [
         "name",
         "morph targets",
@@ -94,7 +94,7 @@ fn expressions_table(found: &Human) -> Table {
     ];
     let mut table = Table::new(&headings);
     for e in found.expressions.iter().take(MAX_ROWS) {
-        let morph = |m: &Morph| match m.weight {
+        let morph = |m: &MorphInspection| match m.weight {
             1.0 => m.target.clone(),
             weight => format!("{} {:.0}%", m.target, 100.0 * weight),
         };

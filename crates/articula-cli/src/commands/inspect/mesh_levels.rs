@@ -1,10 +1,10 @@
 //! The mesh levels of a file as a text table.
 
 use crate::table::{Table, millimetres};
-use articula::inspect::Levels;
+use articula::inspect::MeshLevelsInspection;
 
 /// The table of levels.
-pub(super) fn table(found: &Levels) -> Table {
+pub(super) fn table(found: &MeshLevelsInspection) -> Table {
     let mut table = Table::new(&[
         "level",
         "triangles",

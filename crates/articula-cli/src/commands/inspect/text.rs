@@ -3,7 +3,9 @@
 use super::{human, mesh_levels};
 use crate::fault::clean;
 use crate::table::Table;
-use articula::inspect::{ClipInspection, Extent, Inspection, SkeletonInspection, Warning};
+use articula::inspect::{
+    ClipInspection, Extent, Inspection, SkeletonInspection, WarningInspection,
+};
 
 /// Maximum number of rows of a table of clips or meshes, and of names in a list.
 const MAX_ROWS: usize = 100;
@@ -46,7 +48,7 @@ pub(super) fn of(found: &Inspection, map: bool) -> String {
 }
 
 /// The warnings, one line each.
-pub(super) fn warnings_text(warnings: &[Warning]) -> String {
+pub(super) fn warnings_text(warnings: &[WarningInspection]) -> String {
     if warnings.is_empty() {
         return String::new();
     }

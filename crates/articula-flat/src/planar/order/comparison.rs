@@ -28,7 +28,7 @@ impl OrderComparison {
     /// O(frames x samples covered), a few times.
     ///
     /// # Errors
-    /// Errors of the clip, or [`PlanarError::NothingSeen`].
+    /// Errors of the clip, or [`PlanarError::NothingVisible`].
     pub fn of(clip: &PlanarClip) -> Result<Self, PlanarError> {
         let painted = Painted::of(clip, &OrderOptions::default())?;
         let drawn = &painted.drawn;

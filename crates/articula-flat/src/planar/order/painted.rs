@@ -26,7 +26,7 @@ impl Painted {
     /// O(frames x samples covered), two or three times.
     ///
     /// # Errors
-    /// Errors of the clip, or [`PlanarError::NothingSeen`].
+    /// Errors of the clip, or [`PlanarError::NothingVisible`].
     pub(crate) fn of(clip: &PlanarClip, options: &OrderOptions) -> Result<Self, PlanarError> {
         let seen = Drawn::seen(clip)?;
         let filled = seen.with_short_gaps();

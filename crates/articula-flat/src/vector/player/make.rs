@@ -157,7 +157,7 @@ pub(super) fn still_parts(
     }
     let topology = Topology::new(clip, drawn, &all, shading);
     if topology.triangles.is_empty() {
-        return Err(PlanarError::NothingSeen);
+        return Err(PlanarError::NothingVisible);
     }
     let mut numbers = vec![None; clip.triangles.len()];
     for (number, source) in topology.sources.iter().enumerate() {

@@ -1,13 +1,13 @@
 // The player. `page.rs` strips these comments, indentation and line ends, and the parts between
 // `//+shading` and `//-` that a file does not need; every line must end where no line end is
-// needed. docs/formats/artv.md describes the bytes; names are one letter to keep the file small.
+// needed. docs/formats/artv.md tells what is read; names are one letter to keep the file small.
 //
 // c: canvas; d: the container in base64; e: the element that carries articulaSeek,
 // articulaFrames and articulaInputs
 async(c,d,e)=>{
 let a=new Uint8Array(await new Response(new Response(Uint8Array.from(atob(d),x=>x.charCodeAt()).slice(5)).body
 .pipeThrough(new DecompressionStream("deflate"))).arrayBuffer()),
-// position in the bytes; points; last wedge or number; first frame, later start of the clock;
+// place in the bytes; points; wedge or number named last; first frame, later start of the clock;
 // whether the clock runs
 p=0,n=0,o=0,s=0,z=1,
 // unsigned, signed and real numbers; lists
@@ -19,7 +19,7 @@ L=(n,f)=>[...Array(n)].map(f),
 // width, height, frames, triangles, epochs, components, flags; rate, step, weight of light
 [w,h,F,T,E,K,g]=L(7,U),
 [r,m,l]=L(3,R),
-// point of each wedge; parents of wedges and points; corners; colours
+// point of each wedge; what wedges and points are guessed from; corners; colours
 W=[],G=[],H=[],k=[],
 I=L(3*T,_=>{let k=W.length,i=k-U(),j;if(i==k){if((j=n-U())==n)H[n++]=W[o]|0;W[k]=j;G[k]=o}return o=i}),
 //+gouraud
@@ -28,7 +28,7 @@ C=L(W.length,
 C=L(T,
 //-
 _=>{let i=U();if(!i)k.push([a[p++],a[p++],a[p++]]);return k.at(-i||-1)}),
-// frames at which triangles are switched, painting orders
+// when triangles are drawn, painting orders
 B=L(T,_=>(o=0,L(U(),_=>o+=U()))),
 O=L(E,_=>(o=-1,[s+=U(),L(U(),_=>o+=1+V())])),
 // columns: mean, components with their scale, coefficients of frames
@@ -52,7 +52,7 @@ Z=c.getBoundingClientRect().width*devicePixelRatio/w||1,
 //+gouraud
 Q=q=>`rgb(${q.map(x=>x+.5|0)})`,
 //-
-// draws a time in frames
+// draws a moment, in frames
 f=t=>{
 t=min(t,F-1);
 let i=t|0,u=t-i,y=round(t),v=M.map(x=>x*m),D=B.map(b=>b.filter(x=>x<=y).length&1);
@@ -67,9 +67,9 @@ X[k][i]*(1-u)+(X[k][i+1]||0)*u;
 b.map((x,j)=>v[j]+=x*s)});
 x.clearRect(0,0,w,h);
 O.findLast(o=>o[0]<=y)[1].map(t=>{if(D[t]){
-// triangles still in D are painted later
+// what is still in D comes later
 D[t]=0;
-// wedges, positions, outward normals as long as their edges, twice the area, edge displacements
+// wedges, places, outward normals as long as their edges, twice the area, how far edges move out
 let j=I.slice(3*t,3*t+3),
 P=j.map(i=>[v[2*W[i]],v[2*W[i]+1]]),
 N=P.map((a,i)=>{let b=P[(i+1)%3];return[a[1]-b[1],b[0]-a[0]]}),
@@ -78,7 +78,7 @@ z=N.map((a,i)=>S[3*t+i].some(n=>D[n])?.8*hypot(...a):0);
 x.beginPath();
 P.map(([a,b],i)=>{let k=(i+2)%3,X=(z[k]*N[i][1]-z[i]*N[k][1])/A,Y=(N[k][0]*z[i]-N[i][0]*z[k])/A,s=min(1,2/hypot(X,Y));x.lineTo(a+X*s,b+Y*s)});
 //+gouraud
-// colours; squared distance between the other two corners' colours; greatest from i to b
+// colours; square of how far the other two corners' are apart; from i to b they are farthest
 let q=j.map(i=>C[i].map(x=>x*v[2*n+i]/l)),
 d=q.map((a,i)=>hypot(...q[(i+1)%3].map((x,k)=>x-q[(i+2)%3][k]))**2),
 k=d.indexOf(max(...d)),i=(k+1)%3,b=(k+2)%3,

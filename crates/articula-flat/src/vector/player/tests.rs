@@ -257,7 +257,7 @@ fn what_does_not_fit_the_clip_is_refused() {
     }
     let none = Drawn::none(24, 12);
     let found = player(&cube, &none, &painting, &flat());
-    assert_eq!(found, Err(PlanarError::NothingSeen));
+    assert_eq!(found, Err(PlanarError::NothingVisible));
     let mut far = cube.clone();
     far.frames[2].xy[1].x = 1e9;
     let found = player(&far, &drawn, &painting, &flat());

@@ -90,7 +90,7 @@ pub(crate) fn formula_bytes(form: ThesisForm, triangles: usize, frames: usize) -
 /// O(faces x frames).
 ///
 /// # Errors
-/// Errors of the clip; [`PlanarError::NothingSeen`] if no face is in view;
+/// Errors of the clip; [`PlanarError::NothingVisible`] if no face is in view;
 /// [`PlanarError::Mismatch`] for a frame that the clip does not have, frames shorter than a
 /// millisecond, or a file above a gigabyte.
 pub fn thesis(clip: &PlanarClip, options: &ThesisSvgOptions) -> Result<ThesisFile, PlanarError> {
@@ -104,7 +104,7 @@ pub fn thesis(clip: &PlanarClip, options: &ThesisSvgOptions) -> Result<ThesisFil
         _ => Faces::of(clip, 0..clip.frames.len(), options.neutral_frame)?,
     };
     if faces.order.is_empty() {
-        return Err(PlanarError::NothingSeen);
+        return Err(PlanarError::NothingVisible);
     }
     let (triangles, shown) = (faces.order.len(), faces.shown());
     fits(match options.form {

@@ -156,7 +156,7 @@ fn wrong_frames_and_what_is_out_of_view_are_told() {
     let away = loose(&[(back, [0; 3])], 2);
     assert_eq!(
         thesis(&away, &ThesisSvgOptions::default()),
-        Err(PlanarError::NothingSeen)
+        Err(PlanarError::NothingVisible)
     );
     // A gigabyte is refused before it is written.
     assert!(fits(MAX_BYTES).is_ok() && fits(MAX_BYTES + 1).is_err());

@@ -132,7 +132,7 @@ impl<'a> SceneBench<'a> {
         Ok(Self {
             bench,
             vertices: (0..asset.mesh.len() as u32).step_by(step).collect(),
-            asset: CrowdAsset::of_asset(asset.clone(), &options, &Executor::default())?,
+            asset: CrowdAsset::from_asset(asset.clone(), &options, &Executor::default())?,
         })
     }
 

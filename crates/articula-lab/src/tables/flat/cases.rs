@@ -143,7 +143,7 @@ impl Case {
         let clip = clip.with_context(|| format!("{}: no clip {}", self.file, self.clip))?;
         let length = f64::from(asset.clips[clip].duration_secs()) * self.share;
         let steps = (self.frames - 1) as f64;
-        let moments_secs: Vec<f64> = (0..self.frames)
+        let frame_times_secs: Vec<f64> = (0..self.frames)
             .map(|f| length * f as f64 / steps)
             .collect();
         let fps = (steps / length) as f32;
@@ -152,14 +152,14 @@ impl Case {
             options: BakeOptions {
                 camera: Camera::looking_at(Vec3::Z, Vec3::ZERO, viewport()),
                 projection: Projection::Perspective,
-                lamp: Lighting::default(),
+                lighting: Lighting::default(),
                 fps,
                 turn: Turntable {
                     axis: (0.0, 0.0),
                     radians_per_sec: (f64::from(self.turn_degrees.to_radians()) / length) as f32,
                 },
             },
-            moments_secs,
+            frame_times_secs,
         };
         let shot = Shot {
             clip: Some(clip),
@@ -173,7 +173,7 @@ impl Case {
             triangles: None,
         };
         let framed = FramedCharacter::from_parts(figure, shot, parts.clone());
-        let looks: Vec<f64> = parts.moments_secs.iter().copied().step_by(3).collect();
+        let looks: Vec<f64> = parts.frame_times_secs.iter().copied().step_by(3).collect();
         (parts.options.camera, parts.options.turn) = self.camera(&framed, &looks)?;
         if parts.triangles.len() > self.triangles {
             let seen = framed.subject().seen(&looks, &parts.options)?;

@@ -77,7 +77,7 @@ pub(super) fn rows(run: &Run) -> Result<Vec<Row>> {
 fn of(run: &Run, sitter: &Sitter, views: &[usize]) -> Result<Vec<Row>> {
     let figure = Figure::new(articula::fs::open(run.data.join(sitter.file))?)?;
     let (source, asset) = (&figure.opened.character, &figure.asset);
-    let (look, _) = Appearance::new(&source.materials, &source.images);
+    let (appearance, _) = Appearance::new(&source.materials, &source.images);
     let mut expressions = Vec::new();
     for (mesh, first) in source.meshes.iter().zip(&asset.mesh.morph_slots) {
         let names = mesh.morph_names.iter().enumerate();
@@ -86,7 +86,7 @@ fn of(run: &Run, sitter: &Sitter, views: &[usize]) -> Result<Vec<Row>> {
         };
         expressions.extend(names.map(of));
     }
-    let bounds = at_rest(asset, &look)?;
+    let bounds = at_rest(asset, &appearance)?;
     let keep = vec![true; asset.mesh.triangles.len()];
     let triangles = match sitter.triangles {
         None => asset.mesh.triangles.clone(),
@@ -95,7 +95,7 @@ fn of(run: &Run, sitter: &Sitter, views: &[usize]) -> Result<Vec<Row>> {
     let source = PortraitSource {
         mesh: &asset.mesh,
         rig: &asset.rig,
-        look: &look,
+        appearance: &appearance,
         triangles: &triangles,
         head: Head::Whole {
             pivot: bounds.middle(),
@@ -137,12 +137,12 @@ fn row(source: &PortraitSource<'_>, head: &'static str, views: usize) -> Result<
     })
 }
 
-fn at_rest(asset: &Asset, look: &Appearance) -> Result<Bounds> {
+fn at_rest(asset: &Asset, appearance: &Appearance) -> Result<Bounds> {
     let subject = PlanarSubject {
         rig: &asset.rig,
         mesh: &asset.mesh,
         triangles: &asset.mesh.triangles,
-        look,
+        appearance,
         clip: None,
         morph_weights: &asset.mesh.morph_weights,
     };

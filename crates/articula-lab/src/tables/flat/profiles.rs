@@ -117,11 +117,11 @@ pub(super) fn rows(
     is_small: bool,
     files: Option<&Path>,
 ) -> Result<Vec<Row>> {
-    let frames = sampled_frames(framed.moments_secs.len());
+    let frames = sampled_frames(framed.frame_times_secs.len());
     let truth = ReferenceFrames::new(&framed.at_frames(&frames)?, &frames)?;
     let mut rows = Vec::new();
     for (name, profile, quality) in settings() {
-        let is_long = framed.moments_secs.len() > FLIPBOOK_FRAMES;
+        let is_long = framed.frame_times_secs.len() > FLIPBOOK_FRAMES;
         let is_needed = [THESIS, FLAT, GOURAUD, PLAYER].contains(&name);
         if (profile == Profile::Flipbook && is_long) || (is_small && !is_needed) {
             continue;

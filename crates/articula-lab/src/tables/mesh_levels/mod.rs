@@ -144,9 +144,15 @@ mod tests {
             "{error} of meshoptimizer's error in motion at 25 %"
         );
         assert!(found.to_meshopt().unwrap() < 0.6);
-        assert!(found.to_own().unwrap() < 1.35, "target of docs/methods/clustered-mesh.md");
+        assert!(
+            found.to_own().unwrap() < 1.35,
+            "target of docs/methods/clustered-mesh.md"
+        );
         if let Some(draco) = found.to_draco() {
-            assert!(draco < 1.1, "target of docs/methods/clustered-mesh.md, found {draco}");
+            assert!(
+                draco < 1.1,
+                "target of docs/methods/clustered-mesh.md, found {draco}"
+            );
             assert!(found.to_draco_levels().unwrap() < 0.55);
         }
         // Triangles decrease, and levels with more triangles are closer to the original.
