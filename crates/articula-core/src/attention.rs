@@ -29,8 +29,8 @@ pub struct AttentionInterval {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attention {
     duration_secs: f64,
-    /// Times at which the factor changes, rising, and the factor from there on; the first holds
-    /// from the beginning.
+    /// Times at which the factor changes, rising, and the factor from there on; the first applies
+    /// from the start.
     starts_secs: Vec<f32>,
     factors: Vec<f32>,
 }

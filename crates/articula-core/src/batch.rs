@@ -235,7 +235,7 @@ impl JointTiles<'_> {
     /// ([`JointLods::place`](crate::JointLods::place)), each number for eight characters.
     ///
     /// # Panics
-    /// If the level does not keep a joint there.
+    /// If the level does not keep that joint.
     pub fn matrix(&self, place: usize) -> &[[Tile; 4]; 3] {
         &self.joints[place].matrix
     }

@@ -23,11 +23,11 @@ const STILL: f32 = 2e-6;
 /// Storage format of the numbers of a [`ClipSet`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum ClipStorage {
-    /// Four f32 a slot, 16 bytes.
+    /// Four `f32` per slot, 16 bytes.
     #[default]
     Float,
-    /// Four 16-bit integers a slot, 8 bytes: rotations within 6.2e-5 rad, translations and
-    /// scales within 1/65534 of the range that the slot covers in all clips.
+    /// Four 16-bit integers per slot, 8 bytes: rotations within 6.2e-5 rad, translations and scales
+    /// within 1/65534 of the range that the slot covers in all clips.
     Short,
 }
 
@@ -67,7 +67,7 @@ pub struct Cursor {
     pub(crate) after: u32,
     /// Blend between the two, 0 to 1.
     pub(crate) blend: f32,
-    /// The clip.
+    /// Index of the clip.
     pub(crate) clip: u32,
 }
 

@@ -146,8 +146,8 @@ pub struct PoseCache {
     /// By clip, then level; `None` where poses must be evaluated.
     segments: Vec<Option<Segment>>,
     keys: Vec<Key>,
-    /// For each bucket the latest key, counted from the first of its segment, that no time of the
-    /// bucket precedes.
+    /// For each bucket the last key of an earlier bucket, counted from the first key of the
+    /// segment, or 0: it is at or before every time of the bucket.
     buckets: Vec<u32>,
     rows: CachedRows,
 }

@@ -71,8 +71,8 @@ impl Camera {
         Vec3::new(p.x, p.y, -p.z)
     }
 
-    /// Returns pixel position (origin at the top left, y down) and depth of a point. Points nearer
-    /// than a millimetre, or behind, are projected as if they were a millimetre away.
+    /// Returns the pixel position (origin at the top left, y down) and depth of a point. Points
+    /// nearer than a millimetre, or behind, are projected as if they were a millimetre away.
     pub fn project(&self, point: Vec3) -> (Vec2, f32) {
         let p = self.view(point);
         let scale = self.viewport.pixels_per_metre(p.z);

@@ -1,9 +1,9 @@
 //! Editing of source clips: trimming, resampling, loops, root motion and key reduction.
 //!
 //! - [`trim`]: cuts a part out of a clip, with exact keys at both cuts
-//! - [`resample`]: keys every channel at one rate
-//! - [`find`], [`close`]: find the part that loops and make its ends meet
-//! - [`split`]: separates the travel over the ground from the rest
+//! - [`resample_keys`]: keys every channel at one rate
+//! - [`find_loop`], [`close_loop`]: find the part that loops and make its ends meet
+//! - [`split_root_motion`]: separates the travel over the ground from the rest
 //! - [`reduce_keys`]: removes keys, with a bound in metres of the character
 //!
 //! All of them take a source clip and return a source clip, with measurements of the change.

@@ -2,7 +2,7 @@
 
 use crate::program;
 use crate::program::{BVH, fault, folder, json, word};
-use crate::real::real_data;
+use crate::real;
 use articula_build::Asset;
 use articula_build::ClipOptions;
 use articula_build::clip_edit::EditSubject;
@@ -14,18 +14,18 @@ use glam::Vec3;
 use serde_json::Value;
 use std::path::Path;
 
-fn read(data: &Path, name: &str) -> (Character, Vec<(usize, Vec3)>) {
-    let bytes = std::fs::read(data.join(name)).unwrap();
+fn read(name: &str) -> Option<(Character, Vec<(usize, Vec3)>)> {
+    let bytes = real::bytes(name)?;
     let limits = Limits::default();
     if name.ends_with(".bvh") {
         let file = bvh::read(&bytes, &articula_formats::ReadOptions::default(), &limits)
             .unwrap()
             .value;
-        return (file.character, file.end_sites);
+        return Some((file.character, file.end_sites));
     }
     let mut alone = |uri: &str| Err(format!("{uri} is not needed"));
     let file = gltf::read(&bytes, &limits, &mut alone).unwrap().value;
-    (file.character, Vec::new())
+    Some((file.character, Vec::new()))
 }
 
 /// Where a clip has every joint and every vertex (without morph targets).
@@ -57,9 +57,10 @@ const REDUCED: [(&str, &str, f32, f32); 6] = [
 
 #[test]
 fn fewer_keys_move_no_vertex_of_real_figures_farther_than_the_bound() {
-    let Some(data) = real_data() else { return };
     for (name, clip, at_1_mm, at_1_cm) in REDUCED {
-        let (character, ends) = read(&data, name);
+        let Some((character, ends)) = read(name) else {
+            continue;
+        };
         let clip = character.clips.iter().find(|c| c.name == clip).unwrap();
         let mapping =
             articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
@@ -108,9 +109,10 @@ fn number(value: &Value) -> f64 {
 
 #[test]
 fn the_loop_of_a_captured_walk_is_its_gait_cycle() {
-    let Some(data) = real_data() else { return };
+    let Some(walk) = real::file("bvh/cmu_12_01_walk.bvh") else {
+        return;
+    };
     let here = folder("gait");
-    let walk = data.join("bvh/cmu_12_01_walk.bvh");
     let report = json(&here, &["convert", word(&walk), "o.glb", "--loop"]);
     let looped = &report["edits"][0]["loop"];
     assert_eq!(looped["is_loop"], true);
@@ -131,7 +133,6 @@ fn the_loop_of_a_captured_walk_is_its_gait_cycle() {
 
 #[test]
 fn made_loops_are_known_and_deeds_are_none() {
-    let Some(data) = real_data() else { return };
     let here = folder("loops");
     for (name, loops, none) in [
         (
@@ -146,10 +147,10 @@ fn made_loops_are_known_and_deeds_are_none() {
         ),
         ("bvh/fair1_dab.bvh", &[], &["motion"]),
     ] {
-        let report = json(
-            &here,
-            &["convert", word(&data.join(name)), "o.glb", "--loop"],
-        );
+        let Some(path) = real::file(name) else {
+            continue;
+        };
+        let report = json(&here, &["convert", word(&path), "o.glb", "--loop"]);
         let edits = report["edits"].as_array().unwrap();
         let looped = |clip: &str| &edits.iter().find(|e| e["clip"] == clip).unwrap()["loop"];
         for clip in loops {
@@ -170,7 +171,6 @@ fn made_loops_are_known_and_deeds_are_none() {
 
 #[test]
 fn root_motion_goes_to_the_joint_above_the_hips() {
-    let Some(data) = real_data() else { return };
     let here = folder("root-motion");
     for (name, carrier) in [
         ("glb/KayKit_Knight.glb", Some("root")),
@@ -183,7 +183,9 @@ fn root_motion_goes_to_the_joint_above_the_hips() {
         ("glb/pab_arnaud.glb", None),
         ("bvh/cmu_12_01_walk.bvh", None),
     ] {
-        let file = data.join(name);
+        let Some(file) = real::file(name) else {
+            continue;
+        };
         let report = |mode| {
             json(
                 &here,

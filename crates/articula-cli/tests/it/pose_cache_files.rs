@@ -1,6 +1,6 @@
 //! Real characters: what a baked pose cache states is what its user sees.
 
-use crate::real::{data_folder, data_is_here};
+use crate::real::bytes;
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{CacheDecision, CacheOptions, CachedPoses, cached_poses};
@@ -10,8 +10,8 @@ use articula_core::{Backend, ClipSet, ClipStorage, PaletteForm, PaletteRows, ski
 use articula_formats::{Limits, gltf, joint_map};
 use glam::{Affine3A, Vec3};
 
-fn asset() -> Asset {
-    let bytes = std::fs::read(data_folder().join("glb/pab_arnaud.glb")).unwrap();
+fn asset() -> Option<Asset> {
+    let bytes = bytes("glb/pab_arnaud.glb")?;
     let mut beside = |_: &str| Err("one file".to_owned());
     let file = gltf::read(&bytes, &Limits::default(), &mut beside)
         .unwrap()
@@ -22,7 +22,7 @@ fn asset() -> Asset {
     let mut asset = character(&file.character, Some(mapping.articulation), &opts).unwrap();
     // Walk, jog and run; the fourth is a quarter of a minute that would cost most of the test.
     asset.clips.truncate(3);
-    asset
+    Some(asset)
 }
 
 /// Every vertex of the level's skin under a palette.
@@ -69,10 +69,7 @@ fn error(
 
 #[test]
 fn a_walking_human_blends_within_what_its_cache_states() {
-    if !data_is_here() {
-        return;
-    }
-    let asset = asset();
+    let Some(asset) = asset() else { return };
     let levels = merged_levels(&asset, &JointLodOptions::default()).unwrap();
     let joint_lods = levels.joint_lods.clone();
     let clips = ClipSet::new(&asset.rig, joint_lods, &asset.clips, ClipStorage::Float).unwrap();

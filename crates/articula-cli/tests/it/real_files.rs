@@ -1,7 +1,7 @@
 //! Real characters: what `inspect` counts is what their makers' files hold.
 
 use crate::program::{folder, json, word};
-use crate::real::real_data;
+use crate::real::{file, real_data};
 
 /// File, format, joints, clips, vertices and triangles in all, as the data's list has them.
 const FILES: [(&str, &str, usize, usize, usize, usize); 10] = [
@@ -33,10 +33,10 @@ const FILES: [(&str, &str, usize, usize, usize, usize); 10] = [
 
 #[test]
 fn counts_are_those_of_the_list() {
-    let Some(data) = real_data() else { return };
     let here = folder("counts");
     for (name, format, joints, clips, vertices, triangles) in FILES {
-        let found = json(&here, &["inspect", word(&data.join(name))]);
+        let Some(path) = file(name) else { continue };
+        let found = json(&here, &["inspect", word(&path)]);
         let list = |field: &str| found[field].as_array().unwrap().clone();
         let sum = |list: &str, field: &str| -> u64 {
             found[list]
@@ -61,9 +61,11 @@ fn counts_are_those_of_the_list() {
 
 #[test]
 fn keyed_joints_that_move_are_told_from_those_that_do_not() {
-    let Some(data) = real_data() else { return };
+    let Some(pab) = file("glb/pab_arnaud.glb") else {
+        return;
+    };
     let here = folder("moving");
-    let found = json(&here, &["inspect", word(&data.join("glb/pab_arnaud.glb"))]);
+    let found = json(&here, &["inspect", word(&pab)]);
     let clips = found["clips"].as_array().unwrap();
     let rates: Vec<i64> = clips
         .iter()

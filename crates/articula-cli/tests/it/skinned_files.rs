@@ -1,6 +1,6 @@
 //! Real characters: the grouped skin gives what the plain one gives.
 
-use crate::real::{data_folder, data_is_here};
+use crate::real::bytes;
 use articula_core::source::Character;
 use articula_core::{
     Articulation, GroupedSkin, JointArticulation, JointSet, Matrix3x4, Mesh, ModelPose, Region,
@@ -100,9 +100,6 @@ fn the_reference_human_is_skinned_alike() {
 
 #[test]
 fn real_characters_are_skinned_alike() {
-    if !data_is_here() {
-        return;
-    }
     let files = [
         "glb/pab_arnaud.glb",
         "glb/mh_female_default163_arkit52.glb",
@@ -112,7 +109,7 @@ fn real_characters_are_skinned_alike() {
         "vrm/Godette_vrm_v4.vrm",
     ];
     for name in files {
-        let bytes = std::fs::read(data_folder().join(name)).unwrap();
+        let Some(bytes) = bytes(name) else { continue };
         let mut beside = |uri: &str| Err(format!("{uri} lies beside"));
         let file = gltf::read(&bytes, &Limits::default(), &mut beside).unwrap();
         check(name, &file.value.character);

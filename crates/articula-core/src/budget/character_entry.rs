@@ -47,7 +47,7 @@ impl Default for BudgetPolicy {
 /// Option set, weight and size on screen of a visible character.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LodRequest {
-    /// Its LOD option set.
+    /// LOD option set of the character.
     pub option_set: LodOptionSetId,
     /// Weight of one metre of its error: importance × pixels per metre × covered pixels. Negative
     /// and NaN count as 0: such a character is improved up to the cap only.

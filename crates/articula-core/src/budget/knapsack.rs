@@ -2,10 +2,10 @@
 //!
 //! Source: `docs/methods/motion-lod.md` part 7. The plain form starts every character at the
 //! cheapest option and takes the upgrade with the largest error drop per cost until the budget is
-//! used; its total error exceeds the least possible by at most one upgrade. This form needs no
-//! heap: the upgrades taken are those above one key, which [`super::frontier`] finds. A repair
-//! gives exactly the solution of a new start, and visits only the characters that changed and those
-//! whose next or last upgrade lies near that key.
+//! used; its total error exceeds the least possible by at most one upgrade. The implementation
+//! needs no heap: the upgrades taken are those above one key, which [`super::frontier`] finds. A
+//! repair gives exactly the solution of a new start, and visits only the characters that changed
+//! and those whose next or last upgrade lies near that key.
 
 use super::character_entry::{ALARM, BudgetPolicy, CharacterEntry, EMPTY, LodRequest, Watch};
 use super::frontier::{Break, Frontier, Span};

@@ -16,7 +16,7 @@ const ERROR_CEILING_METRES: f32 = 1e6;
 /// Maximum number of options of a set.
 const MAX_OPTIONS: usize = 255;
 
-/// Cost and error of one way to show a character.
+/// Cost and error of a character at one level of detail.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LodOption {
     /// Cost in the units of the budget, usually nanoseconds; counted in steps of 1/64, up to 67

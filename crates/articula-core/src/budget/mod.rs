@@ -4,7 +4,7 @@
 //! character, its weight and its size on screen. Output: the chosen option of each character, and
 //! the characters whose option changed.
 //!
-//! - [`LodOption`]: cost and error of one way to show a kind of character;
+//! - [`LodOption`]: cost and error of a kind of character at one level of detail;
 //!   [`BudgetAllocator::add_options`] keeps those on the lower hull
 //! - [`BudgetAllocator`]: the choice for all characters, repaired from frame to frame
 //! - [`CostModel`]: the cost of an option, learned from times that the caller measured
@@ -13,12 +13,16 @@
 //! use articula_core::budget::{BudgetAllocator, LodOption, BudgetPolicy, LodRequest};
 //!
 //! // Two options of a character: coarse with an error of 50 mm, or all joints.
-//! let lod_options = [(40.0, 0.050), (200.0, 0.0)].map(|(cost, error_metres)| LodOption { cost, error_metres });
+//! let lod_options = [(40.0, 0.050), (200.0, 0.0)]
+//!     .map(|(cost, error_metres)| LodOption { cost, error_metres });
 //! let mut budget = BudgetAllocator::new(2, BudgetPolicy::default());
 //! let option_set = budget.add_options(&lod_options)?;
 //!
 //! // The first is near, the second far; the budget allows one of them all joints.
-//! let request = |pixels_per_metre| LodRequest { option_set, weight: pixels_per_metre, pixels_per_metre };
+//! let request = |pixels_per_metre| {
+//!     let weight = pixels_per_metre;
+//!     LodRequest { option_set, weight, pixels_per_metre }
+//! };
 //! budget.request(0, request(200.0));
 //! budget.request(1, request(10.0));
 //! let report = budget.solve(250.0);

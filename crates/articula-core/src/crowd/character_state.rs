@@ -78,7 +78,7 @@ impl ClipState {
         usize::from(self.clip)
     }
 
-    /// Time within the clip.
+    /// Time within the clip in seconds.
     pub fn secs(&self) -> f32 {
         self.secs
     }

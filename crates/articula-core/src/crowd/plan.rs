@@ -33,7 +33,7 @@ pub struct Draw {
 /// Draws of one level: their characters have the same mesh and palettes of the same length.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DrawGroup {
-    /// The level.
+    /// Level of the characters.
     pub level: usize,
     /// Range of [`DrawList::draws`].
     pub draws: Range<usize>,
@@ -44,7 +44,7 @@ pub struct DrawGroup {
 /// Records of one level: characters whose palettes the GPU blends.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordGroup {
-    /// The level.
+    /// Level of the characters.
     pub level: usize,
     /// Range of [`DrawList::records`].
     pub records: Range<usize>,

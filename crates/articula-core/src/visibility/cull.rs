@@ -26,7 +26,8 @@ pub const MIN_DEPTH_METRES: f32 = 0.1;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[repr(u8)]
 pub enum Visibility {
-    /// Not visible before the next test: only clock, events and root motion need to run.
+    /// Not visible in any view before the next test: only clock, events and root motion need to
+    /// run.
     #[default]
     Hidden,
     /// Inside the cull margin: not visible, but it may be before the next test; or wholly occluded.
@@ -46,7 +47,7 @@ pub struct CullResult {
     pub visibility: Visibility,
 }
 
-/// Pixels that one metre spans.
+/// Number of pixels that one metre spans.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum PixelDensity {
     /// Value at a depth of one metre, falling with depth: perspective.
@@ -189,9 +190,9 @@ impl<'a> View<'a> {
 /// Upper bounds on the speed at which a camera and a body approach each other.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ApproachSpeed {
-    /// Sum of the speeds of the camera and of the body's root.
+    /// Sum of the speeds of the camera and of the body's root, m/s.
     pub metres_per_sec: f32,
-    /// Turn rate of the camera.
+    /// Turn rate of the camera, rad/s.
     pub radians_per_sec: f32,
 }
 

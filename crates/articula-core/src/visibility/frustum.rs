@@ -13,13 +13,13 @@ use glam::{Quat, Vec3, Vec4};
 /// as long as the picture is not empty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tangents {
-    /// To the left side.
+    /// Tangent of the angle to the left side.
     pub left: f32,
-    /// To the right side.
+    /// Tangent of the angle to the right side.
     pub right: f32,
-    /// To the lower side.
+    /// Tangent of the angle to the lower side.
     pub down: f32,
-    /// To the upper side.
+    /// Tangent of the angle to the upper side.
     pub up: f32,
 }
 
@@ -37,7 +37,7 @@ impl Tangents {
     }
 }
 
-/// The space that a camera sees, in world space.
+/// View frustum of a camera, in world space.
 ///
 /// A frustum of invalid values (NaN, an empty picture or one half a turn wide) sees nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -25,7 +25,7 @@ const UNITS_PER_METRE: f32 = LENGTH / 0.0254;
 /// A scale closer to one than this counts as one.
 const SCALED: f32 = 1e-4;
 
-/// Options of [`write`].
+/// Options of [`write()`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct WriteOptions {
     /// Frames per second; the format can state it only in a comment.

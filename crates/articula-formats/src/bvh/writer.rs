@@ -30,7 +30,7 @@ pub enum ChannelOrder {
     Zyx,
 }
 
-/// Options of [`write`].
+/// Options of [`write()`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct WriteOptions {
     /// Frames per second.

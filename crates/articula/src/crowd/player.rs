@@ -148,7 +148,7 @@ impl CrowdPlayer {
     }
 
     /// Switches to a time budget: minimises the visible error and reduces errors above `cap_px`
-    /// pixels first. All characters are posed in every frame. [`allow`](Self::allow) sets the
+    /// pixels first. All characters are posed in every frame. [`allow`](Self::set_frame_budget) sets the
     /// budget of a frame.
     ///
     /// # Errors

@@ -33,12 +33,27 @@ pub(crate) fn data_is_here() -> bool {
     real_data().is_some()
 }
 
-/// Returns a file of the folder; `None` if it does not exist and `ARTICULA_REQUIRE_DATA` is not
-/// set.
-pub(crate) fn bytes(name: &str) -> Option<Vec<u8>> {
-    let found = std::fs::read(data_folder().join(name)).ok();
-    assert!(found.is_some() || !is_required(), "{name} is missing");
+/// Returns the path of a real file: of the folder, or of the repository's own `assets`. `None`,
+/// with a printed line, if it is in neither and `ARTICULA_REQUIRE_DATA` is not set.
+pub(crate) fn file(name: &str) -> Option<PathBuf> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
+    let mut places = [data_folder(), own].into_iter().map(|f| f.join(name));
+    let found = if is_required() {
+        places.next()
+    } else {
+        places.find(|path| path.is_file())
+    };
+    if found.is_none() {
+        println!("skipped: no {name}");
+    }
     found
+}
+
+/// Returns the bytes of such a file.
+pub(crate) fn bytes(name: &str) -> Option<Vec<u8>> {
+    let path = file(name)?;
+    let found = std::fs::read(&path);
+    Some(found.unwrap_or_else(|fault| panic!("{}: {fault}", path.display())))
 }
 
 fn is_required() -> bool {
