@@ -33,7 +33,7 @@ pub(crate) fn level_within(
 /// Returns the range of pixels per metre in which [`level_within`] keeps a level: below it a
 /// coarser level is chosen, above it a finer one.
 #[inline]
-pub(crate) fn kept_between(errors_metres: &[f32], level: usize, px: f32) -> [f32; 2] {
+pub(crate) fn level_range(errors_metres: &[f32], level: usize, px: f32) -> [f32; 2] {
     // Full detail is never too coarse, the coarsest level never too fine. A NaN tolerance keeps no
     // level.
     let most = px / errors_metres[level];
@@ -73,7 +73,7 @@ mod tests {
             .into_iter()
             .flat_map(|px| (0..5).map(move |l| (px, l)))
         {
-            let [least, most] = kept_between(&errors, level, px);
+            let [least, most] = level_range(&errors, level, px);
             for density in (1..4000).map(|i| i as f32 * 0.1) {
                 let again = level_within(px / density, Some(level), 4, |l| errors[l]);
                 let kept = (least..most).contains(&density);
@@ -84,6 +84,6 @@ mod tests {
                 );
             }
         }
-        assert_eq!(kept_between(&errors, 1, f32::NAN), [f32::INFINITY, 0.0]);
+        assert_eq!(level_range(&errors, 1, f32::NAN), [f32::INFINITY, 0.0]);
     }
 }

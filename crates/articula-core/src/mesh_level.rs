@@ -8,7 +8,7 @@
 //! Pure functions over a table; only its construction allocates.
 
 use crate::Mismatch;
-use crate::level_choice::{kept_between, level_within};
+use crate::level_choice::{level_range, level_within};
 use crate::lod_error::lod_error_metres;
 
 /// Errors of the levels of a mesh, by which a level is chosen.
@@ -108,8 +108,8 @@ impl MeshErrors {
     /// # Panics
     /// If there is no such level.
     #[inline]
-    pub fn kept_between(&self, level: usize, px: f32) -> [f32; 2] {
-        kept_between(&self.levels_metres, level, px)
+    pub fn level_range(&self, level: usize, px: f32) -> [f32; 2] {
+        level_range(&self.levels_metres, level, px)
     }
 }
 
@@ -137,7 +137,7 @@ mod tests {
         let capped = choose(1e-3, Some(2), 2);
         assert_eq!((capped.level, capped.wanted), (2, 0));
         assert_eq!(capped.error_metres, 4e-3);
-        let [least, most] = errors.kept_between(2, 2.0);
+        let [least, most] = errors.level_range(2, 2.0);
         assert!((least - 2.0 * 0.8 / 8e-3).abs() < 1e-3 && (most - 500.0).abs() < 1e-3);
     }
 

@@ -240,8 +240,8 @@ fn looked_at(
         },
         poses: Poses {
             own: mean(&|r| r.own),
-            shared: mean(&|r| r.leaders),
-            followers: mean(&|r| r.followers),
+            shared: mean(&|r| r.shared_poses),
+            followers: mean(&|r| r.sharing_characters),
             blended: mean(&|r| r.blended),
             cached: mean(&|r| r.cached),
         },

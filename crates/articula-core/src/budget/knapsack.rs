@@ -126,7 +126,7 @@ impl BudgetAllocator {
 
     /// Forces an update of a character's entry at its next request, for example because a hold
     /// ended.
-    pub fn requeue(&mut self, character: usize) {
+    pub fn force_update(&mut self, character: usize) {
         self.watches[character] = ALARM;
     }
 

@@ -48,12 +48,12 @@ impl CrowdBudget {
     pub(crate) fn spend(
         &mut self,
         budget: f32,
-        players: &[CharacterState],
+        states: &[CharacterState],
         seen: &[CullResult],
         bounds: &[Sphere],
         importance: &dyn Fn(usize) -> f32,
     ) -> AllocationReport {
-        for (character, (seen, player)) in seen.iter().zip(players).enumerate() {
+        for (character, (seen, player)) in seen.iter().zip(states).enumerate() {
             if seen.visibility != Visibility::Visible {
                 self.budget.hide(character);
                 continue;

@@ -110,9 +110,9 @@ pub struct CrowdReport {
     /// Number of poses to evaluate for single characters.
     pub own: usize,
     /// Number of shared poses to evaluate.
-    pub leaders: usize,
+    pub shared_poses: usize,
     /// Number of characters that show a shared pose.
-    pub followers: usize,
+    pub sharing_characters: usize,
     /// Number of poses to evaluate that blend two clips.
     pub blended: usize,
     /// Number of poses blended from the cache.

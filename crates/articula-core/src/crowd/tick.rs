@@ -12,7 +12,7 @@ use super::share::{ClipWay, Follower, Leader, Sharing};
 use crate::Mismatch;
 use crate::batch::{BatchPose, Scratch};
 use crate::budget::{BudgetPolicy, CostModel};
-use crate::level_choice::{kept_between, level_within};
+use crate::level_choice::{level_range, level_within};
 use crate::palette::PaletteRows;
 use crate::pose_cache::BlendRecord;
 use crate::sample::Wrap;
@@ -55,7 +55,7 @@ impl SteadyTolerance {
 /// The characters of one rig: playback state, levels, and the plan of the current frame.
 #[derive(Debug, Clone)]
 pub struct Crowd {
-    players: Vec<CharacterState>,
+    states: Vec<CharacterState>,
     levels: Vec<u8>,
     /// Range of pixels per metre in which each character keeps its level: first bound included,
     /// second excluded. Empty if the level has to be chosen again.
@@ -83,7 +83,7 @@ impl Crowd {
         let player = CharacterState::from(ClipState::new(&model.parts().clips, 0));
         let levels = model.levels();
         Self {
-            players: vec![player; characters],
+            states: vec![player; characters],
             levels: vec![NEW; characters],
             keeps: vec![ANEW; characters],
             kept_for: None,
@@ -111,24 +111,24 @@ impl Crowd {
 
     /// Number of characters.
     pub(crate) fn len(&self) -> usize {
-        self.players.len()
+        self.states.len()
     }
 
     /// Returns the playback state of a character.
-    pub fn player(&self, character: usize) -> &CharacterState {
-        &self.players[character]
+    pub fn state(&self, character: usize) -> &CharacterState {
+        &self.states[character]
     }
 
     /// Replaces the playback state of a character.
     pub fn play(&mut self, character: usize, player: CharacterState) {
-        self.players[character] = player;
+        self.states[character] = player;
         self.bound_secs[character] = -1.0;
         self.keeps[character] = ANEW;
     }
 
     /// Starts a cross-fade of a character to another clip; see [`CharacterState::fade_to`].
     pub fn fade_to(&mut self, character: usize, clip_state: ClipState, secs: f32) {
-        self.players[character].fade_to(clip_state, secs);
+        self.states[character].fade_to(clip_state, secs);
         self.bound_secs[character] = -1.0;
         self.keeps[character] = ANEW;
     }
@@ -195,7 +195,7 @@ impl Crowd {
     fn advance(&mut self, model: &CrowdModel, dt_secs: f32, tell: &mut dyn FnMut(CrowdEvent)) {
         let durations = model.durations();
         let plain = model.is_plain();
-        for (character, player) in self.players.iter_mut().enumerate() {
+        for (character, player) in self.states.iter_mut().enumerate() {
             let secs = player.from.secs + player.from.speed * dt_secs;
             let within = (0.0..durations[player.from.clip()]).contains(&secs);
             if plain && within && !player.is_fading() {
@@ -264,7 +264,7 @@ impl Crowd {
         {
             let weight = |c: usize| frame.importance.get(c).copied().unwrap_or(1.0);
             report.budget =
-                Some(crowd_budget.spend(cost, &self.players, &self.seen, &self.bounds, &weight));
+                Some(crowd_budget.spend(cost, &self.states, &self.seen, &self.bounds, &weight));
         }
         let (mut unchanged, mut bound_part) = (0, 0f32);
         let kept = SteadyTolerance::of(model, frame);
@@ -310,10 +310,10 @@ impl Crowd {
 
     /// Range of pixels per metre in which a level need not be chosen again.
     fn keeping(&self, model: &CrowdModel, character: usize, level: usize) -> [f32; 2] {
-        let player = &self.players[character];
+        let player = &self.states[character];
         match self.kept_for {
             Some(SteadyTolerance { px }) if !player.is_fading() => {
-                kept_between(model.errors_of(player.from.clip()), level, px)
+                level_range(model.errors_of(player.from.clip()), level, px)
             }
             _ => ANEW,
         }
@@ -321,7 +321,7 @@ impl Crowd {
 
     /// Chooses the level of a visible character.
     fn choice(&self, model: &CrowdModel, frame: &Frame<'_>, character: usize) -> Choice {
-        let player = &self.players[character];
+        let player = &self.states[character];
         let (from, to) = player.clips();
         let scale = frame.scales.get(character).map_or(1.0, |s| s.abs());
         let pixels_per_metre = self.seen[character].pixels_per_metre * scale;
@@ -380,7 +380,7 @@ impl Crowd {
         choice: Choice,
         report: &mut CrowdReport,
     ) {
-        let player = &self.players[character];
+        let player = &self.states[character];
         let fading = player.fade != 0.0;
         if choice.cached {
             let bound_px = choice.error_metres * choice.pixels_per_metre;
@@ -416,11 +416,11 @@ impl Crowd {
                 seam_metres: errors.seam_metres,
             };
             if let Some(leader) = self.sharing.leader(follower, way) {
-                report.followers += 1;
+                report.sharing_characters += 1;
                 let whole = choice.error_metres + choice.slack_metres;
                 report.bound_px = report.bound_px.max(whole * choice.pixels_per_metre);
                 if leader == self.leader_jobs.len() {
-                    report.leaders += 1;
+                    report.shared_poses += 1;
                     let poser = Poser::Leader(leader);
                     let job = self.plan.add(choice.level, Kind::Clip, poser);
                     self.leader_jobs.push(job);
@@ -455,7 +455,7 @@ impl Crowd {
             return;
         }
         let from = Some(usize::from(before)).filter(|_| before != HIDDEN);
-        let (a, b) = self.players[character].clips();
+        let (a, b) = self.states[character].clips();
         let error = |level: Option<usize>| level.map_or(0.0, |l| model.error_metres(a, b, l));
         let jump_px = match (from, level) {
             (Some(_), Some(_)) => {
@@ -493,7 +493,7 @@ impl Crowd {
     /// # Panics
     /// If there is no such character or joint.
     pub fn attachment(&self, model: &CrowdModel, character: usize, joint: usize) -> Affine3A {
-        let shown = self.players[character].shown(&model.parts().clips);
+        let shown = self.states[character].shown(&model.parts().clips);
         attachment(&model.parts().clips, &shown, joint)
     }
 
@@ -568,7 +568,7 @@ impl Crowd {
         let mut records = [BlendRecord::default(); LANES];
         for (record, poser) in records.iter_mut().zip(self.plan.posers(batch)) {
             if let Poser::Character(character) = poser {
-                let ClipState { secs, clip, .. } = self.players[character].from;
+                let ClipState { secs, clip, .. } = self.states[character].from;
                 let located = cache.locate(usize::from(clip), batch.level(), secs);
                 *record = located.unwrap_or_default();
             }
@@ -580,7 +580,7 @@ impl Crowd {
     #[inline]
     fn posed(&self, model: &CrowdModel, poser: Poser) -> BatchPose {
         match poser {
-            Poser::Character(c) => self.players[c].shown(&model.parts().clips),
+            Poser::Character(c) => self.states[c].shown(&model.parts().clips),
             Poser::Leader(l) => {
                 let Leader { clip, secs } = self.sharing.leaders()[l];
                 model.parts().clips.cursor(usize::from(clip), secs).into()

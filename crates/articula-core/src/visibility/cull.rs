@@ -123,7 +123,7 @@ impl<'a> View<'a> {
     /// no far end: a body before a renderer's near plane must still move, since its shadow or its
     /// hand may reach into view. A depth below zero lets a parallel projection see behind its eye.
     #[must_use]
-    pub fn within(self, depths_metres: Range<f32>) -> Self {
+    pub fn with_depth_range(self, depths_metres: Range<f32>) -> Self {
         let Range { start, end } = depths_metres;
         Self {
             frustum: self.frustum.with_near(start).with_far(end),
@@ -134,7 +134,7 @@ impl<'a> View<'a> {
     /// Sets the cull margin: the distance and the angle by which the camera may move and turn until
     /// the next test. Bodies that this could bring into view are [`Visibility::Margin`].
     #[must_use]
-    pub fn moving(self, cull_margin_metres: f32, cull_margin_radians: f32) -> Self {
+    pub fn with_cull_margin(self, cull_margin_metres: f32, cull_margin_radians: f32) -> Self {
         Self {
             cull_margin_metres: at_most(cull_margin_metres, FARTHEST_METRES),
             // No turn takes a point farther than to the other side of the eye.
@@ -581,15 +581,24 @@ mod tests {
         let crowd = Crowd::of(&[(Vec3::X * 10.0, 0.0)]);
         let view = View::of(&camera());
         assert_eq!(crowd.visibilities(&[view]), [Hidden]);
-        assert_eq!(crowd.visibilities(&[view.moving(0.0, 0.6)]), [Hidden]);
-        assert_eq!(crowd.visibilities(&[view.moving(0.0, 0.9)]), [Margin]);
-        assert_eq!(crowd.visibilities(&[view.moving(7.2, 0.0)]), [Margin]);
         assert_eq!(
-            crowd.visibilities(&[view.moving(f32::NAN, f32::NAN)]),
+            crowd.visibilities(&[view.with_cull_margin(0.0, 0.6)]),
             [Hidden]
         );
         assert_eq!(
-            crowd.visibilities(&[view.moving(0.0, f32::INFINITY)]),
+            crowd.visibilities(&[view.with_cull_margin(0.0, 0.9)]),
+            [Margin]
+        );
+        assert_eq!(
+            crowd.visibilities(&[view.with_cull_margin(7.2, 0.0)]),
+            [Margin]
+        );
+        assert_eq!(
+            crowd.visibilities(&[view.with_cull_margin(f32::NAN, f32::NAN)]),
+            [Hidden]
+        );
+        assert_eq!(
+            crowd.visibilities(&[view.with_cull_margin(0.0, f32::INFINITY)]),
             [Margin]
         );
     }
@@ -658,12 +667,12 @@ mod tests {
             (Vec3::Z * 3.0, 0.0),
         ]);
         let view = View::of(&camera());
-        let seen = |depths| crowd.visibilities(&[view.within(depths)]);
+        let seen = |depths| crowd.visibilities(&[view.with_depth_range(depths)]);
         assert_eq!(seen(0.0..7.0), [Visible, Hidden, Hidden]);
         assert_eq!(seen(5.0..9.0), [Hidden, Visible, Hidden]);
         let sun = View::parallel(Vec3::ZERO, Quat::IDENTITY, Vec2::ONE, 20.0);
         assert_eq!(crowd.visibilities(&[sun]), [Visible, Visible, Hidden]);
-        let behind = sun.within(-5.0..7.0);
+        let behind = sun.with_depth_range(-5.0..7.0);
         assert_eq!(crowd.visibilities(&[behind]), [Visible, Hidden, Visible]);
     }
 

@@ -296,7 +296,7 @@ proptest! {
             }
             // Requests within the hysteresis would be ignored, so discard the history.
             for c in 0..crowd.wishes.len() {
-                repaired.requeue(c);
+                repaired.force_update(c);
             }
             crowd.ask(&mut repaired, &ids);
             let found = repaired.solve(units);
@@ -473,7 +473,7 @@ fn small_changes_of_scale_touch_nothing() {
     assert_eq!((report.changes, report.above_cap), (0, 1));
     assert!((report.worst_px - 9.2).abs() < 1e-4);
     // A requeued character is updated in any case.
-    budget.requeue(0);
+    budget.force_update(0);
     budget.request(0, at(92.0));
     assert_eq!(budget.solve(1e6).changes, 1);
 }

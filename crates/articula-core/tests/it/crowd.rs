@@ -161,12 +161,12 @@ fn draws_name_the_palette_of_their_character() {
         let (crowd, report) = played(&model, &square, share, 7);
         let rows = palettes(&crowd, &model);
         assert_eq!(crowd.draw_list().draws.len(), report.visible);
-        assert_eq!(report.own + report.followers, report.visible);
+        assert_eq!(report.own + report.sharing_characters, report.visible);
         assert!(
             report.visible < square.positions.len(),
             "some stand behind the camera"
         );
-        assert!(share == (report.followers > 0) && report.blended > 0);
+        assert!(share == (report.sharing_characters > 0) && report.blended > 0);
         let mut drawn = vec![false; square.positions.len()];
         let mut others = 0;
         for group in &crowd.draw_list().groups {
@@ -187,9 +187,9 @@ fn draws_name_the_palette_of_their_character() {
         }
         // Only characters that share a pose may show one other than their own.
         assert!(
-            others <= report.followers,
+            others <= report.sharing_characters,
             "{others} of {}",
-            report.followers
+            report.sharing_characters
         );
     }
 }
@@ -368,10 +368,10 @@ fn a_fade_ends_at_the_other_clip_and_both_tell_their_events() {
             }
         });
         let done = step as f32 * 0.02 + 0.02 >= 0.5 - 1e-6;
-        assert_eq!(crowd.player(0).next().is_none(), done, "step {step}");
+        assert_eq!(crowd.state(0).next().is_none(), done, "step {step}");
     }
     assert_eq!(heard, [false, true, true]);
-    assert_eq!(crowd.player(0).clip_state().clip(), 1);
+    assert_eq!(crowd.state(0).clip_state().clip(), 1);
 }
 
 proptest! {

@@ -104,7 +104,7 @@ struct Sums {
 impl Sums {
     /// Adds one shown character.
     fn see(&mut self, player: &CrowdPlayer, level: usize, character: usize) {
-        let state = player.crowd().player(character);
+        let state = player.crowd().state(character);
         self.blended += usize::from(state.fade() > 0.0);
         let from = state.clip_state().clip();
         let to = state.next().map_or(from, |v| v.clip());

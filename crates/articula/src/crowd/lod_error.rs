@@ -174,7 +174,7 @@ impl ErrorMeter {
 
     /// Computes the reference skin of a character.
     fn pose_truth(&mut self, player: &CrowdPlayer, character: usize) {
-        let player = player.crowd().player(character);
+        let player = player.crowd().state(character);
         self.sample(player.clip_state(), Which::Pose);
         if let Some(next) = player.next() {
             self.sample(next, Which::Other);
@@ -230,7 +230,7 @@ fn visible(player: &CrowdPlayer, camera: &Camera) -> Vec<(usize, usize)> {
         .enumerate();
     let spheres: Vec<Sphere> = places
         .map(|(character, (position, rotation))| {
-            let player = crowd.player(character);
+            let player = crowd.state(character);
             let from = player.clip_state().clip();
             let bound = match player.next() {
                 Some(next) => bounds.blended(from, next.clip()),

@@ -141,7 +141,7 @@ impl<'a> ScenePlayer<'a> {
         self.secs += dt_secs;
         let camera = self.camera()?;
         let (way, turn) = self.ahead(&camera);
-        let views = [View::of(&camera).moving(way, turn)];
+        let views = [View::of(&camera).with_cull_margin(way, turn)];
         if let Some(allowance) = allowance {
             self.player.set_frame_budget(allowance);
         }
@@ -171,7 +171,7 @@ impl<'a> ScenePlayer<'a> {
             if self
                 .player
                 .crowd()
-                .player(turning.character)
+                .state(turning.character)
                 .next()
                 .is_none()
             {

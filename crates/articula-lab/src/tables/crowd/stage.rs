@@ -234,9 +234,9 @@ impl<'a> SceneBench<'a> {
     fn follow_fades(&self, scene: &Scene, crowd: &mut Crowd) {
         for (i, member) in scene.members.iter().enumerate() {
             if let Some(fade) = member.cross_fade
-                && crowd.player(i).next().is_none()
+                && crowd.state(i).next().is_none()
             {
-                let there = crowd.player(i).clip_state().clip() == fade.other.clip;
+                let there = crowd.state(i).clip_state().clip() == fade.other.clip;
                 let next = if there { member.play } else { fade.other };
                 crowd.fade_to(i, self.clip_state(next, 0.0), fade.fade_secs);
             }
@@ -259,7 +259,7 @@ impl<'a> SceneBench<'a> {
             let drawn = who % one_of == now.number % one_of;
             if metres < NEAR_METRES || drawn {
                 let shown = self.shown_points(now.player, level, source);
-                let truth = self.true_points(now.player.crowd().player(who));
+                let truth = self.true_points(now.player.crowd().state(who));
                 let px = distance_px(&now.camera, member, &shown, &truth);
                 errors.add(px, metres, drawn);
             }
@@ -305,7 +305,7 @@ impl Outcome {
     fn add(&mut self, report: &CrowdReport, written: usize, frames: usize) {
         let frames = frames as f64;
         self.visible += report.visible as f64 / frames;
-        self.poses += (report.own + report.leaders) as f64 / frames;
+        self.poses += (report.own + report.shared_poses) as f64 / frames;
         self.written_mb += 1e-6 * written as f64 / frames;
     }
 }
