@@ -31,7 +31,13 @@ pub fn character(
 ) -> Result<Asset, Mismatch> {
     let articulation = articulation
         .or_else(|| source.articulation.clone())
-        .ok_or_else(|| Mismatch::new("articulation", "neither the file nor a profile gives one"))?;
+        .ok_or_else(|| {
+            Mismatch::new(
+                "articulation",
+                "missing in the file, and no joint map is \
+         given",
+            )
+        })?;
     let rig = Rig::new(&source.skeleton, articulation)?;
     let mesh = Mesh::new(&source.meshes, rig.len())?;
     let counts: Vec<usize> = source

@@ -129,19 +129,19 @@ pub(crate) fn steps_at(
     numbers: usize,
 ) -> Result<usize, Mismatch> {
     if !(rate.is_finite() && rate > 0.0) {
-        let what = format!("{rate} is not a positive rate");
+        let what = format!("must be positive and finite, found {rate}");
         return Err(Mismatch::new("rate_hz", what));
     }
     let steps = (f64::from(duration) * f64::from(rate)).round();
     let at = || format!("clip \"{}\"", clip.name);
     if steps > 1e6 {
-        let what = format!("{duration} s at {rate} Hz would be {steps} frames, at most 1000000");
+        let what = format!("{duration} s at {rate} Hz make {steps} frames, the limit is 1000000");
         return Err(Mismatch::new(at(), what));
     }
     let numbers = (steps as usize).saturating_mul(numbers);
     if numbers > MAX_NUMBERS {
         let what =
-            format!("{duration} s at {rate} Hz would be {numbers} numbers, at most {MAX_NUMBERS}");
+            format!("{duration} s at {rate} Hz make {numbers} values, the limit is {MAX_NUMBERS}");
         return Err(Mismatch::new(at(), what));
     }
     Ok(steps as usize)
@@ -155,11 +155,16 @@ pub(crate) fn check(
 ) -> Result<(), String> {
     let (kind, targets) = match channel.property {
         Property::Weights => ("mesh", morph_counts.len()),
-        Property::Expression => return Err("it drives an expression, bake the clip first".into()),
+        Property::Expression => {
+            return Err("the channel drives an expression; bake the clip first".into());
+        }
         _ => ("joint", joints),
     };
     if channel.target >= targets {
-        return Err(format!("{kind} {} of {targets}", channel.target));
+        return Err(format!(
+            "{kind} {} is out of range: there are {targets}",
+            channel.target
+        ));
     }
     let width = width(channel, morph_counts);
     let keys = channel.times_secs.len();
@@ -169,7 +174,9 @@ pub(crate) fn check(
     };
     if keys == 0 || channel.values.len() < keys * floats {
         let found = channel.values.len();
-        return Err(format!("{found} values for {keys} keys of {floats} floats"));
+        return Err(format!(
+            "{found} values, but {keys} keys need {floats} floats each"
+        ));
     }
     Ok(())
 }

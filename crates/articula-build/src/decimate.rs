@@ -38,7 +38,16 @@ pub fn decimate(
         None => Vec::new(),
         Some(c) => {
             let clip = asset.clips.get(c);
-            let missing = || Mismatch::new("clip", format!("{c} of {}", asset.clips.len()));
+            let missing = || {
+                Mismatch::new(
+                    "clip",
+                    format!(
+                        "clip {c} is out of range: the \
+             character has {} clips",
+                        asset.clips.len()
+                    ),
+                )
+            };
             vec![clip.cloned().ok_or_else(missing)?]
         }
     };

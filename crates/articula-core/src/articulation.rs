@@ -224,7 +224,7 @@ impl Articulation {
 }
 
 fn unknown(at: &str, name: &str) -> Mismatch {
-    Mismatch::new(at, format!("there is no \"{name}\""))
+    Mismatch::new(at, format!("unknown name \"{name}\""))
 }
 
 fn folded(name: &str) -> String {

@@ -44,13 +44,16 @@ impl Attention {
     /// before it starts, or a factor is not positive and finite.
     pub fn new(duration_secs: f32, intervals: &[AttentionInterval]) -> Result<Self, Mismatch> {
         if !(duration_secs.is_finite() && duration_secs >= 0.0) {
-            let what = format!("{duration_secs} is no duration");
+            let what = format!("must be finite and at least 0, found {duration_secs}");
             return Err(Mismatch::new("duration_secs", what));
         }
         for (i, interval) in intervals.iter().enumerate() {
             let (start, end) = (interval.start_secs, interval.end_secs);
             if !(start.is_finite() && end.is_finite() && start <= end) {
-                let what = format!("from {start} to {end} s");
+                let what = format!(
+                    "from {start} to {end} s; both times must be finite, and the \
+                 start not after the end"
+                );
                 return Err(Mismatch::new(format!("intervals[{i}]"), what));
             }
             if !(interval.factor > 0.0 && interval.factor.is_finite()) {

@@ -88,12 +88,12 @@ impl<'a> BatchEvaluator<'a> {
             clips.joint_lods().joints().len(),
         );
         if map.levels() != levels || map.places().any(|p| p >= beyond) {
-            let what = "the palette was made for another ladder";
+            let what = "the palette was built for other joint LODs than the clip set";
             return Err(Mismatch::new("map", what));
         }
         let scaled = map.places().any(|place| clips.scaled()[place]);
         if form.is_rigid() && (scaled || !map.is_rigid()) {
-            let what = "rotation and translation cannot hold scale; take a matrix form";
+            let what = "rotation and translation cannot store scale; choose a matrix form";
             return Err(Mismatch::new("form", what));
         }
         Ok(Self {
@@ -151,10 +151,10 @@ impl<'a> BatchEvaluator<'a> {
     ) {
         assert!(
             (1..=LANES).contains(&shown.len()),
-            "1 to {LANES} characters"
+            "a batch holds 1 to {LANES} characters"
         );
         let used = shown.len() * self.rows(level);
-        assert_eq!(out.len(), used, "room for each palette");
+        assert_eq!(out.len(), used, "the output must hold every palette");
         let Scratch {
             joints,
             floats,
@@ -177,7 +177,7 @@ impl<'a> BatchEvaluator<'a> {
                 self.run(level, shown, Out::Half(halves), joints);
                 out.copy_from_slice(&halves[..used]);
             }
-            _ => panic!("the rows are not of the form's kind of floats"),
+            _ => panic!("the float type of the rows must match the palette form"),
         }
     }
 
@@ -195,7 +195,7 @@ impl<'a> BatchEvaluator<'a> {
     ) -> JointTiles<'s> {
         assert!(
             (1..=LANES).contains(&shown.len()),
-            "1 to {LANES} characters"
+            "a batch holds 1 to {LANES} characters"
         );
         self.run(level, shown, Out::Tile, &mut scratch.joints);
         JointTiles {

@@ -18,7 +18,7 @@ pub fn blend(pose: &mut LocalPose, other: &LocalPose, weight: f32, active: &Join
     assert_eq!(
         pose.rotations.len(),
         other.rotations.len(),
-        "the poses are of two rigs"
+        "the poses must belong to the same rig"
     );
     for j in active.iter() {
         pose.rotations[j] = nlerp(pose.rotations[j], other.rotations[j], weight);

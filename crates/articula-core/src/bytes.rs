@@ -82,7 +82,7 @@ impl<'a> ByteReader<'a> {
     pub fn take<const N: usize>(&mut self) -> Result<[u8; N], MalformedBytes> {
         let found = self.bytes[self.at..].first_chunk::<N>();
         let found =
-            *found.ok_or_else(|| self.bad(format!("the end, {N} more bytes are expected")))?;
+            *found.ok_or_else(|| self.bad(format!("unexpected end, expected {N} more bytes")))?;
         self.at += N;
         Ok(found)
     }
@@ -112,7 +112,7 @@ impl<'a> ByteReader<'a> {
         if value.is_finite() && value > 0.0 {
             return Ok(value);
         }
-        Err(self.bad(format!("{value} where {what} above 0 is expected")))
+        Err(self.bad(format!("found {value}, expected {what} above 0")))
     }
 
     /// Reads an integer written by [`push_varint`], of at most 35 bits.
@@ -128,7 +128,7 @@ impl<'a> ByteReader<'a> {
                 return Ok(value);
             }
         }
-        Err(self.bad("a number of more than 35 bits"))
+        Err(self.bad("a variable-length integer exceeds 35 bits"))
     }
 
     /// Checks that no bytes remain.
@@ -139,7 +139,7 @@ impl<'a> ByteReader<'a> {
         if self.left() == 0 {
             return Ok(());
         }
-        Err(self.bad(format!("{} bytes too many", self.left())))
+        Err(self.bad(format!("{} unexpected bytes at the end", self.left())))
     }
 }
 
@@ -157,7 +157,7 @@ mod tests {
         assert_eq!(short.u32().unwrap_err().at, 2);
         assert_eq!(
             short.end().unwrap_err().to_string(),
-            "byte 2: 1 bytes too many"
+            "byte 2: 1 unexpected bytes at the end"
         );
         for value in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             assert!(ByteReader::new(&value.to_le_bytes()).positive("a").is_err());

@@ -60,7 +60,7 @@ impl Clip {
         tracks: Tracks,
     ) -> Result<Self, Mismatch> {
         if !(rate_hz.is_finite() && rate_hz > 0.0) {
-            let what = format!("{rate_hz} is not a positive rate");
+            let what = format!("must be positive and finite, found {rate_hz}");
             return Err(Mismatch::new("rate_hz", what));
         }
         if frames == 0 {
@@ -157,7 +157,10 @@ fn check<T>(
 ) -> Result<(), Mismatch> {
     for (t, track) in tracks.iter().enumerate() {
         if usize::from(track.target) >= targets {
-            let what = format!("joint {} of {targets}", track.target);
+            let what = format!(
+                "joint {} is out of range: the clip has {targets} joints",
+                track.target
+            );
             return Err(Mismatch::new(format!("{which}[{t}].target"), what));
         }
         if track.values.len() != 1 && track.values.len() != frames {

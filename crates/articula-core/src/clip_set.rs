@@ -107,7 +107,7 @@ impl ClipSet {
                 joint_lods.joints().len(),
                 rig.len()
             );
-            return Err(Mismatch::new("ladder", what));
+            return Err(Mismatch::new("joint_lods", what));
         }
         for (c, clip) in clips.iter().enumerate() {
             check(clip, rig.len())
@@ -134,7 +134,7 @@ impl ClipSet {
         let (sources, slots) = layout(&joint_lods, &constants, &frames);
         let all: usize = frames.iter().map(Frames::len).sum();
         if all.saturating_mul(slots) > u32::MAX as usize {
-            let what = format!("{all} frames of {slots} slots, at most 2^32 in all");
+            let what = format!("{all} frames of {slots} slots each exceed 2^32 values");
             return Err(Mismatch::new("clips", what));
         }
         let (rows, segments) = written(&rates_hz, &frames, &joint_lods, &sources, slots);
@@ -315,7 +315,10 @@ fn below(places: &[u16], kept: usize) -> &[u16] {
 
 fn check(clip: &Clip, joints: usize) -> Result<(), Mismatch> {
     if clip.joints() != joints {
-        let what = format!("made for {} joints, the rig has {joints}", clip.joints());
+        let what = format!(
+            "the clip has {} joints, the rig has {joints}",
+            clip.joints()
+        );
         return Err(Mismatch::new("joints", what));
     }
     let not_finite = |which: &str| Mismatch::new(which, "every value must be finite");

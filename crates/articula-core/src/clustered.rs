@@ -71,7 +71,7 @@ impl Clusters {
         }
         if let Some(i) = vertices.windows(2).position(|w| w[1] > w[0]) {
             let what = format!(
-                "{} after {}, a coarser level has no more",
+                "{} after {}; a coarser level must not have more vertices",
                 vertices[i + 1],
                 vertices[i]
             );
@@ -81,12 +81,15 @@ impl Clusters {
         for (c, cluster) in clusters.iter().enumerate() {
             let (finest, coarsest) = (cluster.finest_level, cluster.coarsest_level);
             if finest > coarsest || usize::from(coarsest) >= vertices.len() {
-                let what = format!("levels {finest} to {coarsest} of {}", vertices.len());
+                let what = format!(
+                    "levels {finest} to {coarsest} are not a range of the {} levels",
+                    vertices.len()
+                );
                 return Err(Mismatch::new(format!("clusters[{c}]"), what));
             }
             let Range { start, end: after } = cluster.triangles;
             if start != end || after < start {
-                let what = format!("{start}..{after}, expected to begin at {end}");
+                let what = format!("{start}..{after}, expected a range that begins at {end}");
                 return Err(Mismatch::new(format!("clusters[{c}].triangles"), what));
             }
             end = after;
@@ -198,12 +201,16 @@ impl ClusteredTriangles {
     pub fn check(&self, vertex_count: usize) -> Result<(), Mismatch> {
         let stored = self.clusters.stored_triangles() as usize;
         if stored != self.triangles.len() {
-            let what = format!("{} for clusters of {stored}", self.triangles.len());
+            let what = format!(
+                "{} triangles, the clusters store {stored}",
+                self.triangles.len()
+            );
             return Err(Mismatch::new("triangles", what));
         }
         let finest = self.clusters.vertices(0);
         if finest as usize != vertex_count {
-            let what = format!("{finest} in the finest level, {vertex_count} in all");
+            let what =
+                format!("{finest} vertices in the finest level, the mesh has {vertex_count}");
             return Err(Mismatch::new("clusters.vertices", what));
         }
         for cluster in self.clusters.clusters() {
@@ -213,7 +220,10 @@ impl ClusteredTriangles {
             if let Some(c) = corners.position(|v| *v >= below) {
                 let at = format!("triangles[{}]", range.start + c / 3);
                 let level = cluster.coarsest_level;
-                let what = format!("a vertex that level {level} with {below} vertices lacks");
+                let what = format!(
+                    "names a vertex that level {level} with its {below} vertices \
+                 does not have"
+                );
                 return Err(Mismatch::new(at, what));
             }
         }

@@ -100,7 +100,7 @@ impl DriftController {
         assert_eq!(
             bounds.len(),
             rest.rotations.len(),
-            "one entry for each joint"
+            "expected one entry for each joint"
         );
         let start = Judged {
             due_secs: f64::NEG_INFINITY,

@@ -28,12 +28,12 @@ pub fn local_to_model_from(
     assert_eq!(
         local.rotations.len(),
         rig.len(),
-        "the local pose is of another rig"
+        "the local pose must belong to this rig"
     );
     assert_eq!(
         out.matrices.len(),
         rig.len(),
-        "the model pose is of another rig"
+        "the model pose must belong to this rig"
     );
     for joint in 0..rig.len() {
         let above = match rig.parent(joint) {

@@ -59,7 +59,7 @@ impl JointLods {
         let whole = kept.first().is_some_and(|n| usize::from(*n) == rig.len());
         if !whole || !falls || kept.last() == Some(&0) || kept.len() > Self::MAX_LEVELS {
             let what = format!(
-                "{kept:?} must not rise from {} to at least 1 in at most {} levels",
+                "{kept:?} must begin at {}, never rise, stay at least 1 and have at most {} levels",
                 rig.len(),
                 Self::MAX_LEVELS
             );
@@ -99,7 +99,7 @@ impl JointLods {
             let set = with_ancestors(rig, set);
             let last = closed[closed.len() - 1];
             if set.iter().any(|j| !last.contains(j)) {
-                let what = "keeps a joint that the level before has merged";
+                let what = "keeps a joint that the previous level merges";
                 return Err(Mismatch::new(format!("sets[{s}]"), what));
             }
             if set != last {
@@ -153,7 +153,11 @@ fn places_of(rig: &Rig, joints: &[u16]) -> Result<Vec<u16>, Mismatch> {
         let joint = usize::from(joint);
         let at = || format!("joints[{place}]");
         if places.get(joint).is_none_or(|p| *p != unset) {
-            let what = format!("joint {joint} of {} is unknown or named twice", rig.len());
+            let what = format!(
+                "joint {joint} is out of range (the rig has {} joints) or listed \
+             twice",
+                rig.len()
+            );
             return Err(Mismatch::new(at(), what));
         }
         if rig.parent(joint).is_some_and(|p| places[p] == unset) {

@@ -217,7 +217,7 @@ impl JointStates {
         assert_eq!(
             clip.rotations.len(),
             self.slots.len(),
-            "the pose is of another rig"
+            "the pose must belong to this rig"
         );
         for (j, slot) in self.slots.iter_mut().enumerate() {
             let age = (now_secs - slot.since) as f32;

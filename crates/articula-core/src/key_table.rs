@@ -78,7 +78,8 @@ impl KeyTable {
         for (name, stored, found) in pairs {
             if stored != found {
                 let what = format!(
-                    "the table was made for another {name} ({stored:016x}, this one is {found:016x}); build the asset again"
+                    "the table was built for another {name} (hash {stored:016x}, expected \
+                     {found:016x}); rebuild the asset"
                 );
                 return Err(Mismatch::new(format!("hashes.{name}"), what));
             }
@@ -86,7 +87,7 @@ impl KeyTable {
         for (j, levels) in self.keys.iter().enumerate() {
             for (k, pair) in levels.windows(2).enumerate() {
                 if !pair[1].iter().all(|f| pair[0].binary_search(f).is_ok()) {
-                    let what = "keys of a coarser level are not among those of the finer one";
+                    let what = "every key of a coarser level must also be a key of the finer level";
                     return Err(Mismatch::new(format!("keys[{j}][{}]", k + 1), what));
                 }
             }

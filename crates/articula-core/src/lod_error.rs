@@ -65,13 +65,13 @@ impl LodErrors {
             ] {
                 let rising = errors.windows(2).all(|w| w[0] <= w[1]);
                 if errors.len() != levels || errors.first() != Some(&0.0) || !rising {
-                    let what = format!("{levels} numbers that rise from 0 are needed");
+                    let what = format!("expected {levels} values that start at 0 and never fall");
                     return Err(Mismatch::new(format!("clips[{c}].{name}"), what));
                 }
             }
             let rest = [clip.speed_metres_per_sec, clip.seam_metres];
             if !rest.iter().all(|v| *v >= 0.0) {
-                let what = "speed and seam must be numbers, not negative";
+                let what = "speed_metres_per_sec and seam_metres must be at least 0 and not NaN";
                 return Err(Mismatch::new(format!("clips[{c}]"), what));
             }
         }

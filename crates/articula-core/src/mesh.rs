@@ -140,7 +140,10 @@ impl Mesh {
         let mut palette = Vec::with_capacity(skin.joints.len());
         for (i, (&joint, &inverse_bind)) in skin.joints.iter().zip(&skin.inverse_bind).enumerate() {
             if joint >= joints {
-                let what = format!("joint {joint} of {joints}");
+                let what = format!(
+                    "joint {joint} is out of range: the skeleton has {joints} \
+                 joints"
+                );
                 return Err(Mismatch::new(format!("skin.joints[{i}]"), what));
             }
             let binding = Binding {
@@ -234,7 +237,7 @@ fn check(p: &source::Primitive, joints: usize, morphs: usize) -> Result<(), Mism
         _ => length(what, found, count),
     };
     if p.influences == 0 {
-        return Err(Mismatch::new("influences", "a vertex needs at least one"));
+        return Err(Mismatch::new("influences", "must be at least 1"));
     }
     optional("normals", p.normals.len())?;
     optional("texcoords", p.texcoords.len())?;
@@ -247,12 +250,18 @@ fn check(p: &source::Primitive, joints: usize, morphs: usize) -> Result<(), Mism
         optional("morphs.normals", target.normals.len())?;
     }
     if let Some(at) = p.joints.iter().position(|j| usize::from(*j) >= joints) {
-        let what = format!("{} of {joints} skin joints", p.joints[at]);
+        let what = format!(
+            "skin joint {} is out of range: the skin has {joints} joints",
+            p.joints[at]
+        );
         return Err(Mismatch::new(format!("joints[{at}]"), what));
     }
     let outside = |t: &[u32; 3]| t.iter().any(|v| *v as usize >= count);
     if let Some(at) = p.triangles.iter().position(outside) {
-        let what = format!("{:?} with {count} vertices", p.triangles[at]);
+        let what = format!(
+            "{:?} names a vertex out of range: the primitive has {count} vertices",
+            p.triangles[at]
+        );
         return Err(Mismatch::new(format!("triangles[{at}]"), what));
     }
     Ok(())

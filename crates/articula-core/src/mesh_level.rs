@@ -38,12 +38,12 @@ impl MeshErrors {
     /// level, the original, is not 0. The error of an empty level may be infinite.
     pub fn new(levels_metres: &[f32]) -> Result<Self, Mismatch> {
         if let Some(l) = levels_metres.iter().position(|e| e.is_nan() || *e < 0.0) {
-            let what = format!("{} is no error", levels_metres[l]);
-            return Err(Mismatch::new(format!("levels[{l}]"), what));
+            let what = format!("must be at least 0 and not NaN, found {}", levels_metres[l]);
+            return Err(Mismatch::new(format!("levels_metres[{l}]"), what));
         }
         if levels_metres.first() != Some(&0.0) {
-            let what = "the first level is the original and has no error";
-            return Err(Mismatch::new("levels", what));
+            let what = "the first level is the original and must have error 0";
+            return Err(Mismatch::new("levels_metres", what));
         }
         let mut greatest = 0.0f32;
         let rising = levels_metres.iter().map(|e| {
@@ -62,7 +62,7 @@ impl MeshErrors {
     /// As [`MeshErrors::new`], or if the lists differ in length.
     pub(crate) fn of_statistics(p95_metres: &[f32], max_metres: &[f32]) -> Result<Self, Mismatch> {
         if p95_metres.len() != max_metres.len() {
-            let what = format!("{} levels, not {}", max_metres.len(), p95_metres.len());
+            let what = format!("{} levels, expected {}", max_metres.len(), p95_metres.len());
             return Err(Mismatch::new("max_metres", what));
         }
         let pairs = p95_metres.iter().zip(max_metres);
@@ -144,10 +144,10 @@ mod tests {
     #[test]
     fn what_is_no_table_of_errors() {
         let at = |levels: &[f32]| MeshErrors::new(levels).unwrap_err().at;
-        assert_eq!(at(&[]), "levels");
-        assert_eq!(at(&[0.1]), "levels");
-        assert_eq!(at(&[0.0, f32::NAN, 0.1]), "levels[1]");
-        assert_eq!(at(&[0.0, -0.1]), "levels[1]");
+        assert_eq!(at(&[]), "levels_metres");
+        assert_eq!(at(&[0.1]), "levels_metres");
+        assert_eq!(at(&[0.0, f32::NAN, 0.1]), "levels_metres[1]");
+        assert_eq!(at(&[0.0, -0.1]), "levels_metres[1]");
         let other = MeshErrors::of_statistics(&[0.0], &[]).unwrap_err();
         assert_eq!(other.at, "max_metres");
         let empty = MeshErrors::new(&[0.0, f32::INFINITY]).unwrap();

@@ -62,12 +62,12 @@ impl ClipBounds {
     /// [`ClipBounds::count`].
     pub fn new(duration_secs: f32, seconds: Vec<Bound>, anchors: Sphere) -> Result<Self, Mismatch> {
         if !(duration_secs.is_finite() && duration_secs >= 0.0) {
-            let what = format!("{duration_secs} is no duration");
+            let what = format!("must be finite and at least 0, found {duration_secs}");
             return Err(Mismatch::new("duration_secs", what));
         }
         let expected = Self::count(duration_secs);
         let Some(whole) = seconds.iter().copied().reduce(Bound::union) else {
-            return Err(Mismatch::new("seconds", "a clip has at least one"));
+            return Err(Mismatch::new("seconds", "must hold at least one bound"));
         };
         if seconds.len() != expected {
             let what = format!("{} bounds for {expected} seconds", seconds.len());

@@ -137,7 +137,7 @@ impl PaletteMap {
             let last = entries.last().map_or(0, |e: &Entry| e.place);
             if usize::from(*place) >= joint_lods.joints().len() || *place < last {
                 let what = format!(
-                    "place {place} must be below {} and rise",
+                    "joint index {place} must be below {} and not less than the one before",
                     joint_lods.joints().len()
                 );
                 return Err(Mismatch::new(at(), what));

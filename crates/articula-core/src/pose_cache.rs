@@ -169,7 +169,7 @@ impl PoseCache {
     ) -> Result<Self, Mismatch> {
         let (joint_lods, levels) = (clips.joint_lods(), clips.joint_lods().levels());
         if map.levels() != levels || map.places().any(|p| p >= joint_lods.joints().len()) {
-            let what = "the palette was made for another ladder";
+            let what = "the palette was built for other joint LODs than the clip set";
             return Err(Mismatch::new("map", what));
         }
         if keys.len() != clips.clips() {
@@ -177,7 +177,10 @@ impl PoseCache {
             return Err(Mismatch::new("keys", what));
         }
         if !rows.len().is_multiple_of(3) || rows.len() / 3 > u32::MAX as usize {
-            let what = format!("{} rows, three for each of at most 2^32", rows.len());
+            let what = format!(
+                "{} rows, expected three for each of at most 2^32 matrices",
+                rows.len()
+            );
             return Err(Mismatch::new("rows", what));
         }
         let mut cache = Self {
@@ -223,7 +226,7 @@ impl PoseCache {
         let needed = times.len().saturating_mul(self.entries[level]);
         if needed.saturating_add(keys.first_matrix as usize) > matrices {
             let what = format!(
-                "{needed} matrices from {} on, there are {matrices}",
+                "{needed} matrices from index {} exceed the {matrices} that are stored",
                 keys.first_matrix
             );
             return Err(Mismatch::new("first_matrix", what));
@@ -382,7 +385,7 @@ impl PoseCache {
 
     #[inline]
     fn segment(&self, clip: usize, level: usize) -> Option<&Segment> {
-        assert!(level < self.levels, "no such level");
+        assert!(level < self.levels, "the level is out of range");
         self.segments[clip * self.levels + level].as_ref()
     }
 
@@ -402,7 +405,11 @@ impl PoseCache {
         out: PaletteRows<'_>,
     ) {
         let stride = self.entries[level] * 3;
-        assert_eq!(out.len(), records.len() * stride, "room for each palette");
+        assert_eq!(
+            out.len(),
+            records.len() * stride,
+            "the output must hold every palette"
+        );
         match (&self.rows, out) {
             (CachedRows::Float(rows), PaletteRows::Float(out)) => dispatch(
                 backend,
@@ -422,7 +429,7 @@ impl PoseCache {
                     out,
                 },
             ),
-            _ => panic!("the rows are not of the form's kind of floats"),
+            _ => panic!("the float type of the rows must match the palette form"),
         }
     }
 }

@@ -77,7 +77,7 @@ pub fn sample(clip: &Clip, time_secs: f64, wrap: Wrap, active: &JointSet, out: &
     assert_eq!(
         out.rotations.len(),
         clip.joints(),
-        "the pose is of another rig"
+        "the pose must belong to this rig"
     );
     let at = frame_position(clip, time_secs, wrap);
     for track in &clip.tracks.rotations {

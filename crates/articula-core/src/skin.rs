@@ -45,7 +45,7 @@ pub fn palette(mesh: &Mesh, pose: &ModelPose, out: &mut [Affine3A]) {
     assert_eq!(
         out.len(),
         mesh.bindings.len(),
-        "the palette is of another mesh"
+        "the palette must belong to this mesh"
     );
     for (matrix, binding) in out.iter_mut().zip(&mesh.bindings) {
         *matrix = pose.matrices[usize::from(binding.joint)] * binding.inverse_bind;
@@ -63,17 +63,17 @@ pub fn skin(mesh: &Mesh, palette: &[Affine3A], morph_weights: &[f32], out: &mut 
     assert_eq!(
         palette.len(),
         mesh.bindings.len(),
-        "the palette is of another mesh"
+        "the palette must belong to this mesh"
     );
     assert_eq!(
         out.positions.len(),
         mesh.len(),
-        "the output is of another mesh"
+        "the output must belong to this mesh"
     );
     assert_eq!(
         morph_weights.len(),
         mesh.morph_weights.len(),
-        "the morph weights are of another mesh"
+        "the morph weights must belong to this mesh"
     );
     out.positions.copy_from_slice(&mesh.positions);
     out.normals.copy_from_slice(&mesh.normals);
@@ -95,9 +95,13 @@ pub fn skin_points(mesh: &Mesh, palette: &[Affine3A], vertices: &[u32], out: &mu
     assert_eq!(
         palette.len(),
         mesh.bindings.len(),
-        "the palette is of another mesh"
+        "the palette must belong to this mesh"
     );
-    assert_eq!(out.len(), vertices.len(), "one output for each vertex");
+    assert_eq!(
+        out.len(),
+        vertices.len(),
+        "expected one output for each vertex"
+    );
     for (point, &v) in out.iter_mut().zip(vertices) {
         let v = v as usize;
         *point = blend(mesh, palette, v).transform_point3(mesh.positions[v]);

@@ -133,7 +133,11 @@ impl GroupedSkin {
     /// # Panics
     /// If the slices differ in length.
     pub fn rows(palette: &[Affine3A], out: &mut [Matrix3x4]) {
-        assert_eq!(palette.len(), out.len(), "one output for each matrix");
+        assert_eq!(
+            palette.len(),
+            out.len(),
+            "expected one output for each matrix"
+        );
         for (rows, matrix) in out.iter_mut().zip(palette) {
             let (m, t) = (matrix.matrix3, matrix.translation);
             *rows = [
@@ -220,11 +224,15 @@ impl GroupedSkin {
         shape: &mut MorphedShape,
         stale: &mut StaleBlocks,
     ) {
-        assert_eq!(mesh.len(), self.len(), "the mesh is another one");
+        assert_eq!(
+            mesh.len(),
+            self.len(),
+            "the groups must belong to this mesh"
+        );
         assert_eq!(
             weights.len(),
             shape.weights.len(),
-            "the morph weights are of another mesh"
+            "the morph weights must belong to this mesh"
         );
         self.check_shape(shape);
         self.check_stale(stale);
@@ -339,7 +347,7 @@ impl GroupedSkin {
         assert_eq!(
             shape.quads.len(),
             self.vertices.len(),
-            "the shape is of another mesh"
+            "the shape must belong to this mesh"
         );
     }
 
@@ -347,7 +355,7 @@ impl GroupedSkin {
         assert_eq!(
             stale.blocks.len(),
             self.blocks.len(),
-            "the stale blocks are of another mesh"
+            "the stale blocks must belong to this mesh"
         );
     }
 
@@ -355,7 +363,7 @@ impl GroupedSkin {
         assert_eq!(
             palette.len(),
             self.joints.len(),
-            "the palette is of another mesh"
+            "the palette must belong to this mesh"
         );
     }
 
@@ -364,7 +372,7 @@ impl GroupedSkin {
         assert_eq!(
             lengths,
             (self.len(), self.len()),
-            "the output is of another mesh"
+            "the output must belong to this mesh"
         );
     }
 

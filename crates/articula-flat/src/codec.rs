@@ -92,7 +92,7 @@ fn too_large(width: u32, height: u32) -> PictureError {
         width,
         height,
         samples: 1,
-        limit: "16384 pixels a side or 512 MiB",
+        limit: "16384 pixels per side or 512 MiB",
     }
 }
 

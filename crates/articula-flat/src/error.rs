@@ -22,7 +22,7 @@ pub enum PictureError {
         mend: String,
     },
     /// The picture would need more memory than the limit.
-    #[error("a picture of {width} x {height} with {samples} samples a pixel exceeds {limit}")]
+    #[error("a picture of {width} x {height} with {samples} samples per pixel exceeds {limit}")]
     LimitExceeded {
         /// Requested width in pixels.
         width: u32,

@@ -94,11 +94,11 @@ impl ItemBuffer {
             limit,
         };
         if width > MAX_SIDE || height > MAX_SIDE {
-            return Err(refuse("16384 pixels a side"));
+            return Err(refuse("16384 pixels per side"));
         }
         let count = u64::from(width) * u64::from(height) * u64::from(samples.per_pixel());
         if count > MAX_SAMPLES {
-            return Err(refuse("268435456 samples in all"));
+            return Err(refuse("268435456 samples in total"));
         }
         Ok(Self {
             width,

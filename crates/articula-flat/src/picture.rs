@@ -25,7 +25,7 @@ impl Picture {
                 width,
                 height,
                 samples: 1,
-                limit: "16384 pixels a side",
+                limit: "16384 pixels per side",
             });
         }
         Ok(Self {

@@ -176,7 +176,7 @@ fn head_of(r: &mut ByteReader<'_>, magic: &[u8; 4]) -> Result<(u8, TableHashes, 
         return Err(ReadError::Unsupported {
             at: "byte 4".into(),
             what: format!("version {version} of the table"),
-            mend: "build the asset again with this version of Articula".into(),
+            mend: "rebuild the asset with this version of Articula".into(),
         });
     }
     let hashes = TableHashes {
@@ -306,7 +306,7 @@ mod tests {
         assert!(of(b"nothing").contains("byte 0"));
         let mut newer = bytes.clone();
         newer[4] = 2;
-        assert!(of(&newer).contains("build the asset again"));
+        assert!(of(&newer).contains("rebuild the asset"));
         let mut huge = bytes;
         huge[40..44].copy_from_slice(&u32::MAX.to_le_bytes());
         assert!(of(&huge).contains("limit"));

@@ -62,7 +62,7 @@ impl Default for HumanOptions {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum HumanError {
     /// The triangle count is outside of [`TRIANGLES`].
-    #[error("{found} triangles: the reference human has {} to {} triangles", TRIANGLES.start(), TRIANGLES.end())]
+    #[error("{found} triangles were requested; choose {} to {} triangles", TRIANGLES.start(), TRIANGLES.end())]
     Triangles {
         /// The requested count.
         found: usize,

@@ -148,7 +148,7 @@ pub(crate) fn joint(name: &str) -> usize {
     JOINTS[..BODY_JOINTS]
         .iter()
         .position(|j| j.name == name)
-        .unwrap_or_else(|| panic!("{name} is no H-Anim body joint"))
+        .unwrap_or_else(|| panic!("{name} is not an H-Anim body joint"))
 }
 
 /// The joint tree at rest: identity rotations, offsets between centres.

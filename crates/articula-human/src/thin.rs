@@ -44,7 +44,7 @@ pub(crate) fn thinned(surface: &Surface, options: &Options<'_>) -> Surface {
     );
     let level = simplified.map(|s| s.levels.into_iter().next_back().unwrap_or_default());
     let level =
-        level.expect("lengths are those of the mesh just made, and the target falls from 1");
+        level.expect("the lengths match the generated mesh, and the targets begin at 1 and fall");
     let mut out = Surface::default();
     let mut renamed = vec![u32::MAX; surface.positions.len()];
     for (tone, part) in level.parts.iter().enumerate() {

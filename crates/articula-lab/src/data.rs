@@ -6,10 +6,10 @@ use articula::crowd::put_in_place;
 use articula_build::Asset;
 use std::path::{Path, PathBuf};
 
-/// Returns the data folder: the given one, `ARTICULA_DATA`, or `../shared/data` next to the
-/// repository.
+/// Returns the data folder: the given one, `ARTICULA_DATA`, `../shared/data` next to the
+/// repository or, for what needs a few files only, the repository's own `assets`.
 /// `None` if there is none and `ARTICULA_REQUIRE_DATA` does not require it.
-pub(crate) fn folder(given: Option<&Path>) -> Result<Option<PathBuf>> {
+pub(crate) fn folder(given: Option<&Path>, small: bool) -> Result<Option<PathBuf>> {
     let named = given
         .map(Path::to_owned)
         .or_else(|| std::env::var_os("ARTICULA_DATA").map(PathBuf::from));
@@ -21,7 +21,7 @@ pub(crate) fn folder(given: Option<&Path>) -> Result<Option<PathBuf>> {
     if given.is_some() || std::env::var_os("ARTICULA_REQUIRE_DATA").is_some_and(|v| v == "1") {
         bail!("{}: no such folder", folder.display());
     }
-    Ok(None)
+    Ok(small.then(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets")))
 }
 
 /// Opens a character of the data folder, maps its joints by name and builds the asset.

@@ -72,8 +72,8 @@ fn main() -> Result<()> {
 }
 
 fn run(arguments: Arguments) -> Result<()> {
-    let Some(data) = data::folder(arguments.data.as_deref())? else {
-        println!("skipped: no data");
+    let Some(data) = data::folder(arguments.data.as_deref(), arguments.small)? else {
+        println!("skipped: no data (see docs/data.md; --small runs on the repository's own files)");
         return Ok(());
     };
     let run = tables::Run {

@@ -2,9 +2,10 @@
 //! Articula's codec codes.
 //!
 //! Source: `docs/methods/clustered-mesh.md` part 8. Position 14 bits, texture coordinates 12 bits,
-//! four influences whose weights are bytes that sum to 255, in order of increasing joint, which Draco
-//! and meshoptimizer code in fewer bytes than in order of decreasing weight. Each codec gets the
-//! rounded direction of a normal and rounds it to the same number of bits in its own octahedral form.
+//! four influences whose weights are bytes that sum to 255, in order of increasing joint, which
+//! Draco and meshoptimizer code in fewer bytes than in order of decreasing weight. Each codec gets
+//! the rounded direction of a normal and rounds it to the same number of bits in its own octahedral
+//! form.
 
 use anyhow::{Result, ensure};
 use articula_stream::mesh::{Precision, Quantised, restore};

@@ -26,10 +26,10 @@ impl Coding {
             Self::Varint => (is_whole && (8..=72).contains(&count), count / 8 * 7),
         };
         if !fits {
-            return Err(format!("no {self:?} number stands in bits {bits:?}"));
+            return Err(format!("bits {bits:?} cannot hold a {self:?} number"));
         }
         if value_bits < 64 && value >> value_bits != 0 {
-            return Err(format!("{value} in {value_bits} bits"));
+            return Err(format!("{value} does not fit in {value_bits} bits"));
         }
         Ok(())
     }
@@ -56,7 +56,9 @@ impl Coding {
             Self::Varint => {
                 let last = bytes.len() - 1;
                 if bytes.iter().position(|b| b & 0x80 == 0) != Some(last) {
-                    return Err(wrong("a number that ends elsewhere".into()));
+                    return Err(wrong(
+                        "the variable-length number does not end at the last byte".into(),
+                    ));
                 }
                 let from_the_top = bytes.iter().rev();
                 Ok(from_the_top.fold(0, |value, byte| value << 7 | u64::from(byte & 0x7f)))

@@ -75,7 +75,10 @@ impl Unit {
         let mut at = self.bits.start;
         for child in &self.children {
             if child.bits.start < at || child.bits.end > self.bits.end {
-                let what = format!("bits {:?} in {:?} from {at}", child.bits, self.bits);
+                let what = format!(
+                    "bits {:?} must lie in {:?} and not begin before {at}",
+                    child.bits, self.bits
+                );
                 return Err(Mismatch::new(child.label.as_ref(), what));
             }
             at = child.bits.end;
@@ -84,7 +87,10 @@ impl Unit {
         for field in &self.fields {
             let wrong = |what: String| Mismatch::new(field.name.as_ref(), what);
             if field.bits.start < self.bits.start || field.bits.end > self.bits.end {
-                return Err(wrong(format!("bits {:?} in {:?}", field.bits, self.bits)));
+                return Err(wrong(format!(
+                    "bits {:?} must lie in {:?}",
+                    field.bits, self.bits
+                )));
             }
             let stands = field.coding.check(&field.bits, field.value);
             stands.map_err(wrong)?;
@@ -100,7 +106,7 @@ impl Unit {
         for field in &self.fields {
             let found = field.coding.read(stream, &field.bits)?;
             if found != field.value {
-                let what = format!("{found}, the map says {}", field.value);
+                let what = format!("the stream holds {found}, the map {}", field.value);
                 return Err(Mismatch::new(field.name.as_ref(), what));
             }
         }

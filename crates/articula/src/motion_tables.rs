@@ -120,7 +120,7 @@ fn check_segs(asset: &Asset, clip: usize, table: &KeyTable) -> Result<(), Mismat
     table.check(&table_hashes(&asset.rig, played, &asset.mesh))?;
     let last = table.keys.iter().flatten().filter_map(|keys| keys.last());
     if last.max().is_some_and(|k| *k as usize >= played.frames()) {
-        let what = "a key lies beyond the clip; build the asset again";
+        let what = "a key is after the end of the clip; rebuild the asset";
         return Err(Mismatch::new("keys", what));
     }
     Ok(())

@@ -30,7 +30,11 @@ pub(super) fn width(channel: &Channel) -> usize {
 pub(super) fn check(clip: &RawClip) -> Result<(), Mismatch> {
     let wrong = |at: String, what: &str| Err(Mismatch::new(at, what));
     if !(clip.duration_secs.is_finite() && clip.duration_secs >= 0.0) {
-        return wrong(format!("clip \"{}\"", clip.name), "its length is no time");
+        return wrong(
+            format!("clip \"{}\"", clip.name),
+            "duration_secs must be finite and at \
+         least 0",
+        );
     }
     for (c, channel) in clip.channels.iter().enumerate() {
         let at = || format!("clip \"{}\".channels[{c}]", clip.name);
@@ -42,10 +46,10 @@ pub(super) fn check(clip: &RawClip) -> Result<(), Mismatch> {
         }
         let rise = times.windows(2).all(|w| w[0] < w[1]);
         if !rise || !times.iter().all(|t| t.is_finite()) {
-            return wrong(at(), "the key times do not rise");
+            return wrong(at(), "the key times must be finite and rise");
         }
         if !channel.values.iter().all(|v| v.is_finite()) {
-            return wrong(at(), "a key that is no number");
+            return wrong(at(), "the key values must be finite");
         }
     }
     Ok(())

@@ -30,7 +30,10 @@ impl<'a> EditSubject<'a> {
     ) -> Result<Self, Mismatch> {
         let rig = Rig::new(&character.skeleton, articulation)?;
         if let Some((joint, _)) = ends.iter().find(|(joint, _)| *joint >= rig.len()) {
-            let what = format!("joint {joint} of {}", rig.len());
+            let what = format!(
+                "joint {joint} is out of range: the rig has {} joints",
+                rig.len()
+            );
             return Err(Mismatch::new("ends", what));
         }
         let counts = character.meshes.iter().map(|m| m.morph_weights.len());

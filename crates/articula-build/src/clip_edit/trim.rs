@@ -16,7 +16,7 @@ pub fn trim(clip: &RawClip, secs: RangeInclusive<f32>) -> Result<RawClip, Mismat
     let (from, to) = (*secs.start(), *secs.end());
     let end = clip.duration_secs;
     if !(from >= 0.0 && from < to && to <= end + SAME_SECS) {
-        let what = format!("{from} to {to} s is no part of its {end} s");
+        let what = format!("{from} to {to} s is not an interval within 0 to {end} s");
         return Err(Mismatch::new(format!("clip \"{}\"", clip.name), what));
     }
     let mut out = RawClip {

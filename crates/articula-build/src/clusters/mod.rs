@@ -104,18 +104,23 @@ fn check<L: AsRef<[[u32; 3]]>>(
     }
     let total: usize = levels.iter().map(|l| l.as_ref().len()).sum();
     if total > (u32::MAX / 3) as usize {
-        let what = format!("{total} triangles in all, more than indices of 32 bits can name");
+        let what =
+            format!("{total} triangles in all levels exceed what 32-bit indices can address");
         return Err(Mismatch::new("levels", what));
     }
     for (l, level) in levels.iter().enumerate() {
         let outside = |t: &[u32; 3]| t.iter().any(|v| *v as usize >= vertex_count);
         if let Some(t) = level.as_ref().iter().position(outside) {
-            let what = format!("{:?} with {vertex_count} vertices", level.as_ref()[t]);
+            let what = format!(
+                "{:?} names a vertex out of range: the mesh has {vertex_count} \
+             vertices",
+                level.as_ref()[t]
+            );
             return Err(Mismatch::new(format!("levels[{l}][{t}]"), what));
         }
     }
     if !regions.is_empty() && regions.len() != vertex_count {
-        let what = format!("{} for {vertex_count} vertices", regions.len());
+        let what = format!("{} entries for {vertex_count} vertices", regions.len());
         return Err(Mismatch::new("regions", what));
     }
     Ok(())

@@ -169,7 +169,10 @@ impl<'a> Baking<'a> {
         if numbers <= MAX_NUMBERS as f64 {
             return Ok(());
         }
-        let what = format!("its expressions would be {numbers:.0} numbers, at most {MAX_NUMBERS}");
+        let what = format!(
+            "its baked expressions take {numbers:.0} values, the limit is \
+         {MAX_NUMBERS}"
+        );
         Err(Mismatch::new(format!("clip \"{}\"", self.clip.name), what))
     }
 
@@ -284,7 +287,10 @@ fn check(character: &Character, channel: &Channel) -> Result<(), String> {
         _ => ("joint", joints),
     };
     if channel.target >= count {
-        return Err(format!("{kind} {} of {count}", channel.target));
+        return Err(format!(
+            "{kind} {} is out of range: there are {count}",
+            channel.target
+        ));
     }
     let width = match channel.property {
         Property::Weights => meshes[channel.target].morph_weights.len(),
@@ -299,7 +305,9 @@ fn check(character: &Character, channel: &Channel) -> Result<(), String> {
     let (keys, found) = (channel.times_secs.len(), channel.values.len());
     if keys == 0 || found < keys * width * parts {
         let floats = width * parts;
-        return Err(format!("{found} values for {keys} keys of {floats} floats"));
+        return Err(format!(
+            "{found} values, but {keys} keys need {floats} floats each"
+        ));
     }
     if channel.property != Property::Expression {
         return Ok(());
@@ -317,12 +325,12 @@ fn check(character: &Character, channel: &Channel) -> Result<(), String> {
     {
         let (mesh, target) = (m.mesh, m.target);
         return Err(format!(
-            "expression \"{name}\": no morph target {target} of mesh {mesh}"
+            "expression \"{name}\": morph target {target} of mesh {mesh} does not exist"
         ));
     }
     match expression.joints.iter().find(|b| b.joint >= joints) {
         Some(b) => Err(format!(
-            "expression \"{name}\": joint {} of {joints}",
+            "expression \"{name}\": joint {} is out of range: there are {joints} joints",
             b.joint
         )),
         None => Ok(()),
@@ -562,7 +570,7 @@ mod tests {
             bake(&character(expressions), &clip).unwrap_err().what
         };
         let drive = || channel(0, Property::Expression, &[0.0, 1.0], &[0.0, 1.0]);
-        assert_eq!(why(vec![], drive()), "expression 0 of 0");
+        assert_eq!(why(vec![], drive()), "expression 0 is out of range: there are 0");
         let wrong = Expression {
             morphs: vec![morph(2, 1.0)],
             ..Expression::default()
@@ -571,6 +579,6 @@ mod tests {
         let short = channel(0, Property::Expression, &[0.0, 1.0], &[0.0]);
         assert!(why(vec![Expression::default()], short).contains("1 values for 2 keys"));
         let long = channel(0, Property::Expression, &[0.0, 1e8], &[0.0, 2.0]);
-        assert!(why(vec![Expression::default()], long).contains("numbers, at most"));
+        assert!(why(vec![Expression::default()], long).contains("values, the limit is"));
     }
 }

@@ -14,7 +14,11 @@ use articula_core::source::{Expression, MaskKind};
 /// # Panics
 /// If `drivers` and `expressions` differ in length.
 pub fn resolve(expressions: &[Expression], drivers: &[f32]) -> Vec<f32> {
-    assert_eq!(expressions.len(), drivers.len(), "one driver each");
+    assert_eq!(
+        expressions.len(),
+        drivers.len(),
+        "expected one driver for each expression"
+    );
     let shown = |(e, x): (&Expression, &f32)| match e.is_binary {
         true => f32::from(*x > 0.5),
         false if x.is_nan() => 0.0,

@@ -143,22 +143,34 @@ fn check(
     let skins = &merged.skins.levels;
     let fits = |s: &LevelSkin| s.positions.len() == count;
     if count == 0 || skins.len() != merged.joint_lods.levels() || !skins.iter().all(fits) {
-        return Err(Mismatch::new("merged.skins", "of another character"));
+        return Err(Mismatch::new(
+            "merged.skins",
+            "must belong to this character",
+        ));
     }
     if poses.is_empty() {
-        return Err(Mismatch::new("poses", "none; the rest pose is needed"));
+        return Err(Mismatch::new(
+            "poses",
+            "must not be empty: the rest pose is required",
+        ));
     }
     if let Some(p) = poses.iter().position(|p| p.len() != count) {
-        let what = format!("{} vertices of {count}", poses[p].len());
+        let what = format!("{} vertices, the mesh has {count}", poses[p].len());
         return Err(Mismatch::new(format!("poses[{p}]"), what));
     }
     if mesh_levels.is_empty() {
-        return Err(Mismatch::new("mesh_levels", "the original is needed"));
+        return Err(Mismatch::new(
+            "mesh_levels",
+            "must not be empty: the original mesh is required",
+        ));
     }
     for (l, level) in mesh_levels.iter().enumerate() {
         let outside = |t: &[u32; 3]| t.iter().any(|v| *v as usize >= count);
         if level.is_empty() || level.iter().any(outside) {
-            let what = format!("no triangle, or one beyond {count} vertices");
+            let what = format!(
+                "has no triangle, or one that names a vertex out of range: the \
+             mesh has {count} vertices"
+            );
             return Err(Mismatch::new(format!("mesh_levels[{l}]"), what));
         }
     }

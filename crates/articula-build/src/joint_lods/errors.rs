@@ -42,7 +42,7 @@ pub fn lod_errors(
     }
     let fits = |s: &LevelSkin| s.positions.len() == full.len();
     if skins.levels.len() != joint_lods.levels() || !skins.levels.iter().all(fits) {
-        let what = "the skins are of another character";
+        let what = "the skins must belong to this character";
         return Err(Mismatch::new("skins", what));
     }
     // Level 0 is the full character and has no error.

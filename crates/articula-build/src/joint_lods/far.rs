@@ -117,13 +117,13 @@ fn check_order(rig: &Rig, order: &[u16], kept: &[u16], mean: &LocalPose) -> Resu
     let inside = order.iter().filter(|j| usize::from(**j) < rig.len());
     let named: JointSet = inside.map(|j| usize::from(*j)).collect();
     if order.len() != rig.len() || named.len() != rig.len() {
-        let what = format!("{} joints named, the rig has {}", named.len(), rig.len());
+        let what = format!("lists {} joints, the rig has {}", named.len(), rig.len());
         return Err(Mismatch::new("order", what));
     }
     let falls = kept.windows(2).all(|w| w[0] > w[1]) && kept.last().is_some_and(|n| *n > 0);
     if !falls || usize::from(kept[0]) > rig.len() {
         let what = format!(
-            "{kept:?} must fall from at most {} to at least 1",
+            "{kept:?} must begin at most at {}, fall strictly and stay at least 1",
             rig.len()
         );
         return Err(Mismatch::new("kept", what));

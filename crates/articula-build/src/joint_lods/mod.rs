@@ -242,7 +242,10 @@ pub(crate) fn check(asset: &Asset) -> Result<(), Mismatch> {
     }
     let mut bindings = asset.mesh.bindings.iter();
     if let Some(b) = bindings.position(|b| usize::from(b.joint) >= joints) {
-        let what = format!("joint {} of {joints}", asset.mesh.bindings[b].joint);
+        let what = format!(
+            "joint {} is out of range: the rig has {joints} joints",
+            asset.mesh.bindings[b].joint
+        );
         return Err(Mismatch::new(format!("mesh.bindings[{b}].joint"), what));
     }
     Ok(())
@@ -254,8 +257,11 @@ pub(crate) fn check_tolerances(asset: &Asset, joint_lods: &JointLods) -> Result<
     let stored = |j: usize| joint_lods.parents()[joint_lods.place(j)].map(usize::from);
     let joints = asset.rig.len();
     if joint_lods.joints().len() != joints || (0..joints).any(|j| parent(j) != stored(j)) {
-        let what = format!("{} joints of another rig", joint_lods.joints().len());
-        return Err(Mismatch::new("ladder", what));
+        let what = format!(
+            "the {} joints do not match the hierarchy of the rig",
+            joint_lods.joints().len()
+        );
+        return Err(Mismatch::new("joint_lods", what));
     }
     Ok(())
 }

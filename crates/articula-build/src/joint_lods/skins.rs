@@ -68,7 +68,12 @@ impl LevelSkins {
     /// If the level does not exist, or the number of vertices differs.
     pub fn mesh(&self, level: usize, full: &Mesh) -> Mesh {
         let skin = &self.levels[level];
-        assert_eq!(skin.positions.len(), full.len(), "another mesh");
+        assert_eq!(
+            skin.positions.len(),
+            full.len(),
+            "the mesh must be the one that the skins \
+         were built from"
+        );
         Mesh {
             positions: skin.positions.clone(),
             normals: skin.normals.clone(),
@@ -176,7 +181,7 @@ pub(super) fn placed_skins(
     let mut plan = Plan::new(asset, mesh, prefixes);
     let candidates = candidates(&mut plan);
     if plan.bindings().len() > usize::from(u16::MAX) {
-        let what = "more than 65535 bindings with those of merged joints";
+        let what = "more than 65535 bindings, including those of merged joints";
         return Err(Mismatch::new("mesh.bindings", what));
     }
     let levels = choose(asset, mesh, &plan, candidates, opts);

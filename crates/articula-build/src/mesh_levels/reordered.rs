@@ -8,7 +8,10 @@ use articula_core::{ClusteredTriangles, Mismatch};
 pub(super) fn meshes(meshes: &[RawMesh], objects: &[Clustered]) -> Result<Vec<RawMesh>, Mismatch> {
     let primitives: usize = meshes.iter().map(|m| m.primitives.len()).sum();
     if primitives != objects.len() {
-        let what = format!("levels of {} parts, there are {primitives}", objects.len());
+        let what = format!(
+            "levels for {} primitives, the meshes have {primitives}",
+            objects.len()
+        );
         return Err(Mismatch::new("meshes", what));
     }
     let mut objects = objects.iter();
@@ -19,7 +22,8 @@ pub(super) fn meshes(meshes: &[RawMesh], objects: &[Clustered]) -> Result<Vec<Ra
         for (primitive, object) in mesh.primitives.iter().zip(&objects) {
             let count = primitive.positions.len();
             if let Some(v) = object.vertices.iter().find(|v| **v as usize >= count) {
-                let what = format!("vertex {v} of {count}");
+                let what =
+                    format!("vertex {v} is out of range: the primitive has {count} vertices");
                 return Err(Mismatch::new(format!("meshes[{m}]"), what));
             }
             primitives.push(reordered(primitive, object));

@@ -37,7 +37,7 @@ const ROUNDING_METRES: f32 = 1e-4;
 /// that are not finite.
 pub fn motion_bounds(asset: &Asset, margin_metres: f32) -> Result<MotionBounds, Mismatch> {
     if !(margin_metres.is_finite() && margin_metres >= 0.0) {
-        let what = format!("{margin_metres} is no margin");
+        let what = format!("must be finite and at least 0, found {margin_metres}");
         return Err(Mismatch::new("margin_metres", what));
     }
     let reach = Reach::new(asset);
@@ -97,7 +97,7 @@ fn measure(asset: &Asset, reach: &Reach, clip: &Clip, margin: f32) -> Result<Cli
     });
     let seconds: Option<Vec<Bound>> = bounds.collect();
     let seconds = seconds.ok_or_else(|| {
-        let what = "the skin leaves the finite numbers";
+        let what = "the skinned positions are not finite; check the clip and the skin weights";
         Mismatch::new(format!("clip \"{}\"", clip.name), what)
     })?;
     let anchors = Sphere::from_corners(anchor.least, anchor.greatest);

@@ -170,7 +170,7 @@ fn check(
     {
         return Err(Mismatch::new(
             "clips",
-            "they are laid out for another ladder",
+            "the clip set was built for other joint LODs",
         ));
     }
     let ends: Vec<f32> = (0..clips.clips()).map(|c| clips.duration_secs(c)).collect();
@@ -181,7 +181,10 @@ fn check(
     if !own.eq(ends.iter().copied().take(asset.clips.len()))
         || ends.len() != asset.clips.len().max(1)
     {
-        return Err(Mismatch::new("clips", "they are not the character's"));
+        return Err(Mismatch::new(
+            "clips",
+            "the clips are not those of the character",
+        ));
     }
     if levels
         .skins
@@ -189,16 +192,20 @@ fn check(
         .iter()
         .any(|s| s.positions.len() != asset.mesh.len())
     {
-        return Err(Mismatch::new("levels.skins", "they are of another mesh"));
+        return Err(Mismatch::new(
+            "levels.skins",
+            "the skins must belong to the mesh of the \
+         character",
+        ));
     }
     if opts.form.is_rigid() {
-        let what = "quaternions do not blend linearly; take a matrix form";
+        let what = "quaternions do not blend linearly; choose a matrix form";
         return Err(Mismatch::new("form", what));
     }
-    let numbers = [("share", opts.share), ("least_metres", opts.min_metres)];
+    let numbers = [("share", opts.share), ("min_metres", opts.min_metres)];
     for (name, value) in numbers {
         if !value.is_finite() || value < 0.0 {
-            return Err(Mismatch::new(name, "must be a number, not negative"));
+            return Err(Mismatch::new(name, "must be finite and at least 0"));
         }
     }
     Ok(())

@@ -149,7 +149,10 @@ fn check(asset: &Asset) -> Result<(), Mismatch> {
     let slots = mesh.morph_weights.len();
     let outside = |m: &articula_core::Morph| usize::from(m.slot) >= slots;
     if let Some(m) = mesh.morphs.iter().position(outside) {
-        let what = format!("slot {} of {slots}", mesh.morphs[m].slot);
+        let what = format!(
+            "slot {} is out of range: the mesh has {slots} morph slots",
+            mesh.morphs[m].slot
+        );
         return Err(Mismatch::new(format!("mesh.morphs[{m}]"), what));
     }
     Ok(())

@@ -56,7 +56,7 @@ impl Body {
     pub(super) fn new(rest: &Rest, which: &str) -> Result<Self, Mismatch> {
         let find = |name: &str| {
             rest.find(name)
-                .ok_or_else(|| Mismatch::new(which, format!("no joint stands for {name}")))
+                .ok_or_else(|| Mismatch::new(which, format!("no joint is mapped to {name}")))
         };
         let root = find("humanoid_root")?;
         let hips = [find("l_hip")?, find("r_hip")?];

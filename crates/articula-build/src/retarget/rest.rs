@@ -31,7 +31,11 @@ impl Rest {
         let joints = &figure.skeleton.joints;
         let known = &figure.articulation.joints;
         if known.len() != joints.len() {
-            let what = format!("{} joints, but {} are mapped", joints.len(), known.len());
+            let what = format!(
+                "{} joints, but the articulation lists {}",
+                joints.len(),
+                known.len()
+            );
             return Err(Mismatch::new(which, what));
         }
         let mut matrices: Vec<Affine3A> = Vec::with_capacity(joints.len());
@@ -39,12 +43,18 @@ impl Rest {
             let at = || format!("{which}.joints[{j}]");
             let local = joint.rest.to_affine();
             let matrix = match joint.parent {
-                Some(p) if p >= j => return Err(Mismatch::new(at(), "its parent comes after it")),
+                Some(p) if p >= j => {
+                    return Err(Mismatch::new(
+                        at(),
+                        "its parent must come before \
+                 it",
+                    ));
+                }
                 Some(p) => matrices[p] * local,
                 None => local,
             };
             if !matrix.is_finite() {
-                return Err(Mismatch::new(at(), "its rest transform is not finite"));
+                return Err(Mismatch::new(at(), "its rest transform must be finite"));
             }
             matrices.push(matrix);
         }

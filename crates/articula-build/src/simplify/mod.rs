@@ -149,7 +149,10 @@ pub fn simplify(
 fn check(mesh: &Mesh, poses: &[Vec<Vec3>], options: &SimplifyOptions) -> Result<(), Mismatch> {
     let count = mesh.len();
     if poses.is_empty() {
-        return Err(Mismatch::new("poses", "none; the rest pose is needed"));
+        return Err(Mismatch::new(
+            "poses",
+            "must not be empty: the rest pose is required",
+        ));
     }
     for (p, pose) in poses.iter().enumerate() {
         of_mesh(&format!("poses[{p}]"), pose.len(), count)?;
@@ -174,10 +177,19 @@ fn check(mesh: &Mesh, poses: &[Vec<Vec3>], options: &SimplifyOptions) -> Result<
     }
     let outside = |v: &u32| *v as usize >= count;
     if let Some(v) = options.locked.iter().find(|v| outside(v)) {
-        return Err(Mismatch::new("locked", format!("vertex {v} of {count}")));
+        return Err(Mismatch::new(
+            "locked",
+            format!(
+                "vertex {v} is out of range: the mesh has \
+         {count} vertices"
+            ),
+        ));
     }
     if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(outside)) {
-        let what = format!("{:?} with {count} vertices", mesh.triangles[t]);
+        let what = format!(
+            "{:?} names a vertex out of range: the mesh has {count} vertices",
+            mesh.triangles[t]
+        );
         return Err(Mismatch::new(format!("mesh.triangles[{t}]"), what));
     }
     check_nested(mesh, count)?;
@@ -186,7 +198,10 @@ fn check(mesh: &Mesh, poses: &[Vec<Vec3>], options: &SimplifyOptions) -> Result<
         .windows(2)
         .all(|w| w[0] > w[1] && w[1] >= 0.0);
     if options.targets.first() != Some(&1.0) || !falls {
-        let what = format!("{:?} do not fall from 1", options.targets);
+        let what = format!(
+            "{:?} must begin at 1, fall strictly and stay at least 0",
+            options.targets
+        );
         return Err(Mismatch::new("targets", what));
     }
     Ok(())
@@ -200,7 +215,7 @@ fn check_nested(mesh: &Mesh, count: usize) -> Result<(), Mismatch> {
         .iter()
         .find(|b| usize::from(**b) >= bindings)
     {
-        let what = format!("binding {b} of {bindings}");
+        let what = format!("binding {b} is out of range: the mesh has {bindings} bindings");
         return Err(Mismatch::new("mesh.binding_indices", what));
     }
     for (m, morph) in mesh.morphs.iter().enumerate() {
@@ -208,7 +223,13 @@ fn check_nested(mesh: &Mesh, count: usize) -> Result<(), Mismatch> {
         of_mesh(&at, morph.positions.len(), morph.vertices.len())?;
         of_mesh(&at, morph.normals.len(), morph.vertices.len())?;
         if let Some(v) = morph.vertices.iter().find(|v| **v as usize >= count) {
-            return Err(Mismatch::new(at, format!("vertex {v} of {count}")));
+            return Err(Mismatch::new(
+                at,
+                format!(
+                    "vertex {v} is out of range: the mesh has \
+             {count} vertices"
+                ),
+            ));
         }
     }
     let mut triangles = 0;

@@ -18,12 +18,12 @@ pub fn region_weights(
     for (name, factor) in factors {
         let Ok(region) = name.parse::<Region>() else {
             let known = Region::ALL.map(|r| r.to_string()).join(", ");
-            let what = format!("\"{name}\" is none of {known}");
-            return Err(Mismatch::new("region", what));
+            let what = format!("unknown region \"{name}\"; the regions are {known}");
+            return Err(Mismatch::new("factors", what));
         };
         if !(factor.is_finite() && *factor > 0.0) {
-            let what = format!("{factor} for {name} is not above 0");
-            return Err(Mismatch::new("region", what));
+            let what = format!("the factor of {name} must be positive and finite, found {factor}");
+            return Err(Mismatch::new("factors", what));
         }
         let at = Region::ALL.iter().position(|r| *r == region);
         if let Some(at) = at {
@@ -36,7 +36,11 @@ pub fn region_weights(
         .iter()
         .find(|b| usize::from(b.joint) >= joints.len())
     {
-        let what = format!("joint {} of {}", b.joint, joints.len());
+        let what = format!(
+            "joint {} is out of range: the rig has {} joints",
+            b.joint,
+            joints.len()
+        );
         return Err(Mismatch::new("mesh.bindings", what));
     }
     let weight = |v: usize| {
@@ -98,7 +102,7 @@ mod tests {
         let (mesh, rig) = hand();
         let error = region_weights(&mesh, &rig, &[("tail", 2.0)]).unwrap_err();
         let known = "face, arms, torso, pelvis, legs, feet, hands";
-        assert_eq!(error.what, format!("\"tail\" is none of {known}"));
+        assert_eq!(error.what, format!("unknown region \"tail\"; the regions are {known}"));
         for factor in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             assert!(region_weights(&mesh, &rig, &[("face", factor)]).is_err());
         }

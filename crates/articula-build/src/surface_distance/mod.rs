@@ -86,7 +86,11 @@ pub fn surface_distances(
         check(&format!("levels[{l}]"), level, rest.len())?;
     }
     if let Some(p) = motion.iter().position(|p| p.len() != rest.len()) {
-        let what = format!("{} vertices, {} at rest", motion[p].len(), rest.len());
+        let what = format!(
+            "{} vertices, the rest pose has {}",
+            motion[p].len(),
+            rest.len()
+        );
         return Err(Mismatch::new(format!("motion[{p}]"), what));
     }
     let points = Points::of(original, rest.len(), opts);
@@ -142,7 +146,10 @@ fn check(which: &str, triangles: &[[u32; 3]], vertices: usize) -> Result<(), Mis
     let Some(t) = triangles.iter().position(outside) else {
         return Ok(());
     };
-    let what = format!("{:?} with {vertices} vertices", triangles[t]);
+    let what = format!(
+        "{:?} names a vertex out of range: the mesh has {vertices} vertices",
+        triangles[t]
+    );
     Err(Mismatch::new(format!("{which}[{t}]"), what))
 }
 

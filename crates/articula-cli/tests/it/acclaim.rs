@@ -1,4 +1,4 @@
-//! A motion finds its skeleton, and a pair of files is written together.
+//! AMC motions find their ASF skeleton, and both files of a pair are written.
 
 use crate::program::{BVH, fault, folder, json};
 use std::path::Path;
@@ -137,7 +137,7 @@ fn a_pair_is_written_and_read_back() {
             }
         }
     }
-    // Back again: same joints by the same names, among them the root's.
+    // Round trip: the same joints with the same names, the root included.
     json(&here, &["convert", "b.amc", "d.bvh"]);
     let text = std::fs::read_to_string(here.join("d.bvh")).unwrap();
     for name in [
@@ -148,7 +148,7 @@ fn a_pair_is_written_and_read_back() {
     ] {
         assert!(text.contains(name), "{name}");
     }
-    // Without a clip a skeleton can be written, a motion cannot.
+    // Without a clip a skeleton can be written, but no motion.
     json(&here, &["convert", "b.asf", "e.asf"]);
     assert!(here.join("e.asf").exists() && !here.join("e.amc").exists());
     assert!(fault(&here, 1, &["convert", "b.asf", "e.amc"]).contains("there is none to write"));

@@ -1,4 +1,4 @@
-//! Real characters: bounds of their clips hold every vertex between frames too, and are close.
+//! Real characters: bounds of their clips contain every vertex, also between frames, and are tight.
 
 use crate::real::bytes;
 use articula_build::ClipOptions;
@@ -58,7 +58,7 @@ fn no_vertex_of_a_real_character_leaves_its_bound() {
         for (clip, bounds) in asset.clips.iter().zip(&bounds.clips) {
             let (mut least, mut greatest) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             for i in 0..50 {
-                // Times that are no frame of any rate, over two laps.
+                // Times that are not on the frames of any rate, over two loops.
                 let secs = f64::from(i) * 0.041_421 * f64::from(clip.duration_secs());
                 let bound = bounds.over(secs, 0.0, 1.0, Wrap::Loop);
                 for p in points(&asset, clip, secs) {
@@ -76,7 +76,7 @@ fn no_vertex_of_a_real_character_leaves_its_bound() {
                 "{name} {}: {ball:.3} m, box {box_ball:.3}, spare {spare:.3}",
                 clip.name
             );
-            // Nothing is gained by a bound that is much larger than what it holds.
+            // A bound much larger than its content is useless.
             assert!(
                 ball < 1.25 * box_ball,
                 "{name} {}: {ball} {box_ball}",

@@ -1,8 +1,8 @@
-//! The way to the browser and back: pictures arrive as they were taken.
+//! Pictures survive the transfer to the browser and back unchanged.
 
 use crate::judges::browser::{Item, shots, write};
 
-/// A square goes 40 pixels a second; at 0.5 s its left side is at 20.
+/// A square moves 40 pixels per second; at 0.5 s its left side is at 20.
 const MOVING: &str = r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 40">
 <rect y="10" width="20" height="20" fill="#c00"><animate attributeName="x" values="0;80" dur="2s"
 repeatCount="indefinite"/></rect></svg>"##;

@@ -1,4 +1,4 @@
-//! Segments without a hierarchy are put together by their names, and say so.
+//! BVA segments without a hierarchy are assembled by their names, with a warning.
 
 use crate::program::{fault, folder, json};
 
@@ -28,7 +28,7 @@ fn figure(rename: impl Fn(&str) -> String) -> String {
             } else {
                 0
             };
-            // The elbow follows: 11 inches below the shoulder, turned about z.
+            // The elbow follows: 11 inches below the shoulder, rotated about z.
             let (sine, cosine) = (30.0 * frame as f32).to_radians().sin_cos();
             let (x, y) = match name {
                 "LeftLowArm" => (7.0 + 11.0 * sine, 55.0 - 11.0 * cosine),
@@ -79,7 +79,7 @@ fn unknown_names_stay_side_by_side() {
     let named = |name: &str| format!("x{}", name.len());
     std::fs::write(here.join("a.txt"), figure(named)).unwrap();
     let found = json(&here, &["inspect", "a.txt"]);
-    assert_eq!(found["format"], "bva", "told by its first word");
+    assert_eq!(found["format"], "bva", "detected by its first word");
     assert!(
         found["warnings"]
             .to_string()

@@ -1,4 +1,4 @@
-//! Clip hygiene on real motion.
+//! Cleaning of clips on real motions.
 
 use crate::program;
 use crate::program::{BVH, fault, folder, json, word};
@@ -28,7 +28,7 @@ fn read(name: &str) -> Option<(Character, Vec<(usize, Vec3)>)> {
     Some((file.character, Vec::new()))
 }
 
-/// Where a clip has every joint and every vertex (without morph targets).
+/// Positions of every joint and every vertex (without morph targets) of a clip.
 fn shown(figure: &Asset, character: &Character, clip: &RawClip, secs: f32) -> Vec<Vec3> {
     let mut pose = figure.rig.rest_pose().clone();
     evaluate::pose(clip, &character.skeleton, secs, &mut pose);
@@ -40,7 +40,7 @@ fn shown(figure: &Asset, character: &Character, clip: &RawClip, secs: f32) -> Ve
     joints.chain(skin).collect()
 }
 
-/// File, clip, and by what factor its bytes shrink at least at 1 mm and at 1 cm.
+/// File, clip, and the minimum factor by which its bytes shrink at 1 mm and at 1 cm.
 const REDUCED: [(&str, &str, f32, f32); 6] = [
     ("glb/mh_female_dance.glb", "dance", 2.0, 5.0),
     ("bvh/cmu_12_01_walk.bvh", "motion", 2.0, 12.0),
@@ -126,7 +126,7 @@ fn the_loop_of_a_captured_walk_is_its_gait_cycle() {
         (1.0..1.4).contains(&number(&looped["closed"]["travel_m"])),
         "{looped}"
     );
-    // What is written loops as it is.
+    // The written clip is a loop already.
     let again = json(&here, &["convert", "o.glb", "p.glb", "--loop"]);
     assert_eq!(again["edits"][0]["loop"]["is_whole"], true, "{again}");
 }
@@ -244,7 +244,7 @@ fn edits_come_in_one_order_and_say_what_they_did() {
     let edit = &report["edits"][0];
     assert!((number(&edit["trim"]["duration_secs"]) - 0.06).abs() < 1e-6);
     assert_eq!(edit["rate"]["rate_hz"], 60.0);
-    // A centimetre a frame, of which there are thirty a second.
+    // A centimetre per frame at 30 frames per second.
     assert!((number(&edit["root_motion"]["travel_m"]) - 0.018).abs() < 1e-4);
     let keys = &edit["reduce_keys"];
     assert_eq!(edit["rate"]["keys_after"], keys["keys_before"]);
@@ -258,7 +258,7 @@ fn edits_come_in_one_order_and_say_what_they_did() {
         (number(&clip["clips"][0]["duration_secs"]) - 0.06).abs() < 1e-5,
         "the length stays"
     );
-    assert!(fault(&here, 1, &words(&["--trim", "0..9"])).contains("is no part of its"));
+    assert!(fault(&here, 1, &words(&["--trim", "0..9"])).contains("is not an interval within"));
     for bad in [
         &["--trim", "2..1"][..],
         &["--rate", "0"],

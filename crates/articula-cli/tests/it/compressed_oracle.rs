@@ -1,5 +1,5 @@
-//! A compressed file: three.js with the decoder of meshoptimizer shows the original as it shows
-//! what we write of it, and as we read it; the validator passes what we write.
+//! A compressed file: three.js with the decoder of meshoptimizer shows the original, the file that
+//! Articula writes, and the character as read; the validator accepts the written file.
 
 use crate::judges::{ask, judges_are_here};
 use crate::real::{data_folder, data_is_here};
@@ -13,11 +13,11 @@ use std::path::Path;
 /// Quantised, filtered and compressed, without plain bytes: 53 joints, 7125 vertices.
 const FILE: &str = "glb/viverse/mannequin.glb";
 
-/// How far a vertex may be from where three.js has it, metres, in a figure of 1.83 m: three.js
-/// multiplies matrices of 32 bits in another order.
+/// Maximum distance of a vertex from that of three.js, metres, in a figure of 1.83 m: three.js
+/// multiplies 32-bit matrices in another order.
 const TOLERANCE: f32 = 1e-6 * 1.83;
 
-/// One primitive as three.js shows it.
+/// One primitive as shown by three.js.
 struct Shown {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
@@ -56,7 +56,7 @@ fn open(path: &Path) -> GltfFile {
         .value
 }
 
-/// Skinned vertices at rest, by the definition.
+/// Skinned vertices at rest, computed from the definition.
 fn skinned(character: &Character, mesh: &RawMesh, primitive: &Primitive) -> Vec<Vec3> {
     let mut model: Vec<Affine3A> = Vec::new();
     for joint in &character.skeleton.joints {
@@ -114,7 +114,8 @@ fn a_compressed_file_is_shown_the_same_by_all() {
         {
             assert!(a.distance(*b) <= TOLERANCE, "{a} is at {b} in three.js");
         }
-        // Rounded to eight bits by a filter: one unit each is allowed, sqrt(3) / 127 together.
+        // Rounded to eight bits by a filter: an error of one unit each is allowed, sqrt(3) / 127 in
+        // all.
         for (a, b) in ours.normals.iter().zip(&theirs.normals) {
             assert!(a.distance(*b) <= 0.014, "{a} is {b} in three.js");
         }

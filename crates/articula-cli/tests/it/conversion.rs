@@ -1,4 +1,4 @@
-//! What is converted comes back, and a reduced animation is smaller in the way it says.
+//! Converted files read back the same, and a reduced animation is smaller by the reported amount.
 
 use crate::program::{BVH, articula, folder, human, json, word};
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! `crowd` keeps what `docs/commands.md` promises.
+//! `crowd` behaves as documented in `docs/commands.md`.
 
 use crate::program::{BVH, articula, fault, folder, human, json, word};
 use serde_json::Value;
@@ -43,7 +43,7 @@ fn promised_fields_are_there() {
     let tiers = found["tiers"].as_object().unwrap();
     let shown: f64 = tiers.values().map(|t| number(&t["characters"])).sum();
     assert!((shown - seen[0]).abs() < 1e-9, "{shown} of {}", seen[0]);
-    // Nobody shares, so everyone has a palette of its own.
+    // No poses are shared, so every character has its own palette.
     let bytes = |t: &Value| 48.0 * number(&t["matrices"]) * number(&t["poses"]);
     let bytes: f64 = tiers.values().map(bytes).sum();
     assert!((bytes / 1e6 - number(&found["written_mb"]["median"])).abs() < 1e-6);
@@ -78,7 +78,7 @@ fn a_named_level_keeps_what_it_names() {
     let found = crowd("crowd-named", &words);
     let tiers = found["tiers"].as_object().unwrap();
     assert_eq!(tiers.keys().collect::<Vec<_>>(), ["level_1"]);
-    // Low is the first of the standard's levels, with 24 joints up to it (docs/methods/hanim.md 3).
+    // Low is the lowest of the standard's levels, with 24 joints (docs/methods/hanim.md part 3).
     let joints = number(&tiers["level_1"]["joints"]);
     assert!((2.0..89.0).contains(&joints), "{joints}");
 }
@@ -131,7 +131,7 @@ fn cached_poses_stay_within_the_tolerance() {
         let p95 = number(&found["error_px"]["p95"]);
         assert!(p95 <= 1.0, "{p95}");
     }
-    // What the GPU blends is not written.
+    // Palettes blended by the GPU are not written.
     let written = |found: &Value| number(&found["written_mb"]["median"]);
     assert!(written(&gpu) < 0.5 * written(&cpu));
     let wrong = fault(
@@ -145,7 +145,7 @@ fn cached_poses_stay_within_the_tolerance() {
 #[test]
 fn a_clip_that_travels_is_played_on_the_spot() {
     let here = folder("crowd-travel");
-    // 3 m in a second, and the hips only.
+    // 3 m in a second, keyed on the hips only.
     let mut walk = BVH[..BVH.find("Frames").unwrap()].to_owned();
     walk.push_str("Frames: 31\nFrame Time: 0.0333333\n");
     for frame in 0..31 {
@@ -173,7 +173,7 @@ fn a_clip_that_travels_is_played_on_the_spot() {
 
 #[test]
 fn a_budget_is_reported() {
-    // Far more than any machine needs, and less than any clock can tell.
+    // Far more than any machine needs, and less than any clock can measure.
     let rich = crowd("crowd-rich", &["--count", "200", "--budget-ms", "500"]);
     let poor = crowd("crowd-poor", &["--count", "200", "--budget-ms", "0.000001"]);
     for found in [&rich, &poor] {
@@ -184,7 +184,7 @@ fn a_budget_is_reported() {
     let budget = &rich["budget"];
     assert!(number(&budget["used_ms"]) <= number(&budget["allowed_ms"]));
     assert_eq!(budget["above_cap"], 0.0);
-    // Nothing can be paid for: everyone has the cheapest level, and that is said.
+    // Nothing is affordable: every character has the cheapest level, which is reported.
     assert_eq!(poor["tiers"].as_object().unwrap().len(), 1);
     assert_eq!(poor["budget"]["allowed_ms"], 0.0);
     assert!(number(&poor["overrun_p95"]) > 0.0);
@@ -212,7 +212,7 @@ fn a_saved_scene_plays_the_same() {
     let first = json(&here, &first);
     let again = json(&here, &words("square.json"));
     assert_eq!(again["characters"], 60);
-    // Degrees and back cost the last digit of a yaw; who is seen stays the same.
+    // Converting to degrees and back costs the last digit of a yaw; visibility stays the same.
     assert_eq!(again["visible"], first["visible"]);
     let few = json(
         &here,

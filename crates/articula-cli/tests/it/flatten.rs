@@ -1,4 +1,4 @@
-//! `flatten` as its users have it: files, numbers, and what is refused.
+//! `flatten` on the command line: files, numbers and refused input.
 
 use crate::program::{articula, fault, folder, human, json, word};
 use serde_json::Value;
@@ -76,7 +76,7 @@ fn a_moment_of_the_file_can_be_rendered_and_all_of_it() {
     assert!(!still.contains("<animate"));
     for out in ["walk.gif", "walk.webp", "pictures"] {
         let movie = json(&here, &["flatten", "movie", "walk.svg", out, "--fps", "10"]);
-        // The last frame is the first of the next round.
+        // The last frame is the first one of the next cycle.
         assert_eq!(movie["frames"].as_u64().unwrap(), frames - 1, "{out}");
     }
     let start = |name: &str| std::fs::read(here.join(name)).unwrap()[..4].to_vec();
@@ -107,7 +107,7 @@ fn a_budget_is_kept_by_the_best_that_fits() {
     ]
     .concat();
     let line = fault(&here, 1, &words);
-    assert!(line.contains("ask for fewer triangles"), "{line}");
+    assert!(line.contains("choose fewer triangles"), "{line}");
     assert!(!here.join("no.svg").exists());
 }
 

@@ -1,5 +1,5 @@
-//! What browsers and players show of converted files, against the picture without a painting
-//! order: the procedural human walks and turns.
+//! Rendering of converted files in browsers and players, compared with the picture without a
+//! painting order: the procedural human walks and turns.
 
 use crate::judges::browser::{Item, is_here, shots, write};
 use articula_build::ClipOptions;
@@ -29,11 +29,11 @@ const SIDE: u32 = 240;
 const FRAMES: usize = 31;
 const WHITE: [u8; 4] = [255; 4];
 
-/// Ten moments in frames, whole ones and such between two; none at which a shape is switched, nor
-/// the last frame, which is the first of the next round.
+/// Ten times in frames, whole and fractional; none at which a shape is switched, nor the last
+/// frame, which is the first one of the next cycle.
 const MOMENTS: [f64; 10] = [0.0, 3.0, 5.25, 9.0, 12.25, 15.0, 18.4, 22.0, 25.75, 28.0];
 
-/// The walking human: prepared to be written, and as it really looks at the moments.
+/// The walking human: prepared for writing, and its true pictures at the times.
 struct Film {
     prepared: PreparedClip,
     fps: f64,
@@ -120,9 +120,9 @@ fn item(kind: &'static str, name: &str, bytes: &[u8]) -> Item {
     }
 }
 
-/// Holds pictures against the truth: at most so many levels off over the character, and at
-/// least so alike. The figure is small, so its outline counts for much: the same files drawn by
-/// resvg are as far off (the first test holds the two together).
+/// Compares pictures with the reference: maximum colour error over the character, and minimum
+/// similarity. The figure is small, so its outline has a large weight: the same files drawn by
+/// resvg have the same error (the first test compares the two).
 fn assert_near(what: &str, pictures: &[Picture], levels: f64, alike: f64) {
     assert_eq!(pictures.len(), MOMENTS.len());
     for (m, picture) in pictures.iter().enumerate() {
@@ -177,7 +177,7 @@ fn chromium_plays_the_flip_book() {
     }
     let bytes = file_of(Profile::Flipbook, Shading::Gouraud);
     let mut item = item("smil-img", "book.svg", &bytes);
-    // Nothing is interpolated: whole frames alone.
+    // Nothing is interpolated: whole frames only.
     let whole = |m: &f64| m.fract() == 0.0;
     let fps = film().fps;
     item.times_secs = MOMENTS

@@ -1,10 +1,10 @@
-//! Whole folders in one call: every file that can be converted is, and the others are named.
+//! Whole folders in one call: every readable file is converted, the others are listed.
 
 use crate::program::{BVH, articula, fault, folder, human, json, word};
 use serde_json::Value;
 use std::path::Path;
 
-/// Two motions, one file that is broken, and one that is no motion at all.
+/// Two motions, one broken file, and one that is not a motion.
 fn motions(here: &Path) {
     let clips = here.join("clips");
     std::fs::create_dir_all(&clips).unwrap();
@@ -59,7 +59,7 @@ fn a_folder_may_be_named_with_a_separator_or_be_there() {
     assert!(here.join("new/a.glb").is_file(), "without --to: glb");
     json(&here, &["convert", "a.bvh", "b.bvh", "new", "--to", "bvh"]);
     assert!(here.join("new/a.bvh").is_file() && here.join("new/b.bvh").is_file());
-    // Two files of one stem keep their whole names.
+    // Two files with the same stem keep their whole names.
     json(&here, &["convert", "new", "both"]);
     for name in ["a.bvh.glb", "a.glb.glb", "b.glb"] {
         assert!(here.join("both").join(name).is_file(), "{name}");

@@ -1,4 +1,4 @@
-//! Bad files: one line that names the file, the place and the mend; no panic, no long wait.
+//! Invalid files: one line with the file, the place and the remedy; no panic, no long delay.
 
 use crate::program;
 use crate::program::{BVH, fault, folder, human, word};

@@ -1,5 +1,5 @@
-//! Levels stored in files, judged by others: the Khronos validator says whether the files are good,
-//! JSON schemas whether our extension is, three.js what each level shows.
+//! Levels stored in files, checked by other programs: the Khronos validator checks the files, JSON
+//! schemas the extension, three.js the shown levels.
 
 use crate::judges::{ask, judges_are_here};
 use crate::real;
@@ -24,7 +24,7 @@ const CHARACTERS: &[&str] = &[
 
 const LEVELS: usize = 4;
 
-/// A file, the levels of its meshes, and where they are stored.
+/// A file, the levels of its meshes, and how they are stored.
 struct Stored {
     file: GltfFile,
     of: Vec<Vec<Clustered>>,
@@ -83,7 +83,7 @@ fn stored_levels_are_valid_and_keep_to_the_schema() {
     assert!(good, "{verdict}");
     let verdict: Value = serde_json::from_str(&verdict).unwrap();
     for (files, stored) in verdict.as_array().unwrap().chunks(2).zip(&stored) {
-        // The document and every primitive; a mesh that two nodes show is stored once.
+        // The document and every primitive; a mesh used by two nodes is stored once.
         let primitives: usize = stored.of.iter().map(Vec::len).sum();
         let judged = files[0]["judged"].as_u64().unwrap() as usize;
         assert!((2..=primitives + 1).contains(&judged), "{files:?}");
@@ -105,7 +105,7 @@ fn triples(numbers: &Value) -> Vec<[f64; 3]> {
     numbers.as_chunks::<3>().0.to_vec()
 }
 
-/// As triangles, the lowest corner first, sorted.
+/// Triangles with the lowest corner first, sorted.
 fn set(corners: &[[f64; 3]]) -> Vec<[[u64; 3]; 3]> {
     let bits = |p: &[f64; 3]| p.map(|x| (x + 0.0).to_bits());
     let turned = |t: &[[f64; 3]; 3]| {
@@ -117,8 +117,8 @@ fn set(corners: &[[f64; 3]]) -> Vec<[[u64; 3]; 3]> {
     all
 }
 
-/// Every level consists of the original's corners, bit by bit where three.js has them; viewers that
-/// know nothing of levels see the original.
+/// Every level consists of corners of the original, bit by bit in three.js; viewers without the
+/// extension show the original.
 #[test]
 fn three_js_shows_every_level() {
     if !judges_are_here() {

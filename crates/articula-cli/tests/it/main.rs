@@ -1,7 +1,7 @@
-//! The program as its user meets it: what it prints, writes and refuses, and what others (three.js,
-//! validators, players, a browser) make of its files.
+//! The command-line program: what it prints, writes and refuses, and how other programs (three.js,
+//! validators, players, a browser) read its files.
 //!
-//! One program: linking one is faster than linking many.
+//! One test program, since linking one is faster than linking many.
 #![allow(
     clippy::unwrap_used,
     clippy::disallowed_methods,

@@ -1,4 +1,4 @@
-//! `build --levels` as its users have it: files, numbers, and what is refused.
+//! `build --levels` on the command line: files, numbers and refused input.
 
 use crate::program::{BVH, articula, fault, folder, human, json, word};
 use serde_json::Value;
@@ -25,7 +25,7 @@ fn what_build_says_is_in_the_file_and_in_the_stream() {
         let errors = numbers(levels, name);
         assert_eq!(errors[0], 0.0);
         assert!(errors.windows(2).all(|w| w[0] < w[1]), "{name}: {errors:?}");
-        // Half of the triangles of a body of 1.7 m are worth no centimetres.
+        // Half of the triangles of a body of 1.7 m keep the error below centimetres.
         assert!(errors[1] < 0.02, "{name}: {errors:?}");
     }
     let bytes = &built["bytes"];
@@ -91,7 +91,7 @@ fn a_stream_tells_what_is_in_it_whole_cut_or_altered() {
             "{name}"
         );
     }
-    // Cut anywhere, it is a coarser character; altered anywhere, it is an error.
+    // A truncated stream is a coarser character; a modified one is an error.
     let added = numbers(levels, "bytes_added");
     std::fs::write(
         here.join("cut.ams"),
@@ -157,7 +157,7 @@ fn the_same_build_gives_the_same_bytes_and_builds_again() {
     }
     let read = |name: &str| std::fs::read(here.join(name)).unwrap();
     assert!(read("a.glb") == read("b.glb"));
-    // An asset is a character like any other: it can be built anew, with other levels.
+    // An asset is a character file: it can be built again with other levels.
     let built = json(&here, &["build", "a.glb", "c.glb", "--targets", "100,40"]);
     assert_eq!(built["levels"].as_array().unwrap().len(), 2);
     let found = json(&here, &["inspect", "c.glb"]);

@@ -1,4 +1,4 @@
-//! The meshopt decoder against the two of npm `meshoptimizer`, the plain reference and the
+//! The meshopt decoder against both decoders of npm `meshoptimizer`, the plain reference and the
 //! compiled one, over random data from that package's encoder (`oracle/meshopt_cases.mjs`).
 
 use crate::judges::{ask, judges_are_here};
@@ -56,8 +56,8 @@ fn bytes(hex: &str) -> Vec<u8> {
     pairs.map(|[a, b]| digit(*a) << 4 | digit(*b)).collect()
 }
 
-/// The largest difference of two outputs, in units of the last place: the extension allows one
-/// for filters that round, and none for the others.
+/// Maximum difference of two outputs in units of the last place: the extension allows one for
+/// filters that round, and none for the others.
 fn apart(shape: &Shape, a: &[u8], b: &[u8]) -> u32 {
     assert_eq!(a.len(), b.len());
     let rounds = !matches!(shape.filter, Filter::None | Filter::Exponential);
@@ -86,7 +86,7 @@ fn decoded_as_both_of_the_makers_do() {
     for case in cases() {
         let found = decode(&case.encoded, &case.shape, &Limits::default());
         let Some(reference) = &case.reference else {
-            // With a change in its bytes: what we decode, the library decodes, to the same.
+            // Modified data that Articula decodes is decoded by the library to the same values.
             match (&found, &case.library) {
                 (Ok(ours), Some(theirs)) => {
                     assert_eq!(apart(&case.shape, ours, theirs), 0, "{:?}", case.shape);

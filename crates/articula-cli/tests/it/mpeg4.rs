@@ -1,4 +1,4 @@
-//! Files of MPEG-4: a face's motion is told and rewritten, a body's plays and is written.
+//! MPEG-4 files: a face's motion is reported and rewritten, a body's motion is played and written.
 
 use crate::program::{BVH, fault, folder, human, json, word};
 use crate::real;
@@ -9,7 +9,7 @@ use articula_formats::mpeg4::bap;
 use articula_formats::{Limits, bvh, joint_map};
 use glam::{Affine3A, Vec3};
 
-/// One frame: the jaw opens by 120, the left eyelid stays.
+/// One frame: the jaw opens by 120, the left eyelid is still.
 fn fap() -> String {
     let mask: Vec<&str> = (1..=68)
         .map(|n| if n == 3 || n == 19 { "1" } else { "0" })
@@ -150,7 +150,7 @@ fn a_body_goes_there_and_back() {
     assert!(line.contains("arm.bvh: "), "{line}");
 }
 
-/// Where the joints stand, by plain matrix products.
+/// Positions of the joints, by plain matrix products.
 fn places(character: &Character, time_secs: f32) -> Vec<Vec3> {
     let joints = &character.skeleton.joints;
     let mut local = LocalPose {
@@ -172,9 +172,9 @@ fn places(character: &Character, time_secs: f32) -> Vec<Vec3> {
     matrices.iter().map(|m| m.translation.into()).collect()
 }
 
-/// Captured motions, and how far hands, feet and head may be off, in metres. Measured: 15, 16,
-/// 54, 32 and 82 mm, all at the toes, where an ankle that cannot roll hands on to the joint below
-/// it, or a knee leans to the side.
+/// Captured motions, and the maximum error of hands, feet and head in metres. Measured: 15, 16,
+/// 54, 32 and 82 mm, all at the toes, where an ankle that cannot roll passes its rotation to the
+/// joint below it, or a knee leans to the side.
 const CAPTURED: [(&str, f32); 5] = [
     ("bvh/cmu_12_01_walk.bvh", 0.05),
     ("bvh/cmu_01_01.bvh", 0.05),

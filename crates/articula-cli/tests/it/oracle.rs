@@ -1,5 +1,5 @@
-//! What we evaluate and what we write, judged by others: three.js says where joints are, the
-//! Khronos validator whether a file is good. Both run in node, from the folder `oracle`.
+//! Evaluation and written files, checked by other programs: three.js for the positions of joints,
+//! the Khronos validator for the files. Both run in node, from the folder `oracle`.
 
 use crate::judges::{ask, judges_are_here};
 use crate::program;
@@ -14,15 +14,15 @@ use glam::Vec3;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// How far a joint may be from where three.js has it, as a fraction of the figure's height.
+/// Maximum distance of a joint from that of three.js, as a fraction of the figure's height.
 const TOLERANCE: f32 = 1e-4;
 
-/// Between two keys a runtime clip blends straight and normalises where three.js turns evenly.
-/// Over a turn of 0.6 rad between keys, faster than any joint here, the two are at most
-/// `0.004 * 0.6^3 = 0.9` milliradians apart; along a chain of a third of the height: 3e-4.
+/// Between two keys a runtime clip uses nlerp where three.js uses slerp. Over a rotation of
+/// 0.6 rad between keys, faster than any joint here, the two differ by at most
+/// `0.004 * 0.6^3 = 0.9` milliradians; along a chain of a third of the height: 3e-4.
 const TOLERANCE_BETWEEN_FRAMES: f32 = 3e-4;
 
-/// Where between two frames the two ways to turn differ most; at the middle they agree.
+/// Fraction of a frame at which nlerp and slerp differ most; at the middle they agree.
 const WORST_PART: f32 = 0.211;
 
 /// Files with different features, and the clip to play; none for the rest pose.
@@ -31,14 +31,14 @@ const CHARACTERS: &[(&str, Option<&str>)] = &[
     ("glb/pab_arnaud.glb", Some("walk")),
     // Nodes and clip without names: an empty name is the first clip.
     ("glb/CesiumMan.glb", Some("")),
-    // Props hung rigidly on joints, several skinned meshes.
+    // Props attached rigidly to joints, several skinned meshes.
     ("glb/KayKit_Knight.glb", Some("Running_A")),
     // Four skins on one skeleton below an armature of scale 100.
     (
         "glb/Quaternius_cyberpunk_pack__Character.glb",
         Some("CharacterArmature|Run"),
     ),
-    // Rigid parts, joints that are no skin's.
+    // Rigid parts, joints that belong to no skin.
     ("glb/RobotExpressive.glb", Some("Robot_Dance")),
     ("glb/mannequiny.glb", Some("run_root.001")),
     // 163 joints with fingers, toes and face.
@@ -47,7 +47,7 @@ const CHARACTERS: &[(&str, Option<&str>)] = &[
     ("vrm/Godette_vrm_v4.vrm", None),
 ];
 
-/// One character as we read it, and the file for the judge.
+/// One character as read, and the file for three.js.
 struct Subject {
     path: PathBuf,
     file: GltfFile,
@@ -81,7 +81,7 @@ impl Subject {
         self.clip.map(|c| &self.file.character.clips[c])
     }
 
-    /// Where three.js has every joint, for each time.
+    /// Positions of every joint in three.js, for each time.
     fn judged(&self, times: &[f32]) -> Vec<Vec<Vec3>> {
         let mut words = vec![self.path.to_string_lossy().into_owned()];
         match self.clip {
@@ -101,7 +101,7 @@ impl Subject {
             .collect()
     }
 
-    /// Picks the joints out of the positions of all nodes.
+    /// Selects the joints from the positions of all nodes.
     fn joints_of(&self, positions: &Value) -> Vec<Vec3> {
         let axis = |p: &Value, i: usize| p[i].as_f64().expect("the node is in the scene") as f32;
         let nodes = self.file.node_of_joint.iter();
@@ -112,7 +112,7 @@ impl Subject {
             .collect()
     }
 
-    /// The judge shows a VRM 0.x character as its file has it, which faces -Z.
+    /// three.js shows a VRM 0.x character in the file's orientation, facing -Z.
     fn turned(&self, place: Vec3) -> Vec3 {
         let version = self.file.version.as_deref().unwrap_or_default();
         if version.starts_with("VRM 0") {
@@ -127,7 +127,7 @@ impl Subject {
         (0..self.rig.len()).map(|j| model.position(j)).collect()
     }
 
-    /// Height from the lowest to the highest skin joint at rest: a little less than the figure's.
+    /// Height from the lowest to the highest skin joint at rest: slightly less than the figure's.
     fn height(&self) -> f32 {
         let rest = self.positions(self.rig.rest_pose());
         let skeleton = &self.file.character.skeleton;
@@ -140,7 +140,7 @@ impl Subject {
         high - low
     }
 
-    /// Fails if some joint is not where the judge has it.
+    /// Fails if some joint is not at its position in three.js.
     fn compare(&self, what: &str, ours: &[Vec3], judged: &[Vec3], tolerance: f32) {
         let height = self.height();
         assert!(height > 0.1, "{} has no height", self.path.display());
@@ -256,7 +256,7 @@ fn follow(subject: &Subject, clip: &Clip, times: &[f32], tolerance: f32) {
     }
 }
 
-/// Characters whose own files the validator passes, with different content.
+/// Characters whose own files the validator accepts, with different content.
 const ROUND_TRIPS: &[&str] = &[
     "glb/pab_arnaud.glb",
     "glb/KayKit_Knight.glb",
@@ -271,8 +271,8 @@ const ROUND_TRIPS: &[&str] = &[
     "vrm/Godette_vrm_v4.vrm",
 ];
 
-/// A character whose own file the validator refuses, for weights that do not sum to 1: as it
-/// stands it passes through with its faults, made anew it is mended.
+/// A character whose own file the validator rejects, for weights that do not sum to 1: passed
+/// through it keeps its errors, written as a new document it is repaired.
 const FAULTY: &str = "glb/CesiumMan.glb";
 
 #[test]
@@ -304,7 +304,7 @@ fn what_we_write_is_valid() {
     assert!(good, "{}", faults_of(&verdict));
 }
 
-/// Motions and the characters that they are put onto.
+/// Motions and the characters onto which they are retargeted.
 const RETARGETS: &[(&str, &str)] = &[
     ("bvh/cmu_12_01_walk.bvh", "glb/KayKit_Knight.glb"),
     (
@@ -343,7 +343,7 @@ fn what_is_retargeted_is_valid() {
 }
 
 /// Characters that are written with the draft extensions for characters: VRM of both versions, and
-/// files whose human bones are told by names alone.
+/// files whose human bones are recognised by names only.
 const KHR_CHARACTERS: &[&str] = &[
     "vrm/Godette_vrm_v4.vrm",
     "vrm/debug_robot.vrm",
@@ -388,7 +388,7 @@ fn khr_characters_are_valid_and_keep_to_the_schemas() {
     }
 }
 
-/// Only what the validator holds against files.
+/// Validator errors only, without warnings.
 fn faults_of(verdict: &str) -> String {
     let Ok(Value::Array(files)) = serde_json::from_str(verdict) else {
         return verdict.to_owned();

@@ -1,4 +1,4 @@
-//! `inspect`, `build`, `lod` and `demo` keep what `docs/commands.md` promises.
+//! `inspect`, `build`, `lod` and `demo` behave as documented in `docs/commands.md`.
 
 use crate::program::{BVH, articula, fault, folder, human, json, word};
 use serde_json::Value;
@@ -28,7 +28,7 @@ fn inspect_has_its_fields() {
         .iter()
         .map(|l| l.as_u64().unwrap())
         .collect();
-    // The cumulative counts of the standard's levels (docs/methods/hanim.md 3).
+    // The cumulative counts of the standard's levels (docs/methods/hanim.md part 3).
     assert_eq!(levels, [5, 10, 24, 35, 51, 89]);
     assert_eq!(
         (&skeleton["joints"], &skeleton["mapped"]),
@@ -123,7 +123,7 @@ fn built_assets_carry_tables_that_must_fit() {
     let played = json(&here, &["lod", "a.glb", "--distances", "9"]);
     assert!(number(&played["motion_tables"]["segs"]) > 0.0);
 
-    // Another name for a joint makes another rig.
+    // Another name of a joint makes another rig.
     let mut bytes = std::fs::read(here.join("a.glb")).unwrap();
     let name = b"\"l_knee\"";
     let places: Vec<usize> = (0..bytes.len() - name.len())
@@ -139,7 +139,7 @@ fn built_assets_carry_tables_that_must_fit() {
             line.contains("stale.glb") && line.contains("animations[0]"),
             "{line}"
         );
-        assert!(line.contains("build the asset again"), "{line}");
+        assert!(line.contains("rebuild the asset"), "{line}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! Real characters: what a baked pose cache states is what its user sees.
+//! Real characters: the stated error of a pose cache holds for its output.
 
 use crate::real::bytes;
 use articula_build::ClipOptions;
@@ -20,7 +20,7 @@ fn asset() -> Option<Asset> {
         articula_build::joint_names::map(&file.character.skeleton, joint_map::builtin(), None);
     let opts = ClipOptions::default();
     let mut asset = character(&file.character, Some(mapping.articulation), &opts).unwrap();
-    // Walk, jog and run; the fourth is a quarter of a minute that would cost most of the test.
+    // Walk, jog and run; the fourth clip lasts 15 s and would take most of the test's time.
     asset.clips.truncate(3);
     Some(asset)
 }
@@ -38,7 +38,7 @@ fn points(asset: &Asset, levels: &MergedLevels, level: usize, rows: &[[f32; 4]])
     out
 }
 
-/// 95th percentile over all vertices of what blending adds at a time, metres.
+/// 95th percentile over all vertices of the error of blending at a time, metres.
 fn error(
     asset: &Asset,
     (levels, clips): (&MergedLevels, &ClipSet),
@@ -73,7 +73,7 @@ fn a_walking_human_blends_within_what_its_cache_states() {
     let levels = merged_levels(&asset, &JointLodOptions::default()).unwrap();
     let joint_lods = levels.joint_lods.clone();
     let clips = ClipSet::new(&asset.rig, joint_lods, &asset.clips, ClipStorage::Float).unwrap();
-    // Every vertex is watched, so nothing is left to the sample.
+    // Every vertex is measured, so there is no sampling error.
     let opts = CacheOptions {
         vertices: usize::MAX,
         ..CacheOptions::default()

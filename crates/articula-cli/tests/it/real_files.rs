@@ -1,9 +1,9 @@
-//! Real characters: what `inspect` counts is what their makers' files hold.
+//! Real characters: the counts of `inspect` match the contents of the files.
 
 use crate::program::{folder, json, word};
 use crate::real::{file, real_data};
 
-/// File, format, joints, clips, vertices and triangles in all, as the data's list has them.
+/// File, format, joints, clips, vertices and triangles in total, as in the data's manifest.
 const FILES: [(&str, &str, usize, usize, usize, usize); 10] = [
     ("glb/CesiumMan.glb", "glb", 19, 1, 3273, 4672),
     ("glb/RobotExpressive.glb", "glb", 43, 14, 7218, 3238),

@@ -40,8 +40,8 @@ fn positions(character: &Character, clip: &str, time: f32) -> Vec<Vec3> {
     (0..rig.len()).map(|j| model.position(j)).collect()
 }
 
-/// A motion that leaves the human as BVH, where rest rotations and scales are lost, and comes
-/// back onto the same human is the motion that left.
+/// A motion of the human written as BVH, where rest rotations and scales are lost, and retargeted
+/// back onto the human is the original motion.
 #[test]
 fn a_motion_comes_back_onto_the_figure_it_left() {
     let here = folder("there-and-back");
@@ -70,8 +70,8 @@ fn a_motion_comes_back_onto_the_figure_it_left() {
     }
 }
 
-/// A walk across the floor, on a figure with legs of another shape: turns alone let the feet
-/// slide, pinned ones stay.
+/// A walk on a figure with legs of other proportions: with joint rotations only the feet slide,
+/// with pinning they do not.
 #[test]
 fn feet_are_pinned_unless_told_otherwise() {
     let Some(data) = real_data() else { return };
@@ -310,7 +310,7 @@ fn a_capture_walks_on_a_game_character_and_an_avatar_stays_one() {
         found["skeletons"][0]["mapped"], 45,
         "the map of the file is still there"
     );
-    // A file without any clip in a folder of motions is passed over, and said so.
+    // A file without a clip in a folder of motions is skipped, with a note.
     std::fs::create_dir_all(here.join("mixed")).unwrap();
     for file in [&walk, &data.join("glb/mh_male_cmu31.glb")] {
         std::fs::copy(file, here.join("mixed").join(file.file_name().unwrap())).unwrap();

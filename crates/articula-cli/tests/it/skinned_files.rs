@@ -1,4 +1,4 @@
-//! Real characters: the grouped skin gives what the plain one gives.
+//! Real characters: grouped skinning gives the same result as plain skinning.
 
 use crate::real::bytes;
 use articula_core::source::Character;
@@ -10,7 +10,7 @@ use articula_formats::{Limits, gltf};
 use articula_human::{HumanOptions, human};
 use glam::{Affine3A, Quat, Vec3};
 
-/// A rig, its mesh, and what one frame of it needs.
+/// A rig, its mesh, and buffers of one frame.
 struct Figure {
     rig: Rig,
     mesh: Mesh,
@@ -32,7 +32,7 @@ impl Figure {
         Self { rig, mesh }
     }
 
-    /// The palette of a pose in which some joints are turned, each another way.
+    /// The palette of a pose in which some joints are rotated, each differently.
     fn palette(&self, turned: &JointSet) -> (Vec<Affine3A>, Vec<Matrix3x4>) {
         let mut local = self.rig.rest_pose().clone();
         for joint in turned.iter() {
@@ -49,7 +49,7 @@ impl Figure {
     }
 }
 
-/// Rounding where a build fuses multiplication and addition; nothing elsewhere.
+/// Rounding where a build fuses multiplication and addition; zero elsewhere.
 fn same(a: &[Vec3], b: &[Vec3], size: f32) -> bool {
     let fused = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
     let within = if fused { 1e-5 * size } else { 0.0 };
@@ -82,7 +82,7 @@ fn check(name: &str, character: &Character) {
     grouped.skin_stale(&shape, &before, &mut stale, &mut fast);
     compare(&plain, &fast);
 
-    // The joint in the middle of the list turns back, and all that hangs from it follows.
+    // The joint in the middle of the list turns back, and all its descendants follow.
     let mut turned = all;
     turned.remove(figure.rig.len() / 2);
     let (matrices, now) = figure.palette(&turned);

@@ -1,4 +1,4 @@
-//! The shape of the command line: statuses, help, and one line for every error.
+//! The command line itself: exit statuses, help, and one line for every error.
 
 use crate::program::{articula, fault, folder, human, json, word};
 

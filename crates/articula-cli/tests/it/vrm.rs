@@ -1,4 +1,4 @@
-//! Real VRM files: expression rules of the files that test them, and what `inspect` says.
+//! Real VRM files: expression rules of the files that test them, and the output of `inspect`.
 
 use crate::program::{fault, folder, json, word};
 use crate::real::real_data;
@@ -25,8 +25,8 @@ fn named(expressions: &[Expression], name: &str) -> usize {
     expressions.iter().position(|e| e.name == name).unwrap()
 }
 
-/// The two files say in their own words: what overrides with a binary expression overrides by
-/// 0 or 1; what is binary and overridden at all goes out.
+/// The two files state: an override by a binary expression is 0 or 1; a binary expression that is
+/// overridden at all is off.
 #[test]
 fn binary_expressions_and_overrides() {
     let Some(data) = vrm_data() else { return };

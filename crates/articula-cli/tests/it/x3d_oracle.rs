@@ -1,5 +1,5 @@
-//! X3D files as we read and write them, judged by X_ITE, a player of X3D: where it has joints
-//! and skin, and whether every node, field and route is one of the standard.
+//! X3D files as read and written, checked by X_ITE, an X3D player: positions of joints and skin,
+//! and whether every node, field and route belongs to the standard.
 
 use crate::judges::{ask, judges_are_here};
 use crate::program;
@@ -11,11 +11,12 @@ use glam::{Affine3A, Mat4, Vec3};
 use serde_json::Value;
 use std::path::Path;
 
-/// How far a joint or a point may be from where X_ITE has it, as a share of the figure. Between
-/// keys both turn evenly; X_ITE computes in 64 bits, we in 32, along chains of up to 15 joints.
+/// Maximum distance of a joint or point from that of X_ITE, as a fraction of the figure's height.
+/// Both use slerp between keys; X_ITE computes in 64 bits, Articula in 32, along chains of up to
+/// 15 joints.
 const TOLERANCE: f32 = 1e-5;
 
-/// What X_ITE shows of a file.
+/// Output of X_ITE for a file.
 struct Judged {
     joints: Vec<String>,
     /// Joints and skin points of each time.
@@ -180,7 +181,7 @@ fn what_is_written_moves_in_x_ite_as_in_the_source() {
     }
 }
 
-/// Writes a character as X3D and compares what X_ITE shows with the source.
+/// Writes a character as X3D and compares the output of X_ITE with the source.
 fn check(folder: &Path, source: &Path, clip: &str) {
     let stem = source.file_stem().unwrap().to_str().unwrap();
     let out = folder.join(format!("{stem}.x3d"));
@@ -217,7 +218,7 @@ fn check(folder: &Path, source: &Path, clip: &str) {
             points.len()
         );
         assert!(apart < TOLERANCE, "{stem} at {time} s: {apart}");
-        // Joints, too: each stands where some joint of the source does.
+        // Joints too: each is at the position of some joint of the source.
         let joints = globals(&character, clip, *time);
         for (name, position) in judged.joints.iter().zip(positions) {
             let near = joints

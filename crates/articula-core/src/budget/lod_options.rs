@@ -67,13 +67,19 @@ impl LodOptionSet {
     /// negative or NaN.
     pub(crate) fn new(lod_options: &[LodOption]) -> Result<Self, Mismatch> {
         if lod_options.is_empty() || lod_options.len() > MAX_OPTIONS {
-            let what = format!("{} offers, not 1 to {MAX_OPTIONS}", lod_options.len());
-            return Err(Mismatch::new("offers", what));
+            let what = format!(
+                "{} LOD options, expected 1 to {MAX_OPTIONS}",
+                lod_options.len()
+            );
+            return Err(Mismatch::new("lod_options", what));
         }
         let odd = |o: &LodOption| !(o.cost >= 0.0 && o.cost.is_finite() && o.error_metres >= 0.0);
         if let Some(i) = lod_options.iter().position(odd) {
-            let what = format!("{:?} has no place in a budget", lod_options[i]);
-            return Err(Mismatch::new(format!("offers[{i}]"), what));
+            let what = format!(
+                "{:?}: cost must be finite and at least 0, error_metres at least 0",
+                lod_options[i]
+            );
+            return Err(Mismatch::new(format!("lod_options[{i}]"), what));
         }
         let mut option_set = Self {
             lod_options: lod_options.to_vec(),

@@ -32,7 +32,11 @@ impl ClipState {
     /// # Panics
     /// If there is no such clip.
     pub fn new(clips: &ClipSet, clip: usize) -> Self {
-        assert!(clip < clips.clips(), "clip {clip} of {}", clips.clips());
+        assert!(
+            clip < clips.clips(),
+            "clip {clip} is out of range: the model has {} clips",
+            clips.clips()
+        );
         Self {
             secs: 0.0,
             speed: 1.0,

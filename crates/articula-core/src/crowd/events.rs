@@ -18,7 +18,10 @@ pub struct ClipEvent {
 pub(crate) fn sorted(events: &[ClipEvent], duration_secs: f32) -> Result<Vec<ClipEvent>, Mismatch> {
     for (i, event) in events.iter().enumerate() {
         if !(0.0..=duration_secs).contains(&event.secs) {
-            let what = format!("{} s lies outside 0 to {duration_secs} s", event.secs);
+            let what = format!(
+                "{} s is outside the clip (0 to {duration_secs} s)",
+                event.secs
+            );
             return Err(Mismatch::new(format!("[{i}].secs"), what));
         }
     }

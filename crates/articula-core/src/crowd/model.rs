@@ -183,14 +183,20 @@ fn filled<T: Clone + Default>(
 fn check_cache(parts: &CrowdParts, cache: &PoseCache) -> Result<(), Mismatch> {
     let levels = parts.clips.joint_lods().levels();
     let of = |count, cached, what: &str| {
-        (count != cached).then(|| format!("{cached} {what}, the model has {count}"))
+        (count != cached).then(|| format!("the cache has {cached} {what}, the model has {count}"))
     };
     let wrong = of(parts.clips.clips(), cache.clips(), "clips")
         .or_else(|| of(levels, cache.levels(), "levels"))
         .or_else(|| {
             (0..levels).find_map(|l| of(parts.palette.len(l), cache.matrices(l), "matrices"))
         })
-        .or_else(|| (cache.form() != parts.form).then(|| "another form".to_owned()));
+        .or_else(|| {
+            (cache.form() != parts.form).then(|| {
+                "the cache stores another palette form \
+         than the model"
+                    .to_owned()
+            })
+        });
     match wrong {
         Some(what) => Err(Mismatch::new("cache", what)),
         None => Ok(()),

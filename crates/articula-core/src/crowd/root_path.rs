@@ -68,12 +68,12 @@ impl RootTrajectory {
         if !(rate_hz.is_finite() && rate_hz > 0.0) {
             return Err(Mismatch::new(
                 "rate_hz",
-                format!("{rate_hz} is no positive rate"),
+                format!("must be positive and finite, found {rate_hz}"),
             ));
         }
         let bad = |p: &RootDelta| !(p.offset.is_finite() && p.yaw_radians.is_finite());
         if places.is_empty() || places.iter().any(bad) {
-            let what = "one place at least, each of finite numbers";
+            let what = "must hold at least one delta, and finite values only";
             return Err(Mismatch::new("places", what));
         }
         Ok(Self { rate_hz, places })

@@ -227,10 +227,13 @@ impl Crowd {
         let margins = or_all(frame.cull_margin_metres, &self.zeros);
         let importance = or_all(frame.importance, &self.ones);
         for slice in [scales, margins, importance] {
-            assert_eq!(slice.len(), count, "one entry for each character");
+            assert_eq!(slice.len(), count, "expected one entry for each character");
         }
         for places in [frame.positions.len(), frame.rotations.len()] {
-            assert_eq!(places, count, "one place for each character");
+            assert_eq!(
+                places, count,
+                "expected one position and one rotation for each character"
+            );
         }
         match frame.culling {
             Culling::Off => self.seen.fill(CullResult {
@@ -507,7 +510,10 @@ impl Crowd {
     /// # Panics
     /// If the range ends beyond the batches.
     pub fn matrices_of(&self, batches: Range<usize>) -> Range<usize> {
-        assert!(batches.end <= self.draw_list().batches, "no such batches");
+        assert!(
+            batches.end <= self.draw_list().batches,
+            "the range of batches is out of bounds"
+        );
         self.plan.first_matrix(batches.start)..self.plan.first_matrix(batches.end)
     }
 
@@ -541,7 +547,11 @@ impl Crowd {
         let evaluator = model.evaluator();
         let rows = model.parts().form.rows();
         let first = self.matrices_of(batches.clone());
-        assert_eq!(out.len(), first.len() * rows, "room for each palette");
+        assert_eq!(
+            out.len(),
+            first.len() * rows,
+            "the output must hold every palette"
+        );
         let first = first.start;
         for at in batches {
             let batch = self.plan.batches()[at];

@@ -189,24 +189,27 @@ impl Parser<'_> {
 
 fn argument_of(selector: &str, argument: &str) -> Result<LoaExpression, String> {
     match selector {
-        "depth" => argument
-            .parse()
-            .map(LoaExpression::Depth)
-            .map_err(|_| format!("\"{argument}\" is not a depth; a whole number such as 3 is expected")),
+        "depth" => argument.parse().map(LoaExpression::Depth).map_err(|_| {
+            format!("\"{argument}\" is not a depth; expected a whole number such as 3")
+        }),
         "loa" => argument.parse().map(LoaExpression::Loa).map_err(|_| {
             let names = Complexity::ALL.map(|c| c.to_string()).join(", ");
-            format!("\"{argument}\" is not a level; one of {names} is expected")
+            format!("\"{argument}\" is not a level; expected one of {names}")
         }),
         "zone" => argument
             .split('|')
             .map(|name| {
                 name.trim().parse::<Zone>().map_err(|_| {
-                    format!("\"{}\" is not a zone; face, arms, torso, pelvis, legs, feet, hands, upper, lower, face-shoulders or all is expected", name.trim())
+                    format!(
+                        "\"{}\" is not a zone; expected face, arms, torso, pelvis, legs, \
+                     feet, hands, upper, lower, face-shoulders or all",
+                        name.trim()
+                    )
                 })
             })
             .try_fold(Zone::default(), |all, zone| zone.map(|z| all | z))
             .map(LoaExpression::Zone),
-        _ if argument.is_empty() => Err("a joint name is expected".into()),
+        _ if argument.is_empty() => Err("expected a joint name".into()),
         _ => Ok(LoaExpression::Joint(argument.to_owned())),
     }
 }

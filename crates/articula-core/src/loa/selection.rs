@@ -44,7 +44,7 @@ impl std::fmt::Display for UnknownJoint {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "the rig has no joint \"{}\" (neither by its own nor by its H-Anim name)",
+            "the rig has no joint \"{}\" (by its own name or its H-Anim name)",
             self.0
         )
     }

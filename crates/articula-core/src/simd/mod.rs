@@ -94,7 +94,7 @@ impl FromStr for Backend {
 
     fn from_str(name: &str) -> Result<Self, Mismatch> {
         let found = Self::ALL.into_iter().find(|b| b.name() == name);
-        found.ok_or_else(|| Mismatch::new("backend", format!("there is no \"{name}\"")))
+        found.ok_or_else(|| Mismatch::new("backend", format!("unknown backend \"{name}\"")))
     }
 }
 

@@ -17,7 +17,7 @@ pub(super) fn run_avx2<K: Kernel>(kernel: K) {
     fn run<K: Kernel>(kernel: K) {
         kernel.run::<Avx2>();
     }
-    assert!(Backend::Avx2.is_available(), "no AVX2 on this machine");
+    assert!(Backend::Avx2.is_available(), "this machine has no AVX2");
     // SAFETY: the features were just found on this machine.
     unsafe { run(kernel) }
 }
@@ -213,7 +213,10 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     fn store_rows(c: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
-        assert!(out.len() > (LANES - 1) * stride + at, "room for eight rows");
+        assert!(
+            out.len() > (LANES - 1) * stride + at,
+            "the slice must hold eight rows"
+        );
         let out = out.as_mut_ptr();
         // SAFETY: the rows `lane * stride + at` lie within `out`, as was just checked.
         unsafe {
@@ -229,7 +232,10 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     fn store_half_rows(c: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize) {
-        assert!(out.len() > (LANES - 1) * stride + at, "room for eight rows");
+        assert!(
+            out.len() > (LANES - 1) * stride + at,
+            "the slice must hold eight rows"
+        );
         let out = out.as_mut_ptr();
         // SAFETY: the rows `lane * stride + at` lie within `out`, as was just checked.
         unsafe {
@@ -400,7 +406,10 @@ impl Lanes for Sse2 {
 
     #[inline(always)]
     fn store_rows(components: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
-        assert!(out.len() > (LANES - 1) * stride + at, "room for eight rows");
+        assert!(
+            out.len() > (LANES - 1) * stride + at,
+            "the slice must hold eight rows"
+        );
         let out = out.as_mut_ptr();
         for (lane, row) in Self::rows(components).into_iter().enumerate() {
             // SAFETY: the row lies within `out`, as was just checked.

@@ -70,7 +70,7 @@ pub fn pose(clip: &RawClip, skeleton: &Skeleton, time_secs: f32, out: &mut Local
     assert_eq!(
         out.rotations.len(),
         skeleton.joints.len(),
-        "the pose is of another skeleton"
+        "the pose must belong to this skeleton"
     );
     for (j, joint) in skeleton.joints.iter().enumerate() {
         out.set(j, joint.rest);

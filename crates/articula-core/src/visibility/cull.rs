@@ -221,7 +221,7 @@ impl<'a> Bodies<'a> {
                 cull_margin_metres.len(),
                 bounds.len()
             );
-            return Err(Mismatch::new("wake_metres", what));
+            return Err(Mismatch::new("cull_margin_metres", what));
         }
         Ok(Self {
             bounds,
@@ -265,7 +265,7 @@ pub fn secs_until_grown(
 /// # Panics
 /// If `out` does not have one entry for each body.
 pub fn cull(views: &[View<'_>], bodies: Bodies<'_>, out: &mut [CullResult]) {
-    assert_eq!(out.len(), bodies.len(), "one answer for each body");
+    assert_eq!(out.len(), bodies.len(), "expected one result for each body");
     for (b, out) in out.chunks_mut(BLOCK).enumerate() {
         let first = b * BLOCK;
         let mut block = Block::new();
@@ -493,7 +493,10 @@ mod tests {
 
     #[test]
     fn lengths_must_agree() {
-        assert_eq!(Bodies::new(&[BALL], &[]).unwrap_err().at, "wake_metres");
+        assert_eq!(
+            Bodies::new(&[BALL], &[]).unwrap_err().at,
+            "cull_margin_metres"
+        );
     }
 
     #[test]

@@ -59,7 +59,11 @@ impl<'a> Places<'a> {
 /// # Panics
 /// If `out` does not have one entry for each body.
 pub(crate) fn carry(places: Places<'_>, out: &mut [Sphere]) {
-    assert_eq!(out.len(), places.bounds.len(), "one bound for each body");
+    assert_eq!(
+        out.len(),
+        places.bounds.len(),
+        "expected one bound for each body"
+    );
     let (positions, last_positions) = places.positions.as_chunks();
     let (rotations, last_rotations) = places.rotations.as_chunks();
     let (scales, last_scales) = places.scales.as_chunks();

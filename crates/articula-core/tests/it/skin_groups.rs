@@ -288,7 +288,7 @@ fn no_vertices_and_vertices_that_nothing_holds() {
 }
 
 #[test]
-#[should_panic(expected = "the palette is of another mesh")]
+#[should_panic(expected = "the palette must belong to this mesh")]
 fn a_palette_of_another_mesh_is_refused() {
     let mesh = strip(1);
     let grouped = GroupedSkin::new(&mesh);

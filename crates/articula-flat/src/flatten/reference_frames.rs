@@ -73,8 +73,8 @@ impl ReferenceFrames {
         if clip.frames.len() != frames.len() {
             let (found, expected) = (clip.frames.len(), frames.len());
             return Err(PlanarError::Mismatch {
-                at: "truth",
-                what: format!("{found} frames for {expected} moments"),
+                at: "frames",
+                what: format!("the clip has {found} frames, expected {expected}"),
             });
         }
         let moment = |(f, frame): (usize, &f64)| {

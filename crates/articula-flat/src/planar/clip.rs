@@ -137,14 +137,14 @@ impl PlanarClip {
         {
             return mismatch(
                 "triangles",
-                format!("a corner is beyond {vertices} vertices"),
+                format!("a triangle names a vertex out of range: the clip has {vertices} vertices"),
             );
         }
         let triangles = self.triangles.len();
         if self.surface.len() != triangles || self.part.len() != triangles {
             return mismatch(
                 "surface and part",
-                format!("not one for each of {triangles} triangles"),
+                format!("expected one entry for each of {triangles} triangles"),
             );
         }
         if !self
@@ -154,7 +154,7 @@ impl PlanarClip {
         {
             return mismatch(
                 "surface",
-                format!("beyond {} surfaces", self.surfaces.len()),
+                format!("a surface index is out of range: the clip has {} surfaces", self.surfaces.len()),
             );
         }
         if !self.fps.is_finite() || self.fps <= 0.0 {
@@ -163,7 +163,7 @@ impl PlanarClip {
         for (f, frame) in self.frames.iter().enumerate() {
             let lengths = [frame.xy.len(), frame.nearness.len(), frame.light.len()];
             if lengths != [vertices; 3] {
-                return mismatch("frames", format!("frame {f} is not of {vertices} vertices"));
+                return mismatch("frames", format!("frame {f} must hold {vertices} vertices"));
             }
             for v in 0..vertices {
                 let ok = frame.xy[v].is_finite()

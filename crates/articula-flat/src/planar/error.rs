@@ -9,7 +9,8 @@ use thiserror::Error;
 pub enum PlanarError {
     /// A vertex position is not finite.
     #[error(
-        "frame {frame}: vertex {vertex} is not at a finite place; mend the clip or the skin weights"
+        "frame {frame}: the position of vertex {vertex} is not finite; check the clip and the \
+         skin weights"
     )]
     NotFinite {
         /// Frame of the clip.
@@ -19,7 +20,8 @@ pub enum PlanarError {
     },
     /// A vertex lies behind the camera or too close in front of it.
     #[error(
-        "frame {frame}: vertex {vertex} is not before the camera, which stands inside the character; move the camera away"
+        "frame {frame}: vertex {vertex} is not in front of the camera, which is inside the \
+         character; move the camera away"
     )]
     BehindCamera {
         /// Frame of the clip.
@@ -28,7 +30,7 @@ pub enum PlanarError {
         vertex: u32,
     },
     /// The mesh has more triangles than can be converted.
-    #[error("{found} triangles are more than {most}; choose a level or fewer triangles")]
+    #[error("{found} triangles, the limit is {most}; choose a coarser level or fewer triangles")]
     TooManyTriangles {
         /// Triangles of the mesh.
         found: usize,
@@ -36,7 +38,7 @@ pub enum PlanarError {
         most: usize,
     },
     /// The clip has more frames than can be converted.
-    #[error("{found} frames are more than {most}; choose a shorter part or fewer frames a second")]
+    #[error("{found} frames, the limit is {most}; choose a shorter part or fewer frames per second")]
     TooManyFrames {
         /// Frames of the clip.
         found: usize,
@@ -45,7 +47,8 @@ pub enum PlanarError {
     },
     /// There are more distinct sets of overlapping triangles than the limit.
     #[error(
-        "triangles lie over each other in more than {most} ways; choose fewer triangles or frames, or a smaller picture"
+        "more than {most} pairs of triangles overlap; choose fewer triangles or frames, or a \
+         smaller picture"
     )]
     TooManyOverlaps {
         /// Maximum number of distinct sets.
@@ -55,11 +58,12 @@ pub enum PlanarError {
     #[error("the clip has no frame; choose another clip or a longer part of it")]
     NoFrames,
     /// No triangle is visible in any frame.
-    #[error("no triangle is seen in any frame; turn the camera or show other meshes")]
+    #[error("no triangle is visible in any frame; turn the camera or show other meshes")]
     NothingVisible,
     /// No setting makes a file as small as the budget.
     #[error(
-        "the smallest file has {least} bytes, the budget is {budget}; ask for fewer triangles, fewer frames a second, or the player profile"
+        "the smallest file has {least} bytes, the budget is {budget}; choose fewer triangles, \
+         fewer frames per second or the player profile"
     )]
     BudgetTooSmall {
         /// Size of the smallest file that was made, bytes.

@@ -136,7 +136,7 @@ pub(crate) fn keyed_regions(
     if regions.len() != sealed.len() || !regions.iter().zip(sealed).all(fits) {
         return Err(PlanarError::Mismatch {
             at: "regions",
-            what: "regions, sealed points and clip do not belong together".to_owned(),
+            what: "regions, sealed points and clip must belong together".to_owned(),
         });
     }
     let mut reducer = Reducer::new(clip, &[], options);
@@ -174,15 +174,15 @@ fn check_shapes(
     };
     let (frames, triangles) = (clip.frames.len(), clip.triangles.len());
     if drawn.frames() != frames {
-        return mismatch("drawn", "not of the clip's frames");
+        return mismatch("drawn", "must have the frames of the clip");
     }
     let rows = sealed.corners.iter().map(Vec::len);
     if sealed.corners.len() != frames || rows.into_iter().any(|r| r != triangles) {
-        return mismatch("sealed", "not of the clip's frames and triangles");
+        return mismatch("sealed", "must have the frames and triangles of the clip");
     }
     let fits = |l: &Layer| (l.triangle as usize) < triangles && are_spans(&l.frames, frames);
     if !layers.iter().all(fits) {
-        return mismatch("layers", "a triangle or a span beyond the clip");
+        return mismatch("layers", "a triangle or a span is outside the clip");
     }
     Ok(())
 }

@@ -114,7 +114,7 @@ impl KeyedClip {
             Err(PlanarError::Mismatch { at, what })
         };
         if !self.fps.is_finite() || self.fps <= 0.0 {
-            return mismatch(format!("{} frames a second", self.fps));
+            return mismatch(format!("fps must be positive and finite, found {}", self.fps));
         }
         for (s, shape) in self.shapes.iter().enumerate() {
             if let Err(what) = shape.check(self.frames, self.ramps.len()) {
@@ -128,16 +128,16 @@ impl KeyedClip {
 impl KeyedTrack {
     fn check(&self, frames: u32) -> Result<(), &'static str> {
         if self.is_empty() || self.values.len() != self.width * self.len() {
-            return Err("not a full row of numbers for each key");
+            return Err("every key needs a full row of values");
         }
         let rises = self.frames.windows(2).all(|pair| pair[0] < pair[1]);
         let last = self.frames[self.len() - 1];
         if !rises || self.frames[0] != 0 || !(self.is_still() || last == frames - 1) {
-            return Err("keys do not rise from the first frame to the last");
+            return Err("the keys must rise from the first frame to the last");
         }
         let reach = |v: &i32| v.unsigned_abs() <= MAX_GRID;
         if !self.values.iter().all(reach) {
-            return Err("a number is too far out");
+            return Err("a value exceeds the grid");
         }
         Ok(())
     }
@@ -205,13 +205,13 @@ impl KeyedShape {
     fn check(&self, frames: u32, ramps: usize) -> Result<(), &'static str> {
         self.outline.check(frames)?;
         if self.outline.width < 6 || !self.outline.width.is_multiple_of(2) {
-            return Err("an outline of fewer than three points");
+            return Err("an outline has fewer than three points");
         }
         let points = self.outline.width as u32 / 2;
         let mut before = 0;
         for first in &self.further_outlines {
             if *first <= before || *first >= points {
-                return Err("further outlines do not rise within the points");
+                return Err("further outlines must rise within the points");
             }
             before = *first;
         }
@@ -220,19 +220,19 @@ impl KeyedShape {
         for span in &self.shown {
             let is_apart = before.is_none_or(|end| end < span.start);
             if span.start >= span.end || span.end > end || !is_apart {
-                return Err("spans do not rise within the clip");
+                return Err("the spans must rise within the clip");
             }
             before = Some(span.end);
         }
         let line = match &self.paint {
             KeyedPaint::Flat(_) => return Ok(()),
             KeyedPaint::Ramp { ramp, .. } if *ramp as usize >= ramps => {
-                return Err("a ramp that is not there");
+                return Err("a ramp index is out of range");
             }
             KeyedPaint::Ramp { line, .. } | KeyedPaint::Own { line, .. } => line,
         };
         if line.width != 4 {
-            return Err("a gradient's line without four numbers");
+            return Err("the line of a gradient must have four values");
         }
         line.check(frames)
     }

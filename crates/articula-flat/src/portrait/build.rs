@@ -49,7 +49,7 @@ pub fn build(
     let pivot = screen.place(poser.pivot()).ok_or_else(|| {
         refuse(
             "head",
-            "the point about which the head turns is behind the camera",
+            "the pivot of the head is behind the camera; move the camera away",
         )
     })?;
     let viewport = source.camera.viewport;

@@ -109,7 +109,7 @@ impl Portrait {
 
     fn grid_json(&self) -> Result<String, PortraitError> {
         if let Some(i) = self.grid.coefficients.iter().position(|c| !c.is_finite()) {
-            return Err(refuse(format!("grid.coefficients[{i}]"), "is no number"));
+            return Err(refuse(format!("grid.coefficients[{i}]"), "must be finite"));
         }
         let rest = self.grid.rest.iter().map(|mode: &Quantised<i16>| {
             let steps = numbers(mode.steps.iter().map(|s| s.to_le_bytes()));
@@ -212,7 +212,7 @@ fn number(value: f32) -> Result<String, PortraitError> {
     if value.is_finite() {
         return Ok(value.to_string());
     }
-    Err(refuse("portrait", format!("{value} cannot be written")))
+    Err(refuse("portrait", format!("values must be finite, found {value}")))
 }
 
 fn floats(values: &[f32]) -> Result<String, PortraitError> {

@@ -21,7 +21,7 @@ pub enum PortraitError {
     #[error(transparent)]
     Planar(#[from] PlanarError),
     /// A vertex lies beside or behind the camera, or its position is not finite.
-    #[error("vertex {vertex} cannot be seen from the camera at yaw {yaw} degrees: {mend}")]
+    #[error("vertex {vertex} is outside the view of the camera at yaw {yaw} degrees; {mend}")]
     NotInView {
         /// Vertex of the mesh.
         vertex: usize,
@@ -31,7 +31,7 @@ pub enum PortraitError {
         mend: &'static str,
     },
     /// The portrait exceeds a limit of the 2D player.
-    #[error("{count} {what}, at most {limit}: choose a coarser level of the mesh")]
+    #[error("{count} {what}, the limit is {limit}; choose a coarser level of the mesh")]
     LimitExceeded {
         /// Kind of element.
         what: &'static str,

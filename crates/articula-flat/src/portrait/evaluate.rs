@@ -24,7 +24,8 @@ pub(super) fn truth(
     let most = source.expressions.len();
     if weights.len() > most || weights.iter().any(|w| !w.is_finite()) || !pose.is_finite() {
         let what = format!(
-            "{} weights for {most} expressions, or no number",
+            "{} weights for {most} expressions; there must not be more, and all values must be \
+             finite",
             weights.len()
         );
         return Err(super::error::refuse("weights", what));

@@ -138,7 +138,8 @@ pub(crate) fn flat_mesh(
         }
     }
     if flat.triangles.is_empty() {
-        return Err(refuse("triangles", "none of them is ever in view"));
+        return Err(refuse("triangles", "no triangle is visible from any view; turn the camera or \
+         show other meshes"));
     }
     compact(flat, &used)
 }

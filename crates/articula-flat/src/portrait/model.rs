@@ -68,14 +68,14 @@ impl Portrait {
         weights: &[f32],
     ) -> Result<Vec<Vec2>, PortraitError> {
         if !pose.is_finite() {
-            return Err(refuse("pose", "an angle is no number"));
+            return Err(refuse("pose", "the angles must be finite"));
         }
         if let Some(w) = weights.iter().position(|w| !w.is_finite()) {
-            return Err(refuse(format!("weights[{w}]"), "is no number"));
+            return Err(refuse(format!("weights[{w}]"), "must be finite"));
         }
         if weights.len() > self.grid.expressions.len() {
             let (found, most) = (weights.len(), self.grid.expressions.len());
-            return Err(refuse("weights", format!("{found} for {most} expressions")));
+            return Err(refuse("weights", format!("{found} weights for {most} expressions")));
         }
         let mut places = self.grid.places(pose, weights);
         if pose.roll_degrees != 0.0 {

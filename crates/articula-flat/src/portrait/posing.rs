@@ -125,7 +125,7 @@ pub(crate) fn project(
             return Err(PortraitError::NotInView {
                 vertex,
                 yaw: pose.yaw_degrees.round() as i32,
-                mend: "move the camera away, or leave the part of the figure out",
+                mend: "move the camera away or hide that part of the figure",
             });
         }
         corners.push(corner);

@@ -49,7 +49,8 @@ impl Portrait {
         let count = self.mesh.vertices.len();
         if places.len() != count || places.iter().any(|p| !p.is_finite()) || !pose.is_finite() {
             let what = format!(
-                "{} places for {count} vertices, or one not finite",
+                "{} positions for {count} vertices; the numbers must match and all values be \
+                 finite",
                 places.len()
             );
             return Err(refuse("places", what));

@@ -29,7 +29,8 @@ pub(crate) fn flipbook(pages: &[KeyedClip], name: &str) -> Result<String, Planar
         {
             return Err(PlanarError::Mismatch {
                 at: "flip-book",
-                what: format!("page {f} is not one frame with the first page's size and ramps"),
+                what: format!("page {f} must be one frame with the size and ramps of the first \
+                 page"),
             });
         }
     }

@@ -29,7 +29,8 @@ pub(crate) fn lottie(clip: &KeyedClip, name: &str) -> Result<String, PlanarError
     if clip.lines != LineUnits::Grid {
         return Err(PlanarError::Mismatch {
             at: "keyed clip",
-            what: "gradients are counted in bounding boxes; reduce it with lines on the grid"
+            what: "gradients are relative to bounding boxes; reduce the keys with gradient lines \
+             on the grid"
                 .into(),
         });
     }

@@ -117,19 +117,19 @@ fn ticks(moments: &[(Picture, f64)], a_second: f64) -> Vec<u32> {
 
 fn size(moments: &[(Picture, f64)], most: u32) -> Result<(u32, u32), PictureError> {
     let Some((first, _)) = moments.first() else {
-        return Err(mismatch("no frame".to_owned()));
+        return Err(mismatch("the picture has no frame".to_owned()));
     };
     let (width, height) = (first.width(), first.height());
     if width == 0 || height == 0 || width > most || height > most {
-        let found = format!("{width} x {height}, expected 1 to {most} a side");
+        let found = format!("{width} x {height}, expected 1 to {most} pixels per side");
         return Err(mismatch(found));
     }
     for (picture, secs) in moments {
         if (picture.width(), picture.height()) != (width, height) {
-            return Err(mismatch("pictures of different sizes".to_owned()));
+            return Err(mismatch("all frames must have the same size".to_owned()));
         }
         if !secs.is_finite() || *secs <= 0.0 {
-            return Err(mismatch(format!("a frame of {secs} s")));
+            return Err(mismatch(format!("a frame must last a positive, finite time, found {secs} s")));
         }
     }
     Ok((width, height))

@@ -53,7 +53,7 @@ pub fn raster(svg: &str, background: Rgba) -> Result<Picture, PictureError> {
         width,
         height,
         samples: 1,
-        limit: "67108864 pixels in all",
+        limit: "67108864 pixels in total",
     };
     if u64::from(width) * u64::from(height) > MAX_PIXELS {
         return Err(refuse());
@@ -77,10 +77,10 @@ fn parse(svg: &str) -> Result<Tree, PictureError> {
     let malformed = |what: String| PictureError::Malformed { at: "SVG", what };
     let too_many = |what: &str| PictureError::Unsupported {
         what: what.to_owned(),
-        mend: "draw fewer shapes".to_owned(),
+        mend: "use fewer shapes".to_owned(),
     };
     if svg.len() > MAX_BYTES {
-        return Err(too_many("SVG text of more than 256 MiB"));
+        return Err(too_many("an SVG file of more than 256 MiB"));
     }
     let strict = ParsingOptions {
         allow_dtd: false,
@@ -88,7 +88,7 @@ fn parse(svg: &str) -> Result<Tree, PictureError> {
         ..ParsingOptions::default()
     };
     let document = Document::parse_with_options(svg, strict).map_err(|e| match e {
-        XmlError::NodesLimitReached => too_many("SVG of more than 4000000 nodes"),
+        XmlError::NodesLimitReached => too_many("an SVG document of more than 4000000 nodes"),
         other => malformed(other.to_string()),
     })?;
     check(&document)?;
@@ -101,7 +101,7 @@ fn parse(svg: &str) -> Result<Tree, PictureError> {
         ..Options::default()
     };
     Tree::from_xmltree(&document, &options).map_err(|e| match e {
-        Error::ElementsLimitReached => too_many("SVG of more than 1000000 elements"),
+        Error::ElementsLimitReached => too_many("an SVG document of more than 1000000 elements"),
         other => malformed(other.to_string()),
     })
 }
@@ -120,14 +120,14 @@ fn check(document: &Document<'_>) -> Result<(), PictureError> {
                     "SVG element <{}>",
                     name.chars().take(40).collect::<String>()
                 ),
-                mend: "draw it as plain shapes".to_owned(),
+                mend: "replace it by plain shapes".to_owned(),
             });
         }
         if let Some(child) = node.first_child() {
             depth += 1;
             if depth > MAX_DEPTH {
                 return Err(PictureError::Unsupported {
-                    what: format!("SVG of more than {MAX_DEPTH} groups in groups"),
+                    what: format!("an SVG document of more than {MAX_DEPTH} nested groups"),
                     mend: "nest fewer groups".to_owned(),
                 });
             }

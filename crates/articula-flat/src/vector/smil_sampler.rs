@@ -119,7 +119,7 @@ impl AnimatedSvg {
             duration_secs: 0.0,
         };
         if document.root_element().tag_name().name() != "svg" {
-            return Err(malformed("SVG", "the first element is not svg".into()));
+            return Err(malformed("SVG", "the root element is not <svg>".into()));
         }
         // An explicit stack instead of recursion, for deep nesting.
         let mut open = Vec::new();
@@ -158,7 +158,7 @@ impl AnimatedSvg {
     pub fn at(&self, secs: f64) -> Result<String, PictureError> {
         if !secs.is_finite() || secs < 0.0 {
             return Err(PictureError::Mismatch {
-                at: "moment",
+                at: "secs",
                 what: format!("{secs} s, expected 0 or more"),
             });
         }
@@ -287,15 +287,15 @@ impl Animation {
                 "calcMode" => mode = value,
                 "values" => values = value,
                 "keyTimes" => times = Some(value),
-                other => return Err(unsupported(format!("animate with {}", shortened(other)))),
+                other => return Err(unsupported(format!("the attribute {} of <animate>", shortened(other)))),
             }
         }
         let known = ["d", "display", "x1", "y1", "x2", "y2"];
         let Some(attribute) = known.into_iter().find(|k| *k == name) else {
-            return Err(unsupported(format!("animating {:?}", shortened(name))));
+            return Err(unsupported(format!("animation of {:?}", shortened(name))));
         };
         if repeat != "indefinite" {
-            return Err(unsupported("an animation that ends".to_owned()));
+            return Err(unsupported("an animation that does not repeat indefinitely".to_owned()));
         }
         let is_discrete = match mode {
             "discrete" => true,
@@ -344,12 +344,12 @@ fn key_times(text: Option<&str>, keys: usize, is_discrete: bool) -> Result<Vec<f
         times.push(found.ok_or_else(|| refuse(format!("{:?}", shortened(time))))?);
     }
     if times.len() != keys {
-        return Err(refuse(format!("{} for {keys} values", times.len())));
+        return Err(refuse(format!("{} key times for {keys} values", times.len())));
     }
     let rises = times.windows(2).all(|pair| pair[0] <= pair[1]);
     let is_whole = is_discrete || times[keys - 1] == 1.0;
     if times[0] != 0.0 || !rises || !is_whole {
-        return Err(refuse("do not rise from 0 to 1".to_owned()));
+        return Err(refuse("the key times must rise from 0 to 1".to_owned()));
     }
     Ok(times)
 }
@@ -378,7 +378,7 @@ impl Values {
             if first.get_or_insert_with(|| pattern.clone()) != &pattern {
                 return Err(malformed(
                     "values",
-                    "paths of different commands".to_owned(),
+                    "the animated paths have different commands".to_owned(),
                 ));
             }
         }
@@ -575,7 +575,7 @@ mod tests {
         let bad = [
             ("", "XML"),
             ("<svg/>", "element svg"),
-            ("<a xmlns='http://www.w3.org/2000/svg'/>", "not svg"),
+            ("<a xmlns='http://www.w3.org/2000/svg'/>", "not <svg>"),
             (
                 "<!DOCTYPE svg [<!ENTITY a 'aaaaaaaaaa'><!ENTITY b '&a;&a;&a;&a;'>]><svg>&b;</svg>",
                 "XML",

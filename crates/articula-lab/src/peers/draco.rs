@@ -15,10 +15,10 @@ pub(crate) const MISSING: &str = "Draco (no node, or `npm ci` was not run in ora
 pub(crate) struct Coded {
     /// All attributes and the connectivity.
     pub(crate) bytes: usize,
-    /// If asked for: with the first kind of [`kinds`] alone, the first two, and so on.
+    /// If requested: bytes with only the first of [`kinds`], with the first two, and so on.
     #[serde(default)]
     pub(crate) steps: Vec<usize>,
-    /// If asked for: positions of one bit a coordinate, which is what triangles take by themselves.
+    /// If requested: bytes with positions of one bit per coordinate, an estimate of the connectivity.
     #[serde(default)]
     pub(crate) connectivity: usize,
 }

@@ -11,9 +11,9 @@ use std::collections::HashMap;
 const NORMAL_WEIGHT: f32 = 0.5;
 
 /// Coded size of the vertices and triangles of a mesh, as users of meshoptimizer code them: equal
-/// vertices are joined, triangles are in vertex-cache order, vertices in the order of their first use;
-/// a vertex is one interleaved record of whole numbers (24 bytes for a skinned vertex with texture
-/// coordinates), current version of the stream.
+/// vertices are joined, triangles are in vertex-cache order, vertices in the order of their first
+/// use; a vertex is one interleaved record of whole numbers (24 bytes for a skinned vertex with
+/// texture coordinates), current version of the stream.
 pub(crate) fn coded_bytes(mesh: &WireMesh) -> Result<usize> {
     if mesh.triangles.is_empty() {
         return Ok(0);
@@ -59,7 +59,8 @@ fn coded<const N: usize>(mesh: &WireMesh) -> Result<usize> {
     Ok(coded_vertices.len() + coded_indices.len())
 }
 
-/// A vertex: position (with two unused bytes), normal, texture coordinates, colour, joints, weights.
+/// A vertex: position (with two unused bytes), normal, texture coordinates, colour, joints,
+/// weights.
 pub(crate) fn record(mesh: &WireMesh, v: usize) -> Vec<u8> {
     let [x, y, z] = mesh.positions[v];
     let mut bytes: Vec<u8> = [x, y, z, 0].iter().flat_map(|c| c.to_le_bytes()).collect();

@@ -1,8 +1,8 @@
-//! A hand-written evaluator for comparison: a list of joints with their keys, and for each character
-//! a list of transforms and one of matrices.
+//! A hand-written evaluator for comparison: a list of joints with their keys, and for each
+//! character a list of transforms and one of matrices.
 //!
-//! Keys are searched in each channel, rotations are interpolated by slerp, matrices are glam's. It is
-//! the evaluator that the glTF tutorials lead to, and not slow on purpose.
+//! Keys are searched in each channel, rotations are interpolated by slerp, matrices are glam's. It
+//! is the evaluator that the glTF tutorials lead to, and not slow on purpose.
 
 use anyhow::{Result, ensure};
 use articula_core::{Clip, Rig, Track, Transform};

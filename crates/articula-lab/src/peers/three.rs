@@ -1,4 +1,5 @@
-//! three.js in node: mixer, world matrices and joint matrices of a crowd (`oracle/crowd_times.mjs`).
+//! three.js in node: mixer, world matrices and joint matrices of a crowd
+//! (`oracle/crowd_times.mjs`).
 
 use crate::measure::Timing;
 use anyhow::{Context, Result, bail, ensure};

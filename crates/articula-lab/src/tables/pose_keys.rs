@@ -140,7 +140,7 @@ mod tests {
     /// The pose-key values of acceptance test 12.
     #[test]
     fn published_pose_keys_are_reproduced() {
-        let Some(data) = data::folder(None).unwrap() else {
+        let Some(data) = data::folder(None, true).unwrap() else {
             println!("skipped: no data");
             return;
         };

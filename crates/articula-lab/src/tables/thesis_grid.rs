@@ -1,7 +1,7 @@
 //! Gain over distance, initial threshold and beta: the grid of the thesis' table 6.8.
 //!
-//! The numbers in the thesis are illegible in the scan. Each cell here also has the error in pixels,
-//! which the thesis judged by eye.
+//! The numbers in the thesis are illegible in the scan. Each cell here also has the error in
+//! pixels, which the thesis judged by eye.
 
 use super::{CLIPS, DISTANCES_M, Run};
 use crate::data;

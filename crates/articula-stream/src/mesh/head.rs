@@ -76,7 +76,11 @@ impl MeshStream {
     pub fn head_length(bytes: &[u8]) -> Result<usize, StreamError> {
         let mut r = ByteReader::new(bytes);
         if r.take::<4>()? != *MAGIC {
-            return Err(StreamError::malformed("byte 0", "no \"AMSH\" mesh stream"));
+            return Err(StreamError::malformed(
+                "byte 0",
+                "not a mesh stream: it does not begin \
+             with \"AMSH\"",
+            ));
         }
         let [version, ..] = r.take::<4>()?;
         if version != VERSION && version != OLD_VERSION {
@@ -88,7 +92,9 @@ impl MeshStream {
         }
         let length = r.u32()? as usize;
         if length < FIXED {
-            return Err(r.bad(format!("a head of {length} bytes")).into());
+            return Err(r
+                .bad(format!("a head of {length} bytes is too short"))
+                .into());
         }
         Ok(length)
     }
@@ -102,7 +108,7 @@ impl MeshStream {
         let head_bytes = Self::head_length(bytes)?;
         StreamLimits::check("byte 8", "bytes", head_bytes as u64, limits.bytes)?;
         let Some(head) = bytes.get(..head_bytes) else {
-            let what = format!("the end, a head of {head_bytes} bytes is expected");
+            let what = format!("unexpected end, expected a head of {head_bytes} bytes");
             return Err(StreamError::malformed(
                 format!("byte {}", bytes.len()),
                 what,
@@ -122,7 +128,10 @@ impl MeshStream {
         }
         let chunks = levels.levels.len() * count;
         if r.left() as u64 != (chunks * ENTRY) as u64 {
-            let what = format!("{} bytes for {chunks} chunks", r.left());
+            let what = format!(
+                "{} bytes do not fit the entries of {chunks} chunks",
+                r.left()
+            );
             return Err(r.bad(what).into());
         }
         let mut entries = Vec::with_capacity(chunks);
@@ -311,7 +320,7 @@ fn read_levels(r: &mut ByteReader<'_>, is_old: bool) -> Result<(usize, LevelTabl
     let number = count_of(r, "levels", MAX_LEVELS)?;
     let count = count_of(r, "levels", MAX_LEVELS)?;
     if count == 0 {
-        return Err(r.bad("no level").into());
+        return Err(r.bad("the stream has no level").into());
     }
     let mut levels = Vec::with_capacity(count);
     for _ in 0..count {
@@ -330,7 +339,8 @@ fn read_levels(r: &mut ByteReader<'_>, is_old: bool) -> Result<(usize, LevelTabl
         for _ in 0..count_of(r, "bytes of a name", MAX_NAME)? {
             name.extend(r.take::<1>()?);
         }
-        regions.push(String::from_utf8(name).map_err(|_| r.bad("a name that is no UTF-8"))?);
+        regions
+            .push(String::from_utf8(name).map_err(|_| r.bad("a region name is not valid UTF-8"))?);
     }
     let levels = LevelTable {
         levels,
@@ -349,7 +359,7 @@ fn read_error(r: &mut ByteReader<'_>) -> Result<SurfaceError, StreamError> {
         let value = f32::from_le_bytes(r.take()?);
         match value >= 0.0 {
             true => Ok(value),
-            false => Err(r.bad(format!("{value} is no error"))),
+            false => Err(r.bad(format!("an error must be at least 0, found {value}"))),
         }
     };
     Ok(SurfaceError {
@@ -363,7 +373,7 @@ fn read_error(r: &mut ByteReader<'_>) -> Result<SurfaceError, StreamError> {
 fn read_object(r: &mut ByteReader<'_>) -> Result<StreamObject, StreamError> {
     let mut number = || {
         let value = r.varint()?;
-        u32::try_from(value).map_err(|_| r.bad(format!("index {value}")))
+        u32::try_from(value).map_err(|_| r.bad(format!("index {value} exceeds 32 bits")))
     };
     let (mesh, primitive, region) = (number()?, number()?, number()?);
     let [position_bits, normal_bits, texcoord_bits, flags] = r.take::<4>()?;
@@ -374,14 +384,19 @@ fn read_object(r: &mut ByteReader<'_>) -> Result<StreamObject, StreamError> {
         normal_bits,
         texcoord_bits,
         has_colors: flags == 1,
-        joints: u16::try_from(joints).map_err(|_| r.bad(format!("{joints} joints")))?,
+        joints: u16::try_from(joints).map_err(|_| {
+            r.bad(format!(
+                "{joints} joints, the limit is \
+         65535"
+            ))
+        })?,
         morphs: Vec::new(),
     };
     for _ in 0..morphs {
         let [has_normals] = r.take::<1>()?;
         if has_normals > 1 {
             return Err(r
-                .bad("a morph target that is neither with nor without normals")
+                .bad("the normals flag of a morph target must be 0 or 1")
                 .into());
         }
         layout.morphs.push(MorphLayout {
@@ -389,7 +404,7 @@ fn read_object(r: &mut ByteReader<'_>) -> Result<StreamObject, StreamError> {
         });
     }
     if flags > 1 {
-        return Err(r.bad(format!("flags {flags}")).into());
+        return Err(r.bad(format!("unknown flags {flags}")).into());
     }
     layout
         .check()
@@ -406,7 +421,7 @@ fn read_object(r: &mut ByteReader<'_>) -> Result<StreamObject, StreamError> {
         let value = f32::from_le_bytes(r.take()?);
         match value.is_finite() {
             true => Ok(value),
-            false => Err(r.bad(format!("{value} in an origin"))),
+            false => Err(r.bad(format!("an origin must be finite, found {value}"))),
         }
     };
     let origin = Vec3::new(finite()?, finite()?, finite()?);

@@ -97,13 +97,13 @@ impl Receiver {
     /// code, [`StreamError::LimitExceeded`]. On an error the receiver is unchanged.
     pub fn refine(&mut self, object: usize, chunk: &[u8]) -> Result<(), StreamError> {
         let Some(level) = self.next_level(object) else {
-            let what = "there is no further chunk";
+            let what = "all chunks of the object are already received";
             return Err(Mismatch::new(format!("object {object}"), what).into());
         };
         let number = self.stream.finest_level + level;
         if !self.stream.names(level, object, chunk) {
             let place = format!("chunk of level {number}, object {object}");
-            let what = "the bytes are not those that the head names; fetch the chunk again";
+            let what = "the bytes do not match the hash in the head; fetch the chunk again";
             return Err(StreamError::malformed(place, what));
         }
         let held = &mut self.held[object];

@@ -43,7 +43,7 @@ pub fn write(
     if shown.is_empty() || shown.end > count {
         return Err(Mismatch::new(
             "shown",
-            format!("{shown:?} of {count} levels"),
+            format!("{shown:?} is empty or exceeds the {count} levels"),
         ));
     }
     if let Some(o) = objects.iter().position(|o| o.levels.len() != count) {

@@ -71,7 +71,7 @@ pub fn reduce_keys(
 ) -> Result<ReducedClip, Mismatch> {
     subject.check(clip)?;
     if !(opts.bound_metres.is_finite() && opts.bound_metres > 0.0) {
-        let what = format!("{} is not a positive length", opts.bound_metres);
+        let what = format!("must be positive and finite, found {}", opts.bound_metres);
         return Err(Mismatch::new("bound_metres", what));
     }
     steps_at(clip, clip.duration_secs, VERIFIED_HZ, 1)?;

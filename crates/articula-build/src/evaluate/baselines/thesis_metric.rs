@@ -21,7 +21,7 @@ impl ErrorMatrix {
     pub(crate) fn new(joints: usize, values: Vec<f32>) -> Result<Self, Mismatch> {
         if joints == 0 || !values.len().is_multiple_of(joints) {
             let what = format!(
-                "{} values are not whole frames of {joints} joints",
+                "{} values are not a whole number of frames of {joints} joints",
                 values.len()
             );
             return Err(Mismatch::new("values", what));

@@ -115,7 +115,7 @@ impl LodReport {
     pub(super) fn notes(&self) -> Vec<String> {
         let tuned = match self.calibrate_px {
             Some(px) => format!("calibrated to {px} px of p95 error"),
-            None => "at the given parameter".into(),
+            None => "not calibrated".into(),
         };
         vec![
             format!(

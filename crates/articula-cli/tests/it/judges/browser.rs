@@ -1,4 +1,4 @@
-//! Pictures that Chromium takes of our files (`oracle/browser.mjs` says what kinds there are).
+//! Pictures of written files, taken by Chromium (`oracle/browser.mjs` lists the kinds).
 
 use super::{ask_on, is_required, judges_are_here};
 use articula_flat::Picture;
@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// A file to be shown, and when.
+/// A file to show, and the times.
 #[derive(Debug, Clone)]
 pub(crate) struct Item {
     /// `svg`, `smil`, `smil-img`, `player`, `lottie` or `dotlottie`.
@@ -15,45 +15,45 @@ pub(crate) struct Item {
     pub(crate) file: PathBuf,
     /// Width and height in pixels.
     pub(crate) size: [u32; 2],
-    /// A picture is taken at each.
+    /// Times of the pictures.
     pub(crate) times_secs: Vec<f64>,
-    /// Whether to find out that the untouched file plays (`smil`, `smil-img`, `player`).
+    /// Whether to test that the untouched file plays (`smil`, `smil-img`, `player`).
     pub(crate) plays: bool,
 }
 
-/// What was seen of an [`Item`].
+/// Pictures of an [`Item`].
 #[derive(Debug, Clone)]
 pub(crate) struct Seen {
-    /// At the times that were asked for.
+    /// At the requested times.
     pub(crate) pictures: Vec<Picture>,
-    /// Whether the untouched file moved by itself; false if that was not asked.
+    /// Whether the untouched file moved by itself; false if that was not requested.
     pub(crate) plays: bool,
 }
 
-/// The number of this run's next file, so that tests which run at once keep apart.
+/// Number of the next file of this run, so that concurrent tests use different files.
 fn next() -> String {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
     format!("{}-{number}", std::process::id())
 }
 
-/// A folder of this test program's own.
+/// A folder of this test program.
 fn folder() -> PathBuf {
-    // Cargo names a folder to integration tests, not to unit tests.
+    // Cargo provides a folder to integration tests, not to unit tests.
     let scratch = option_env!("CARGO_TARGET_TMPDIR").map_or_else(std::env::temp_dir, PathBuf::from);
     let folder = scratch.join("browser");
     std::fs::create_dir_all(&folder).unwrap();
     folder
 }
 
-/// Writes a file for [`Item::file`]; the name's extension matters.
+/// Writes a file for [`Item::file`]; the extension of the name matters.
 pub(crate) fn write(name: &str, content: &[u8]) -> PathBuf {
     let file = folder().join(format!("{}-{name}", next()));
     std::fs::write(&file, content).unwrap();
     file
 }
 
-/// What Chromium shows, one answer an item; `None` if it (or node) is not here, which is printed,
+/// Pictures by Chromium, one answer per item; `None` if it (or node) is missing, which is printed,
 /// or fails where tools are required.
 pub(crate) fn shots(items: &[Item]) -> Option<Vec<Seen>> {
     if !is_here() {
@@ -81,7 +81,7 @@ pub(crate) fn shots(items: &[Item]) -> Option<Vec<Seen>> {
     )
 }
 
-/// Reads the pictures of an answer and takes them away.
+/// Reads the pictures of an answer and deletes their files.
 fn seen(answer: &Value) -> Seen {
     let picture = |path: &Value| {
         let path = path.as_str().unwrap();
@@ -100,7 +100,7 @@ fn seen(answer: &Value) -> Seen {
     }
 }
 
-/// Whether Chromium and the judges are here; says so once if not.
+/// Whether Chromium and the scripts are available; prints it once if not.
 pub(crate) fn is_here() -> bool {
     if !judges_are_here() {
         return false;

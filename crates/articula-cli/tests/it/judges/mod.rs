@@ -1,4 +1,4 @@
-//! Asks the scripts of the folder `oracle`, which run in node; says what is skipped without it.
+//! Runs the scripts of the folder `oracle` in node; without node, prints what is skipped.
 #![allow(
     dead_code,
     clippy::disallowed_methods,
@@ -13,7 +13,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// What a script of the folder `oracle` prints, and whether it ended well.
+/// Output of a script of the folder `oracle`, and whether it succeeded.
 pub(crate) fn ask(script: &str, words: &[String]) -> (String, bool) {
     let output = Command::new("node")
         .arg(oracle_folder().join(script))
@@ -22,7 +22,7 @@ pub(crate) fn ask(script: &str, words: &[String]) -> (String, bool) {
     answer_of(output.unwrap())
 }
 
-/// The same for a script that reads its job from its input.
+/// The same for a script that reads its job from standard input.
 pub(crate) fn ask_on(script: &str, job: &str) -> (String, bool) {
     let mut node = Command::new("node")
         .arg(oracle_folder().join(script))
@@ -51,7 +51,7 @@ fn is_required(variable: &str) -> bool {
     std::env::var_os(variable).is_some_and(|v| v == "1")
 }
 
-/// Whether node and the judges' packages are there (`cargo xtask test` installs them).
+/// Whether node and the packages of the scripts are installed (`cargo xtask test` installs them).
 pub(crate) fn judges_are_here() -> bool {
     let packages = [
         "@lottiefiles/dotlottie-web",

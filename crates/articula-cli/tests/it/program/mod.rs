@@ -1,4 +1,4 @@
-//! Runs the program as a user would, in a folder of its own.
+//! Runs the program in a folder of its own, as a user would.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::{Mutex, OnceLock};
 
-/// A fresh folder for the files of one test, which alone uses its name: tests run side by side.
+/// A new folder for the files of one test, under a name that no other test uses.
 pub(crate) fn folder(name: &str) -> PathBuf {
     static USED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
     let is_new = USED.lock().unwrap().insert(name.to_owned());
@@ -17,14 +17,14 @@ pub(crate) fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// What one run gave.
+/// Result of one run.
 pub(crate) struct Ran {
     pub(crate) status: i32,
     pub(crate) out: String,
     pub(crate) err: String,
 }
 
-/// Runs the program with words, in a folder.
+/// Runs the program with arguments, in a folder.
 pub(crate) fn articula(folder: &Path, words: &[&str]) -> Ran {
     let output: Output = Command::new(env!("CARGO_BIN_EXE_articula"))
         .args(words)
@@ -38,7 +38,7 @@ pub(crate) fn articula(folder: &Path, words: &[&str]) -> Ran {
     }
 }
 
-/// Runs it with `--json`, expects success, and reads the answer.
+/// Runs it with `--json`, expects success, and parses the result.
 pub(crate) fn json(folder: &Path, words: &[&str]) -> Value {
     let mut words = words.to_vec();
     words.push("--json");
@@ -47,7 +47,7 @@ pub(crate) fn json(folder: &Path, words: &[&str]) -> Value {
     serde_json::from_str(&ran.out).unwrap()
 }
 
-/// Runs it, expects this status and one line on standard error; gives the line.
+/// Runs it, expects this status and one line on standard error; returns the line.
 pub(crate) fn fault(folder: &Path, status: i32, words: &[&str]) -> String {
     let ran = articula(folder, words);
     assert_eq!(ran.status, status, "{words:?}: {} {}", ran.out, ran.err);
@@ -57,8 +57,7 @@ pub(crate) fn fault(folder: &Path, status: i32, words: &[&str]) -> String {
     ran.err
 }
 
-/// The reference human with few triangles, made once for all tests of
-/// one process.
+/// The reference human with few triangles, made once for all tests of one process.
 pub(crate) fn human() -> &'static Path {
     static HUMAN: OnceLock<PathBuf> = OnceLock::new();
     HUMAN.get_or_init(|| {
@@ -69,7 +68,7 @@ pub(crate) fn human() -> &'static Path {
     })
 }
 
-/// A path as a word of the command line.
+/// A path as an argument.
 pub(crate) fn word(path: &Path) -> &str {
     path.to_str().unwrap()
 }

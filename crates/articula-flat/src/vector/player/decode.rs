@@ -58,8 +58,8 @@ fn unpacked(packed: &[u8]) -> Result<Vec<u8>, PlayerError> {
 
 fn body(bytes: &[u8]) -> Result<PlayerClip, PlayerError> {
     let from = &mut Reader::new(bytes);
-    let width = from.count("pixels of width", 1, MAX_SIDE)? as u32;
-    let height = from.count("pixels of height", 1, MAX_SIDE)? as u32;
+    let width = from.count("pixels in width", 1, MAX_SIDE)? as u32;
+    let height = from.count("pixels in height", 1, MAX_SIDE)? as u32;
     let header = Header {
         frames: from.count("frames", 1, MAX_FRAMES)? as u32,
         triangles: from.count("triangles", 1, MAX_TRIANGLES)?,
@@ -68,7 +68,7 @@ fn body(bytes: &[u8]) -> Result<PlayerClip, PlayerError> {
         flags: from.unsigned()?,
     };
     if header.flags & !(GOURAUD | INPUTS) != 0 {
-        return Err(PlayerError::Malformed("a flag that is not known"));
+        return Err(PlayerError::Malformed("unknown flag"));
     }
     let fps = positive(from.real()?, MAX_FPS)? as f32;
     let step = positive(from.real()?, f64::from(1 << 24))?;
@@ -98,7 +98,7 @@ fn body(bytes: &[u8]) -> Result<PlayerClip, PlayerError> {
         }
     }
     if !from.is_at_end() {
-        return Err(PlayerError::Malformed("bytes after the end"));
+        return Err(PlayerError::Malformed("unexpected bytes after the end"));
     }
     let motion = Quantised {
         step,
@@ -126,7 +126,7 @@ fn positive(value: f64, most: f64) -> Result<f64, PlayerError> {
     if value > 0.0 && value <= most {
         Ok(value)
     } else {
-        Err(PlayerError::Malformed("a unit or rate out of range"))
+        Err(PlayerError::Malformed("a unit or rate is out of range"))
     }
 }
 
@@ -134,7 +134,7 @@ fn positive(value: f64, most: f64) -> Result<f64, PlayerError> {
 type Corners = (Vec<[u32; 3]>, Vec<u32>);
 
 fn corners(from: &mut Reader<'_>, count: usize) -> Result<Corners, PlayerError> {
-    const BACK: PlayerError = PlayerError::Malformed("a corner before the first");
+    const BACK: PlayerError = PlayerError::Malformed("a corner refers back before the first");
     let mut triangles = Vec::new();
     let mut wedge_points: Vec<u32> = Vec::new();
     let mut points = 0u32;
@@ -165,7 +165,7 @@ fn colors(from: &mut Reader<'_>, count: usize) -> Result<Vec<[u8; 3]>, PlayerErr
         }
         // A new colour has just become the last known one.
         let at = known.len().checked_sub(back.max(1));
-        let at = at.ok_or(PlayerError::Malformed("a colour before the first"))?;
+        let at = at.ok_or(PlayerError::Malformed("a colour refers back before the first"))?;
         colors.push(known[at]);
     }
     Ok(colors)
@@ -178,7 +178,7 @@ fn spans(from: &mut Reader<'_>, frames: u32) -> Result<Vec<Range<u32>>, PlayerEr
         let step = from.unsigned()?;
         let turn = turns.last().copied().unwrap_or(0) + step;
         if turn >= frames || (i > 0 && step == 0) {
-            return Err(PlayerError::Malformed("spans that do not rise"));
+            return Err(PlayerError::Malformed("the spans do not rise"));
         }
         turns.push(turn);
     }
@@ -194,9 +194,9 @@ fn epochs(from: &mut Reader<'_>, header: &Header) -> Result<Vec<PlayerEpoch>, Pl
         let step = from.unsigned()?;
         let first_frame = epochs.last().map_or(0, |last| last.first_frame) + step;
         if first_frame >= header.frames || (step == 0) != (e == 0) {
-            return Err(PlayerError::Malformed("painting orders that do not rise"));
+            return Err(PlayerError::Malformed("the frames of the painting orders do not rise"));
         }
-        let count = from.count("triangles of an order", 0, header.triangles)?;
+        let count = from.count("triangles in a painting order", 0, header.triangles)?;
         let mut is_named = vec![false; header.triangles];
         let mut order = Vec::new();
         let mut next = 0;
@@ -207,7 +207,7 @@ fn epochs(from: &mut Reader<'_>, header: &Header) -> Result<Vec<PlayerEpoch>, Pl
                 Some(named) if !*named => *named = true,
                 _ => {
                     return Err(PlayerError::Malformed(
-                        "an order that names what it must not",
+                        "a painting order names a triangle twice or out of range",
                     ));
                 }
             }
@@ -223,7 +223,7 @@ fn within(value: i64) -> Result<i32, PlayerError> {
     if value.abs() <= i64::from(MAX_STEPS) {
         Ok(value as i32)
     } else {
-        Err(PlayerError::Malformed("a number out of range"))
+        Err(PlayerError::Malformed("a value is out of range"))
     }
 }
 
@@ -246,7 +246,7 @@ fn flag(from: &mut Reader<'_>) -> Result<bool, PlayerError> {
     match from.unsigned()? {
         0 => Ok(false),
         1 => Ok(true),
-        _ => Err(PlayerError::Malformed("a flag that is neither 0 nor 1")),
+        _ => Err(PlayerError::Malformed("a flag is neither 0 nor 1")),
     }
 }
 
@@ -259,7 +259,7 @@ fn components(
     for _ in 0..header.components {
         let scale = from.real()?;
         if scale > f64::from(1 << 24) {
-            return Err(PlayerError::Malformed("a unit or rate out of range"));
+            return Err(PlayerError::Malformed("a unit or rate is out of range"));
         }
         let is_guessed = flag(from)?;
         components.push(QuantisedComponent {
@@ -282,8 +282,8 @@ fn components(
 }
 
 fn name(from: &mut Reader<'_>) -> Result<String, PlayerError> {
-    const NO_TEXT: PlayerError = PlayerError::Malformed("a name that is not text");
-    let length = from.count("letters of a name", 0, 1 << 10)?;
+    const NO_TEXT: PlayerError = PlayerError::Malformed("a name is not valid UTF-16");
+    let length = from.count("characters in a name", 0, 1 << 10)?;
     let mut units = Vec::new();
     for _ in 0..length {
         units.push(u16::try_from(from.unsigned()?).map_err(|_| NO_TEXT)?);

@@ -85,7 +85,7 @@ impl Numbers {
         let count = columns * clip.frames.len();
         if count > MAX_NUMBERS {
             return refused(format!(
-                "{count} numbers are more than {MAX_NUMBERS}; choose fewer triangles or frames"
+                "{count} values, the limit is {MAX_NUMBERS}; choose fewer triangles or frames"
             ));
         }
         let mut values = Vec::with_capacity(count);
@@ -93,14 +93,15 @@ impl Numbers {
             for v in &topology.point_vertices {
                 let place = frame.xy[*v as usize];
                 if place.abs().max_element() > MAX_PLACE_PX {
-                    return refused(format!("a vertex lies beyond {MAX_PLACE_PX} pixels"));
+                    return refused(format!("a vertex is farther than {MAX_PLACE_PX} pixels from \
+                     the origin"));
                 }
                 values.extend(place.to_array().map(f64::from));
             }
             for v in lit {
                 let light = frame.light[*v as usize];
                 if light.abs() > MAX_LIGHT {
-                    return refused(format!("light is beyond {MAX_LIGHT}"));
+                    return refused(format!("the light of a vertex exceeds {MAX_LIGHT}"));
                 }
                 values.push(f64::from(light) * light_weight);
             }
@@ -193,7 +194,7 @@ pub(super) fn fit(
             best = Some((bytes, motion));
         }
     }
-    let what = "the tolerances are too small for places this far apart".to_owned();
+    let what = "the tolerances are too small for positions this far apart; choose larger ones".to_owned();
     let at = "tolerances";
     best.map(|(_, motion)| motion)
         .ok_or(PlanarError::Mismatch { at, what })

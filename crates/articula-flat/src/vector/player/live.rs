@@ -62,7 +62,7 @@ pub(crate) fn live_player(
     made.motion = best.ok_or_else(|| {
         mismatch(
             "tolerances",
-            "too small for places this far apart".to_owned(),
+            "too small for positions this far apart; choose larger ones".to_owned(),
         )
     })?;
     let found = errors(&numbers, &made.motion);
@@ -77,13 +77,14 @@ fn check(source: &LiveSource) -> Result<(), PlanarError> {
     let inputs = source.inputs.len();
     if inputs == 0 || source.shapes.frames.len() != inputs + 1 {
         let shapes = source.shapes.frames.len();
-        let what = format!("{inputs} names for {shapes} shapes, expected one shape more");
+        let what = format!("{inputs} names and {shapes} shapes; expected at least one name, and \
+         one shape more than names");
         return Err(mismatch("inputs", what));
     }
     for (f, weights) in source.weights.iter().enumerate() {
         let sound = weights.iter().all(|w| w.abs() <= 1000.0);
         if weights.len() != inputs || !sound {
-            let what = format!("frame {f} is not {inputs} weights within 1000");
+            let what = format!("frame {f} must hold {inputs} weights between -1000 and 1000");
             return Err(mismatch("weights", what));
         }
     }

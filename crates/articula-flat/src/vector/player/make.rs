@@ -151,7 +151,7 @@ pub(super) fn still_parts(
     if !(joined && whole && within) {
         let (at, what) = (
             "painting",
-            "not orders of all frames of the clip".to_owned(),
+            "the painting orders must cover all frames of the clip, and its triangles only".to_owned(),
         );
         return Err(PlanarError::Mismatch { at, what });
     }

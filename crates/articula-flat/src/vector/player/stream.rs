@@ -75,11 +75,11 @@ impl<'a> Reader<'a> {
                 return if value >> MAX_BITS == 0 {
                     Ok(value as u32)
                 } else {
-                    Err(PlayerError::Malformed("a number of more than 31 bits"))
+                    Err(PlayerError::Malformed("a variable-length integer exceeds 31 bits"))
                 };
             }
         }
-        Err(PlayerError::Malformed("a number of more than 31 bits"))
+        Err(PlayerError::Malformed("a variable-length integer exceeds 31 bits"))
     }
 
     pub(super) fn signed(&mut self) -> Result<i32, PlayerError> {
@@ -90,7 +90,7 @@ impl<'a> Reader<'a> {
     pub(super) fn real(&mut self) -> Result<f64, PlayerError> {
         let (whole, shift) = (self.unsigned()?, self.unsigned()?);
         if shift > 60 {
-            return Err(PlayerError::Malformed("a shift of more than 60"));
+            return Err(PlayerError::Malformed("a shift exceeds 60"));
         }
         Ok(f64::from(whole) / f64::from(shift).exp2())
     }
@@ -107,7 +107,7 @@ impl<'a> Reader<'a> {
             return Err(PlayerError::TooMany { what, found, most });
         }
         if found < least {
-            return Err(PlayerError::Malformed("a count that must not be zero is"));
+            return Err(PlayerError::Malformed("a count must not be 0"));
         }
         Ok(found)
     }

@@ -98,7 +98,7 @@ pub fn thesis(clip: &PlanarClip, options: &ThesisSvgOptions) -> Result<ThesisFil
     has_frame(clip, "neutral_frame", options.neutral_frame)?;
     let faces = match options.form {
         ThesisForm::GouraudStill { frame } => {
-            has_frame(clip, "frame of the still", frame)?;
+            has_frame(clip, "form.frame", frame)?;
             Faces::of(clip, frame..frame + 1, options.neutral_frame)?
         }
         _ => Faces::of(clip, 0..clip.frames.len(), options.neutral_frame)?,
@@ -172,7 +172,7 @@ fn has_frame(clip: &PlanarClip, at: &'static str, frame: usize) -> Result<(), Pl
     if frame < frames {
         return Ok(());
     }
-    let what = format!("{frame}, but the clip has {frames} frames");
+    let what = format!("frame {frame} is out of range: the clip has {frames} frames");
     Err(PlanarError::Mismatch { at, what })
 }
 
@@ -181,7 +181,8 @@ fn fits(bytes: usize) -> Result<(), PlanarError> {
         return Ok(());
     }
     let what = format!(
-        "about {bytes} bytes as the thesis writes them, more than {MAX_BYTES}; choose fewer triangles or frames"
+        "the file in the format of the thesis would take about {bytes} bytes, the limit is \
+         {MAX_BYTES}; choose fewer triangles or frames"
     );
     Err(PlanarError::Mismatch { at: "clip", what })
 }

@@ -1,19 +1,19 @@
 //! The floor: a minimal evaluator of one clip for eight characters at once.
 //!
-//! Source: `docs/methods/runtime.md` part 3, without options: no scales, no blending, no looping, no
-//! levels, one clip for all characters. Uniform f32 rows, constant channels dropped, joints breadth
-//! first, the chain in quaternions and translations, then 3x4 matrices. A scale of a joint without
-//! children, which affects no other joint, is ignored; any other is refused. All other times are
-//! stated as ratios to this one, so it is written to be fast: [`avx2`] where the machine has it,
-//! plain arrays elsewhere.
+//! Source: `docs/methods/runtime.md` part 3, without options: no scales, no blending, no looping,
+//! no levels, one clip for all characters. Uniform f32 rows, constant channels dropped, joints
+//! breadth first, the chain in quaternions and translations, then 3x4 matrices. A scale of a joint
+//! without children, which affects no other joint, is ignored; any other is refused. All other
+//! times are stated as ratios to this one, so it is written to be fast: [`avx2`] where the machine
+//! has it, plain arrays elsewhere.
 //!
 //! Alternatives, on one Xeon of 2023, ns per character and frame of 67 joints, stored / consumed in
 //! tiles: plain arrays 900 / – without features and 470 / 340 as a clone with AVX2 and `mul_add`
 //! (680 / 470 with AVX-512: the compiler finds no good transposition); rows by intrinsics and
-//! arithmetic on arrays 310 / 175 (the compiler splits registers into halves); intrinsics throughout
-//! 200 / 145; the same without constant channels 190 / 115, kept (AVX-512 on eight lanes 15 slower /
-//! the same). Writing the tile and transposing it afterwards costs 60 to 140 more, streaming stores
-//! 550.
+//! arithmetic on arrays 310 / 175 (the compiler splits registers into halves); intrinsics
+//! throughout 200 / 145; the same without constant channels 190 / 115, kept (AVX-512 on eight lanes
+//! 15 slower / the same). Writing the tile and transposing it afterwards costs 60 to 140 more,
+//! streaming stores 550.
 
 mod arrays;
 #[cfg(target_arch = "x86_64")]
@@ -199,8 +199,8 @@ impl Floor {
         }
     }
 
-    /// Passes the matrices to `consume`, eight characters at a time, in one buffer that stays in the
-    /// first-level cache. The padding of the last batch is included.
+    /// Passes the matrices to `consume`, eight characters at a time, in one buffer that stays in
+    /// the first-level cache. The padding of the last batch is included.
     pub(crate) fn tiles(&mut self, secs: &[f32], mut consume: impl FnMut(&[Tile])) {
         for times in secs.chunks(LANES) {
             let (at, tile) = (self.clip.batch(times), &mut self.tile);

@@ -127,7 +127,7 @@ mod tests {
     /// available.
     #[test]
     fn a_real_character_holds_the_targets() {
-        let Some(data) = data::folder(None).unwrap() else {
+        let Some(data) = data::folder(None, true).unwrap() else {
             println!("skipped: no data");
             return;
         };

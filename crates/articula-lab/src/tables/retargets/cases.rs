@@ -115,6 +115,17 @@ const fn clip(name: &'static str, clip: &'static str) -> MotionSource {
 }
 
 impl Case {
+    /// Whether a folder has the files of the case; the repository's own has a part of them.
+    pub(super) fn is_in(&self, data: &Path) -> bool {
+        let (MotionSource::File(motion, _) | MotionSource::Bap(motion)) = self.source;
+        let has = |name: &str| data.join(name).is_file();
+        has(motion)
+            && match self.target {
+                MotionTarget::File(name) => has(name),
+                MotionTarget::Human => true,
+            }
+    }
+
     const fn skip(self) -> Self {
         Self {
             skip_secs: 0.009,

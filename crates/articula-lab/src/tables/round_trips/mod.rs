@@ -190,7 +190,7 @@ mod tests {
     /// opens again within its bound; and the counts are those that another parser measured.
     #[test]
     fn every_door_opens_and_every_writer_comes_back() {
-        let Some(data) = data::folder(None).unwrap() else {
+        let Some(data) = data::folder(None, false).unwrap() else {
             println!("skipped: no data");
             return;
         };

@@ -18,7 +18,7 @@ impl Layout {
         for (at, bits, least, most, may_lack) in ranges {
             let is_left_out = may_lack && bits == 0;
             if !(is_left_out || (least..=most).contains(&bits)) {
-                let what = format!("{bits} bits, not {least} to {most}");
+                let what = format!("{bits} bits, expected {least} to {most}");
                 return Err(Mismatch::new(at, what));
             }
         }
@@ -43,7 +43,10 @@ impl QuantisedMesh {
     fn check_lengths(&self, layout: &Layout) -> Result<(), Mismatch> {
         let (points, wedges) = (self.points(), self.wedges());
         if points.max(wedges).max(self.faces.len()) > i32::MAX as usize {
-            return Err(Mismatch::new("positions", "more than 2^31 of them"));
+            return Err(Mismatch::new(
+                "positions",
+                "more than 2^31 points, wedges or faces",
+            ));
         }
         let count = |has: bool, n: usize| if has { n } else { 0 };
         length("skins", self.skins.len(), count(layout.joints > 0, points))?;
@@ -58,9 +61,9 @@ impl QuantisedMesh {
         let normals = self.morph_normals.len();
         length("morph_normals", normals, layout.morphs.len())?;
         for (m, morph) in layout.morphs.iter().enumerate() {
-            length("a morph", self.morphs[m].len(), points)?;
+            length("morphs", self.morphs[m].len(), points)?;
             let expected = count(morph.has_normals, wedges);
-            length("a morph's normals", self.morph_normals[m].len(), expected)?;
+            length("morph_normals", self.morph_normals[m].len(), expected)?;
         }
         Ok(())
     }
@@ -68,15 +71,15 @@ impl QuantisedMesh {
     fn check_topology(&self) -> Result<(), Mismatch> {
         let (points, wedges) = (self.points() as u32, self.wedges() as u32);
         if let Some(w) = self.wedge_points.iter().position(|p| *p >= points) {
-            return Err(wrong("wedge_points", w, "a point that there is not"));
+            return Err(wrong("wedge_points", w, "the point index is out of range"));
         }
         for (f, face) in self.faces.iter().enumerate() {
             if face.iter().any(|w| *w >= wedges) {
-                return Err(wrong("faces", f, "a wedge that there is not"));
+                return Err(wrong("faces", f, "a wedge index is out of range"));
             }
             let [a, b, c] = face.map(|w| self.wedge_points[w as usize]);
             if a == b || b == c || c == a {
-                return Err(wrong("faces", f, "a point twice"));
+                return Err(wrong("faces", f, "the face names a point twice"));
             }
         }
         Ok(())
@@ -97,7 +100,7 @@ impl QuantisedMesh {
     fn check_skins(&self, layout: &Layout) -> Result<(), Mismatch> {
         for (p, skin) in self.skins.iter().enumerate() {
             if skin.iter().map(|i| u32::from(i.1)).sum::<u32>() != 255 {
-                return Err(wrong("skins", p, "weights that do not sum to 255"));
+                return Err(wrong("skins", p, "the weights do not sum to 255"));
             }
             let order = |i: &(u16, u8)| (std::cmp::Reverse(i.1), i.0);
             let is_sorted = skin.is_sorted_by_key(order);
@@ -105,7 +108,12 @@ impl QuantisedMesh {
             let mut joints: Vec<u16> = skin.iter().map(|i| i.0).collect();
             joints.sort_unstable();
             if !is_sorted || !is_known || joints.windows(2).any(|j| j[0] == j[1]) {
-                return Err(wrong("skins", p, "joints unknown, twice or out of order"));
+                return Err(wrong(
+                    "skins",
+                    p,
+                    "the joints are out of range, repeated or out of \
+                 order",
+                ));
             }
         }
         Ok(())
@@ -115,18 +123,26 @@ impl QuantisedMesh {
         // Uses the canonical order, in which equal items are adjacent.
         let of = |i: usize| (self, i as u32);
         if let Some(p) = repeated(self.points(), |a, b| compare_points(of(a), of(b))) {
-            return Err(wrong("positions", p, "the values of another point"));
+            return Err(wrong(
+                "positions",
+                p,
+                "the point repeats the values of another point",
+            ));
         }
         let wedges = |a: usize, b: usize| {
             let points = self.wedge_points[a].cmp(&self.wedge_points[b]);
             points.then_with(|| compare_wedges(of(a), of(b)))
         };
         if let Some(w) = repeated(self.wedges(), wedges) {
-            return Err(wrong("wedge_points", w, "the values of another wedge"));
+            return Err(wrong(
+                "wedge_points",
+                w,
+                "the wedge repeats the values of another wedge",
+            ));
         }
         let face = |f: usize| rotated(self.faces[f]);
         match repeated(self.faces.len(), |a, b| face(a).cmp(&face(b))) {
-            Some(f) => Err(wrong("faces", f, "the same as another face")),
+            Some(f) => Err(wrong("faces", f, "the face repeats another face")),
             None => Ok(()),
         }
     }
@@ -148,7 +164,10 @@ fn length(at: &str, found: usize, expected: usize) -> Result<(), Mismatch> {
     if found == expected {
         return Ok(());
     }
-    Err(Mismatch::new(at, format!("{found}, not {expected}")))
+    Err(Mismatch::new(
+        at,
+        format!("{found} entries, expected {expected}"),
+    ))
 }
 
 fn range<const N: usize>(
@@ -157,7 +176,7 @@ fn range<const N: usize>(
     may: std::ops::RangeInclusive<i32>,
 ) -> Result<(), Mismatch> {
     match values.iter().flatten().position(|v| !may.contains(v)) {
-        Some(i) => Err(wrong(at, i / N, "a number out of its range")),
+        Some(i) => Err(wrong(at, i / N, "a value is out of range")),
         None => Ok(()),
     }
 }

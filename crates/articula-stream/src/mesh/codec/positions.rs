@@ -279,11 +279,11 @@ pub(super) fn code_positions(
         });
         let top = (1 << bits) - 1;
         if found.iter().any(|x| !(0..=top).contains(x)) {
-            return Err("a position lies outside its grid");
+            return Err("a position is outside its grid");
         }
         positions[point] = found;
         if coder.is_exhausted() {
-            return Err("the bytes end within the positions");
+            return Err("unexpected end of the bytes within the positions");
         }
     }
     Ok(())

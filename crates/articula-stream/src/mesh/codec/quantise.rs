@@ -141,7 +141,7 @@ fn check_bits(at: &str, bits: u8, may: std::ops::RangeInclusive<u8>) -> Result<(
     if may.contains(&bits) {
         return Ok(());
     }
-    let what = format!("{bits} bits, not {} to {}", may.start(), may.end());
+    let what = format!("{bits} bits, expected {} to {}", may.start(), may.end());
     Err(Mismatch::new(at, what))
 }
 
@@ -159,7 +159,10 @@ fn check_length(at: &str, found: usize, expected: usize) -> Result<(), Mismatch>
     if found == expected {
         return Ok(());
     }
-    Err(Mismatch::new(at, format!("{found} for {expected}")))
+    Err(Mismatch::new(
+        at,
+        format!("{found} entries, expected {expected}"),
+    ))
 }
 
 /// Quantises one part. `levels` are its triangles at each level, finest first, as indices of its
@@ -285,7 +288,7 @@ fn layout_of(part: &Primitive, precision: &Precision) -> Result<Layout, Mismatch
     }
     let joints = part.joints.iter().max().map_or(0, |j| u32::from(*j) + 1);
     let joints = u16::try_from(joints)
-        .map_err(|_| Mismatch::new("joints", "65536 joints, the codec has room for 65535"))?;
+        .map_err(|_| Mismatch::new("joints", "65536 joints, the codec supports at most 65535"))?;
     let bits = |has: bool, bits: u8| if has { bits } else { 0 };
     Ok(Layout {
         position_bits: precision.position_bits,

@@ -81,7 +81,7 @@ pub fn decode_level(
     let coded = code(&mut decoder, &sorted.mesh, layout, &bounds, None);
     let mesh = coded.map_err(|fault| StreamError::malformed("mesh level", fault))?;
     if !decoder.is_spent() {
-        let what = "there are bytes after the end of the level";
+        let what = "unexpected bytes after the end of the level";
         return Err(StreamError::malformed("mesh level", what));
     }
     let mesh = restored(mesh, coarse, &sorted);
@@ -175,11 +175,13 @@ fn code(
     )?;
     code_rest(coder, coarse, layout, &mut mesh);
     if coder.is_exhausted() {
-        return Err("the bytes end within the values");
+        return Err("unexpected end of the bytes within the values");
     }
     let sum = check_sum(&mesh);
     if coder.raw(16, sum) != sum {
-        return Err("the check sum is that of another level");
+        return Err(
+            "the checksum does not match; the chunk belongs to another level or is damaged",
+        );
     }
     Ok(mesh)
 }

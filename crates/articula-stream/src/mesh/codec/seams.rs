@@ -201,7 +201,7 @@ pub(super) fn code_wedges(
             seams.code_edge(coder, &mut models, half_edge, truth.map(|t| t.0));
         }
         if coder.is_exhausted() {
-            return Err("the bytes end within the seams");
+            return Err("unexpected end of the bytes within the seams");
         }
     }
     seams.code_sectors(coder, &mut models, points, truth)
@@ -327,7 +327,7 @@ impl Seams<'_> {
             }
             wedges[corner as usize] = wedge;
             if coder.is_exhausted() {
-                return Err("the bytes end within the wedges");
+                return Err("unexpected end of the bytes within the wedges");
             }
         }
         found.new_points = new.points;

@@ -158,7 +158,7 @@ impl<C: Coder> Walk<'_, '_, C> {
             return Err("a face names a point twice");
         }
         if self.coder.is_exhausted() {
-            return Err("the bytes end too early");
+            return Err("unexpected end of the bytes");
         }
         for point in points {
             let visits = &mut self.visits[point as usize];

@@ -16,8 +16,16 @@ pub(super) fn merge(
     let wedges = first_with_key(whole.wedges(), |v| wedge_key(whole, points[v], v));
     let mut finer: Option<Finer> = None;
     for (level, triangles) in levels.iter().enumerate() {
-        let named = used(whole.wedges(), triangles)
-            .map_err(|v| wrong(level, format!("vertex {v} of {}", whole.wedges())))?;
+        let named = used(whole.wedges(), triangles).map_err(|v| {
+            wrong(
+                level,
+                format!(
+                    "vertex {v} is out of range: the mesh has {} \
+             vertices",
+                    whole.wedges()
+                ),
+            )
+        })?;
         let mut seen = HashSet::new();
         let mut faces = Vec::with_capacity(triangles.len());
         for t in triangles {

@@ -6,7 +6,9 @@ pub(super) fn bytes(joints: &[u16], weights: &[f32]) -> Result<Vec<(u16, u8)>, S
     let mut shares: Vec<(u16, f64)> = Vec::with_capacity(joints.len());
     for (&joint, &weight) in joints.iter().zip(weights) {
         if !weight.is_finite() || weight < 0.0 {
-            return Err(format!("{weight} is no weight"));
+            return Err(format!(
+                "weights must be finite and at least 0, found {weight}"
+            ));
         }
         if weight > 0.0 {
             shares.push((joint, f64::from(weight)));
@@ -23,7 +25,7 @@ pub(super) fn bytes(joints: &[u16], weights: &[f32]) -> Result<Vec<(u16, u8)>, S
     });
     let sum: f64 = shares.iter().map(|s| s.1).sum();
     if sum <= 0.0 {
-        return Err("no joint has a weight".to_owned());
+        return Err("the weights must not all be 0".to_owned());
     }
     let mut parts: Vec<(u16, u8, f64)> = shares
         .iter()
