@@ -7,14 +7,18 @@ use std::process::Command;
 /// Output folder of `demo`.
 const DEMO_FOLDER: &str = "articula-demo";
 
+/// A clothed character without clips, and a file of motions for it.
+const DEMO_CHARACTER: &str = "assets/glb/Quaternius_modular_men__Worker.glb";
+const DEMO_MOTION: &str = "assets/glb/pab_arnaud.glb";
+
 /// Runs the demo in a release build and prints the path of its page.
 pub(crate) fn demo() -> Result<()> {
     let words = ["run", "--release", "-p", "articula-cli", "--"];
-    let demo = ["demo", "--out", DEMO_FOLDER];
+    let demo = ["demo", DEMO_CHARACTER, DEMO_MOTION, "--out", DEMO_FOLDER];
     run(cargo().args(words).args(demo))?;
     let page = root().join(DEMO_FOLDER).join("index.html");
     if !page.is_file() {
-        bail!("the demo ended without writing {}", page.display());
+        bail!("the demo did not write {}", page.display());
     }
     println!("open {} in a browser", page.display());
     Ok(())
@@ -36,7 +40,7 @@ pub(crate) fn tidy() -> Result<()> {
 pub(crate) fn golden() -> Result<()> {
     let words = ["test", "--workspace", "--quiet"];
     run(cargo().args(words).env("ARTICULA_GOLDEN", "renew"))?;
-    println!("golden files that changed (look at each before committing):");
+    println!("changed golden files (review each one before committing):");
     run(Command::new("git")
         .args(["status", "--short", "--", ":(glob)**/tests/golden/**"])
         .current_dir(root()))
@@ -62,7 +66,7 @@ pub(crate) fn run(call: &mut Command) -> Result<()> {
         .status()
         .with_context(|| format!("cannot start {program}"))?;
     if !status.success() {
-        bail!("{program} ended with {status}");
+        bail!("{program} failed: {status}");
     }
     Ok(())
 }

@@ -4,7 +4,7 @@
 #![allow(
     clippy::print_stdout,
     clippy::disallowed_methods,
-    reason = "a program for the project's own developers: it talks, reads files and a clock"
+    reason = "a program for the project's own developers: it prints, reads files and measures time"
 )]
 
 mod chores;
@@ -18,16 +18,16 @@ mod wasm;
 use std::process::ExitCode;
 
 const HELP: &str = "\
-Chores of the project.
+Developer tasks of the workspace.
 
 Usage: cargo xtask <CHORE>
 
 Chores:
-  demo     Run the main job and say where to look (articula-demo/index.html)
+  demo     Run the demo and print the path of its page (articula-demo/index.html)
   test     Run everything that CI runs, row by row, up to the first row with a failure
   tidy     Check what lints cannot: crate edges, file sizes, names, records
-  golden   Renew the golden files, then show which of them changed
-  pictures Make the moving picture of the readme anew (docs/pictures/walk.svg)
+  golden   Rewrite the golden files, then list those that changed
+  pictures Rebuild the animated picture of the readme (docs/pictures/walk.svg)
 
 Options:
   -h, --help   Print this

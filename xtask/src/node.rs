@@ -30,7 +30,7 @@ pub(crate) fn install() -> Result<Outcome> {
         .current_dir(&folder));
     match npm {
         Ok(()) => Ok(Outcome::Done),
-        Err(fault) => lacking(format!("node oracle (npm ci: {fault:#})")),
+        Err(fault) => lacking(format!("node oracle (npm ci failed: {fault:#})")),
     }
 }
 
@@ -46,7 +46,7 @@ pub(crate) fn browser() -> Result<Outcome> {
     if programs.iter().any(starts) {
         return Ok(Outcome::Done);
     }
-    lacking("no Chromium (pictures in a browser; set CHROMIUM)".to_owned())
+    lacking("browser oracle (Chromium not found; set CHROMIUM)".to_owned())
 }
 
 /// Runs the scripts on cases worked by hand, valid and invalid.
@@ -67,7 +67,7 @@ pub(crate) fn self_test() -> Result<Outcome> {
 /// Returns why the scripts cannot run on this machine, if they cannot.
 fn missing() -> Option<String> {
     let Some(version) = answer("node", &["--version"]) else {
-        return Some("node oracle (no node)".to_owned());
+        return Some("node oracle (node not found)".to_owned());
     };
     if major(&version).is_none_or(|m| m < NODE_MAJOR) {
         return Some(format!(
@@ -75,7 +75,8 @@ fn missing() -> Option<String> {
         ));
     }
     let npm = answer("npm", &["--version"]);
-    npm.is_none().then(|| "node oracle (no npm)".to_owned())
+    npm.is_none()
+        .then(|| "node oracle (npm not found)".to_owned())
 }
 
 /// Returns the major number of a version as printed by node (`v20.1.0`).

@@ -135,7 +135,7 @@ fn program_tests() -> Result<Outcome> {
     anyhow::ensure!(built.status.success(), "the tests do not build");
     let folder = root().join("crates").join(PROGRAM);
     let tests = test_program(&String::from_utf8_lossy(&built.stdout), &folder)
-        .context("cargo names no test program of the command line")?;
+        .context("cargo reported no test program of articula-cli")?;
     run(Command::new(tests).current_dir(folder))?;
     Ok(Outcome::Done)
 }

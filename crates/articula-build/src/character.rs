@@ -34,8 +34,7 @@ pub fn character(
         .ok_or_else(|| {
             Mismatch::new(
                 "articulation",
-                "missing in the file, and no joint map is \
-         given",
+                "missing in the file, and no joint map is given",
             )
         })?;
     let rig = Rig::new(&source.skeleton, articulation)?;

@@ -42,8 +42,7 @@ pub fn decimate(
                 Mismatch::new(
                     "clip",
                     format!(
-                        "clip {c} is out of range: the \
-             character has {} clips",
+                        "clip {c} is out of range: the character has {} clips",
                         asset.clips.len()
                     ),
                 )

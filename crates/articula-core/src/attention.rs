@@ -51,8 +51,8 @@ impl Attention {
             let (start, end) = (interval.start_secs, interval.end_secs);
             if !(start.is_finite() && end.is_finite() && start <= end) {
                 let what = format!(
-                    "from {start} to {end} s; both times must be finite, and the \
-                 start not after the end"
+                    "from {start} to {end} s; both times must be finite, and the start not after \
+                     the end"
                 );
                 return Err(Mismatch::new(format!("intervals[{i}]"), what));
             }

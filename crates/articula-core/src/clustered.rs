@@ -221,8 +221,7 @@ impl ClusteredTriangles {
                 let at = format!("triangles[{}]", range.start + c / 3);
                 let level = cluster.coarsest_level;
                 let what = format!(
-                    "names a vertex that level {level} with its {below} vertices \
-                 does not have"
+                    "names a vertex that level {level} with its {below} vertices does not have"
                 );
                 return Err(Mismatch::new(at, what));
             }

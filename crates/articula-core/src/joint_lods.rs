@@ -154,8 +154,7 @@ fn places_of(rig: &Rig, joints: &[u16]) -> Result<Vec<u16>, Mismatch> {
         let at = || format!("joints[{place}]");
         if places.get(joint).is_none_or(|p| *p != unset) {
             let what = format!(
-                "joint {joint} is out of range (the rig has {} joints) or listed \
-             twice",
+                "joint {joint} is out of range (the rig has {} joints) or listed twice",
                 rig.len()
             );
             return Err(Mismatch::new(at(), what));

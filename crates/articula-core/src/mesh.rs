@@ -140,10 +140,8 @@ impl Mesh {
         let mut palette = Vec::with_capacity(skin.joints.len());
         for (i, (&joint, &inverse_bind)) in skin.joints.iter().zip(&skin.inverse_bind).enumerate() {
             if joint >= joints {
-                let what = format!(
-                    "joint {joint} is out of range: the skeleton has {joints} \
-                 joints"
-                );
+                let what =
+                    format!("joint {joint} is out of range: the skeleton has {joints} joints");
                 return Err(Mismatch::new(format!("skin.joints[{i}]"), what));
             }
             let binding = Binding {

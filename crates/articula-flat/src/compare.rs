@@ -70,8 +70,9 @@ pub fn ssim(a: &Picture, b: &Picture) -> Result<f64, PictureError> {
     if width < WINDOW || height < WINDOW {
         return Err(PictureError::Mismatch {
             at: "pictures",
-            what: format!("{width} x {height} pixels are smaller than the window of {WINDOW} x \
-             {WINDOW}"),
+            what: format!(
+                "{width} x {height} pixels are smaller than the window of {WINDOW} x {WINDOW}"
+            ),
         });
     }
     let (p, q) = (luma(a), luma(b));

@@ -131,7 +131,7 @@ fn complexity(name: &str) -> Result<Complexity, ReadError> {
         let known = Complexity::ALL.map(|c| c.to_string()).join(", ");
         ReadError::malformed(
             "complexity",
-            format!("\"{name}\" found, one of {known} expected"),
+            format!("\"{name}\" found, expected one of {known}"),
         )
     })
 }
@@ -142,7 +142,7 @@ fn zone(names: &[String]) -> Result<Zone, ReadError> {
         let zone = name.parse().map_err(|_| {
             let known = Region::ALL.map(|r| r.to_string()).join(", ");
             let what =
-                format!("\"{name}\" found; {known}, upper, lower, face-shoulders or all expected");
+                format!("\"{name}\" found; expected {known}, upper, lower, face-shoulders or all");
             ReadError::malformed(format!("zones[{index}]"), what)
         })?;
         all = all | zone;

@@ -60,9 +60,7 @@ pub fn read_segs(bytes: &[u8], limits: &Limits) -> Result<KeyTable, ReadError> {
         0 => KeyMode::Hold,
         1 => KeyMode::Linear,
         other => {
-            return Err(r
-                .bad(format!("key mode {other}, 0 or 1 is expected"))
-                .into());
+            return Err(r.bad(format!("key mode {other}, expected 0 or 1")).into());
         }
     };
     let rate_hz = r.positive("a rate")?;
@@ -78,7 +76,7 @@ pub fn read_segs(bytes: &[u8], limits: &Limits) -> Result<KeyTable, ReadError> {
             merged.extend(gaps_of(&mut r, frames)?);
             merged.sort_unstable();
             if merged.windows(2).any(|w| w[0] == w[1]) {
-                return Err(r.bad("a key that a coarser level has already").into());
+                return Err(r.bad("a key repeats a key of a coarser level").into());
             }
             per_level.push(merged);
         }
@@ -168,7 +166,7 @@ fn head_of(r: &mut ByteReader<'_>, magic: &[u8; 4]) -> Result<(u8, TableHashes, 
         let expected = String::from_utf8_lossy(magic);
         return Err(ReadError::malformed(
             "byte 0",
-            format!("no \"{expected}\" table"),
+            format!("not a table: it does not begin with \"{expected}\""),
         ));
     }
     let [version, mode, _, _] = r.take::<4>()?;
@@ -192,9 +190,7 @@ fn head_of(r: &mut ByteReader<'_>, magic: &[u8; 4]) -> Result<(u8, TableHashes, 
 fn gaps_of(r: &mut ByteReader<'_>, end: u32) -> Result<Vec<u32>, ReadError> {
     let count = r.varint()?;
     if count > r.left() as u64 {
-        return Err(r
-            .bad(format!("{count} keys, more than there are bytes"))
-            .into());
+        return Err(r.bad(format!("{count} keys exceed the bytes left")).into());
     }
     let mut values = Vec::with_capacity(count as usize);
     let mut before = 0u64;
@@ -204,7 +200,7 @@ fn gaps_of(r: &mut ByteReader<'_>, end: u32) -> Result<Vec<u32>, ReadError> {
         if (i > 0 && gap == 0) || before >= u64::from(end) {
             return Err(r
                 .bad(format!(
-                    "key {before} of {end} frames does not rise or lies outside"
+                    "key {before} does not rise or is outside the {end} frames"
                 ))
                 .into());
         }

@@ -52,7 +52,7 @@ pub(crate) fn scale_to_metres(
     match given {
         Some(scale) if scale > 0.0 && scale <= MAX_NUMBER => Ok(scale),
         Some(scale) => {
-            let what = format!("a scale of {scale} m was asked for; more than 0 expected");
+            let what = format!("the scale must be above 0, found {scale} m");
             Err(ReadError::malformed("options", what))
         }
         None => {
@@ -127,7 +127,7 @@ impl Figure<'_> {
             } else {
                 "the world of the motion"
             };
-            let what = format!("+Z is up; {which} were turned to +Y");
+            let what = format!("+Z is up; {which} are rotated to +Y");
             warnings.push(Warning::guess("file", what, Assumption::UpAxis));
         }
         (figure, world)

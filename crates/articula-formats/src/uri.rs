@@ -26,7 +26,7 @@ pub(crate) fn decode_data_uri(
         return Ok(None);
     };
     let Some((head, payload)) = rest.split_once(',') else {
-        return Err(ReadError::malformed(at, "a data URI needs a comma"));
+        return Err(ReadError::malformed(at, "the data URI has no comma"));
     };
     Limits::check(
         at,
@@ -43,9 +43,9 @@ pub(crate) fn decode_data_uri(
     if !is_base64 {
         return Ok(Some((mime, bytes)));
     }
-    let bytes = BASE64
-        .decode(bytes)
-        .map_err(|e| ReadError::malformed(at, format!("a data URI with broken base64: {e}")))?;
+    let bytes = BASE64.decode(bytes).map_err(|e| {
+        ReadError::malformed(at, format!("the base64 of the data URI is malformed: {e}"))
+    })?;
     Ok(Some((mime, bytes)))
 }
 

@@ -29,7 +29,7 @@ pub(crate) fn frame_time(at: impl Display, word: &str) -> Result<f32, ReadError>
     if FRAME_TIMES_SECS.contains(&secs) {
         return Ok(secs);
     }
-    let what = format!("a frame time of {secs} s; more than 0 and at most 10000 s expected");
+    let what = format!("frame time {secs} s found, more than 0 and at most 10000 s expected");
     Err(ReadError::malformed(at.to_string(), what))
 }
 

@@ -18,7 +18,7 @@ pub struct WrittenFile {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum WriteError {
     /// The requested clip does not exist.
-    #[error("clip {index} was asked for, the character has {count}")]
+    #[error("clip {index} is out of range: the character has {count} clips")]
     NoClip {
         /// The requested index.
         index: usize,
@@ -29,7 +29,7 @@ pub enum WriteError {
     #[error("the character has no joint to write")]
     NoJoint,
     /// A numeric option is not positive.
-    #[error("{which} is {found}, a positive number is expected")]
+    #[error("{which} is {found}, expected a positive number")]
     NotPositive {
         /// Name of the option.
         which: &'static str,
@@ -37,7 +37,7 @@ pub enum WriteError {
         found: f32,
     },
     /// The articulation belongs to another skeleton.
-    #[error("the articulation has {found} joints, the character {expected}")]
+    #[error("the articulation has {found} joints, the character has {expected}")]
     OtherSkeleton {
         /// Number of joints of the articulation.
         found: usize,
@@ -45,7 +45,7 @@ pub enum WriteError {
         expected: usize,
     },
     /// The file exceeds the 32-bit size of a GLB.
-    #[error("the file would take {bytes} bytes, a GLB holds less than 4 GiB")]
+    #[error("the file would take {bytes} bytes; a GLB file must be smaller than 4 GiB")]
     TooLarge {
         /// Size that the file would have, in bytes.
         bytes: u64,

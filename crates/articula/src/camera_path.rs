@@ -71,15 +71,17 @@ pub(crate) fn checked(keys: &[Key], display_hz: f64) -> Result<Vec<CameraKey>> {
 
 fn check(keys: &[Key], display_hz: f64) -> Result<()> {
     let (Some(first), Some(last)) = (keys.first(), keys.last()) else {
-        return Err(Error::unsuited("no key frame; give at least one"));
+        return Err(Error::unsuited(
+            "the camera path has no key frame; give at least one",
+        ));
     };
     for (i, key) in keys.iter().enumerate() {
         let finite = key.t.is_finite() && key.eye.iter().chain(&key.target).all(|v| v.is_finite());
         ensure(finite, || {
-            format!("[{i}]: a number is not finite; give seconds and metres")
+            format!("[{i}]: all values must be finite; give seconds and metres")
         })?;
         ensure(key.eye != key.target, || {
-            format!("[{i}]: eye and target are one point; move the target to what is looked at")
+            format!("[{i}]: eye and target are the same point; move the target to the subject")
         })?;
         let before = keys
             .get(i.wrapping_sub(1))

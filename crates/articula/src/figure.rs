@@ -22,7 +22,7 @@ impl Figure {
     /// hierarchy, or more motion than fits in memory.
     pub fn new(opened: CharacterFile) -> Result<Self> {
         if opened.character.skeleton.joints.is_empty() {
-            let what = "nodes: no joint and no mesh; give a file that shows a character";
+            let what = "nodes: the file has no joint and no mesh; give a file with a character";
             return Err(Error::unsuited(what)).context(&opened.name);
         }
         let articulation = opened.articulation();

@@ -69,3 +69,8 @@ pub use work::{Executor, Job, JobRunner, Step, StepCallback};
 
 pub use articula_core::{Camera, PosedMesh, SkinnedMesh, Viewport, Wrap, sample, sample_morphs};
 pub use glam;
+
+/// The example of the readme.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

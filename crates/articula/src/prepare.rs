@@ -72,7 +72,9 @@ pub fn prepare(
     }
     let maker = TableMaker::new(&figure.asset, options.seed);
     let clips: Vec<usize> = (0..figure.asset.clips.len()).collect();
-    let tables = work.map("making motion tables", clips, |clip| Ok(maker.tables(clip)))?;
+    let tables = work.map("building motion tables", clips, |clip| {
+        Ok(maker.tables(clip))
+    })?;
     let (glb, mesh_bytes) = written(&figure, gltf, &tables).with_context(|| &name)?;
     Ok(PreparedAsset {
         glb,

@@ -24,7 +24,9 @@ pub(crate) fn circles(tree: &Tree) -> Vec<Fault> {
         let all = house.circles().into_iter();
         let fault = move |circle: Vec<String>| {
             let others = circle[1..].join(", ");
-            let what = format!("imports lead in a circle through {others}; part what they share");
+            let what = format!(
+                "circular import through {others}; move the shared items to a module of their own"
+            );
             Fault::file(&format!("{root}/src/{}", circle[0]), what)
         };
         all.map(fault).collect::<Vec<_>>()

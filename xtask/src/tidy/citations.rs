@@ -42,7 +42,7 @@ pub(crate) fn readme_results(tree: &Tree) -> Vec<Fault> {
         let page = format!("{RESULTS}{}", link.split(')').next().unwrap_or_default());
         let stated: Vec<String> = numbers(tree.text(&page).unwrap_or_default()).collect();
         for number in numbers(said).filter(|n| !stated.contains(n)) {
-            let what = format!("{number} does not stand in {page}");
+            let what = format!("{number} does not occur in {page}");
             faults.push(Fault::line(README, line, what));
         }
     }

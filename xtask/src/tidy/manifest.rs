@@ -54,7 +54,7 @@ pub(crate) fn reasons(tree: &Tree) -> Vec<Fault> {
         .into_iter()
         .filter(|(_, name)| !name.starts_with("articula") && !told.contains(&name.as_str()))
         .map(|(line, name)| {
-            let what = format!("deny.toml does not tell why {name} is here");
+            let what = format!("deny.toml gives no reason for the dependency {name}");
             Fault::line("Cargo.toml", line, what)
         })
         .collect()
@@ -65,25 +65,29 @@ fn refusal(package: &str, dependency: &str) -> Option<String> {
     let ours = dependency.starts_with("articula");
     if package == "articula-core" && !CORE_MAY_USE.contains(&dependency) {
         return Some(format!(
-            "the core may use {CORE_MAY_USE:?} only, not {dependency}"
+            "articula-core may depend on {CORE_MAY_USE:?} only, not on {dependency}"
         ));
     }
     if PROGRAMS.contains(&dependency) {
-        return Some(format!("{package} may use no program, not {dependency}"));
+        return Some(format!(
+            "{package} must not depend on the program {dependency}"
+        ));
     }
     if package == "articula" && dependency == REPORT {
         return Some(format!(
-            "the library may not use {REPORT}: reports are the programs'"
+            "the library must not depend on {REPORT}: reports belong to the programs"
         ));
     }
     if package == "xtask" && ours {
-        return Some(format!("xtask uses nothing of ours, not {dependency}"));
+        return Some(format!(
+            "xtask must not depend on crates of the workspace, found {dependency}"
+        ));
     }
     let sibling = SIBLINGS.contains(&package);
     let is_told = SIBLING_EDGES.contains(&(package, dependency));
     if sibling && ours && dependency != "articula-core" && !is_told {
         return Some(format!(
-            "{package} may use articula-core only, not {dependency}"
+            "{package} may depend on articula-core only, not on {dependency}"
         ));
     }
     None

@@ -23,13 +23,13 @@ pub(crate) fn thesis_map(tree: &Tree) -> Vec<Fault> {
         let modules = quoted(module);
         let tests = quoted(test);
         if modules.is_empty() || tests.is_empty() {
-            wrong("a row names at least one module and one test in backquotes".to_owned());
+            wrong("a row must name at least one module and one test in backquotes".to_owned());
         }
         for module in modules.iter().filter(|m| !has_module(tree, m)) {
-            wrong(format!("there is no module {module}"));
+            wrong(format!("module {module} does not exist"));
         }
         for test in tests.iter().filter(|t| !has_test(tree, t)) {
-            wrong(format!("there is no test {test}"));
+            wrong(format!("test {test} does not exist"));
         }
     }
     faults
@@ -93,7 +93,7 @@ pub(crate) fn data_readmes(tree: &Tree) -> Vec<Fault> {
             tree.text(&format!("{f}/README.md"))
                 .is_some_and(tells_origin)
         });
-        let fault = Fault::file(&folder, "has no README.md that tells licence and origin");
+        let fault = Fault::file(&folder, "has no README.md with licence and origin");
         if !told && !faults.contains(&fault) {
             faults.push(fault);
         }
@@ -167,7 +167,12 @@ fn joined(folder: &str, target: &str) -> String {
 pub(crate) fn lock_files(tree: &Tree) -> Vec<Fault> {
     tree.texts()
         .filter(|(path, text)| path.ends_with("package-lock.json") && text.contains("\"resolved\""))
-        .map(|(path, _)| Fault::file(path, "names a host: set omit-lockfile-registry-resolved"))
+        .map(|(path, _)| {
+            Fault::file(
+                path,
+                "names a registry host; set omit-lockfile-registry-resolved",
+            )
+        })
         .collect()
 }
 

@@ -36,7 +36,8 @@ pub(crate) fn length(tree: &Tree) -> Vec<Fault> {
         .filter(|(path, _)| !is_table(path))
         .filter_map(|(path, text)| {
             let lines = text.lines().count();
-            let what = format!("{lines} lines, {LINES_MAX} allowed: find the second subject");
+            let what =
+                format!("{lines} lines exceed the limit of {LINES_MAX}; split the file by subject");
             (lines > LINES_MAX).then(|| Fault::file(path, what))
         })
         .collect()
@@ -49,7 +50,12 @@ pub(crate) fn head(tree: &Tree) -> Vec<Fault> {
             let starts = if is_table(path) { "//" } else { "//!" };
             !text.starts_with(starts)
         })
-        .map(|(path, _)| Fault::file(path, "starts without a `//!` that says what it is"))
+        .map(|(path, _)| {
+            Fault::file(
+                path,
+                "must start with a `//!` comment that describes the file",
+            )
+        })
         .collect()
 }
 
@@ -76,7 +82,7 @@ pub(crate) fn module_names(tree: &Tree) -> Vec<Fault> {
 }
 
 fn empty_name(name: &str) -> String {
-    format!("a module called `{name}`: name it after its noun or verb")
+    format!("a module named `{name}`; name it after its subject")
 }
 
 /// Finds tests that are disabled.
@@ -86,7 +92,7 @@ pub(crate) fn ignored_tests(tree: &Tree) -> Vec<Fault> {
         tree,
         |path| path.ends_with(".rs"),
         off,
-        "a test that is switched off",
+        "a disabled test; enable or delete it",
     )
 }
 
@@ -96,7 +102,7 @@ pub(crate) fn marks(tree: &Tree) -> Vec<Fault> {
         tree,
         |_| true,
         has_bare_mark,
-        "a note without the number of an issue",
+        "a note without an issue number",
     )
 }
 
@@ -119,7 +125,7 @@ pub(crate) fn machine_paths(tree: &Tree) -> Vec<Fault> {
         tree,
         |_| true,
         has_machine_path,
-        "an absolute path of one machine",
+        "an absolute path of a machine",
     )
 }
 

@@ -32,8 +32,7 @@ pub(super) fn check(clip: &RawClip) -> Result<(), Mismatch> {
     if !(clip.duration_secs.is_finite() && clip.duration_secs >= 0.0) {
         return wrong(
             format!("clip \"{}\"", clip.name),
-            "duration_secs must be finite and at \
-         least 0",
+            "duration_secs must be finite and at least 0",
         );
     }
     for (c, channel) in clip.channels.iter().enumerate() {

@@ -112,8 +112,7 @@ fn check<L: AsRef<[[u32; 3]]>>(
         let outside = |t: &[u32; 3]| t.iter().any(|v| *v as usize >= vertex_count);
         if let Some(t) = level.as_ref().iter().position(outside) {
             let what = format!(
-                "{:?} names a vertex out of range: the mesh has {vertex_count} \
-             vertices",
+                "{:?} names a vertex out of range: the mesh has {vertex_count} vertices",
                 level.as_ref()[t]
             );
             return Err(Mismatch::new(format!("levels[{l}][{t}]"), what));

@@ -169,10 +169,8 @@ impl<'a> Baking<'a> {
         if numbers <= MAX_NUMBERS as f64 {
             return Ok(());
         }
-        let what = format!(
-            "its baked expressions take {numbers:.0} values, the limit is \
-         {MAX_NUMBERS}"
-        );
+        let what =
+            format!("its baked expressions take {numbers:.0} values, the limit is {MAX_NUMBERS}");
         Err(Mismatch::new(format!("clip \"{}\"", self.clip.name), what))
     }
 
@@ -570,7 +568,10 @@ mod tests {
             bake(&character(expressions), &clip).unwrap_err().what
         };
         let drive = || channel(0, Property::Expression, &[0.0, 1.0], &[0.0, 1.0]);
-        assert_eq!(why(vec![], drive()), "expression 0 is out of range: there are 0");
+        assert_eq!(
+            why(vec![], drive()),
+            "expression 0 is out of range: there are 0"
+        );
         let wrong = Expression {
             morphs: vec![morph(2, 1.0)],
             ..Expression::default()

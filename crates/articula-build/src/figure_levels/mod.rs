@@ -168,8 +168,8 @@ fn check(
         let outside = |t: &[u32; 3]| t.iter().any(|v| *v as usize >= count);
         if level.is_empty() || level.iter().any(outside) {
             let what = format!(
-                "has no triangle, or one that names a vertex out of range: the \
-             mesh has {count} vertices"
+                "has no triangle, or one that names a vertex out of range: the mesh has {count} \
+                 vertices"
             );
             return Err(Mismatch::new(format!("mesh_levels[{l}]"), what));
         }

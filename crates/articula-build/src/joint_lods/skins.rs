@@ -71,8 +71,7 @@ impl LevelSkins {
         assert_eq!(
             skin.positions.len(),
             full.len(),
-            "the mesh must be the one that the skins \
-         were built from"
+            "the mesh must be the one that the skins were built from"
         );
         Mesh {
             positions: skin.positions.clone(),

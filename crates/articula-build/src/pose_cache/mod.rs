@@ -194,8 +194,7 @@ fn check(
     {
         return Err(Mismatch::new(
             "levels.skins",
-            "the skins must belong to the mesh of the \
-         character",
+            "the skins must belong to the mesh of the character",
         ));
     }
     if opts.form.is_rigid() {

@@ -132,16 +132,16 @@ fn times(clip: &RawClip, rate_hz: Option<f32>, joints: usize) -> Result<(f32, Ve
     let wanted = rate_hz.unwrap_or_else(|| source_rate_hz(clip));
     if !(wanted.is_finite() && wanted > 0.0 && duration.is_finite() && duration >= 0.0) {
         let what = format!(
-            "{duration} s at {wanted} Hz: the duration must be finite and at least \
-         0, the rate positive"
+            "{duration} s at {wanted} Hz: the duration must be finite and at least 0, the rate \
+             positive"
         );
         return Err(Mismatch::new(at(), what));
     }
     let steps = (f64::from(duration) * f64::from(wanted)).round();
     if steps > MAX_FRAMES || steps * (joints as f64) * 7.0 > MAX_NUMBERS as f64 {
         let what = format!(
-            "{duration} s at {wanted} Hz for {joints} joints exceed the limit of \
-         frames; lower the rate or trim the clip"
+            "{duration} s at {wanted} Hz for {joints} joints exceed the limit of frames; lower \
+             the rate or trim the clip"
         );
         return Err(Mismatch::new(at(), what));
     }

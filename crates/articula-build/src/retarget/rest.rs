@@ -44,11 +44,7 @@ impl Rest {
             let local = joint.rest.to_affine();
             let matrix = match joint.parent {
                 Some(p) if p >= j => {
-                    return Err(Mismatch::new(
-                        at(),
-                        "its parent must come before \
-                 it",
-                    ));
+                    return Err(Mismatch::new(at(), "its parent must come before it"));
                 }
                 Some(p) => matrices[p] * local,
                 None => local,

@@ -179,10 +179,7 @@ fn check(mesh: &Mesh, poses: &[Vec<Vec3>], options: &SimplifyOptions) -> Result<
     if let Some(v) = options.locked.iter().find(|v| outside(v)) {
         return Err(Mismatch::new(
             "locked",
-            format!(
-                "vertex {v} is out of range: the mesh has \
-         {count} vertices"
-            ),
+            format!("vertex {v} is out of range: the mesh has {count} vertices"),
         ));
     }
     if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(outside)) {
@@ -225,10 +222,7 @@ fn check_nested(mesh: &Mesh, count: usize) -> Result<(), Mismatch> {
         if let Some(v) = morph.vertices.iter().find(|v| **v as usize >= count) {
             return Err(Mismatch::new(
                 at,
-                format!(
-                    "vertex {v} is out of range: the mesh has \
-             {count} vertices"
-                ),
+                format!("vertex {v} is out of range: the mesh has {count} vertices"),
             ));
         }
     }

@@ -102,7 +102,10 @@ mod tests {
         let (mesh, rig) = hand();
         let error = region_weights(&mesh, &rig, &[("tail", 2.0)]).unwrap_err();
         let known = "face, arms, torso, pelvis, legs, feet, hands";
-        assert_eq!(error.what, format!("unknown region \"tail\"; the regions are {known}"));
+        assert_eq!(
+            error.what,
+            format!("unknown region \"tail\"; the regions are {known}")
+        );
         for factor in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             assert!(region_weights(&mesh, &rig, &[("face", factor)]).is_err());
         }

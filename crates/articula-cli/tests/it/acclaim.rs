@@ -34,22 +34,22 @@ fn a_motion_finds_its_skeleton() {
     assert_eq!(found["skeletons"][0]["joints"], 3);
     assert_eq!(found["clips"][0]["frames"], 4);
     assert!(
-        !warned(&found).contains("was taken,"),
+        !warned(&found).contains("is used:"),
         "a name of its own is no guess"
     );
 
     let why = fault(&here, 1, &["inspect", "run_01.amc"]);
     assert!(
-        why.contains("none of the .asf files beside it is called like")
+        why.contains("no .asf file in the folder has a name that matches")
             && why.contains("--skeleton F.asf")
     );
     assert!(why.contains("wa.asf, walk.asf"), "{why}");
     put(&here, &["run.asf", "r.asf"]);
     let found = json(&here, &["inspect", "run_01.amc"]);
-    assert!(warned(&found).contains("run.asf was taken, since the motion's name begins"));
+    assert!(warned(&found).contains("run.asf is used: the name of the motion begins"));
     let found = json(&here, &["inspect", "run_01.amc", "--skeleton", "walk.asf"]);
     assert!(
-        !warned(&found).contains("was taken,"),
+        !warned(&found).contains("is used:"),
         "what is asked for is no guess"
     );
 
@@ -57,12 +57,12 @@ fn a_motion_finds_its_skeleton() {
     put(&alone, &["walk.amc"]);
     let why = fault(&alone, 1, &["inspect", "walk.amc"]);
     assert!(
-        why.contains("does not lie beside it") && why.contains("--skeleton"),
+        why.contains("is not in the same folder") && why.contains("--skeleton"),
         "{why}"
     );
     put(&alone, &["man.asf"]);
     let found = json(&alone, &["inspect", "walk.amc"]);
-    assert!(warned(&found).contains("man.asf was taken, since no other"));
+    assert!(warned(&found).contains("man.asf is used: since no other"));
     std::fs::write(alone.join("man.asf"), ASF.replace("name head", "name tail")).unwrap();
     let why = fault(&alone, 1, &["inspect", "walk.amc"]);
     assert!(
@@ -151,7 +151,9 @@ fn a_pair_is_written_and_read_back() {
     // Without a clip a skeleton can be written, but no motion.
     json(&here, &["convert", "b.asf", "e.asf"]);
     assert!(here.join("e.asf").exists() && !here.join("e.amc").exists());
-    assert!(fault(&here, 1, &["convert", "b.asf", "e.amc"]).contains("there is none to write"));
+    assert!(
+        fault(&here, 1, &["convert", "b.asf", "e.amc"]).contains("the file has no clip to write")
+    );
 }
 
 #[test]

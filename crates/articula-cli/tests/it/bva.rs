@@ -83,7 +83,7 @@ fn unknown_names_stay_side_by_side() {
     assert!(
         found["warnings"]
             .to_string()
-            .contains("they move side by side")
+            .contains("the segments move independently")
     );
     assert_eq!(found["clips"][0]["frames"], 4);
     json(&here, &["convert", "a.txt", "b.glb"]);

@@ -336,11 +336,11 @@ fn mistakes_are_answered_with_their_mend() {
         [&["crowd", word(human()), "--seconds", "0.1"], more].concat()
     };
     for (status, words, part) in [
-        (2, ["--clip", "fly"], "it has \"idle\""),
+        (2, ["--clip", "fly"], "the file has \"idle\""),
         (2, ["--level", "loa(Lowest)"], "Lowest"),
         (2, ["--scene", "piazza"], "plaza-2-in-step"),
-        (1, ["--scene", "gone.json"], "no such file"),
-        (1, ["--camera-path", "gone.json"], "no such file"),
+        (1, ["--scene", "gone.json"], "does not exist"),
+        (1, ["--camera-path", "gone.json"], "does not exist"),
     ] {
         let found = fault(&here, status, &with(&words));
         assert!(found.contains(part), "{words:?}: {found}");

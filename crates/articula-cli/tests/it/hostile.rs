@@ -36,7 +36,7 @@ fn what_cannot_be_read_names_file_place_and_mend() {
         &here,
         "object.gltf",
         b"{\"asset\":{\"version\":\"2.0\"}}",
-        &["shows a character"],
+        &["with a character"],
     );
     check(
         &here,

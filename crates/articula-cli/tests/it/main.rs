@@ -30,6 +30,7 @@ mod oracle;
 mod playing;
 mod pose_cache_files;
 mod program;
+mod readme;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod real_files;

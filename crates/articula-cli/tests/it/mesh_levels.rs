@@ -137,7 +137,7 @@ fn zones_and_locked_vertices_are_kept_apart() {
     std::fs::write(here.join("lock.json"), r#"{"hat": [0]}"#).unwrap();
     let line = fault(&here, 1, &[&["build", human, "t.glb"], &words[..]].concat());
     assert!(
-        line.contains("lock.json: no mesh \"hat\"; there are skin"),
+        line.contains("lock.json: there is no mesh \"hat\"; the meshes are skin"),
         "{line}"
     );
     std::fs::write(here.join("lock.json"), r#"{"skin": [999999]}"#).unwrap();

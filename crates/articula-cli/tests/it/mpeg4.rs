@@ -54,7 +54,7 @@ fn a_face_is_no_character() {
     ];
     for line in said {
         assert!(line.contains("a.fap: a FAP file moves a face"), "{line}");
-        assert!(line.contains("convert writes it as .fap again"), "{line}");
+        assert!(line.contains("convert to write it as .fap"), "{line}");
     }
     let line = fault(&here, 2, &["convert", "a.bvh", "b.fap"]);
     assert!(
@@ -114,7 +114,7 @@ fn data_of_an_encoder_and_of_a_face_is_told() {
     assert_eq!(found["points"][0]["vertices"], 2);
     for name in ["a.epf", "a.fdp"] {
         let line = fault(&here, 2, &["convert", name, "b.glb"]);
-        assert!(line.contains("inspect reads it"), "{line}");
+        assert!(line.contains("use inspect to list its content"), "{line}");
     }
 }
 

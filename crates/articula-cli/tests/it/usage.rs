@@ -148,7 +148,7 @@ fn the_world_in_the_way_is_answered_with_a_mend() {
         (&["inspect", "empty.glb"], "empty"),
         (&["inspect", "folder.glb"], "name a file"),
         (&["convert", human, "folder.glb"], "name a file"),
-        (&["human", "empty.glb/a.glb"], "a file stands"),
+        (&["human", "empty.glb/a.glb"], "is a file; name another"),
     ];
     for (words, mend) in cases {
         let line = fault(&here, 1, words);

@@ -191,11 +191,8 @@ fn check_cache(parts: &CrowdParts, cache: &PoseCache) -> Result<(), Mismatch> {
             (0..levels).find_map(|l| of(parts.palette.len(l), cache.matrices(l), "matrices"))
         })
         .or_else(|| {
-            (cache.form() != parts.form).then(|| {
-                "the cache stores another palette form \
-         than the model"
-                    .to_owned()
-            })
+            (cache.form() != parts.form)
+                .then(|| "the cache stores another palette form than the model".to_owned())
         });
     match wrong {
         Some(what) => Err(Mismatch::new("cache", what)),

@@ -201,8 +201,8 @@ fn argument_of(selector: &str, argument: &str) -> Result<LoaExpression, String> 
             .map(|name| {
                 name.trim().parse::<Zone>().map_err(|_| {
                     format!(
-                        "\"{}\" is not a zone; expected face, arms, torso, pelvis, legs, \
-                     feet, hands, upper, lower, face-shoulders or all",
+                        "\"{}\" is not a zone; expected face, arms, torso, pelvis, legs, feet, \
+                         hands, upper, lower, face-shoulders or all",
                         name.trim()
                     )
                 })

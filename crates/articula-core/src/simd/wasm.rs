@@ -1,7 +1,7 @@
 //! Lanes of WebAssembly: two vectors of 128 bits.
 #![expect(
     unsafe_code,
-    reason = "loads and stores by address; every address is checked beside it"
+    reason = "loads and stores by address; every address is checked next to it"
 )]
 
 use super::half::half_from_f32;

@@ -118,7 +118,10 @@ pub fn bake_shapes(
 ) -> Result<PlanarClip, PlanarError> {
     let slots = subject.mesh.morph_weights.len();
     if let Some(shape) = shapes.iter().position(|s| s.len() != slots) {
-        let what = format!("shape {shape} has {} weights, the mesh has {slots} morph slots", shapes[shape].len());
+        let what = format!(
+            "shape {shape} has {} weights, the mesh has {slots} morph slots",
+            shapes[shape].len()
+        );
         let at = "shapes";
         return Err(PlanarError::Mismatch { at, what });
     }
@@ -156,7 +159,10 @@ fn still_parts(
     }
     let inside = |v: &u32| (*v as usize) < mesh.len();
     if !subject.triangles.iter().flatten().all(inside) {
-        let what = format!("a triangle names a vertex out of range: the mesh has {} vertices", mesh.len());
+        let what = format!(
+            "a triangle names a vertex out of range: the mesh has {} vertices",
+            mesh.len()
+        );
         let at = "triangles";
         return Err(PlanarError::Mismatch { at, what });
     }

@@ -154,7 +154,10 @@ impl PlanarClip {
         {
             return mismatch(
                 "surface",
-                format!("a surface index is out of range: the clip has {} surfaces", self.surfaces.len()),
+                format!(
+                    "a surface index is out of range: the clip has {} surfaces",
+                    self.surfaces.len()
+                ),
             );
         }
         if !self.fps.is_finite() || self.fps <= 0.0 {

@@ -38,7 +38,9 @@ pub enum PlanarError {
         most: usize,
     },
     /// The clip has more frames than can be converted.
-    #[error("{found} frames, the limit is {most}; choose a shorter part or fewer frames per second")]
+    #[error(
+        "{found} frames, the limit is {most}; choose a shorter part or fewer frames per second"
+    )]
     TooManyFrames {
         /// Frames of the clip.
         found: usize,

@@ -114,7 +114,10 @@ impl KeyedClip {
             Err(PlanarError::Mismatch { at, what })
         };
         if !self.fps.is_finite() || self.fps <= 0.0 {
-            return mismatch(format!("fps must be positive and finite, found {}", self.fps));
+            return mismatch(format!(
+                "fps must be positive and finite, found {}",
+                self.fps
+            ));
         }
         for (s, shape) in self.shapes.iter().enumerate() {
             if let Err(what) = shape.check(self.frames, self.ramps.len()) {

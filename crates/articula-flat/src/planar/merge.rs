@@ -66,7 +66,10 @@ pub(super) fn merge(
         l.triangle as usize >= clip.triangles.len() || last > clip.frames.len()
     };
     if layers.iter().any(beyond) {
-        let (at, what) = ("layers", "a triangle or frame is outside the clip".to_owned());
+        let (at, what) = (
+            "layers",
+            "a triangle or frame is outside the clip".to_owned(),
+        );
         return Err(PlanarError::Mismatch { at, what });
     }
     let neighbours = Neighbours::new(clip);

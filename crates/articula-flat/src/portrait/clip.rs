@@ -93,12 +93,16 @@ impl PortraitClip {
 
     pub(crate) fn check(&self, expressions: usize) -> Result<(), String> {
         if !(self.rate_hz.is_finite() && self.rate_hz > 0.0) {
-            return Err(format!("rate_hz must be positive and finite, found {}", self.rate_hz));
+            return Err(format!(
+                "rate_hz must be positive and finite, found {}",
+                self.rate_hz
+            ));
         }
         if self.poses.is_empty() || self.poses.len() != self.weights.len() {
             let (poses, weights) = (self.poses.len(), self.weights.len());
-            return Err(format!("{poses} poses and {weights} weight lists, expected the same \
-             number, at least 1"));
+            return Err(format!(
+                "{poses} poses and {weights} weight lists, expected the same number, at least 1"
+            ));
         }
         for (frame, (pose, weights)) in self.poses.iter().zip(&self.weights).enumerate() {
             if !pose.is_finite() || weights.iter().any(|w| !w.is_finite()) {

@@ -212,7 +212,10 @@ fn number(value: f32) -> Result<String, PortraitError> {
     if value.is_finite() {
         return Ok(value.to_string());
     }
-    Err(refuse("portrait", format!("values must be finite, found {value}")))
+    Err(refuse(
+        "portrait",
+        format!("values must be finite, found {value}"),
+    ))
 }
 
 fn floats(values: &[f32]) -> Result<String, PortraitError> {

@@ -138,8 +138,10 @@ pub(crate) fn flat_mesh(
         }
     }
     if flat.triangles.is_empty() {
-        return Err(refuse("triangles", "no triangle is visible from any view; turn the camera or \
-         show other meshes"));
+        return Err(refuse(
+            "triangles",
+            "no triangle is visible from any view; turn the camera or show other meshes",
+        ));
     }
     compact(flat, &used)
 }

@@ -75,7 +75,10 @@ impl Portrait {
         }
         if weights.len() > self.grid.expressions.len() {
             let (found, most) = (weights.len(), self.grid.expressions.len());
-            return Err(refuse("weights", format!("{found} weights for {most} expressions")));
+            return Err(refuse(
+                "weights",
+                format!("{found} weights for {most} expressions"),
+            ));
         }
         let mut places = self.grid.places(pose, weights);
         if pose.roll_degrees != 0.0 {

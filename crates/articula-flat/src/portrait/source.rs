@@ -113,13 +113,19 @@ impl PortraitSource<'_> {
         options.check()?;
         let vertices = self.mesh.len();
         if self.triangles.is_empty() || vertices == 0 {
-            return Err(refuse("triangles", "must not be empty: there is nothing to show"));
+            return Err(refuse(
+                "triangles",
+                "must not be empty: there is nothing to show",
+            ));
         }
         limit("triangles", self.triangles.len(), MAX_TRIANGLES)?;
         limit("expressions", self.expressions.len(), MAX_EXPRESSIONS)?;
         let outside = |t: &[u32; 3]| t.iter().any(|v| *v as usize >= vertices);
         if let Some(t) = self.triangles.iter().position(outside) {
-            let what = format!("{:?} names a vertex out of range: the mesh has {vertices} vertices", self.triangles[t]);
+            let what = format!(
+                "{:?} names a vertex out of range: the mesh has {vertices} vertices",
+                self.triangles[t]
+            );
             return Err(refuse(format!("triangles[{t}]"), what));
         }
         let joints = self.rig.len();
@@ -129,7 +135,10 @@ impl PortraitSource<'_> {
             .iter()
             .find(|b| usize::from(b.joint) >= joints)
         {
-            let what = format!("joint {} is out of range: the rig has {joints} joints", b.joint);
+            let what = format!(
+                "joint {} is out of range: the rig has {joints} joints",
+                b.joint
+            );
             return Err(refuse("mesh.bindings", what));
         }
         self.check_head(joints)?;
@@ -149,11 +158,14 @@ impl PortraitSource<'_> {
             Head::Whole { pivot } if !pivot.is_finite() => {
                 Err(refuse("head.pivot", "must be finite"))
             }
-            Head::Joints(list) if list.is_empty() => Err(refuse("head", "must name at least one \
-             joint")),
+            Head::Joints(list) if list.is_empty() => {
+                Err(refuse("head", "must name at least one joint"))
+            }
             Head::Joints(list) => match list.iter().find(|j| **j >= joints) {
-                Some(j) => Err(refuse("head", format!("joint {j} is out of range: the rig has \
-                 {joints} joints"))),
+                Some(j) => Err(refuse(
+                    "head",
+                    format!("joint {j} is out of range: the rig has {joints} joints"),
+                )),
                 None if list.windows(2).all(|w| w[0] < w[1]) => Ok(()),
                 None => Err(refuse("head", "the joint indices must rise")),
             },
@@ -165,14 +177,18 @@ impl PortraitSource<'_> {
         let slots = self.mesh.morph_weights.len();
         for (slot, weight) in &expression.morphs {
             if usize::from(*slot) >= slots || !weight.is_finite() {
-                return Err(format!("morph slot {slot} (of {slots}) is out of range, or its weight \
-                 {weight} is not finite"));
+                return Err(format!(
+                    "morph slot {slot} (of {slots}) is out of range, or its weight {weight} is \
+                     not finite"
+                ));
             }
         }
         for turn in &expression.joints {
             if turn.joint >= self.rig.len() || !turn.rotation.is_normalized() {
-                return Err(format!("joint {} is out of range, or its rotation is not of unit \
-                 length", turn.joint));
+                return Err(format!(
+                    "joint {} is out of range, or its rotation is not of unit length",
+                    turn.joint
+                ));
             }
         }
         Ok(())

@@ -29,8 +29,9 @@ pub(crate) fn flipbook(pages: &[KeyedClip], name: &str) -> Result<String, Planar
         {
             return Err(PlanarError::Mismatch {
                 at: "flip-book",
-                what: format!("page {f} must be one frame with the size and ramps of the first \
-                 page"),
+                what: format!(
+                    "page {f} must be one frame with the size and ramps of the first page"
+                ),
             });
         }
     }

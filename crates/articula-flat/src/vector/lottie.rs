@@ -30,7 +30,7 @@ pub(crate) fn lottie(clip: &KeyedClip, name: &str) -> Result<String, PlanarError
         return Err(PlanarError::Mismatch {
             at: "keyed clip",
             what: "gradients are relative to bounding boxes; reduce the keys with gradient lines \
-             on the grid"
+                   on the grid"
                 .into(),
         });
     }

@@ -129,7 +129,9 @@ fn size(moments: &[(Picture, f64)], most: u32) -> Result<(u32, u32), PictureErro
             return Err(mismatch("all frames must have the same size".to_owned()));
         }
         if !secs.is_finite() || *secs <= 0.0 {
-            return Err(mismatch(format!("a frame must last a positive, finite time, found {secs} s")));
+            return Err(mismatch(format!(
+                "a frame must last a positive, finite time, found {secs} s"
+            )));
         }
     }
     Ok((width, height))

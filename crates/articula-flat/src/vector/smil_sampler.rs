@@ -287,7 +287,12 @@ impl Animation {
                 "calcMode" => mode = value,
                 "values" => values = value,
                 "keyTimes" => times = Some(value),
-                other => return Err(unsupported(format!("the attribute {} of <animate>", shortened(other)))),
+                other => {
+                    return Err(unsupported(format!(
+                        "the attribute {} of <animate>",
+                        shortened(other)
+                    )));
+                }
             }
         }
         let known = ["d", "display", "x1", "y1", "x2", "y2"];
@@ -295,7 +300,9 @@ impl Animation {
             return Err(unsupported(format!("animation of {:?}", shortened(name))));
         };
         if repeat != "indefinite" {
-            return Err(unsupported("an animation that does not repeat indefinitely".to_owned()));
+            return Err(unsupported(
+                "an animation that does not repeat indefinitely".to_owned(),
+            ));
         }
         let is_discrete = match mode {
             "discrete" => true,
@@ -344,7 +351,10 @@ fn key_times(text: Option<&str>, keys: usize, is_discrete: bool) -> Result<Vec<f
         times.push(found.ok_or_else(|| refuse(format!("{:?}", shortened(time))))?);
     }
     if times.len() != keys {
-        return Err(refuse(format!("{} key times for {keys} values", times.len())));
+        return Err(refuse(format!(
+            "{} key times for {keys} values",
+            times.len()
+        )));
     }
     let rises = times.windows(2).all(|pair| pair[0] <= pair[1]);
     let is_whole = is_discrete || times[keys - 1] == 1.0;

@@ -40,10 +40,22 @@ pub(crate) fn still(
 ) -> Result<String, PlanarError> {
     let mismatch = |at, what: String| Err(PlanarError::Mismatch { at, what });
     if frame >= clip.frames.len() {
-        return mismatch("frame", format!("frame {frame} is out of range: the clip has {} frames", clip.frames.len()));
+        return mismatch(
+            "frame",
+            format!(
+                "frame {frame} is out of range: the clip has {} frames",
+                clip.frames.len()
+            ),
+        );
     }
     if let Some(t) = order.iter().find(|t| **t as usize >= clip.triangles.len()) {
-        return mismatch("order", format!("triangle {t} is out of range: the clip has {} triangles", clip.triangles.len()));
+        return mismatch(
+            "order",
+            format!(
+                "triangle {t} is out of range: the clip has {} triangles",
+                clip.triangles.len()
+            ),
+        );
     }
     let rank = ranks(clip, order);
     let sealer = Sealer::new(clip, options.underlap);

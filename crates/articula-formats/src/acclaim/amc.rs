@@ -85,7 +85,7 @@ pub(super) fn parse(
             if frame != expected && motion.frames > 1 && !skipped {
                 skipped = true;
                 let what =
-                    "a frame does not follow the one before; all were taken one after another";
+                    "the frame numbers are not consecutive; the frames are read in file order";
                 notes.add(at(line), what);
             }
             expected = frame.and_then(|f| f.checked_add(1));
@@ -96,7 +96,10 @@ pub(super) fn parse(
         }
     }
     if motion.frames == 0 {
-        notes.add("amc", "no frame; the figure is read without a clip");
+        notes.add(
+            "amc",
+            "the file has no frame; the figure is read without a clip",
+        );
     }
     Ok(motion)
 }
@@ -126,7 +129,7 @@ impl MotionText {
             "fully-specified" => {}
             RATE => self.rate(line, rest.first().copied().unwrap_or_default())?,
             _ => {
-                let what = format!("\":{}\" is not known; left out", shortened(keyword));
+                let what = format!("unknown keyword \":{}\"; ignored", shortened(keyword));
                 notes.add(at(line), what);
             }
         }
@@ -136,7 +139,7 @@ impl MotionText {
     fn rate(&mut self, line: usize, word: &str) -> Result<(), ReadError> {
         let rate_hz = number(at(line), word)?;
         if !FRAME_TIMES_SECS.contains(&rate_hz.recip()) {
-            let what = format!("{rate_hz} frames a second found, more than 0 expected");
+            let what = format!("{rate_hz} frames per second found, more than 0 expected");
             return Err(ReadError::malformed(at(line), what));
         }
         self.rate_hz = Some(rate_hz);
@@ -155,7 +158,8 @@ impl MotionText {
         let Some(slot) = slot.or(is_root.then_some(Some(0))) else {
             let name = shortened(name);
             let what = format!(
-                "\"{name}\" is no bone of the skeleton; is this the .asf that the motion was made with?"
+                "the skeleton has no bone \"{name}\"; use the .asf file that belongs to this \
+                 motion"
             );
             return Err(ReadError::malformed(at(line), what));
         };
@@ -176,7 +180,7 @@ impl MotionText {
             return Err(ReadError::malformed(at(line), what));
         }
         if self.rows[slot].last().is_some_and(|r| r.frame == frame) {
-            let what = format!("\"{}\" is there twice in one frame", shortened(name));
+            let what = format!("\"{}\" occurs twice in one frame", shortened(name));
             return Err(ReadError::malformed(at(line), what));
         }
         self.rows[slot].push(Row {

@@ -223,7 +223,7 @@ impl Parser<'_> {
             "hierarchy" => Section::Hierarchy,
             "skin" => Section::Other,
             _ => {
-                let what = format!("\":{}\" is not known; left out", shortened(keyword));
+                let what = format!("unknown keyword \":{}\"; ignored", shortened(keyword));
                 self.notes.add(at(line), what);
                 Section::Other
             }
@@ -329,7 +329,7 @@ impl Parser<'_> {
     }
 
     fn unknown(&mut self, line: usize, word: &str, of: &str) {
-        let what = format!("\"{}\" of {of} is not known; left out", shortened(word));
+        let what = format!("unknown property \"{}\" of {of}; ignored", shortened(word));
         self.notes.add(at(line), what);
     }
 }
@@ -363,7 +363,7 @@ fn order(line: usize, word: &str) -> Result<Vec<usize>, ReadError> {
 fn dofs(line: usize, words: &[&str]) -> Result<Vec<Dof>, ReadError> {
     if words.len() > MAX_DOFS {
         let what = format!(
-            "{} degrees of freedom, at most {MAX_DOFS} expected",
+            "{} degrees of freedom found, at most {MAX_DOFS} expected",
             words.len()
         );
         return Err(ReadError::malformed(at(line), what));

@@ -54,7 +54,7 @@ pub(super) fn build(
         tree.names.insert(bone.name.clone(), *slot);
         if slot.is_none() {
             let name = shortened(&bone.name);
-            let what = format!("the bone \"{name}\" does not hang from the root; left out");
+            let what = format!("the bone \"{name}\" is not connected to the root; left out");
             notes.add(at(bone.line), what);
         }
     }
@@ -67,7 +67,7 @@ fn by_name(text: &SkeletonText) -> Result<HashMap<&str, usize>, ReadError> {
     for (index, bone) in text.bones.iter().enumerate() {
         let taken = bones.insert(bone.name.as_str(), index).is_some();
         if taken || bone.name == "root" {
-            let what = format!("a second bone is called \"{}\"", shortened(&bone.name));
+            let what = format!("two bones have the name \"{}\"", shortened(&bone.name));
             return Err(ReadError::malformed(at(bone.line), what));
         }
     }
@@ -84,7 +84,7 @@ fn children(
     for link in &text.links {
         let unknown = |name: &str| {
             let name = shortened(name);
-            let what = format!("\"{name}\" is in the hierarchy, but not in the bonedata");
+            let what = format!("\"{name}\" is in :hierarchy but not in :bonedata");
             ReadError::malformed(at(link.line), what)
         };
         let find = |name: &str| bones.get(name).copied().ok_or_else(|| unknown(name));

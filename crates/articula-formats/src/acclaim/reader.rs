@@ -68,12 +68,12 @@ fn rate_hz(
         if FRAME_TIMES_SECS.contains(&rate_hz.recip()) {
             return Ok(rate_hz);
         }
-        let what = format!("a rate of {rate_hz} was asked for; more than 0 expected");
+        let what = format!("the frame rate must be above 0, found {rate_hz}");
         return Err(ReadError::malformed("options", what));
     }
     if motion.rate_hz.is_none() && motion.frames > 1 {
         let what =
-            format!("the rate is not in the file; {USUAL_RATE_HZ} frames a second were taken");
+            format!("the file has no frame rate; {USUAL_RATE_HZ} frames per second are assumed");
         notes.push(Warning::guess("amc", what, Assumption::Rate));
     }
     Ok(motion.rate_hz.unwrap_or(USUAL_RATE_HZ))
@@ -88,7 +88,7 @@ fn scale(length: f32, height: f32) -> (f32, Option<String>) {
     let known = (length - VICON).abs() < 1e-6;
     if known || (length != 1.0 && units::ADULT.contains(&(height * declared))) {
         let what = format!(
-            "length {length} was taken as inches / {length}: 1 unit = {declared} m, and the figure \
+            "length {length} is read as inches / {length}: 1 unit = {declared} m, and the figure \
              is {} m high at rest",
             height * declared
         );

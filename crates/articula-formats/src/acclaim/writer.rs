@@ -226,8 +226,8 @@ impl Figure<'_> {
         let scaled: BTreeSet<usize> = at_rest.chain(animated.map(|c| c.target)).collect();
         say(
             scaled.len(),
-            "scale of a joint (its effect on places is kept)",
-            "scales of joints (their effect on places is kept)",
+            "scale of a joint (its effect on positions is kept)",
+            "scales of joints (their effect on positions is kept)",
         );
         say(
             self.bones.sites_left_out,
@@ -236,8 +236,8 @@ impl Figure<'_> {
         );
         say(
             self.bones.renamed,
-            "name that the format cannot hold (another was given)",
-            "names that the format cannot hold (others were given)",
+            "name that the format cannot store (it was replaced)",
+            "names that the format cannot store (they were replaced)",
         );
         list
     }

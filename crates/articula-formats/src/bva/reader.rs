@@ -163,7 +163,8 @@ fn parse(
         }
         if declared.parse::<usize>().ok() != Some(frames.len()) {
             let (found, declared) = (frames.len(), shortened(declared));
-            let what = format!("\"Frames: {declared}\", but {found} are there and were read");
+            let what =
+                format!("\"Frames: {declared}\", but the file has {found} frames; all are read");
             notes.add(at(count_line), what);
         }
         if let Some((line, text)) = lines.rest.peek().filter(|(_, line)| !is_segment(line)) {
@@ -214,7 +215,10 @@ fn columns(
             return Err(ReadError::malformed(at(line), what));
         }
     } else {
-        notes.add(at(line), "no units; inches and degrees were taken");
+        notes.add(
+            at(line),
+            "the file has no units; inches and degrees are assumed",
+        );
     }
     let mut sizes = false;
     let mut columns = Vec::with_capacity(drives.len());
@@ -229,7 +233,7 @@ fn columns(
         columns.push(Column { drives, unit });
     }
     if sizes {
-        let what = "a scale in a unit of length is the size of the segment's own drawing; left out";
+        let what = "a scale in a unit of length is the display size of the segment; ignored";
         notes.add(at(unit_line), what);
     }
     Ok(columns)
@@ -324,8 +328,9 @@ impl File {
             self.frame_time_secs = secs;
         } else if secs != self.frame_time_secs {
             let first = self.frame_time_secs;
-            let what =
-                format!("a frame time of {secs} s; {first} s of the first segment was taken");
+            let what = format!(
+                "the frame time {secs} s differs from the first segment; its {first} s are used"
+            );
             notes.add(at(line), what);
         }
         Ok(())

@@ -43,7 +43,8 @@ pub fn tree(file: &MotionFile, segments: &Segments) -> Option<Parsed<Character>>
     let mut warnings = vec![Warning::new(
         "file",
         format!(
-            "the format has no hierarchy; {} of {} segments were put together by their names (profile {})",
+            "the format has no hierarchy; {} of {} segments are connected by their names (joint \
+             map {})",
             meanings.iter().flatten().count(),
             meanings.len(),
             segments.profile
@@ -131,8 +132,8 @@ impl World {
         let offsets: Vec<Vec3> = order.iter().map(offset).collect();
         let stands = stands(order, &offsets, meanings);
         if !stands {
-            let what = "with all rotations at zero the segments do not stand like a figure; \
-                        the first frame was taken as the rest pose";
+            let what = "with all rotations at zero the segments do not form a standing figure; \
+                        the first frame is used as the rest pose";
             warnings.push(Warning::new("file", what));
         }
         let rest = |(segment, parent): &Slot| match parent {

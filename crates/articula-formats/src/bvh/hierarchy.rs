@@ -116,7 +116,10 @@ impl Parser<'_> {
             (Some(Block::Joint(parent)), "joint") => Some(*parent),
             (None, _) => return Err(ReadError::malformed(at(line), "JOINT outside of a ROOT")),
             (Some(Block::EndSite(_)), _) => {
-                return Err(ReadError::malformed(at(line), "an End Site has no joints"));
+                return Err(ReadError::malformed(
+                    at(line),
+                    "JOINT inside of an End Site",
+                ));
             }
             (Some(_), _) => return Err(ReadError::malformed(at(line), "ROOT inside of a joint")),
         };
@@ -161,7 +164,7 @@ impl Parser<'_> {
             None => Ok(()),
             Some(_) => Err(ReadError::malformed(
                 at(line),
-                "the joint above lacks its \"{\"",
+                "the joint above has no \"{\"",
             )),
         }
     }
@@ -186,7 +189,7 @@ impl Parser<'_> {
     ) -> Result<&'w [&'w str], ReadError> {
         self.nothing_pending(line)?;
         let open = self.open.pop();
-        open.ok_or_else(|| ReadError::malformed(at(line), "\"}\" closes nothing"))?;
+        open.ok_or_else(|| ReadError::malformed(at(line), "\"}\" without a \"{\""))?;
         Ok(after)
     }
 
@@ -232,7 +235,7 @@ impl Parser<'_> {
         })?;
         let names = &after[1..];
         if names.len() < count {
-            let what = format!("CHANNELS announces {count}, {} found", names.len());
+            let what = format!("CHANNELS declares {count} channels, {} found", names.len());
             return Err(ReadError::malformed(at(line), what));
         }
         let channels = names[..count].iter().map(|name| channel(line, name));
@@ -263,7 +266,7 @@ impl Parser<'_> {
         if self.hierarchy.motion_line.is_none() {
             self.warnings.push(Warning::new(
                 end,
-                "no MOTION; the figure is read without a clip",
+                "the file has no MOTION section; the figure is read without a clip",
             ));
         }
         Ok((self.hierarchy, self.warnings))

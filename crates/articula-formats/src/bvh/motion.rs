@@ -48,7 +48,7 @@ pub(super) fn parse(
     let mut warnings = Vec::new();
     if declared.parse::<usize>().ok() != Some(motion.frames) {
         let what = format!(
-            "\"Frames: {declared}\", but {} are there and were read",
+            "\"Frames: {declared}\", but the file has {} frames; all are read",
             motion.frames
         );
         warnings.push(Warning::new(at(motion_line), what));

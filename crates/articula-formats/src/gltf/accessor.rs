@@ -150,7 +150,10 @@ impl Accessor<'_> {
             let at = &sparse.indices.bytes[i * sparse.indices.stride..];
             let element = sparse.index_component.unsigned(at) as usize;
             if element >= self.count {
-                let what = format!("sparse index {element}, but there are {}", self.count);
+                let what = format!(
+                    "sparse index {element} is out of range: the accessor has {} elements",
+                    self.count
+                );
                 return Err(self.place.malformed(what));
             }
             let bytes = &sparse.values.bytes[i * sparse.values.stride..];
@@ -164,7 +167,7 @@ impl<'a> Reader<'a> {
     /// Returns the accessor whose index a place holds.
     pub(super) fn accessor(&self, index: &Place<'_>) -> Result<Accessor<'a>, ReadError> {
         let i = index.index_below(self.root.count("accessors"))?;
-        let missing = || index.malformed("no such accessor");
+        let missing = || index.malformed("the accessor does not exist");
         self.accessor_at(self.root.entry("accessors", i).ok_or_else(missing)?)
     }
 
@@ -265,7 +268,10 @@ impl<'a> Reader<'a> {
             let at = &sparse.indices.bytes[i * sparse.indices.stride..];
             let target = sparse.index_component.unsigned(at) as usize;
             if target >= accessor.count {
-                let what = format!("sparse index {target}, but there are {}", accessor.count);
+                let what = format!(
+                    "sparse index {target} is out of range: the accessor has {} elements",
+                    accessor.count
+                );
                 return Err(accessor.place.malformed(what));
             }
             is_sorted &= before.is_none_or(|before| target > before);
@@ -279,7 +285,7 @@ impl<'a> Reader<'a> {
             );
         }
         if !is_sorted {
-            let what = "sparse indices do not increase; the last value of each counts";
+            let what = "the sparse indices do not increase; the last value of each is used";
             self.notes.add(accessor.place.at(), what);
         }
         Ok(out)
@@ -293,7 +299,7 @@ impl<'a> Reader<'a> {
     ) -> Result<Sparse<'a>, ReadError> {
         let count = place.require("count")?.whole()?;
         if count > of {
-            let what = format!("{count} sparse elements of {of}");
+            let what = format!("{count} sparse elements for an accessor of {of}");
             return Err(place.malformed(what));
         }
         let indices = place.require("indices")?;
@@ -328,7 +334,7 @@ impl<'a> Reader<'a> {
         let stride = stride.unwrap_or(size as u64);
         let is_whole = stride.is_multiple_of(component.size() as u64);
         if stride < size as u64 || stride > 1 << 16 || !is_whole {
-            let what = format!("byteStride {stride} for elements of {size} bytes");
+            let what = format!("byteStride {stride} does not fit elements of {size} bytes");
             return Err(view.malformed(what));
         }
         let offset = owner.whole_or("byteOffset", 0)?;
@@ -338,8 +344,8 @@ impl<'a> Reader<'a> {
             .and_then(|length| offset.checked_add(length));
         if end.is_none_or(|end| end > bytes.len() as u64) {
             let what = format!(
-                "{count} elements of {size} bytes every {stride} from byte {offset} do not fit \
-                 into a view of {} bytes",
+                "{count} elements of {size} bytes with stride {stride} from byte {offset} exceed \
+                 the view of {} bytes",
                 bytes.len()
             );
             return Err(owner.malformed(what));
@@ -356,7 +362,7 @@ impl<'a> Reader<'a> {
         index: &Place<'_>,
     ) -> Result<(&'a [u8], Option<u64>), ReadError> {
         let i = index.index_below(self.root.count("bufferViews"))?;
-        let missing = || index.malformed("no such buffer view");
+        let missing = || index.malformed("the buffer view does not exist");
         let view = self.root.entry("bufferViews", i).ok_or_else(missing)?;
         let bytes = bytes_of(&view, &self.document.buffers)?;
         let stride = view.get("byteStride").map(|s| s.whole()).transpose()?;
@@ -378,7 +384,7 @@ pub(super) fn bytes_of<'a>(
         .filter(|end| *end <= bytes.len() as u64);
     let Some(end) = end else {
         let what = format!(
-            "{length} bytes from byte {offset} of a buffer of {}",
+            "{length} bytes from byte {offset} exceed the buffer of {} bytes",
             bytes.len()
         );
         return Err(view.malformed(what));
@@ -394,7 +400,8 @@ fn put<T>(element: &mut [T], bytes: &[u8], size: usize, number: impl Fn(&[u8]) -
 
 fn component(place: &Place<'_>) -> Result<Component, ReadError> {
     let code = place.require("componentType")?;
-    Component::from_code(code.whole()?).ok_or_else(|| code.malformed("no component type of glTF"))
+    Component::from_code(code.whole()?)
+        .ok_or_else(|| code.malformed("not a component type of glTF"))
 }
 
 /// Returns the number of numbers per element. Small 2x2 and 3x3 matrices have padded columns;
@@ -407,7 +414,7 @@ fn width(place: &Place<'_>) -> Result<usize, ReadError> {
         "VEC4" => 4,
         "MAT4" => 16,
         other => {
-            let what = format!("elements of type \"{other}\" where none are expected");
+            let what = format!("unknown element type \"{other}\"");
             return Err(place.malformed(what));
         }
     })

@@ -62,7 +62,7 @@ fn read_channels<'a>(
             }
             let sampler = place.require("sampler")?;
             let i = sampler.index_below(animation.count("samplers"))?;
-            let missing = || sampler.malformed("no such sampler");
+            let missing = || sampler.malformed("the sampler does not exist");
             let sampler = animation.entry("samplers", i).ok_or_else(missing)?;
             if let Some(channel) = read_sampler(reader, &sampler, target)? {
                 channels.push(channel);
@@ -85,7 +85,10 @@ fn read_targets(
     let Some(pointer) = pointer::text(&target) else {
         let path = target.text("path");
         let Some(node) = target.index("node", nodes)? else {
-            let what = format!("a channel for no node (path \"{}\") left out", cut(path));
+            let what = format!(
+                "a channel without a target node (path \"{}\") left out",
+                cut(path)
+            );
             reader.warn(&target, what);
             return Ok(Vec::new());
         };
@@ -189,7 +192,7 @@ fn read_sampler(
         "STEP" => Interpolation::Step,
         "CUBICSPLINE" => Interpolation::CubicSpline,
         other => {
-            let what = format!("no interpolation of glTF: \"{}\"", cut(other));
+            let what = format!("unknown interpolation \"{}\"", cut(other));
             return Err(sampler.malformed(what));
         }
     };
@@ -273,7 +276,7 @@ fn drop_unordered_keys(
     if dropped == 0 {
         return;
     }
-    let what = format!("{dropped} keys do not come after the one before; left out");
+    let what = format!("{dropped} keys do not rise in time; left out");
     reader.notes.add(sampler.path("input"), what);
     let mut keep = in_order.iter();
     channel.times_secs.retain(|_| keep.next() == Some(&true));
@@ -302,13 +305,14 @@ fn mend_rotations(reader: &mut Reader<'_>, sampler: &Place<'_>, parts: usize, va
     }
     let at = sampler.path("output");
     if zeros > 0 {
-        let what = format!("{zeros} zero quaternions, taken as identity");
+        let what = format!("{zeros} quaternions of length 0 are read as identity");
         reader.notes.add(at.as_str(), what);
     }
     if off > 0 {
-        reader
-            .notes
-            .add(at, format!("{off} quaternions not of length 1, normalised"));
+        reader.notes.add(
+            at,
+            format!("{off} quaternions are not of unit length; normalised"),
+        );
     }
 }
 

@@ -101,7 +101,7 @@ pub(super) fn object(value: &mut Value) -> &mut Map<String, Value> {
     if !value.is_object() {
         *value = json!({});
     }
-    value.as_object_mut().expect("made an object just above")
+    value.as_object_mut().expect("the object was just inserted")
 }
 
 pub(super) fn set(owner: &mut Value, key: &str, value: impl Into<Value>) {
@@ -114,7 +114,7 @@ pub(super) fn push(owner: &mut Value, key: &str, entry: Value) -> usize {
     if !slot.is_array() {
         *slot = json!([]);
     }
-    let list = slot.as_array_mut().expect("made an array just above");
+    let list = slot.as_array_mut().expect("the array was just inserted");
     list.push(entry);
     list.len() - 1
 }

@@ -45,7 +45,7 @@ impl Document {
         let mut written = Vec::new();
         for (s, skin) in entries_mut(&mut self.json, "skins").iter().enumerate() {
             let joints = skin_joints(skin, &of_node).ok_or_else(|| {
-                let what = "a joint of the skin is not among the joints given";
+                let what = "a joint of the skin is not among the given joints";
                 WriteError::mismatch(format!("skins[{s}]"), what)
             })?;
             written.push(json!({"profile": articulation.profile, "joints": joints}));
@@ -128,7 +128,7 @@ impl Document {
         let animations = entries_mut(&mut self.json, "animations");
         let count = animations.len();
         animations.get_mut(animation).ok_or_else(|| {
-            let what = format!("index {animation}, but there are {count}");
+            let what = format!("index {animation} is out of range: there are {count}");
             WriteError::mismatch("animation", what)
         })
     }
@@ -185,7 +185,7 @@ pub(super) fn read(
                     }
                 }
             }
-            Err(error) => reader.warn(&extension, format!("left out: {error}")),
+            Err(error) => reader.warn(&extension, format!("{error}; left out")),
         }
     }
     Ok(profile.map(|profile| Articulation {
@@ -217,7 +217,7 @@ fn read_joint(place: &Place<'_>) -> Result<JointArticulation, ReadError> {
     let name = place.text("region");
     let region = name
         .parse::<Region>()
-        .map_err(|_| place.malformed("no such region"))?;
+        .map_err(|_| place.malformed("unknown region"))?;
     let hanim = place.get("hanim").and_then(|h| h.value().as_str());
     Ok(JointArticulation {
         hanim: hanim.map(str::to_owned),

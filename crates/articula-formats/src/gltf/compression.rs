@@ -68,7 +68,9 @@ pub(super) fn expand(
     for name in NAMES {
         let count = views.iter().filter(|v| v.name == name).count();
         if count > 0 {
-            let what = format!("{count} views are compressed ({name}); they are written plain");
+            let what = format!(
+                "{count} buffer views are compressed ({name}); they are written uncompressed"
+            );
             notes.add("bufferViews", what);
         }
     }
@@ -116,7 +118,7 @@ fn decode_all(
 
 fn shape(view: &Place<'_>, extension: &Place<'_>) -> Result<Shape, ReadError> {
     let unknown = |key: &str| {
-        let what = format!("no such {key}");
+        let what = format!("unknown {key}");
         ReadError::malformed(extension.path(key), what)
     };
     let shape = Shape {
@@ -140,7 +142,8 @@ fn shape(view: &Place<'_>, extension: &Place<'_>) -> Result<Shape, ReadError> {
     let length = view.require("byteLength")?.whole()?;
     if shape.count.checked_mul(shape.stride) != Some(length) {
         let (count, stride) = (shape.count, shape.stride);
-        let what = format!("{count} elements of {stride} bytes in a view of {length}");
+        let what =
+            format!("{count} elements of {stride} bytes do not fill the view of {length} bytes");
         return Err(extension.malformed(what));
     }
     Ok(shape)

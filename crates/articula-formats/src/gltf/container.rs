@@ -45,7 +45,10 @@ fn chunks<'a>(
         let start = at + 8;
         let rest = &file[start..];
         let Some(chunk) = rest.get(..length as usize) else {
-            let what = format!("a chunk of {length} bytes, but {} are left", rest.len());
+            let what = format!(
+                "a chunk of {length} bytes exceeds the {} bytes left",
+                rest.len()
+            );
             return Err(ReadError::malformed(place, what));
         };
         match kind {
@@ -55,14 +58,15 @@ fn chunks<'a>(
         }
         at = start + chunk.len();
     }
-    let json = json.ok_or_else(|| ReadError::malformed("byte 12", "no JSON chunk comes first"))?;
+    let json =
+        json.ok_or_else(|| ReadError::malformed("byte 12", "the first chunk is not JSON"))?;
     Ok((json, binary))
 }
 
 /// Checks the header and cuts the file to the declared length.
 fn declared_part<'a>(file: &'a [u8], notes: &mut Notes) -> Result<&'a [u8], ReadError> {
     let (Some(version), Some(length)) = (word(file, 4), word(file, 8)) else {
-        let what = format!("a GLB header has 12 bytes, the file {}", file.len());
+        let what = format!("a GLB header has 12 bytes, the file has {}", file.len());
         return Err(ReadError::malformed("byte 0", what));
     };
     if version != 2 {
@@ -81,7 +85,7 @@ fn declared_part<'a>(file: &'a [u8], notes: &mut Notes) -> Result<&'a [u8], Read
         return Err(ReadError::malformed("byte 8", what));
     }
     if length < file.len() {
-        let what = format!("{} bytes after the end left out", file.len() - length);
+        let what = format!("{} bytes after the end are ignored", file.len() - length);
         notes.add(format!("byte {length}"), what);
     }
     Ok(&file[..length])

@@ -54,7 +54,7 @@ fn check_version(root: &Place<'_>, notes: &mut Notes) -> Result<(), ReadError> {
     if root.get("asset").is_some_and(|asset| !asset.is_object()) {
         return Err(ReadError::malformed(
             "asset",
-            "no object; {\"version\": \"2.0\"} is expected",
+            "expected an object such as {\"version\": \"2.0\"}",
         ));
     }
     let version = root.get("asset").map_or("", |asset| asset.text("version"));

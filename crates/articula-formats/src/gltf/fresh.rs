@@ -285,16 +285,13 @@ fn check(character: &Character) -> Result<(), WriteError> {
     let wrong = |at: String, what: &str| Err(WriteError::mismatch(at, what));
     for (j, joint) in character.skeleton.joints.iter().enumerate() {
         if joint.parent.is_some_and(|parent| parent >= j) {
-            return wrong(format!("joint {j}"), "its parent does not come before it");
+            return wrong(format!("joint {j}"), "its parent must come before it");
         }
     }
     for (m, material) in character.materials.iter().enumerate() {
         let image = material.base_color_image;
         if image.is_some_and(|i| i >= character.images.len()) {
-            return wrong(
-                format!("material {m}"),
-                "it names a picture that is not there",
-            );
+            return wrong(format!("material {m}"), "its image index is out of range");
         }
     }
     for (m, mesh) in character.meshes.iter().enumerate() {
@@ -330,7 +327,7 @@ fn check_parts(
     let joints = character.skeleton.joints.len();
     let fits = skin.joints.len() == skin.inverse_bind.len() && !skin.joints.is_empty();
     if !fits || skin.joints.iter().any(|&j| j >= joints) {
-        let what = "its skin does not go with the skeleton";
+        let what = "its skin does not match the skeleton";
         return Err(WriteError::mismatch(at, what));
     }
     for (p, primitive) in primitives.iter().enumerate() {
@@ -338,7 +335,7 @@ fn check_parts(
         super::geometry::check(primitive, (skin.joints.len(), morphs), at)?;
         let materials = character.materials.len();
         if primitive.material.is_some_and(|i| i >= materials) {
-            let what = "it names a material that is not there";
+            let what = "its material index is out of range";
             return Err(WriteError::mismatch(at(), what));
         }
     }

@@ -73,20 +73,23 @@ pub(super) fn check(
         morphs.iter().all(|m| is_whole(m.normals.len())),
     ];
     if fits.contains(&false) {
-        return Err(WriteError::mismatch(at(), "its arrays differ in length"));
+        return Err(WriteError::mismatch(
+            at(),
+            "the lengths of its arrays do not match",
+        ));
     }
     let mut corners = primitive.triangles.iter().flatten();
     if corners.any(|&c| c as usize >= count) {
         return Err(WriteError::mismatch(
             at(),
-            "a triangle names a vertex that is not there",
+            "a vertex index of a triangle is out of range",
         ));
     }
     let mut joints = primitive.joints.iter();
     if joints.any(|&j| usize::from(j) >= joint_count) {
         return Err(WriteError::mismatch(
             at(),
-            "a vertex follows a joint that is not there",
+            "a joint index of a vertex is out of range",
         ));
     }
     Ok(())

@@ -31,7 +31,7 @@ pub(super) fn read(
     if sets == 0 {
         reader.warn(
             attributes,
-            "no joints and weights under a skin; bound to its first joint",
+            "the skinned primitive has no joints and weights; bound to the first joint of the skin",
         );
         return rigid(reader, attributes, count);
     }
@@ -109,12 +109,12 @@ fn mend_weights(
             .for_each(|w| *w = (f64::from(*w) / sum) as f32);
     }
     if clamped > 0 {
-        let what = format!("{clamped} weights negative or no number, taken as 0");
+        let what = format!("{clamped} weights are negative or NaN; read as 0");
         reader.warn(attributes, what);
     }
     if off > 0 {
         let all = weights.len() / influences;
-        let what = format!("the weights of {off} of {all} vertices do not sum to 1; scaled");
+        let what = format!("the weights of {off} of {all} vertices do not sum to 1; normalised");
         reader.warn(attributes, what);
     }
 }
@@ -131,7 +131,9 @@ fn check_joints(
         if *weight == 0.0 {
             *joint = 0;
         } else if usize::from(*joint) >= joint_count {
-            let what = format!("a vertex follows joint {joint}, but the skin has {joint_count}");
+            let what = format!(
+                "joint {joint} of a vertex is out of range: the skin has {joint_count} joints"
+            );
             return Err(attributes.malformed(what));
         }
     }
@@ -157,7 +159,7 @@ fn bind_loose(
         }
     }
     if loose > 0 {
-        let what = format!("{loose} vertices without any weight, bound to the first joint");
+        let what = format!("{loose} vertices have no weight; bound to the first joint");
         reader.warn(attributes, what);
     }
 }

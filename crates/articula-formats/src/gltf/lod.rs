@@ -78,7 +78,7 @@ impl Lods {
         let extension = place.dig(&["extensions", "MSFT_lod"]);
         let ids = extension.map_or(Ok(Vec::new()), |e| e.entries("ids"));
         let ids = ids.unwrap_or_else(|error| {
-            reader.warn(place, format!("levels left out: {error}"));
+            reader.warn(place, format!("the levels are left out: {error}"));
             Vec::new()
         });
         let extras = place.get("extras");
@@ -99,7 +99,7 @@ impl Lods {
                     chain.coarser.push(node);
                     chain.coverages.push(coverage(i + 1));
                 }
-                Err(error) => reader.warn(id, format!("a level left out: {error}")),
+                Err(error) => reader.warn(id, format!("the level is left out: {error}")),
             }
         }
         chain
@@ -110,7 +110,7 @@ impl Lods {
         let mut above = Some(finest);
         while let Some(n) = above {
             if n == node {
-                return Err(id.malformed("the node itself or one above it"));
+                return Err(id.malformed("the level is the node itself or an ancestor of it"));
             }
             above = self.parents[n];
         }
@@ -181,7 +181,7 @@ pub(super) fn attach(
             };
             if coarse.len() != fine.len() {
                 let what = format!(
-                    "a level with {} meshes for {} left out",
+                    "a level with {} meshes is left out: the finest has {}",
                     coarse.len(),
                     fine.len()
                 );
@@ -220,14 +220,14 @@ fn read_level(
     let node = node_place(reader, instead.n)?;
     let (_, mut primitives) = read_parts(reader, &node, given)?;
     if primitives.is_empty() {
-        reader.warn(&node, "a level without triangles left out");
+        reader.warn(&node, "the level has no triangles; left out");
         return Ok(None);
     }
     let mesh = &shown.meshes[m];
     let morphs = mesh.morph_weights.len();
     let is_other = |p: &Primitive| !p.morphs.is_empty() && p.morphs.len() != morphs;
     if primitives.iter().any(is_other) {
-        let what = format!("morph targets of a level left out: the finest has {morphs}");
+        let what = format!("the morph targets of the level are left out: the finest has {morphs}");
         reader.warn(&node, what);
         primitives.iter_mut().for_each(|p| p.morphs.clear());
     }
@@ -239,7 +239,7 @@ fn read_level(
             None => {
                 reader.warn(
                     &node,
-                    "a level that cannot stand where the finest does left out",
+                    "the level cannot take the position of the finest; left out",
                 );
                 return Ok(None);
             }

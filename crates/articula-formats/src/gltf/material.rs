@@ -55,7 +55,7 @@ fn read_material(
         ..Material::default()
     };
     if place.dig(&["extensions", "MSFT_lod"]).is_some() {
-        reader.warn(place, "coarser levels of a material left out");
+        reader.warn(place, "coarser levels of a material are left out");
     }
     let mut texcoords = Texcoords::default();
     if let Some(surface) = surface {
@@ -92,7 +92,7 @@ fn texture_image(
     };
     let image = texture.index("source", images)?;
     if image.is_none() {
-        reader.warn(&texture, "no PNG or JPEG picture; shown without one");
+        reader.warn(&texture, "the image is not PNG or JPEG; shown without it");
     }
     Ok(image)
 }

@@ -25,12 +25,12 @@ pub(super) fn read_all(
             continue;
         }
         if !given.skeletal.in_scene[n] {
-            reader.warn(&node, "its mesh is in no scene; left out");
+            reader.warn(&node, "the node is in no scene; its mesh is left out");
             continue;
         }
         let (place, primitives) = read_parts(reader, &node, given)?;
         if primitives.is_empty() {
-            reader.warn(&node, "its mesh has no triangles; left out");
+            reader.warn(&node, "the mesh has no triangles; left out");
             continue;
         }
         let mut mesh = RawMesh {
@@ -86,7 +86,7 @@ fn describe_morphs(
     }
     let found = mesh.morph_weights.len();
     if found != 0 && found != count {
-        let what = format!("{found} weights for {count} morph targets; cut or filled with 0");
+        let what = format!("{found} weights for {count} morph targets; truncated or filled with 0");
         reader.notes.add(owner.path("weights"), what);
     }
     mesh.morph_weights.resize(count, 0.0);

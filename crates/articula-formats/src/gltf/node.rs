@@ -41,7 +41,7 @@ pub(super) fn read_tree(reader: &Reader<'_>) -> Result<Tree, ReadError> {
         let mut reached = vec![false; nodes.len()];
         order.iter().for_each(|&n| reached[n] = true);
         let lost = reached.iter().position(|r| !r).unwrap_or(0);
-        return Err(nodes[lost].malformed("the node is its own ancestor, or below one that is"));
+        return Err(nodes[lost].malformed("the node is part of a cycle, or below one"));
     }
     let in_scene = nodes_in_scenes(reader, &parents, &order)?;
     Ok(Tree {
@@ -78,7 +78,7 @@ fn read_children(
     for entry in node.entries("children")? {
         let child = entry.index_below(parents.len())?;
         if let Some(other) = parents[child] {
-            let what = format!("node {child} is a child of node {other} already");
+            let what = format!("node {child} is already a child of node {other}");
             return Err(entry.malformed(what));
         }
         parents[child] = Some(parent);
@@ -130,15 +130,16 @@ pub(super) fn read_transform(
 fn repair_rotation(reader: &mut Reader<'_>, node: &Place<'_>, rotation: Quat) -> Quat {
     match unit(rotation) {
         None => {
-            reader
-                .notes
-                .add(node.path("rotation"), "zero quaternion, taken as identity");
+            reader.notes.add(
+                node.path("rotation"),
+                "a quaternion of length 0 is read as identity",
+            );
             Quat::IDENTITY
         }
         Some(unit) => {
             let length = rotation.length();
             if (length - 1.0).abs() > 1e-3 {
-                let what = format!("quaternion of length {length}, normalised");
+                let what = format!("the quaternion has length {length}; normalised");
                 reader.notes.add(node.path("rotation"), what);
             }
             unit
@@ -167,7 +168,8 @@ fn split_matrix(reader: &mut Reader<'_>, node: &Place<'_>, matrix: Mat4) -> Tran
     }
     let nearest = nearest_transform(matrix);
     let at = node.path("matrix");
-    let what = "sheared or singular; the nearest translation, rotation and scale is used";
+    let what = "the matrix is sheared or singular; the nearest translation, rotation and scale \
+                are used";
     reader.notes.add(at, what);
     nearest
 }

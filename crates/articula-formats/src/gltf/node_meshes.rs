@@ -36,7 +36,7 @@ pub(super) fn read_parts<'a>(
 ) -> Result<(Place<'a>, Vec<Primitive>), ReadError> {
     let index = node.require("mesh")?;
     let i = index.index_below(reader.root.count("meshes"))?;
-    let missing = || index.malformed("no such mesh");
+    let missing = || index.malformed("the mesh does not exist");
     let place = reader.root.entry("meshes", i).ok_or_else(missing)?;
     let joint_count = skin_of(node, given)?.map(|skin| skin.joints.len());
     let primitives = read_primitives(reader, &place, joint_count, given.texcoords)?;
@@ -63,7 +63,7 @@ pub(super) fn joint_skin(
     let inverse_bind = skin.map_or(&[Affine3A::IDENTITY][..], |skin| &skin.inverse_bind);
     let at = format!("nodes[{node}].skin");
     reader.charge(&at, nodes.len() as u64 * 16)?;
-    let lost = || ReadError::malformed(at.as_str(), "a joint of the skin is no node");
+    let lost = || ReadError::malformed(at.as_str(), "a joint of the skin is not a node");
     let joints = nodes
         .iter()
         .map(|&n| skeletal.joint_of_node[n].ok_or_else(lost))
@@ -93,7 +93,7 @@ fn read_primitives(
             .map_or(primitive.morphs.len(), |p| p.morphs.len());
         if primitive.morphs.len() != morphs {
             let found = primitive.morphs.len();
-            let what = format!("{found} morph targets, but {morphs} in the primitive before");
+            let what = format!("{found} morph targets, but the previous primitive has {morphs}");
             return Err(place.malformed(what));
         }
         if shares {

@@ -67,14 +67,14 @@ impl Fetch<'_, '_> {
                     continue;
                 }
                 (None, _) => {
-                    let what = "the buffer has no \"uri\" and the file no binary chunk for it";
+                    let what = "the buffer has no \"uri\", and the file has no binary chunk";
                     return Err(buffer.malformed(what));
                 }
                 (Some(_), _) => self.uri(buffer)?.1,
             };
             let length = buffer.require("byteLength")?.whole()?;
             if length > bytes.len() as u64 {
-                let what = format!("{length} bytes, but only {} are there", bytes.len());
+                let what = format!("{length} bytes declared, but only {} exist", bytes.len());
                 return Err(ReadError::malformed(buffer.path("byteLength"), what));
             }
             bytes.truncate(length as usize);
@@ -100,7 +100,7 @@ impl Fetch<'_, '_> {
                 Ok((_, bytes)) => out.push(Some(bytes)),
                 Err(limit @ ReadError::LimitExceeded { .. }) => return Err(limit),
                 Err(other) => {
-                    notes.add(image.at(), format!("picture left empty: {other}"));
+                    notes.add(image.at(), format!("the image is left empty: {other}"));
                     out.push(None);
                 }
             }

@@ -42,7 +42,12 @@ pub(super) fn origins(reader: &mut Reader<'_>, mesh: &Place<'_>) -> Result<Vec<O
 
 /// Returns the mesh of a node.
 pub(super) fn mesh_of<'a>(reader: &Reader<'a>, node: usize) -> Result<Place<'a>, ReadError> {
-    let missing = || ReadError::malformed(format!("nodes[{node}]"), "no such node with a mesh");
+    let missing = || {
+        ReadError::malformed(
+            format!("nodes[{node}]"),
+            "there is no such node with a mesh",
+        )
+    };
     let index = reader.root.entry("nodes", node);
     let index = index.and_then(|n| n.get("mesh")).ok_or_else(missing)?;
     let mesh = index.index_below(reader.root.count("meshes"))?;
@@ -62,7 +67,12 @@ impl Document {
         let mut reader = Reader::new(self, &limits, Notes::default());
         let mesh = mesh_of(&reader, node)?;
         let parts = origins(&mut reader, &mesh)?;
-        let none = || mesh.malformed(format!("no part {part}, there are {}", parts.len()));
+        let none = || {
+            mesh.malformed(format!(
+                "primitive {part} is out of range: there are {}",
+                parts.len()
+            ))
+        };
         let origin = parts.get(part).ok_or_else(none)?;
         let primitive = mesh.entry("primitives", origin.primitive);
         let primitive = primitive.ok_or_else(none)?;

@@ -128,7 +128,9 @@ impl<'a> Place<'a> {
         usize::try_from(found)
             .ok()
             .filter(|index| *index < len)
-            .ok_or_else(|| self.malformed(format!("index {found}, but there are {len}")))
+            .ok_or_else(|| {
+                self.malformed(format!("index {found} is out of range: there are {len}"))
+            })
     }
 
     /// Returns an index member.
@@ -195,7 +197,10 @@ mod tests {
         let json = json!({"nodes": [{}, {"mesh": 7, "scale": [1, "x", 1]}]});
         let node = Place::root(&json).entry("nodes", 1).unwrap();
         let error = node.index("mesh", 2).unwrap_err();
-        assert_eq!(error.to_string(), "nodes[1].mesh: index 7, but there are 2");
+        assert_eq!(
+            error.to_string(),
+            "nodes[1].mesh: index 7 is out of range: there are 2"
+        );
         let error = node.floats::<3>("scale").unwrap_err();
         assert_eq!(
             error.to_string(),

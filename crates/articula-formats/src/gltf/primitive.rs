@@ -25,18 +25,18 @@ pub(super) fn read(
         return Err(place.malformed("\"attributes\" is missing"));
     };
     if !matches!(mode, 4..=6) {
-        reader.warn(place, format!("points or lines (mode {mode}) left out"));
+        reader.warn(place, format!("points or lines (mode {mode}) are left out"));
         return Ok(None);
     }
     let positions = vec3s(reader, &attributes, "POSITION", None)?;
     let count = positions.len();
     if count == 0 {
-        reader.warn(place, "no positions; left out");
+        reader.warn(place, "the primitive has no positions; left out");
         return Ok(None);
     }
     let triangles = triangles(reader, place, mode, count)?;
     if triangles.is_empty() {
-        reader.warn(place, "no triangles; left out");
+        reader.warn(place, "the primitive has no triangles; left out");
         return Ok(None);
     }
     let material = place.index("material", wanted.len())?;
@@ -115,7 +115,7 @@ fn normals(
         *normal = unit.unwrap_or(Vec3::Y);
     }
     if zeros > 0 {
-        let what = format!("{zeros} of {count} normals have no length; taken as +Y");
+        let what = format!("{zeros} of {count} normals have length 0; read as +Y");
         reader.notes.add(attributes.path("NORMAL"), what);
     }
     Ok(normals)
@@ -137,7 +137,7 @@ fn texcoords(
     let pairs = numbers.as_chunks::<2>().0.iter();
     let mut texcoords: Vec<Vec2> = pairs.copied().map(Vec2::from_array).collect();
     if let Err(what) = wanted.apply(&mut texcoords) {
-        reader.warn(&index, format!("{what}; no texture coordinates"));
+        reader.warn(&index, format!("{what}; texture coordinates left out"));
         texcoords.clear();
     }
     Ok(texcoords)
@@ -205,7 +205,7 @@ fn triangles(
     };
     if let Some(i) = corners.iter().position(|&c| c as usize >= count) {
         let what = format!(
-            "index {i} names vertex {}, but there are {count}",
+            "index {i}: vertex {} is out of range, there are {count}",
             corners[i]
         );
         return Err(ReadError::malformed(place.path("indices"), what));
@@ -217,7 +217,7 @@ fn triangles(
     };
     if !is_whole {
         let what = format!(
-            "{} corners make no whole triangles; the rest is left out",
+            "{} indices are not a multiple of 3; the rest is left out",
             corners.len()
         );
         reader.notes.add(place.path("indices"), what);

@@ -73,7 +73,7 @@ pub(super) fn read(
 }
 
 pub(super) fn node_place<'a>(reader: &Reader<'a>, n: usize) -> Result<Place<'a>, ReadError> {
-    let missing = || ReadError::malformed("nodes", format!("there is no node {n}"));
+    let missing = || ReadError::malformed("nodes", format!("node {n} does not exist"));
     reader.root.entry("nodes", n).ok_or_else(missing)
 }
 

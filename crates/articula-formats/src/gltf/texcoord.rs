@@ -32,7 +32,10 @@ impl Texcoords {
         match moved(&extension, plain.set) {
             Ok(moved) => Ok(moved),
             Err(error) => {
-                reader.warn(info, format!("texture transform not applied: {error}"));
+                reader.warn(
+                    info,
+                    format!("the texture transform is not applied: {error}"),
+                );
                 Ok(plain)
             }
         }
@@ -47,7 +50,7 @@ impl Texcoords {
         for place in texcoords.iter_mut() {
             let moved = self.transform.transform_point2(*place);
             if !moved.is_finite() {
-                return Err(format!("{NAME} moves {place} out of all bounds"));
+                return Err(format!("{NAME} moves {place} out of bounds"));
             }
             *place = moved;
         }

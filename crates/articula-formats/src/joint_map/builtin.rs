@@ -37,7 +37,8 @@ const FILES: [&str; 20] = [
 
 static PROFILES: LazyLock<Vec<JointMap>> = LazyLock::new(|| {
     let parsed = FILES.iter().map(|json| {
-        file::parse(json.as_bytes(), &Limits::default()).expect("a test reads every own profile")
+        file::parse(json.as_bytes(), &Limits::default())
+            .expect("a test parses every built-in joint map")
     });
     std::iter::once(file::of_the_standard())
         .chain(parsed)

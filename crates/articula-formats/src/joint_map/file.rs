@@ -99,7 +99,7 @@ fn targets(file: &File) -> Result<BTreeMap<String, JointTarget>, ReadError> {
         let at = format!("helpers.{region_name}");
         let region = region_name.parse::<Region>().map_err(|_| {
             let known = Region::ALL.map(|r| r.to_string()).join(", ");
-            ReadError::malformed(&*at, format!("no such region; the regions are {known}"))
+            ReadError::malformed(&*at, format!("unknown region; the regions are {known}"))
         })?;
         for (name, _) in patterns.iter().flat_map(|p| names::spellings(p, "")) {
             insert(&mut all, &at, name, JointTarget::Helper(region))?;
@@ -122,7 +122,7 @@ fn joint_target(at: &str, meaning: &str) -> Result<JointTarget, ReadError> {
     let unknown = || {
         ReadError::malformed(
             at,
-            format!("\"{meaning}\" is no H-Anim joint and not \"spine\""),
+            format!("\"{meaning}\" is neither an H-Anim joint nor \"spine\""),
         )
     };
     if let Some(rest) = meaning.strip_prefix(HAND) {
@@ -183,7 +183,7 @@ mod tests {
         );
         check(
             r#"{"name": "x", "joints": {}, "helpers": {"tail": []}}"#,
-            "no such region",
+            "unknown region",
         );
         check(
             r#"{"name": "x", "joints": {"l_arm": "l_elbow", "{side}Arm": "{side}_shoulder"}}"#,

@@ -89,7 +89,7 @@ fn channels(tail: &[u8], stride: usize, end: usize) -> Result<Vec<Channel>, Read
         (2, turn) => Ok(Channel::Xor(u32::from(turn))),
         _ => {
             let at = format!("byte {}", end - modes.len() + i);
-            let what = format!("no channel mode: {mode:#04x}");
+            let what = format!("unknown channel mode {mode:#04x}");
             Err(ReadError::malformed(at, what))
         }
     };

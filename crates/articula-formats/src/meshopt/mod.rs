@@ -70,13 +70,19 @@ impl Shape {
             Mode::Triangles | Mode::Indices => matches!(stride, 2 | 4),
         };
         if !fits {
-            return Err(format!("no element of {:?} has {stride} bytes", self.mode));
+            return Err(format!(
+                "elements of mode {:?} cannot have {stride} bytes",
+                self.mode
+            ));
         }
         if self.mode == Mode::Triangles && !self.count.is_multiple_of(3) {
-            return Err(format!("{} corners make no whole triangles", self.count));
+            return Err(format!("{} indices are not a multiple of 3", self.count));
         }
         if self.mode != Mode::Attributes && self.filter != Filter::None {
-            return Err(format!("indices have no filter, found {:?}", self.filter));
+            return Err(format!(
+                "indices cannot have a filter, found {:?}",
+                self.filter
+            ));
         }
         let fits = match self.filter {
             Filter::None | Filter::Exponential => true,
@@ -84,11 +90,11 @@ impl Shape {
             Filter::Quaternion => stride == 8,
         };
         if !fits {
-            let what = format!("{:?} elements of {stride} bytes", self.filter);
+            let what = format!("{:?} elements cannot have {stride} bytes", self.filter);
             return Err(what);
         }
         let len = self.count.checked_mul(stride);
-        len.ok_or_else(|| format!("{} elements of {stride} bytes", self.count))
+        len.ok_or_else(|| format!("{} elements of {stride} bytes are too many", self.count))
     }
 }
 

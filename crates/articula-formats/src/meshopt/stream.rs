@@ -17,12 +17,12 @@ impl<'a> Stream<'a> {
     ) -> Result<(u8, Self, &'a [u8]), ReadError> {
         let header = *bytes
             .first()
-            .ok_or_else(|| ReadError::malformed("byte 0", "an empty stream"))?;
+            .ok_or_else(|| ReadError::malformed("byte 0", "the stream is empty"))?;
         let tail = tail(header);
         let end = bytes.len().checked_sub(tail).filter(|end| *end >= 1);
         let Some(end) = end else {
             let what = format!(
-                "{} bytes; the header and the end alone take {}",
+                "{} bytes are too short; header and tail take {}",
                 bytes.len(),
                 tail + 1
             );
@@ -39,7 +39,10 @@ impl<'a> Stream<'a> {
     pub(super) fn take(&mut self, count: usize) -> Result<&'a [u8], ReadError> {
         let rest = &self.bytes[self.at..];
         let Some(taken) = rest.get(..count) else {
-            let what = format!("{count} bytes are needed, but {} are left", rest.len());
+            let what = format!(
+                "unexpected end: {count} bytes are needed, {} are left",
+                rest.len()
+            );
             return Err(self.fault(what));
         };
         self.at += count;
@@ -62,14 +65,14 @@ impl<'a> Stream<'a> {
                 return Ok(value);
             }
         }
-        Err(self.fault("a number of more than five bytes"))
+        Err(self.fault("a variable-length integer exceeds five bytes"))
     }
 
     /// Returns an error if bytes are left.
     pub(super) fn finish(&self) -> Result<(), ReadError> {
         match self.bytes.len() - self.at {
             0 => Ok(()),
-            left => Err(self.fault(format!("{left} bytes are left over"))),
+            left => Err(self.fault(format!("{left} unexpected bytes at the end"))),
         }
     }
 
@@ -107,7 +110,7 @@ mod tests {
         assert!(number(&[0xff, 0xff, 0xff, 0xff, 0xff, 0x00]).is_err());
         assert!(number(&[0x80]).is_err());
         let left = number(&[1, 2]).unwrap_err().to_string();
-        assert_eq!(left, "byte 2: 1 bytes are left over");
+        assert_eq!(left, "byte 2: 1 unexpected bytes at the end");
     }
 
     #[test]

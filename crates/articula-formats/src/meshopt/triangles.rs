@@ -83,7 +83,7 @@ impl Decoder<'_> {
         let Some((a, b)) = self.edges.get(edge) else {
             return Err(self
                 .data
-                .fault(format!("recent edge {edge} was never given")));
+                .fault(format!("recent edge {edge} does not exist")));
         };
         let c = match code {
             0 => self.fresh(),
@@ -133,7 +133,9 @@ impl Decoder<'_> {
         match corner {
             0 => Ok(self.fresh()),
             15 if code >= 14 => self.spelled(),
-            15 => Err(self.data.fault("the table at the end holds a 15")),
+            15 => Err(self
+                .data
+                .fault("the table at the end contains the invalid code 15")),
             recent => self.recent(recent - 1),
         }
     }
@@ -147,7 +149,7 @@ impl Decoder<'_> {
     fn recent(&self, back: u8) -> Result<u32, ReadError> {
         let missing = || {
             self.data
-                .fault(format!("recent vertex {back} was never given"))
+                .fault(format!("recent vertex {back} does not exist"))
         };
         self.vertices.get(back).ok_or_else(missing)
     }
@@ -204,6 +206,10 @@ mod tests {
                 .unwrap_err()
                 .contains("2 bytes are needed")
         );
-        assert!(decoded(&[0xf0, 9], 3).unwrap_err().contains("left over"));
+        assert!(
+            decoded(&[0xf0, 9], 3)
+                .unwrap_err()
+                .contains("unexpected bytes")
+        );
     }
 }

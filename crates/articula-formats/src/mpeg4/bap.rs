@@ -94,7 +94,8 @@ pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<BapC
     let extensions = clip.moving().iter().skip(BAPS).filter(|m| **m).count();
     if extensions > 0 {
         let what = format!(
-            "{extensions} of the extension parameters 187 to {WITH_EXTENSIONS} move; they are kept, but no joint is known to follow them"
+            "{extensions} of the extension parameters 187 to {WITH_EXTENSIONS} are animated; they \
+             are kept, but no joint uses them"
         );
         warnings.push(Warning::new("values", what));
     }

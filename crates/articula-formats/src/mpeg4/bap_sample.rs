@@ -78,7 +78,7 @@ pub enum BapError {
         limit: u64,
     },
     /// No joint is known to be the root of the humanoid.
-    #[error("no joint is known as humanoid_root; BAP drives humanoids only")]
+    #[error("no joint is mapped to humanoid_root; BAP animates humanoids only")]
     NoRoot,
     /// The articulation belongs to another skeleton.
     #[error("{found} joints in the articulation, {expected} in the skeleton")]
@@ -90,7 +90,8 @@ pub enum BapError {
     },
     /// The rest pose of the figure differs from the standard's.
     #[error(
-        "{joint} rests {degrees:.0} degrees off the standard humanoid, whose arms hang; BAP counts from there"
+        "the rest rotation of {joint} differs by {degrees:.0} degrees from the standard humanoid \
+         with hanging arms, to which BAP angles are relative"
     )]
     Rest {
         /// H-Anim name of the joint above the limb.
@@ -334,6 +335,6 @@ fn apart_degrees(a: Vec3, b: Vec3) -> f32 {
 #[allow(
     clippy::print_stdout,
     clippy::disallowed_methods,
-    reason = "a test reads files, and says what it skips"
+    reason = "a test reads files and prints what it skips"
 )]
 mod tests;

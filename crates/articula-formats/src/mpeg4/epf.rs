@@ -123,13 +123,13 @@ impl File<'_> {
         }
         let word = &statement.word;
         let Some(frame) = self.frames.last_mut() else {
-            let what = format!("{word} found before the first FBM, which opens a frame");
+            let what = format!("{word} found before the first FBM, which begins a frame");
             return Err(ReadError::malformed(at, what));
         };
         if !frame.apply(statement)? && !self.unknown.contains(word) {
             let count = self.unknown.len() as u64 + 1;
             Limits::check(&at, "unknown words", count, MAX_UNKNOWN)?;
-            let what = format!("the word {word} is not known; its numbers are left out");
+            let what = format!("unknown word {word}; its numbers are ignored");
             self.warnings.push(Warning::new(at, what));
             self.unknown.push(word.clone());
         }
@@ -242,7 +242,7 @@ impl EpfCoding {
 /// Returns frames per second from the integer part, sixteenths, and a flag for 1000/1001.
 fn rate_hz(statement: &Statement) -> Result<f32, ReadError> {
     let [rate, sixteenths @ 0..=15, offset @ 0..=1] = statement.numbers[..] else {
-        return Err(statement.wrong("a rate, sixteenths of 0 to 15 and a flag"));
+        return Err(statement.wrong("a rate, sixteenths from 0 to 15 and a flag"));
     };
     let plain = f64::from(rate) + f64::from(sixteenths) / 16.0;
     let factor = if offset == 1 { 1000.0 / 1001.0 } else { 1.0 };
@@ -251,7 +251,7 @@ fn rate_hz(statement: &Statement) -> Result<f32, ReadError> {
 
 /// Parses ten mask types, each followed by its bits if it is 1 or 2.
 fn groups(statement: &Statement) -> Result<Vec<GroupMask>, ReadError> {
-    let wrong = || statement.wrong("ten mask types of 0 to 3, those of 1 and 2 with their bits");
+    let wrong = || statement.wrong("ten mask types from 0 to 3, types 1 and 2 with their bits");
     let mut numbers = statement.numbers.iter().copied();
     let mut groups = Vec::new();
     for (_, size) in GROUPS {

@@ -208,7 +208,7 @@ fn one_way(clip: &FapClip) -> Vec<Warning> {
     let found = TABLE.iter().enumerate().filter(goes_back);
     found
         .map(|(index, fap)| {
-            let what = "goes below 0, where it has no meaning; kept as it is";
+            let what = "has negative values, which are undefined; kept unchanged";
             Warning::new(format!("FAP {} {}", index + 1, fap.name), what)
         })
         .collect()

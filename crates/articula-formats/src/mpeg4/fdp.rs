@@ -112,7 +112,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Parsed<FdpFile>, ReadError>
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
     let text = std::str::from_utf8(bytes).map_err(|e| {
         let line = Place::new(bytes).line(e.valid_up_to());
-        ReadError::malformed(line, "bytes found that are no UTF-8 text")
+        ReadError::malformed(line, "the text is not valid UTF-8")
     })?;
     let mut parser = Parser {
         place: Place::new(bytes),
@@ -129,7 +129,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Parsed<FdpFile>, ReadError>
         let offset = reader.buffer_position() as usize;
         let event = reader.read_event().map_err(|e| {
             let line = parser.place.line(reader.error_position() as usize);
-            ReadError::malformed(line, format!("no good XML: {e}"))
+            ReadError::malformed(line, format!("malformed XML: {e}"))
         })?;
         match event {
             Event::Start(start) => parser.start(&start, offset)?,
@@ -139,7 +139,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Parsed<FdpFile>, ReadError>
             Event::Text(words) => parser.words(&words, offset)?,
             Event::CData(words) => parser.words(&words, offset)?,
             Event::DocType(_) => {
-                return Err(parser.refused(offset, "a document type", "take <!DOCTYPE> out"));
+                return Err(parser.refused(offset, "a document type", "remove <!DOCTYPE>"));
             }
             Event::GeneralRef(_) => {
                 return Err(parser.refused(
@@ -176,16 +176,11 @@ impl Parser<'_> {
     fn start(&mut self, start: &BytesStart<'_>, offset: usize) -> Result<(), ReadError> {
         let line = self.place.line(offset);
         let depth = self.open.len() as u64 + 1;
-        Limits::check(
-            &line,
-            "elements inside of each other",
-            depth,
-            self.limits.depth,
-        )?;
+        Limits::check(&line, "nested elements", depth, self.limits.depth)?;
         let name = start.name().into_inner().to_owned();
         if !self.seen.root && name != "xfdp" {
             let shown = shortened(&name);
-            let what = format!("the file begins with <{shown}>, <xfdp> is expected");
+            let what = format!("the file begins with <{shown}>, expected <xfdp>");
             return Err(ReadError::malformed(line, what));
         }
         self.seen.root = true;
@@ -224,7 +219,7 @@ impl Parser<'_> {
         let version = element.word("version");
         if version != VERSION {
             let shown = shortened(&version);
-            let what = format!("version \"{shown}\" found, {VERSION} known; read as such");
+            let what = format!("version \"{shown}\" is read as {VERSION}");
             self.warnings.push(Warning::new(&element.line, what));
         }
     }
@@ -270,7 +265,7 @@ impl Parser<'_> {
             parts.and_then(|(group, number)| Some((group.parse().ok()?, number.parse().ok()?)));
         let Some(point) = point else {
             let shown = shortened(&name);
-            let what = format!("feature point \"{shown}\" found, such as 2.10 expected");
+            let what = format!("feature point \"{shown}\" found, expected one such as 2.10");
             return Err(ReadError::malformed(&element.line, what));
         };
         self.found.points.push(FeaturePoint {
@@ -331,7 +326,8 @@ impl Parser<'_> {
         let mut list: Vec<(String, String)> = Vec::new();
         // The parser's check for duplicates is quadratic; here the number of attributes is bounded.
         for attribute in start.attributes().with_checks(false) {
-            let broken = |e: &dyn Display| ReadError::malformed(line, format!("no good XML: {e}"));
+            let broken =
+                |e: &dyn Display| ReadError::malformed(line, format!("malformed XML: {e}"));
             let attribute = attribute.map_err(|e| broken(&e))?;
             let key = attribute.key.into_inner();
             let value = attribute.normalized_value(XmlVersion::Implicit1_0);
@@ -367,11 +363,11 @@ impl Parser<'_> {
 
     fn finish(mut self) -> Result<Parsed<FdpFile>, ReadError> {
         if !self.seen.root || !self.open.is_empty() {
-            let what = "the file ends before </xfdp>; it was cut off";
+            let what = "the file ends before </xfdp>; it is truncated";
             return Err(ReadError::malformed(self.place.line(usize::MAX), what));
         }
         if !self.seen.fapu {
-            let what = "no <fapu> with the units of the face; they are left at 0";
+            let what = "the file has no <fapu>; the units of the face are 0";
             self.warnings.push(Warning::new("head", what));
         }
         Ok(Parsed {

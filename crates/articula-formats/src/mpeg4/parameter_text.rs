@@ -105,7 +105,7 @@ impl<'a> Reader<'a> {
         };
         self.mask(mask_line, &words, &mut frame.mask)?;
         let Some((line, words)) = self.lines.next() else {
-            let what = "the file ends after a mask, before its values; that frame is left out";
+            let what = "the file ends between a mask and its values; the last frame is left out";
             self.warnings.push(Warning::new(at(mask_line), what));
             self.end();
             return Ok(false);
@@ -132,7 +132,7 @@ impl<'a> Reader<'a> {
             };
             let format = self.layout.format;
             let what = format!(
-                "{count} words found where a {format} mask of {expected} 0 or 1 is expected"
+                "{count} words found, expected a {format} mask of {expected} digits 0 or 1"
             );
             return Err(ReadError::malformed(at(line), what));
         }
@@ -157,7 +157,7 @@ impl<'a> Reader<'a> {
         if words.len() != expected {
             let found = words.len();
             let what = format!(
-                "{found} numbers found, the frame number and {} values expected by the mask",
+                "{found} numbers found, the mask expects the frame number and {} values",
                 expected - 1
             );
             return Err(ReadError::malformed(at(line), what));
@@ -185,7 +185,7 @@ impl<'a> Reader<'a> {
             if !self.warned.order {
                 self.warned.order = true;
                 let what = format!(
-                    "frame {number} found after frame {}; frames that do not go on are numbered in order",
+                    "frame {number} found after frame {}; frames that do not rise are renumbered",
                     next - 1
                 );
                 self.warnings.push(Warning::new(at(line), what));
@@ -219,7 +219,7 @@ impl<'a> Reader<'a> {
         if !self.warned.fraction {
             self.warned.fraction = true;
             let what = format!(
-                "\"{}\" found, a whole number expected; such values are rounded",
+                "\"{}\" found, a whole number expected; the values are rounded",
                 shortened(word)
             );
             self.warnings.push(Warning::new(at(line), what));
@@ -231,7 +231,8 @@ impl<'a> Reader<'a> {
         let place = at(self.header_line);
         let found = self.found;
         if let Some(announced) = self.announced.filter(|a| *a != found) {
-            let what = format!("{announced} frames announced, {found} are there; those count");
+            let what =
+                format!("{announced} frames declared, but the file has {found}; all are read");
             self.warnings.push(Warning::new(place, what));
         }
     }
@@ -262,7 +263,7 @@ fn header(
     let announced = frames.parse::<u64>().ok();
     if announced.is_none() {
         let what = format!(
-            "number of frames \"{}\" found; those that are there count",
+            "number of frames \"{}\" found; the frames in the file are counted instead",
             shortened(frames)
         );
         warnings.push(Warning::new(at(line), what));
@@ -279,7 +280,7 @@ fn header(
 pub(super) fn check_version(header: &Header, known: &[&str], warnings: &mut Vec<Warning>) {
     if !known.contains(&header.version.as_str()) {
         let what = format!(
-            "version \"{}\" found, {} known; read as such",
+            "version \"{}\" is read as {}",
             shortened(&header.version),
             known.join(" and ")
         );

@@ -234,7 +234,7 @@ impl<'a, 'l> Parser<'a, 'l> {
     }
 
     fn left_out(&mut self, what: &str, offset: usize) {
-        let what = format!("{what} is not followed; what it holds is left out");
+        let what = format!("{what} is not read; its content is left out");
         self.builder.warn(offset, what);
     }
 
@@ -292,7 +292,7 @@ impl<'a, 'l> Parser<'a, 'l> {
             }
             '"' => {
                 let Some(length) = quoted(&rest[1..]) else {
-                    let what = "a string without a quotation mark at its end";
+                    let what = "the string has no closing quotation mark";
                     return Err(self.builder.malformed(start, what));
                 };
                 self.at += length + 2;
@@ -330,7 +330,7 @@ impl<'a, 'l> Parser<'a, 'l> {
             Ok(Token::End) => "the end of the file".to_owned(),
             Err(error) => return error,
         };
-        let what = format!("{found} was found, {what} is expected");
+        let what = format!("found {found}, expected {what}");
         self.builder.malformed(start, what)
     }
 }

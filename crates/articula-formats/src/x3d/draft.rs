@@ -189,7 +189,7 @@ pub(super) fn key_times(
         times.push((time, key));
     }
     if wrong > 0 {
-        let what = format!("{wrong} keys go back or lie outside of 0 to 1; left out");
+        let what = format!("{wrong} keys decrease or are outside of 0 to 1; left out");
         reader.warn(id, what);
     }
     Ok(times)

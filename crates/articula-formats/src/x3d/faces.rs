@@ -55,7 +55,8 @@ pub(super) fn read(
         }
     }
     if wrong > 0 {
-        let what = format!("{wrong} faces name points that are not there, or too few; left out");
+        let what =
+            format!("{wrong} faces have point indices out of range or too few points; left out");
         reader.warn(id, what);
     }
     Ok(faces)

@@ -140,7 +140,7 @@ impl<'a> Reader<'a> {
             let number = word.parse::<f64>().ok().filter(|n| n.abs() <= LARGEST);
             let Some(number) = number else {
                 let word = shortened(word);
-                let what = format!("{field}: \"{word}\" was found, a number up to 1e9 is expected");
+                let what = format!("{field}: \"{word}\" found, a number up to 1e9 expected");
                 return Err(self.malformed(id, what));
             };
             numbers.push(number);
@@ -163,7 +163,7 @@ impl<'a> Reader<'a> {
             };
             let Some(number) = number else {
                 let word = shortened(word);
-                let what = format!("{field}: \"{word}\" was found, a whole number is expected");
+                let what = format!("{field}: \"{word}\" found, a whole number expected");
                 return Err(self.malformed(id, what));
             };
             list.push(number);
@@ -181,7 +181,10 @@ impl<'a> Reader<'a> {
         let numbers = self.numbers(id, field)?;
         let (tuples, rest) = numbers.as_chunks::<N>();
         if !rest.is_empty() {
-            let what = format!("{field}: {} numbers are no multiple of {N}", numbers.len());
+            let what = format!(
+                "{field}: {} numbers found, a multiple of {N} expected",
+                numbers.len()
+            );
             self.warn(id, what);
         }
         Ok(tuples.to_vec())
@@ -201,7 +204,7 @@ impl<'a> Reader<'a> {
         match <[f64; N]>::try_from(numbers) {
             Ok(tuple) => Ok(Some(tuple)),
             Err(_) => {
-                let what = format!("{field}: {found} numbers were found, {N} are expected");
+                let what = format!("{field}: {found} numbers found, {N} expected");
                 Err(self.malformed(id, what))
             }
         }

@@ -75,11 +75,14 @@ pub(super) fn find(reader: &mut Reader<'_>) -> Result<Figure, ReadError> {
         search.walk(reader, root, unit, 1)?;
     }
     if search.shapes > 0 {
-        let what = format!("{} shapes beside the humanoid are left out", search.shapes);
+        let what = format!("{} shapes outside the humanoid are left out", search.shapes);
         reader.notes.add("scene", what);
     }
     for &(other, _) in search.humanoids.iter().skip(1) {
-        reader.warn(other, "only the first humanoid of a scene is read");
+        reader.warn(
+            other,
+            "the scene has several humanoids; only the first is read",
+        );
     }
     let Some(&(id, above)) = search.humanoids.first() else {
         return Err(ReadError::Unsupported {
@@ -211,7 +214,7 @@ impl Figure {
         let mut here = here;
         match reader.kind(id) {
             "HAnimJoint" if !seen.insert(id) => {
-                reader.warn(id, "the joint hangs in two places; only the first counts");
+                reader.warn(id, "the joint has two parents; only the first is used");
                 return Ok(());
             }
             "HAnimJoint" => {
@@ -261,7 +264,7 @@ impl Figure {
     /// Adds a part to the current joint of the traversal.
     fn part(&mut self, reader: &mut Reader<'_>, id: NodeId, here: Here) -> Option<usize> {
         let Some(joint) = here.joint else {
-            reader.warn(id, "hangs on no joint; left out");
+            reader.warn(id, "is attached to no joint; left out");
             return None;
         };
         let id = match reader.kind(id) {

@@ -84,7 +84,7 @@ impl Frames {
     /// Computes the frames of all joints.
     pub(super) fn new(reader: &mut Reader<'_>, figure: &Figure) -> Result<Self, ReadError> {
         if !figure.world.is_finite() || figure.world.matrix3.determinant().abs() < 1e-18 {
-            return Err(reader.malformed(figure.id, "the humanoid is scaled to nothing"));
+            return Err(reader.malformed(figure.id, "the scale of the humanoid is 0"));
         }
         let world = Similarity::of(&figure.world);
         let mut frames = Self {
@@ -114,7 +114,8 @@ impl Frames {
             frames.push(index, joint, &rest);
         }
         if stores_shape && figure.joints.iter().any(|j| !j.stored.is_at_rest()) {
-            let what = "no joint has a center of its own; their translations are taken as the figure's shape";
+            let what = "no joint has a center; the translations of the joints give the shape of \
+                        the figure";
             reader.warn(figure.id, what);
         }
         frames.check(reader, figure)?;
@@ -141,7 +142,8 @@ impl Frames {
         };
         let matrix = before * joint.above;
         let above = Similarity::of(&matrix).unwrap_or_else(|| {
-            let what = "a transform above the joint stretches or mirrors it; scaled evenly instead";
+            let what = "a transform above the joint scales it unevenly or mirrors it; a uniform \
+                        scale is used instead";
             reader.warn(joint.id, what);
             Similarity::near(&matrix)
         });
@@ -176,7 +178,7 @@ impl Frames {
             let stored = self.stored[index];
             let finite = |t: &Transform| t.is_finite() && t.translation.abs().max_element() < 1e12;
             if !finite(&rest) || !finite(&stored) {
-                return Err(reader.malformed(joint.id, "the joint lies beyond all measure"));
+                return Err(reader.malformed(joint.id, "the position of the joint is too large"));
             }
         }
         Ok(())
@@ -229,7 +231,10 @@ fn stretched(reader: &mut Reader<'_>, figure: &Figure) -> Joint {
         m.translation.as_vec3().extend(1.0),
     );
     let rest = Transform::from_matrix(matrix).unwrap_or_else(|| {
-        reader.warn(figure.id, "the humanoid is sheared; drawn upright instead");
+        reader.warn(
+            figure.id,
+            "the transform of the humanoid is sheared; shown without the shear",
+        );
         let near = Similarity::near(&m);
         Transform {
             translation: near.translation.as_vec3(),

@@ -36,7 +36,7 @@ impl Influences {
             let weights = reader.numbers(own.id, "skinCoordWeight")?;
             if weights.len() != indices.len() {
                 let what = format!(
-                    "{} points of the skin and {} weights; a missing weight is 1",
+                    "{} skin points and {} weights; missing weights are read as 1",
                     indices.len(),
                     weights.len()
                 );
@@ -60,7 +60,7 @@ impl Influences {
             }
         }
         if beyond > 0 {
-            let what = format!("{beyond} times a joint names a point that the skin does not have");
+            let what = format!("{beyond} point indices of joints are out of range; left out");
             reader.warn(figure.id, what);
         }
         let mut influences = Self { of_point };
@@ -81,12 +81,11 @@ impl Influences {
             list.iter_mut().for_each(|(_, weight)| *weight /= sum);
         }
         if alone > 0 {
-            let what = format!("{alone} points of the skin follow no joint; they follow the root");
+            let what = format!("{alone} skin points have no joint; bound to the root");
             reader.warn(id, what);
         }
         if odd > 0 {
-            let what =
-                format!("the weights of {odd} points do not sum to 1; scaled so that they do");
+            let what = format!("the weights of {odd} points do not sum to 1; normalised");
             reader.warn(id, what);
         }
     }

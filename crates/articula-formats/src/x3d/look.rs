@@ -175,10 +175,10 @@ impl<'r, 'f> Looks<'r, 'f> {
             }
             if found.is_none() {
                 let reasons = match reasons.is_empty() {
-                    true => "it names none".to_owned(),
+                    true => "the node has no url".to_owned(),
                     false => reasons.join("; "),
                 };
-                reader.warn(id, format!("shown without its picture: {reasons}"));
+                reader.warn(id, format!("shown without its image: {reasons}"));
             }
         } else {
             let what = format!("{} is not read; shown without it", reader.kind(id));
@@ -233,10 +233,11 @@ impl<'r, 'f> Looks<'r, 'f> {
             return (self.resolver)(&uri::file_name(address));
         }
         let name = uri::file_name(address.rsplit('/').next().unwrap_or(""));
-        let bytes = (self.resolver)(&name)
-            .map_err(|reason| format!("nothing is fetched from afar, and beside this: {reason}"))?;
+        let bytes = (self.resolver)(&name).map_err(|reason| {
+            format!("URLs are not fetched, and for a file of that name: {reason}")
+        })?;
         let what = format!(
-            "nothing is fetched from \"{}\"; the picture of that name beside this file is shown",
+            "\"{}\" is not fetched; the image of that name in the folder of the file is used",
             shortened(address)
         );
         reader.warn(id, what);

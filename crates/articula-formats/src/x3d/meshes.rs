@@ -155,7 +155,7 @@ impl Maker<'_, '_, '_> {
         }
         if groups.iter().all(|group| group.shapes.is_empty()) {
             if !displacers.is_empty() {
-                let what = format!("{} displacers move nothing that is seen", displacers.len());
+                let what = format!("{} displacers affect no displayed mesh", displacers.len());
                 reader.warn(figure.id, what);
             }
             return Ok(());
@@ -239,8 +239,11 @@ impl Maker<'_, '_, '_> {
         }
         let copied = coord.is_some() && solid.faces.points.len() == points;
         let what = match copied {
-            true => "the coordinates are no USE of skinCoord but as many; taken as those",
-            false => "the coordinates are not those of skinCoord; the shape follows the root",
+            true => {
+                "the coordinates are not a USE of skinCoord but have the same number; read as \
+                 skinCoord"
+            }
+            false => "the coordinates are not those of skinCoord; the shape is bound to the root",
         };
         reader.warn(solid.geometry, what);
         copied
@@ -347,7 +350,8 @@ fn read_moves(reader: &mut Reader<'_>, displacers: &[NodeId]) -> Result<Vec<Move
         let displacements = reader.tuples::<3>(id, "displacements")?;
         if indices.len() != displacements.len() {
             let (indices, given) = (indices.len(), displacements.len());
-            let what = format!("{indices} points and {given} displacements; the rest is left out");
+            let what =
+                format!("{indices} points and {given} displacements; the excess is left out");
             reader.warn(id, what);
         }
         reader.charge(id, 8 * indices.len())?;

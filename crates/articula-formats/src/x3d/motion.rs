@@ -66,7 +66,7 @@ fn read(
     }
     if values.len() % width != 0 {
         let what = format!(
-            "{} values are no multiple of {width} channels; the rest is left out",
+            "{} values are not a multiple of {width} channels; the rest is left out",
             values.len()
         );
         reader.warn(id, what);
@@ -77,7 +77,7 @@ fn read(
     let frames = chosen(reader, id, &all)?;
     let frame_secs = reader.number(id, "frameDuration", 0.1)?;
     if !FRAME_SECS.contains(&frame_secs) {
-        let what = format!("frameDuration is {frame_secs} s, 0.000001 to 10000 is expected");
+        let what = format!("frameDuration is {frame_secs} s, expected 0.000001 to 10000");
         return Err(reader.malformed(id, what));
     }
     let times: Vec<f32> = (0..frames.len())
@@ -134,7 +134,7 @@ fn groups(reader: &mut Reader<'_>, stage: &Stage<'_>, id: NodeId) -> Result<Vec<
             let name = shortened(name);
             reader.warn(
                 id,
-                format!("no joint is called \"{name}\"; its channels are left out"),
+                format!("there is no joint \"{name}\"; its channels are left out"),
             );
         }
         let count = channels.len();
@@ -146,7 +146,11 @@ fn groups(reader: &mut Reader<'_>, stage: &Stage<'_>, id: NodeId) -> Result<Vec<
         first += count;
     }
     if groups.len() != names.len() {
-        let what = format!("{} joints but channels of {}", names.len(), groups.len());
+        let what = format!(
+            "{} joints, but channel lists for {}",
+            names.len(),
+            groups.len()
+        );
         reader.warn(id, what);
     }
     Ok(groups)
@@ -163,7 +167,7 @@ fn channel_lists(reader: &mut Reader<'_>, id: NodeId) -> Result<Vec<Vec<Drives>>
             continue;
         }
         let Some(list) = lists.last_mut() else {
-            return Err(reader.malformed(id, "channels: a count is expected first, such as 3"));
+            return Err(reader.malformed(id, "channels: expected a count first, such as 3"));
         };
         list.push(drives(word));
         total += 1;
@@ -251,7 +255,8 @@ fn warn_if_lifted(
         .fold(f64::MAX, f64::min);
     if root.channels.contains(&Drives::Position(1)) && center > 0.0 && lowest > 0.5 * center {
         let what = format!(
-            "the root is never less than {lowest} above its rest height of {center}: its channels look like places, not offsets; read as offsets, as players do"
+            "the root is always at least {lowest} above its rest height of {center}: its channels \
+             seem to be positions, not offsets; read as offsets, as in other players"
         );
         reader.warn(id, what);
     }

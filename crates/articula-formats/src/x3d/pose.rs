@@ -30,7 +30,7 @@ pub(super) fn read_all(
         if reader.flag(id, "enabled", true) {
             drafts.push(read(reader, stage, id)?);
         } else {
-            reader.warn(id, "the pose is switched off; left out");
+            reader.warn(id, "the pose is disabled; left out");
         }
     }
     Ok(drafts)

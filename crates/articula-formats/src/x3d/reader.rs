@@ -111,7 +111,7 @@ pub fn read(
 /// Returns an error with advice for files in other encodings of X3D.
 fn refuse_other_encodings(bytes: &[u8]) -> Result<(), ReadError> {
     let (what, mend) = match bytes {
-        [0x1f, 0x8b, ..] => ("a compressed file", "unpack it with gunzip first"),
+        [0x1f, 0x8b, ..] => ("a compressed file", "decompress it with gunzip first"),
         [0xe0, 0x00, 0x00, 0x01, ..] => (
             "the binary encoding of X3D",
             "save it as .x3d (XML) or .x3dv (classic)",

@@ -44,7 +44,7 @@ fn sensor(
 ) -> Result<Option<Draft>, ReadError> {
     let cycle_secs = reader.number(id, "cycleInterval", 1.0)?;
     if !CYCLE_SECS.contains(&cycle_secs) {
-        let what = format!("a cycle of {cycle_secs} s; the sensor is left out");
+        let what = format!("cycleInterval is {cycle_secs} s; the sensor is left out");
         reader.warn(id, what);
         return Ok(None);
     }
@@ -158,7 +158,7 @@ fn keys(
     let mut fractions = reader.numbers(id, "key")?;
     if fractions.len() != values {
         let what = format!(
-            "{} keys and {values} values; the rest is left out",
+            "{} keys and {values} values; the excess is left out",
             fractions.len()
         );
         reader.warn(id, what);

@@ -199,7 +199,7 @@ impl<'a, 'l> Builder<'a, 'l> {
             let name = shortened(name);
             self.warn(
                 offset,
-                format!("no node before this one is called \"{name}\""),
+                format!("no node before this one has the name \"{name}\""),
             );
         }
         found

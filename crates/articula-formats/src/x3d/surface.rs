@@ -86,7 +86,7 @@ pub(super) fn surface(
         .all(|p| p.abs().max_element() < 1e15);
     match sound {
         true => Ok(surface),
-        false => Err(reader.malformed(id, "points of the shape lie beyond all measure")),
+        false => Err(reader.malformed(id, "the positions of the shape are too large")),
     }
 }
 

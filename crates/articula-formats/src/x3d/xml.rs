@@ -45,7 +45,7 @@ pub(super) fn parse<'a, 'l>(
         let offset = reader.buffer_position() as usize;
         let event = reader.read_event().map_err(|e| {
             let at = reader.error_position() as usize;
-            parser.builder.malformed(at, format!("no good XML: {e}"))
+            parser.builder.malformed(at, format!("malformed XML: {e}"))
         })?;
         match event {
             Event::Start(start) => parser.start(&start, offset)?,
@@ -73,7 +73,7 @@ impl<'a, 'l> Parser<'a, 'l> {
         self.builder.check_depth(self.open.len() + 1, offset)?;
         let name = start.local_name().into_inner().to_owned();
         if !self.seen_root && name != "X3D" {
-            let what = format!("the file begins with <{name}>, <X3D> is expected");
+            let what = format!("the file begins with <{name}>, expected <X3D>");
             return Err(self.builder.malformed(offset, what));
         }
         self.seen_root = true;
@@ -96,7 +96,7 @@ impl<'a, 'l> Parser<'a, 'l> {
 
     fn finish(self, length: usize) -> Result<Builder<'a, 'l>, ReadError> {
         if !self.seen_root || !self.open.is_empty() {
-            let what = "the file ends before </X3D>; it was cut off";
+            let what = "the file ends before </X3D>; it is truncated";
             return Err(self.builder.malformed(length, what));
         }
         Ok(self.builder)
@@ -146,7 +146,7 @@ impl<'a, 'l> Parser<'a, 'l> {
                 Ok(Element::Skipped)
             }
             "IMPORT" | "Inline" => {
-                let what = format!("{name} is not followed; what it holds is left out");
+                let what = format!("{name} is not read; its content is left out");
                 self.builder.warn(offset, what);
                 Ok(Element::Skipped)
             }
@@ -227,7 +227,7 @@ impl<'a, 'l> Parser<'a, 'l> {
                 return Err(bad(&format!("{key} is given twice")));
             }
             if list.len() == MAX_ATTRIBUTES {
-                return Err(bad(&format!("there are more than {MAX_ATTRIBUTES}")));
+                return Err(bad(&format!("the limit is {MAX_ATTRIBUTES} attributes")));
             }
             list.push((key.to_owned(), value.into_owned()));
         }
@@ -240,8 +240,8 @@ impl<'a, 'l> Parser<'a, 'l> {
         }
         Err(ReadError::Unsupported {
             at: self.builder.line(offset),
-            what: "a document type with declarations of its own".to_owned(),
-            mend: "take the part in [ ] out of <!DOCTYPE>".to_owned(),
+            what: "a document type with an internal subset".to_owned(),
+            mend: "remove the part in [ ] from <!DOCTYPE>".to_owned(),
         })
     }
 
@@ -250,7 +250,7 @@ impl<'a, 'l> Parser<'a, 'l> {
         if known {
             return Ok(());
         }
-        let what = "an entity that XML does not define itself".to_owned();
+        let what = "an entity that XML does not predefine".to_owned();
         Err(ReadError::Unsupported {
             at: self.builder.line(offset),
             what,

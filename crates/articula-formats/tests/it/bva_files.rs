@@ -44,7 +44,7 @@ fn two_segments_by_hand() {
     assert!(
         file.warnings[0]
             .what
-            .contains("size of the segment's own drawing")
+            .contains("display size of the segment")
     );
     let file = file.value;
     let joints = &file.character.skeleton.joints;
@@ -169,11 +169,7 @@ fn every_fault_names_its_line() {
             "Time: 0.5",
             "line 3: \"Time: 0.5\" found, \"frame time:\"",
         ),
-        (
-            "Frame Time: 0.5",
-            "Frame Time: 0",
-            "line 3: a frame time of 0",
-        ),
+        ("Frame Time: 0.5", "Frame Time: 0", "line 3: frame time 0 s"),
         ("XTRAN", "WTRAN", "line 4: channel \"WTRAN\""),
         ("XTRAN", "XTRAN XTRAN", "line 4: 10 channels"),
         ("XTRAN", "éTRAN", "line 4: channel \"éTRAN\""),
@@ -407,7 +403,7 @@ fn what_does_not_stand_at_zero_rests_in_its_first_frame() {
     assert!(
         tree.warnings[1]
             .what
-            .contains("first frame was taken as the rest pose")
+            .contains("first frame is used as the rest pose")
     );
     let skeleton = &tree.value.skeleton;
     let parent = |name: &str| {

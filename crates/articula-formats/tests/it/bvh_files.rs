@@ -153,7 +153,7 @@ fn every_fault_names_its_line() {
         (
             "CHANNELS 3 Y",
             "CHANNELS 4 Y",
-            "line 9: CHANNELS announces 4",
+            "line 9: CHANNELS declares 4",
         ),
         (
             "CHANNELS 3 Y",
@@ -168,7 +168,7 @@ fn every_fault_names_its_line() {
         (
             "Frame Time: 0.5",
             "Frame Time: 0",
-            "line 18: a frame time of 0",
+            "line 18: frame time 0 s",
         ),
         ("Frame Time: 0.5", "Frame Speed: 0.5", "line 18"),
         ("ROOT a\n{", "ROOT a\n", "line 4: OFFSET outside"),
@@ -177,7 +177,7 @@ fn every_fault_names_its_line() {
             "MOTION",
             "line 15: the joint \"a\" is not closed",
         ),
-        ("}\nMOTION", "}}\nMOTION", "line 15: \"}\" closes nothing"),
+        ("}\nMOTION", "}}\nMOTION", "line 15: \"}\" without a"),
         ("JOINT b", "ROOT b", "line 6: ROOT inside"),
         ("JOINT b", "BONE b", "line 6: \"BONE\" found"),
         (

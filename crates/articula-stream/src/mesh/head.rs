@@ -78,8 +78,7 @@ impl MeshStream {
         if r.take::<4>()? != *MAGIC {
             return Err(StreamError::malformed(
                 "byte 0",
-                "not a mesh stream: it does not begin \
-             with \"AMSH\"",
+                "not a mesh stream: it does not begin with \"AMSH\"",
             ));
         }
         let [version, ..] = r.take::<4>()?;
@@ -384,12 +383,8 @@ fn read_object(r: &mut ByteReader<'_>) -> Result<StreamObject, StreamError> {
         normal_bits,
         texcoord_bits,
         has_colors: flags == 1,
-        joints: u16::try_from(joints).map_err(|_| {
-            r.bad(format!(
-                "{joints} joints, the limit is \
-         65535"
-            ))
-        })?,
+        joints: u16::try_from(joints)
+            .map_err(|_| r.bad(format!("{joints} joints, the limit is 65535")))?,
         morphs: Vec::new(),
     };
     for _ in 0..morphs {

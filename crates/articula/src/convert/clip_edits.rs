@@ -193,14 +193,15 @@ impl ClipEdits {
     pub fn check(&self, to: Format) -> Result<()> {
         if self.reduce_keys.is_some() && to.holds_one_clip() {
             return Err(Error::argument(format!(
-                "a .{} file stores every joint in every frame; write .glb, or leave it out",
+                "a .{} file stores every joint in every frame, so keys cannot be reduced; write \
+                 .glb or do not reduce keys",
                 to.name()
             )));
         }
         let extracts = |root: RootMotionOptions| root.mode == RootMotionMode::Extract;
         if self.root_motion.is_some_and(extracts) && to == Format::Vrma {
             return Err(Error::argument(
-                "a .vrma file moves the bones of a humanoid alone, and the hips are the first of them; use in-place",
+                "a .vrma file cannot store a root joint above the hips; use in-place root motion",
             ));
         }
         Ok(())

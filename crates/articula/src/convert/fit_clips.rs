@@ -143,7 +143,7 @@ impl CharacterFile {
         if self.is_human() {
             return Ok(());
         }
-        let what = "joints: hips, legs and arms are not told by their names; say what they are with a joint map";
+        let what = "joints: the joint names do not identify hips, legs and arms; give a joint map";
         Err(Error::Unmapped(what.into())).context(&self.name)
     }
 
@@ -189,7 +189,8 @@ pub fn fit_clips(
         let morph_channels = morphs.len();
         new.channels.extend(morphs);
         if new.channels.is_empty() {
-            let what = "it moves nothing that the character has; give a clip of its joints or morph targets";
+            let what = "the clip animates no joint or morph target of the character; give a clip \
+                        made for it";
             return Err(Error::unsuited(what)).with_context(place);
         }
         let clip_there = match bake(&character.character, &new).with_context(place)? {
@@ -251,7 +252,8 @@ fn check_mapped(file: &CharacterFile, character: &CharacterFile, by_names: bool)
         return Ok(());
     };
     let what = format!(
-        "joints: they are not the joints of {} by name and rest pose, and hips, legs and arms of {} are not told by their names; say what they are with a joint map",
+        "joints: names and rest pose differ from those of {}, and the joint names of {} do not \
+         identify hips, legs and arms; give a joint map",
         character.name, unknown.name
     );
     Err(Error::Unmapped(what)).context(&file.name)
@@ -261,7 +263,7 @@ fn check_mapped(file: &CharacterFile, character: &CharacterFile, by_names: bool)
 fn chosen<'a>(file: &'a CharacterFile, options: &AddClipsOptions) -> Result<Vec<&'a RawClip>> {
     let clips = &file.character.clips;
     if clips.is_empty() {
-        let what = "clips: there is none to put onto the character";
+        let what = "clips: the file has no clip to add to the character";
         return Err(Error::unsuited(what));
     }
     let Some(name) = &options.clip else {

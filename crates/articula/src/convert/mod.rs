@@ -156,7 +156,7 @@ impl ConvertOptions {
         self.edits.check(to)?;
         if self.khr_character && to != Format::Glb {
             return Err(Error::argument(format!(
-                "the draft extensions for characters are written into a .glb file, not into a .{}",
+                "the draft extensions for characters need a .glb file, not .{}",
                 to.name()
             )));
         }
@@ -169,7 +169,7 @@ impl ConvertOptions {
             return Ok(());
         }
         Err(Error::argument(format!(
-            "{} to {} is not converted; converted are {}",
+            "conversion from {} to {} is not supported; supported are {}",
             from.name(),
             to.name(),
             conversions()
@@ -184,7 +184,7 @@ fn choose_clips(wanted: Option<&str>, opened: &mut CharacterFile, to: Format) ->
         Some(name) => choose("clip", name, clips.iter().map(|c| c.name.as_str()))?,
         None if to.holds_one_clip() && !clips.is_empty() => 0,
         None if to.needs_a_clip() => {
-            let what = "clips: there is none to write; give a file that has one";
+            let what = "clips: the file has no clip to write; give a file that has one";
             return Err(Error::unsuited(what));
         }
         None => return Ok(0),

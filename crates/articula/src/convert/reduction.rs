@@ -123,7 +123,7 @@ impl JointReduction {
     pub(super) fn apply(&self, opened: &mut CharacterFile) -> Result<JointsReduced> {
         let place = opened.name.clone();
         if opened.character.clips.is_empty() {
-            let what = "clips: there is none to reduce";
+            let what = "clips: the file has no clip to reduce";
             return Err(Error::unsuited(what)).context(place);
         }
         let rig = Rig::new(&opened.character.skeleton, opened.articulation()).context(place)?;

@@ -23,7 +23,7 @@ use articula_formats::{acclaim, bvh};
 pub fn write(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     super::ConvertOptions::default().check(opened.format, format)?;
     if format.needs_a_clip() && opened.character.clips.is_empty() {
-        let what = "clips: there is none to write; give a file that has one";
+        let what = "clips: the file has no clip to write; give a file that has one";
         return Err(Error::unsuited(what));
     }
     written(opened, format, false)

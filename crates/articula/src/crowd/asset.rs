@@ -99,7 +99,7 @@ impl CrowdAsset {
     ) -> Result<Self> {
         work.step(PREPARING, 0, 5)?;
         if asset.clips.is_empty() {
-            warnings.push("the file has no clip: everyone stands in the rest pose".to_owned());
+            warnings.push("the file has no clip: all characters show the rest pose".to_owned());
             asset.clips.push(rest(asset.rig.len())?);
         }
         let has_mesh = !asset.mesh.is_empty();
@@ -108,7 +108,7 @@ impl CrowdAsset {
         let bounds = motion_bounds(&asset, 0.0).context("bounds")?;
         work.step(PREPARING, 1, 5)?;
         if !has_mesh {
-            warnings.push("no mesh: points on the bones stand for the skin".to_owned());
+            warnings.push("the file has no mesh: points on the bones replace the skin".to_owned());
             asset.mesh = skin_of(&asset).into_owned();
         }
         let opts = JointLodOptions {
@@ -286,7 +286,8 @@ fn morphs_at_rest(source: &Character) -> Option<String> {
     channels.peek()?;
     let stand = channels.all(|c| c.property == Property::Weights);
     stand.then(|| {
-        "clips move morph targets alone, which stand still in a crowd; play the file as a single figure"
+        "the clips animate morph targets only, which a crowd does not play; play the file as a \
+         single figure"
             .to_owned()
     })
 }
@@ -296,8 +297,8 @@ fn unmapped(asset: &Asset, wanted: &JointLodMethod) -> Option<String> {
     let mut joints = asset.rig.articulation().joints.iter();
     let is_named = matches!(wanted, JointLodMethod::Named(_));
     (is_named && joints.all(|j| j.hanim.is_none())).then(|| {
-        "no joint is known by its name, so the named level keeps joints by their place in the tree; \
-         give a joint map, or levels that are merged by motion"
+        "no joint name is known, so the named levels keep joints by their depth in the hierarchy; \
+         give a joint map or choose levels merged by motion"
             .to_owned()
     })
 }

@@ -48,7 +48,10 @@ pub fn put_in_place(
                     *clip = out.clip;
                     *way = Some(out.trajectory);
                 }
-                Err(e) => warnings.push(format!("clip \"{}\" travels: {e}", clip.name)),
+                Err(e) => warnings.push(format!(
+                    "the root motion of clip \"{}\" is not extracted: {e}",
+                    clip.name
+                )),
             }
         }
     }

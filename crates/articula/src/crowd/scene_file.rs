@@ -83,17 +83,17 @@ fn one() -> f32 {
 /// An [`Error`] that names the line, or the entry and its fault.
 pub fn read_scene(bytes: &[u8], clips: &[Clip], display_hz: f64) -> Result<Scene> {
     let file: SceneFile = serde_json::from_slice(bytes)
-        .map_err(|e| malformed(&e, "docs/formats/scene.md has the form"))?;
+        .map_err(|e| malformed(&e, "docs/formats/scene.md describes the format"))?;
     let sides = file.viewport.iter().all(|s| (16..=16384).contains(s));
     ensure(sides, || {
-        "viewport: give 16 to 16384 pixels a side".to_owned()
+        "viewport: give 16 to 16384 pixels per side".to_owned()
     })?;
     let opening = (1.0..=170.0).contains(&file.fov_deg);
     ensure(opening, || "fov_deg: give 1 to 170 degrees".to_owned())?;
     let camera = checked(&file.camera, display_hz).context("camera")?;
     let starts = camera[0].secs;
     ensure(starts == 0.0, || {
-        format!("camera[0].t: {starts}; a path begins at 0 s")
+        format!("camera[0].t: {starts}; the path must begin at 0 s")
     })?;
     let count = file.members.len();
     ensure((1..=MAX_MEMBERS).contains(&count), || {
@@ -119,7 +119,7 @@ fn member(file: &MemberFile, clips: &[Clip]) -> Result<SceneCharacter> {
         format!("position: give metres within {FARTHEST_METRES} of the origin")
     })?;
     ensure(file.yaw_deg.is_finite(), || {
-        "yaw_deg: give degrees".to_owned()
+        "yaw_deg: give a finite number of degrees".to_owned()
     })?;
     let cross_fade = file.cross_fade.as_ref().map(|fade| {
         let play = play((&fade.clip, fade.phase, fade.speed), clips)?;
@@ -148,7 +148,7 @@ fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> Result<ClipPl
         "phase: give 0 to 1".to_owned()
     })?;
     ensure(speed.abs() <= MAX_SPEED, || {
-        format!("speed: give at most {MAX_SPEED}, negative to play backwards")
+        format!("speed: give at most {MAX_SPEED}; negative plays backwards")
     })?;
     let names = clips.iter().map(|c| c.name.as_str());
     // A wrong name in a file is not an argument error.

@@ -66,7 +66,9 @@ impl CameraPath {
                 ..self.options
             };
             let run = play_camera_path(stage, &self.keys, self.display_hz, options);
-            let run = run.ok_or_else(|| Error::unsuited("the path has no key frame"))?;
+            let run = run.ok_or_else(|| {
+                Error::unsuited("the camera path has no key frame; give at least one")
+            })?;
             Ok((run, options))
         };
         let (run, options) = match limit_px {

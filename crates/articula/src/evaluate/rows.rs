@@ -127,7 +127,7 @@ impl EvaluatedClip<'_> {
         tuning: ParameterChoice,
         work: &Executor<'_>,
     ) -> Result<Vec<MethodTable>> {
-        work.map("playing methods", methods.iter().collect(), |named| {
+        work.map("evaluating methods", methods.iter().collect(), |named| {
             let rows = rows(&self.stage(), &named.method, distances_m, tuning);
             Ok(MethodTable {
                 method: named.clone(),

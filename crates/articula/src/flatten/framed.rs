@@ -76,7 +76,7 @@ impl<'a> FramedCharacter<'a> {
     pub fn new(figure: &'a Figure, shot: Shot, work: &Executor<'_>) -> Result<Self> {
         let character = &figure.opened.character;
         if figure.asset.mesh.triangles.is_empty() {
-            let what = "no mesh to show; give a file with one, or hide fewer of them";
+            let what = "there is no mesh to show; give a file with a mesh or hide fewer meshes";
             return Err(Error::unsuited(what)).context(&figure.opened.name);
         }
         let (appearance, _) = Appearance::new(&character.materials, &character.images);
@@ -200,7 +200,7 @@ impl<'a> FramedCharacter<'a> {
         let unseen = || Error::At {
             place: place.clone(),
             cause: Box::new(Error::unsuited(
-                "no vertex at a finite place; mend the clip",
+                "no vertex has a finite position; check the clip and the skin weights",
             )),
         };
         let subject = self.subject();

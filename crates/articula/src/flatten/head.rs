@@ -56,7 +56,7 @@ impl<'a> FramedHead<'a> {
     ) -> Result<Self> {
         let asset = &figure.asset;
         if asset.mesh.triangles.is_empty() {
-            let what = "no mesh to show; give a file with one, or hide fewer of them";
+            let what = "there is no mesh to show; give a file with a mesh or hide fewer meshes";
             return Err(Error::unsuited(what));
         }
         let character = &figure.opened.character;
@@ -72,8 +72,9 @@ impl<'a> FramedHead<'a> {
             .zip(&of_head)
             .filter(|(_, is)| **is)
             .map(|(p, _)| *p);
-        let bounds = Bounds::around(shown.map(|p| (p, p)))
-            .ok_or_else(|| Error::unsuited("no vertex of the head at a finite place"))?;
+        let bounds = Bounds::around(shown.map(|p| (p, p))).ok_or_else(|| {
+            Error::unsuited("no vertex of the head has a finite position; check the skin weights")
+        })?;
         let mut model = ModelPose::new(asset.rig.len());
         local_to_model(&asset.rig, asset.rig.rest_pose(), &mut model);
         let camera = before(&bounds, facing(&asset.rig, &model), viewport);
@@ -88,7 +89,8 @@ impl<'a> FramedHead<'a> {
         };
         let expressions = expressions(figure);
         if expressions.is_empty() && !has_joints {
-            let what = "no face: no joint of a head and no morph target; give a file with one";
+            let what = "the file has neither a head joint nor a morph target; give a file with a \
+                        face";
             return Err(Error::unsuited(what));
         }
         let kept = in_picture(figure, &rest, &camera);

@@ -14,7 +14,7 @@ pub(super) fn live_source(framed: &FramedCharacter<'_>) -> Result<LiveSource> {
     let asset = &figure.asset;
     let all = expressions(figure);
     if all.is_empty() {
-        let what = "no morph target to drive; give a face that has some";
+        let what = "the file has no morph target to control; give a face with morph targets";
         return Err(Error::unsuited(what)).context(&figure.opened.name);
     }
     let rest = &asset.mesh.morph_weights;

@@ -39,7 +39,9 @@ pub fn flatten(
     let frames = sampled_frames(clip.frames.len());
     let truth = ReferenceFrames::new(&framed.at_frames(&frames)?, &frames).with_context(name)?;
     let prepared = work
-        .with_progress("painting order", |p| PreparedClip::new(clip, &options, p))
+        .with_progress("computing the painting order", |p| {
+            PreparedClip::new(clip, &options, p)
+        })
         .with_context(name)?;
     work.with_progress("writing", |p| write(&prepared, settings, &truth, p))
         .with_context(name)

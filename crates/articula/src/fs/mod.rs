@@ -49,7 +49,7 @@ pub fn open_with(path: impl AsRef<Path>, options: &OpenOptions) -> Result<Charac
         let mut opened = opened.map_err(|error| error.within(with()))?;
         if let Some(how) = how {
             let file = skeleton.file_name().unwrap_or_default().to_string_lossy();
-            let what = format!("{file} was taken, {how}");
+            let what = format!("{file} is used: {how}");
             let warning = Warning {
                 at: "skeleton".to_owned(),
                 what,
@@ -98,7 +98,7 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
         return Err(Error::unsuited("the file is empty; save it again")).with_context(place);
     }
     if bytes.len() as u64 > limit {
-        let what = format!("more than {limit} bytes, which is the limit");
+        let what = format!("the file exceeds the limit of {limit} bytes");
         return Err(Error::unsuited(what)).with_context(place);
     }
     Ok(bytes)
@@ -111,7 +111,7 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     let place = || shown(path);
     let Some(name) = path.file_name() else {
-        return Err(Error::Io("this names no file".into())).with_context(place);
+        return Err(Error::Io("the path has no file name".into())).with_context(place);
     };
     let folder = path.parent().unwrap_or(Path::new(""));
     if !folder.as_os_str().is_empty() {
@@ -155,9 +155,11 @@ pub fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
 /// Explains why a file could not be read, with a remedy.
 fn unread(error: io::Error) -> Error {
     match error.kind() {
-        ErrorKind::NotFound => Error::Io("there is no such file; check its name and folder".into()),
+        ErrorKind::NotFound => {
+            Error::Io("the file does not exist; check its name and folder".into())
+        }
         ErrorKind::PermissionDenied => {
-            Error::Io("it may not be read; change its permissions".into())
+            Error::Io("no permission to read the file; change its permissions".into())
         }
         _ => Error::Io(error.to_string()),
     }
@@ -168,12 +170,14 @@ fn unwritten(error: io::Error) -> Error {
     match error.kind() {
         ErrorKind::IsADirectory => Error::Io("this is a folder; name a file in it".into()),
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
-            Error::Io("a file stands where a folder is needed; name another folder".into())
+            Error::Io("a folder of the path is a file; name another folder".into())
         }
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem | ErrorKind::NotFound => {
-            Error::Io("nothing may be written here; name a folder of your own".into())
+            Error::Io("no permission to write here; name another folder".into())
         }
-        ErrorKind::StorageFull => Error::Io("the disk is full; make room or name another".into()),
+        ErrorKind::StorageFull => {
+            Error::Io("the disk is full; free space or name another disk".into())
+        }
         _ => Error::Io(error.to_string()),
     }
 }
@@ -186,14 +190,14 @@ pub fn beside(file: &Path, limit: u64) -> impl FnMut(&str) -> Result<Vec<u8>, St
         let path = inside(&folder, name)?;
         // Opening a pipe could block forever, so only plain files are opened.
         if !path.is_file() {
-            return Err("there is no such file beside this one; put it there".into());
+            return Err("there is no such file in the same folder; put it there".into());
         }
         read(&path, limit).map_err(|e| e.cause().to_string())
     }
 }
 
 fn inside(folder: &Path, name: &str) -> Result<PathBuf, String> {
-    let mend = "only files beside this one are read; put it there and name it without a path";
+    let mend = "only files in the same folder are read; put it there and name it without a path";
     // Also refuses drive letters; a colon in a relative name is rare.
     if name.contains(':') {
         return Err(format!("a URL is not fetched; {mend}"));
@@ -208,7 +212,11 @@ fn inside(folder: &Path, name: &str) -> Result<PathBuf, String> {
             Component::Normal(_) => depth += 1,
             Component::CurDir => {}
             Component::ParentDir if depth > 0 => depth -= 1,
-            _ => return Err(format!("the path leaves the file's folder; {mend}")),
+            _ => {
+                return Err(format!(
+                    "the path is outside the folder of the file; {mend}"
+                ));
+            }
         }
     }
     Ok(folder.join(name))
@@ -241,7 +249,7 @@ mod tests {
             "C:\\a.bin",
         ] {
             let why = inside(folder, bad).unwrap_err();
-            assert!(why.contains("beside this one"), "{bad}: {why}");
+            assert!(why.contains("in the same folder"), "{bad}: {why}");
         }
     }
 

@@ -15,19 +15,19 @@ pub(super) fn skeleton_of<'a>(
     let name = stem(motion);
     let begins = beside.iter().filter(|p| name.starts_with(&stem(p)));
     if let Some(best) = begins.max_by_key(|p| stem(p).len()) {
-        let how = "since the motion's name begins like its name";
+        let how = "the name of the motion begins with its name";
         return Ok((best, (stem(best) != name).then_some(how)));
     }
     match beside[..] {
         [only] => Ok((
             only,
-            Some("since no other .asf file lies beside the motion"),
+            Some("it is the only .asf file in the folder of the motion"),
         )),
         [] => Err(Error::Skeleton(
-            "the .asf file of this motion does not lie beside it; put it there".into(),
+            "the .asf file of this motion is not in the same folder; put it there".into(),
         )),
         _ => Err(Error::Skeleton(format!(
-            "none of the .asf files beside it is called like this motion ({})",
+            "no .asf file in the folder has a name that matches this motion ({})",
             beside.join(", ")
         ))),
     }

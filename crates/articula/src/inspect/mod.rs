@@ -283,9 +283,9 @@ fn count(
 fn why(reason: GapReason) -> &'static str {
     match reason {
         GapReason::NoEntry => "unknown name",
-        GapReason::Duplicate => "another joint stands for the same",
-        GapReason::Helper => "a detail of its region",
-        GapReason::Ignored => "left out by the profile",
+        GapReason::Duplicate => "another joint has the same meaning",
+        GapReason::Helper => "a detail joint of its region",
+        GapReason::Ignored => "ignored by the joint map",
     }
 }
 
@@ -392,7 +392,7 @@ fn warnings_of(figure: &Figure) -> Vec<WarningInspection> {
     let (_, broken) = Appearance::new(&character.materials, &character.images);
     let pictures = broken.into_iter().map(|fault| WarningInspection {
         at: format!("images[{}]", fault.image),
-        what: format!("its surface is shown in plain colour: {}", fault.what),
+        what: format!("the surface is shown in its plain colour: {}", fault.what),
     });
     read.chain(pictures).collect()
 }
@@ -407,15 +407,13 @@ fn oddities(found: &Inspection) -> Vec<WarningInspection> {
         });
     };
     if found.skeletons.is_empty() {
-        say(
-            "skeletons",
-            "no joint: there is nothing to articulate".into(),
-        );
+        say("skeletons", "the file has no joint".into());
     }
     for skeleton in &found.skeletons {
         if skeleton.mapped == 0 && skeleton.joints > 1 {
             let what = format!(
-                "none of the {} joint names below \"{}\" is known; levels follow tree depth (a joint map of your own maps them)",
+                "none of the {} joint names below \"{}\" is known; the levels follow the depth in \
+                 the hierarchy (give a joint map)",
                 skeleton.joints, skeleton.root
             );
             say("skeletons", what);
@@ -426,7 +424,7 @@ fn oddities(found: &Inspection) -> Vec<WarningInspection> {
             0.001..1e6 => format!("{height:.3}"),
             _ => format!("{height:e}"),
         };
-        let what = format!("{shown} m high: no human size, check the unit of the file");
+        let what = format!("{shown} m high: not the size of a human; check the unit of the file");
         say("bounds", what);
     }
     if found.bounds.is_none() {

@@ -35,10 +35,10 @@ pub(crate) fn add(
     wanted: &MeshLevelOptions,
     work: &Executor<'_>,
 ) -> Result<CodedMeshLevels> {
-    const WHAT: &str = "making mesh levels";
+    const WHAT: &str = "building mesh levels";
     let asset = &figure.asset;
     if asset.mesh.triangles.is_empty() {
-        let what = "no mesh with triangles to make levels of; leave mesh levels out";
+        let what = "no mesh has triangles; build without mesh levels";
         return Err(Error::unsuited(what));
     }
     work.step(WHAT, 0, 3)?;

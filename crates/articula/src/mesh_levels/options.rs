@@ -98,11 +98,14 @@ impl MeshLevelOptions {
             let Some(first) = parts.first() else {
                 let mut names: Vec<&str> = mesh.parts.iter().map(|p| p.name.as_str()).collect();
                 names.dedup();
-                let what = format!("no mesh \"{name}\"; there are {}", names.join(", "));
+                let what = format!(
+                    "there is no mesh \"{name}\"; the meshes are {}",
+                    names.join(", ")
+                );
                 return Err(Error::LockedVertices(what));
             };
             if parts.iter().any(|p| p.mesh != first.mesh) {
-                let what = format!("several meshes are called \"{name}\"; give them other names");
+                let what = format!("several meshes have the name \"{name}\"; rename them");
                 return Err(Error::LockedVertices(what));
             }
             // Parts of one mesh are consecutive, and vertices are numbered across them.
@@ -113,7 +116,10 @@ impl MeshLevelOptions {
                 .collect();
             for v in vertices {
                 let Some(vertex) = of_mesh.get(*v as usize) else {
-                    let what = format!("{name}: vertex {v} of {}", of_mesh.len());
+                    let what = format!(
+                        "{name}: vertex {v} is out of range: the mesh has {} vertices",
+                        of_mesh.len()
+                    );
                     return Err(Error::LockedVertices(what));
                 };
                 locked.push(*vertex);

@@ -12,7 +12,7 @@ pub(super) fn open_skeleton(input: &mut Input<'_, '_>) -> Result<CharacterFile> 
 /// Reads a motion and its skeleton.
 pub(super) fn open_motion(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let Some(skeleton) = &input.options.skeleton else {
-        let what = "a motion without its skeleton; give the .asf file that it was made for";
+        let what = "the motion needs its skeleton; give the .asf file that belongs to it";
         return Err(Error::Skeleton(what.into()));
     };
     read(input, skeleton, Some(input.bytes))

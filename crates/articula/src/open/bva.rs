@@ -21,8 +21,8 @@ pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
         character = tree.value;
         warnings.extend(tree.warnings);
     } else {
-        let what = "the format has no hierarchy, and the segments are not called like those of a human \
-                    (a joint map of your own maps them); they move side by side";
+        let what = "the format has no hierarchy, and the names of the segments are unknown (give \
+                    a joint map); the segments move independently";
         warnings.push(Warning {
             at: "file".to_owned(),
             what: what.to_owned(),

@@ -63,13 +63,16 @@ impl DataFormat {
     pub fn advice(self) -> &'static str {
         match self {
             Self::Fap => {
-                "a FAP file moves a face and has no joints; inspect lists what it moves, convert writes it as .fap again"
+                "a FAP file animates a face and has no joints; use inspect to list its content or \
+                 convert to write it as .fap"
             }
             Self::Epf => {
-                "an EPF file tells an encoder what to do and has no joints; inspect reads it"
+                "an EPF file controls an encoder and has no joints; use inspect to list its \
+                 content"
             }
             Self::Fdp => {
-                "an FDP file describes a face whose mesh lies elsewhere and has no joints; inspect reads it"
+                "an FDP file describes a face without its mesh and has no joints; use inspect to \
+                 list its content"
             }
         }
     }

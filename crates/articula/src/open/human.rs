@@ -15,6 +15,7 @@ pub fn reference_human() -> Result<CharacterFile> {
     let made = human(&HumanOptions::default());
     let character = made.map_err(|e| Error::Unsupported(e.to_string()))?;
     let glb = Document::from_character(&character)?.write_glb()?;
-    let nothing: &mut Resolver<'_> = &mut |_: &str| Err("nothing lies beside it".into());
+    let nothing: &mut Resolver<'_> =
+        &mut |_: &str| Err("the reference human has no other files".into());
     open(&glb, "reference human", &OpenOptions::default(), nothing)
 }

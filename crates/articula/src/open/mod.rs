@@ -72,7 +72,7 @@ pub fn open(
     }
     let Some(format) = Format::from_bytes(bytes, name) else {
         let what = format!(
-            "the start of the file: not a format that is read; give a {} file",
+            "the file format is not supported; give a {} file",
             readable()
         );
         return Err(Error::unsuited(what)).context(name);
@@ -192,12 +192,12 @@ pub fn choose<'a>(
         ));
     }
     let known = if count == 0 {
-        "it has none".to_owned()
+        "the file has none".to_owned()
     } else {
-        format!("it has {}", known.join(", "))
+        format!("the file has {}", known.join(", "))
     };
     Err(Error::argument(format!(
-        "no {what} is called \"{wanted}\"; {known}"
+        "there is no {what} \"{wanted}\"; {known}"
     )))
 }
 
@@ -250,7 +250,7 @@ mod tests {
         let names = ["walk", "run"];
         assert_eq!(choose("clip", "run", names.into_iter()).unwrap(), 1);
         let why = choose("clip", "fly", names.into_iter()).unwrap_err();
-        assert!(why.to_string().contains("it has \"walk\", \"run\""));
+        assert!(why.to_string().contains("the file has \"walk\", \"run\""));
         assert!(why.is_argument());
     }
 

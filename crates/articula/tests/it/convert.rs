@@ -239,7 +239,7 @@ fn without_a_clip_formats_of_motion_are_refused_and_pairs_come_as_two() {
     let mut still = nod();
     still.character.clips.clear();
     let why = write(&still, Format::Bvh).unwrap_err().to_string();
-    assert!(why.contains("there is none to write"), "{why}");
+    assert!(why.contains("the file has no clip to write"), "{why}");
     assert!(write(&still, Format::Asf).unwrap().beside.is_none());
     let made = CharacterFile::from_character("made", nod().character);
     assert_eq!(made.mapping.humanoid, nod().mapping.humanoid);

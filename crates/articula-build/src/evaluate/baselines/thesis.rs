@@ -111,10 +111,8 @@ pub(crate) fn error_matrix(
     if greatest > 0.0 {
         values.iter_mut().for_each(|v| *v /= greatest);
     }
-    ErrorMatrix::new(rig.len(), values).expect(
-        "the values must form whole frames, and the rig \
-     must have joints",
-    )
+    ErrorMatrix::new(rig.len(), values)
+        .expect("the values must form whole frames, and the rig must have joints")
 }
 
 /// Angle between two directions, 0 where one is undefined. Computed from both sine and cosine: the

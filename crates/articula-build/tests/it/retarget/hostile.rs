@@ -77,7 +77,10 @@ fn what_does_not_fit_is_refused_with_its_place() {
     let above = refusal(&|h| h.skeleton.joints[3].parent = Some(7));
     assert!(above.starts_with("source.joints[3]"), "{above}");
     let target = refusal(&|h| h.clips[1].channels[0].target = 99);
-    assert!(target.contains("channels[0]: joint 99 is out of range"), "{target}");
+    assert!(
+        target.contains("channels[0]: joint 99 is out of range"),
+        "{target}"
+    );
     let short = refusal(&|h| h.clips[1].channels[0].values.truncate(5));
     assert!(short.contains("5 values"), "{short}");
     let wild = refusal(&|h| h.clips[1].channels[0].values[3] = f32::INFINITY);

@@ -1,4 +1,4 @@
-//! The crowd of the demo: the reference human on a small plaza, at full detail and with levels.
+//! The crowd of the demo: the character on a small plaza, at full detail and with levels.
 
 use super::Folder;
 use crate::console::Console;
@@ -9,7 +9,7 @@ use anyhow::Context;
 use articula::Figure;
 use articula::crowd::{
     CacheUse, CrowdAsset, CrowdOptions, DetailGoal, JointLodMethod, LevelStatistics,
-    PaletteMatrices, RootMotion,
+    PaletteMatrices,
 };
 use articula_build::{Plaza, Scene, plaza};
 use serde::Serialize;
@@ -77,7 +77,6 @@ pub(super) fn of(
 fn options(joints: JointLodMethod) -> CrowdOptions {
     CrowdOptions {
         joints,
-        root_motion: RootMotion::AsAuthored,
         matrices: PaletteMatrices::Joints,
         seed: SEED,
         ..CrowdOptions::default()

@@ -1,4 +1,4 @@
-//! The 2D section of the demo: the walking human as pictures that play without 3D.
+//! The 2D section of the demo: the clip as pictures that play without 3D.
 
 use super::Folder;
 use crate::commands::flatten::report::{FlattenReport, Made};
@@ -14,7 +14,7 @@ use articula_flat::vector::player::PlayerOutput;
 /// Side of the pictures in pixels.
 const SIDE: u32 = 360;
 
-/// Converts the walk to the thesis' form, then to the others.
+/// Converts the clip to the thesis' form, then to the others.
 pub(super) fn of(
     folder: &Folder,
     scene: &EvaluatedClip<'_>,

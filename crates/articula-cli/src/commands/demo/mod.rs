@@ -1,6 +1,6 @@
-//! `articula demo`: all steps on the built-in reference human, with an HTML report.
+//! `articula demo`: all steps on one character, with an HTML report.
 //!
-//! Human → asset → every method over distance → a crowd → pictures, plots, page. All numbers on
+//! Character → asset → every method over distance → a crowd → pictures, plots, page. All numbers on
 //! the page are those of this run.
 
 mod crowd;
@@ -20,7 +20,7 @@ use crate::play::{drawn, nanoseconds};
 use crate::{fault, files};
 use anyhow::Context;
 use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
-use articula::{Figure, MeshLevelOptions, PrepareOptions, prepare, stored_tables};
+use articula::{AddClipsOptions, Figure, MeshLevelOptions, PrepareOptions, prepare, stored_tables};
 use articula_build::evaluate::{EvaluationSetup, MethodOptions};
 use articula_formats::gltf::Document;
 use articula_human::HumanOptions;
@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
 
 /// Error to which every method is calibrated, pixels.
 const TARGET_PX: f32 = 1.0;
-/// The clip that all methods play.
+/// The clip that all methods play, where the character has it; else its first.
 const CLIP: &str = "walk";
 /// Index of the distance in pictures of all methods: 9.05 m.
 const MIDDLE: usize = 2;
@@ -39,6 +39,10 @@ const MIDDLE: usize = 2;
 /// Arguments of `demo`.
 #[derive(Debug, Args)]
 pub(crate) struct DemoArgs {
+    /// Character to show, and files whose clips it plays besides its own [default: the built-in
+    /// reference human]
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
     /// Folder to write
     #[arg(long, value_name = "DIR", default_value = "articula-demo")]
     out: PathBuf,
@@ -55,10 +59,10 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
         ));
     }
     let folder = Folder::new(&args.out);
-    let (asset, mesh_levels) = make_asset(&folder, console)?;
+    let (asset, mesh_levels) = make_asset(&folder, &args.files, console)?;
     let figure = Figure::new(open::character(&asset, &ReadArgs::default())?)?;
     stored_tables(&figure)?;
-    let scene = scene_of(&figure, CLIP)?;
+    let scene = scene_of(&figure, clip_of(&figure, &args.files)?)?;
     let chosen = NamedMethod::all(&figure.asset.rig);
     let tuning = ParameterChoice::Calibrated(TARGET_PX);
     let tables = console.work(|work| scene.tables(&chosen, &DISTANCES_M, tuning, work))?;
@@ -78,7 +82,11 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
         mesh_levels,
         flat,
     };
-    let report = DemoReport::new(&folder, &figure, &tables, found);
+    let name = match args.files.first() {
+        Some(file) => name_of(file),
+        None => "the reference human".to_owned(),
+    };
+    let report = DemoReport::new(&folder, name, &scene, &tables, found);
     folder.write("report.json", &serde_json::to_vec_pretty(&report)?)?;
     folder.write("index.html", page::of(&report).as_bytes())?;
     console.result(&report, DemoReport::text)
@@ -101,12 +109,45 @@ impl Folder {
     }
 }
 
-/// Writes the human and its asset; returns the path of the asset.
-fn make_asset(folder: &Folder, console: &Console) -> anyhow::Result<(PathBuf, MeshLevels)> {
-    let character = human::made(HumanOptions::default().triangles, console)?;
-    let document = Document::from_character(&character).context("the reference human")?;
-    folder.write("human.glb", &document.write_glb()?)?;
-    let opened = open::character(&folder.file("human.glb"), &ReadArgs::default())?;
+/// The file name of a path.
+fn name_of(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// The name of the clip to play: `walk`, or the first.
+fn clip_of<'a>(figure: &'a Figure, files: &[PathBuf]) -> anyhow::Result<&'a str> {
+    let clips = &figure.asset.clips;
+    let walk = clips.iter().find(|c| c.name == CLIP);
+    let clip = walk.or(clips.first()).with_context(|| {
+        let file = files.first().map_or_else(String::new, |f| files::shown(f));
+        format!("{file}: clips: there is none; name a file of motions after it")
+    })?;
+    Ok(&clip.name)
+}
+
+/// Writes the asset; returns its path. The reference human is written as well.
+fn make_asset(
+    folder: &Folder,
+    files: &[PathBuf],
+    console: &Console,
+) -> anyhow::Result<(PathBuf, MeshLevels)> {
+    let opened = match files.split_first() {
+        Some((character, motions)) => {
+            let open = |path: &PathBuf| open::character(path, &ReadArgs::default());
+            let mut opened = open(character)?;
+            let motions = motions.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+            let options = AddClipsOptions::default();
+            console.work(|work| opened.add_clips(&motions, &options, work))?;
+            opened
+        }
+        None => {
+            let character = human::made(HumanOptions::default().triangles, console)?;
+            let document = Document::from_character(&character).context("the reference human")?;
+            folder.write("human.glb", &document.write_glb()?)?;
+            open::character(&folder.file("human.glb"), &ReadArgs::default())?
+        }
+    };
     let options = PrepareOptions {
         mesh_levels: Some(MeshLevelOptions::levels(5)),
         ..PrepareOptions::default()

@@ -66,27 +66,29 @@ fn header(report: &DemoReport) -> String {
          <p class=\"lead\">Far away, most joints of a moving figure need no update in every \
          frame, because the difference is not visible. Articula chooses the joints to update by \
          one number: the error of the skin in pixels. This page was computed on your machine with \
-         the built-in reference human and its clip <em>{}</em>; every method was calibrated to an \
+         {} and its clip <em>{}</em>; every method was calibrated to an \
          error of at most {} pixel.</p>\n<dl class=\"numbers\">\n{numbers}</dl>\n</header>\n",
+        escaped(&report.character.name),
         escaped(&report.clip),
         report.target_px
     )
 }
 
 fn character(report: &DemoReport) -> String {
-    let human = &report.human;
+    let character = &report.character;
     format!(
-        "<section>\n<h2>The reference human</h2>\n\
-         <p>{} joints of the H-Anim standard, {} triangles, {} clips, {:.0} kB, generated from \
-         formulas: <a href=\"human.glb\">human.glb</a> opens in every glTF viewer, and so does \
-         <a href=\"asset.glb\">asset.glb</a>, the same human with levels of articulation and motion tables.</p>\n{}</section>\n",
-        human.joints,
-        human.triangles,
+        "<section>\n<h2>The character</h2>\n\
+         <p>{}: {} joints in skins, {} triangles, {} clips. <a href=\"asset.glb\">asset.glb</a> \
+         ({:.0} kB) has its levels of articulation, motion tables and mesh levels, and opens in every \
+         glTF viewer.</p>\n{}</section>\n",
+        escaped(&character.name),
+        character.joints,
+        character.triangles,
         report.clips.len(),
-        human.bytes as f64 / 1e3,
+        character.bytes as f64 / 1e3,
         picture(
             "character.png",
-            "The reference human from the front, the side and the back, its face and a hand",
+            "The character from the front, the side and the back, its face and a hand",
             "The rest pose, its face and its left hand.",
         )
     )
@@ -108,7 +110,7 @@ fn distances(report: &DemoReport) -> String {
          <span class=\"dot between\"></span>amber ones are in transition.</p>\n{}{}</section>\n",
         picture(
             "distances.png",
-            "The walking human at five distances and four times, unreduced and with held joints marked",
+            "The character at five distances and four times, unreduced and with held joints marked",
             "Left of each pair: the unreduced clip. Right: reduced. The small figure has its true size on a screen of 1280 x 720 pixels at a field of view of 45 degrees.",
         ),
         table(
@@ -156,7 +158,7 @@ fn methods(report: &DemoReport) -> String {
         ),
         picture(
             "methods.png",
-            "The walking human under every method, with held joints marked",
+            "The character under every method, with held joints marked",
             &format!("Every method at {middle} m."),
         ),
         plot(
@@ -233,7 +235,7 @@ fn levels(report: &DemoReport) -> String {
          <tbody>\n{rows}</tbody>\n</table>\n</div>\n<div class=\"plots\">\n{plots}</div>\n</section>\n",
         picture(
             "levels.png",
-            "The walking human at seven levels of articulation, with moving joints marked",
+            "The character at seven levels of articulation, with moving joints marked",
             "From all joints to none; held joints show the pose with the smallest maximum angle to all frames.",
         )
     )
@@ -274,7 +276,7 @@ fn mesh_levels(report: &DemoReport) -> String {
         found.bytes.discrete_sum as f64 / 1e3,
         picture(
             "mesh-levels.png",
-            "The walking human, its face and a hand at five mesh levels",
+            "The character, its face and a hand at five mesh levels",
             "From all triangles to 1.5 % of them: whole figure in motion, face and left hand.",
         )
     )
@@ -306,10 +308,10 @@ fn flat(report: &DemoReport) -> String {
         );
         format!(" {ours:.2} % of its pixels are painted in the wrong order; with a depth sort, {sorted:.2} %.")
     });
-    let caption = "The same walk in each format, compared with the form of the thesis";
+    let caption = "The same clip in each format, compared with the form of the thesis";
     format!(
-        "<section>\n<h2>The walk without 3D</h2>\n\
-         <figure><img src=\"walk.svg\" width=\"360\" height=\"360\" alt=\"The human walks, as an animated SVG\">\
+        "<section>\n<h2>The clip without 3D</h2>\n\
+         <figure><img src=\"walk.svg\" width=\"360\" height=\"360\" alt=\"The character moves, as an animated SVG\">\
          <figcaption>One self-contained SVG in an &lt;img&gt;: no script, correct occlusion, one gradient per triangle.{wrong}\
          </figcaption></figure>\n\
          <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n\
@@ -355,7 +357,7 @@ fn crowd(report: &DemoReport) -> String {
     };
     format!(
         "<section>\n<h2>A crowd</h2>\n\
-         <p>{} copies of the human on a square, {} of them in view. The farther away, the fewer joints are \
+         <p>{} copies of the character on a square, {} of them in view. The farther away, the fewer joints are \
          computed: the others move with their parents, and the skin is bound to the remaining joints. Each \
          character has the coarsest level with an error of at most {} pixel. The error is measured for each \
          character against the full joint set at the same time (95th percentile over the skin).</p>\n{}{}{}</section>\n",

@@ -34,7 +34,7 @@ pub(super) fn character(scene: &EvaluatedClip<'_>, _: &[MethodTable]) -> anyhow:
     }
     let cell = |(caption, picture): (&str, Picture)| SheetCell::of(picture, caption);
     let sheet = ContactSheet {
-        title: "The reference human at rest".into(),
+        title: "The character at rest".into(),
         rows: vec![SheetRow {
             label: String::new(),
             cells: tiles.into_iter().map(cell).collect(),

@@ -5,9 +5,9 @@ use super::mesh_levels::MeshLevels;
 use super::{Folder, MIDDLE, TARGET_PX};
 use crate::commands::flatten::report as flatten;
 use crate::files;
-use articula::Figure;
+
 use articula::convert::{AnimationSize, hold_joints};
-use articula::evaluate::{Costs, MethodRow, MethodTable};
+use articula::evaluate::{Costs, EvaluatedClip, MethodRow, MethodTable};
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa;
 use articula_core::source;
@@ -19,7 +19,7 @@ use serde::Serialize;
 pub(super) struct DemoReport {
     pub(super) version: &'static str,
     pub(super) page: String,
-    pub(super) human: Human,
+    pub(super) character: Character,
     pub(super) clip: String,
     pub(super) target_px: f32,
     pub(super) joints_moving: usize,
@@ -50,7 +50,9 @@ pub(super) struct Found {
 
 /// The character.
 #[derive(Debug, Serialize)]
-pub(super) struct Human {
+pub(super) struct Character {
+    /// File name, or what it is.
+    pub(super) name: String,
     pub(super) joints: usize,
     pub(super) triangles: usize,
     pub(super) vertices: usize,
@@ -99,26 +101,27 @@ impl DemoReport {
     /// Gathers what was found.
     pub(super) fn new(
         folder: &Folder,
-        figure: &Figure,
+        name: String,
+        scene: &EvaluatedClip<'_>,
         tables: &[MethodTable],
         found: Found,
     ) -> Self {
-        let asset = &figure.asset;
-        let clip = asset.clips.iter().find(|c| c.name == super::CLIP);
-        let moving = clip.map(|c| articula_build::moving_joints(asset, c));
+        let asset = &scene.figure.asset;
+        let clip = &asset.clips[scene.clip];
         Self {
             version: env!("CARGO_PKG_VERSION"),
             page: files::shown(&folder.file("index.html")),
-            human: Human {
+            character: Character {
+                name,
                 joints: asset.rig.skin_joints().len(),
                 triangles: asset.mesh.triangles.len(),
                 vertices: asset.mesh.len(),
-                bytes: figure.opened.bytes,
+                bytes: scene.figure.opened.bytes,
             },
-            clip: super::CLIP.to_owned(),
+            clip: clip.name.clone(),
             target_px: TARGET_PX,
-            joints_moving: moving.map_or(0, |m| m.len()),
-            frames: clip.map_or(0, articula_core::Clip::frames),
+            joints_moving: articula_build::moving_joints(asset, clip).len(),
+            frames: clip.frames(),
             methods: tables
                 .iter()
                 .map(|t| MethodRows {

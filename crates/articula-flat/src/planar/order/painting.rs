@@ -52,8 +52,13 @@ impl Painting {
     ) -> Result<Self, PlanarError> {
         drawn.fits(clip)?;
         if frame >= clip.frames.len() {
-            let (at, what) = ("frame", format!("frame {frame} is out of range: the clip has {} \
-             frames", clip.frames.len()));
+            let (at, what) = (
+                "frame",
+                format!(
+                    "frame {frame} is out of range: the clip has {} frames",
+                    clip.frames.len()
+                ),
+            );
             return Err(PlanarError::Mismatch { at, what });
         }
         let mut order = drawn.ever();

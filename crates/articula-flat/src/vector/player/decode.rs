@@ -165,7 +165,9 @@ fn colors(from: &mut Reader<'_>, count: usize) -> Result<Vec<[u8; 3]>, PlayerErr
         }
         // A new colour has just become the last known one.
         let at = known.len().checked_sub(back.max(1));
-        let at = at.ok_or(PlayerError::Malformed("a colour refers back before the first"))?;
+        let at = at.ok_or(PlayerError::Malformed(
+            "a colour refers back before the first",
+        ))?;
         colors.push(known[at]);
     }
     Ok(colors)
@@ -194,7 +196,9 @@ fn epochs(from: &mut Reader<'_>, header: &Header) -> Result<Vec<PlayerEpoch>, Pl
         let step = from.unsigned()?;
         let first_frame = epochs.last().map_or(0, |last| last.first_frame) + step;
         if first_frame >= header.frames || (step == 0) != (e == 0) {
-            return Err(PlayerError::Malformed("the frames of the painting orders do not rise"));
+            return Err(PlayerError::Malformed(
+                "the frames of the painting orders do not rise",
+            ));
         }
         let count = from.count("triangles in a painting order", 0, header.triangles)?;
         let mut is_named = vec![false; header.triangles];

@@ -9,8 +9,10 @@ pub enum PlayerError {
     #[error("not a player clip: it does not begin with ARTV")]
     NotAClip,
     /// The version is not supported.
-    #[error("version {0} of the player clip is not supported; write the clip again with this \
-     version of Articula")]
+    #[error(
+        "version {0} of the player clip is not supported; write the clip again with this version \
+         of Articula"
+    )]
     Version(u8),
     /// The Deflate stream is malformed.
     #[error("the compressed part of the clip is damaged")]

@@ -93,8 +93,9 @@ impl Numbers {
             for v in &topology.point_vertices {
                 let place = frame.xy[*v as usize];
                 if place.abs().max_element() > MAX_PLACE_PX {
-                    return refused(format!("a vertex is farther than {MAX_PLACE_PX} pixels from \
-                     the origin"));
+                    return refused(format!(
+                        "a vertex is farther than {MAX_PLACE_PX} pixels from the origin"
+                    ));
                 }
                 values.extend(place.to_array().map(f64::from));
             }
@@ -194,7 +195,8 @@ pub(super) fn fit(
             best = Some((bytes, motion));
         }
     }
-    let what = "the tolerances are too small for positions this far apart; choose larger ones".to_owned();
+    let what =
+        "the tolerances are too small for positions this far apart; choose larger ones".to_owned();
     let at = "tolerances";
     best.map(|(_, motion)| motion)
         .ok_or(PlanarError::Mismatch { at, what })

@@ -77,8 +77,10 @@ fn check(source: &LiveSource) -> Result<(), PlanarError> {
     let inputs = source.inputs.len();
     if inputs == 0 || source.shapes.frames.len() != inputs + 1 {
         let shapes = source.shapes.frames.len();
-        let what = format!("{inputs} names and {shapes} shapes; expected at least one name, and \
-         one shape more than names");
+        let what = format!(
+            "{inputs} names and {shapes} shapes; expected at least one name, and one shape more \
+             than names"
+        );
         return Err(mismatch("inputs", what));
     }
     for (f, weights) in source.weights.iter().enumerate() {

@@ -151,7 +151,8 @@ pub(super) fn still_parts(
     if !(joined && whole && within) {
         let (at, what) = (
             "painting",
-            "the painting orders must cover all frames of the clip, and its triangles only".to_owned(),
+            "the painting orders must cover all frames of the clip, and its triangles only"
+                .to_owned(),
         );
         return Err(PlanarError::Mismatch { at, what });
     }

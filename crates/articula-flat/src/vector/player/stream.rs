@@ -75,11 +75,15 @@ impl<'a> Reader<'a> {
                 return if value >> MAX_BITS == 0 {
                     Ok(value as u32)
                 } else {
-                    Err(PlayerError::Malformed("a variable-length integer exceeds 31 bits"))
+                    Err(PlayerError::Malformed(
+                        "a variable-length integer exceeds 31 bits",
+                    ))
                 };
             }
         }
-        Err(PlayerError::Malformed("a variable-length integer exceeds 31 bits"))
+        Err(PlayerError::Malformed(
+            "a variable-length integer exceeds 31 bits",
+        ))
     }
 
     pub(super) fn signed(&mut self) -> Result<i32, PlayerError> {

@@ -63,7 +63,7 @@ impl Document {
         let objects = self.stored_levels(node).map_err(wrong)?;
         let count = objects.first().map_or(0, |(_, o)| o.clusters.levels());
         if count == 0 || count != levels.levels.len() {
-            let what = format!("{count} levels, {} in the table", levels.levels.len());
+            let what = format!("{count} levels, the table has {}", levels.levels.len());
             return Err(WriteError::mismatch(format!("nodes[{node}].mesh"), what));
         }
         self.clear_level_nodes(node);

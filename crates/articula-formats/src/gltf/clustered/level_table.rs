@@ -19,7 +19,7 @@ pub(super) fn table(levels: &LevelTable) -> Result<Value, WriteError> {
         for (name, error) in [("errorRest", &level.rest), ("errorMotion", &level.motion)] {
             let numbers = members(error);
             if numbers.iter().any(|(_, x)| x.is_nan() || *x < 0.0) {
-                let what = "an error is no distance";
+                let what = "an error must be at least 0 and not NaN";
                 return Err(WriteError::mismatch(format!("levels[{l}].{name}"), what));
             }
             if numbers.iter().all(|(_, x)| x.is_finite()) {
@@ -58,7 +58,7 @@ pub(in crate::gltf) fn read_levels(
     match read_table(&extension, levels) {
         Ok(table) => Some(table),
         Err(error) => {
-            reader.warn(&extension, format!("table of levels left out: {error}"));
+            reader.warn(&extension, format!("the level table is left out: {error}"));
             None
         }
     }
@@ -107,7 +107,7 @@ fn read_row(row: &Place<'_>) -> Result<LevelRow, ReadError> {
             let number = place.require(key)?;
             let metres = number.float()?;
             if metres < 0.0 {
-                return Err(number.malformed("a distance is not negative"));
+                return Err(number.malformed("a distance must be at least 0"));
             }
             Ok(metres)
         };

@@ -25,7 +25,7 @@ pub(in crate::gltf) fn read_parts(
     match try_read(reader, mesh, parts) {
         Ok(found) => found,
         Err(error) => {
-            reader.warn(mesh, format!("levels left out: {error}"));
+            reader.warn(mesh, format!("the levels are left out: {error}"));
             Vec::new()
         }
     }
@@ -38,11 +38,11 @@ fn try_read(
 ) -> Result<Vec<ClusteredTriangles>, ReadError> {
     let origins = origins(reader, mesh)?;
     if origins.len() != parts.len() {
-        return Err(mesh.malformed("not every part of the mesh could be read"));
+        return Err(mesh.malformed("a primitive of the mesh could not be read"));
     }
     let mut out = Vec::with_capacity(parts.len());
     for (origin, part) in origins.iter().zip(parts) {
-        let missing = || mesh.malformed("no such primitive");
+        let missing = || mesh.malformed("the primitive does not exist");
         let place = mesh
             .entry("primitives", origin.primitive)
             .ok_or_else(missing)?;
@@ -51,7 +51,7 @@ fn try_read(
         let expected = level_table::count(&reader.root);
         if object.clusters.levels() != expected {
             let what = format!(
-                "{} levels, {expected} in the table",
+                "{} levels, the table has {expected}",
                 object.clusters.levels()
             );
             return Err(extension.malformed(what));
@@ -60,7 +60,9 @@ fn try_read(
         let fits = object.check(part.positions.len());
         fits.map_err(|e| extension.malformed(e.to_string()))?;
         if !object.level(0).eq(part.triangles.iter().copied()) {
-            return Err(extension.malformed("the finest level is not what the primitive shows"));
+            return Err(
+                extension.malformed("the finest level differs from the triangles of the primitive")
+            );
         }
         out.push(object);
     }
@@ -77,11 +79,11 @@ pub(super) fn read_part(
     let corners = reader.integers(&accessor)?;
     let (triangles, rest) = corners.as_chunks::<3>();
     if !rest.is_empty() {
-        return Err(extension.malformed("the indices are no whole triangles"));
+        return Err(extension.malformed("the number of indices must be a multiple of 3"));
     }
     let vertices = extension.entries("vertices")?;
     if vertices.len() > MAX_LEVELS {
-        let what = format!("{} levels, at most {MAX_LEVELS} are read", vertices.len());
+        let what = format!("{} levels, the limit is {MAX_LEVELS}", vertices.len());
         return Err(extension.malformed(what));
     }
     let counts = Counts::of(extension)?;
@@ -91,7 +93,11 @@ pub(super) fn read_part(
     let level = |place: &Place<'_>| {
         let found = number::<u16>(place)?;
         let level = counts.level(found.into(), count);
-        let beyond = || place.malformed(format!("{found} of {count} levels"));
+        let beyond = || {
+            place.malformed(format!(
+                "level {found} is out of range: there are {count} levels"
+            ))
+        };
         level.map(|l| l as u16).ok_or_else(beyond)
     };
     let mut clusters = Vec::new();
@@ -99,7 +105,7 @@ pub(super) fn read_part(
     for place in extension.entries("clusters")? {
         let count = number::<u32>(&place.require("triangles")?)?;
         let start = end;
-        let too_many = || place.malformed("more triangles than 32 bits count");
+        let too_many = || place.malformed("the number of triangles exceeds 32 bits");
         end = end.checked_add(count).ok_or_else(too_many)?;
         let [first, last] = [
             level(&place.require("first")?)?,

@@ -27,7 +27,9 @@ impl Counts {
         match version.whole()? {
             1 => Ok(Self::FromCoarsest),
             VERSION => Ok(Self::FromFinest),
-            other => Err(version.malformed(format!("version {other}, known are 1 and {VERSION}"))),
+            other => {
+                Err(version.malformed(format!("unknown version {other}; expected 1 or {VERSION}")))
+            }
         }
     }
 

@@ -184,7 +184,11 @@ impl Document {
             }
             let origins = origins(&mut reader, &place).map_err(unread)?;
             if origins.len() != mesh.parts.len() {
-                let what = format!("{} parts, read were {}", mesh.parts.len(), origins.len());
+                let what = format!(
+                    "{} parts, but the file has {} readable primitives",
+                    mesh.parts.len(),
+                    origins.len()
+                );
                 return Err(mismatch(mesh.node, what));
             }
             let mut primitives = Vec::new();
@@ -192,11 +196,12 @@ impl Document {
                 let raw = |v: &u32| origin.vertices.get(*v as usize).copied();
                 let order: Option<Vec<u32>> = part.vertices.iter().map(raw).collect();
                 let order = order.ok_or_else(|| {
-                    let what = "a vertex that the part does not have";
+                    let what = "a vertex index is out of range";
                     mismatch(mesh.node, format!("primitive {}: {what}", origin.primitive))
                 })?;
                 let place = place.entry("primitives", origin.primitive);
-                let place = place.ok_or_else(|| mismatch(mesh.node, "no such primitive"))?;
+                let place =
+                    place.ok_or_else(|| mismatch(mesh.node, "the primitive does not exist"))?;
                 refuse_unknown(&place)?;
                 let new = new_primitive(&mut reader, (&place, origin.primitive), &order);
                 primitives.push(new.map_err(unread)?);
@@ -275,7 +280,7 @@ fn check(part: &PartLevels<'_>, levels: usize) -> Result<(), String> {
     let found = part.clusters.levels();
     if found != levels || levels > MAX_LEVELS {
         return Err(format!(
-            "{found} levels, {levels} in the table, at most {MAX_LEVELS}"
+            "{found} levels, the table has {levels}, the limit is {MAX_LEVELS}"
         ));
     }
     let object = ClusteredTriangles {
@@ -288,7 +293,7 @@ fn check(part: &PartLevels<'_>, levels: usize) -> Result<(), String> {
     let finest: Vec<_> = part.clusters.ranges(0).collect();
     match finest.as_slice() {
         [range] if range.start == 0 => Ok(()),
-        _ => Err("the finest level is not the first range of the triangles".to_owned()),
+        _ => Err("the finest level must be the first range of the triangles".to_owned()),
     }
 }
 
@@ -296,7 +301,7 @@ fn refuse_unknown(primitive: &Place<'_>) -> Result<(), WriteError> {
     let extensions = primitive.get("extensions");
     for (name, place) in extensions.iter().flat_map(Place::members) {
         if !HARMLESS.contains(&name) {
-            let what = "may name vertices, whose order changes; take it out first";
+            let what = "may refer to vertices, whose order changes; remove it first";
             return Err(WriteError::mismatch(place.at(), what));
         }
     }

@@ -57,8 +57,8 @@ pub(in super::super) fn read(
                 response.fill(reader, skeletal, shown, &mut expression)?;
                 found.clips.push((clip, found.expressions.len()));
             }
-            Ok(None) => reader.warn(place, "an expression without animation does nothing"),
-            Err(error) => reader.warn(place, format!("the expression does nothing: {error}")),
+            Ok(None) => reader.warn(place, "the expression has no animation and no effect"),
+            Err(error) => reader.warn(place, format!("the expression has no effect: {error}")),
         }
         found.expressions.push(expression);
     }
@@ -174,7 +174,7 @@ impl<'a> Response<'a> {
         expression.is_binary = steps > 0 && steps == self.channels.len();
         expression.unapplied = self.others;
         if curved {
-            let what = "its response is no straight line; taken as one from rest to full";
+            let what = "its response is not linear; replaced by a line from rest to full";
             reader.warn(&self.place, what);
         }
         Ok(())
@@ -229,7 +229,7 @@ fn masks(
                 above: share("threshold", 0.0),
             },
             _ => {
-                reader.warn(&mask, "a mask of a kind of its own is not applied");
+                reader.warn(&mask, "a mask of an unknown type is ignored");
                 continue;
             }
         };
@@ -240,7 +240,7 @@ fn masks(
                 amount: share("amount", 1.0),
                 adds: false,
             }),
-            None => reader.warn(&mask, "it names no expression; left out"),
+            None => reader.warn(&mask, "the target is not an expression; left out"),
         }
     }
     Ok(found)
@@ -294,7 +294,7 @@ pub(super) fn sets(reader: &mut Reader<'_>, expressions: &[Expression]) -> Vec<E
         if lost > 0 {
             reader.warn(
                 &set,
-                format!("{lost} of its entries name no expression; left out"),
+                format!("{lost} entries do not name an expression; left out"),
             );
         }
         let set = name.to_owned();

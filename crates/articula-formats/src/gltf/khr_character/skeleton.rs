@@ -37,7 +37,7 @@ pub(super) fn rigs(reader: &mut Reader<'_>, skeletal: &Skeletal) -> Vec<RigMappi
     for NodeRig { rig, joints, lost } in by_node(&reader.root, joint_of.len()) {
         if lost > 0 {
             let what = format!(
-                "rig \"{}\": {lost} of its entries name no node; left out",
+                "rig \"{}\": {lost} entries do not name a node; left out",
                 cut(&rig)
             );
             reader.notes.add(SKELETON_MAPPING, what);

@@ -43,7 +43,7 @@ impl Document {
         let mut roles: Vec<(usize, String)> = Vec::new();
         for (node, bone) in bones {
             if *node >= count {
-                let what = format!("node {node}, but there are {count}");
+                let what = format!("node {node} is out of range: the file has {count} nodes");
                 return Err(WriteError::mismatch(format!("bone \"{bone}\""), what));
             }
             let role = if is_old { new_name(bone) } else { bone.clone() };
@@ -53,7 +53,7 @@ impl Document {
             }
         }
         if roles.iter().all(|(_, role)| role != "hips") {
-            let what = "no \"hips\" among them; a human character is needed";
+            let what = "no bone is \"hips\"; the extension needs a human character";
             return Err(WriteError::mismatch("bones", what));
         }
         let root = self.common_root();

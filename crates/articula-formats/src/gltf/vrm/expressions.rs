@@ -145,7 +145,7 @@ fn masks(
             "blend" => MaskKind::Blend,
             other => {
                 let other: String = other.chars().take(40).collect();
-                let what = format!("no kind of override: \"{other}\"; taken as none");
+                let what = format!("unknown override \"{other}\"; read as none");
                 reader.notes.add(place.path(key), what);
                 continue;
             }
@@ -222,7 +222,10 @@ impl<'a> Meshes<'a> {
             }
         }
         if found.is_empty() {
-            reader.warn(bind, "it names no morph target that is shown; left out");
+            reader.warn(
+                bind,
+                "the target is not a morph target of a displayed mesh; left out",
+            );
         }
         Ok(found)
     }

@@ -39,13 +39,13 @@ fn bones(reader: &mut Reader<'_>, humanoid: &Place<'_>, nodes: usize) -> Vec<(us
     for (name, bone) in listed.chain(named) {
         match bone.index("node", nodes) {
             Ok(Some(_)) if name.is_empty() => {
-                reader.warn(&bone, "human bone without name left out")
+                reader.warn(&bone, "a human bone has no name; left out")
             }
             Ok(Some(node)) => found.push((node, name.to_owned())),
             // VRM 0.x writes -1 for an absent bone.
             Ok(None) => {}
             Err(_) if bone.get("node").and_then(|n| n.value().as_i64()) == Some(-1) => {}
-            Err(error) => reader.warn(&bone, format!("human bone left out: {error}")),
+            Err(error) => reader.warn(&bone, format!("the human bone is left out: {error}")),
         }
     }
     found

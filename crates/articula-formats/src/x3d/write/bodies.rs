@@ -61,7 +61,8 @@ pub(super) fn bodies(
         }
         if loose > 0 {
             let what = format!(
-                "{loose} points follow several joints but were bound in another pose than other skin; bound anew"
+                "{loose} points with several joints were bound in a different pose than the other \
+                 skins; they are rebound"
             );
             warnings.push(Warning::new(format!("mesh \"{}\"", mesh.name), what));
         }

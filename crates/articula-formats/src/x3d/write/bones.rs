@@ -168,7 +168,8 @@ pub(super) fn bones(
     mark_stretched(character, &mut bones);
     if uneven > 0 {
         let what = format!(
-            "{uneven} moving joints hang below joints that are stretched unevenly; their turns are nearly those of the source"
+            "{uneven} animated joints are below joints with a non-uniform scale; their rotations \
+             are approximate"
         );
         warnings.push(Warning::new("skeleton", what));
     }

@@ -51,7 +51,8 @@ pub fn write(
         return Err(WriteError::NoJoint);
     }
     if bones.zero.is_binding {
-        let what = "skin was bound in another pose than that of rest: the figure's own pose is that of binding, and its joints show the rest pose";
+        let what = "the bind pose differs from the rest pose: the figure is written in the bind \
+                    pose, and its joints are rotated to the rest pose";
         warnings.push(Warning::new("skeleton", what));
     }
     let (bodies, weights) = bodies(character, &bones, &mut warnings);
@@ -98,7 +99,7 @@ fn note_losses(character: &Character, warnings: &mut Vec<Warning>) {
     };
     let channels = || character.clips.iter().flat_map(|c| &c.channels);
     let expressions = channels().filter(|c| c.property == Property::Expression);
-    note(expressions.count(), "channels of expressions are left out");
+    note(expressions.count(), "expression channels are left out");
     note(character.expressions.len(), "expressions are left out");
     let primitives = character.meshes.iter().flat_map(|m| &m.primitives);
     let normals = primitives
@@ -106,7 +107,7 @@ fn note_losses(character: &Character, warnings: &mut Vec<Warning>) {
         .filter(|m| !m.normals.is_empty());
     note(
         normals.count(),
-        "morph targets lose their normals; displacers have none",
+        "morph targets lose their normals: displacers have none",
     );
 }
 

@@ -404,19 +404,19 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
     };
     let good = part(&of[0]);
     assert!(refused(0, vec![good], 3).starts_with("nodes[0].mesh: "));
-    assert!(refused(2, vec![good, good], 3).contains("2 parts, read were 1"));
-    assert!(refused(2, vec![good], 2).contains("3 levels, 2 in the table"));
+    assert!(refused(2, vec![good, good], 3).contains("2 parts, but the file has 1"));
+    assert!(refused(2, vec![good], 2).contains("3 levels, the table has 2"));
     let mut far = of[0].vertices.clone();
     far[0] = 27;
     let parts = vec![articula_formats::gltf::PartLevels {
         vertices: &far,
         ..good
     }];
-    assert!(refused(2, parts, 3).contains("a vertex that the part does not have"));
+    assert!(refused(2, parts, 3).contains("a vertex index is out of range"));
     let source = &file.character.meshes[0].primitives[0];
     let chunks = articula_build::ClusterOrder::Chunks;
     let chunks = articula_build::cluster(&levels(source, 3), 27, &[], chunks).unwrap();
-    assert!(refused(2, vec![part(&chunks)], 3).contains("not the first range"));
+    assert!(refused(2, vec![part(&chunks)], 3).contains("must be the first range"));
     let mut tiny = sheet();
     tiny.json["meshes"][0]["primitives"][0]["extensions"] = json!({"X_outline": {"indices": 0}});
     let mut file = tiny.read().unwrap().value;

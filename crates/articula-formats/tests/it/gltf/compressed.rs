@@ -103,7 +103,7 @@ fn all_modes_are_read_and_written_plain() {
     let (file, warning) = one_warning(&tiny);
     assert_eq!(
         warning,
-        "5 views are compressed (KHR_meshopt_compression); they are written plain"
+        "5 buffer views are compressed (KHR_meshopt_compression); they are written uncompressed"
     );
     let plain = Tiny::skinned().read().unwrap().value.character;
     assert_eq!(file.character, plain);
@@ -210,13 +210,17 @@ fn hostile_views() {
         ("filter", json!("SHARP"), "filter: no such filter"),
         ("filter", json!(1), "filter: no such filter"),
         ("filter", json!("COLOR"), "Color elements of 12 bytes"),
-        ("count", json!(4), "4 elements of 12 bytes in a view of 36"),
-        ("count", json!(u64::MAX), "in a view of 36"),
+        (
+            "count",
+            json!(4),
+            "4 elements of 12 bytes do not fill the view of 36",
+        ),
+        ("count", json!(u64::MAX), "do not fill the view of 36"),
         ("byteStride", json!(3), "3 elements of 3 bytes"),
         ("buffer", json!(7), "buffer: index 7"),
-        ("buffer", json!(1), "of a buffer of 0"),
+        ("buffer", json!(1), "exceed the buffer of 0"),
         ("byteLength", json!(10), "byte 0: 10 bytes; the header"),
-        ("byteOffset", json!(u64::MAX), "of a buffer of"),
+        ("byteOffset", json!(u64::MAX), "exceed the buffer of"),
     ];
     for (key, value, says) in cases {
         let mut tiny = Tiny::skinned();

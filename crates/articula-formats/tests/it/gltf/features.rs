@@ -146,7 +146,10 @@ fn nodes_outside_every_scene_count_only_for_skins_and_animations() {
     let (file, warning) = one_warning(&tiny);
     assert_eq!(file.character.skeleton.joints.len(), 2);
     assert_eq!(file.character.meshes.len(), 1);
-    assert_eq!(warning, "nodes[3]: its mesh is in no scene; left out");
+    assert_eq!(
+        warning,
+        "nodes[3]: the node is in no scene; its mesh is left out"
+    );
 }
 
 #[test]
@@ -214,9 +217,9 @@ fn weights_are_mended_and_counted() {
     assert_eq!(
         said,
         [
-            "2 weights negative or no number, taken as 0",
-            "the weights of 1 of 3 vertices do not sum to 1; scaled",
-            "1 vertices without any weight, bound to the first joint",
+            "2 weights are negative or NaN; read as 0",
+            "the weights of 1 of 3 vertices do not sum to 1; normalised",
+            "1 vertices have no weight; bound to the first joint",
         ]
     );
 }

@@ -23,12 +23,12 @@ const CASES: &[Case] = &[
     (
         "node cycle",
         |t| t.json["nodes"][1]["children"] = json!([0]),
-        "its own ancestor",
+        "part of a cycle",
     ),
     (
         "node its own child",
         |t| t.json["nodes"][2]["children"] = json!([2]),
-        "its own ancestor",
+        "part of a cycle",
     ),
     (
         "two parents",
@@ -93,12 +93,12 @@ const CASES: &[Case] = &[
     (
         "count 2^31",
         |t| t.json["accessors"][0]["count"] = json!(1u64 << 31),
-        "do not fit",
+        "exceed the view",
     ),
     (
         "count 2^64",
         |t| t.json["accessors"][0]["count"] = json!(u64::MAX),
-        "do not fit",
+        "exceed the view",
     ),
     (
         "empty 2^31",
@@ -113,12 +113,12 @@ const CASES: &[Case] = &[
     (
         "offset overflow",
         |t| t.json["accessors"][0]["byteOffset"] = json!(u64::MAX),
-        "do not fit",
+        "exceed the view",
     ),
     (
         "offset beyond",
         |t| t.json["accessors"][0]["byteOffset"] = json!(4),
-        "do not fit",
+        "exceed the view",
     ),
     (
         "stride 0",
@@ -143,12 +143,12 @@ const CASES: &[Case] = &[
     (
         "view too long",
         |t| t.json["bufferViews"][0]["byteLength"] = json!(1u64 << 40),
-        "of a buffer",
+        "exceed the buffer",
     ),
     (
         "view overflow",
         |t| t.json["bufferViews"][0]["byteOffset"] = json!(u64::MAX),
-        "of a buffer",
+        "exceed the buffer",
     ),
     (
         "view beyond",
@@ -173,7 +173,7 @@ const CASES: &[Case] = &[
     (
         "component unknown",
         |t| t.json["accessors"][0]["componentType"] = json!(5124),
-        "no component type",
+        "not a component type",
     ),
     (
         "type unknown",
@@ -193,7 +193,7 @@ const CASES: &[Case] = &[
     (
         "vertex beyond",
         |t| indices(t, &[0, 1, 3]),
-        "names vertex 3",
+        "vertex 3 is out of range",
     ),
     (
         "float indices",
@@ -204,7 +204,7 @@ const CASES: &[Case] = &[
     (
         "sparse too many",
         |t| sparse(t, 4, 0),
-        "4 sparse elements of 3",
+        "4 sparse elements for an accessor of 3",
     ),
     (
         "material beyond",

@@ -129,8 +129,8 @@ fn all_members_by_hand() {
     assert_eq!(shares, [(0, 0.5), (1, 0.25)]);
     let said = |what: &str| read.warnings.iter().any(|w| w.what.contains(what));
     assert!(said("1 of its entries name no node") && said("1 of its entries name no expression"));
-    assert!(said("a kind of its own") && said("it names no expression"));
-    assert!(said("the expression does nothing"));
+    assert!(said("an unknown type") && said("it names no expression"));
+    assert!(said("the expression has no effect"));
 }
 
 #[test]

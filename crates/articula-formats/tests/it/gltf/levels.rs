@@ -195,14 +195,14 @@ fn broken_levels_are_left_out() {
     let cases = [
         (
             json!(9),
-            "levels left out: nodes[2].extensions.MSFT_lod.ids: expected an array",
+            "levels are left out: nodes[2].extensions.MSFT_lod.ids: expected an array",
         ),
         (
             json!([9]),
-            "a level left out: nodes[2].extensions.MSFT_lod.ids[0]: index 9",
+            "the level is left out: nodes[2].extensions.MSFT_lod.ids[0]: index 9",
         ),
-        (json!([2]), "the node itself or one above it"),
-        (json!(["x"]), "a level left out"),
+        (json!([2]), "the node itself or an ancestor of it"),
+        (json!(["x"]), "the level is left out"),
         // Node 1 shows nothing.
         (json!([1]), "a level with 0 meshes for 1 left out"),
     ];
@@ -233,6 +233,6 @@ fn broken_levels_are_left_out() {
     let (_, warning) = one_warning(&tiny);
     assert_eq!(
         warning,
-        "materials[0]: coarser levels of a material left out"
+        "materials[0]: coarser levels of a material are left out"
     );
 }

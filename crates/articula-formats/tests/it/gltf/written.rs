@@ -321,11 +321,17 @@ fn an_inconsistent_character_is_refused() {
             .to_string()
     };
     let error = refused(&|c| c.skeleton.joints[1].parent = Some(1));
-    assert_eq!(error, "joint 1: its parent does not come before it");
+    assert_eq!(error, "joint 1: its parent must come before it");
     let error = refused(&|c| c.meshes[0].skin.joints[0] = 9);
-    assert_eq!(error, "mesh 0: its skin does not go with the skeleton");
+    assert_eq!(error, "mesh 0: its skin does not match the skeleton");
     let error = refused(&|c| c.meshes[0].primitives[0].triangles[0][2] = 3);
-    assert!(error.contains("a vertex that is not there"), "{error}");
+    assert!(
+        error.contains("a vertex index of a triangle is out of range"),
+        "{error}"
+    );
     let error = refused(&|c| c.meshes[0].primitives[0].weights.truncate(3));
-    assert_eq!(error, "mesh 0 primitive 0: its arrays differ in length");
+    assert_eq!(
+        error,
+        "mesh 0 primitive 0: the lengths of its arrays do not match"
+    );
 }

@@ -34,7 +34,7 @@ fn the_mask_tells_the_width_not_the_version() {
     let both = format!("3.2 a 10 2\n{}\n0\n{}\n1\n", mask(296, &[]), mask(186, &[]));
     let error = read(&both).unwrap_err().to_string();
     assert!(
-        error.contains("line 4: 186 words found where a BAP mask of 296 as before"),
+        error.contains("line 4: 186 words found, expected a BAP mask of 296 as before"),
         "{error}"
     );
     let draft = read(&format!("3.1 a 10 1\n{}\n0\n", mask(169, &[]))).unwrap_err();

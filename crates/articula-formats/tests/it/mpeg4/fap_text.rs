@@ -79,10 +79,10 @@ fn oddities_are_said() {
         (
             "2.2 a 25 10000",
             "0 5",
-            "10000 frames announced, 1 are there",
+            "10000 frames declared, but the file has 1",
         ),
         ("2.1 a 25 many", "0 5", "number of frames \"many\" found"),
-        ("2.1 a 25 1", "0 -5", "goes below 0"),
+        ("2.1 a 25 1", "0 -5", "negative values"),
         (
             "2.1 a 25 1",
             "0 5.4",
@@ -105,7 +105,11 @@ fn oddities_are_said() {
     assert_eq!((numbers, back.warnings.len()), (vec![7, 8, 9], 1));
     let cut = read(&format!("2.1 a 25 1\n{jaw}\n0 1\n{jaw}\n")).unwrap();
     assert_eq!((cut.value.frames.len(), cut.warnings.len()), (1, 1));
-    assert!(cut.warnings[0].what.contains("the file ends after a mask"));
+    assert!(
+        cut.warnings[0]
+            .what
+            .contains("the file ends between a mask")
+    );
     let empty = read("2.1 a 25 0\n").unwrap();
     assert!(empty.value.frames.is_empty() && empty.warnings.is_empty());
 }
@@ -125,7 +129,7 @@ fn faults_name_their_line() {
         ("2.1 a 0 3\n".into(), "line 1: frame rate \"0\" found"),
         (
             format!("2.1 a 25 1\n{}\n0\n", mask(186, &[])),
-            "line 2: 186 words found where a FAP mask of 68",
+            "line 2: 186 words found, expected a FAP mask of 68",
         ),
         (
             format!("2.1 a 25 1\n{}\n0\n", "0 ".repeat(67) + "2"),
@@ -133,11 +137,11 @@ fn faults_name_their_line() {
         ),
         (
             format!("2.1 a 25 1\n#\n{jaw}\n0 1 2\n"),
-            "line 4: 3 numbers found, the frame number and 1 values",
+            "line 4: 3 numbers found, the mask expects the frame number and 1 values",
         ),
         (
             format!("2.1 a 25 1\n{jaw}\n0\n"),
-            "line 3: 1 numbers found, the frame number and 1 values",
+            "line 3: 1 numbers found, the mask expects the frame number and 1 values",
         ),
         (
             format!("2.1 a 25 1\n{jaw}\n-1 2\n"),

@@ -86,7 +86,7 @@ fn faults_name_their_line() {
         (
             "<xfdp>",
             "<svg>",
-            "line 2: the file begins with <svg>, <xfdp> is expected",
+            "line 2: the file begins with <svg>, expected <xfdp>",
         ),
         (
             "\"51\"",

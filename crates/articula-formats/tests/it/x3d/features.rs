@@ -289,11 +289,11 @@ fn motions_are_frames_of_angles() {
     let lifted = motion
         .replace("0 0 0 99", "0 1 0 99")
         .replace("0 0 2 99", "0 1 2 99");
-    assert!(warned(&humanoid("", &lifted)).contains("look like places"));
+    assert!(warned(&humanoid("", &lifted)).contains("seem to be positions"));
     let unknown = motion.replace("l_hip", "tail");
-    assert!(warned(&humanoid("", &unknown)).contains("no joint is called \"tail\""));
+    assert!(warned(&humanoid("", &unknown)).contains("there is no joint \"tail\""));
     let cut = motion.replace("99 90 90'", "99 90'");
-    assert!(warned(&humanoid("", &cut)).contains("no multiple of 6"));
+    assert!(warned(&humanoid("", &cut)).contains("not a multiple of 6"));
     let off = motion.replace("joints=", "channelsEnabled='true true true false' joints=");
     let character = shown(&humanoid("", &off)).character;
     assert!(character.clips[0].channels.iter().all(|c| c.target == 0));
@@ -314,7 +314,7 @@ fn poses_are_clips_that_take_them() {
     assert_eq!(character.clips[1].duration_secs, 0.0);
     near(positions(&character, Some(1), 0.0)[2], [0.1, 0.5, 1.0]);
     let off = "<HAnimPose name='T' enabled='false'/>";
-    assert!(warned(&humanoid("", off)).contains("switched off"));
+    assert!(warned(&humanoid("", off)).contains("disabled"));
 }
 
 #[test]
@@ -395,12 +395,12 @@ fn pictures_are_asked_for_by_name() {
     assert_eq!(read.value.character.materials[0].base_color, Vec4::ONE);
     let (read, asked) = of("https://example.org/deep/a%20b.png");
     assert_eq!(asked, ["a b.png"]);
-    assert!(read.warnings[0].what.contains("nothing is fetched"));
+    assert!(read.warnings[0].what.contains("is not fetched"));
     let (read, _) = of("\"y.png\"");
     assert!(
         read.warnings[0]
             .what
-            .contains("shown without its picture: \"y.png\": it is not there")
+            .contains("shown without its image: \"y.png\": it is not there")
     );
     let (read, asked) = of("data:image/png;base64,iVBORw0KGgo=");
     assert_eq!((asked.len(), read.value.character.images.len()), (0, 1));

@@ -20,7 +20,7 @@ const JOINT: &str = "<HAnimJoint name='a' containerField='skeleton'/>";
 fn every_wrong_xml_file_is_told_why() {
     check("", "the first line is not");
     check("hello", "line 1: the first line is not");
-    check("<svg/>", "begins with <svg>, <X3D> is expected");
+    check("<svg/>", "begins with <svg>, expected <X3D>");
     check("<X3D><Scene>", "line 1: the file ends before </X3D>");
     check("<X3D>\n<Scene></X3D>", "line 2: no good XML");
     check(
@@ -39,14 +39,14 @@ fn every_wrong_xml_file_is_told_why() {
         &odd("center='a b c'"),
         "line 2, HAnimHumanoid: center: \"a\" was found",
     );
-    check(&odd("center='1 2'"), "2 numbers were found, 3 are expected");
+    check(&odd("center='1 2'"), "2 numbers found, 3 expected");
     check(&odd("center='1 2 nan'"), "\"nan\" was found");
     check(&odd("center='1 2 1e10'"), "\"1e10\" was found");
-    check(&odd("scale='0 0 0'"), "scaled to nothing");
+    check(&odd("scale='0 0 0'"), "the scale of the humanoid is 0");
     check(
         &odd("scale='1e9 1e9 1e9' translation='1e9 0 0'")
             .replace("name='a'", "name='a' center='1e9 0 0'"),
-        "beyond all measure",
+        "too large",
     );
 }
 
@@ -63,20 +63,20 @@ fn entities_and_document_types_go_nowhere() {
     let lol = "<!DOCTYPE X3D [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;&a;\">]>";
     check(
         &format!("{lol}<X3D name='&b;'/>"),
-        "declarations of its own is not supported",
+        "an internal subset is not supported",
     );
     let file = "<!DOCTYPE X3D [<!ENTITY a SYSTEM \"file:///etc/passwd\">]>";
     check(
         &format!("{file}<X3D>&a;</X3D>"),
-        "take the part in [ ] out of <!DOCTYPE>",
+        "remove the part in [ ] from <!DOCTYPE>",
     );
     check(
         "<!DOCTYPE X3D SYSTEM 'a' [ <!ENTITY % p SYSTEM 'b'> %p; ]><X3D/>",
-        "of its own",
+        "an internal subset",
     );
     check(
         "<X3D><Scene>&xxe;</Scene></X3D>",
-        "an entity that XML does not define itself",
+        "an entity that XML does not predefine",
     );
     check("<X3D a='&xxe;'/>", "an attribute cannot be read");
     check("<X3D a='&#x110000;'/>", "an attribute cannot be read");
@@ -105,11 +105,11 @@ fn every_wrong_classic_file_is_told_why() {
     check(&classic("Group { a [ 1 2"), "] at the end of a list");
     check(
         &classic("Group { a \"b"),
-        "a string without a quotation mark",
+        "the string has no closing quotation mark",
     );
     check(
         &classic("Group { a \"b\\"),
-        "a string without a quotation mark",
+        "the string has no closing quotation mark",
     );
     check(&classic("Group { a ]"), "a value of a is expected");
     check(&classic("ROUTE a TO b"), "ROUTE node.field TO node.field");
@@ -137,9 +137,9 @@ fn names_that_lead_nowhere_are_warnings() {
     let said: Vec<&str> = read.warnings.iter().map(|w| w.what.as_str()).collect();
     let nowhere = said
         .iter()
-        .filter(|w| w.starts_with("no node before this one is called"));
+        .filter(|w| w.starts_with("no node before this one has the name"));
     assert_eq!(nowhere.count(), 5, "{said:?}");
-    assert!(said.contains(&"the joint hangs in two places; only the first counts"));
+    assert!(said.contains(&"the joint has two parents; only the first is used"));
     assert_eq!(read.value.character.skeleton.joints.len(), 1);
 }
 

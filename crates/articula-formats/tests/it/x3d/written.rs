@@ -27,7 +27,7 @@ fn written(character: &Character) -> (X3dFile, bool) {
     let at_rest = written
         .left_out
         .iter()
-        .all(|w| !w.contains("that of binding"));
+        .all(|w| !w.contains("the bind pose"));
     (read.value, at_rest)
 }
 

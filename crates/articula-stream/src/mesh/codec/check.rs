@@ -111,8 +111,7 @@ impl QuantisedMesh {
                 return Err(wrong(
                     "skins",
                     p,
-                    "the joints are out of range, repeated or out of \
-                 order",
+                    "the joints are out of range, repeated or out of order",
                 ));
             }
         }

@@ -20,8 +20,7 @@ pub(super) fn merge(
             wrong(
                 level,
                 format!(
-                    "vertex {v} is out of range: the mesh has {} \
-             vertices",
+                    "vertex {v} is out of range: the mesh has {} vertices",
                     whole.wedges()
                 ),
             )
