@@ -5,7 +5,7 @@ use crate::expression::bake;
 use articula_core::source::Character;
 use articula_core::{Articulation, Clip, Mesh, Mismatch, Rig};
 
-/// A character in the form that is played: rig, mesh and clips.
+/// A character in runtime form: rig, mesh and clips.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Asset {
     /// Joint tree, rest pose and articulation.

@@ -411,11 +411,11 @@ mod tests {
         let mut clip = turning(vec![0.0, 1.0], Interpolation::Linear);
         clip.channels[0].target = 1;
         let e = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap_err();
-        assert!(e.what.contains("joint 1 of 1"));
+        assert!(e.what.contains("joint 1 is out of range"));
         clip.channels[0].target = 0;
         clip.channels[0].values.pop();
         let e = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap_err();
-        assert!(e.what.contains("7 values for 2 keys of 4 floats"));
+        assert!(e.what.contains("7 values, but 2 keys need 4 floats"));
         clip.channels[0].times_secs.clear();
         assert!(resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).is_err());
         let endless = source::RawClip {
@@ -425,7 +425,7 @@ mod tests {
         clip = turning(vec![0.0, 20_000.0], Interpolation::Linear);
         clip.channels = vec![clip.channels[0].clone(); 60];
         let e = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap_err();
-        assert!(e.what.contains("numbers"), "{e}");
+        assert!(e.what.contains("values, the limit"), "{e}");
         assert!(resample(&endless, &skeleton(), &[], &[], &ClipOptions::default()).is_err());
         let empty = resample(
             &source::RawClip::default(),

@@ -9,7 +9,7 @@ use crate::poses::{PoseOptions, poses, positions};
 use crate::simplify::{SimplifyOptions, simplify};
 use articula_core::{Mesh, Mismatch};
 
-/// Simplifies the kept triangles of a character to about `triangles`; returns all of them if there
+/// Simplifies the triangles flagged in `keep` to about `triangles`; returns all of them if there
 /// are no more than that.
 ///
 /// Poses are taken from the clip with index `clip` only. `vertex_weights` is the weight of an error

@@ -40,8 +40,8 @@ impl Points {
     }
 }
 
-/// Draws `count` different indices below `total` (all of them if there are fewer), in ascending
-/// order.
+/// Returns a random sample of `count` different indices below `total` (all of them if there are
+/// fewer), in ascending order.
 pub fn draw_vertices(total: usize, count: usize, seed: u64) -> Vec<u32> {
     let mut vertices: Vec<u32> = (0..total as u32).collect();
     let mut random = SplitMix(seed);

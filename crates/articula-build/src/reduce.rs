@@ -50,7 +50,7 @@ pub(crate) fn size_of<'a>(channels: impl Iterator<Item = &'a Channel>) -> ClipSi
     }
 }
 
-/// Returns a clip in which only the joints of `active` move; the others follow the passive policy.
+/// Returns a clip in which only the joints of `active` move; the others are held as `policy` says.
 /// Morph weights and expressions are kept.
 ///
 /// `HoldLast` holds the first frame, since there is none before it.

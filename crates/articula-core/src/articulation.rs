@@ -8,12 +8,13 @@ use crate::Mismatch;
 use std::fmt;
 use std::str::FromStr;
 
-/// Highest data level; it includes every joint.
+/// Highest level of articulation of a joint; selecting up to it includes every joint.
 pub const MAX_LEVEL: u8 = 5;
 
-/// The seven named levels of articulation, each including those before it.
+/// The seven named levels of articulation of a humanoid, each including the joints of those before.
 ///
-/// The discriminant minus one is the data level: `VeryLow` is level 0, `VeryHigh` level 5.
+/// The discriminant minus one is the data level, the number that tables and joint maps give for a
+/// joint: `VeryLow` is level 0, `VeryHigh` level 5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Complexity {
     /// No joint.

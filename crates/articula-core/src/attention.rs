@@ -13,7 +13,7 @@ pub(crate) const MIN_MULTIPLIER: f32 = 1.0 / 64.0;
 /// Maximum multiplier of a tolerance, so that a character of no importance still moves like a body.
 pub(crate) const GREATEST_MULTIPLIER: f32 = 64.0;
 
-/// An interval of a clip with a different tolerance.
+/// A time interval of a clip with a factor on the error tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttentionInterval {
     /// Start of the interval in seconds of the clip.
@@ -25,7 +25,7 @@ pub struct AttentionInterval {
     pub factor: f32,
 }
 
-/// Tolerance factor of a clip over time.
+/// Factor on the error tolerance over the time of a clip, piecewise constant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attention {
     duration_secs: f64,

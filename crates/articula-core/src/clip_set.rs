@@ -58,7 +58,8 @@ struct Segment {
     held: Vec<u32>,
 }
 
-/// Two neighbouring frames of a clip and the blend between them.
+/// A time in a clip of a [`ClipSet`], resolved to storage slots of two neighbouring frames and the
+/// blend between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cursor {
     /// First slot of the frame at or before the time.

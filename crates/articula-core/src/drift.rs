@@ -51,7 +51,7 @@ impl DriftOptions {
     }
 }
 
-/// Bounds on the error of one joint; constant while a clip plays.
+/// Lever arm, speed bound and tolerance share of one joint; constant while a clip plays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointErrorBounds {
     /// Skin displacement in metres per radian of error.
@@ -63,7 +63,7 @@ pub struct JointErrorBounds {
     pub share: f32,
 }
 
-/// Scale and tolerance factor of each joint in the current frame.
+/// Pixels per metre and tolerance factor of each joint in the current frame.
 #[derive(Debug, Clone, Copy)]
 pub struct JointViewScales<'a> {
     /// Pixels per metre at the depth of each joint; the maximum over all cameras.
@@ -80,7 +80,8 @@ struct Judged {
     last_sample_secs: f64,
 }
 
-/// Chooses the joints of one character to sample, and holds the others within the tolerance.
+/// Chooses the joints of one character to sample each frame, and holds the others for as long as
+/// their error stays within the tolerance.
 #[derive(Debug, Clone)]
 pub struct DriftController {
     opts: DriftOptions,

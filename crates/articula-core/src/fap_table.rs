@@ -87,8 +87,8 @@ pub struct Fap {
     pub largest: (u16, u16),
 }
 
-/// Number of parameters.
-pub const FAPS: usize = 68;
+/// Number of facial animation parameters.
+pub const FAP_COUNT: usize = 68;
 
 /// Name and number of FAPs of each group; the groups are contiguous in [`TABLE`].
 pub const GROUPS: [(&str, usize); 10] = [
@@ -106,7 +106,7 @@ pub const GROUPS: [(&str, usize); 10] = [
 
 /// The parameters; FAP `n` has index `n - 1`.
 #[rustfmt::skip]
-pub static TABLE: [Fap; FAPS] = [
+pub static TABLE: [Fap; FAP_COUNT] = [
     high("viseme", 1, (63, 63)),
     high("expression", 1, (63, 63)),
     one_way("open_jaw", 2, (FapUnit::MouthNose, FapDirection::Down), (2, 1), 4, (1080, 360)),
@@ -248,7 +248,7 @@ mod tests {
             );
             first += count;
         }
-        assert_eq!(first, FAPS);
+        assert_eq!(first, FAP_COUNT);
     }
 
     #[test]

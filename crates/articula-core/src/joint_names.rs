@@ -85,7 +85,7 @@ impl From<&HanimJoint> for StandardJoint {
     }
 }
 
-/// The meaning of one joint name.
+/// The entry of a [`JointMap`] for one joint name: an H-Anim joint, a helper or no mapping.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum JointTarget {
     /// A joint of the standard.
@@ -100,7 +100,7 @@ pub enum JointTarget {
     Ignored,
 }
 
-/// The joint names of one kind of rig.
+/// Mapping of the joint names of one kind of rig, such as VRM 1.0, to H-Anim joints.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct JointMap {
     /// Short name, unique among joint maps.
@@ -130,7 +130,7 @@ impl JointMap {
     }
 }
 
-/// The joints of unconnected segments, for readers of formats without a hierarchy.
+/// Mapping of body segments to H-Anim joints, for file formats without a hierarchy.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Segments {
     /// Name of the joint map that matched the segments.
@@ -145,7 +145,7 @@ pub struct Segments {
     pub vertebrae: Vec<usize>,
 }
 
-/// Returns a name without namespace and separators, in lower case.
+/// Returns a joint name as joint maps compare it: lower case, without namespace and separators.
 pub fn folded(name: &str) -> String {
     let own = name.rsplit([':', '|']).find(|part| !part.is_empty());
     own.unwrap_or_default()

@@ -10,7 +10,7 @@ use crate::math::{Transform, nlerp};
 use crate::pose::LocalPose;
 use glam::{Quat, Vec3};
 
-/// The state of one joint.
+/// Whether a joint is active (follows the clip), passive (held), or in transition between both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum JointState {
     /// Follows the clip.
@@ -292,8 +292,8 @@ fn compose(t: &Transform, offset: &Transform) -> Transform {
     }
 }
 
-/// Nested levels of articulation with a limit on the finest, as in the refinement and
-/// simplification of thesis 5.1. Level 0 is the finest.
+/// Nested joint sets, one for each level of articulation, with the current level and the finest
+/// level allowed. Level 0 is the finest. Source: refinement and simplification of thesis 5.1.
 ///
 /// The limit is `h(d)`, the finest level that the benchmark of a device allows. The thesis counts
 /// levels from the coarsest, so its limit is the highest number.
@@ -419,15 +419,15 @@ mod tests {
     }
 
     #[test]
-    fn a_ladder_changes_only_the_difference_and_never_passes_its_cap() {
+    fn a_range_changes_only_the_difference_and_never_passes_its_cap() {
         let levels = vec![JointSet::first(5), JointSet::first(2), JointSet::EMPTY];
-        let mut ladder = LoaRange::new(levels, 1).unwrap();
-        assert_eq!((ladder.level(), ladder.joints().len()), (1, 2));
-        assert_eq!(ladder.request(0), LoaTransition::default(), "the cap holds");
-        let down = ladder.request(7);
-        assert_eq!(ladder.level(), 2, "beyond the coarsest is the coarsest");
+        let mut range = LoaRange::new(levels, 1).unwrap();
+        assert_eq!((range.level(), range.joints().len()), (1, 2));
+        assert_eq!(range.request(0), LoaTransition::default(), "the cap holds");
+        let down = range.request(7);
+        assert_eq!(range.level(), 2, "beyond the coarsest is the coarsest");
         assert_eq!((down.refine.len(), down.simplify.len()), (0, 2));
-        let up = ladder.request(1);
+        let up = range.request(1);
         assert_eq!((up.refine.len(), up.simplify.len()), (2, 0));
         assert!(LoaRange::new(vec![], 3).is_none());
     }

@@ -6,7 +6,7 @@
 
 use crate::Mismatch;
 
-/// The rotation that a joint shows between two keys.
+/// Interpolation of a joint's rotation between two keys.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KeyMode {
     /// The rotation of the previous key.
@@ -26,7 +26,7 @@ pub struct TableHashes {
     pub mesh: u64,
 }
 
-/// Key frames of every joint at every level.
+/// Key frames of every joint at every tolerance level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyTable {
     /// Hashes of the rig, clip and mesh for which the table was made.

@@ -102,7 +102,8 @@ pub(crate) struct Entry {
     pub(crate) bind: Option<Bind>,
 }
 
-/// The matrices of a palette, and their number at each level.
+/// Layout of a palette: the joint and inverse bind matrix of each entry, and the number of entries
+/// at each level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaletteMap {
     entries: Vec<Entry>,

@@ -64,8 +64,8 @@ pub fn percentile<T: Float>(values: &mut [T], fraction: T) -> T {
     low + (high - low) * (at - T::of(below))
 }
 
-/// Returns the percentile without interpolation: the smallest value with at least that fraction of
-/// the other values at or below it, which is one of the values. 0 for an empty slice.
+/// Returns the percentile without interpolation, always one of the values: the smallest with at
+/// least that fraction of the other values at or below it. 0 for an empty slice.
 ///
 /// Reorders the slice. O(values); does not allocate.
 pub fn percentile_at_or_above(values: &mut [f64], fraction: f64) -> f64 {

@@ -18,7 +18,7 @@ pub enum Wrap {
     Clamp,
 }
 
-/// Two neighbouring frames and the interpolation between them.
+/// A time as two neighbouring frame indices and the interpolation factor between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FramePosition {
     /// Index of the frame at or before the time.

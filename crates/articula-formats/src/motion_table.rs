@@ -18,8 +18,9 @@ const VERSION: u8 = 1;
 /// more.
 const MAX_LEVELS: usize = 64;
 
-/// Writes a table of held or blended keys. Coarser levels must be subsets of finer ones, as
-/// [`KeyTable::check`] requires; a key that violates this is left out of the coarser level.
+/// Encodes the keys of every joint at every tolerance level. Coarser levels must be subsets of
+/// finer ones, as [`KeyTable::check`] requires; a key that violates this is left out of the coarser
+/// level.
 pub fn write_segs(table: &KeyTable) -> Vec<u8> {
     let levels = table.levels();
     let mut out = head(
@@ -48,7 +49,7 @@ pub fn write_segs(table: &KeyTable) -> Vec<u8> {
     out
 }
 
-/// Reads the output of [`write_segs`].
+/// Decodes the output of [`write_segs`].
 ///
 /// # Errors
 /// [`ReadError::Malformed`] with the byte offset, [`ReadError::Unsupported`] for another version,
@@ -94,7 +95,7 @@ pub fn read_segs(bytes: &[u8], limits: &Limits) -> Result<KeyTable, ReadError> {
     })
 }
 
-/// Writes whole-pose keys.
+/// Encodes whole-pose keys.
 pub fn write_pose_keys(keys: &PoseKeys) -> Vec<u8> {
     let mut out = head(POSE_KEYS, 0, &keys.hashes, keys.base_metres);
     out.extend(keys.tick_hz.to_le_bytes());
@@ -107,7 +108,7 @@ pub fn write_pose_keys(keys: &PoseKeys) -> Vec<u8> {
     out
 }
 
-/// Reads the output of [`write_pose_keys`].
+/// Decodes the output of [`write_pose_keys`].
 ///
 /// # Errors
 /// As [`read_segs`].

@@ -3,7 +3,7 @@
 use articula_core::source::{Character, RawClip};
 use thiserror::Error;
 
-/// A written figure, and what the format could not express.
+/// An encoded file, with descriptions of data that the format could not express.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrittenFile {
     /// The whole file; for Acclaim, the skeleton file.

@@ -69,8 +69,8 @@ pub(crate) fn cut(surface: &Surface, body: &Body) -> Surface {
                 })
             })
         };
-        let middles = edges(triangle).map(|(a, b)| split(a, b));
-        halves(*triangle, middles, &mut out.triangles);
+        let evenly_spaced_frames = edges(triangle).map(|(a, b)| split(a, b));
+        halves(*triangle, evenly_spaced_frames, &mut out.triangles);
     }
     for (p, _) in out
         .positions
@@ -90,10 +90,10 @@ pub(crate) fn cut(surface: &Surface, body: &Body) -> Surface {
 }
 
 /// Splits a triangle at points on its edges (the first from the first to the second corner).
-fn halves(triangle: [u32; 3], middles: [Option<u32>; 3], out: &mut Vec<[u32; 3]>) {
+fn halves(triangle: [u32; 3], evenly_spaced_frames: [Option<u32>; 3], out: &mut Vec<[u32; 3]>) {
     for i in 0..3 {
         let [a, b, c] = std::array::from_fn(|k| triangle[(i + k) % 3]);
-        match std::array::from_fn(|k| middles[(i + k) % 3]) {
+        match std::array::from_fn(|k| evenly_spaced_frames[(i + k) % 3]) {
             // Corner b is alone on its side.
             [Some(p), Some(q), None] => return out.extend([[p, b, q], [a, p, q], [a, q, c]]),
             [Some(p), None, None] => return out.extend([[a, p, c], [p, b, c]]),
@@ -123,9 +123,10 @@ mod tests {
             ((q.0 - p.0) * (r.1 - p.1) - (r.0 - p.0) * (q.1 - p.1)) / 2.0_f32
         };
         for mask in [0, 1, 2, 4, 3, 5, 6] {
-            let middles = std::array::from_fn(|e| (mask >> e & 1 == 1).then_some(3 + e as u32));
+            let evenly_spaced_frames =
+                std::array::from_fn(|e| (mask >> e & 1 == 1).then_some(3 + e as u32));
             let mut pieces = Vec::new();
-            halves([0, 1, 2], middles, &mut pieces);
+            halves([0, 1, 2], evenly_spaced_frames, &mut pieces);
             assert!(pieces.iter().all(|t| area(t) > 0.0), "{pieces:?}");
             assert_eq!(pieces.iter().map(area).sum::<f32>(), 8.0, "{pieces:?}");
         }

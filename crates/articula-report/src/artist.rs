@@ -2,12 +2,17 @@
 
 use crate::paint::draw_box;
 use crate::skeleton::{JointMark, draw_skeleton, followed};
-use articula_core::{Camera, LocalPose, Mesh, PosedMesh, Region, Rig, SkinnedMesh, Viewport};
+use articula_core::{
+    Camera, JointArticulation, LocalPose, Mesh, PosedMesh, Region, Rig, SkinnedMesh, Viewport,
+};
 use articula_flat::{
     Appearance, Bounds, Ground, Picture, PictureError, Projection, RenderOptions, orbit_view,
     render,
 };
 use glam::{Affine3A, Vec2, Vec3};
+
+/// Half the height of a head, metres.
+const HEAD_METRES: f32 = 0.14;
 
 /// Default azimuth of the camera: a little from the figure's left.
 const AZIMUTH: f32 = 0.55;
@@ -99,7 +104,8 @@ impl<'a> Artist<'a> {
         }
     }
 
-    /// Frames the camera on the face or on the left hand.
+    /// Frames the camera on the face or on the left hand; on the head where a rig has no joints in
+    /// the face.
     pub fn frame_region(&mut self, pose: &LocalPose, region: Region) {
         let morphs = self.mesh.morph_weights.clone();
         self.pose(pose, &morphs);
@@ -111,7 +117,17 @@ impl<'a> Artist<'a> {
         let left = places.filter(|p| is_face || p.x >= 0.0);
         let around = Vec3::splat(if is_face { 0.075 } else { 0.03 });
         let boxes = left.map(|p| (p - around, p + around));
-        if let Some(bounds) = Bounds::around(boxes) {
+        let head = || {
+            let joints = &rig.articulation().joints;
+            let skull = |j: &JointArticulation| j.hanim.as_deref() == Some("skullbase");
+            let base = self.posed.model.position(joints.iter().position(skull)?);
+            // The joint lies at the top of the neck.
+            let centre = base + HEAD_METRES * Vec3::Y;
+            let around = Vec3::splat(HEAD_METRES);
+            Bounds::around([(centre - around, centre + around)])
+        };
+        let bounds = Bounds::around(boxes).or_else(|| head().filter(|_| is_face));
+        if let Some(bounds) = bounds {
             self.frame(bounds.corners().to_vec());
         }
     }
@@ -328,8 +344,9 @@ pub fn close_up(
     render(mesh, skinned, look, &camera, &RenderOptions::default())
 }
 
-/// Returns the middle frames of `count` equal parts of `frames` frames, without duplicates.
-pub fn middles(frames: usize, count: usize) -> Vec<usize> {
+/// Returns `count` frames spread evenly over a clip, each the middle of an equal part, without
+/// duplicates.
+pub fn evenly_spaced_frames(frames: usize, count: usize) -> Vec<usize> {
     let count = count.min(frames).max(1);
     let mut all: Vec<usize> = (0..count)
         .map(|i| ((2 * i + 1) * frames / (2 * count)).min(frames.saturating_sub(1)))
@@ -377,10 +394,10 @@ mod tests {
 
     #[test]
     fn frames_are_spread_over_the_clip() {
-        assert_eq!(middles(8, 4), [1, 3, 5, 7]);
-        assert_eq!(middles(1, 4), [0]);
-        assert_eq!(middles(2, 4), [0, 1]);
-        let many = middles(721, 4);
+        assert_eq!(evenly_spaced_frames(8, 4), [1, 3, 5, 7]);
+        assert_eq!(evenly_spaced_frames(1, 4), [0]);
+        assert_eq!(evenly_spaced_frames(2, 4), [0, 1]);
+        let many = evenly_spaced_frames(721, 4);
         assert!(many.windows(2).all(|w| w[0] < w[1]) && many[3] < 721);
     }
 }

@@ -9,7 +9,7 @@
 //! - [`CrowdPicture`]: renders a crowd, coloured by level
 //! - [`motion_sheet`], [`camera_path_sheet`], [`rest_sheet`]: a clip under motion level of detail
 //!   next to the original clip
-//! - [`middles`]: the frames of a clip that a sheet shows
+//! - [`evenly_spaced_frames`]: the frames of a clip that a sheet shows
 //!
 //! ```
 //! use articula_flat::{Picture, PictureError};
@@ -37,7 +37,7 @@ mod paint;
 mod plot;
 mod skeleton;
 
-pub use artist::{Artist, close_up, middles};
+pub use artist::{Artist, close_up, evenly_spaced_frames};
 pub use contact_sheet::{ContactSheet, SheetCell, SheetRow, SheetTile};
 pub use crowd::CrowdPicture;
 pub use motion_sheet::{MotionLine, camera_path_sheet, motion_sheet, rest_sheet};

@@ -4,7 +4,7 @@
 //! Source: thesis figures 6.16 and 6.17. Each cell shows the original clip and the result of the
 //! method, drawn large; the small figure in the corner has the size on the screen.
 
-use crate::artist::{Artist, middles};
+use crate::artist::{Artist, evenly_spaced_frames};
 use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow, SheetTile};
 use crate::skeleton::JointMark;
 use articula_build::Asset;
@@ -38,7 +38,7 @@ pub fn motion_sheet(
     title: &str,
     notes: Vec<String>,
 ) -> Result<Picture, PictureError> {
-    let frames = middles(stage.truth.len(), frames);
+    let frames = evenly_spaced_frames(stage.truth.len(), frames);
     let poses: Vec<_> = frames
         .iter()
         .map(|f| (&stage.truth[*f], morphs(stage, *f)))
@@ -87,7 +87,7 @@ pub fn camera_path_sheet(
     const IN_A_ROW: usize = 4;
     let rig = &stage.asset.rig;
     let mut cells = Vec::new();
-    for at in middles(run.frames.len(), 3 * IN_A_ROW) {
+    for at in evenly_spaced_frames(run.frames.len(), 3 * IN_A_ROW) {
         let frame = &run.frames[at];
         let mut truth = rig.rest_pose().clone();
         sample(&stage.clip, frame.secs, Wrap::Loop, &rig.all(), &mut truth);

@@ -55,7 +55,7 @@ pub enum Scale {
     Logarithmic,
 }
 
-/// Format of values.
+/// Number format of the values of a plot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Values {
     /// Plain numbers.

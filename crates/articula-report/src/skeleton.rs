@@ -68,8 +68,8 @@ struct SkeletonOptions {
     joints: JointSet,
 }
 
-/// Returns the joints of the skin that have a vertex on them or on a descendant; all joints of the
-/// skin if no vertex follows any.
+/// Returns the skin joints that influence a vertex, themselves or through a descendant; all skin
+/// joints if no vertex is influenced.
 pub fn followed(rig: &Rig, mesh: &Mesh) -> JointSet {
     let weighted = mesh.binding_indices.iter().zip(&mesh.weights);
     let weighted = weighted.filter(|(_, weight)| **weight > 0.0);

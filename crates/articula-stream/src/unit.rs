@@ -9,8 +9,9 @@ use articula_core::Mismatch;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// A label by which a rule keeps or drops a unit. The schemes of this crate are `level` (0 is the
-/// finest), `object`, `mesh` and `region`, with the numbers of the codec.
+/// A label of a [`Unit`], such as its level, by which an adaptation rule keeps or drops it. The
+/// schemes of this crate are `level` (0 is the finest), `object`, `mesh` and `region`, with the
+/// numbers of the codec.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Marker {
     /// Scale of the number.
@@ -19,7 +20,8 @@ pub struct Marker {
     pub value: u32,
 }
 
-/// A number in the stream that a cut must rewrite, such as a length or a count.
+/// A number in the stream that must be rewritten when units are dropped, such as a length or a
+/// count.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Field {
     /// Name of the number.
@@ -32,7 +34,7 @@ pub struct Field {
     pub coding: Coding,
 }
 
-/// A section of a coded stream.
+/// A bit range of a coded stream with labels and nested units, as in a gBSD (ISO/IEC 21000-7).
 ///
 /// The [crate page](crate) has an example of a unit and a cut.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

@@ -20,7 +20,7 @@ pub(crate) const POSE_KEYS: &str = "posekeys";
 /// Number of vertices that whole-pose keys are computed from.
 const WATCHED: usize = 700;
 
-/// Motion tables of one clip, encoded.
+/// Encoded motion tables of one clip: joint keys and whole-pose keys for a series of tolerances.
 #[derive(Debug)]
 pub struct ClipTables {
     /// Keys of each joint by tolerance, as in `docs/formats`.

@@ -21,7 +21,7 @@ use articula_core::{Cluster, Clusters, Mismatch};
 use std::cmp::Reverse;
 use std::collections::HashMap;
 
-/// All levels of an object, with each vertex and triangle stored once.
+/// All levels of an object as one vertex list and one triangle list that the levels share.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clustered {
     /// Clusters, and the vertex count of each level.

@@ -9,7 +9,7 @@ use articula_core::JointSet;
 use articula_core::joint_state::{PassivePolicy, TransitionOptions};
 use glam::Quat;
 
-/// Form of the `skin-px` method.
+/// Variant of the `skin-px` method, such as holding keys or interpolating between them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SkinPxVariant {
     /// Holds the last key until its error exceeds the tolerance (4.2).
@@ -25,7 +25,7 @@ pub enum SkinPxVariant {
     Linear,
 }
 
-/// A method of saving joint updates. Its only parameter is given when it is played.
+/// A motion LOD method, which saves joint updates. Its only parameter is given when it is played.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Method {
     /// Error metric `skin-px` on each joint; the parameter is the tolerance in metres of skin.
@@ -88,7 +88,7 @@ impl Default for MethodOptions {
     }
 }
 
-/// One pass of a clip as a method shows it.
+/// The rotations that a method shows in one pass of a clip, and the joints that it updates.
 #[derive(Debug, Clone, Default)]
 pub struct Playback {
     /// `shown[frame][joint]`: local rotations.

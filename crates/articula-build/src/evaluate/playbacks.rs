@@ -14,8 +14,8 @@ use articula_core::joint_state::{JointState, JointStates, PassivePolicy, Transit
 use articula_core::{JointSet, nlerp};
 use glam::{Quat, Vec3};
 
-/// Plays a clip with a method at one parameter; returns its statistics, and one playback or one for
-/// each azimuth.
+/// Plays a clip with a method at one parameter; returns its statistics and one playback (one for
+/// each azimuth if the method depends on the view).
 pub fn play(
     stage: &ClipEvaluator<'_>,
     method: &Method,

@@ -576,9 +576,9 @@ mod tests {
             morphs: vec![morph(2, 1.0)],
             ..Expression::default()
         };
-        assert!(why(vec![wrong], drive()).contains("no morph target 2 of mesh 0"));
+        assert!(why(vec![wrong], drive()).contains("morph target 2 of mesh 0 does not exist"));
         let short = channel(0, Property::Expression, &[0.0, 1.0], &[0.0]);
-        assert!(why(vec![Expression::default()], short).contains("1 values for 2 keys"));
+        assert!(why(vec![Expression::default()], short).contains("1 values, but 2 keys"));
         let long = channel(0, Property::Expression, &[0.0, 1e8], &[0.0, 2.0]);
         assert!(why(vec![Expression::default()], long).contains("values, the limit is"));
     }

@@ -35,7 +35,7 @@ const MAX_FRAMES_FOR_ONE: usize = 4;
 /// shear.
 const MAX_SHEAR: f32 = 1e-2;
 
-/// The far levels of a character, with their rig and clips.
+/// Coarse levels on a separate rig of few joints, for distant characters, with rig and clips.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FarLevels {
     /// Joints that the finest far level keeps, in the joint order of the far levels.
@@ -51,7 +51,7 @@ pub struct FarLevels {
     pub skins: LevelSkins,
 }
 
-/// Builds the rig, clips and skins of far levels and measures their errors.
+/// Builds the [far levels](FarLevels) of a character: rig, clips and skins, with measured errors.
 ///
 /// `order` lists all joints of the full rig, and level `l` keeps the first `kept[l]` of them. The
 /// errors start with 0 for the full character. Returns `None` if a chain of scaled joints shears,

@@ -142,7 +142,7 @@ pub fn merged_levels(asset: &Asset, opts: &JointLodOptions) -> Result<MergedLeve
     })
 }
 
-/// Returns the joint order of far levels, which may drop ancestors of kept joints.
+/// Returns the joint order of [far levels](FarLevels), which may drop ancestors of kept joints.
 ///
 /// # Errors
 /// A [`Mismatch`] if a clip or the mesh belongs to another rig.

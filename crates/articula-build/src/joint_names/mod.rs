@@ -69,7 +69,8 @@ pub fn map(
     }
 }
 
-/// Maps segments without a hierarchy by their names; `None` if no joint map recognises a human.
+/// Maps unconnected body segments to H-Anim joints by their names; `None` if no joint map
+/// recognises a human.
 pub fn segments(skeleton: &Skeleton, profiles: &[JointMap]) -> Option<Segments> {
     let mapping = map(skeleton, profiles, None);
     let name = mapping.articulation.profile;

@@ -39,8 +39,9 @@ pub fn moving_joints(asset: &Asset, clip: &Clip) -> JointSet {
     moving
 }
 
-/// Computes the error bounds of all joints for one pass of a clip; where a clip that does not close
-/// loops, all joints must be woken.
+/// Computes the error bounds of all joints for one pass of a clip. They do not include a jump from
+/// the end of a clip to its start, which needs
+/// [`DriftController::invalidate`](articula_core::DriftController::invalidate).
 ///
 /// `levers_metres` converts the rotation of each joint to metres: with the levers at rest
 /// ([`rest_metres`](crate::JointLever::rest_metres)) a good estimate, with the reach in any pose

@@ -26,7 +26,7 @@ const BLOCK_TICKS: usize = 4096;
 const MIN_SPAN_SECS: f32 = 2.0 / 60.0;
 
 /// Computes whole-pose keys for every tolerance level, tested on `watched` vertices of the skin
-/// drawn with `seed`. Root motion is included: the palette moves on straight lines too.
+/// chosen at random with `seed`. Root motion is included: the palette moves on straight lines too.
 pub fn pose_keys(asset: &Asset, clip: &Clip, watched: usize, seed: u64) -> PoseKeys {
     let points = Points::draw(asset, watched, seed);
     let per_frame = (MIN_TICK_HZ / clip.rate_hz()).ceil().max(1.0);

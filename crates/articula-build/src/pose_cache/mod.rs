@@ -74,7 +74,7 @@ impl CacheOptions {
     }
 }
 
-/// Whether a clip is cached at a level.
+/// Whether a clip is cached at a level, and the reason if not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum CacheDecision {
     /// In the cache.
@@ -85,7 +85,7 @@ pub enum CacheDecision {
     NoRoom,
 }
 
-/// Result for one clip at one level.
+/// Caching decision, keys and size for one clip at one level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CacheReport {
     /// Index of the clip.

@@ -54,7 +54,7 @@ impl Default for PoseOptions {
     }
 }
 
-/// Source of the poses of a character.
+/// Kind of data that all poses of a character are selected from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SkinPoseSource {
     /// The character's clips.

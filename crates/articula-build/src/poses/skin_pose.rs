@@ -7,7 +7,7 @@ use articula_core::{
 };
 use glam::{Affine3A, Vec3, Vec3A};
 
-/// Origin of a pose.
+/// Origin of one pose, such as a time of a clip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PoseOrigin {
     /// The rest pose, with morph weights at rest.
@@ -31,7 +31,7 @@ pub enum PoseOrigin {
     },
 }
 
-/// Local joint transforms and morph weights.
+/// A pose that deforms the skin: local joint transforms and morph weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkinPose {
     /// Origin of the pose.

@@ -57,11 +57,11 @@ impl Chain {
             body.root
         };
         let after = path.get(split).copied();
-        chain.spine = middles(rest, start, &path[first..split], after);
+        chain.spine = evenly_spaced_frames(rest, start, &path[first..split], after);
         let head = (rest.title(top) == "skullbase").then_some(top);
         let neck_end = path.len() - usize::from(head.is_some());
         let base = path[..split].last().copied().unwrap_or(start);
-        chain.neck = middles(rest, base, &path[split.min(neck_end)..neck_end], head);
+        chain.neck = evenly_spaced_frames(rest, base, &path[split.min(neck_end)..neck_end], head);
         chain.head = head;
         chain
     }
@@ -85,7 +85,12 @@ fn is_vertebra(title: &str, kinds: &[&str]) -> bool {
 }
 
 /// Midpoints of the joints' segments by rest length from `start`, scaled so that the last is 1.
-fn middles(rest: &Rest, start: usize, joints: &[usize], end: Option<usize>) -> Vec<(usize, f32)> {
+fn evenly_spaced_frames(
+    rest: &Rest,
+    start: usize,
+    joints: &[usize],
+    end: Option<usize>,
+) -> Vec<(usize, f32)> {
     let mut at = 0.0;
     let mut last = start;
     let mut places = Vec::with_capacity(joints.len());

@@ -42,7 +42,7 @@ impl ClipPlayback {
     }
 }
 
-/// A permanent cross-fade: to another clip and back, in equal times.
+/// A cross-fade that repeats throughout the scene: to another clip and back, in equal times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossFade {
     /// The clip to fade to.

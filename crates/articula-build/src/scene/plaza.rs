@@ -11,7 +11,7 @@ use articula_core::Viewport;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
-/// Number of characters of the plaza of published measurements: 100 rows of 100.
+/// Number of characters of the plaza scene in published measurements: 100 rows of 100.
 pub const PLAZA_COUNT: usize = 10_000;
 
 /// Distance between neighbouring characters.
@@ -32,7 +32,7 @@ const FADING_ONE_OF: usize = 5;
 /// Duration of a cross-fade in one direction.
 const FADE_SECS: f32 = 1.0;
 
-/// Variants of the plaza.
+/// Variant of the plaza, a benchmark scene: still or moving camera, phases of the clips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Plaza {
     /// Fixed camera, no cross-fades.
@@ -45,9 +45,9 @@ pub enum Plaza {
     InPhase,
 }
 
-/// Returns the plaza: a square of characters 2 m apart, each with yaw, clip (of `clips`) and phase
-/// drawn from `seed`. The camera starts between two characters in the middle of the +Z side, 1 m
-/// outside the first row and 1.7 m high, and looks level along -Z.
+/// Returns the plaza scene: a square of characters 2 m apart, each with yaw, clip (of `clips`) and
+/// phase drawn from `seed`. The camera starts between two characters in the middle of the +Z side,
+/// 1 m outside the first row and 1.7 m high, and looks level along -Z.
 ///
 /// Rows are ordered from the camera; if `count` is not a square number, the last row is incomplete.
 pub fn plaza(count: usize, clips: usize, seed: u64, kind: Plaza) -> Scene {

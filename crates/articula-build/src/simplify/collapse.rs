@@ -32,7 +32,7 @@ type Entry = Reverse<(u64, u32, u32, u32, bool)>;
 /// Target of an entry that removes a whole component.
 const WHOLE: u32 = u32::MAX;
 /// Factor of the squared distance of removed vertices in the cost.
-const STRAY: f64 = 2.0;
+const REMOVED_WEIGHT: f64 = 2.0;
 
 /// The queue is refilled only after more than one in this many faces was removed.
 const LOOK_AGAIN: usize = 500;
@@ -154,7 +154,8 @@ impl<'a> Simplifier<'a> {
                 }
                 continue;
             }
-            let further = self.change_cost(from, to) + STRAY * self.stray(from, to);
+            let further =
+                self.change_cost(from, to) + REMOVED_WEIGHT * self.removed_distance(from, to);
             if !priced && further > 0.0 {
                 let bits_now = (f64::from_bits(bits) + further).to_bits();
                 self.queue
@@ -167,7 +168,7 @@ impl<'a> Simplifier<'a> {
     }
 
     /// Squared distance that removed vertices would have after a collapse that was just checked.
-    fn stray(&mut self, from: u32, to: u32) -> f64 {
+    fn removed_distance(&mut self, from: u32, to: u32) -> f64 {
         let (costs, ring) = (&self.costs, &self.ring);
         let removed_vertices = self.removed_vertices.as_mut();
         removed_vertices.map_or(0.0, |s| {
@@ -196,7 +197,7 @@ impl<'a> Simplifier<'a> {
             self.push_next(class, None);
         }
         for (component, size) in self.components.tiny() {
-            let bits = (size * STRAY).to_bits();
+            let bits = (size * REMOVED_WEIGHT).to_bits();
             self.queue.push(Reverse((bits, component, WHOLE, 0, true)));
         }
     }

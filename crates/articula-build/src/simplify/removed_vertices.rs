@@ -48,11 +48,11 @@ impl RemovedVertices {
         self.gather(ring, (from, to));
         let mut most = 0.0f32;
         self.closest.clear();
-        for (stray, start) in &self.found {
-            let factor = costs.factor(*stray);
+        for (vertex, start) in &self.found {
+            let factor = costs.factor(*vertex);
             let mut hint = *start as usize;
             let mut chosen = hint;
-            for (pose, point) in costs.points(*stray).iter().enumerate() {
+            for (pose, point) in costs.points(*vertex).iter().enumerate() {
                 let mut best = f32::INFINITY;
                 for at in 0..self.fans.len().max(1) {
                     // Start with the face that was closest last.
@@ -110,10 +110,10 @@ impl RemovedVertices {
         for (face, ..) in &ring.faces {
             self.head[*face] = NONE;
         }
-        for ((stray, _), closest) in self.found.iter().zip(&self.closest) {
+        for ((vertex, _), closest) in self.found.iter().zip(&self.closest) {
             if let Some((face, _)) = self.fans.get(*closest as usize) {
-                self.next[*stray as usize] = self.head[*face as usize];
-                self.head[*face as usize] = *stray;
+                self.next[*vertex as usize] = self.head[*face as usize];
+                self.head[*face as usize] = *vertex;
             }
         }
     }

@@ -62,7 +62,7 @@ fn a_motion_finds_its_skeleton() {
     );
     put(&alone, &["man.asf"]);
     let found = json(&alone, &["inspect", "walk.amc"]);
-    assert!(warned(&found).contains("man.asf is used: since no other"));
+    assert!(warned(&found).contains("man.asf is used: it is the only"));
     std::fs::write(alone.join("man.asf"), ASF.replace("name head", "name tail")).unwrap();
     let why = fault(&alone, 1, &["inspect", "walk.amc"]);
     assert!(

@@ -60,7 +60,7 @@ fn known_names_make_a_figure() {
     assert!(
         found["warnings"]
             .to_string()
-            .contains("10 of 10 segments were put together")
+            .contains("10 of 10 segments are connected")
     );
     let height = found["height_m"].as_f64().unwrap();
     assert!((height - 42.0 * 0.0254).abs() < 1e-4, "{height}");
@@ -70,7 +70,10 @@ fn known_names_make_a_figure() {
     assert!(text.contains("ROOT Hips") && text.contains("JOINT LeftLowArm"));
     assert_eq!(text.matches("CHANNELS 6").count(), 1, "only the root moves");
     let why = fault(&here, 2, &["convert", "a.bva", "c.bva"]);
-    assert!(why.contains("bva to bva is not converted"), "{why}");
+    assert!(
+        why.contains("conversion from bva to bva is not supported"),
+        "{why}"
+    );
 }
 
 #[test]

@@ -61,9 +61,9 @@ fn only_files_beside_the_input_are_read() {
     let absolute = here.join("secret.bin");
     let absolute = word(&absolute).replace('\\', "/");
     for (uri, why) in [
-        ("../secret.bin", "leaves"),
-        ("a/../../secret.bin", "leaves"),
-        ("%2e%2e/secret.bin", "leaves"),
+        ("../secret.bin", "outside the folder"),
+        ("a/../../secret.bin", "outside the folder"),
+        ("%2e%2e/secret.bin", "outside the folder"),
         (absolute.as_str(), "absolute"),
         ("http://127.0.0.1/secret.bin", "URL"),
         ("gone.bin", "put it there"),

@@ -34,7 +34,7 @@ fn a_face_is_told_and_rewritten() {
     assert_eq!((&jaw["fap"], &jaw["unit"]), (&3.into(), &"MNS".into()));
     assert_eq!((&jaw["min"], &jaw["max"]), (&120.into(), &120.into()));
     let warning = found["warnings"][0]["what"].as_str().unwrap();
-    assert!(warning.contains("9 frames announced"), "{warning}");
+    assert!(warning.contains("9 frames declared"), "{warning}");
     let report = json(&here, &["convert", "a.fap", "b.fap"]);
     assert_eq!(report["left_out"].as_array().unwrap().len(), 1);
     let back = json(&here, &["inspect", "b.fap"]);
@@ -53,7 +53,7 @@ fn a_face_is_no_character() {
         fault(&here, 1, &["build", "a.fap", "b.glb"]),
     ];
     for line in said {
-        assert!(line.contains("a.fap: a FAP file moves a face"), "{line}");
+        assert!(line.contains("a.fap: a FAP file animates a face"), "{line}");
         assert!(line.contains("convert to write it as .fap"), "{line}");
     }
     let line = fault(&here, 2, &["convert", "a.bvh", "b.fap"]);

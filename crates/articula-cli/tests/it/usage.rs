@@ -93,7 +93,10 @@ fn wrong_usage_says_what_would_be_right() {
             &["convert", human, "a.obj"],
             "unknown extension; supported conversions: glb, gltf",
         ),
-        (&["convert", human, "a.vrm"], "glb to vrm is not converted"),
+        (
+            &["convert", human, "a.vrm"],
+            "conversion from glb to vrm is not supported",
+        ),
         (&["convert", human, "a.glb", "--passive", "rest"], "--loa"),
         (
             &["convert", human, "a.glb", "--loa", "loa(Lots)"],

@@ -30,7 +30,7 @@ pub struct Frame<'a> {
     pub cache: CacheUse,
 }
 
-/// Where the palettes of a [pose cache](crate::PoseCache) are blended.
+/// Use of a [pose cache](crate::PoseCache): none, or its palettes blended on the CPU or the GPU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CacheUse {
     /// Nowhere: every pose is evaluated.
@@ -43,7 +43,7 @@ pub enum CacheUse {
     Gpu,
 }
 
-/// Culling of the characters.
+/// Views against which characters are culled, or no culling.
 #[derive(Debug, Clone, Copy)]
 pub enum Culling<'a> {
     /// Characters whose bounds meet one of these views are visible.

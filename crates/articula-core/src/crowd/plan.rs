@@ -41,7 +41,7 @@ pub struct DrawGroup {
     pub matrices: usize,
 }
 
-/// Records of one level: characters whose palettes the GPU blends.
+/// Blend records of one level: for characters whose palettes the GPU blends from cached ones.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordGroup {
     /// Level of the characters.

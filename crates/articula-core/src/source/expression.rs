@@ -26,7 +26,7 @@ pub struct JointBinding {
     pub full: Transform,
 }
 
-/// How a mask depends on the weight of the masking expression.
+/// Dependence of a mask on the weight of the masking expression: proportional or a threshold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MaskKind {
     /// In proportion to the weight.

@@ -22,7 +22,7 @@ use std::ops::Range;
 /// finite pixels per metre.
 pub const MIN_DEPTH_METRES: f32 = 0.1;
 
-/// Visibility of a body.
+/// Culling result of a body: hidden, in the cull margin or occluded, or visible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[repr(u8)]
 pub enum Visibility {

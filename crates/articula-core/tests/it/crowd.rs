@@ -302,8 +302,8 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
             share: true,
             cache: CacheUse::Never,
         };
-        crowd.tick(&model, &frame, &mut |notice| {
-            if let CrowdEvent::Clip { id, .. } = notice {
+        crowd.tick(&model, &frame, &mut |event| {
+            if let CrowdEvent::Clip { id, .. } = event {
                 heard.push(id);
             }
         });
@@ -361,8 +361,8 @@ fn a_fade_ends_at_the_other_clip_and_both_tell_their_events() {
     for step in 0..40 {
         let mut frame = square.frame(&[], 1.0, false);
         frame.dt_secs = 0.02;
-        crowd.tick(&model, &frame, &mut |notice| {
-            if let CrowdEvent::Clip { id, weight, .. } = notice {
+        crowd.tick(&model, &frame, &mut |event| {
+            if let CrowdEvent::Clip { id, weight, .. } = event {
                 heard[id as usize] = true;
                 assert!((0.0..=1.0).contains(&weight));
             }
@@ -429,7 +429,7 @@ proptest! {
 
     /// An attachment follows the joint of the full character, whatever level is shown.
     #[test]
-    fn sockets_are_true(
+    fn attachments_are_where_the_pose_has_them(
         (rig, clips, _) in figure(Options { scaled: true, steps: true }),
         secs in 0.0f32..1.0,
         joint in any::<prop::sample::Index>(),

@@ -15,7 +15,7 @@ const BALL: Sphere = Sphere {
 
 /// All functions of this part of a frame, in one frame.
 #[test]
-fn a_look_does_not_allocate() {
+fn culling_does_not_allocate() {
     let second = Bound {
         sphere: BALL,
         least: Vec3::NEG_ONE,

@@ -14,7 +14,8 @@ use crate::planar::reference::reference;
 use crate::vector::player::{LiveSource, PlayerOptions, PlayerOutput, decode, live_player};
 use articula_core::Progress;
 
-/// Writes a live source to a file; `prepared` is made from its shapes, `truth` from its clip.
+/// Writes a file whose named inputs the host page drives; `prepared` is made from the shapes of
+/// `source`, `truth` from its clip.
 ///
 /// # Errors
 /// Errors of the writer; [`PlanarError::BudgetTooSmall`]; [`PlanarError::Cancelled`].

@@ -61,11 +61,11 @@ pub struct FileErrors {
     pub wrong_pixels_percent_depth_sort: f64,
 }
 
-/// A representation of a character, so that a decision can choose between 3D and 2D by size, error
-/// and requirements.
+/// Size, error and client requirements of one 3D or 2D encoding of a character, for choosing
+/// between encodings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Representation {
-    /// Kind of representation, such as `vector/smil`.
+    /// Kind of encoding, such as `vector/smil`.
     pub modality: String,
     /// Size, bytes.
     pub bytes: u64,

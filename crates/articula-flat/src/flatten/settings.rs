@@ -5,7 +5,7 @@ use crate::vector::player::PlayerOutput;
 use crate::vector::thesis::ThesisSvgOptions;
 use std::fmt;
 
-/// Output format.
+/// Output format of a 2D conversion: a kind of SVG, a JavaScript module or Lottie JSON.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Profile {
     /// One key-framed SVG without script.
@@ -58,7 +58,7 @@ impl Profile {
 /// A tolerance that has no effect.
 const ANY: f32 = 16.0;
 
-/// Shading and tolerances of a file.
+/// Shading of a 2D file, and its tolerances in position and colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
     /// Shading of the triangles.
@@ -136,7 +136,7 @@ impl Quality {
     }
 }
 
-/// Settings of one file.
+/// Settings for converting a clip to one 2D file: format, quality and maximum size.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Output format.

@@ -16,7 +16,7 @@ use glam::{Quat, Vec3};
 /// Minimum distance of a vertex from a perspective camera, metres.
 const NEAREST_M: f32 = 0.01;
 
-/// A key light and an ambient term.
+/// A directional key light and an ambient term, fixed to the viewer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lighting {
     /// Direction towards the key light in camera space (x right, y up, z to the viewer).
@@ -74,7 +74,7 @@ impl Turntable {
     }
 }
 
-/// Bakes a clip at the given times.
+/// Skins, projects and lights a character at the given times of its clip.
 ///
 /// O(times x vertices).
 ///
@@ -105,7 +105,7 @@ pub fn bake(
     Ok(clip)
 }
 
-/// Bakes shapes of the rest pose, one frame for each set of morph weights.
+/// Projects and lights the rest pose as [`bake`] does, one frame for each set of morph weights.
 ///
 /// O(shapes x vertices).
 ///

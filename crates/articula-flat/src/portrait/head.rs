@@ -53,7 +53,7 @@ impl HeadPose {
     }
 }
 
-/// Part of the figure that turns with the head.
+/// Part of the figure that head rotations turn: the whole figure, or the neck and head joints.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Head {
     /// The whole figure, about a point of model space.

@@ -23,9 +23,9 @@ const NEARER: f32 = 0.01;
 /// Maximum number of unknown segments that are compared; further ones are attached to the root.
 const MAX_COMPARED: usize = 512;
 
-/// Assembles the segments of a file by their meanings (`articula-build` maps their names): returns
-/// a tree with the same motion and warnings about how it was made, or `None` if there is no motion
-/// or no segment is the root of a human.
+/// Connects the segments of a file to a joint hierarchy, by the H-Anim joint of each segment
+/// (`articula-build` maps their names): returns a tree with the same motion and warnings about how
+/// it was made, or `None` if there is no motion or no segment is the root of a human.
 ///
 /// At rest every segment has zero rotations, as in BVH; if the figure would not be upright then,
 /// the first frame is its rest pose. Scale is left out, since children would inherit it.
@@ -110,7 +110,7 @@ impl World {
 
     /// Returns how far the position within another segment varies over some frames, plus a small
     /// term for the distance: of two equally rigid candidates the nearer one is better.
-    fn strays(&self, segment: usize, parent: usize) -> f32 {
+    fn drift(&self, segment: usize, parent: usize) -> f32 {
         let step = self.count.div_ceil(FRAMES_LOOKED_AT);
         let places = (0..self.count).step_by(step);
         let places = places.map(|f| self.within(segment, parent, f).0);
@@ -257,8 +257,8 @@ fn ordered(world: &World, meanings: &[Option<usize>], root: usize) -> Vec<Slot> 
     let unknown = (0..meanings.len()).filter(|&s| meanings[s].is_none());
     for (index, segment) in unknown.enumerate() {
         let parents = if index < MAX_COMPARED { known } else { 1 };
-        let strays = |slot: &usize| world.strays(segment, order[*slot].0);
-        let parent = (0..parents).min_by(|a, b| strays(a).total_cmp(&strays(b)));
+        let drift = |slot: &usize| world.drift(segment, order[*slot].0);
+        let parent = (0..parents).min_by(|a, b| drift(a).total_cmp(&drift(b)));
         order.push((segment, parent.or(Some(0))));
     }
     order

@@ -45,7 +45,7 @@ static PROFILES: LazyLock<Vec<JointMap>> = LazyLock::new(|| {
         .collect()
 });
 
-/// Returns the built-in joint maps; on a tie of matches the first wins.
+/// Returns the built-in joint maps; of several that match equally many joints the first is used.
 pub fn builtin() -> &'static [JointMap] {
     &PROFILES
 }

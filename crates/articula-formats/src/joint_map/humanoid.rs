@@ -37,9 +37,9 @@ pub(crate) fn is_vrm_bone(name: &str) -> bool {
         || finger.is_some_and(|p| PARTS.contains(&p))
 }
 
-/// Returns joints with their VRM 1.0 human bones, for a skeleton with H-Anim articulation: the
-/// inverse of matching. Of a spine with several joints the first is `spine`, the last `upperChest`
-/// (`chest` if there are two) and one between them `chest`.
+/// Returns the joints that have a VRM 1.0 human bone, with its name, from their H-Anim mapping. Of
+/// a spine with several joints the first is `spine`, the last `upperChest` (`chest` if there are
+/// two) and one between them `chest`.
 pub fn vrm_bones(articulation: &Articulation) -> Vec<(usize, String)> {
     let profile = super::builtin().iter().find(|p| p.name == "vrm-1");
     let hanim_of = |bone: &str| match profile.and_then(|p| p.target(bone)) {

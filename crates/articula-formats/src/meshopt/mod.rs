@@ -21,7 +21,7 @@ mod triangles;
 use crate::Limits;
 use crate::error::ReadError;
 
-/// Bitstream type of a compressed view.
+/// Bitstream type of a buffer view compressed with meshoptimizer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
     /// Elements of any type, stored by byte lanes.
@@ -48,7 +48,7 @@ pub enum Filter {
     Color,
 }
 
-/// Layout of a compressed view, as the buffer view declares it.
+/// Element count, stride and encoding of a compressed buffer view, as the glTF file declares them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shape {
     /// Bitstream type.

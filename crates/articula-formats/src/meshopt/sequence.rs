@@ -38,7 +38,7 @@ mod tests {
         assert_eq!(decode(&bytes, 4), Ok(vec![1, 3, u32::MAX, 4]));
         let said = |bytes: &[u8], count| decode(bytes, count).unwrap_err().to_string();
         assert!(said(&bytes, 3).contains("1 unexpected bytes"));
-        assert!(said(&bytes, 5).starts_with("byte 5: 1 bytes are needed"));
+        assert!(said(&bytes, 5).starts_with("byte 5: unexpected end: 1 bytes are needed"));
         assert!(said(&[0xd2, 0, 0, 0, 0], 0).contains("expected 0xd1"));
         assert!(said(&bytes[..4], 0).contains("header and tail"));
     }

@@ -21,7 +21,7 @@ const LAYOUT: Layout = Layout {
     fields: |_| 1,
 };
 
-/// The body in one frame, with the values of all parameters.
+/// Values of all body animation parameters in one frame.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct BapFrame {
     /// Frame number; ascending, with gaps allowed.
@@ -31,7 +31,7 @@ pub struct BapFrame {
     pub values: Vec<i32>,
 }
 
-/// The motion of a body.
+/// A clip of body animation parameters, as read from a BAP file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BapClip {
     /// Name as given by the header.
@@ -105,8 +105,8 @@ pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<BapC
     })
 }
 
-/// Writes a BAP file; the mask of every frame includes the parameters that move at all. Version 3.2
-/// if an extension moves, else 3.1.
+/// Writes a BAP file; the mask of every frame includes all parameters that move in the clip.
+/// Version 3.2 if an extension moves, else 3.1.
 pub fn write(clip: &BapClip) -> Vec<u8> {
     let mut mask = clip.moving();
     let extended = mask.iter().skip(BAPS).any(|moves| *moves);

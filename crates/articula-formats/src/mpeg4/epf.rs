@@ -33,7 +33,7 @@ pub enum GroupMask {
     All,
 }
 
-/// Coding of the parameters of a face or body.
+/// Masks, quantiser and value ranges for coding the parameters of a face or body.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct EpfCoding {
     /// One mask for each group of the face; empty for a body or if the file has none.
@@ -46,7 +46,7 @@ pub struct EpfCoding {
     pub ranges: [Vec<i32>; 4],
 }
 
-/// Encoder parameters of one frame.
+/// MPEG-4 encoder parameters of one frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EpfFrame {
     /// `FBM`: whether it carries parameters of the face.
@@ -362,6 +362,6 @@ mod tests {
         }
         let read = parse("FBM 1\nXYZ 1 2\nXYZ 3\n").unwrap();
         assert_eq!(read.warnings.len(), 1);
-        assert!(read.warnings[0].what.contains("XYZ is not known"));
+        assert!(read.warnings[0].what.contains("unknown word XYZ"));
     }
 }

@@ -5,19 +5,19 @@
 
 use super::parameter_text::{self, Frame, Layout, Reader};
 use crate::{Limits, Parsed, ReadError, Warning};
-use articula_core::fap_table::{FAPS, TABLE};
+use articula_core::fap_table::{FAP_COUNT, TABLE};
 
 /// Number of high-level parameters, which come first.
 const HIGH: usize = 2;
 /// Number of low-level parameters: FAP 3 to 68.
-const LOW: usize = FAPS - HIGH;
+const LOW: usize = FAP_COUNT - HIGH;
 const VERSIONS: [&str; 2] = ["2.1", "2.2"];
 /// Maximum viseme, expression, and weight of either.
 const HIGHEST: (i32, i32, i32) = (14, 6, 63);
 
 const LAYOUT: Layout = Layout {
     format: "FAP",
-    widths: &[FAPS],
+    widths: &[FAP_COUNT],
     fields: |index| match index {
         0 => 4,
         1 => 6,
@@ -55,7 +55,7 @@ pub struct FapExpression {
     pub defines: bool,
 }
 
-/// The face in one frame, with the values of all parameters.
+/// Values of all facial animation parameters in one frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FapFrame {
     /// Frame number; ascending, with gaps allowed.
@@ -90,7 +90,7 @@ impl FapFrame {
     }
 }
 
-/// The motion of a face.
+/// A clip of facial animation parameters, as read from a FAP file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FapClip {
     /// Name as given by the header; some writers put a whole path there.
@@ -98,14 +98,14 @@ pub struct FapClip {
     /// Frames per second.
     pub rate_hz: f32,
     /// Parameters that the mask of at least one frame includes; index 0 is FAP 1.
-    pub coded: [bool; FAPS],
+    pub coded: [bool; FAP_COUNT],
     /// The frames, in order of their numbers.
     pub frames: Vec<FapFrame>,
 }
 
 impl FapClip {
     /// Returns which parameters are other than neutral in at least one frame; index 0 is FAP 1.
-    pub fn moving(&self) -> [bool; FAPS] {
+    pub fn moving(&self) -> [bool; FAP_COUNT] {
         std::array::from_fn(|index| self.frames.iter().any(|frame| frame.moves(index)))
     }
 
@@ -118,7 +118,7 @@ impl FapClip {
     }
 }
 
-/// Value of a parameter in a frame whose mask omits it.
+/// Value that a parameter has in a frame whose mask omits it: held or neutral.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Absent {
     /// It keeps its value: mask types 0 and 1 of the standard.
@@ -138,7 +138,7 @@ pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<FapC
     let mut clip = FapClip {
         name: header.name,
         rate_hz: header.rate_hz,
-        coded: [false; FAPS],
+        coded: [false; FAP_COUNT],
         frames: Vec::new(),
     };
     let (mut raw, mut face) = (Frame::default(), FapFrame::default());
@@ -214,7 +214,8 @@ fn one_way(clip: &FapClip) -> Vec<Warning> {
         .collect()
 }
 
-/// Writes a file of version 2.1; the mask of every frame includes the parameters that move at all.
+/// Writes a FAP file, version 2.1; the mask of every frame includes all parameters that move in the
+/// clip.
 pub fn write(clip: &FapClip) -> Vec<u8> {
     let mask = clip.moving();
     let line = parameter_text::mask_line(&mask);
@@ -232,7 +233,7 @@ pub fn write(clip: &FapClip) -> Vec<u8> {
     text.into_bytes()
 }
 
-fn fields(frame: &FapFrame, mask: &[bool; FAPS]) -> Vec<i32> {
+fn fields(frame: &FapFrame, mask: &[bool; FAP_COUNT]) -> Vec<i32> {
     let mut fields: Vec<i32> = Vec::new();
     if mask[0] {
         let v = frame.viseme;

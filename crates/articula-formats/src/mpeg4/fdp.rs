@@ -6,7 +6,7 @@
 
 use crate::words::shortened;
 use crate::{Limits, Parsed, ReadError, Warning};
-use articula_core::fap_table::FAPS;
+use articula_core::fap_table::FAP_COUNT;
 use glam::{Quat, Vec3};
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
@@ -75,7 +75,7 @@ pub struct FeaturePoint {
     pub influences: Vec<FapInfluence>,
 }
 
-/// A face as described by Xface.
+/// Content of an FDP file of the Xface toolkit: units, meshes and feature points of a face.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FdpFile {
     /// Facial animation parameter units.
@@ -92,8 +92,8 @@ pub struct FdpFile {
 
 impl FdpFile {
     /// Returns which FAPs move at least one vertex; index 0 is FAP 1.
-    pub fn moved(&self) -> [bool; FAPS] {
-        let mut moved = [false; FAPS];
+    pub fn moved(&self) -> [bool; FAP_COUNT] {
+        let mut moved = [false; FAP_COUNT];
         for point in self.points.iter().filter(|p| !p.zone.is_empty()) {
             for influence in point.influences.iter().filter(|i| i.weight != 0.0) {
                 moved[influence.fap - 1] = true;
@@ -284,8 +284,8 @@ impl Parser<'_> {
             let what = "<influence> found outside of an <fdp>";
             return Err(ReadError::malformed(&element.line, what));
         };
-        if index >= FAPS {
-            let what = format!("fap {index} found, 0 to {} expected", FAPS - 1);
+        if index >= FAP_COUNT {
+            let what = format!("fap {index} found, 0 to {} expected", FAP_COUNT - 1);
             return Err(ReadError::malformed(&element.line, what));
         }
         point.influences.push(FapInfluence {

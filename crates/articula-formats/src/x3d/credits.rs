@@ -78,7 +78,7 @@ mod tests {
     use crate::x3d::xml;
 
     fn of(head: &str, humanoid: &str) -> Option<Credits> {
-        let text = format!("<X3D><head>{head}</head><X3dScene>{humanoid}</X3dScene></X3D>");
+        let text = format!("<X3D><head>{head}</head><Scene>{humanoid}</Scene></X3D>");
         let limits = Limits::default();
         let scene = xml::parse(&text, &limits).unwrap().scene;
         let mut reader = Reader::new(&scene, &limits, Notes::default());

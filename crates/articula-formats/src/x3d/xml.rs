@@ -117,7 +117,7 @@ impl<'a, 'l> Parser<'a, 'l> {
                 self.builder.version(&take("version").unwrap_or_default());
                 Ok(Element::Frame)
             }
-            "head" | "X3dScene" | "component" => Ok(Element::Frame),
+            "head" | "Scene" | "component" => Ok(Element::Frame),
             "meta" => {
                 let name = take("name").unwrap_or_default();
                 self.builder

@@ -8,7 +8,7 @@ use crate::unit::Unit;
 use articula_core::{LevelTable, Mismatch};
 use std::ops::Range;
 
-/// An object with all its levels in whole numbers.
+/// Input of [`write()`] for one object: its head and all its quantised levels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectLevels {
     /// Properties of the object.
@@ -17,7 +17,7 @@ pub struct ObjectLevels {
     pub levels: Vec<QuantisedMesh>,
 }
 
-/// An encoded stream with its map.
+/// An encoded stream and its description, the tree of [`Unit`]s by which it is cut.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EncodedMeshStream {
     /// The head and all chunks.

@@ -51,11 +51,11 @@ impl Default for AddClipsOptions {
 pub struct FittedClip {
     /// The clip; its channels drive joints and meshes of the character.
     pub clip: RawClip,
-    /// Origin of the clip, and how it was transferred.
+    /// Provenance of the clip.
     pub fit: ClipFit,
 }
 
-/// Origin of a transferred clip, and how it was transferred.
+/// Provenance of a transferred clip: source file and clip, matched channels and retargeting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClipFit {
     /// Name of the clip on the character.

@@ -8,7 +8,7 @@ use articula_build::retarget::{self, RetargetReport, RotationOrigin};
 use articula_core::source::Skeleton;
 use serde::Serialize;
 
-/// Report on the clips of one file.
+/// JSON report on the clips transferred from one file.
 #[derive(Debug, Serialize)]
 pub struct FitReport {
     /// Name of the file, as in errors.
@@ -35,7 +35,7 @@ pub struct FitReport {
     pub dropped: Vec<String>,
 }
 
-/// Report on one clip.
+/// JSON report on one transferred clip.
 #[derive(Debug, Serialize)]
 pub struct FitClip {
     /// Name in the output file.
@@ -124,7 +124,7 @@ impl FitQuality {
     }
 }
 
-/// Origin of one joint's motion.
+/// JSON report on the source joints that one joint of the character follows.
 #[derive(Debug, Serialize)]
 pub struct FitJoint {
     /// The joint.

@@ -14,7 +14,7 @@ pub struct EncodedFile {
     pub left_out: Vec<LossyPart>,
 }
 
-/// Data that a file format cannot hold.
+/// A kind of data that was left out because the file format cannot hold it, with its amount.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum LossyPart {

@@ -10,7 +10,7 @@ use articula_core::{JointSet, Rig};
 use serde::Serialize;
 use std::ops::AddAssign;
 
-/// Options for holding joints in all clips.
+/// Selection of the joints that keep their motion in all clips, and the pose of the others.
 #[derive(Debug, Clone)]
 pub struct JointReduction {
     /// The joints that move.
@@ -21,7 +21,7 @@ pub struct JointReduction {
     pub passive: PassivePolicy,
 }
 
-/// A selection of joints, resolved for each character.
+/// Selection of the joints that keep their motion; resolved against each character.
 #[derive(Debug, Clone)]
 pub enum MovingJoints {
     /// The joints selected by an expression, such as `loa(Low) + zone(hands)`.

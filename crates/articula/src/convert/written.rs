@@ -7,7 +7,7 @@ use super::{body, khr_character};
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Data, DataFormat, Format};
 use articula_build::source_rate_hz;
-use articula_core::fap_table::FAPS;
+use articula_core::fap_table::FAP_COUNT;
 use articula_formats::gltf::Document;
 use articula_formats::mpeg4::fap::{self, FapClip};
 use articula_formats::x3d::{self, Site};
@@ -66,7 +66,7 @@ pub(super) fn written(
 /// Parameters that the masks select but that never change.
 fn still(clip: &FapClip) -> Option<LossyPart> {
     let moving = clip.moving();
-    let still = (0..FAPS).filter(|fap| clip.coded[*fap] && !moving[*fap]);
+    let still = (0..FAP_COUNT).filter(|fap| clip.coded[*fap] && !moving[*fap]);
     counted(still.count(), LossyPart::StillParameters)
 }
 

@@ -2,7 +2,7 @@
 
 use super::in_place::{put_in_place, root_path};
 use super::mesh_lods::MeshLods;
-use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotion};
+use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::open::choose;
@@ -126,7 +126,7 @@ impl CrowdAsset {
             (None, levels, meshes)
         };
         let mut paths = vec![None; asset.clips.len()];
-        if options.root_motion == RootMotion::Extracted {
+        if options.root_motion == RootMotionPolicy::Extracted {
             for (path, (way, clip)) in paths.iter_mut().zip(ways.iter().zip(&asset.clips)) {
                 if let Some(way) = way {
                     *path = Some(root_path(way, clip)?);
@@ -247,9 +247,9 @@ impl CrowdAsset {
 /// warnings.
 fn on_the_spot(
     figure: &Figure,
-    root_motion: RootMotion,
+    root_motion: RootMotionPolicy,
 ) -> Result<(Asset, Vec<Option<RootTrack>>, Vec<String>)> {
-    if root_motion == RootMotion::AsAuthored {
+    if root_motion == RootMotionPolicy::AsAuthored {
         let ways = vec![None; figure.asset.clips.len()];
         return Ok((figure.asset.clone(), ways, Vec::new()));
     }

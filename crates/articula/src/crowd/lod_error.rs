@@ -25,7 +25,7 @@ const DRAWN: usize = 64;
 /// Maximum number of vertices compared per character.
 const MAX_VERTICES: usize = 4000;
 
-/// Error of one character in one frame.
+/// LOD error of one character in one frame, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CharacterError {
     /// Level of the character.
@@ -41,7 +41,7 @@ pub struct CharacterError {
     pub is_sampled: bool,
 }
 
-/// Errors of one measured frame.
+/// LOD errors of the measured characters in one frame.
 #[derive(Debug, Clone)]
 pub struct ErrorSample {
     /// Time of the scene, in seconds.

@@ -32,7 +32,7 @@ pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelStatistics, LevelTally, MeasuredError};
 pub use lod_error::{CharacterError, ErrorMeter, ErrorSample, ErrorSummary, NEAR_METRES};
 pub use mesh_lods::MAX_MESH_LEVELS;
-pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotion};
+pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 pub use palette_hash::PaletteHash;
 pub use palettes::PaletteSlice;
 pub use player::{CrowdGroup, CrowdPlayer, FramePart, PoseSource};

@@ -17,7 +17,7 @@ pub enum JointLodMethod {
     Named(LoaExpression),
 }
 
-/// Kind of matrices in a palette.
+/// Kind of matrices in a palette: model-space joint matrices or skinning matrices.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum PaletteMatrices {
     /// One per joint of the level, in model space, without the inverse bind matrix.
@@ -30,7 +30,7 @@ pub enum PaletteMatrices {
 
 /// Treatment of clips with root motion.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum RootMotion {
+pub enum RootMotionPolicy {
     /// The character travels, and jumps back when the clip repeats.
     AsAuthored,
     /// Root motion is removed.
@@ -55,7 +55,7 @@ pub struct CrowdOptions {
     /// Names of the clips to be played, in the order of the file; empty for all.
     pub clips: Vec<String>,
     /// Treatment of clips with root motion.
-    pub root_motion: RootMotion,
+    pub root_motion: RootMotionPolicy,
     /// Method by which joint LODs are made.
     pub joints: JointLodMethod,
     /// Number of mesh levels, the original included, at most
@@ -82,7 +82,7 @@ impl Default for CrowdOptions {
     fn default() -> Self {
         Self {
             clips: Vec::new(),
-            root_motion: RootMotion::default(),
+            root_motion: RootMotionPolicy::default(),
             joints: JointLodMethod::default(),
             mesh_levels: 1,
             matrices: PaletteMatrices::default(),

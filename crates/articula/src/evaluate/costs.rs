@@ -13,7 +13,7 @@ use serde::Serialize;
 const PASSES: usize = 7;
 const MAX_FRAMES: usize = 300;
 
-/// Cost of one joint set.
+/// Evaluation cost of a clip for one joint set: joint counts and time per frame.
 #[derive(Debug, Clone, Serialize)]
 pub struct Cost {
     /// Name of the set.
@@ -28,14 +28,14 @@ pub struct Cost {
     pub measured_ns_per_frame: f64,
 }
 
-/// Costs by zone, depth and complexity.
+/// Evaluation costs of a clip by zone, depth of the hierarchy and level of articulation.
 #[derive(Debug, Clone, Serialize)]
 pub struct Costs {
     /// Cost of each body region, and of composite zones.
     pub zones: Vec<Cost>,
     /// Cost of the joints above each depth of the hierarchy.
     pub depths: Vec<Cost>,
-    /// Cost of each level of complexity.
+    /// Cost of each level of articulation.
     pub complexities: Vec<Cost>,
 }
 

@@ -82,7 +82,8 @@ pub struct MethodTable {
     pub rows: Vec<MethodRow>,
 }
 
-/// Plays a method at every distance; a method without a parameter to calibrate uses its default.
+/// Evaluates a method at every distance, with its parameter chosen by `tuning`; a method without a
+/// parameter to calibrate uses its default.
 pub fn rows(
     stage: &ClipEvaluator<'_>,
     method: &Method,

@@ -2,7 +2,7 @@
 
 use super::{FaceInspection, WarningInspection};
 use crate::open::{Data, DataFile, DataFormat};
-use articula_core::fap_table::{FAPS, GROUPS, TABLE};
+use articula_core::fap_table::{FAP_COUNT, GROUPS, TABLE};
 use articula_formats::mpeg4::epf::EpfFrame;
 use articula_formats::mpeg4::fap::FapClip;
 use articula_formats::mpeg4::fdp::{self, FdpFile};
@@ -167,7 +167,7 @@ fn of_fap(clip: &FapClip) -> DataInspection {
         });
         first += count;
     }
-    let coded = (0..FAPS).filter(|index| clip.coded[*index]);
+    let coded = (0..FAP_COUNT).filter(|index| clip.coded[*index]);
     let parameters: Vec<FapParameter> = coded
         .map(|index| parameter(index, clip.range(index + 1), moving[index]))
         .collect();
@@ -208,7 +208,7 @@ fn of_fdp(file: &FdpFile) -> DataInspection {
         vertices: p.zone.len(),
         faps: p.influences.iter().map(|i| i.fap).collect(),
     };
-    let parameters = (0..FAPS).filter(|index| moved[*index]);
+    let parameters = (0..FAP_COUNT).filter(|index| moved[*index]);
     let parameters: Vec<FapParameter> = parameters.map(|i| parameter(i, None, true)).collect();
     DataInspection {
         face: face(parameters.len()),

@@ -13,18 +13,18 @@ pub struct HumanoidInspection {
     /// Number of human bones that the file names; null if it names none.
     pub human_bones: Option<usize>,
     /// Origin and licence.
-    pub credits: Option<Credits>,
+    pub credits: Option<CreditsInspection>,
     /// Named expressions.
     pub expressions: Vec<ExpressionInspection>,
     /// Features that are written back but have no effect here.
     pub kept: Vec<PassThroughItem>,
     /// Contents of the draft glTF extensions for characters.
-    pub khr_character: Option<KhrCharacter>,
+    pub khr_character: Option<KhrCharacterInspection>,
 }
 
 /// Origin and licence, as stored in the file.
 #[derive(Debug, Serialize)]
-pub struct Credits {
+pub struct CreditsInspection {
     /// Title of the work.
     pub title: String,
     /// Version of the work.
@@ -95,7 +95,7 @@ pub struct PassThroughItem {
 
 /// Contents of the draft glTF extensions for characters.
 #[derive(Debug, Serialize)]
-pub struct KhrCharacter {
+pub struct KhrCharacterInspection {
     /// Rigs that the skeleton is mapped to.
     pub rigs: Vec<MappedRig>,
     /// Clips that contain a reference pose.
@@ -146,12 +146,12 @@ pub(super) fn of(opened: &CharacterFile) -> HumanoidInspection {
     }
 }
 
-fn credits(found: &source::Credits) -> Credits {
+fn credits(found: &source::Credits) -> CreditsInspection {
     let term = |(name, value): &(String, String)| Term {
         name: name.clone(),
         value: value.clone(),
     };
-    Credits {
+    CreditsInspection {
         title: found.title.clone(),
         version: found.version.clone(),
         authors: found.authors.clone(),
@@ -191,7 +191,7 @@ fn expression(character: &source::Character, found: &source::Expression) -> Expr
     }
 }
 
-fn khr_character(opened: &CharacterFile) -> Option<KhrCharacter> {
+fn khr_character(opened: &CharacterFile) -> Option<KhrCharacterInspection> {
     let found = opened.gltf.as_ref()?.khr_character.as_ref()?;
     let clip = |index: usize| {
         let clip = opened.character.clips.get(index);
@@ -206,7 +206,7 @@ fn khr_character(opened: &CharacterFile) -> Option<KhrCharacter> {
         kind: p.kind.clone(),
     });
     let sets = found.expression_sets.iter();
-    Some(KhrCharacter {
+    Some(KhrCharacterInspection {
         rigs: rigs.collect(),
         reference_poses: poses.collect(),
         expression_clips: found

@@ -15,8 +15,8 @@ pub use data::{
 };
 pub use extent::Extent;
 pub use human::{
-    Credits, ExpressionInspection, HumanoidInspection, KhrCharacter, MappedRig, MorphInspection,
-    PassThroughItem, ReferencePoseClip, Term,
+    CreditsInspection, ExpressionInspection, HumanoidInspection, KhrCharacterInspection, MappedRig,
+    MorphInspection, PassThroughItem, ReferencePoseClip, Term,
 };
 pub use mesh_levels::{CoarserMesh, MeshLevelInspection, MeshLevelsInspection};
 pub use stream::{StreamInspection, StreamLevel, inspect_stream};

@@ -17,7 +17,7 @@ use articula_formats::gltf::Document;
 use articula_formats::gltf::{MeshParts, PartLevels};
 use glam::Vec3;
 
-/// Mesh levels of a character and their transport stream.
+/// Measured mesh levels of a character, and the transport stream that encodes them.
 #[derive(Debug)]
 pub struct CodedMeshLevels {
     /// The levels and their errors.

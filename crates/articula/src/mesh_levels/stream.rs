@@ -7,7 +7,7 @@ use articula_build::MeshLevels;
 use articula_stream::mesh::{Grid, Precision, quantise};
 use articula_stream::mesh::{ObjectLevels, StreamObject, write};
 
-/// The mesh levels of a character as a transport stream.
+/// Encoded transport stream of the mesh levels of a character, and the size of each level.
 #[derive(Debug)]
 pub struct MeshLevelStream {
     /// The whole stream.

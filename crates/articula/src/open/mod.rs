@@ -170,7 +170,7 @@ impl CharacterFile {
     }
 }
 
-/// Returns the index of `name` among the given names.
+/// Returns the index of `wanted` among the given names; `what` names their kind in the error.
 ///
 /// # Errors
 /// [`Error::Argument`] that lists the names, if it is not among them.

@@ -4,7 +4,7 @@
 use crate::real::{file, real_data};
 use articula::crowd::{
     Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Culling, JointLodMethod, PaletteForm,
-    PaletteHash, PaletteMatrices, PaletteSlice, RootMotion, View, Viewport,
+    PaletteHash, PaletteMatrices, PaletteSlice, RootMotionPolicy, View, Viewport,
 };
 use articula::{AddClipsOptions, CharacterFile, Executor, Figure, OpenOptions};
 use articula_core::loa::LoaExpression;
@@ -235,7 +235,7 @@ fn clips_are_chosen_by_name_and_unknown_ones_are_told() {
     let options = |name: &str| CrowdOptions {
         clips: vec![name.to_owned()],
         joints: JointLodMethod::Named("loa(Low)".parse::<LoaExpression>().unwrap()),
-        root_motion: RootMotion::Extracted,
+        root_motion: RootMotionPolicy::Extracted,
         ..CrowdOptions::default()
     };
     let asset = CrowdAsset::new(&figure, &options(&name), &Executor::default()).unwrap();
@@ -243,7 +243,7 @@ fn clips_are_chosen_by_name_and_unknown_ones_are_told() {
     assert_eq!(asset.levels(), 2);
     assert!(asset.level(1).joints < asset.level(0).joints);
     let why = CrowdAsset::new(&figure, &options("fly"), &Executor::default()).unwrap_err();
-    assert!(why.is_argument() && why.to_string().starts_with("human.glb: no clip"));
+    assert!(why.is_argument() && why.to_string().starts_with("human.glb: there is no clip"));
 }
 
 #[test]

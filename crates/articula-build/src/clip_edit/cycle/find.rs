@@ -36,7 +36,8 @@ const WHOLE_SEAM: f32 = 0.006;
 /// A shorter loop is preferred over a better one up to this factor in distance.
 const NEARLY: f32 = 1.5;
 
-/// Minimum score of a loop; below it the ends differ by more than a fifth of the clip's spread.
+/// Minimum [score](LoopCycle::score) of a loop: the ends differ by at most a fifth of the typical
+/// distance between poses of the clip.
 pub const MIN_SCORE: f32 = 0.8;
 
 /// Subdivisions of a frame to which the ends of a loop are refined.
@@ -45,8 +46,8 @@ const PARTS: usize = 4;
 /// Minimum length of a loop.
 const MIN_SECS: f32 = 0.4;
 
-/// A part of a clip and how well its end continues into its start. Root motion does not count: both
-/// frames are aligned to the position and heading of the hips.
+/// A part of a clip and the jump from its end to its start. Root motion does not count: both frames
+/// are aligned to the position and heading of the hips.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopCycle {
     /// Start of the part, seconds.

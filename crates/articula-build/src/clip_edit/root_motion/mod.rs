@@ -47,7 +47,7 @@ pub struct RootMotionOptions {
     pub smooth_secs: f32,
 }
 
-/// A clip and its trajectory.
+/// A clip after root motion was measured, extracted or removed, and its trajectory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RootMotion {
     /// The clip; unchanged if the trajectory is kept or if no joint can carry it.

@@ -8,7 +8,7 @@ use crate::character::Asset;
 use articula_core::{Clip, JointSet, ModelPose, Rig, Wrap, angle_between, local_to_model, sample};
 use glam::{Quat, Vec3};
 
-/// Direction whose change is the position term.
+/// Direction whose angular change gives the position term of the thesis metric.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum BoneDirection {
     /// From the joint to the mean of its children.
@@ -18,7 +18,7 @@ pub enum BoneDirection {
     Path,
 }
 
-/// Combination of the lengths of the segments below a joint.
+/// Lever arm of a joint in the thesis metric, from the lengths of the segments below it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SegmentRadius {
     /// `sum l^2 / sum l`: a length-weighted mean, in metres.
@@ -28,7 +28,7 @@ pub enum SegmentRadius {
     Sum,
 }
 
-/// Parameters of the thesis' error matrix.
+/// Parameters of the thesis metric, which computes a matrix of errors by frame and joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThesisMetricOptions {
     /// Weight of the angle terms against the position term, metres per radian.

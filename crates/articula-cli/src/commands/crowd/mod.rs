@@ -13,7 +13,7 @@ use crate::{fault, files};
 use anyhow::Context;
 use articula::crowd::{
     Backend, CacheUse, ClipStorage, CrowdAsset, CrowdOptions, DetailGoal, ErrorSummary,
-    JointLodMethod, MAX_MEMBERS, MAX_MESH_LEVELS, PaletteForm, PaletteMatrices, RootMotion,
+    JointLodMethod, MAX_MEMBERS, MAX_MESH_LEVELS, PaletteForm, PaletteMatrices, RootMotionPolicy,
     read_scene, write_scene,
 };
 use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
@@ -287,9 +287,9 @@ impl CrowdArgs {
         Ok(CrowdOptions {
             clips: self.clips(clips),
             root_motion: if self.root_motion {
-                RootMotion::Extracted
+                RootMotionPolicy::Extracted
             } else {
-                RootMotion::OnTheSpot
+                RootMotionPolicy::OnTheSpot
             },
             joints,
             matrices: match self.storage.palette() {

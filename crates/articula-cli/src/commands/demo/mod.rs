@@ -19,6 +19,7 @@ use crate::play::motion_plots::{error_plot, gain_plot, updates_plot};
 use crate::play::{drawn, nanoseconds};
 use crate::{fault, files};
 use anyhow::Context;
+use articula::crowd::put_in_place;
 use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
 use articula::{AddClipsOptions, Figure, MeshLevelOptions, PrepareOptions, prepare, stored_tables};
 use articula_build::evaluate::{EvaluationSetup, MethodOptions};
@@ -39,8 +40,8 @@ const MIDDLE: usize = 2;
 /// Arguments of `demo`.
 #[derive(Debug, Args)]
 pub(crate) struct DemoArgs {
-    /// Character to show, and files whose clips it plays besides its own [default: the built-in
-    /// reference human]
+    /// Character to show, and files whose clips it plays besides its own, on the spot [default: the
+    /// built-in reference human]
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Folder to write
@@ -139,6 +140,8 @@ fn make_asset(
             let motions = motions.iter().map(open).collect::<Result<Vec<_>, _>>()?;
             let options = AddClipsOptions::default();
             console.work(|work| opened.add_clips(&motions, &options, work))?;
+            let articulation = opened.articulation();
+            put_in_place(&mut opened.character, articulation, &opened.end_sites);
             opened
         }
         None => {

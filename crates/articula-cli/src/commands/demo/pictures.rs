@@ -67,20 +67,20 @@ pub(super) fn methods(
 
 /// The levels of articulation, regardless of their error.
 pub(super) fn levels(scene: &EvaluatedClip<'_>, tables: &[MethodTable]) -> anyhow::Result<Picture> {
-    let ladder = tables
+    let table = tables
         .iter()
         .find(|t| matches!(t.method.method, Method::Loa(_)))
         .context("no level of articulation was played")?;
-    let row = ladder.rows.get(MIDDLE).context("no distance was played")?;
+    let row = table.rows.get(MIDDLE).context("no distance was played")?;
     let line = |(i, level): (usize, &String)| {
         let label = level.trim_start_matches("loa(").trim_end_matches(')');
         MotionLine {
             label: label.to_owned(),
-            method: &ladder.method.method,
+            method: &table.method.method,
             parameter: i as f32,
             distance_m: row.distance_m,
         }
     };
-    let lines: Vec<_> = ladder.method.levels.iter().enumerate().map(line).collect();
+    let lines: Vec<_> = table.method.levels.iter().enumerate().map(line).collect();
     Ok(drawn::small_sheet(scene, &lines, "Levels of articulation")?)
 }

@@ -20,7 +20,7 @@ pub(crate) struct PlayerEpoch {
     pub order: Vec<u32>,
 }
 
-/// A clip as stored in the player's container.
+/// A compressed 2D clip as stored in the container that the script player reads.
 ///
 /// A *point* is a position shared by all vertices that coincide in every frame; a *wedge* is a
 /// point with one light and one colour. Columns of the motion are x and y of each point in pixels,

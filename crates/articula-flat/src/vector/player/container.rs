@@ -43,7 +43,7 @@ pub(crate) struct PartSizes {
     pub inputs: usize,
 }
 
-/// Encodes a clip as a container.
+/// Encodes a clip as bytes of the script player's container.
 pub fn encode(clip: &PlayerClip) -> Vec<u8> {
     encode_parts(clip).0
 }

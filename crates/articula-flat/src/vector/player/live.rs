@@ -11,7 +11,7 @@ use super::make::{PlayerFile, PlayerOptions, allowed, finish, still_parts};
 use crate::low_rank::quantised::{Quantised, QuantisedComponent, short};
 use crate::planar::{Drawn, Painting, PlanarClip, PlanarError};
 
-/// Named inputs with the shape of each.
+/// A character driven by named inputs, each with the blend shape that it adds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LiveSource {
     /// Shapes: frame 0 is the character with all inputs at zero, frame `i + 1` with input `i` at

@@ -12,7 +12,7 @@ use base64::prelude::BASE64_STANDARD;
 /// The script with its comments and indentation.
 const SCRIPT: &str = include_str!("player.js");
 
-/// Kind of file.
+/// Kind of file that contains the script player and its clip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PlayerOutput {
     /// An SVG that plays where scripts run.

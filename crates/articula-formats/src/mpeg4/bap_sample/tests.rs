@@ -370,7 +370,7 @@ fn figures_that_rest_in_another_pose_are_refused() {
         "{error}"
     );
     assert!(
-        error.to_string().contains("rests 80 degrees off"),
+        error.to_string().contains("differs by 80 degrees"),
         "{error}"
     );
     let mut nameless = names.clone();

@@ -201,7 +201,7 @@ impl Document<'_> {
         markup.set("xmlns:xsd", "http://www.w3.org/2001/XMLSchema-instance");
         markup.set("xsd:noNamespaceSchemaLocation", SCHEMA);
         self.head();
-        self.markup.open("X3dScene");
+        self.markup.open("Scene");
         self.viewpoint();
         self.humanoid();
         self.clips();

@@ -165,7 +165,10 @@ fn branches_with_as_many_meshes_are_paired() {
     nodes[3]["children"] = json!([4, 5, 6]);
     nodes.push(json!({"mesh": 0}));
     let (character, warning) = one_warning(&tiny);
-    assert_eq!(warning, "nodes[3]: a level with 3 meshes for 2 left out");
+    assert_eq!(
+        warning,
+        "nodes[3]: a level with 3 meshes is left out: the finest has 2"
+    );
     assert_eq!(character.meshes.len(), 2, "nor are they shown");
 }
 

@@ -1,7 +1,7 @@
 //! FAP text by hand: irregularities, faults, and round trips.
 
 use super::texts::{self, mask};
-use articula_core::fap_table::FAPS;
+use articula_core::fap_table::FAP_COUNT;
 use articula_formats::mpeg4::fap::{self, Absent, FapClip, FapExpression, FapFrame, Viseme};
 use articula_formats::{Limits, Parsed, ReadError};
 use proptest::prelude::*;
@@ -222,7 +222,8 @@ fn masks_are_shrunk_to_what_moves() {
 fn frames() -> impl Strategy<Value = Vec<FapFrame>> {
     let viseme = (0..15u8, 0..15u8, 0..64u8, any::<bool>());
     let expression = ((0..7u8, 0..64u8, 0..7u8, 0..64u8), any::<(bool, bool)>());
-    let low = prop::array::uniform::<_, { FAPS - 2 }>(prop_oneof![3 => Just(0), 1 => any::<i32>()]);
+    let low =
+        prop::array::uniform::<_, { FAP_COUNT - 2 }>(prop_oneof![3 => Just(0), 1 => any::<i32>()]);
     let frame =
         (1..9u32, viseme, expression, low).prop_map(|(step, v, (e, flags), low)| FapFrame {
             number: step,

@@ -130,7 +130,8 @@ fn draw(rows: &[&Row], path: &Path) -> Result<()> {
 fn sheet_of(rows: &[&Row]) -> Result<ContactSheet> {
     let mut lines = Vec::new();
     for row in rows {
-        let moments = articula_report::middles(row.before.models.len(), sheet::MOMENTS);
+        let moments =
+            articula_report::evenly_spaced_frames(row.before.models.len(), sheet::MOMENTS);
         for (label, actor, played) in [
             (row.case.motion, &row.source, &row.before),
             (row.case.onto, &row.target, &row.after),

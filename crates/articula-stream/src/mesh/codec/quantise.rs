@@ -19,7 +19,7 @@ mod weights;
 
 pub(super) use octahedral::normal_of;
 
-/// Number of bits per coordinate.
+/// Number of bits per quantised coordinate, by kind of value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Precision {
     /// Bits of each position coordinate, 1 to 20.
@@ -68,7 +68,7 @@ pub struct Scale {
     pub texcoord_step: f32,
 }
 
-/// All levels of a part in whole numbers.
+/// All levels of a part as quantised meshes, with the scale back to floating point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quantised {
     /// Layout of all levels.
