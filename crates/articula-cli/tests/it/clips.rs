@@ -12,7 +12,6 @@ use articula_core::source::{Character, RawClip, evaluate};
 use articula_formats::{Limits, bvh, gltf, joint_map};
 use glam::Vec3;
 use serde_json::Value;
-use std::path::Path;
 
 fn read(name: &str) -> Option<(Character, Vec<(usize, Vec3)>)> {
     let bytes = real::bytes(name)?;

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 macro_rules! profile {
     ($name:literal) => {
-        include_str!(concat!("../../data/profiles/", $name, ".json"))
+        include_str!(concat!("../../data/joint_maps/", $name, ".json"))
     };
 }
 

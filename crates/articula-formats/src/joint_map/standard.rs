@@ -20,7 +20,7 @@ struct Added {
 }
 
 static ADDED: LazyLock<BTreeMap<String, Region>> = LazyLock::new(|| {
-    let text = include_str!("../../data/profiles/hanim-2.json");
+    let text = include_str!("../../data/joint_maps/hanim-2.json");
     let added: Added = serde_json::from_str(text).expect("a test parses hanim-2.json");
     let regions = [(added.feet, Region::Feet), (added.hands, Region::Hands)];
     let mut names = BTreeMap::new();

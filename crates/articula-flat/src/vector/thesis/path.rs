@@ -3,10 +3,10 @@
 //! Source: thesis 4.2.2 and 4.2.3. The colour is that of the neutral frame.
 //!
 //! 1. Hidden: the `animate` ends where the face is hidden and another begins where it is shown
-//!   again.
+//!    again.
 //! 2. Static: where a face is in view and does not move, its coordinates are written once, by a
-//!   separate `animate` or else by `keyTimes`; by the former if there are more than 200/13 frames
-//!   per static sequence (two more tags take 200 bytes, a key time takes 13).
+//!    separate `animate` or else by `keyTimes`; by the former if there are more than 200/13 frames
+//!    per static sequence (two more tags take 200 bytes, a key time takes 13).
 
 use super::ThesisSvgOptions;
 use super::document::{Clock, Outline, put};

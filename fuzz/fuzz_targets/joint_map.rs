@@ -5,5 +5,5 @@ use articula_formats::{Limits, joint_map};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = profile::parse(bytes, &Limits::default());
+    let _ = joint_map::parse(bytes, &Limits::default());
 });
