@@ -137,7 +137,7 @@ fn a_segment_that_ends_early_stays() {
     assert!(
         read.warnings
             .iter()
-            .any(|w| w.what.contains("\"Frames: 2\", but 1 are there"))
+            .any(|w| w.what.contains("\"Frames: 2\", but the file has 1"))
     );
     let world = world(&read.value.character, 0.5);
     assert!(near(world[0].translation.into(), Vec3::Y * 1.016));
@@ -146,7 +146,7 @@ fn a_segment_that_ends_early_stays() {
     assert!(
         read.warnings
             .iter()
-            .any(|w| w.at == "line 10" && w.what.contains("0.25 s of the first"))
+            .any(|w| w.at == "line 10" && w.what.contains("0.25 s are used"))
     );
     assert_eq!(read.value.character.clips[0].duration_secs, 0.25);
 }

@@ -122,7 +122,7 @@ fn a_wrong_frame_count_is_warned_about() {
         let text = ARM.replace("Frames: 2", &format!("Frames: {count}"));
         let read = plain(&text).unwrap();
         assert_eq!(read.warnings.len(), 1);
-        assert!(read.warnings[0].what.contains("2 are there"));
+        assert!(read.warnings[0].what.contains("the file has 2"));
         assert_eq!(
             read.value.character.clips[0].channels[0].times_secs.len(),
             2

@@ -84,7 +84,7 @@ fn acclaim() -> Option<Character> {
     let read = read.unwrap();
     let warned: Vec<&str> = read.warnings.iter().map(|w| w.what.as_str()).collect();
     assert_eq!(warned.len(), 2, "{warned:?}");
-    assert!(warned[0].contains("120 frames a second") && warned[1].contains("length 0.45"));
+    assert!(warned[0].contains("120 frames per second") && warned[1].contains("length 0.45"));
     assert_eq!(read.value.frame_time_secs, 1.0 / 120.0);
     // Toes, head, fingers and thumbs.
     assert_eq!(read.value.end_sites.len(), 7);

@@ -46,8 +46,8 @@ const SKELETON_FAULTS: &[(&str, &str, &str)] = &[
     ),
     ("length 4", "length 1e20", "asf line 20: \"1e20\""),
     ("length 4", "length", "asf line 20: \"\" found"),
-    ("name shin", "name thigh", "asf line 27: a second bone"),
-    ("name shin", "name root", "asf line 27: a second bone"),
+    ("name shin", "name thigh", "asf line 27: two bones"),
+    ("name shin", "name root", "asf line 27: two bones"),
     (
         "  end\n:hierarchy",
         ":hierarchy",
@@ -56,12 +56,12 @@ const SKELETON_FAULTS: &[(&str, &str, &str)] = &[
     (
         "root joint thigh",
         "root joint knee",
-        "asf line 52: \"knee\" is in the hierarchy",
+        "asf line 52: \"knee\" is in :hierarchy",
     ),
     (
         "thigh shin",
         "knee shin",
-        "asf line 53: \"knee\" is in the hierarchy",
+        "asf line 53: \"knee\" is in :hierarchy",
     ),
     (
         "thigh shin",
@@ -95,7 +95,7 @@ fn every_fault_of_a_motion_names_its_line() {
         (
             "thigh 0 0 0",
             "tail 0 0 0",
-            "amc line 6: \"tail\" is no bone of the skeleton; is this the .asf",
+            "amc line 6: the skeleton has no bone \"tail\"; use the .asf",
         ),
         (
             "thigh 0 0 0",
@@ -112,7 +112,7 @@ fn every_fault_of_a_motion_names_its_line() {
         (
             "thigh 0 0 0",
             "root 0 0 0 0 0 0",
-            "amc line 6: \"root\" is there twice",
+            "amc line 6: \"root\" occurs twice",
         ),
         (
             "\n1\n",
@@ -122,7 +122,7 @@ fn every_fault_of_a_motion_names_its_line() {
         (
             ":DEGREES",
             ":SAMPLES-PER-SECOND 0",
-            "amc line 3: 0 frames a second",
+            "amc line 3: 0 frames per second",
         ),
         (
             ":DEGREES",
@@ -146,25 +146,25 @@ fn oddities_are_read_with_a_warning() {
             ":hierarchy",
             ":namespace a\n:hierarchy",
             None,
-            Some("\":namespace\" is not known"),
+            Some("unknown keyword \":namespace\""),
         ),
         (
             "id 2",
             "colour red",
             None,
-            Some("asf line 28: \"colour\" of the bone"),
+            Some("asf line 28: unknown property \"colour\" of the bone"),
         ),
         (
             "axis XYZ",
             "shape round",
             None,
-            Some("asf line 12: \"shape\" of the root"),
+            Some("asf line 12: unknown property \"shape\" of the root"),
         ),
         (
             "    joint arm\n",
             "",
             None,
-            Some("the bone \"arm\" does not hang"),
+            Some("the bone \"arm\" is not connected"),
         ),
         ("dof rx\n", "dof l\n", Some(AMC), Some("changing lengths")),
         (
@@ -177,7 +177,7 @@ fn oddities_are_read_with_a_warning() {
             "dof rx\n",
             "dof rx\n",
             Some("1\n3\n7\n"),
-            Some("amc line 2: a frame does not follow"),
+            Some("amc line 2: the frame numbers are not consecutive"),
         ),
         ("dof rx\n", "dof rx\n", Some(":DEGREES\n"), Some("no frame")),
     ];

@@ -305,7 +305,7 @@ fn cubic_keys_and_normalised_rotations() {
     let mended = [9., 9., 9., 9., 0., 0., 0., 1., 8., 8., 8., 8.];
     assert_eq!(channels[0].values, mended, "tangents stay");
     assert!(
-        warning.contains("1 quaternions not of length 1"),
+        warning.contains("1 quaternions are not of unit length"),
         "{warning}"
     );
     assert_eq!(channels[1].interpolation, Interpolation::Step);
@@ -405,7 +405,7 @@ fn rest_rotations_and_matrices_are_repaired() {
         Quat::IDENTITY
     );
     assert!(
-        warning.starts_with("nodes[0].rotation: zero quaternion"),
+        warning.starts_with("nodes[0].rotation: a quaternion of length 0"),
         "{warning}"
     );
     tiny.json["nodes"][0]["rotation"] = json!([0, 0, 3, 0]);

@@ -13,7 +13,7 @@ const CASES: &[Case] = &[
     (
         "asset no object",
         |t| t.json["asset"] = json!(3),
-        "asset: no object",
+        "asset: expected an object",
     ),
     (
         "glTF 1.0",
@@ -33,7 +33,7 @@ const CASES: &[Case] = &[
     (
         "two parents",
         |t| t.json["nodes"][2]["children"] = json!([1]),
-        "child of node 0 already",
+        "already a child of node 0",
     ),
     (
         "child beyond",
@@ -224,7 +224,7 @@ const CASES: &[Case] = &[
     (
         "joint of a vertex beyond",
         |t| t.bytes[37] = 200,
-        "follows joint 200",
+        "joint 200 of a vertex is out of range",
     ),
     (
         "NaN time",

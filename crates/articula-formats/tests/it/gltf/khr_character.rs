@@ -128,8 +128,8 @@ fn all_members_by_hand() {
     let shares: Vec<_> = shares.iter().map(|s| (s.expression, s.weight)).collect();
     assert_eq!(shares, [(0, 0.5), (1, 0.25)]);
     let said = |what: &str| read.warnings.iter().any(|w| w.what.contains(what));
-    assert!(said("1 of its entries name no node") && said("1 of its entries name no expression"));
-    assert!(said("an unknown type") && said("it names no expression"));
+    assert!(said("1 entries do not name a node") && said("1 entries do not name an expression"));
+    assert!(said("an unknown type") && said("the target is not an expression"));
     assert!(said("the expression has no effect"));
 }
 

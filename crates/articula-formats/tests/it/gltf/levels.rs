@@ -207,7 +207,10 @@ fn broken_levels_are_left_out() {
         (json!([2]), "the node itself or an ancestor of it"),
         (json!(["x"]), "the level is left out"),
         // Node 1 shows nothing.
-        (json!([1]), "a level with 0 meshes for 1 left out"),
+        (
+            json!([1]),
+            "a level with 0 meshes is left out: the finest has 1",
+        ),
     ];
     for (ids, says) in cases {
         let mut tiny = skinned();
@@ -225,7 +228,7 @@ fn broken_levels_are_left_out() {
         .remove("skin");
     let (character, warning) = one_warning(&tiny);
     assert!(
-        warning.starts_with("nodes[3]: a level that cannot stand"),
+        warning.starts_with("nodes[3]: the level cannot take the position"),
         "{warning}"
     );
     assert_eq!(told(&character.meshes[0]).len(), 2);

@@ -61,6 +61,9 @@ fn parts_and_vertices_are_those_of_the_character() {
     assert_eq!(classes(&tiny, 1), [0, 1, 0], "vertices 1, 2 and 4");
     let document = tiny.read().unwrap().value.document;
     let at = |node, part| document.vertex_classes(node, part).unwrap_err().to_string();
-    assert_eq!(at(0, 2), "meshes[0]: no part 2, there are 2");
-    assert_eq!(at(1, 0), "nodes[1]: no such node with a mesh");
+    assert_eq!(
+        at(0, 2),
+        "meshes[0]: primitive 2 is out of range: there are 2"
+    );
+    assert_eq!(at(1, 0), "nodes[1]: there is no such node with a mesh");
 }

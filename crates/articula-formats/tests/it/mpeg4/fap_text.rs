@@ -75,7 +75,7 @@ fn odd_spelling_is_read_alike() {
 fn oddities_are_said() {
     let jaw = mask(68, &[3]);
     let cases = [
-        ("3.0 a 25 1", "0 5", "version \"3.0\" found"),
+        ("3.0 a 25 1", "0 5", "version \"3.0\" is read as"),
         (
             "2.2 a 25 10000",
             "0 5",

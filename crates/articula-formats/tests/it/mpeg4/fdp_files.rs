@@ -68,7 +68,7 @@ fn nothing_is_fetched_or_expanded() {
         assert!(
             error
                 .to_string()
-                .contains("a document type is not supported; take"),
+                .contains("a document type is not supported; remove"),
             "{error}"
         );
     }
@@ -104,7 +104,7 @@ fn faults_name_their_line() {
         ("index=\"7\"", "index=\"-7\"", "line 16: index=\"-7\" found"),
         ("7 8", "7 x", "line 17: vertex \"x\" found"),
         ("fap=\"17\"", "fap=\"68\"", "line 19: fap 68 found, 0 to 67"),
-        ("</fdp>", "</fdb>", "line 21: no good XML"),
+        ("</fdp>", "</fdb>", "line 21: malformed XML"),
         (
             "<xfdp>",
             "<xfdp><influence fap=\"1\" weight=\"1\"/>",

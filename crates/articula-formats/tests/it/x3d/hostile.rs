@@ -22,7 +22,7 @@ fn every_wrong_xml_file_is_told_why() {
     check("hello", "line 1: the first line is not");
     check("<svg/>", "begins with <svg>, expected <X3D>");
     check("<X3D><Scene>", "line 1: the file ends before </X3D>");
-    check("<X3D>\n<Scene></X3D>", "line 2: no good XML");
+    check("<X3D>\n<Scene></X3D>", "line 2: malformed XML");
     check(
         "<X3D/>",
         "without an HAnimHumanoid is not supported; give a file with",
@@ -37,11 +37,11 @@ fn every_wrong_xml_file_is_told_why() {
         |fields: &str| format!("<X3D>\n<HAnimHumanoid {fields}>{JOINT}</HAnimHumanoid></X3D>");
     check(
         &odd("center='a b c'"),
-        "line 2, HAnimHumanoid: center: \"a\" was found",
+        "line 2, HAnimHumanoid: center: \"a\" found",
     );
     check(&odd("center='1 2'"), "2 numbers found, 3 expected");
-    check(&odd("center='1 2 nan'"), "\"nan\" was found");
-    check(&odd("center='1 2 1e10'"), "\"1e10\" was found");
+    check(&odd("center='1 2 nan'"), "\"nan\" found");
+    check(&odd("center='1 2 1e10'"), "\"1e10\" found");
     check(&odd("scale='0 0 0'"), "the scale of the humanoid is 0");
     check(
         &odd("scale='1e9 1e9 1e9' translation='1e9 0 0'")
@@ -91,15 +91,15 @@ fn every_wrong_classic_file_is_told_why() {
     let classic = |body: &str| format!("#X3D V3.3 utf8\n{body}");
     check(
         &classic("}"),
-        "line 2: \"}\" was found, a node or a statement is expected",
+        "line 2: found \"}\", expected a node or a statement",
     );
     check(
         &classic("Group"),
-        "the end of the file was found, { after Group",
+        "found the end of the file, expected { after Group",
     );
     check(
         &classic("Group {"),
-        "the end of the file was found, a field of Group",
+        "found the end of the file, expected a field of Group",
     );
     check(&classic("Group { children [ "), "] at the end of a list");
     check(&classic("Group { a [ 1 2"), "] at the end of a list");
@@ -111,11 +111,11 @@ fn every_wrong_classic_file_is_told_why() {
         &classic("Group { a \"b\\"),
         "the string has no closing quotation mark",
     );
-    check(&classic("Group { a ]"), "a value of a is expected");
+    check(&classic("Group { a ]"), "expected a value of a");
     check(&classic("ROUTE a TO b"), "ROUTE node.field TO node.field");
     check(&classic("PROTO a [ { ] } { }"), "an HAnimHumanoid");
-    check(&classic("PROTO a [ "), "a value is expected");
-    check(&classic("DEF { }"), "a name is expected");
+    check(&classic("PROTO a [ "), "expected a value");
+    check(&classic("DEF { }"), "expected a name");
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn a_thousand_levels_and_more_are_refused() {
     let classic = format!("#X3D V3.3 utf8\n{}", "Group { children ".repeat(100_000));
     check(&classic, "levels of nesting, the limit is 128");
     let brackets = format!("#X3D V3.3 utf8\nPROTO a {}", "[".repeat(100_000));
-    check(&brackets, "a value is expected");
+    check(&brackets, "expected a value");
     // USE makes a chain of nodes that is deeper than the file.
     let mut chain = "<X3D><Group DEF='g0'/>".to_owned();
     for i in 1..1000 {
@@ -268,5 +268,5 @@ fn points_that_hundreds_of_faces_share_end_soon() {
 #[test]
 fn too_many_attributes_are_refused() {
     let many: String = (0..1000).map(|i| format!(" a{i}='1'")).collect();
-    check(&format!("<X3D{many}/>"), "more than 128");
+    check(&format!("<X3D{many}/>"), "the limit is 128");
 }
