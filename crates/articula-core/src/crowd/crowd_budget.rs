@@ -1,6 +1,7 @@
 //! Levels of a crowd as LOD options of the budget allocator.
 
 use super::character_state::CharacterState;
+use super::frame::Frame;
 use super::model::CrowdModel;
 use crate::Mismatch;
 use crate::budget::{
@@ -48,10 +49,10 @@ impl CrowdBudget {
     pub(crate) fn spend(
         &mut self,
         budget: f32,
+        frame: &Frame<'_>,
         states: &[CharacterState],
         seen: &[CullResult],
         bounds: &[Sphere],
-        importance: &dyn Fn(usize) -> f32,
     ) -> AllocationReport {
         for (character, (seen, player)) in seen.iter().zip(states).enumerate() {
             if seen.visibility != Visibility::Visible {
@@ -63,12 +64,14 @@ impl CrowdBudget {
             } else {
                 self.option_sets[player.clips().0]
             };
-            // The error in pixels, times the pixels that the bound covers.
-            let side = bounds[character].radius * seen.pixels_per_metre;
+            // The error in pixels, times the pixels that the bound covers; both in model space.
+            let pixels_per_metre = seen.pixels_per_metre * frame.scale(character);
+            let side = bounds[character].radius * pixels_per_metre;
+            let importance = frame.importance.get(character).copied().unwrap_or(1.0);
             let request = LodRequest {
                 option_set,
-                weight: importance(character) * seen.pixels_per_metre * side * side,
-                pixels_per_metre: seen.pixels_per_metre,
+                weight: importance * pixels_per_metre * side * side,
+                pixels_per_metre,
             };
             self.budget.request(character, request);
         }

@@ -126,6 +126,11 @@ pub struct CrowdReport {
 }
 
 impl Frame<'_> {
+    /// Absolute scale of a character.
+    pub(crate) fn scale(&self, character: usize) -> f32 {
+        self.scales.get(character).map_or(1.0, |s| s.abs())
+    }
+
     /// Time step in seconds, clamped to 0 to 60.
     pub(crate) fn step_secs(&self) -> f32 {
         // NaN fails the comparison too.

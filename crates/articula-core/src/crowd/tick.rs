@@ -265,9 +265,8 @@ impl Crowd {
         if let (Detail::Budget { cost }, Some(crowd_budget)) =
             (frame.detail, &mut self.crowd_budget)
         {
-            let weight = |c: usize| frame.importance.get(c).copied().unwrap_or(1.0);
             report.budget =
-                Some(crowd_budget.spend(cost, &self.states, &self.seen, &self.bounds, &weight));
+                Some(crowd_budget.spend(cost, frame, &self.states, &self.seen, &self.bounds));
         }
         let (mut unchanged, mut bound_part) = (0, 0f32);
         let kept = SteadyTolerance::of(model, frame);
@@ -292,14 +291,20 @@ impl Crowd {
             if seen.visibility != Visibility::Visible {
                 report.in_margin += usize::from(seen.visibility == Visibility::Margin);
                 if self.levels[character] != HIDDEN {
-                    self.set_level(model, character, None, tell);
+                    self.set_level(model, character, (None, 0.0), tell);
                     self.keeps[character] = ANEW;
                 }
                 continue;
             }
             report.visible += 1;
             let choice = self.choice(model, frame, character);
-            self.set_level(model, character, Some(choice.level), tell);
+            let pixels_per_metre = choice.pixels_per_metre;
+            self.set_level(
+                model,
+                character,
+                (Some(choice.level), pixels_per_metre),
+                tell,
+            );
             self.keeps[character] = self.keeping(model, character, choice.level);
             self.show(model, frame, character, choice, &mut report);
         }
@@ -326,8 +331,7 @@ impl Crowd {
     fn choice(&self, model: &CrowdModel, frame: &Frame<'_>, character: usize) -> Choice {
         let player = &self.states[character];
         let (from, to) = player.clips();
-        let scale = frame.scales.get(character).map_or(1.0, |s| s.abs());
-        let pixels_per_metre = self.seen[character].pixels_per_metre * scale;
+        let pixels_per_metre = self.seen[character].pixels_per_metre * frame.scale(character);
         let coarsest = model.levels() - 1;
         let shown = Some(usize::from(self.levels[character])).filter(|l| *l <= coarsest);
         let mut tolerance_metres = 0.0;
@@ -442,13 +446,14 @@ impl Crowd {
             .add(choice.level, kind, Poser::Character(character));
     }
 
-    /// Stores a level, and reports an event if it changed.
+    /// Stores a level, and reports an event if it changed. A metre of the character spans
+    /// `pixels_per_metre`.
     #[inline]
     fn set_level(
         &mut self,
         model: &CrowdModel,
         character: usize,
-        level: Option<usize>,
+        (level, pixels_per_metre): (Option<usize>, f32),
         tell: &mut dyn FnMut(CrowdEvent),
     ) {
         let now = level.map_or(HIDDEN, |l| l as u8);
@@ -461,9 +466,7 @@ impl Crowd {
         let (a, b) = self.states[character].clips();
         let error = |level: Option<usize>| level.map_or(0.0, |l| model.error_metres(a, b, l));
         let jump_px = match (from, level) {
-            (Some(_), Some(_)) => {
-                (error(from) + error(level)) * self.seen[character].pixels_per_metre
-            }
+            (Some(_), Some(_)) => (error(from) + error(level)) * pixels_per_metre,
             _ => 0.0,
         };
         tell(CrowdEvent::Level {

@@ -3,6 +3,7 @@
 //! complete events for hidden characters, no allocation in a frame.
 
 use crate::random_rig::{Options, figure};
+use articula_core::budget::{BudgetPolicy, CostModel};
 use articula_core::crowd::{
     CacheUse, CharacterState, ClipEvent, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdParts,
     CrowdReport, Culling, Detail, Frame, RootDelta, RootTrajectory,
@@ -251,6 +252,49 @@ fn a_frame_allocates_nothing() {
     });
     assert_eq!(counted.count_total, 0);
     assert!(heard > 100);
+}
+
+/// Errors are lengths of the model, so under a budget a character of twice the size needs the finer
+/// level, even against one that is a little more important.
+#[test]
+fn a_budget_counts_the_scale_of_a_character() {
+    let (rig, clips, sets) = fixed_figure();
+    let model = model(&rig, &clips, &sets);
+    let camera = camera();
+    let views = [View::of(&camera)];
+    let mut differed = false;
+    for (scales, large, small) in [([2.0, 1.0], 0, 1), ([1.0, 2.0], 1, 0)] {
+        let mut crowd = Crowd::new(&model, 2);
+        let policy = BudgetPolicy {
+            cap_px: f32::INFINITY,
+            ..BudgetPolicy::default()
+        };
+        let costs = CostModel::default();
+        crowd.set_budget(&model, policy, &costs).unwrap();
+        let mut importance = [1.0; 2];
+        importance[small] = 1.5;
+        for step in 0..80 {
+            let frame = Frame {
+                dt_secs: 0.0,
+                positions: &[Vec3::new(-2.0, 0.0, -60.0), Vec3::new(2.0, 0.0, -60.0)],
+                rotations: &[Quat::IDENTITY; 2],
+                scales: &scales,
+                cull_margin_metres: &[],
+                importance: &importance,
+                culling: Culling::Views(&views),
+                detail: Detail::Budget {
+                    cost: 10.0 * 1.15f32.powi(step),
+                },
+                share: false,
+                cache: CacheUse::Never,
+            };
+            crowd.tick(&model, &frame, &mut |_| {});
+            let level = |c: usize| crowd.level(c).unwrap();
+            assert!(level(large) <= level(small), "step {step} of {scales:?}");
+            differed |= level(large) < level(small);
+        }
+    }
+    assert!(differed, "no budget lay between the two");
 }
 
 /// Acceptance test 9: a character that walks into view from the side is shown correctly in its
