@@ -1,5 +1,6 @@
 //! The flags that choose a method of motion level of detail, and the parameters of the thesis.
 
+use super::selection::SelectionArgs;
 use crate::fault;
 use anyhow::Context;
 use articula::evaluate::NamedMethod;
@@ -8,7 +9,7 @@ use articula_build::evaluate::ThresholdCurve;
 use articula_build::evaluate::{BoneDirection, SegmentRadius};
 use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::{self, LoaExpression};
+use articula_core::loa::LoaExpression;
 use articula_core::{DriftOptions, JointSet, Rig};
 use clap::{Args, ValueEnum};
 
@@ -116,19 +117,15 @@ pub(crate) enum Lever {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct MethodArgs {
     /// Method that reduces the detail
-    /// [default: skin-px, or loa if --loa is given]
+    /// [default: skin-px, or loa if --loa or --loa-profile is given]
     #[arg(long, value_enum, value_name = "M")]
     method: Option<MethodName>,
     /// Variant of skin-px
     /// [default: hold]
     #[arg(long, value_enum, value_name = "V")]
     variant: Option<Variant>,
-    /// Joints that may move, such as "loa(Low) + zone(hands)" (with --method loa)
-    #[arg(long, value_name = "EXPR")]
-    pub(crate) loa: Option<String>,
-    /// Also move the ancestors of joints that may move (with --loa)
-    #[arg(long, requires = "loa")]
-    with_ancestors: bool,
+    #[command(flatten)]
+    pub(crate) selection: SelectionArgs,
     /// Pose of joints outside the level (with --method loa)
     /// [default: key-pose]
     #[arg(long, value_enum, value_name = "POLICY")]
@@ -179,11 +176,11 @@ fn share(text: &str) -> Result<f32, String> {
 }
 
 impl MethodArgs {
-    /// The method to play; `--loa` implies the method `loa`.
+    /// The method to play; selected joints imply the method `loa`.
     pub(crate) fn method(&self) -> MethodName {
-        let usual = match self.loa {
-            Some(_) => MethodName::Loa,
-            None => MethodName::SkinPx,
+        let usual = match self.selection.is_given() {
+            true => MethodName::Loa,
+            false => MethodName::SkinPx,
         };
         self.method.unwrap_or(usual)
     }
@@ -194,6 +191,7 @@ impl MethodArgs {
 
     /// Refuses flags that the method would ignore.
     pub(crate) fn check(&self) -> anyhow::Result<()> {
+        self.selection.check()?;
         if self.d_min >= self.d_max {
             let (near, far) = (self.d_min, self.d_max);
             return Err(fault::usage(format!(
@@ -222,9 +220,10 @@ impl MethodArgs {
 
     /// The methods to play.
     pub(crate) fn chosen(&self, rig: &Rig) -> anyhow::Result<Vec<NamedMethod>> {
-        if self.loa.is_some() && !matches!(self.method(), MethodName::Loa | MethodName::All) {
+        let is_fixed = matches!(self.method(), MethodName::Loa | MethodName::All);
+        if self.selection.is_given() && !is_fixed {
             return Err(fault::usage(
-                "--loa chooses a fixed set of joints; add --method loa (or --method all)",
+                "--loa and --loa-profile choose a fixed set of joints; add --method loa (or --method all)",
             ));
         }
         Ok(vec![match self.method() {
@@ -244,14 +243,10 @@ impl MethodArgs {
     }
 
     fn level(&self, rig: &Rig) -> anyhow::Result<NamedMethod> {
-        match &self.loa {
-            Some(text) if self.with_ancestors => {
-                let set = loa::with_ancestors(rig, &joints(text, rig)?);
-                Ok(NamedMethod::fixed(&format!("{text} with ancestors"), set))
-            }
-            Some(text) => Ok(NamedMethod::fixed(text, joints(text, rig)?)),
-            None => Ok(NamedMethod::complexity_levels(rig)),
-        }
+        Ok(match self.selection.joints(rig)? {
+            Some((name, set)) => NamedMethod::fixed(&name, set),
+            None => NamedMethod::complexity_levels(rig),
+        })
     }
 
     /// The parameters besides the calibrated one.

@@ -1,12 +1,14 @@
 //! A clip played under motion level of detail, shared by `lod` and `demo`.
 //!
 //! - [`methods`]: the method and its parameters
+//! - [`selection`]: the joints of a fixed level
 //! - [`drawn`]: the results as contact sheets and plots
 //! - [`motion_plots`]: updates saved, error and cost as line and bar plots
 
 pub(crate) mod drawn;
 pub(crate) mod methods;
 pub(crate) mod motion_plots;
+mod selection;
 
 use crate::files;
 use anyhow::Context;

@@ -306,6 +306,51 @@ fn without_a_clip_the_rest_pose_is_shown_and_said() {
     assert!(line.contains("no clip"), "{line}");
 }
 
+/// What `lod` writes as a profile selects the same joints in `lod` and in `convert`.
+#[test]
+fn a_saved_selection_is_the_level_that_was_played() {
+    let here = folder("lod-selection");
+    let human = word(human());
+    let lod = |more: &[&str]| {
+        let words = ["lod", human, "--clip", "walk", "--distances", "5"];
+        json(&here, &[&words[..], more].concat())
+    };
+    let expression = ["--loa", "loa(Low) + zone(hands)", "--with-ancestors"];
+    let played = lod(&[&expression[..], &["--save-loa-profile", "p.json"]].concat());
+    assert_eq!(played["written"][0], "p.json");
+    let again = lod(&["--loa-profile", "p.json"]);
+    let figures = |report: &Value| {
+        let row = &report["rows"][0];
+        ["joint_update_gain", "joints_sampled", "error_px"].map(|f| row[f].clone())
+    };
+    assert_eq!(figures(&again), figures(&played));
+    assert!(number(&played["rows"][0]["joint_update_gain"]) > 0.0);
+    let convert = |words: &[&str]| {
+        let report = json(&here, &[&["convert", human, "o.glb"][..], words].concat());
+        report["reduction"]["joints_active"].clone()
+    };
+    let active = convert(&["--loa-profile", "p.json"]);
+    assert_eq!(active, convert(&expression));
+    assert!(number(&active) > 40.0, "{active}");
+    // No joint at all is a selection, too.
+    lod(&["--loa", "loa(None)", "--save-loa-profile", "none.json"]);
+    let still = lod(&["--loa-profile", "none.json"]);
+    assert_eq!(number(&still["rows"][0]["joint_update_gain"]), 1.0);
+
+    for words in [
+        &["--save-loa-profile", "q.json"][..],
+        &["--with-ancestors"],
+        &["--loa", "loa(Low)", "--loa-profile", "p.json"],
+    ] {
+        let all = [&["lod", human][..], words].concat();
+        assert_eq!(articula(&here, &all).status, 2, "{words:?}");
+    }
+    assert!(!here.join("q.json").exists());
+    std::fs::write(here.join("bad.json"), r#"{"joints": {"plus": ["tail"]}}"#).unwrap();
+    let line = fault(&here, 1, &["lod", human, "--loa-profile", "bad.json"]);
+    assert!(line.contains("bad.json") && line.contains("tail"), "{line}");
+}
+
 #[test]
 fn the_demo_tells_the_numbers_that_it_computed() {
     let here = folder("demo");

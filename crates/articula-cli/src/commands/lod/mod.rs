@@ -103,6 +103,10 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
         console.work(|work| scene.tables(&methods, &args.distances, args.tuning(), work))?;
     let mut report = LodReport::new(&scene, args, &tables);
     report.motion_tables = stored.get(clip).copied();
+    let saved = args.method.selection.save(&figure.asset.rig);
+    report
+        .written
+        .extend(saved.with_context(|| figure.opened.name.clone())?);
     if let Some(path) = &args.plot {
         write_plots(&scene, &tables, path, &mut report)?;
     }
@@ -203,6 +207,10 @@ fn distance(text: &str) -> Result<f32, String> {
 
 fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result<()> {
     let mut report = LodReport::at_rest(figure, args);
+    let saved = args.method.selection.save(&figure.asset.rig);
+    report
+        .written
+        .extend(saved.with_context(|| figure.opened.name.clone())?);
     if args.plot.is_some() {
         let what = "no clip, so there is nothing to plot; leave --plot out";
         anyhow::bail!("{}: {what}", figure.opened.name.clone());

@@ -1,0 +1,103 @@
+//! The joints of a fixed level of articulation: given as an expression or as a saved selection,
+//! and written as one.
+
+use super::methods::joints;
+use crate::{fault, files};
+use anyhow::Context;
+use articula_core::loa::{self, Selection};
+use articula_core::{JointSet, Rig, Zone};
+use articula_formats::Limits;
+use articula_formats::loa_profile::{self, LoaProfile};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// The joints that may move.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct SelectionArgs {
+    /// Joints that may move, such as "loa(Low) + zone(hands)" (with --method loa)
+    #[arg(long, value_name = "EXPR")]
+    pub(crate) loa: Option<String>,
+    /// LoA profile with the joints that may move (JSON), instead of --loa
+    #[arg(long, value_name = "F.json", conflicts_with = "loa")]
+    loa_profile: Option<PathBuf>,
+    /// Also move the ancestors of joints that may move (with --loa or --loa-profile)
+    #[arg(long)]
+    with_ancestors: bool,
+    /// Write the joints of --loa or --loa-profile as a LoA profile (JSON)
+    #[arg(long, value_name = "F.json")]
+    save_loa_profile: Option<PathBuf>,
+}
+
+impl SelectionArgs {
+    /// Whether joints are selected.
+    pub(crate) fn is_given(&self) -> bool {
+        self.loa.is_some() || self.loa_profile.is_some()
+    }
+
+    /// Refuses flags that need a selection.
+    pub(crate) fn check(&self) -> anyhow::Result<()> {
+        let needs = match (self.with_ancestors, &self.save_loa_profile) {
+            _ if self.is_given() => return Ok(()),
+            (true, _) => "--with-ancestors",
+            (false, Some(_)) => "--save-loa-profile",
+            (false, None) => return Ok(()),
+        };
+        let what = format!("{needs} needs --loa EXPR or --loa-profile F.json");
+        Err(fault::usage(what))
+    }
+
+    /// The selected joints of a rig, with the words of a report for them.
+    pub(crate) fn joints(&self, rig: &Rig) -> anyhow::Result<Option<(String, JointSet)>> {
+        let (name, set) = match (&self.loa, &self.loa_profile) {
+            (Some(text), _) => (text.clone(), joints(text, rig)?),
+            (None, Some(path)) => (files::shown(path), saved(path, rig)?),
+            (None, None) => return Ok(None),
+        };
+        Ok(Some(match self.with_ancestors {
+            true => (
+                format!("{name} with ancestors"),
+                loa::with_ancestors(rig, &set),
+            ),
+            false => (name, set),
+        }))
+    }
+
+    /// Writes the selected joints, if asked to; returns the path for the report.
+    pub(crate) fn save(&self, rig: &Rig) -> anyhow::Result<Option<String>> {
+        let (Some(path), Some((_, set))) = (&self.save_loa_profile, self.joints(rig)?) else {
+            return Ok(None);
+        };
+        let profile = LoaProfile {
+            manual: true,
+            selection: named(rig, &set)?,
+        };
+        files::write(path, &loa_profile::write(&profile))?;
+        Ok(Some(files::shown(path)))
+    }
+}
+
+/// The joints of a saved selection.
+fn saved(path: &Path, rig: &Rig) -> anyhow::Result<JointSet> {
+    let limits = Limits::default();
+    let bytes = files::read(path, limits.bytes)?;
+    let place = || files::shown(path);
+    let profile = loa_profile::read(&bytes, &limits).with_context(place)?;
+    profile.selection.joints(rig).with_context(place)
+}
+
+/// A selection that lists joints by name.
+fn named(rig: &Rig, set: &JointSet) -> anyhow::Result<Selection> {
+    let selection = Selection {
+        // No zone selects no joint; without any selector, all joints would be selected.
+        zone: Some(Zone::default()),
+        plus: set.iter().map(|j| rig.name(j).to_owned()).collect(),
+        ..Selection::default()
+    };
+    match selection.joints(rig) {
+        Ok(found) if found == *set => Ok(selection),
+        _ => anyhow::bail!(
+            "--save-loa-profile: joints of this file share a name or have none, so a list of names \
+             does not select them; give the joints names of their own"
+        ),
+    }
+}
