@@ -3,7 +3,7 @@
 #![no_main]
 
 use articula_formats::Limits;
-use articula_formats::meshopt::{Filter, Mode, Shape, decode};
+use articula_formats::meshopt::{Filter, Mode, ViewLayout, decode};
 use libfuzzer_sys::fuzz_target;
 
 const FILTERS: [Filter; 5] = [
@@ -28,7 +28,7 @@ fuzz_target!(|bytes: &[u8]| {
         _ => Filter::None,
     };
     let count = u64::from(u16::from_le_bytes([*low, *high]));
-    let shape = Shape {
+    let shape = ViewLayout {
         mode,
         filter,
         count,

@@ -1,13 +1,13 @@
 //! Any bytes as motion tables: an error or a value whose keys are within its frames.
 #![no_main]
 
-use articula_formats::{Limits, read_pose_keys, read_segs, write_pose_keys, write_segs};
+use articula_formats::{Limits, read_pose_keys, read_key_table, write_pose_keys, write_key_table};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let limits = Limits::default();
-    if let Ok(table) = read_segs(bytes, &limits) {
-        let again = read_segs(&write_segs(&table), &limits);
+    if let Ok(table) = read_key_table(bytes, &limits) {
+        let again = read_key_table(&write_key_table(&table), &limits);
         assert_eq!(again.as_ref().map(|t| &t.keys), Ok(&table.keys));
     }
     if let Ok(keys) = read_pose_keys(bytes, &limits) {

@@ -13,20 +13,20 @@ fuzz_target!(|bytes: &[u8]| {
     let limits = Limits::default();
     match first % 4 {
         0 => {
-            if let Ok(read) = fap::read(bytes, fap::Absent::Hold, &limits) {
-                let back = fap::read(&fap::write(&read.value), fap::Absent::Zero, &limits);
+            if let Ok(read) = fap::read(bytes, fap::AbsentPolicy::Hold, &limits) {
+                let back = fap::read(&fap::write(&read.value), fap::AbsentPolicy::Zero, &limits);
                 assert_eq!(back.unwrap().value.frames, read.value.frames);
             }
         }
         1 => {
-            if let Ok(read) = bap::read(bytes, bap::Absent::Hold, &limits) {
+            if let Ok(read) = bap::read(bytes, bap::AbsentPolicy::Hold, &limits) {
                 let character = bap::character(&read.value);
                 let map = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
                 let seconds = character.clips.first().map_or(0.0, |c| c.duration_secs);
                 if !character.clips.is_empty() && seconds < 5.0 {
                     bap::sample(&character, &map.articulation, 0, 5.0).unwrap();
                 }
-                let back = bap::read(&bap::write(&read.value), bap::Absent::Zero, &limits);
+                let back = bap::read(&bap::write(&read.value), bap::AbsentPolicy::Zero, &limits);
                 assert_eq!(back.unwrap().value.frames.len(), read.value.frames.len());
             }
         }

@@ -15,7 +15,7 @@
 //! - [`figure_levels`]: pairs levels of joints and mesh that are shown together
 //! - [`cached_poses`], [`motion_bounds`], [`occluders`]: data that a crowd reads instead of
 //!   computing it
-//! - [`reduce_to_level`]: writes a motion at a level of articulation
+//! - [`hold_joints_in_clip`]: writes a motion at a level of articulation
 //! - [`evaluate`]: plays a clip with a method and measures its gain and its error in pixels
 //! - [`Scene`], [`plaza`]: positions and clips of the characters of a crowd, and its camera path
 //!
@@ -85,7 +85,7 @@ pub use occluders::occluders;
 pub use points::draw_vertices;
 pub use pose_cache::{CacheDecision, CacheOptions, CacheReport, CachedPoses, cached_poses};
 pub use poses::{PoseOptions, PoseOrigin, Poses, SkinPose, SkinPoseSource, poses, positions};
-pub use reduce::{ClipSize, clip_size, reduce_to_level};
+pub use reduce::{ClipSize, clip_size, hold_joints_in_clip};
 pub use scene::{ClipPlayback, CrossFade, PLAZA_COUNT, Plaza, Scene, SceneCharacter, plaza};
 pub use simplify::{
     ErrorWeighting, LevelTriangles, Simplified, SimplifyOptions, region_weights, simplify,

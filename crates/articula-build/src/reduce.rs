@@ -54,7 +54,7 @@ pub(crate) fn size_of<'a>(channels: impl Iterator<Item = &'a Channel>) -> ClipSi
 /// Morph weights and expressions are kept.
 ///
 /// `HoldLast` holds the first frame, since there is none before it.
-pub fn reduce_to_level(
+pub fn hold_joints_in_clip(
     rig: &Rig,
     clip: &RawClip,
     active: &JointSet,
@@ -244,7 +244,7 @@ mod tests {
     fn a_passive_joint_keeps_one_key_by_its_policy() {
         let root = JointSet::first(1);
         let arm = |policy| {
-            let reduced = reduce_to_level(&rig(), &clip(), &root, policy);
+            let reduced = hold_joints_in_clip(&rig(), &clip(), &root, policy);
             reduced.channels.iter().find(|c| c.target == 1).cloned()
         };
         let angle = |c: &Channel, key: usize| {
@@ -263,7 +263,7 @@ mod tests {
         let long = arm(PassivePolicy::BlendToRest { secs: 9.0 }).unwrap();
         assert_eq!(long.times_secs, [0.0, 2.0], "the clip keeps its length");
         let before = clip_size(&clip());
-        let after = clip_size(&reduce_to_level(
+        let after = clip_size(&hold_joints_in_clip(
             &rig(),
             &clip(),
             &root,
@@ -292,13 +292,14 @@ mod tests {
         let rig = Rig::new(&skeleton, articulation).unwrap();
         let mut clip = clip();
         clip.channels[1].target = 0;
-        let reduced = reduce_to_level(&rig, &clip, &JointSet::EMPTY, PassivePolicy::Rest);
+        let reduced = hold_joints_in_clip(&rig, &clip, &JointSet::EMPTY, PassivePolicy::Rest);
         assert!(reduced.channels.contains(&clip.channels[1]));
     }
 
     #[test]
     fn a_passive_root_still_travels_and_turns() {
-        let reduced = reduce_to_level(&rig(), &clip(), &JointSet::EMPTY, PassivePolicy::HoldLast);
+        let reduced =
+            hold_joints_in_clip(&rig(), &clip(), &JointSet::EMPTY, PassivePolicy::HoldLast);
         assert_eq!(reduced.channels[1], clip().channels[1], "its way is kept");
         let q = |key: usize| Quat::from_slice(&reduced.channels[0].values[4 * key..]);
         // Held tilt 0.1, heading of the clip.

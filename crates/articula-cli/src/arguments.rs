@@ -2,7 +2,7 @@
 
 use articula_core::Viewport;
 use articula_formats::UpAxis;
-use articula_formats::mpeg4::fap::Absent;
+use articula_formats::mpeg4::fap::AbsentPolicy;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -82,10 +82,10 @@ impl ReadArgs {
     }
 
     /// Value of a parameter in frames whose mask leaves it out.
-    pub(crate) fn absent(&self) -> Absent {
+    pub(crate) fn absent(&self) -> AbsentPolicy {
         match self.absent {
-            None | Some(LeftOut::Hold) => Absent::Hold,
-            Some(LeftOut::Zero) => Absent::Zero,
+            None | Some(LeftOut::Hold) => AbsentPolicy::Hold,
+            Some(LeftOut::Zero) => AbsentPolicy::Zero,
         }
     }
 }

@@ -10,7 +10,7 @@
 //! concatenated, as glTF defines.
 
 use crate::Mismatch;
-pub use crate::clip_set::Cursor;
+pub use crate::clip_set::ClipCursor;
 use crate::clip_set::{ClipSet, Rows};
 use crate::palette::{Bind, Entry, PaletteForm, PaletteMap, PaletteRows};
 use crate::simd::{Backend, Kernel, Lanes, Row, dispatch};
@@ -21,15 +21,15 @@ use glam::Vec3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BatchPose {
     /// Cursor of the current clip.
-    pub from: Cursor,
+    pub from: ClipCursor,
     /// Cursor of the clip faded to, or the same as `from`.
-    pub to: Cursor,
+    pub to: ClipCursor,
     /// Blend from 0, which shows `from`, to 1, which shows `to`.
     pub fade: f32,
 }
 
-impl From<Cursor> for BatchPose {
-    fn from(cursor: Cursor) -> Self {
+impl From<ClipCursor> for BatchPose {
+    fn from(cursor: ClipCursor) -> Self {
         Self {
             from: cursor,
             to: cursor,
@@ -265,8 +265,8 @@ struct Batch<'a> {
     form: PaletteForm,
     entries: &'a [Entry],
     kept: usize,
-    from: [Cursor; LANES],
-    fade: Option<([Cursor; LANES], [f32; LANES])>,
+    from: [ClipCursor; LANES],
+    fade: Option<([ClipCursor; LANES], [f32; LANES])>,
     joints: &'a mut [Joint],
     out: Out<'a>,
 }
@@ -335,12 +335,12 @@ struct Span<'a, L: Lanes, N> {
     before: [&'a [[N; 4]]; LANES],
     after: [&'a [[N; 4]]; LANES],
     weights: L::Weights,
-    cursors: &'a [Cursor; LANES],
+    cursors: &'a [ClipCursor; LANES],
 }
 
 impl<'a, L: Lanes, N> Span<'a, L, N> {
     #[inline(always)]
-    fn new(rows: &'a [[N; 4]], cursors: &'a [Cursor; LANES], slots: usize) -> Self {
+    fn new(rows: &'a [[N; 4]], cursors: &'a [ClipCursor; LANES], slots: usize) -> Self {
         Self {
             before: std::array::from_fn(|i| &rows[cursors[i].before as usize..][..slots]),
             after: std::array::from_fn(|i| &rows[cursors[i].after as usize..][..slots]),

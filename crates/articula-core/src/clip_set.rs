@@ -61,7 +61,7 @@ struct Segment {
 /// A time in a clip of a [`ClipSet`], resolved to storage slots of two neighbouring frames and the
 /// blend between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cursor {
+pub struct ClipCursor {
     /// First slot of the frame at or before the time.
     pub(crate) before: u32,
     /// First slot of the frame after it.
@@ -211,7 +211,7 @@ impl ClipSet {
     /// # Panics
     /// If there is no such clip.
     #[inline]
-    pub fn cursor(&self, clip: usize, time_secs: f32) -> Cursor {
+    pub fn cursor(&self, clip: usize, time_secs: f32) -> ClipCursor {
         let segment = &self.segments[clip];
         let last = segment.frames - 1;
         // NaN falls through `max` to 0.
@@ -219,7 +219,7 @@ impl ClipSet {
         let before = (at as u32).min(last);
         let after = (before + 1).min(last);
         let slots = self.slots as u32;
-        Cursor {
+        ClipCursor {
             before: segment.first + before * slots,
             after: segment.first + after * slots,
             blend: at - before as f32,
@@ -228,7 +228,7 @@ impl ClipSet {
     }
 
     /// Local transform of one joint at a cursor, computed without SIMD.
-    pub(crate) fn local(&self, at: &Cursor, place: usize) -> Transform {
+    pub(crate) fn local(&self, at: &ClipCursor, place: usize) -> Transform {
         let source = self.sources[place];
         let constant = self.constants[place];
         let slot = |slot: u32| {

@@ -13,7 +13,7 @@
 //! - [`x3d`]: H-Anim figures in X3D and VRML97; read both, write X3D
 //! - [`joint_map`]: joint maps, from joint name to H-Anim joint, level and region
 //! - [`loa_profile`]: a saved selection of levels of articulation
-//! - [`write_segs`], [`write_pose_keys`]: motion-error tables as bytes
+//! - [`write_key_table`], [`write_pose_keys`]: motion-error tables as bytes
 //! - [`Limits`], [`ReadError`], [`Warning`]: bounds on input, errors, repairs
 //! - [`ReadOptions`], [`MotionFile`]: facts that motion files omit, and their content
 //! - [`WrittenFile`], [`WriteError`]: results of writers
@@ -64,7 +64,7 @@ pub mod x3d;
 pub use error::{Assumption, Parsed, ReadError, Warning};
 pub use limits::Limits;
 pub use motion_file::{MotionFile, ReadOptions};
-pub use motion_table::{read_pose_keys, read_segs, write_pose_keys, write_segs};
+pub use motion_table::{read_key_table, read_pose_keys, write_key_table, write_pose_keys};
 pub use units::UpAxis;
 pub use written::{WriteError, WrittenFile};
 

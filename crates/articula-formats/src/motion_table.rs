@@ -21,7 +21,7 @@ const MAX_LEVELS: usize = 64;
 /// Encodes the keys of every joint at every tolerance level. Coarser levels must be subsets of
 /// finer ones, as [`KeyTable::check`] requires; a key that violates this is left out of the coarser
 /// level.
-pub fn write_segs(table: &KeyTable) -> Vec<u8> {
+pub fn write_key_table(table: &KeyTable) -> Vec<u8> {
     let levels = table.levels();
     let mut out = head(
         SEGS,
@@ -49,12 +49,12 @@ pub fn write_segs(table: &KeyTable) -> Vec<u8> {
     out
 }
 
-/// Decodes the output of [`write_segs`].
+/// Decodes the output of [`write_key_table`].
 ///
 /// # Errors
 /// [`ReadError::Malformed`] with the byte offset, [`ReadError::Unsupported`] for another version,
 /// [`ReadError::LimitExceeded`].
-pub fn read_segs(bytes: &[u8], limits: &Limits) -> Result<KeyTable, ReadError> {
+pub fn read_key_table(bytes: &[u8], limits: &Limits) -> Result<KeyTable, ReadError> {
     let mut r = ByteReader::new(bytes);
     let (mode, hashes, base_metres) = head_of(&mut r, SEGS)?;
     let mode = match mode {
@@ -111,7 +111,7 @@ pub fn write_pose_keys(keys: &PoseKeys) -> Vec<u8> {
 /// Decodes the output of [`write_pose_keys`].
 ///
 /// # Errors
-/// As [`read_segs`].
+/// As [`read_key_table`].
 pub fn read_pose_keys(bytes: &[u8], limits: &Limits) -> Result<PoseKeys, ReadError> {
     let mut r = ByteReader::new(bytes);
     let (_, hashes, base_metres) = head_of(&mut r, POSE_KEYS)?;
@@ -257,24 +257,24 @@ mod tests {
     proptest! {
         #[test]
         fn segs_come_back(table in table()) {
-            let bytes = write_segs(&table);
-            prop_assert_eq!(read_segs(&bytes, &Limits::default()).unwrap(), table);
+            let bytes = write_key_table(&table);
+            prop_assert_eq!(read_key_table(&bytes, &Limits::default()).unwrap(), table);
         }
 
         #[test]
         fn segs_cut_short_are_errors(table in table()) {
-            let bytes = write_segs(&table);
+            let bytes = write_key_table(&table);
             for end in 0..bytes.len() {
-                prop_assert!(read_segs(&bytes[..end], &Limits::default()).is_err());
+                prop_assert!(read_key_table(&bytes[..end], &Limits::default()).is_err());
             }
         }
 
         #[test]
         fn altered_bytes_never_panic(table in table(), at in any::<prop::sample::Index>(), byte in any::<u8>()) {
-            let mut bytes = write_segs(&table);
+            let mut bytes = write_key_table(&table);
             let at = at.index(bytes.len());
             bytes[at] = byte;
-            if let Ok(read) = read_segs(&bytes, &Limits::default()) {
+            if let Ok(read) = read_key_table(&bytes, &Limits::default()) {
                 prop_assert!(read.keys.iter().flatten().flatten().all(|k| *k < read.frames));
             }
         }

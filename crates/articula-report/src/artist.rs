@@ -1,7 +1,7 @@
 //! Poses and renders one character: lit, with joint marks, and at its size on the screen.
 
 use crate::paint::draw_box;
-use crate::skeleton::{JointMark, draw_skeleton, followed};
+use crate::skeleton::{JointMark, draw_skeleton, influencing_joints};
 use articula_core::{
     Camera, JointArticulation, LocalPose, Mesh, PosedMesh, Region, Rig, SkinnedMesh, Viewport,
 };
@@ -179,7 +179,7 @@ impl<'a> Artist<'a> {
     ) -> Result<Picture, PictureError> {
         let mut picture = self.figure(pose, morphs)?;
         let camera = self.camera();
-        let joints = followed(self.rig, self.mesh);
+        let joints = influencing_joints(self.rig, self.mesh);
         let (rig, model) = (self.rig, &self.posed.model);
         draw_skeleton(&mut picture, rig, model, &camera, &joints, marks);
         if let Some(small) = self.true_size(pixels_per_metre)? {

@@ -4,7 +4,7 @@
 //! - [`ContactSheet`]: small pictures on one page, in labelled rows and columns
 //! - [`Artist`]: renders one character, lit, with joint marks ([`JointMark`]); [`close_up`]:
 //!   renders a part of it
-//! - [`draw_skeleton`]: draws joints over an existing picture; [`followed`]: selects the joints
+//! - [`draw_skeleton`]: draws joints over an existing picture; [`influencing_joints`]: selects the joints
 //!   that move vertices
 //! - [`CrowdPicture`]: renders a crowd, coloured by level
 //! - [`motion_sheet`], [`camera_path_sheet`], [`rest_sheet`]: a clip under motion level of detail
@@ -41,5 +41,7 @@ pub use artist::{Artist, close_up, evenly_spaced_frames};
 pub use contact_sheet::{ContactSheet, SheetCell, SheetRow, SheetTile};
 pub use crowd::CrowdPicture;
 pub use motion_sheet::{MotionLine, camera_path_sheet, motion_sheet, rest_sheet};
-pub use plot::{BarSeries, Plot, PlotOptions, Scale, Series, Values, bar_plot, line_plot, stacked};
-pub use skeleton::{JointMark, draw_skeleton, followed};
+pub use plot::{
+    BarSeries, Plot, PlotOptions, Scale, Series, ValueFormat, bar_plot, line_plot, stacked,
+};
+pub use skeleton::{JointMark, draw_skeleton, influencing_joints};

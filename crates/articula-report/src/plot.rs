@@ -40,7 +40,7 @@ pub struct PlotOptions {
     /// Scale of the x axis; bar plots ignore it.
     pub x: Scale,
     /// Format of y values.
-    pub y: Values,
+    pub y: ValueFormat,
     /// A y value to mark with a labelled line, such as a target.
     pub target: Option<(f64, String)>,
 }
@@ -57,7 +57,7 @@ pub enum Scale {
 
 /// Number format of the values of a plot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Values {
+pub enum ValueFormat {
     /// Plain numbers.
     #[default]
     Plain,
@@ -199,13 +199,13 @@ impl Canvas {
     fn grid(&mut self, options: &PlotOptions) {
         let right = WIDTH - RIGHT;
         let scale = match options.y {
-            Values::Plain => 1.0,
-            Values::Percent => 100.0,
+            ValueFormat::Plain => 1.0,
+            ValueFormat::Percent => 100.0,
         };
         for (value, _) in self.y.ticks(std::iter::empty()) {
             let y = self.y_at(value);
             let color = if value == 0.0 { "#8a8f99" } else { "#e3e6eb" };
-            let unit = if options.y == Values::Percent {
+            let unit = if options.y == ValueFormat::Percent {
                 " %"
             } else {
                 ""
@@ -371,10 +371,10 @@ fn dash(dashed: bool) -> &'static str {
     }
 }
 
-fn written(values: Values, value: f64) -> String {
+fn written(values: ValueFormat, value: f64) -> String {
     match values {
-        Values::Plain => format!("{value:.3}"),
-        Values::Percent => format!("{:.1} %", value * 100.0),
+        ValueFormat::Plain => format!("{value:.3}"),
+        ValueFormat::Percent => format!("{:.1} %", value * 100.0),
     }
 }
 

@@ -70,7 +70,7 @@ struct SkeletonOptions {
 
 /// Returns the skin joints that influence a vertex, themselves or through a descendant; all skin
 /// joints if no vertex is influenced.
-pub fn followed(rig: &Rig, mesh: &Mesh) -> JointSet {
+pub fn influencing_joints(rig: &Rig, mesh: &Mesh) -> JointSet {
     let weighted = mesh.binding_indices.iter().zip(&mesh.weights);
     let weighted = weighted.filter(|(_, weight)| **weight > 0.0);
     let mut carrying: JointSet = weighted
@@ -81,11 +81,11 @@ pub fn followed(rig: &Rig, mesh: &Mesh) -> JointSet {
             carrying.extend(rig.parent(joint));
         }
     }
-    let followed = carrying.intersection(rig.skin_joints());
-    if followed.is_empty() {
+    let influencing_joints = carrying.intersection(rig.skin_joints());
+    if influencing_joints.is_empty() {
         *rig.skin_joints()
     } else {
-        followed
+        influencing_joints
     }
 }
 
@@ -93,7 +93,7 @@ pub fn followed(rig: &Rig, mesh: &Mesh) -> JointSet {
 ///
 /// `marks` has one entry per joint of the rig; joints beyond its end are active. A bone has the
 /// colour of its parent joint. Joints behind the camera are left out. Authoring rigs contain
-/// control joints that no vertex follows: see [`followed`].
+/// control joints that no vertex follows: see [`influencing_joints`].
 pub fn draw_skeleton(
     picture: &mut Picture,
     rig: &Rig,
@@ -274,13 +274,16 @@ mod tests {
             .rev()
             .find(|j| rig.skin_joints().contains(*j))
             .unwrap();
-        let above = followed(&rig, &mesh(rig.root() as u16));
+        let above = influencing_joints(&rig, &mesh(rig.root() as u16));
         assert_eq!(above.iter().collect::<Vec<_>>(), [rig.root()]);
         assert!(
-            followed(&rig, &mesh(last as u16)).contains(rig.root()),
+            influencing_joints(&rig, &mesh(last as u16)).contains(rig.root()),
             "what leads there too"
         );
-        assert_eq!(followed(&rig, &Mesh::default()), *rig.skin_joints());
+        assert_eq!(
+            influencing_joints(&rig, &Mesh::default()),
+            *rig.skin_joints()
+        );
     }
 
     #[test]

@@ -11,7 +11,7 @@ use articula_build::{JointLever, levers};
 use articula_build::{key_table, table_hashes};
 use articula_core::{KeyMode, KeyTable, Mismatch, PoseKeys};
 use articula_formats::Limits;
-use articula_formats::{read_pose_keys, read_segs, write_pose_keys, write_segs};
+use articula_formats::{read_key_table, read_pose_keys, write_key_table, write_pose_keys};
 use serde::Serialize;
 
 /// Names of the tables in the file.
@@ -59,7 +59,7 @@ impl<'a> TableMaker<'a> {
             lists.map(Vec::len).sum()
         };
         ClipTables {
-            segs: write_segs(&table),
+            segs: write_key_table(&table),
             pose_keys: write_pose_keys(&pose_keys),
             keys: (0..table.levels()).map(at).collect(),
         }
@@ -103,7 +103,7 @@ fn of_clip(figure: &Figure, clip: usize) -> Result<StoredTables> {
         |name: &str| format!("animations[{clip}].extensions.ARTICULA_articulation.tables.{name}");
     let mut stored = StoredTables::default();
     if let Some(bytes) = gltf.document.motion_table(clip, SEGS) {
-        let table = read_segs(bytes, &limits).with_context(|| at(SEGS))?;
+        let table = read_key_table(bytes, &limits).with_context(|| at(SEGS))?;
         check_segs(&figure.asset, clip, &table).with_context(|| at(SEGS))?;
         stored.segs = bytes.len();
     }

@@ -2,7 +2,7 @@
 
 /// Reason why a joint of a rig maps to no H-Anim joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum GapReason {
+pub enum UnmappedReason {
     /// The joint map has no entry for the name.
     NoEntry,
     /// Another joint is already mapped to the same H-Anim joint.
@@ -15,11 +15,11 @@ pub enum GapReason {
 
 /// A joint of a rig that maps to no H-Anim joint.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Gap {
+pub struct UnmappedJoint {
     /// Index in the skeleton.
     pub joint: usize,
     /// Name of the joint.
     pub name: String,
     /// Reason why it is not mapped.
-    pub reason: GapReason,
+    pub reason: UnmappedReason,
 }

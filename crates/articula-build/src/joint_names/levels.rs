@@ -5,7 +5,7 @@
 //! assign known helpers (tongue, finger tips) to the last level of their own region; branches
 //! outside the human (controls, props) are at the last level too.
 
-use super::gap::GapReason;
+use super::gap::UnmappedReason;
 use articula_core::joint_names::JointTarget;
 use articula_core::loa::MAX_LEVEL;
 use articula_core::source::Skeleton;
@@ -14,7 +14,7 @@ use articula_core::{JointArticulation, Region};
 /// Derives level and region of every joint from the mapped ones.
 pub(super) fn articulated(
     skeleton: &Skeleton,
-    meanings: &[Result<JointTarget, GapReason>],
+    meanings: &[Result<JointTarget, UnmappedReason>],
 ) -> Vec<JointArticulation> {
     let above_mapped = above_mapped(skeleton, meanings);
     let mut joints: Vec<JointArticulation> = Vec::with_capacity(meanings.len());
@@ -59,7 +59,10 @@ pub(super) fn by_depth(skeleton: &Skeleton) -> Vec<JointArticulation> {
     joints
 }
 
-fn above_mapped(skeleton: &Skeleton, meanings: &[Result<JointTarget, GapReason>]) -> Vec<bool> {
+fn above_mapped(
+    skeleton: &Skeleton,
+    meanings: &[Result<JointTarget, UnmappedReason>],
+) -> Vec<bool> {
     let mut above = vec![false; meanings.len()];
     for index in (0..meanings.len()).rev() {
         let mapped = matches!(meanings[index], Ok(JointTarget::Joint(_)));

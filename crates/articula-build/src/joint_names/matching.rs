@@ -4,7 +4,7 @@
 //! be found or the joint map does not fit. A joint whose name contradicts the side of the limb it
 //! hangs from is mapped with the limb (rigs with crossed thumbs exist).
 
-use super::gap::GapReason;
+use super::gap::UnmappedReason;
 use super::spine;
 use articula_core::joint_names::{JointMap, JointTarget, RigScope, Side};
 use articula_core::source::Skeleton;
@@ -26,7 +26,7 @@ const HAND_FINGER_JOINTS: usize = 5;
 pub(super) struct Candidate {
     pub(super) profile: String,
     /// One entry per joint: its target, or the reason why it has none.
-    pub(super) meanings: Vec<Result<JointTarget, GapReason>>,
+    pub(super) meanings: Vec<Result<JointTarget, UnmappedReason>>,
     /// Joints whose name contradicts their side.
     pub(super) crossed: Vec<usize>,
 }
@@ -143,7 +143,7 @@ fn uncross(skeleton: &Skeleton, found: &mut [Option<JointTarget>]) -> Vec<usize>
 fn without_duplicates(
     skeleton: &Skeleton,
     found: Vec<Option<JointTarget>>,
-) -> Vec<Result<JointTarget, GapReason>> {
+) -> Vec<Result<JointTarget, UnmappedReason>> {
     let mut first: BTreeMap<&str, usize> = BTreeMap::new();
     for in_skin in [true, false] {
         for (index, target) in found.iter().enumerate() {
@@ -156,8 +156,8 @@ fn without_duplicates(
     }
     let kept: BTreeSet<usize> = first.into_values().collect();
     let keep = |(index, target): (usize, Option<JointTarget>)| match target {
-        None => Err(GapReason::NoEntry),
-        Some(JointTarget::Joint(_)) if !kept.contains(&index) => Err(GapReason::Duplicate),
+        None => Err(UnmappedReason::NoEntry),
+        Some(JointTarget::Joint(_)) if !kept.contains(&index) => Err(UnmappedReason::Duplicate),
         Some(target) => Ok(target),
     };
     found.into_iter().enumerate().map(keep).collect()

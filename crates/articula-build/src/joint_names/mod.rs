@@ -15,7 +15,7 @@ mod rest;
 mod shape;
 mod spine;
 
-pub use gap::{Gap, GapReason};
+pub use gap::{UnmappedJoint, UnmappedReason};
 
 use articula_core::Articulation;
 use articula_core::hanim_table::{self, JOINTS};
@@ -34,7 +34,7 @@ pub struct JointMapping {
     /// Level and region of every joint, and the name of the joint map; empty if none fits.
     pub articulation: Articulation,
     /// Joints without a counterpart in H-Anim, in the skeleton's order.
-    pub gaps: Vec<Gap>,
+    pub gaps: Vec<UnmappedJoint>,
     /// H-Anim joints up to level 2 that the rig lacks.
     pub missing: Vec<&'static str>,
     /// Joints whose name contradicts the side of the limb they hang from; they are mapped with the
@@ -143,15 +143,15 @@ fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> JointMa
     let expected = JOINTS.iter().filter(|j| j.level <= EXPECTED_LEVEL);
     let missing = expected.map(|j| j.name).filter(|n| !present.contains(n));
     let missing = missing.collect();
-    let gap = |(joint, meaning): (usize, &Result<JointTarget, GapReason>)| {
+    let gap = |(joint, meaning): (usize, &Result<JointTarget, UnmappedReason>)| {
         let reason = match meaning {
             Ok(JointTarget::Joint(_)) => return None,
-            Ok(JointTarget::Helper(_)) => GapReason::Helper,
-            Ok(_) => GapReason::Ignored,
+            Ok(JointTarget::Helper(_)) => UnmappedReason::Helper,
+            Ok(_) => UnmappedReason::Ignored,
             Err(reason) => *reason,
         };
         let name = skeleton.joints[joint].name.clone();
-        Some(Gap {
+        Some(UnmappedJoint {
             joint,
             name,
             reason,
@@ -175,10 +175,10 @@ fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> JointMa
 }
 
 fn unmapped(skeleton: &Skeleton) -> JointMapping {
-    let gap = |joint: usize| Gap {
+    let gap = |joint: usize| UnmappedJoint {
         joint,
         name: skeleton.joints[joint].name.clone(),
-        reason: GapReason::NoEntry,
+        reason: UnmappedReason::NoEntry,
     };
     JointMapping {
         articulation: Articulation {
@@ -241,7 +241,7 @@ mod tests {
         assert_eq!(of(95), (3, Region::Arms));
         assert_eq!(of(96), (5, Region::Pelvis), "beside the human");
         let gaps = mapping.gaps.iter().map(|g| (g.joint, g.reason));
-        assert!(gaps.eq([94, 95, 96].map(|j| (j, GapReason::NoEntry))));
+        assert!(gaps.eq([94, 95, 96].map(|j| (j, UnmappedReason::NoEntry))));
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! `vl5`, `vt10`, `vt6`; in a rig with more joints than the list, those nearest to the vertebrae by
 //! arc length between hips and neck are mapped.
 
-use super::gap::GapReason;
+use super::gap::UnmappedReason;
 use super::rest;
 use articula_core::hanim_table::{self, JOINTS};
 use articula_core::joint_names::{JointTarget, StandardJoint};
@@ -23,7 +23,7 @@ const NECK: [&str; 4] = ["vc7", "vc4", "vc2", "skullbase"];
 /// joints beside that chain become duplicates.
 pub(super) fn name_by_arc_length(
     skeleton: &Skeleton,
-    meanings: &mut [Result<JointTarget, GapReason>],
+    meanings: &mut [Result<JointTarget, UnmappedReason>],
 ) {
     let chain = chain(skeleton, meanings);
     let spine: Vec<usize> = chain
@@ -43,7 +43,7 @@ pub(super) fn name_by_arc_length(
         .iter_mut()
         .filter(|m| **m == Ok(JointTarget::Spine))
     {
-        *meaning = Err(GapReason::Duplicate);
+        *meaning = Err(UnmappedReason::Duplicate);
     }
 }
 
@@ -56,7 +56,7 @@ pub(super) fn vertebrae(count: usize) -> Vec<usize> {
 }
 
 /// Joints from the root joint (or the tree's root) to the neck, both included.
-fn chain(skeleton: &Skeleton, meanings: &[Result<JointTarget, GapReason>]) -> Vec<usize> {
+fn chain(skeleton: &Skeleton, meanings: &[Result<JointTarget, UnmappedReason>]) -> Vec<usize> {
     let named = |wanted: &str| {
         meanings
             .iter()

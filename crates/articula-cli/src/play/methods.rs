@@ -2,15 +2,14 @@
 
 use super::selection::SelectionArgs;
 use crate::fault;
-use anyhow::Context;
 use articula::evaluate::NamedMethod;
 use articula_build::ChainTolerance;
 use articula_build::evaluate::ThresholdCurve;
 use articula_build::evaluate::{BoneDirection, SegmentRadius};
 use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::LoaExpression;
-use articula_core::{DriftOptions, JointSet, Rig};
+
+use articula_core::{DriftOptions, Rig};
 use clap::{Args, ValueEnum};
 
 use crate::arguments::{not_negative, positive};
@@ -303,16 +302,4 @@ impl MethodArgs {
         }
         Ok(options)
     }
-}
-
-/// The joints of an expression; a mistake in it is a usage error.
-pub(crate) fn joints(text: &str, rig: &Rig) -> anyhow::Result<JointSet> {
-    let expression = text
-        .parse::<LoaExpression>()
-        .map_err(|e| fault::usage(e.to_string()))
-        .with_context(|| format!("--loa \"{text}\""))?;
-    expression
-        .joints(rig)
-        .map_err(|e| fault::usage(e.to_string()))
-        .with_context(|| format!("--loa \"{text}\""))
 }

@@ -5,7 +5,7 @@
 use articula_build::evaluate::{ClipEvaluator, PathFrame, PathRun, play};
 use articula_core::JointSet;
 use articula_report::{
-    BarSeries, MotionLine, Plot, PlotOptions, Scale, Series, Values, bar_plot, line_plot,
+    BarSeries, MotionLine, Plot, PlotOptions, Scale, Series, ValueFormat, bar_plot, line_plot,
 };
 
 /// Joint updates saved over distance.
@@ -15,7 +15,7 @@ pub(crate) fn gain_plot(series: &[Series], heading: &str) -> Plot {
         x_label: "distance (m)".into(),
         y_label: "joint updates saved".into(),
         x: Scale::Logarithmic,
-        y: Values::Percent,
+        y: ValueFormat::Percent,
         target: None,
     };
     Plot {
@@ -31,7 +31,7 @@ pub(crate) fn error_plot(series: &[Series], heading: &str, limit_px: Option<f32>
         x_label: "distance (m)".into(),
         y_label: "p95 error (px)".into(),
         x: Scale::Logarithmic,
-        y: Values::Plain,
+        y: ValueFormat::Plain,
         target: limit_px.map(|l| (f64::from(l), format!("target {l} px"))),
     };
     Plot {

@@ -1,10 +1,9 @@
 //! The joints of a fixed level of articulation: given as an expression or as a saved selection,
 //! and written as one.
 
-use super::methods::joints;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_core::loa::{self, Selection};
+use articula_core::loa::{self, LoaExpression, Selection};
 use articula_core::{JointSet, Rig, Zone};
 use articula_formats::Limits;
 use articula_formats::loa_profile::{self, LoaProfile};
@@ -74,6 +73,18 @@ impl SelectionArgs {
         files::write(path, &loa_profile::write(&profile))?;
         Ok(Some(files::shown(path)))
     }
+}
+
+/// The joints of an expression; a mistake in it is a usage error.
+fn joints(text: &str, rig: &Rig) -> anyhow::Result<JointSet> {
+    let expression = text
+        .parse::<LoaExpression>()
+        .map_err(|e| fault::usage(e.to_string()))
+        .with_context(|| format!("--loa \"{text}\""))?;
+    expression
+        .joints(rig)
+        .map_err(|e| fault::usage(e.to_string()))
+        .with_context(|| format!("--loa \"{text}\""))
 }
 
 /// The joints of a saved selection.

@@ -3,7 +3,7 @@
 
 use crate::judges::{ask, judges_are_here};
 use articula_formats::Limits;
-use articula_formats::meshopt::{Filter, Mode, Shape, decode};
+use articula_formats::meshopt::{Filter, Mode, ViewLayout, decode};
 use serde_json::Value;
 
 /// Views, each also with a change in its bytes.
@@ -11,7 +11,7 @@ const CASES: usize = 600;
 
 /// One line of the script.
 struct Case {
-    shape: Shape,
+    shape: ViewLayout,
     encoded: Vec<u8>,
     reference: Option<Vec<u8>>,
     library: Option<Vec<u8>>,
@@ -28,7 +28,7 @@ fn case(line: &str) -> Case {
     let value: Value = serde_json::from_str(line).unwrap();
     let bytes = |key: &str| value[key].as_str().map(bytes);
     Case {
-        shape: Shape {
+        shape: ViewLayout {
             mode: match value["mode"].as_str().unwrap() {
                 "ATTRIBUTES" => Mode::Attributes,
                 "TRIANGLES" => Mode::Triangles,
@@ -58,7 +58,7 @@ fn bytes(hex: &str) -> Vec<u8> {
 
 /// Maximum difference of two outputs in units of the last place: the extension allows one for
 /// filters that round, and none for the others.
-fn apart(shape: &Shape, a: &[u8], b: &[u8]) -> u32 {
+fn apart(shape: &ViewLayout, a: &[u8], b: &[u8]) -> u32 {
     assert_eq!(a.len(), b.len());
     let rounds = !matches!(shape.filter, Filter::None | Filter::Exponential);
     if !rounds {

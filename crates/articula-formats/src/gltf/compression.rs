@@ -11,7 +11,7 @@ use super::place::Place;
 use super::reader::Notes;
 use crate::error::ReadError;
 use crate::limits::Limits;
-use crate::meshopt::{Filter, Mode, Shape, decode};
+use crate::meshopt::{Filter, Mode, ViewLayout, decode};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
@@ -116,12 +116,12 @@ fn decode_all(
     Ok(out)
 }
 
-fn shape(view: &Place<'_>, extension: &Place<'_>) -> Result<Shape, ReadError> {
+fn shape(view: &Place<'_>, extension: &Place<'_>) -> Result<ViewLayout, ReadError> {
     let unknown = |key: &str| {
         let what = format!("unknown {key}");
         ReadError::malformed(extension.path(key), what)
     };
-    let shape = Shape {
+    let shape = ViewLayout {
         mode: match extension.text("mode") {
             "ATTRIBUTES" => Mode::Attributes,
             "TRIANGLES" => Mode::Triangles,

@@ -50,7 +50,7 @@ pub enum Filter {
 
 /// Element count, stride and encoding of a compressed buffer view, as the glTF file declares them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shape {
+pub struct ViewLayout {
     /// Bitstream type.
     pub mode: Mode,
     /// Filter.
@@ -61,7 +61,7 @@ pub struct Shape {
     pub stride: u64,
 }
 
-impl Shape {
+impl ViewLayout {
     /// Returns the size of all elements in bytes, or a description of an invalid layout.
     fn checked_len(&self) -> Result<u64, String> {
         let stride = self.stride;
@@ -106,7 +106,7 @@ impl Shape {
 /// # Errors
 /// [`ReadError::Malformed`] with the byte of the fault for a stream that ends early, has bytes left
 /// or breaks the rules of its mode; [`ReadError::LimitExceeded`].
-pub fn decode(bytes: &[u8], shape: &Shape, limits: &Limits) -> Result<Vec<u8>, ReadError> {
+pub fn decode(bytes: &[u8], shape: &ViewLayout, limits: &Limits) -> Result<Vec<u8>, ReadError> {
     let len = shape.checked_len();
     let len = len.map_err(|what| ReadError::malformed("shape", what))?;
     Limits::check("shape", "decoded bytes", len, limits.bytes)?;
@@ -132,8 +132,8 @@ fn index_bytes(indices: &[u32], stride: usize) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    fn shape(mode: Mode, filter: Filter, count: u64, stride: u64) -> Shape {
-        Shape {
+    fn shape(mode: Mode, filter: Filter, count: u64, stride: u64) -> ViewLayout {
+        ViewLayout {
             mode,
             filter,
             count,

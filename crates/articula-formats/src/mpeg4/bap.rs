@@ -9,7 +9,7 @@ use crate::{Limits, Parsed, ReadError, Warning};
 pub use super::bap_body::{character, figure};
 pub use super::bap_sample::{BapError, BapResidual, SampledBap, sample};
 pub(super) use super::bap_table::{BAPS, Motion, TABLE};
-pub use super::fap::Absent;
+pub use super::fap::AbsentPolicy;
 
 /// Number of parameters with extensions.
 const WITH_EXTENSIONS: usize = 296;
@@ -62,7 +62,11 @@ impl BapClip {
 ///
 /// # Errors
 /// [`ReadError`] with the line, if the text does not have this format or exceeds the limits.
-pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<BapClip>, ReadError> {
+pub fn read(
+    bytes: &[u8],
+    absent: AbsentPolicy,
+    limits: &Limits,
+) -> Result<Parsed<BapClip>, ReadError> {
     let (mut reader, header) = Reader::new(bytes, &LAYOUT, limits)?;
     parameter_text::check_version(&header, &VERSIONS, &mut reader.warnings);
     let mut clip = BapClip {
@@ -77,7 +81,7 @@ pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<BapC
             clip.coded = vec![false; raw.mask.len()];
             body.values = vec![0; raw.mask.len()];
         }
-        if absent == Absent::Zero {
+        if absent == AbsentPolicy::Zero {
             body.values.fill(0);
         }
         body.number = raw.number;

@@ -24,7 +24,7 @@ const MAX_UNKNOWN: u64 = 16;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum GroupMask {
     /// Type 0: no parameter is coded; the receiver holds.
-    Absent,
+    AbsentPolicy,
     /// Type 1: those that are set; the receiver holds the others.
     Hold(Vec<bool>),
     /// Type 2: those that are set; the receiver interpolates the others.
@@ -266,7 +266,7 @@ fn groups(statement: &Statement) -> Result<Vec<GroupMask>, ReadError> {
             }
         };
         groups.push(match kind {
-            0 => GroupMask::Absent,
+            0 => GroupMask::AbsentPolicy,
             1 => GroupMask::Hold(bits()?),
             2 => GroupMask::Interpolate(bits()?),
             3 => GroupMask::All,
@@ -312,12 +312,16 @@ mod tests {
         (eyes[0], eyes[1], eyes[2], eyes[11]) = (true, true, true, true);
         assert_eq!(
             a.face.groups[..3],
-            [GroupMask::All, GroupMask::Absent, GroupMask::Hold(eyes)]
+            [
+                GroupMask::All,
+                GroupMask::AbsentPolicy,
+                GroupMask::Hold(eyes)
+            ]
         );
         let mut brows = vec![false; 8];
         brows[7] = true;
         assert_eq!(a.face.groups[3], GroupMask::Interpolate(brows));
-        assert_eq!(a.face.groups[4..], vec![GroupMask::Absent; 6]);
+        assert_eq!(a.face.groups[4..], vec![GroupMask::AbsentPolicy; 6]);
         assert_eq!(
             (a.face.quantiser, a.face.ranges[0].as_slice()),
             (Some(2), [60, 60].as_slice())

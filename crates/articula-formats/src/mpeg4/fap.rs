@@ -120,7 +120,7 @@ impl FapClip {
 
 /// Value that a parameter has in a frame whose mask omits it: held or neutral.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Absent {
+pub enum AbsentPolicy {
     /// It keeps its value: mask types 0 and 1 of the standard.
     #[default]
     Hold,
@@ -132,7 +132,11 @@ pub enum Absent {
 ///
 /// # Errors
 /// [`ReadError`] with the line, if the text does not have this format or exceeds the limits.
-pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<FapClip>, ReadError> {
+pub fn read(
+    bytes: &[u8],
+    absent: AbsentPolicy,
+    limits: &Limits,
+) -> Result<Parsed<FapClip>, ReadError> {
     let (mut reader, header) = Reader::new(bytes, &LAYOUT, limits)?;
     parameter_text::check_version(&header, &VERSIONS, &mut reader.warnings);
     let mut clip = FapClip {
@@ -143,7 +147,7 @@ pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<FapC
     };
     let (mut raw, mut face) = (Frame::default(), FapFrame::default());
     while reader.next(&mut raw)? {
-        if absent == Absent::Zero {
+        if absent == AbsentPolicy::Zero {
             face = FapFrame::default();
         }
         face.number = raw.number;

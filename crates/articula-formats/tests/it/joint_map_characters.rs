@@ -1,7 +1,7 @@
 //! Every real humanoid maps to the standard, on the correct sides.
 
 use crate::real::bytes;
-use articula_build::joint_names::{GapReason, JointMapping};
+use articula_build::joint_names::{JointMapping, UnmappedReason};
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{Region, Transform};
 use articula_formats::joint_map;
@@ -283,7 +283,7 @@ fn the_densest_rig_has_every_finger_and_toe() {
     let helpers = mapping
         .gaps
         .iter()
-        .filter(|g| g.reason == GapReason::Helper);
+        .filter(|g| g.reason == UnmappedReason::Helper);
     assert_eq!(helpers.count(), count(Region::Face, false));
     let level_of = |name: &str| joints[skeleton.find(name).unwrap()].level;
     assert_eq!((level_of("toe2-1.L"), level_of("toe3-1.L")), (2, 5));

@@ -52,12 +52,12 @@ pub struct FittedClip {
     /// The clip; its channels drive joints and meshes of the character.
     pub clip: RawClip,
     /// Provenance of the clip.
-    pub fit: ClipFit,
+    pub fit: ClipProvenance,
 }
 
 /// Provenance of a transferred clip: source file and clip, matched channels and retargeting.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ClipFit {
+pub struct ClipProvenance {
     /// Name of the clip on the character.
     pub name: String,
     /// Name of the source file, as in errors and reports.
@@ -97,7 +97,7 @@ impl CharacterFile {
         files: &[Self],
         options: &AddClipsOptions,
         work: &Executor<'_>,
-    ) -> Result<Vec<ClipFit>> {
+    ) -> Result<Vec<ClipProvenance>> {
         if files.is_empty() {
             return Ok(Vec::new());
         }
@@ -113,7 +113,7 @@ impl CharacterFile {
 
     /// Adds clips that [`fit_clips`] made for this character. A number is appended to names already
     /// in use; the returned reports have the final names.
-    pub fn put_clips(&mut self, fitted: Vec<FittedClip>, keep_own: bool) -> Vec<ClipFit> {
+    pub fn put_clips(&mut self, fitted: Vec<FittedClip>, keep_own: bool) -> Vec<ClipProvenance> {
         let clips = &mut self.character.clips;
         if !keep_own {
             clips.clear();
@@ -198,7 +198,7 @@ pub fn fit_clips(
             Cow::Borrowed(_) => new,
         };
         Ok(FittedClip {
-            fit: ClipFit {
+            fit: ClipProvenance {
                 name: clip_there.name.clone(),
                 file: file.name.clone(),
                 from: clip.name.clone(),

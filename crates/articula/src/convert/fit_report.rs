@@ -10,7 +10,7 @@ use serde::Serialize;
 
 /// JSON report on the clips transferred from one file.
 #[derive(Debug, Serialize)]
-pub struct FitReport {
+pub struct TransferReport {
     /// Name of the file, as in errors.
     #[serde(rename = "in")]
     pub input: String,
@@ -28,16 +28,16 @@ pub struct FitReport {
     /// Number of joints that are not animated.
     pub joints_held: usize,
     /// Reports on the clips.
-    pub clips: Vec<FitClip>,
+    pub clips: Vec<TransferredClipReport>,
     /// Origin of the motion of every joint, in the order of the character's joints.
-    pub joints: Vec<FitJoint>,
+    pub joints: Vec<JointSourceReport>,
     /// Source joints with an H-Anim mapping that no joint of the character follows.
     pub dropped: Vec<String>,
 }
 
 /// JSON report on one transferred clip.
 #[derive(Debug, Serialize)]
-pub struct FitClip {
+pub struct TransferredClipReport {
     /// Name in the output file.
     pub name: String,
     /// Name in the source file.
@@ -126,7 +126,7 @@ impl FitQuality {
 
 /// JSON report on the source joints that one joint of the character follows.
 #[derive(Debug, Serialize)]
-pub struct FitJoint {
+pub struct JointSourceReport {
     /// The joint.
     pub joint: String,
     /// `mapped`, `shared` or `held`.
@@ -144,7 +144,7 @@ pub struct JointShare {
     pub share: f32,
 }
 
-impl FitReport {
+impl TransferReport {
     /// Creates the report on the clips of a file; `None` if none of them was retargeted.
     pub fn new(
         file: &CharacterFile,
@@ -173,10 +173,10 @@ impl FitReport {
     }
 }
 
-fn clip(skeleton: &Skeleton, fitted: &FittedClip) -> Option<FitClip> {
+fn clip(skeleton: &Skeleton, fitted: &FittedClip) -> Option<TransferredClipReport> {
     let fit = &fitted.fit;
     let report = fit.retargeted.as_ref()?;
-    Some(FitClip {
+    Some(TransferredClipReport {
         name: fit.name.clone(),
         from: fit.from.clone(),
         duration_secs: fitted.clip.duration_secs,
@@ -187,7 +187,7 @@ fn clip(skeleton: &Skeleton, fitted: &FittedClip) -> Option<FitClip> {
     })
 }
 
-fn joints(skeleton: &Skeleton, from: &Skeleton, report: &RetargetReport) -> Vec<FitJoint> {
+fn joints(skeleton: &Skeleton, from: &Skeleton, report: &RetargetReport) -> Vec<JointSourceReport> {
     let share = |joint: usize, share: f32| JointShare {
         joint: name(from, joint),
         share,
@@ -201,7 +201,7 @@ fn joints(skeleton: &Skeleton, from: &Skeleton, report: &RetargetReport) -> Vec<
             ),
             RotationOrigin::Held => ("held", Vec::new()),
         };
-        FitJoint {
+        JointSourceReport {
             joint: name(skeleton, j.joint),
             origin,
             from,

@@ -30,9 +30,10 @@ pub use clip_edits::{
     ClipEdited, ClipEdits, ClipPart, KeysReduced, LoopClosed, LoopPart, Looped, Resampled,
     RootMotionEdited, TrajectoryPlace, Trimmed,
 };
-pub use fit_clips::{AddClipsOptions, ClipFit, FittedClip, fit_clips};
+pub use fit_clips::{AddClipsOptions, ClipProvenance, FittedClip, fit_clips};
 pub use fit_report::{
-    EndEffectorSummary, FitClip, FitJoint, FitQuality, FitReport, FootSlideSummary, JointShare,
+    EndEffectorSummary, FitQuality, FootSlideSummary, JointShare, JointSourceReport,
+    TransferReport, TransferredClipReport,
 };
 pub use left_out::{EncodedFile, LossyPart};
 pub use reduction::{

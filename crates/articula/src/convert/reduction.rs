@@ -2,7 +2,7 @@
 
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
-use articula_build::{ClipSize, clip_size, reduce_to_level};
+use articula_build::{ClipSize, clip_size, hold_joints_in_clip};
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::{LoaExpression, Selection, with_ancestors};
 use articula_core::source::RawClip;
@@ -90,7 +90,7 @@ pub fn hold_joints(
     let (mut before, mut after) = (AnimationSize::default(), AnimationSize::default());
     let reduced = clips.iter().map(|clip| {
         before += clip_size(clip);
-        let out = reduce_to_level(rig, clip, &active, policy);
+        let out = hold_joints_in_clip(rig, clip, &active, policy);
         after += clip_size(&out);
         out
     });

@@ -25,7 +25,7 @@ use crate::error::Result;
 use crate::figure::Figure;
 use crate::motion_tables::StoredTables;
 use crate::work::Executor;
-use articula_build::joint_names::GapReason;
+use articula_build::joint_names::UnmappedReason;
 use articula_build::source_rate_hz;
 use articula_core::loa::MAX_LEVEL;
 use articula_core::source;
@@ -280,12 +280,12 @@ fn count(
         .count()
 }
 
-fn why(reason: GapReason) -> &'static str {
+fn why(reason: UnmappedReason) -> &'static str {
     match reason {
-        GapReason::NoEntry => "unknown name",
-        GapReason::Duplicate => "another joint has the same meaning",
-        GapReason::Helper => "a detail joint of its region",
-        GapReason::Ignored => "ignored by the joint map",
+        UnmappedReason::NoEntry => "unknown name",
+        UnmappedReason::Duplicate => "another joint has the same meaning",
+        UnmappedReason::Helper => "a detail joint of its region",
+        UnmappedReason::Ignored => "ignored by the joint map",
     }
 }
 

@@ -2,7 +2,7 @@
 
 use articula_core::joint_names::JointMap;
 use articula_formats::joint_map;
-use articula_formats::mpeg4::fap::Absent;
+use articula_formats::mpeg4::fap::AbsentPolicy;
 use articula_formats::{Limits, UpAxis};
 
 /// Options for opening a file: joint maps, and unit, up axis and rate for formats that do not store
@@ -20,7 +20,7 @@ pub struct OpenOptions {
     /// AMC: frames per second; if `None`, as stored in the file, else 120.
     pub amc_rate_hz: Option<f32>,
     /// FAP, BAP: treatment of parameters that a frame's mask omits.
-    pub absent: Absent,
+    pub absent: AbsentPolicy,
     /// Maximum memory and time that a file may require.
     pub limits: Limits,
 }

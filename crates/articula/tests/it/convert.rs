@@ -1,7 +1,7 @@
 //! Transfers clips of real files to other characters, and checks the errors where they do not fit.
 
 use crate::real::real_data;
-use articula::convert::{ClipEdits, ClipFit, ClipPart, ReduceOptions, write};
+use articula::convert::{ClipEdits, ClipPart, ClipProvenance, ReduceOptions, write};
 use articula::glam::Vec3;
 use articula::{
     AddClipsOptions, CharacterFile, ConvertOptions, Error, Executor, Figure, Format, OpenOptions,
@@ -19,7 +19,7 @@ const AVATAR: &str = "vrm/Godette_vrm_v4.vrm";
 const FOX: &str = "glb/Fox.glb";
 
 /// Adds the clips of a file to a character; also returns their origin.
-fn added(data: &Path, character: &str, file: &str) -> (CharacterFile, Vec<ClipFit>) {
+fn added(data: &Path, character: &str, file: &str) -> (CharacterFile, Vec<ClipProvenance>) {
     let mut opened = fs::open(data.join(character)).unwrap();
     let files = [fs::open(data.join(file)).unwrap()];
     let options = AddClipsOptions::default();

@@ -12,7 +12,7 @@ use crate::table::{Table, counted};
 use crate::{fault, files};
 use anyhow::Context;
 use arguments::MeshLevelArgs;
-use articula::convert::ClipFit;
+use articula::convert::ClipProvenance;
 use articula::{
     AddClipsOptions, CharacterFile, ClipTables, Format, PrepareOptions, PreparedAsset, prepare,
 };
@@ -130,7 +130,7 @@ fn added(
     }
     let options = AddClipsOptions::default();
     let fits = console.work(|work| opened.add_clips(motions, &options, work))?;
-    let of_one = |fits: &[ClipFit]| Added {
+    let of_one = |fits: &[ClipProvenance]| Added {
         input: fits[0].file.clone(),
         clips: fits.iter().map(|fit| fit.name.clone()).collect(),
         retargeted: fits[0].retargeted.is_some(),

@@ -9,8 +9,8 @@ use crate::table::Table;
 use anyhow::Context;
 use articula::CharacterFile;
 use articula::convert::{
-    AddClipsOptions, ContactPinning, FitClip, FitReport, FittedClip, FootSlideSummary, JointShare,
-    RetargetOptions, fit_clips,
+    AddClipsOptions, ContactPinning, FittedClip, FootSlideSummary, JointShare, RetargetOptions,
+    TransferReport, TransferredClipReport, fit_clips,
 };
 use clap::ValueEnum;
 use std::path::Path;
@@ -48,7 +48,7 @@ impl Pin {
 pub(super) struct Motions {
     pub(super) fitted: Vec<FittedClip>,
     pub(super) warnings: Vec<String>,
-    pub(super) report: FitReport,
+    pub(super) report: TransferReport,
 }
 
 impl Hero {
@@ -85,7 +85,7 @@ impl Hero {
             return Ok(None);
         }
         let fitted = fit_clips(&source, &self.opened, &self.options)?;
-        let report = FitReport::new(&source, &self.opened, &fitted);
+        let report = TransferReport::new(&source, &self.opened, &fitted);
         let warnings = open::warnings(&source);
         let warnings = warnings
             .into_iter()
@@ -99,7 +99,7 @@ impl Hero {
 }
 
 /// One row of the table of clips.
-pub(super) fn row(motion: &FitReport, clip: &FitClip) -> [String; 9] {
+pub(super) fn row(motion: &TransferReport, clip: &TransferredClipReport) -> [String; 9] {
     let quality = &clip.quality;
     let slide = |s: &FootSlideSummary| match s.contacts {
         0 => "-".to_owned(),
@@ -120,7 +120,7 @@ pub(super) fn row(motion: &FitReport, clip: &FitClip) -> [String; 9] {
 }
 
 /// The number of joints of each origin, on one line.
-pub(super) fn joints_line(motion: &FitReport) -> String {
+pub(super) fn joints_line(motion: &TransferReport) -> String {
     format!(
         "{}: {} joints mapped, {} shared, {} held; {} dropped\n",
         clean(&file_name(motion)),
@@ -132,8 +132,8 @@ pub(super) fn joints_line(motion: &FitReport) -> String {
 }
 
 /// Whether the joints of both have the same origins.
-pub(super) fn is_like(motion: &FitReport, other: &FitReport) -> bool {
-    let counts = |m: &FitReport| {
+pub(super) fn is_like(motion: &TransferReport, other: &TransferReport) -> bool {
+    let counts = |m: &TransferReport| {
         [
             m.joints_mapped,
             m.joints_shared,
@@ -144,7 +144,7 @@ pub(super) fn is_like(motion: &FitReport, other: &FitReport) -> bool {
     counts(motion) == counts(other)
 }
 
-fn file_name(motion: &FitReport) -> String {
+fn file_name(motion: &TransferReport) -> String {
     let name = Path::new(&motion.input).file_name();
     name.map_or_else(
         || motion.input.clone(),
@@ -153,7 +153,7 @@ fn file_name(motion: &FitReport) -> String {
 }
 
 /// Table of the source of every joint's motion.
-pub(super) fn map(motion: &FitReport) -> String {
+pub(super) fn map(motion: &TransferReport) -> String {
     let mut table = Table::new(&["joint", "origin", "from"]);
     for joint in &motion.joints {
         let share = |s: &JointShare| match s.share {

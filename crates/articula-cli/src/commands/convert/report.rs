@@ -7,7 +7,7 @@ use super::reduction::Reduction;
 use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
-use articula::convert::{ClipEdited, FitReport, LossyPart};
+use articula::convert::{ClipEdited, LossyPart, TransferReport};
 use serde::Serialize;
 use std::path::Path;
 
@@ -46,7 +46,7 @@ pub(super) struct Onto {
     /// Number of its previous clips that it kept.
     pub(super) clips_kept: usize,
     /// One report for each file that was read.
-    pub(super) motions: Vec<FitReport>,
+    pub(super) motions: Vec<TransferReport>,
 }
 
 /// A folder of files that were written.
@@ -203,7 +203,7 @@ impl Onto {
             }
         }
         text.push_str(&table.text());
-        let mut last: Option<&FitReport> = None;
+        let mut last: Option<&TransferReport> = None;
         for motion in &self.motions {
             if !map && last.is_none_or(|other| !onto::is_like(motion, other)) {
                 text.push_str(&onto::joints_line(motion));

@@ -308,7 +308,7 @@ fn a_captured_walk_is_as_far_off_as_the_residuals_say() {
         assert!(residual.mean_radians <= residual.max_radians);
     }
     let written = bap::write(&sampled.clip);
-    let read = bap::read(&written, bap::Absent::Hold, &Limits::default()).unwrap();
+    let read = bap::read(&written, bap::AbsentPolicy::Hold, &Limits::default()).unwrap();
     let back = bap::character(&read.value);
     let mut worst = 0.0_f32;
     for frame in 0..=(figure.clips[0].duration_secs * 30.0) as usize {

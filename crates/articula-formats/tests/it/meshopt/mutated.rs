@@ -3,7 +3,7 @@
 
 use super::vectors;
 use articula_formats::Limits;
-use articula_formats::meshopt::{Filter, Mode, Shape, decode};
+use articula_formats::meshopt::{Filter, Mode, ViewLayout, decode};
 use articula_mutate::{Dice, Edit, Mutations};
 
 const MUTATIONS: Mutations<'_> = Mutations {
@@ -18,7 +18,7 @@ const MUTATIONS: Mutations<'_> = Mutations {
     most: 4,
 };
 
-fn other_shape(shape: &mut Shape, dice: &mut Dice) {
+fn other_shape(shape: &mut ViewLayout, dice: &mut Dice) {
     match dice.roll(4) {
         0 => shape.mode = dice.of(&[Mode::Attributes, Mode::Triangles, Mode::Indices]),
         1 => {

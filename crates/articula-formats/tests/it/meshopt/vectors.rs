@@ -1,13 +1,13 @@
 //! The decoder vectors of npm `meshoptimizer` (see the README in this folder).
 
 use articula_formats::Limits;
-use articula_formats::meshopt::{Filter, Mode, Shape, decode};
+use articula_formats::meshopt::{Filter, Mode, ViewLayout, decode};
 use serde_json::Value;
 
 /// An encoded view and its decoded bytes.
 pub(crate) struct Vector {
     pub(crate) name: String,
-    pub(crate) shape: Shape,
+    pub(crate) shape: ViewLayout,
     pub(crate) encoded: Vec<u8>,
     pub(crate) decoded: Vec<u8>,
 }
@@ -21,7 +21,7 @@ fn vector(value: &Value) -> Vector {
     let text = |key: &str| value[key].as_str().unwrap();
     Vector {
         name: text("name").to_owned(),
-        shape: Shape {
+        shape: ViewLayout {
             mode: match text("mode") {
                 "ATTRIBUTES" => Mode::Attributes,
                 "TRIANGLES" => Mode::Triangles,
@@ -75,7 +75,7 @@ fn cut_at_every_byte_none_is_decoded() {
 #[test]
 fn of_another_count_or_kind_none_is_decoded() {
     for v in all() {
-        let other = |change: &dyn Fn(&mut Shape)| {
+        let other = |change: &dyn Fn(&mut ViewLayout)| {
             let mut shape = v.shape;
             change(&mut shape);
             decode(&v.encoded, &shape, &Limits::default())

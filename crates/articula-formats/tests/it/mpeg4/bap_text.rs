@@ -1,12 +1,12 @@
 //! BAP text: both widths, extensions, and round trips.
 
 use super::texts::{self, mask};
-use articula_formats::mpeg4::bap::{self, Absent, BapClip, BapFrame};
+use articula_formats::mpeg4::bap::{self, AbsentPolicy, BapClip, BapFrame};
 use articula_formats::{Limits, Parsed, ReadError};
 use proptest::prelude::*;
 
 fn read(text: &str) -> Result<Parsed<BapClip>, ReadError> {
-    bap::read(text.as_bytes(), Absent::Hold, &Limits::default())
+    bap::read(text.as_bytes(), AbsentPolicy::Hold, &Limits::default())
 }
 
 #[test]

@@ -2,12 +2,12 @@
 
 use super::texts::{self, mask};
 use articula_core::fap_table::FAP_COUNT;
-use articula_formats::mpeg4::fap::{self, Absent, FapClip, FapExpression, FapFrame, Viseme};
+use articula_formats::mpeg4::fap::{self, AbsentPolicy, FapClip, FapExpression, FapFrame, Viseme};
 use articula_formats::{Limits, Parsed, ReadError};
 use proptest::prelude::*;
 
 fn read(text: &str) -> Result<Parsed<FapClip>, ReadError> {
-    fap::read(text.as_bytes(), Absent::Hold, &Limits::default())
+    fap::read(text.as_bytes(), AbsentPolicy::Hold, &Limits::default())
 }
 
 #[test]
@@ -51,7 +51,11 @@ fn two_frames_by_hand() {
 
 #[test]
 fn what_a_mask_leaves_out_may_be_neutral() {
-    let clip = fap::read(texts::fap().as_bytes(), Absent::Zero, &Limits::default());
+    let clip = fap::read(
+        texts::fap().as_bytes(),
+        AbsentPolicy::Zero,
+        &Limits::default(),
+    );
     let second = clip.unwrap().value.frames[1].clone();
     assert_eq!((second.viseme, second.low[0]), (Viseme::default(), 0));
     assert_eq!(second.low[45], -2500);
@@ -68,7 +72,7 @@ fn odd_spelling_is_read_alike() {
     let path = texts::fap().replace("talk", r"C:\My Files\talk");
     assert_eq!(read(&path).unwrap().value.name, r"C:\My Files\talk");
     let old = [texts::fap().as_bytes(), b"# \xe9\n"].concat();
-    assert!(fap::read(&old, Absent::Hold, &Limits::default()).is_ok());
+    assert!(fap::read(&old, AbsentPolicy::Hold, &Limits::default()).is_ok());
 }
 
 #[test]
@@ -190,7 +194,7 @@ fn what_a_file_may_ask_for_is_bounded() {
             ..all
         },
     ] {
-        let error = fap::read(text.as_bytes(), Absent::Hold, &limits).unwrap_err();
+        let error = fap::read(text.as_bytes(), AbsentPolicy::Hold, &limits).unwrap_err();
         assert!(matches!(error, ReadError::LimitExceeded { .. }), "{error}");
     }
     // One frame, but hours away.
@@ -265,7 +269,7 @@ proptest! {
             frames,
         };
         clip.coded = clip.moving();
-        let absent = if zero { Absent::Zero } else { Absent::Hold };
+        let absent = if zero { AbsentPolicy::Zero } else { AbsentPolicy::Hold };
         let read = fap::read(&fap::write(&clip), absent, &Limits::default()).unwrap();
         prop_assert_eq!(read.value, clip);
     }

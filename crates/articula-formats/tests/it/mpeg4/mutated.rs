@@ -32,7 +32,7 @@ const WORDS: [&str; 16] = [
 ];
 
 fn reads_fap(bytes: &[u8]) -> bool {
-    let Ok(read) = fap::read(bytes, fap::Absent::Hold, &Limits::default()) else {
+    let Ok(read) = fap::read(bytes, fap::AbsentPolicy::Hold, &Limits::default()) else {
         return false;
     };
     let numbers: Vec<u32> = read.value.frames.iter().map(|f| f.number).collect();
@@ -43,7 +43,7 @@ fn reads_fap(bytes: &[u8]) -> bool {
 }
 
 fn reads_bap(bytes: &[u8]) -> bool {
-    let Ok(read) = bap::read(bytes, bap::Absent::Zero, &Limits::default()) else {
+    let Ok(read) = bap::read(bytes, bap::AbsentPolicy::Zero, &Limits::default()) else {
         return false;
     };
     let character = bap::character(&read.value);

@@ -21,7 +21,7 @@ fn faces_have_the_frames_and_parameters_that_are_said_of_them() {
             println!("skipped: no data");
             return;
         };
-        let read = fap::read(&bytes, fap::Absent::Hold, &Limits::default()).unwrap();
+        let read = fap::read(&bytes, fap::AbsentPolicy::Hold, &Limits::default()).unwrap();
         let clip = read.value;
         assert_eq!(clip.frames.len(), frames, "{name}");
         assert_eq!(clip.coded.iter().filter(|c| **c).count(), coded, "{name}");
@@ -30,7 +30,11 @@ fn faces_have_the_frames_and_parameters_that_are_said_of_them() {
             "{name}: no viseme or expression"
         );
         assert_eq!(clip.rate_hz, 25.0);
-        let back = fap::read(&fap::write(&clip), fap::Absent::Zero, &Limits::default());
+        let back = fap::read(
+            &fap::write(&clip),
+            fap::AbsentPolicy::Zero,
+            &Limits::default(),
+        );
         assert_eq!(back.unwrap().value.frames, clip.frames, "{name}");
     }
 }
@@ -42,7 +46,7 @@ fn the_loudest_syllable_and_the_widest_blink_are_as_said() {
         println!("skipped: no data");
         return;
     };
-    let read = |bytes: &[u8]| fap::read(bytes, fap::Absent::Hold, &Limits::default());
+    let read = |bytes: &[u8]| fap::read(bytes, fap::AbsentPolicy::Hold, &Limits::default());
     let speech = read(&speech).unwrap().value;
     assert_eq!(speech.range(3).unwrap().1, 493, "open_jaw");
     let expressions = read(&expressions).unwrap().value;

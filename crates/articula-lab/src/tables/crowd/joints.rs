@@ -7,7 +7,7 @@ use crate::measure::race;
 use anyhow::Result;
 use articula_build::{JointLodOptions, joint_lods, mean_pose};
 use articula_core::{ClipSet, ClipStorage, JointLods, PaletteForm, PaletteMap};
-use articula_report::{PlotOptions, Series, Values, line_plot};
+use articula_report::{PlotOptions, Series, ValueFormat, line_plot};
 
 /// Joints kept by the coarser levels, as in the published row.
 const KEPT: [u16; 5] = [48, 32, 24, 16, 8];
@@ -92,7 +92,7 @@ fn plot([stored, tiles]: [Vec<(f64, f64)>; 2]) -> String {
         title: "Time by joints kept".to_owned(),
         x_label: "share of joints".to_owned(),
         y_label: "share of time".to_owned(),
-        y: Values::Percent,
+        y: ValueFormat::Percent,
         ..PlotOptions::default()
     };
     let series = |name: &str, points, dashed| Series {

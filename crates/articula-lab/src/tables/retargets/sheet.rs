@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use articula::CharacterFile;
 use articula_core::{Camera, Mesh, ModelPose, PosedMesh, Rig, SkinnedMesh, Viewport};
 use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render};
-use articula_report::{SheetCell, SheetRow, draw_skeleton, followed};
+use articula_report::{SheetCell, SheetRow, draw_skeleton, influencing_joints};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// Size of one picture in pixels.
@@ -53,7 +53,7 @@ impl<'a> Artist<'a> {
         };
         let mut cloud = Vec::new();
         for moment in moments {
-            let model = artist.followed(*moment);
+            let model = artist.influencing_joints(*moment);
             if artist.bones {
                 cloud.extend((0..model.matrices.len()).map(|j| model.position(j)));
             } else {
@@ -86,7 +86,7 @@ impl<'a> Artist<'a> {
     }
 
     fn draw(&self, moment: usize) -> Result<Picture> {
-        let model = self.followed(moment);
+        let model = self.influencing_joints(moment);
         let options = RenderOptions {
             ground: Some(self.ground),
             ..RenderOptions::default()
@@ -96,14 +96,14 @@ impl<'a> Artist<'a> {
         let mut picture = render(mesh, &skinned, look, &self.camera, &options)?;
         if self.bones {
             let (rig, camera) = (&self.played.rig, &self.camera);
-            let joints = followed(rig, mesh);
+            let joints = influencing_joints(rig, mesh);
             draw_skeleton(&mut picture, rig, &model, camera, &joints, &[]);
         }
         Ok(picture)
     }
 
     /// The pose with its hips above the origin.
-    fn followed(&self, moment: usize) -> ModelPose {
+    fn influencing_joints(&self, moment: usize) -> ModelPose {
         let mut model = self.played.models[moment].clone();
         let hips = hips(&self.played.rig, &model);
         let middle = hips.map_or(Vec3::ZERO, |(left, right)| 0.5 * (left + right));
