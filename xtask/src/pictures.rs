@@ -1,6 +1,6 @@
 //! `cargo xtask pictures`: makes the moving picture of the readme from the repository's own assets.
 
-use crate::chores::{cargo, root, run};
+use crate::chores::{cargo, run};
 use anyhow::{Context, Result};
 
 const CHARACTER: &str = "assets/glb/Quaternius_modular_men__Worker.glb";
@@ -24,5 +24,5 @@ pub(crate) fn pictures() -> Result<()> {
 
 fn articula(words: &[&str]) -> Result<()> {
     let program = ["run", "--release", "--quiet", "-p", "articula-cli", "--"];
-    run(cargo().args(program).args(words).current_dir(root()))
+    run(cargo().args(program).args(words))
 }

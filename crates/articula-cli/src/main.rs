@@ -16,6 +16,7 @@ mod fault;
 mod files;
 mod open;
 mod play;
+mod selection;
 mod table;
 
 use clap::Parser;

@@ -1,14 +1,13 @@
 //! The joints of a fixed level of articulation: given as an expression or as a saved selection,
 //! and written as one.
 
-use crate::{fault, files};
+use crate::{fault, files, selection};
 use anyhow::Context;
-use articula_core::loa::{self, LoaExpression, Selection};
+use articula_core::loa::{self, Selection};
 use articula_core::{JointSet, Rig, Zone};
-use articula_formats::Limits;
 use articula_formats::loa_profile::{self, LoaProfile};
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The joints that may move.
 #[derive(Debug, Clone, Default, Args)]
@@ -49,7 +48,13 @@ impl SelectionArgs {
     pub(crate) fn joints(&self, rig: &Rig) -> anyhow::Result<Option<(String, JointSet)>> {
         let (name, set) = match (&self.loa, &self.loa_profile) {
             (Some(text), _) => (text.clone(), joints(text, rig)?),
-            (None, Some(path)) => (files::shown(path), saved(path, rig)?),
+            (None, Some(path)) => {
+                let joints = selection::saved(path)?.joints(rig);
+                (
+                    files::shown(path),
+                    joints.with_context(|| files::shown(path))?,
+                )
+            }
             (None, None) => return Ok(None),
         };
         Ok(Some(match self.with_ancestors {
@@ -77,23 +82,10 @@ impl SelectionArgs {
 
 /// The joints of an expression; a mistake in it is a usage error.
 fn joints(text: &str, rig: &Rig) -> anyhow::Result<JointSet> {
-    let expression = text
-        .parse::<LoaExpression>()
-        .map_err(|e| fault::usage(e.to_string()))
-        .with_context(|| format!("--loa \"{text}\""))?;
-    expression
-        .joints(rig)
+    let joints = selection::expression("--loa", text)?.joints(rig);
+    joints
         .map_err(|e| fault::usage(e.to_string()))
         .with_context(|| format!("--loa \"{text}\""))
-}
-
-/// The joints of a saved selection.
-fn saved(path: &Path, rig: &Rig) -> anyhow::Result<JointSet> {
-    let limits = Limits::default();
-    let bytes = files::read(path, limits.bytes)?;
-    let place = || files::shown(path);
-    let profile = loa_profile::read(&bytes, &limits).with_context(place)?;
-    profile.selection.joints(rig).with_context(place)
 }
 
 /// A selection that lists joints by name.

@@ -352,6 +352,17 @@ fn a_saved_selection_is_the_level_that_was_played() {
 }
 
 #[test]
+fn a_demo_of_a_character_without_clips_says_what_to_add() {
+    let here = folder("demo-still");
+    let Some(woman) = crate::real::file("glb/Quaternius_modular_women__Casual.glb") else {
+        return;
+    };
+    let line = fault(&here, 1, &["demo", word(&woman), "--out", "d"]);
+    assert!(line.contains("Casual.glb: the file has no clip"), "{line}");
+    assert!(!here.join("d").exists());
+}
+
+#[test]
 fn the_demo_tells_the_numbers_that_it_computed() {
     let here = folder("demo");
     let ran = articula(&here, &["demo", "--out", "d"]);

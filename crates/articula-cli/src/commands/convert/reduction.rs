@@ -1,12 +1,9 @@
 //! `convert --loa`: the joints that may move, and the report of the saving.
 
 use super::ConvertArgs;
-use crate::{fault, files};
-use anyhow::Context;
+use crate::{files, selection};
 use articula::convert::{JointReduction, JointsReduced, MovingJoints};
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::LoaExpression;
-use articula_formats::{Limits, loa_profile};
 use serde::Serialize;
 
 /// The selection of joints.
@@ -25,18 +22,12 @@ impl Selected {
         let (named, place, moving) = match (&args.loa, &args.loa_profile) {
             (Some(text), _) => {
                 let place = format!("--loa \"{text}\"");
-                let expression = text
-                    .parse::<LoaExpression>()
-                    .map_err(|e| fault::usage(e.to_string()));
-                let expression = expression.with_context(|| place.clone())?;
+                let expression = selection::expression("--loa", text)?;
                 (text.clone(), place, MovingJoints::LoaExpression(expression))
             }
             (None, Some(path)) => {
                 let place = files::shown(path);
-                let limits = Limits::default();
-                let bytes = files::read(path, limits.bytes)?;
-                let profile = loa_profile::read(&bytes, &limits);
-                let selection = profile.with_context(|| place.clone())?.selection;
+                let selection = selection::saved(path)?;
                 (place.clone(), place, MovingJoints::Selection(selection))
             }
             (None, None) => return Ok(None),

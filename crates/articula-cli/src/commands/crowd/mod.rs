@@ -9,7 +9,7 @@ use crate::crowd::run::{self, Run};
 use crate::crowd::stage::{DISPLAY_HZ, Settings};
 use crate::open;
 use crate::play::read_camera_path;
-use crate::{fault, files};
+use crate::{fault, files, selection};
 use anyhow::Context;
 use articula::crowd::{
     Backend, CacheUse, ClipStorage, CrowdAsset, CrowdOptions, DetailGoal, ErrorSummary,
@@ -18,7 +18,6 @@ use articula::crowd::{
 };
 use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
 use articula_core::Clip;
-use articula_core::loa::LoaExpression;
 use articula_report::{Plot, PlotOptions, Series, line_plot, stacked};
 use clap::{Args, ValueEnum};
 use report::CrowdRunReport;
@@ -277,12 +276,7 @@ impl CrowdArgs {
         let joints = match self.level.as_str() {
             "full" => JointLodMethod::Whole,
             "auto" => JointLodMethod::Merged,
-            text => {
-                let parsed = text
-                    .parse::<LoaExpression>()
-                    .map_err(|e| fault::usage(e.to_string()));
-                JointLodMethod::Named(parsed.with_context(|| format!("--level \"{text}\""))?)
-            }
+            text => JointLodMethod::Named(selection::expression("--level", text)?),
         };
         Ok(CrowdOptions {
             clips: self.clips(clips),

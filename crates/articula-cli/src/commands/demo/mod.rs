@@ -63,7 +63,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     let (asset, mesh_levels) = make_asset(&folder, &args.files, console)?;
     let figure = Figure::new(open::character(&asset, &ReadArgs::default())?)?;
     stored_tables(&figure)?;
-    let scene = scene_of(&figure, clip_of(&figure, &args.files)?)?;
+    let scene = scene_of(&figure, clip_of(&figure)?)?;
     let chosen = NamedMethod::all(&figure.asset.rig);
     let tuning = ParameterChoice::Calibrated(TARGET_PX);
     let tables = console.work(|work| scene.tables(&chosen, &DISTANCES_M, tuning, work))?;
@@ -117,13 +117,10 @@ fn name_of(path: &Path) -> String {
 }
 
 /// The name of the clip to play: `walk`, or the first.
-fn clip_of<'a>(figure: &'a Figure, files: &[PathBuf]) -> anyhow::Result<&'a str> {
+fn clip_of(figure: &Figure) -> anyhow::Result<&str> {
     let clips = &figure.asset.clips;
     let walk = clips.iter().find(|c| c.name == CLIP);
-    let clip = walk.or(clips.first()).with_context(|| {
-        let file = files.first().map_or_else(String::new, |f| files::shown(f));
-        format!("{file}: clips: there is none; name a file of motions after it")
-    })?;
+    let clip = walk.or(clips.first()).context("the asset has no clip")?;
     Ok(&clip.name)
 }
 
@@ -140,6 +137,11 @@ fn make_asset(
             let motions = motions.iter().map(open).collect::<Result<Vec<_>, _>>()?;
             let options = AddClipsOptions::default();
             console.work(|work| opened.add_clips(&motions, &options, work))?;
+            anyhow::ensure!(
+                !opened.character.clips.is_empty(),
+                "{}: the file has no clip; name a file of motions after it",
+                files::shown(character)
+            );
             let articulation = opened.articulation();
             put_in_place(&mut opened.character, articulation, &opened.end_sites);
             opened

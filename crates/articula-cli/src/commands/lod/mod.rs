@@ -99,14 +99,12 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     let methods = args.method.chosen(&figure.asset.rig);
     let methods = methods.with_context(|| figure.opened.name.clone())?;
     args.check_parameter(&methods)?;
+    let saved = args.save_selection(&figure)?;
     let tables =
         console.work(|work| scene.tables(&methods, &args.distances, args.tuning(), work))?;
     let mut report = LodReport::new(&scene, args, &tables);
     report.motion_tables = stored.get(clip).copied();
-    let saved = args.method.selection.save(&figure.asset.rig);
-    report
-        .written
-        .extend(saved.with_context(|| figure.opened.name.clone())?);
+    report.written.extend(saved);
     if let Some(path) = &args.plot {
         write_plots(&scene, &tables, path, &mut report)?;
     }
@@ -181,6 +179,12 @@ impl LodArgs {
         Ok(stored_tables(figure)?)
     }
 
+    /// Writes the selected joints, if asked to; returns the path.
+    fn save_selection(&self, figure: &Figure) -> anyhow::Result<Option<String>> {
+        let saved = self.method.selection.save(&figure.asset.rig);
+        saved.with_context(|| figure.opened.name.clone())
+    }
+
     fn tuning(&self) -> ParameterChoice {
         match (self.calibrate, self.parameter) {
             (Some(limit), _) => ParameterChoice::Calibrated(limit),
@@ -207,10 +211,7 @@ fn distance(text: &str) -> Result<f32, String> {
 
 fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result<()> {
     let mut report = LodReport::at_rest(figure, args);
-    let saved = args.method.selection.save(&figure.asset.rig);
-    report
-        .written
-        .extend(saved.with_context(|| figure.opened.name.clone())?);
+    report.written.extend(args.save_selection(figure)?);
     if args.plot.is_some() {
         let what = "no clip, so there is nothing to plot; leave --plot out";
         anyhow::bail!("{}: {what}", figure.opened.name.clone());

@@ -98,9 +98,6 @@ fn files(data: &Path) -> Result<Vec<(PathBuf, Kind)>> {
         for entry in std::fs::read_dir(&folder).with_context(|| folder.display().to_string())? {
             let path = entry?.path();
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            if name == "SHA256SUMS" {
-                continue;
-            }
             if path.is_dir() && !NOT_READ.contains(&name.as_ref()) {
                 open.push(path);
             } else if path.is_file()
