@@ -2,7 +2,7 @@
 
 use crate::clip::{ClipOptions, MAX_NUMBERS, resample};
 use crate::expression::bake;
-use articula_core::source::Character;
+use articula_core::source::{Character, RawMesh, Skeleton};
 use articula_core::{Articulation, Clip, Mesh, Mismatch, Rig};
 
 /// A character in runtime form: rig, mesh and clips.
@@ -37,8 +37,7 @@ pub fn character(
                 "missing in the file, and no joint map is given",
             )
         })?;
-    let rig = Rig::new(&source.skeleton, articulation)?;
-    let mesh = Mesh::new(&source.meshes, rig.len())?;
+    let (rig, mesh) = rig_and_mesh(&source.skeleton, &source.meshes, articulation)?;
     let counts: Vec<usize> = source
         .meshes
         .iter()
@@ -57,6 +56,20 @@ pub fn character(
         clips.push(clip);
     }
     Ok(Asset { rig, mesh, clips })
+}
+
+/// Builds the rig and the mesh of a source character.
+///
+/// # Errors
+/// A [`Mismatch`] that names the inconsistent part of the character.
+pub fn rig_and_mesh(
+    skeleton: &Skeleton,
+    meshes: &[RawMesh],
+    articulation: Articulation,
+) -> Result<(Rig, Mesh), Mismatch> {
+    let rig = Rig::new(skeleton, articulation)?;
+    let mesh = Mesh::new(meshes, rig.len())?;
+    Ok((rig, mesh))
 }
 
 /// Number of floats in the tracks of a clip.

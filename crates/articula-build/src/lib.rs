@@ -64,26 +64,29 @@ mod simplify;
 mod split_mix;
 mod surface_distance;
 
-pub use character::{Asset, character};
+pub use character::{Asset, character, rig_and_mesh};
 pub use clip::{ClipOptions, source_rate_hz};
 pub use clusters::{ClusterOrder, Clustered, cluster};
 pub use decimate::decimate;
 pub use expression::{bake, resolve};
-pub use figure_levels::{FigureLevel, FigureLevels, figure_levels};
+pub use figure_levels::{FigureLevels, figure_levels, paired_levels};
 pub use joint_lods::{
-    FarLevels, JointLodOptions, LevelSkin, LevelSkins, MergedLevels, far_levels, far_order,
-    joint_lods, level_skins, levels_of, lod_errors, mean_pose, merged_levels, named_joint_lods,
-    skin_of,
+    FarLevels, JointLodOptions, MergedLevels, far_levels, far_order, joint_lods, level_skins,
+    levels_of, lod_errors, mean_pose, merged_levels, named_joint_lods, skin_of,
 };
-pub use mesh_levels::{MeasurementPoses, MeshLevelOptions, MeshLevels, mesh_levels};
+pub use mesh_levels::{
+    MeasurementPoses, MeshLevelOptions, MeshLevels, mesh_level_triangles, mesh_levels,
+};
 pub use motion_bounds::motion_bounds;
 pub use motion_error::{
-    ChainTolerance, JointLever, contact_intervals, joint_bounds, key_table, levers, moving_joints,
-    pose_keys, table_hashes,
+    ChainTolerance, JointLever, contact_intervals, contact_table, joint_bounds, key_table, levers,
+    moving_joints, pose_keys, table_hashes,
 };
 pub use occluders::occluders;
 pub use points::draw_vertices;
-pub use pose_cache::{CacheDecision, CacheOptions, CacheReport, CachedPoses, cached_poses};
+pub use pose_cache::{
+    CacheDecision, CacheOptions, CacheReport, CachedPoses, cache_of_keys, cached_poses,
+};
 pub use poses::{PoseOptions, PoseOrigin, Poses, SkinPose, SkinPoseSource, poses, positions};
 pub use reduce::{ClipSize, clip_size, hold_joints_in_clip};
 pub use scene::{ClipPlayback, CrossFade, PLAZA_COUNT, Plaza, Scene, SceneCharacter, plaza};

@@ -87,6 +87,18 @@ impl<'a> ByteReader<'a> {
         Ok(found)
     }
 
+    /// Reads `count` bytes.
+    ///
+    /// # Errors
+    /// If fewer than `count` bytes remain.
+    pub fn slice(&mut self, count: usize) -> Result<&'a [u8], MalformedBytes> {
+        let found = self.bytes[self.at..].get(..count);
+        let found = found
+            .ok_or_else(|| self.bad(format!("unexpected end, expected {count} more bytes")))?;
+        self.at += count;
+        Ok(found)
+    }
+
     /// Reads a 32-bit number.
     ///
     /// # Errors

@@ -88,6 +88,11 @@ impl Clip {
         self
     }
 
+    /// Returns the number of frames per key of the source, at least 1.
+    pub fn frames_per_key(&self) -> usize {
+        self.frames_per_key
+    }
+
     /// Returns the clip at the rate of its source's keys, without the frames in between. A last
     /// frame that is not a key is dropped.
     #[must_use]

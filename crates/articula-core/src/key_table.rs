@@ -26,6 +26,30 @@ pub struct TableHashes {
     pub mesh: u64,
 }
 
+impl TableHashes {
+    /// Checks the hashes of a table against those of a rig, clip and mesh.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] that names the part whose hash differs.
+    pub fn check(&self, hashes: &Self) -> Result<(), Mismatch> {
+        let pairs = [
+            ("rig", self.rig, hashes.rig),
+            ("clip", self.clip, hashes.clip),
+            ("mesh", self.mesh, hashes.mesh),
+        ];
+        for (name, stored, found) in pairs {
+            if stored != found {
+                let what = format!(
+                    "the table was built for another {name} (hash {stored:016x}, expected \
+                     {found:016x}); rebuild the asset"
+                );
+                return Err(Mismatch::new(format!("hashes.{name}"), what));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Key frames of every joint at every tolerance level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyTable {
@@ -70,20 +94,7 @@ impl KeyTable {
     /// # Errors
     /// A [`Mismatch`] that names the part whose hash differs, or the level that does not nest.
     pub fn check(&self, hashes: &TableHashes) -> Result<(), Mismatch> {
-        let pairs = [
-            ("rig", self.hashes.rig, hashes.rig),
-            ("clip", self.hashes.clip, hashes.clip),
-            ("mesh", self.hashes.mesh, hashes.mesh),
-        ];
-        for (name, stored, found) in pairs {
-            if stored != found {
-                let what = format!(
-                    "the table was built for another {name} (hash {stored:016x}, expected \
-                     {found:016x}); rebuild the asset"
-                );
-                return Err(Mismatch::new(format!("hashes.{name}"), what));
-            }
-        }
+        self.hashes.check(hashes)?;
         for (j, levels) in self.keys.iter().enumerate() {
             for (k, pair) in levels.windows(2).enumerate() {
                 if !pair[1].iter().all(|f| pair[0].binary_search(f).is_ok()) {

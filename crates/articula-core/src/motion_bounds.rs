@@ -86,6 +86,21 @@ impl ClipBounds {
         (duration_secs.ceil() as usize).max(1)
     }
 
+    /// Duration of the clip in seconds.
+    pub fn duration_secs(&self) -> f32 {
+        self.duration_secs as f32
+    }
+
+    /// Bounds of the character in each second of the clip.
+    pub fn seconds(&self) -> &[Bound] {
+        &self.seconds
+    }
+
+    /// Bound of the joint from which all skin hangs, over the whole clip.
+    pub fn anchors(&self) -> Sphere {
+        self.anchors
+    }
+
     /// Bound of the character at every time of the clip.
     pub fn whole(&self) -> &Bound {
         &self.whole

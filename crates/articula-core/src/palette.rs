@@ -181,7 +181,7 @@ impl PaletteMap {
     }
 
     /// Number of levels.
-    pub(crate) fn levels(&self) -> usize {
+    pub fn levels(&self) -> usize {
         self.counts.len()
     }
 

@@ -54,6 +54,7 @@ mod motion_file;
 mod motion_table;
 pub mod mpeg4;
 mod notes;
+pub mod prepared;
 mod sampled;
 mod units;
 mod uri;
@@ -64,7 +65,10 @@ pub mod x3d;
 pub use error::{Assumption, Parsed, ReadError, Warning};
 pub use limits::Limits;
 pub use motion_file::{MotionFile, ReadOptions};
-pub use motion_table::{read_key_table, read_pose_keys, write_key_table, write_pose_keys};
+pub use motion_table::{
+    read_contact_table, read_key_table, read_pose_keys, write_contact_table, write_key_table,
+    write_pose_keys,
+};
 pub use units::UpAxis;
 pub use written::{WriteError, WrittenFile};
 

@@ -8,11 +8,13 @@
 
 use crate::{Limits, ReadError};
 use articula_core::{
-    ByteReader, KeyMode, KeyTable, MAX_JOINTS, PoseKeys, TableHashes, push_varint,
+    ByteReader, Contact, ContactTable, KeyMode, KeyTable, MAX_JOINTS, PoseKeys, TableHashes,
+    push_varint,
 };
 
 const SEGS: &[u8; 4] = b"ASEG";
 const POSE_KEYS: &[u8; 4] = b"APKY";
+const CONTACTS: &[u8; 4] = b"ACON";
 const VERSION: u8 = 1;
 /// Upper bound on the number of levels: tolerances double from level to level, so no table needs
 /// more.
@@ -134,6 +136,60 @@ pub fn read_pose_keys(bytes: &[u8], limits: &Limits) -> Result<PoseKeys, ReadErr
     })
 }
 
+/// Encodes contacts.
+pub fn write_contact_table(table: &ContactTable) -> Vec<u8> {
+    let mut out = CONTACTS.to_vec();
+    out.extend([VERSION, 0, 0, 0]);
+    put_hashes(&mut out, &table.hashes);
+    out.extend(table.rate_hz.to_le_bytes());
+    out.extend(table.frames.to_le_bytes());
+    push_varint(&mut out, table.contacts.len() as u64);
+    for contact in &table.contacts {
+        push_varint(&mut out, contact.joint as u64);
+        push_varint(&mut out, contact.frames.start as u64);
+        push_varint(&mut out, contact.frames.len() as u64);
+    }
+    out
+}
+
+/// Decodes the output of [`write_contact_table`].
+///
+/// # Errors
+/// As [`read_key_table`].
+pub fn read_contact_table(bytes: &[u8], limits: &Limits) -> Result<ContactTable, ReadError> {
+    let mut r = ByteReader::new(bytes);
+    let (_, hashes) = start_of(&mut r, CONTACTS)?;
+    let rate_hz = r.positive("a rate")?;
+    let frames = r.u32()?;
+    Limits::check("byte 36", "frames", u64::from(frames), limits.frames)?;
+    let found = r.varint()?;
+    if found > r.left() as u64 {
+        let what = format!("{found} contacts exceed the bytes left");
+        return Err(r.bad(what).into());
+    }
+    let mut contacts = Vec::with_capacity(found as usize);
+    for _ in 0..found {
+        let joint = count(&mut r, "joints", MAX_JOINTS)?;
+        let (start, length) = (r.varint()?, r.varint()?);
+        let end = start + length;
+        if length == 0 || end > u64::from(frames) {
+            let what = format!("frames {start} to {end} of a contact, the clip has {frames}");
+            return Err(r.bad(what).into());
+        }
+        contacts.push(Contact {
+            joint,
+            frames: start as usize..end as usize,
+        });
+    }
+    r.end()?;
+    Ok(ContactTable {
+        hashes,
+        rate_hz,
+        frames,
+        contacts,
+    })
+}
+
 fn mode_byte(mode: KeyMode) -> u8 {
     match mode {
         KeyMode::Hold => 0,
@@ -144,11 +200,15 @@ fn mode_byte(mode: KeyMode) -> u8 {
 fn head(magic: &[u8; 4], mode: u8, hashes: &TableHashes, base_metres: f32) -> Vec<u8> {
     let mut out = magic.to_vec();
     out.extend([VERSION, mode, 0, 0]);
+    put_hashes(&mut out, hashes);
+    out.extend(base_metres.to_le_bytes());
+    out
+}
+
+fn put_hashes(out: &mut Vec<u8>, hashes: &TableHashes) {
     for hash in [hashes.rig, hashes.clip, hashes.mesh] {
         out.extend(hash.to_le_bytes());
     }
-    out.extend(base_metres.to_le_bytes());
-    out
 }
 
 /// Writes a count, then the difference of each number to the previous one (the first as it is).
@@ -162,6 +222,12 @@ fn gaps(out: &mut Vec<u8>, rising: &[u32]) {
 }
 
 fn head_of(r: &mut ByteReader<'_>, magic: &[u8; 4]) -> Result<(u8, TableHashes, f32), ReadError> {
+    let (mode, hashes) = start_of(r, magic)?;
+    Ok((mode, hashes, r.positive("a tolerance")?))
+}
+
+/// Reads what all tables begin with: magic, version, mode and hashes.
+fn start_of(r: &mut ByteReader<'_>, magic: &[u8; 4]) -> Result<(u8, TableHashes), ReadError> {
     let found = r.take::<4>()?;
     if found != *magic {
         let expected = String::from_utf8_lossy(magic);
@@ -183,7 +249,7 @@ fn head_of(r: &mut ByteReader<'_>, magic: &[u8; 4]) -> Result<(u8, TableHashes, 
         clip: r.u64()?,
         mesh: r.u64()?,
     };
-    Ok((mode, hashes, r.positive("a tolerance")?))
+    Ok((mode, hashes))
 }
 
 /// Reads ascending numbers below `end`. Each takes at least one byte, so the file size bounds their
@@ -278,6 +344,39 @@ mod tests {
                 prop_assert!(read.keys.iter().flatten().flatten().all(|k| *k < read.frames));
             }
         }
+    }
+
+    #[test]
+    fn contacts_come_back_and_lie_within_the_clip() {
+        let table = ContactTable {
+            hashes: TableHashes {
+                rig: 1,
+                clip: 2,
+                mesh: 3,
+            },
+            rate_hz: 30.0,
+            frames: 40,
+            contacts: vec![
+                Contact {
+                    joint: 7,
+                    frames: 0..12,
+                },
+                Contact {
+                    joint: 200,
+                    frames: 39..40,
+                },
+            ],
+        };
+        let bytes = write_contact_table(&table);
+        let read = |bytes: &[u8]| read_contact_table(bytes, &Limits::default());
+        assert_eq!(read(&bytes).unwrap(), table);
+        for end in 0..bytes.len() {
+            assert!(read(&bytes[..end]).is_err());
+        }
+        let mut beyond = bytes.clone();
+        let last = beyond.len() - 1;
+        beyond[last] = 2;
+        assert!(read(&beyond).unwrap_err().to_string().contains("39 to 41"));
     }
 
     #[test]

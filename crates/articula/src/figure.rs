@@ -1,17 +1,29 @@
 //! A character ready for playback: rig, mesh and clips built from an opened file.
 
 use crate::error::{Context, Error, Result};
-use crate::open::{CharacterFile, choose};
-use articula_build::ClipOptions;
-use articula_build::{Asset, character};
+use crate::open::{CharacterFile, GltfSource, choose};
+use crate::prepared::stored::{Stored, StoredState};
+use articula_build::{Asset, ClipOptions, character, rig_and_mesh};
+use articula_core::source::{Character, RawMesh};
+use articula_formats::Warning;
+use articula_formats::prepared::SourceOrder;
 
 /// An opened character with its runtime data: rig, mesh and clips.
+///
+/// Of an asset that was [prepared](crate::prepare()), the clips are read as stored, and the mesh has
+/// the vertices of the file that the asset was made from, in the order of that file. So a figure is
+/// the same before and after preparation.
 #[derive(Debug)]
 pub struct Figure {
-    /// The editable character and the file that it was read from.
+    /// The editable character and the file that it was read from. Stored data that cannot be used
+    /// is among its warnings.
     pub opened: CharacterFile,
     /// Rig, mesh and uniformly sampled clips.
     pub asset: Asset,
+    state: StoredState,
+    /// Order of the source file, if mesh levels have reordered the vertices of the document.
+    orders: Option<Vec<SourceOrder>>,
+    source_meshes: Option<Vec<RawMesh>>,
 }
 
 impl Figure {
@@ -21,18 +33,138 @@ impl Figure {
     /// An [`Error`] that names the file and the cause: neither joint nor mesh, a cycle in the node
     /// hierarchy, or more motion than fits in memory.
     pub fn new(opened: CharacterFile) -> Result<Self> {
+        let kept = opened.gltf.as_ref().and_then(|g| g.kept_meshes.as_ref());
+        let state = match kept {
+            Some(kept) => kept.state.clone(),
+            None => StoredState::of(&opened),
+        };
+        Self::with_stored(opened, state)
+    }
+
+    /// Builds rig, mesh and clips from the source data alone, as a preparation does.
+    pub(crate) fn computed(opened: CharacterFile) -> Result<Self> {
+        let state = StoredState {
+            is_current: false,
+            ..StoredState::of(&opened)
+        };
+        Self::with_stored(opened, state)
+    }
+
+    fn with_stored(mut opened: CharacterFile, mut state: StoredState) -> Result<Self> {
         if opened.character.skeleton.joints.is_empty() {
             let what = "nodes: the file has no joint and no mesh; give a file with a character";
             return Err(Error::unsuited(what)).context(&opened.name);
         }
-        let articulation = opened.articulation();
-        let asset = character(
-            &opened.character,
-            Some(articulation),
-            &ClipOptions::default(),
-        )
-        .with_context(|| &opened.name)?;
-        Ok(Self { opened, asset })
+        let mut told = std::mem::take(&mut state.stale);
+        let stored = Stored::of(&opened);
+        let reordered = stored
+            .as_ref()
+            .filter(|s| state.has_order && s.is_reordered());
+        let meshes = &opened.character.meshes;
+        let kept = opened.gltf.as_ref().and_then(|g| g.kept_meshes.as_ref());
+        let restored = reordered.and_then(|stored| stored.source_meshes(meshes, kept));
+        let (orders, restored) = restored.unzip();
+        if reordered.is_some() && restored.is_none() {
+            // Everything else is stored for the order of the source.
+            state = StoredState::default();
+        }
+        let current = stored.as_ref().filter(|_| state.is_current);
+        let asset = assembled(&opened, restored.as_deref(), current);
+        let asset = asset.with_context(|| &opened.name)?;
+        told.extend(stored.map(Stored::into_warnings).into_iter().flatten());
+        let warning = |what| Warning {
+            at: "extensions.ARTICULA_prepared".to_owned(),
+            what,
+            guess: None,
+        };
+        opened.warnings.extend(told.into_iter().map(warning));
+        Ok(Self {
+            orders,
+            source_meshes: restored,
+            opened,
+            asset,
+            state,
+        })
+    }
+
+    /// The figure with the meshes of its character in the order of the source too, and what its
+    /// document is made of.
+    pub(crate) fn into_source(mut self) -> SourceFigure {
+        let table = self.opened.character.mesh_levels.as_ref();
+        let levels = table.map_or(0, |table| table.levels.len());
+        let mesh_levels = self.stored_mesh_levels(levels);
+        if let Some(meshes) = self.source_meshes.take() {
+            self.opened.character.meshes = meshes;
+        }
+        SourceFigure {
+            gltf: self.opened.gltf.take(),
+            orders: self.orders.take(),
+            mesh_levels,
+            figure: self,
+        }
+    }
+
+    /// The figure of a document whose vertices have another order than the mesh.
+    pub(crate) fn with_orders(self, orders: Option<&[SourceOrder]>) -> Self {
+        Self {
+            orders: orders.map(<[SourceOrder]>::to_vec),
+            ..self
+        }
+    }
+
+    /// The data that the file stores, if it belongs to the character.
+    pub(crate) fn stored(&self) -> Option<Stored<'_>> {
+        Stored::of(&self.opened).filter(|_| self.state.is_current)
+    }
+
+    /// Whether the vertices of the document are in another order than those of the mesh.
+    pub(crate) fn is_reordered(&self) -> bool {
+        self.orders.is_some()
+    }
+
+    /// The character with its meshes in the order of the source.
+    pub(crate) fn source_character(&self) -> Character {
+        let mut character = self.opened.character.clone();
+        if let Some(meshes) = &self.source_meshes {
+            character.meshes.clone_from(meshes);
+        }
+        character
+    }
+
+    /// Triangles of each mesh level of the file over the vertices of the mesh; `None` unless the
+    /// file has exactly this number of levels.
+    pub(crate) fn stored_mesh_levels(&self, levels: usize) -> Option<Vec<Vec<[u32; 3]>>> {
+        let table = self.opened.character.mesh_levels.as_ref()?;
+        if table.levels.len() != levels {
+            return None;
+        }
+        let mut out = vec![Vec::new(); levels];
+        let mut parts = self.asset.mesh.parts.iter();
+        let mut orders = self.orders.iter().flatten();
+        for mesh in &self.opened.character.meshes {
+            if mesh.clustered.len() != mesh.primitives.len() {
+                return None;
+            }
+            for object in &mesh.clustered {
+                let first = parts.next()?.vertices.start as u32;
+                let order = orders.next();
+                let source = |v: u32| match order {
+                    Some(order) => order.vertices.get(v as usize).map(|v| first + v),
+                    None => Some(first + v),
+                };
+                for (level, out) in out.iter_mut().enumerate() {
+                    for range in object.clusters.ranges(level) {
+                        for t in object
+                            .triangles
+                            .get(range.start as usize..range.end as usize)?
+                        {
+                            out.push([source(t[0])?, source(t[1])?, source(t[2])?]);
+                        }
+                    }
+                }
+            }
+        }
+        Some(out)
     }
 
     /// Returns the index of the clip called `name`, or of the first clip if `name` is `None`;
@@ -49,4 +181,42 @@ impl Figure {
             None => Ok((!self.asset.clips.is_empty()).then_some(0)),
         }
     }
+}
+
+/// A figure in the order of its source, and its document.
+pub(crate) struct SourceFigure {
+    pub(crate) figure: Figure,
+    pub(crate) gltf: Option<GltfSource>,
+    /// Order of the document's vertices, if it differs.
+    pub(crate) orders: Option<Vec<SourceOrder>>,
+    /// Triangles of the mesh levels of the document.
+    pub(crate) mesh_levels: Option<Vec<Vec<[u32; 3]>>>,
+}
+
+/// Rig, mesh and clips of a character, with its meshes in the order of the source.
+fn assembled(
+    opened: &CharacterFile,
+    meshes: Option<&[RawMesh]>,
+    stored: Option<&Stored<'_>>,
+) -> Result<Asset> {
+    let source = &opened.character;
+    let articulation = opened.articulation();
+    let shown = meshes.unwrap_or(&source.meshes);
+    if let Some(stored) = stored {
+        let (rig, mesh) = rig_and_mesh(&source.skeleton, shown, articulation.clone())?;
+        if let Some(clips) = stored.clips(source.clips.len(), &rig, &mesh) {
+            return Ok(Asset { rig, mesh, clips });
+        }
+    }
+    let options = ClipOptions::default();
+    Ok(match meshes {
+        None => character(source, Some(articulation), &options)?,
+        Some(meshes) => {
+            let restored = Character {
+                meshes: meshes.to_vec(),
+                ..source.clone()
+            };
+            character(&restored, Some(articulation), &options)?
+        }
+    })
 }

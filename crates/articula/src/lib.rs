@@ -51,6 +51,7 @@ mod mesh_levels;
 mod motion_tables;
 mod open;
 mod prepare;
+mod prepared;
 mod work;
 
 pub use camera_path::read_camera_path;
@@ -59,12 +60,15 @@ pub use error::{Error, Result};
 pub use facing::facing;
 pub use figure::Figure;
 pub use mesh_levels::{CodedMeshLevels, MeshLevelOptions, MeshLevelStream};
-pub use motion_tables::{ClipTables, StoredTables, stored_tables};
+pub use motion_tables::{ClipTables, MotionTables, StoredTables};
 pub use open::{
     CharacterFile, Data, DataFile, DataFormat, Format, GltfSource, OpenOptions, WriteSupport,
     choose, conversions, open, open_data, readable, reference_human,
 };
 pub use prepare::{PrepareOptions, PreparedAsset, prepare};
+pub use prepared::{
+    CheckedPart, PartBytes, PartState, PreparedCheck, PreparedPart, check_prepared,
+};
 pub use work::{Executor, Job, JobRunner, Step, StepCallback};
 
 pub use articula_core::{Camera, PosedMesh, SkinnedMesh, Viewport, Wrap, sample, sample_morphs};

@@ -1,34 +1,61 @@
-//! Motion tables of a GLB: made by `prepare`, checked whenever the file is played.
+//! Motion tables of a GLB: made by `prepare`, checked whenever they are played.
 //!
 //! Source: `docs/methods/motion-lod.md` part 9. A table that was made for another rig, clip or mesh
-//! is an error, not a warning.
+//! is not used.
 
-use crate::error::{Context, Result};
 use crate::figure::Figure;
-use articula_build::Asset;
-use articula_build::pose_keys;
-use articula_build::{JointLever, levers};
-use articula_build::{key_table, table_hashes};
-use articula_core::{KeyMode, KeyTable, Mismatch, PoseKeys};
-use articula_formats::Limits;
-use articula_formats::{read_key_table, read_pose_keys, write_key_table, write_pose_keys};
+use crate::prepared::PreparedPart;
+use articula_build::{
+    Asset, JointLever, contact_table, key_table, levers, pose_keys, table_hashes,
+};
+use articula_core::{ContactTable, KeyMode, KeyTable, Mismatch, PoseKeys};
+use articula_formats::{Limits, ReadError};
+use articula_formats::{
+    read_contact_table, read_key_table, read_pose_keys, write_contact_table, write_key_table,
+    write_pose_keys,
+};
 use serde::Serialize;
 
 /// Names of the tables in the file.
 pub(crate) const SEGS: &str = "segs";
 pub(crate) const POSE_KEYS: &str = "posekeys";
+pub(crate) const ERROR_MATRIX: &str = "errors";
+pub(crate) const CONTACTS: &str = "contacts";
 /// Number of vertices that whole-pose keys are computed from.
 const WATCHED: usize = 700;
 
-/// Encoded motion tables of one clip: joint keys and whole-pose keys for a series of tolerances.
-#[derive(Debug)]
+/// Encoded motion tables of one clip; a table that was left out is empty.
+#[derive(Debug, Default)]
 pub struct ClipTables {
-    /// Keys of each joint by tolerance, as in `docs/formats`.
+    /// Keys of each joint by tolerance, as in `docs/formats/motion-tables.md`.
     pub segs: Vec<u8>,
     /// Keys of the whole pose.
     pub pose_keys: Vec<u8>,
+    /// Error of each joint at each frame, after the thesis.
+    pub error_matrix: Vec<u8>,
+    /// Intervals in which feet stand still.
+    pub contacts: Vec<u8>,
     /// Number of keys over all joints at each level, finest first.
     pub keys: Vec<usize>,
+}
+
+impl ClipTables {
+    /// Size of a part in bytes; 0 if it is none of these tables.
+    pub(crate) fn bytes(&self, part: PreparedPart) -> usize {
+        let own = self.stored().find(|(name, _)| Some(*name) == part.table());
+        own.map_or(0, |(_, bytes)| bytes.len())
+    }
+
+    /// Names and bytes of the tables that were made.
+    pub(crate) fn stored(&self) -> impl Iterator<Item = (&'static str, &[u8])> {
+        let all = [
+            (SEGS, self.segs.as_slice()),
+            (POSE_KEYS, &self.pose_keys),
+            (ERROR_MATRIX, &self.error_matrix),
+            (CONTACTS, &self.contacts),
+        ];
+        all.into_iter().filter(|(_, bytes)| !bytes.is_empty())
+    }
 }
 
 /// Shared inputs of the tables of all clips.
@@ -50,19 +77,26 @@ impl<'a> TableMaker<'a> {
     }
 
     /// Computes the tables of one clip.
-    pub(crate) fn tables(&self, clip: usize) -> ClipTables {
+    pub(crate) fn tables(&self, clip: usize, without: &[PreparedPart]) -> ClipTables {
         let clip = &self.asset.clips[clip];
-        let table = key_table(self.asset, clip, &self.levers, KeyMode::Hold);
-        let pose_keys = pose_keys(self.asset, clip, WATCHED, self.seed);
-        let at = |level: usize| {
-            let lists = table.keys.iter().filter_map(|joint| joint.get(level));
-            lists.map(Vec::len).sum()
-        };
-        ClipTables {
-            segs: write_key_table(&table),
-            pose_keys: write_pose_keys(&pose_keys),
-            keys: (0..table.levels()).map(at).collect(),
+        let is_wanted = |part: PreparedPart| !without.contains(&part);
+        let mut tables = ClipTables::default();
+        if is_wanted(PreparedPart::JointKeys) {
+            let table = key_table(self.asset, clip, &self.levers, KeyMode::Hold);
+            let at = |level: usize| {
+                let lists = table.keys.iter().filter_map(|joint| joint.get(level));
+                lists.map(Vec::len).sum()
+            };
+            tables.segs = write_key_table(&table);
+            tables.keys = (0..table.levels()).map(at).collect();
         }
+        if is_wanted(PreparedPart::PoseKeys) {
+            tables.pose_keys = write_pose_keys(&pose_keys(self.asset, clip, WATCHED, self.seed));
+        }
+        if is_wanted(PreparedPart::Contacts) {
+            tables.contacts = write_contact_table(&contact_table(self.asset, clip));
+        }
+        tables
     }
 }
 
@@ -82,59 +116,102 @@ impl StoredTables {
     }
 }
 
-/// Reads and checks the stored tables of every clip; sizes are 0 where a clip has none.
-///
-/// # Errors
-/// An [`Error`](crate::Error) that names a table that is malformed or was made for another rig,
-/// clip or mesh.
-pub fn stored_tables(figure: &Figure) -> Result<Vec<StoredTables>> {
-    let asset = &figure.asset;
-    let all = (0..asset.clips.len()).map(|clip| of_clip(figure, clip));
-    all.collect::<Result<_>>()
-        .with_context(|| &figure.opened.name)
+/// The stored tables of one clip that belong to it, and what is wrong with the others.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MotionTables {
+    /// Keys of each joint by tolerance.
+    pub joint_keys: Option<KeyTable>,
+    /// Keys of the whole pose.
+    pub pose_keys: Option<PoseKeys>,
+    /// Intervals in which feet stand still.
+    pub contacts: Option<ContactTable>,
+    /// Sizes of the first two in bytes; 0 for a table that is not used.
+    pub bytes: StoredTables,
+    /// Tables that are damaged or were made for another rig, clip or mesh, as text for the user.
+    pub warnings: Vec<String>,
 }
 
-fn of_clip(figure: &Figure, clip: usize) -> Result<StoredTables> {
-    let Some(gltf) = &figure.opened.gltf else {
-        return Ok(StoredTables::default());
-    };
-    let limits = Limits::default();
-    let at =
-        |name: &str| format!("animations[{clip}].extensions.ARTICULA_articulation.tables.{name}");
-    let mut stored = StoredTables::default();
-    if let Some(bytes) = gltf.document.motion_table(clip, SEGS) {
-        let table = read_key_table(bytes, &limits).with_context(|| at(SEGS))?;
-        check_segs(&figure.asset, clip, &table).with_context(|| at(SEGS))?;
-        stored.segs = bytes.len();
+impl MotionTables {
+    /// Reads and checks the tables that the figure's file stores for a clip.
+    ///
+    /// # Panics
+    /// If there is no such clip.
+    pub fn stored(figure: &Figure, clip: usize) -> Self {
+        let asset = &figure.asset;
+        let mut found = Self::default();
+        let Some(gltf) = &figure.opened.gltf else {
+            return found;
+        };
+        let hashes = table_hashes(&asset.rig, &asset.clips[clip], &asset.mesh);
+        let mut reader = TableReader {
+            bytes: &|name| gltf.document.motion_table(clip, name),
+            clip,
+            warnings: Vec::new(),
+        };
+        let frames = asset.clips[clip].frames();
+        found.joint_keys = reader.read(SEGS, read_key_table, |table| {
+            table.check(&hashes)?;
+            let last = table.keys.iter().flatten().filter_map(|keys| keys.last());
+            within(last.max().copied(), frames)
+        });
+        found.pose_keys = reader.read(POSE_KEYS, read_pose_keys, |keys| keys.hashes.check(&hashes));
+        found.contacts = reader.read(CONTACTS, read_contact_table, |table| {
+            table.hashes.check(&hashes)?;
+            let last = table.contacts.iter().map(|c| c.frames.end as u32 - 1);
+            within(last.max(), frames)
+        });
+        found.warnings = reader.warnings;
+        let size = |name| {
+            gltf.document
+                .motion_table(clip, name)
+                .map_or(0, <[u8]>::len)
+        };
+        found.bytes = StoredTables {
+            segs: found.joint_keys.as_ref().map_or(0, |_| size(SEGS)),
+            posekeys: found.pose_keys.as_ref().map_or(0, |_| size(POSE_KEYS)),
+        };
+        found
     }
-    if let Some(bytes) = gltf.document.motion_table(clip, POSE_KEYS) {
-        let keys = read_pose_keys(bytes, &limits).with_context(|| at(POSE_KEYS))?;
-        check_pose_keys(&figure.asset, clip, &keys).with_context(|| at(POSE_KEYS))?;
-        stored.posekeys = bytes.len();
-    }
-    Ok(stored)
 }
 
-fn check_segs(asset: &Asset, clip: usize, table: &KeyTable) -> Result<(), Mismatch> {
-    let played = &asset.clips[clip];
-    table.check(&table_hashes(&asset.rig, played, &asset.mesh))?;
-    let last = table.keys.iter().flatten().filter_map(|keys| keys.last());
-    if last.max().is_some_and(|k| *k as usize >= played.frames()) {
-        let what = "a key is after the end of the clip; rebuild the asset";
-        return Err(Mismatch::new("keys", what));
-    }
-    Ok(())
+struct TableReader<'a> {
+    bytes: &'a dyn Fn(&str) -> Option<&'a [u8]>,
+    clip: usize,
+    warnings: Vec<String>,
 }
 
-fn check_pose_keys(asset: &Asset, clip: usize, keys: &PoseKeys) -> Result<(), Mismatch> {
-    // Pose keys have the same hashes, so they are checked by the same rule.
-    let as_table = KeyTable {
-        hashes: keys.hashes,
-        rate_hz: keys.tick_hz,
-        frames: keys.ticks,
-        base_metres: keys.base_metres,
-        mode: KeyMode::Linear,
-        keys: Vec::new(),
-    };
-    as_table.check(&table_hashes(&asset.rig, &asset.clips[clip], &asset.mesh))
+impl TableReader<'_> {
+    fn read<T>(
+        &mut self,
+        name: &str,
+        decode: impl FnOnce(&[u8], &Limits) -> Result<T, ReadError>,
+        check: impl FnOnce(&T) -> Result<(), Mismatch>,
+    ) -> Option<T> {
+        let decoded = decode((self.bytes)(name)?, &Limits::default());
+        let checked = decoded.map_err(|e| e.to_string()).and_then(|table| {
+            check(&table).map_err(|e| e.to_string())?;
+            Ok(table)
+        });
+        match checked {
+            Ok(table) => Some(table),
+            Err(what) => {
+                let clip = self.clip;
+                self.warnings.push(format!(
+                    "animations[{clip}].extensions.ARTICULA_articulation.tables.{name}: {what}; it \
+                     is not used, and `articula build` renews it"
+                ));
+                None
+            }
+        }
+    }
+}
+
+fn within(last: Option<u32>, frames: usize) -> Result<(), Mismatch> {
+    match last {
+        Some(last) if last as usize >= frames => Err(Mismatch::new(
+            "frames",
+            "a key is after the end of the clip",
+        )),
+        _ => Ok(()),
+    }
 }

@@ -3,20 +3,23 @@
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::mesh_levels::{self, CodedMeshLevels, MeshLevelOptions};
-use crate::motion_tables::{ClipTables, POSE_KEYS, SEGS, TableMaker};
+use crate::motion_tables::{ClipTables, TableMaker};
 use crate::open::{CharacterFile, GltfSource};
+use crate::prepared::write::{self, Parts};
+use crate::prepared::{PartBytes, PreparedPart};
 use crate::work::Executor;
-use articula_core::Mesh;
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document};
 
 /// Options of [`prepare`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrepareOptions {
-    /// Seed of the selection of vertices that whole-pose keys are computed from.
+    /// Seed of the samples of vertices and frames.
     pub seed: u64,
-    /// Options of the mesh levels; `None` makes none.
+    /// Options of the mesh levels. `None` makes none; those that the file has stay.
     pub mesh_levels: Option<MeshLevelOptions>,
+    /// Parts that are left out.
+    pub without: Vec<PreparedPart>,
 }
 
 impl Default for PrepareOptions {
@@ -24,6 +27,7 @@ impl Default for PrepareOptions {
         Self {
             seed: 1,
             mesh_levels: None,
+            without: Vec::new(),
         }
     }
 }
@@ -33,8 +37,8 @@ impl Default for PrepareOptions {
 pub struct PreparedAsset {
     /// The asset as a GLB that any glTF viewer opens.
     pub glb: Vec<u8>,
-    /// The character as stored in the asset. Its document was moved into the asset, so
-    /// `opened.gltf` is `None`.
+    /// The character that was prepared. Its document was moved into the asset, so `opened.gltf` is
+    /// `None`.
     pub figure: Figure,
     /// Motion tables, one for each clip.
     pub tables: Vec<ClipTables>,
@@ -42,10 +46,16 @@ pub struct PreparedAsset {
     pub mesh_levels: Option<CodedMeshLevels>,
     /// Number of bytes of the GLB that meshes take.
     pub mesh_bytes: usize,
+    /// Number of bytes of each stored part.
+    pub parts: Vec<PartBytes>,
+    /// Palettes of the pose cache that its keys are evaluated to when the asset is opened, in
+    /// bytes.
+    pub pose_cache_bytes: usize,
 }
 
-/// Computes articulation, motion tables and, on request, mesh levels, and stores them in the
-/// character's document; other contents of the document are preserved.
+/// Computes everything that crowds and evaluations need, and stores it in the character's document:
+/// articulation, clips at a uniform rate, joint and mesh levels with their errors, skins and
+/// bounds, keys of the pose cache, and motion tables. Other contents of the document are preserved.
 ///
 /// There is one job per clip. The output does not depend on threads or order.
 ///
@@ -58,30 +68,46 @@ pub fn prepare(
     work: &Executor<'_>,
 ) -> Result<PreparedAsset> {
     let name = opened.name.clone();
-    let (opened, mut gltf) = with_document(opened).with_context(|| &name)?;
-    let mut figure = Figure::new(opened)?;
+    let (mut opened, gltf) = with_document(opened).with_context(|| &name)?;
+    opened.gltf = Some(gltf);
+    let source = Figure::computed(opened)?.into_source();
+    let mut gltf = source.gltf.context(&name)?;
+    gltf.document.remove_prepared();
+    let (mut figure, mut orders) = (source.figure, source.orders);
+    let mut triangles = source.mesh_levels;
     let mut levels = None;
     if let Some(wanted) = &options.mesh_levels {
-        let made = mesh_levels::add(&figure, &mut gltf, wanted, work).with_context(|| &name)?;
-        // Tables depend on the order of the vertices, which has changed; rig and clips have not.
-        let character = made.levels.character(&figure.opened.character);
-        figure.opened.character = character.with_context(|| &name)?;
-        let (meshes, joints) = (&figure.opened.character.meshes, figure.asset.rig.len());
-        figure.asset.mesh = Mesh::new(meshes, joints).with_context(|| &name)?;
+        let made = mesh_levels::add(&figure, (&mut gltf, orders.as_deref()), wanted, work);
+        let made = made.with_context(|| &name)?;
+        triangles = Some(made.levels.triangles(&figure.asset.mesh));
+        orders = Some(mesh_levels::source_orders(&figure, &made.levels));
         levels = Some(made);
     }
     let maker = TableMaker::new(&figure.asset, options.seed);
     let clips: Vec<usize> = (0..figure.asset.clips.len()).collect();
     let tables = work.map("building motion tables", clips, |clip| {
-        Ok(maker.tables(clip))
+        Ok(maker.tables(clip, &options.without))
     })?;
-    let (glb, mesh_bytes) = written(&figure, gltf, &tables).with_context(|| &name)?;
+    let orders = orders.as_deref();
+    let parts = write::parts(&figure, (triangles, orders), options, work);
+    let parts = parts.with_context(|| &name)?;
+    let (glb, mesh_bytes) = written(&figure, gltf, &tables, &parts).with_context(|| &name)?;
+    if let Some(levels) = &levels {
+        let character = levels.levels.character(&figure.opened.character);
+        figure.opened.character = character.with_context(|| &name)?;
+    }
+    let sizes = PreparedPart::ALL.into_iter().map(|part| PartBytes {
+        part: part.name(),
+        bytes: parts.bytes(part) + tables.iter().map(|t| t.bytes(part)).sum::<usize>(),
+    });
     Ok(PreparedAsset {
         glb,
-        figure,
+        mesh_bytes,
+        parts: sizes.collect(),
+        pose_cache_bytes: parts.pose_cache_bytes,
+        figure: figure.with_orders(orders),
         tables,
         mesh_levels: levels,
-        mesh_bytes,
     })
 }
 
@@ -118,12 +144,26 @@ fn shown_by(document: Document, mut opened: CharacterFile) -> Result<(CharacterF
 }
 
 /// Returns the bytes of the GLB and how many of them meshes take.
-fn written(figure: &Figure, gltf: GltfSource, tables: &[ClipTables]) -> Result<(Vec<u8>, usize)> {
+fn written(
+    figure: &Figure,
+    gltf: GltfSource,
+    tables: &[ClipTables],
+    parts: &Parts,
+) -> Result<(Vec<u8>, usize)> {
     let mut document = gltf.document;
     document.set_articulation(&figure.opened.articulation(), &gltf.node_of_joint)?;
     for (clip, tables) in tables.iter().enumerate() {
-        document.set_motion_table(clip, SEGS, &tables.segs)?;
-        document.set_motion_table(clip, POSE_KEYS, &tables.pose_keys)?;
+        for (name, bytes) in tables.stored() {
+            document.set_motion_table(clip, name, bytes)?;
+        }
     }
-    Ok((document.write_glb()?, document.mesh_bytes()))
+    // Hashes are of what a reader will find, which may differ from what was read before.
+    let file = gltf::read_document(document, &Limits::default())?.value;
+    let (character, mut gltf) = GltfSource::split(file);
+    parts.store(
+        &mut gltf.document,
+        &character,
+        &figure.opened.articulation(),
+    );
+    Ok((gltf.document.write_glb()?, gltf.document.mesh_bytes()))
 }

@@ -5,12 +5,13 @@ use super::baselines::thesis_metric::ErrorMatrix;
 use super::method::{Method, MethodOptions, Playback};
 use crate::character::Asset;
 use crate::motion_error::bounds::moving_joints;
-use crate::motion_error::contacts::{Contact, contacts};
+use crate::motion_error::contacts::contacts;
 use crate::motion_error::joint_lever::JointLever;
 use crate::motion_error::levers::levers;
 use crate::points::Points;
 use articula_core::{
-    Clip, JointSet, LocalPose, ModelPose, Viewport, Wrap, local_to_model, percentile, sample,
+    Clip, Contact, JointSet, LocalPose, ModelPose, Viewport, Wrap, local_to_model, percentile,
+    sample,
 };
 use glam::{Quat, Vec3};
 use std::cell::OnceCell;

@@ -1,7 +1,6 @@
 //! The chain of levels through the cheapest candidates within rising tolerances.
 
-use super::FigureLevel;
-use articula_core::{Mesh, Part};
+use articula_core::{FigureLevel, Mesh, Part};
 
 /// Maximum cost of a level relative to the level before.
 const WORTH: f32 = 0.88;

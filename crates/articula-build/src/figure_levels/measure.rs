@@ -3,11 +3,10 @@
 use super::chain::Candidate;
 use crate::character::Asset;
 use crate::joint_lods::{
-    LevelSkin, Poser, Tally, Watched, compare, model_of, pose_of, share_frames, skin_part,
-    spread_frames,
+    Poser, Tally, Watched, compare, model_of, pose_of, share_frames, skin_part, spread_frames,
 };
 use crate::surface_distance::{SkinPoint, corners};
-use articula_core::{Binding, Mesh};
+use articula_core::{Binding, LevelSkin, Mesh};
 use glam::Vec3;
 
 /// A displayed combination: index of a skin, and index of the points of a mesh level.

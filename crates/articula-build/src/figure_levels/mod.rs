@@ -14,12 +14,11 @@ mod measure;
 
 use crate::character::Asset;
 use crate::influences::limit;
-use crate::joint_lods::{
-    self, JointLodOptions, LevelSkin, LevelSkins, MAX_FRAMES, MergedLevels, Tally, Watched, rising,
-};
+use crate::joint_lods::{self, JointLodOptions, MAX_FRAMES, MergedLevels, Tally, Watched, rising};
 use crate::surface_distance::{SkinPoint, attach};
 use articula_core::{
-    ClipLodErrors, JointLods, LocalPose, LodErrors, Mesh, Mismatch, PaletteMap, lod_error_metres,
+    ClipLodErrors, FigureLevel, JointLods, LevelSkin, LevelSkins, LocalPose, LodErrors, Mesh,
+    Mismatch, PaletteMap, lod_error_metres,
 };
 use chain::Candidate;
 use glam::{Affine3A, Vec3};
@@ -27,26 +26,6 @@ use measure::{DisplayedLevel, LevelMeasurement};
 
 /// Limits on influences that are tried, besides the number that the joint LOD has.
 const INFLUENCES: [usize; 3] = [4, 2, 1];
-
-/// One level of a figure: joints, mesh level and influences.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FigureLevel {
-    /// Joint LOD that it was made from.
-    pub joint_level: usize,
-    /// Mesh level; 0 is the original.
-    pub mesh_level: usize,
-    /// Number of joints kept.
-    pub joints: usize,
-    /// Number of triangles drawn.
-    pub triangles: usize,
-    /// Number of vertices skinned for them.
-    pub vertices: usize,
-    /// Maximum number of influences of a vertex.
-    pub influences: usize,
-    /// Sum of joints, triangles, and influences of all vertices, each as a fraction of the full
-    /// character's: 3 for the full character.
-    pub cost: f32,
-}
 
 /// Levels of a figure, the full character first.
 #[derive(Debug, Clone, PartialEq)]
@@ -127,6 +106,39 @@ pub fn figure_levels(
     errors.check(asset.clips.len(), levels.len())?;
     Ok(FigureLevels {
         merged: stacked(asset, merged, &levels, of_levels, errors)?,
+        levels,
+    })
+}
+
+/// Combines known levels, such as those that an asset stores, with the skins of their joint LODs.
+///
+/// `levels` and `errors` are those of an earlier [`figure_levels`] for the same arguments.
+///
+/// # Errors
+/// A [`Mismatch`] if a level names a joint LOD that does not exist, or errors and levels do not
+/// belong to the character.
+pub fn paired_levels(
+    asset: &Asset,
+    merged: &MergedLevels,
+    levels: Vec<FigureLevel>,
+    errors: LodErrors,
+) -> Result<FigureLevels, Mismatch> {
+    errors.check(asset.clips.len(), levels.len())?;
+    let mut skins = Vec::with_capacity(levels.len());
+    for (l, level) in levels.iter().enumerate() {
+        let Some(skin) = merged.skins.levels.get(level.joint_level) else {
+            let what = format!("there is no joint LOD {}", level.joint_level);
+            return Err(Mismatch::new(format!("levels[{l}]"), what));
+        };
+        skins.push(if level.influences < skin.influences {
+            let mesh = merged.skins.mesh(level.joint_level, &asset.mesh);
+            limited(skin, mesh, level.influences)
+        } else {
+            skin.clone()
+        });
+    }
+    Ok(FigureLevels {
+        merged: stacked(asset, merged, &levels, skins, errors)?,
         levels,
     })
 }

@@ -5,12 +5,14 @@
 use super::measure::{Poser, measure};
 use super::moments::{model_of, pose_of, share_frames, spread_frames};
 use super::prefixes::Prefixes;
-use super::skins::{LevelSkin, LevelSkins, placed_skins, skin_part};
+use super::skins::{placed_skins, skin_part};
 use super::watch::{Watched, skin_of};
 use super::{JointLodOptions, check, check_tolerances};
 use crate::character::Asset;
 use articula_core::percentile;
-use articula_core::{Binding, Clip, ClipLodErrors, JointLods, LodErrors, Mesh, Mismatch};
+use articula_core::{
+    Binding, Clip, ClipLodErrors, JointLods, LevelSkin, LevelSkins, LodErrors, Mesh, Mismatch,
+};
 use glam::Vec3;
 
 /// Maximum number of frames, over all clips, at which errors are measured; shorter clips are

@@ -11,14 +11,15 @@
 use super::errors::{add, table};
 use super::moments::pose_at;
 use super::prefixes::Prefixes;
-use super::skins::{LevelSkins, placed_skins};
+use super::skins::{no_skins, placed_skins};
 use super::watch::skin_of;
 use super::{JointLodOptions, check};
 use crate::character::Asset;
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{
-    Articulation, Binding, Clip, JointLods, JointSet, LocalPose, LodErrors, Mismatch, ModelPose,
-    Rig, Track, Tracks, Transform, Wrap, angle_between, local_to_model, same_hemisphere, sample,
+    Articulation, Binding, Clip, JointLods, JointSet, LevelSkins, LocalPose, LodErrors, Mismatch,
+    ModelPose, Rig, Track, Tracks, Transform, Wrap, angle_between, local_to_model, same_hemisphere,
+    sample,
 };
 use glam::{Affine3A, Quat, Vec3};
 
@@ -96,7 +97,7 @@ pub fn far_levels(
     let skin = skin_of(asset);
     let placed = placed_skins(asset, &skin, &prefixes, opts)?;
     let skins = if asset.mesh.is_empty() {
-        LevelSkins::none(&joint_lods)?
+        no_skins(&joint_lods)?
     } else {
         placed.on(&joint_lods, |binding, joint| Binding { joint, ..binding })?
     };

@@ -40,14 +40,14 @@ pub use mean_pose::mean_pose;
 pub(crate) use mean_pose::principal;
 pub(crate) use measure::{Poser, Tally, compare};
 pub(crate) use moments::{model_of, pose_of, share_frames, spread_frames};
+pub use skins::level_skins;
 pub(crate) use skins::skin_part;
-pub use skins::{LevelSkin, LevelSkins, level_skins};
 pub(crate) use watch::Watched;
 pub use watch::skin_of;
 
 use crate::character::Asset;
 use articula_core::loa::LoaExpression;
-use articula_core::{JointLods, JointSet, LocalPose, LodErrors, Mismatch};
+use articula_core::{JointLods, JointSet, LevelSkins, LocalPose, LodErrors, Mismatch};
 use choose::Choice;
 use order::Folds;
 

@@ -10,10 +10,10 @@ mod reordered;
 use crate::character::Asset;
 use crate::clusters::{ClusterOrder, Clustered, cluster};
 use crate::poses::{PoseOptions, PoseOrigin, Poses, SkinPose, poses, positions};
-use crate::simplify::{Simplified, SimplifyOptions, simplify};
+use crate::simplify::{LevelTriangles, Simplified, SimplifyOptions, simplify};
 use crate::surface_distance::{DistanceOptions, LevelDistances, surface_distances};
 use articula_core::source::Character;
-use articula_core::{LevelRow, LevelTable, Mismatch, Part};
+use articula_core::{LevelRow, LevelTable, Mesh, Mismatch, Part};
 
 /// Options of [`mesh_levels`].
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -68,12 +68,29 @@ impl MeasurementPoses {
 }
 
 impl MeshLevels {
+    /// Returns the triangles of each level over the vertices of the mesh that the levels were made
+    /// from.
+    pub fn triangles(&self, mesh: &Mesh) -> Vec<Vec<[u32; 3]>> {
+        let level = |l: usize| {
+            let parts = mesh.parts.iter().zip(&self.parts);
+            let of_part = |(part, levels): (&Part, &Vec<Vec<[u32; 3]>>)| {
+                let first = part.vertices.start as u32;
+                levels[l]
+                    .iter()
+                    .map(move |t| t.map(|v| v + first))
+                    .collect::<Vec<_>>()
+            };
+            parts.flat_map(of_part).collect()
+        };
+        (0..self.table.levels.len()).map(level).collect()
+    }
+
     /// Returns the character with these levels, its vertices in stored order.
     ///
     /// The result equals, bit for bit, what is read back from a document that these levels were
     /// written to, so data bound to the vertex order can be prepared without reading it again.
-    /// Vertices that no level uses are removed, and so are coarser forms of a mesh in the source
-    /// file.
+    /// Vertices that no level uses come last; coarser forms of a mesh in the source file are
+    /// removed.
     ///
     /// # Errors
     /// A [`Mismatch`] if the meshes are not those that the levels were made from.
@@ -93,8 +110,7 @@ impl MeshLevels {
 /// character.
 pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels, Mismatch> {
     let mesh = &asset.mesh;
-    let poses = poses(asset, &opts.poses)?;
-    let simplified = simplify(mesh, &positions(asset, &poses.shaping), &opts.simplify)?;
+    let (simplified, poses) = simplified(asset, opts)?;
     let distances = measured(asset, &simplified, &poses, &opts.distance)?;
     let mut objects = Vec::with_capacity(mesh.parts.len());
     let mut parts = Vec::with_capacity(mesh.parts.len());
@@ -102,12 +118,10 @@ pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels,
         let levels = part_levels(&simplified, p, part);
         let of_part = opts.simplify.regions.get(part.vertices.clone());
         let regions: Vec<u16> = of_part.unwrap_or(&[]).iter().map(|r| (*r).into()).collect();
-        objects.push(cluster(
-            &levels,
-            part.vertices.len(),
-            &regions,
-            ClusterOrder::Store,
-        )?);
+        let count = part.vertices.len();
+        let mut object = cluster(&levels, count, &regions, ClusterOrder::Store)?;
+        keep_unused(&mut object.vertices, count);
+        objects.push(object);
         parts.push(levels);
     }
     let row = |(l, distances): (usize, &LevelDistances)| LevelRow {
@@ -130,6 +144,35 @@ pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels,
         parts,
         measured: MeasurementPoses::new(&poses.measuring),
     })
+}
+
+/// Simplifies the mesh of a character as [`mesh_levels`] does, and returns the triangles of each
+/// level.
+///
+/// # Errors
+/// As [`mesh_levels`].
+pub fn mesh_level_triangles(
+    asset: &Asset,
+    opts: &MeshLevelOptions,
+) -> Result<Vec<LevelTriangles>, Mismatch> {
+    Ok(simplified(asset, opts)?.0.levels)
+}
+
+fn simplified(asset: &Asset, opts: &MeshLevelOptions) -> Result<(Simplified, Poses), Mismatch> {
+    let poses = poses(asset, &opts.poses)?;
+    let shaping = positions(asset, &poses.shaping);
+    Ok((simplify(&asset.mesh, &shaping, &opts.simplify)?, poses))
+}
+
+/// Appends the vertices that no level uses, so that a stored character has all vertices of its
+/// source.
+fn keep_unused(vertices: &mut Vec<u32>, count: usize) {
+    let mut is_used = vec![false; count];
+    for v in vertices.iter() {
+        is_used[*v as usize] = true;
+    }
+    let all = (0..count as u32).zip(is_used);
+    vertices.extend(all.filter(|(_, used)| !used).map(|(v, _)| v));
 }
 
 /// Triangles of one part at each level, vertices numbered within the part.

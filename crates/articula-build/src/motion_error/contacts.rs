@@ -3,8 +3,11 @@
 //! Source: `docs/methods/motion-lod.md` 4.6: slower than 0.15 m/s and, for feet, within 5 cm of the
 //! lowest height of the clip, for 80 ms or more.
 
+use super::tables::table_hashes;
 use crate::character::Asset;
-use articula_core::{AttentionInterval, Clip, ModelPose, Wrap, local_to_model, sample};
+use articula_core::{
+    AttentionInterval, Clip, Contact, ContactTable, ModelPose, Wrap, local_to_model, sample,
+};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -14,15 +17,6 @@ pub(crate) const CONTACT_ATTENTION: f32 = 0.25;
 const SLOWER_THAN_METRES_PER_SEC: f32 = 0.15;
 const FOOT_WITHIN_METRES: f32 = 0.05;
 const MIN_SECS: f32 = 0.08;
-
-/// One contact of one joint.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Contact {
-    /// The foot or hand joint.
-    pub(crate) joint: usize,
-    /// Frames of the clip during which it stands still.
-    pub(crate) frames: Range<usize>,
-}
 
 /// Contacts of the feet (and toes) of a clip, identified by their H-Anim names; hands only if
 /// `hands` is set, and for them low speed alone decides.
@@ -67,6 +61,16 @@ pub(crate) fn contacts(asset: &Asset, clip: &Clip, hands: bool) -> Vec<Contact> 
         );
     }
     found
+}
+
+/// Finds the intervals in which the feet of a character stand still in a clip.
+pub fn contact_table(asset: &Asset, clip: &Clip) -> ContactTable {
+    ContactTable {
+        hashes: table_hashes(&asset.rig, clip, &asset.mesh),
+        rate_hz: clip.rate_hz(),
+        frames: clip.frames() as u32,
+        contacts: contacts(asset, clip, false),
+    }
 }
 
 /// Attention of every joint at a frame: [`CONTACT_ATTENTION`] from the root to a joint in contact,

@@ -16,7 +16,8 @@ use crate::character::Asset;
 use crate::joint_lods::MergedLevels;
 use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
 use articula_core::{
-    Backend, CachedKeys, CachedRows, ClipSet, Mismatch, PaletteForm, PaletteRows, PoseCache,
+    Backend, CachedKeys, CachedRows, ClipSet, Mismatch, PaletteForm, PaletteMap, PaletteRows,
+    PoseCache,
 };
 use keys::{Ticks, choose};
 use measure::measure;
@@ -111,6 +112,9 @@ pub struct CacheReport {
 pub struct CachedPoses {
     /// The cache.
     pub cache: PoseCache,
+    /// Keys of each clip at each level, from which [`cache_of_keys`] makes the same cache; `None`
+    /// where poses are evaluated.
+    pub keys: Vec<Vec<Option<CachedKeys>>>,
     /// One entry per clip and level, ordered by clip.
     pub report: Vec<CacheReport>,
 }
@@ -139,7 +143,8 @@ pub fn cached_poses(
         plans.push(planned(levels, clips, (clip, ticks), &mut skins, opts)?);
     }
     allot(&mut plans, opts.palette_bytes);
-    let (mut keys, rows) = bake(&baker, clips, &plans, opts.form);
+    let mut keys = placed_keys(&plans, map);
+    let rows = bake(&baker, clips, &keys, opts.form)?;
     let unmeasured = PoseCache::new(clips, map, &keys, rows.clone())?;
     for (clip, ticks) in ticks.iter().enumerate() {
         let errors = measure(&unmeasured, clips, (clip, ticks), map, &mut skins)?;
@@ -155,6 +160,7 @@ pub fn cached_poses(
     }
     Ok(CachedPoses {
         cache: PoseCache::new(clips, map, &keys, rows)?,
+        keys,
         report: plans.iter().flatten().map(|p| p.report).collect(),
     })
 }
@@ -285,52 +291,98 @@ fn allot(plans: &mut [Vec<Plan>], most_bytes: usize) {
     }
 }
 
-/// Palettes at all keys, the coarsest level first, and their positions.
-fn bake(
-    baker: &BatchEvaluator<'_>,
-    clips: &ClipSet,
-    plans: &[Vec<Plan>],
-    form: PaletteForm,
-) -> (Vec<Vec<Option<CachedKeys>>>, CachedRows) {
-    let levels = clips.joint_lods().levels();
-    let mut keys = vec![vec![None; levels]; plans.len()];
-    let mut rows = match form.is_half() {
-        true => CachedRows::Half(Vec::new()),
-        false => CachedRows::Float(Vec::new()),
-    };
-    let mut scratch = baker.scratch();
-    let mut written = 0;
-    for level in (0..levels).rev() {
+/// Keys of everything that is cached, and the positions of their palettes: the coarsest level comes
+/// first.
+fn placed_keys(plans: &[Vec<Plan>], map: &PaletteMap) -> Vec<Vec<Option<CachedKeys>>> {
+    let mut keys = vec![vec![None; map.levels()]; plans.len()];
+    let mut first_matrix = 0;
+    for level in (0..map.levels()).rev() {
         for (clip, plan) in plans.iter().map(|of_clip| &of_clip[level]).enumerate() {
-            if plan.report.decision != CacheDecision::Cached {
-                continue;
-            }
-            keys[clip][level] = Some(CachedKeys {
-                times_secs: plan.times_secs.clone(),
-                first_matrix: (written / 3) as u32,
-                error_metres: 0.0,
-            });
-            for times in plan.times_secs.chunks(LANES) {
-                let shown: Vec<BatchPose> = times
-                    .iter()
-                    .map(|t| clips.cursor(clip, *t).into())
-                    .collect();
-                let from = written;
-                let to = from + shown.len() * baker.rows(level);
-                written = to;
-                let out = match &mut rows {
-                    CachedRows::Float(rows) => {
-                        rows.resize(to, [0.0; 4]);
-                        PaletteRows::Float(&mut rows[from..])
-                    }
-                    CachedRows::Half(rows) => {
-                        rows.resize(to, [0; 4]);
-                        PaletteRows::Half(&mut rows[from..])
-                    }
-                };
-                baker.evaluate(level, &shown, out, &mut scratch);
+            if plan.report.decision == CacheDecision::Cached {
+                keys[clip][level] = Some(CachedKeys {
+                    times_secs: plan.times_secs.clone(),
+                    first_matrix: first_matrix as u32,
+                    error_metres: 0.0,
+                });
+                first_matrix += plan.times_secs.len() * map.len(level);
             }
         }
     }
-    (keys, rows)
+    keys
+}
+
+/// Evaluates the palettes of all keys.
+fn bake(
+    baker: &BatchEvaluator<'_>,
+    clips: &ClipSet,
+    keys: &[Vec<Option<CachedKeys>>],
+    form: PaletteForm,
+) -> Result<CachedRows, Mismatch> {
+    let matrices = |level, keys: &CachedKeys| keys.times_secs.len() * baker.rows(level) / 3;
+    let each = || {
+        let levels = keys.iter().enumerate();
+        levels.flat_map(|(clip, of_clip)| {
+            let of_level = of_clip.iter().enumerate();
+            of_level.filter_map(move |(level, keys)| Some((clip, level, keys.as_ref()?)))
+        })
+    };
+    let count: usize = each().map(|(_, level, keys)| matrices(level, keys)).sum();
+    let is_outside = |level, keys: &CachedKeys| {
+        let first = keys.first_matrix as usize;
+        first.saturating_add(matrices(level, keys)) > count
+    };
+    if let Some((clip, level, _)) = each().find(|(_, level, keys)| is_outside(*level, keys)) {
+        let what = format!("the palettes exceed the {count} matrices of all keys");
+        return Err(Mismatch::new(
+            format!("keys[{clip}][{level}].first_matrix"),
+            what,
+        ));
+    }
+    let mut rows = match form.is_half() {
+        true => CachedRows::Half(vec![[0; 4]; 3 * count]),
+        false => CachedRows::Float(vec![[0.0; 4]; 3 * count]),
+    };
+    let mut scratch = baker.scratch();
+    for (clip, level, keys) in each() {
+        let mut from = 3 * keys.first_matrix as usize;
+        for times in keys.times_secs.chunks(LANES) {
+            let shown: Vec<BatchPose> = times
+                .iter()
+                .map(|t| clips.cursor(clip, *t).into())
+                .collect();
+            let to = from + shown.len() * baker.rows(level);
+            let out = match &mut rows {
+                CachedRows::Float(rows) => PaletteRows::Float(&mut rows[from..to]),
+                CachedRows::Half(rows) => PaletteRows::Half(&mut rows[from..to]),
+            };
+            baker.evaluate(level, &shown, out, &mut scratch);
+            from = to;
+        }
+    }
+    Ok(rows)
+}
+
+/// Makes the pose cache of known keys, such as those that an asset stores: evaluates their palettes.
+///
+/// # Errors
+/// A [`Mismatch`] if keys, clips and palette do not belong together, or the form cannot be blended
+/// linearly.
+pub fn cache_of_keys(
+    clips: &ClipSet,
+    map: &PaletteMap,
+    keys: &[Vec<Option<CachedKeys>>],
+    form: PaletteForm,
+) -> Result<PoseCache, Mismatch> {
+    if form.is_rigid() {
+        let what = "quaternions do not blend linearly; choose a matrix form";
+        return Err(Mismatch::new("form", what));
+    }
+    let levels = clips.joint_lods().levels();
+    if keys.len() != clips.clips() || keys.iter().any(|k| k.len() != levels) {
+        let what = format!("expected {levels} levels of {} clips", clips.clips());
+        return Err(Mismatch::new("keys", what));
+    }
+    let baker = BatchEvaluator::new(clips, map, form, Backend::best())?;
+    let rows = bake(&baker, clips, keys, form)?;
+    PoseCache::new(clips, map, keys, rows)
 }

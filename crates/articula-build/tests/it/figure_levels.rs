@@ -121,7 +121,7 @@ fn nothing_grows_but_the_error_and_every_step_is_worth_it() {
         .unwrap();
     assert_eq!(found.merged.joint_lods.levels(), found.levels.len());
     // Both joint and mesh levels change, and not always together.
-    let changes = |of: fn(&articula_build::FigureLevel) -> usize| {
+    let changes = |of: fn(&articula_core::FigureLevel) -> usize| {
         found
             .levels
             .windows(2)

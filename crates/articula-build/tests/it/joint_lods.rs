@@ -4,16 +4,16 @@ use crate::random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{
-    JointLodOptions, LevelSkins, MergedLevels, joint_lods, level_skins, lod_errors, mean_pose,
-    merged_levels, named_joint_lods,
+    JointLodOptions, MergedLevels, joint_lods, level_skins, lod_errors, mean_pose, merged_levels,
+    named_joint_lods,
 };
 use articula_core::loa::LoaExpression;
 use articula_core::source::{
     Channel, Character, Interpolation, Joint, Property, RawClip, Skeleton,
 };
 use articula_core::{
-    JointLods, JointSet, LocalPose, Mesh, ModelPose, PosedMesh, SkinnedMesh, Transform, Wrap,
-    local_to_model, sample,
+    JointLods, JointSet, LevelSkins, LocalPose, Mesh, ModelPose, PosedMesh, SkinnedMesh, Transform,
+    Wrap, local_to_model, sample,
 };
 use glam::{Quat, Vec3};
 use proptest::prelude::*;

@@ -79,6 +79,16 @@ impl RootTrajectory {
         Ok(Self { rate_hz, places })
     }
 
+    /// Frames per second.
+    pub fn rate_hz(&self) -> f32 {
+        self.rate_hz
+    }
+
+    /// Root transform at each frame, relative to the first.
+    pub fn places(&self) -> &[RootDelta] {
+        &self.places
+    }
+
     /// Root transform at a time of the clip, interpolated linearly and clamped to its ends.
     pub fn at(&self, secs: f32) -> RootDelta {
         let last = self.places.len() - 1;

@@ -109,8 +109,12 @@ impl Document {
     /// Returns the bytes of an animation's table with this name.
     pub fn motion_table(&self, animation: usize, name: &str) -> Option<&[u8]> {
         let tables = self.motion_member(animation, "tables")?;
-        let views = self.json.get("bufferViews")?.as_array()?;
-        let view = views.get(index(tables, name)?)?;
+        self.view_bytes(index(tables, name)?)
+    }
+
+    /// Returns the bytes of a buffer view; `None` if they do not lie within a buffer.
+    pub(super) fn view_bytes(&self, view: usize) -> Option<&[u8]> {
+        let view = self.json.get("bufferViews")?.as_array()?.get(view)?;
         let bytes = self.buffers.get(index(view, "buffer")?)?;
         let start = index(view, "byteOffset").unwrap_or(0);
         let length = index(view, "byteLength")?;

@@ -10,10 +10,14 @@ pub(super) const ARTICULATION: &str = "ARTICULA_articulation";
 /// Name of the extension of primitives with levels, and of the document with their table.
 pub(super) const CLUSTERED_MESH: &str = "ARTICULA_clustered_mesh";
 
+/// Name of the extension of the document with data that is computed once.
+pub(super) const PREPARED: &str = "ARTICULA_prepared";
+
 /// Extensions that are read, or that do not affect what is read.
 const READ: &[&str] = &[
     ARTICULATION,
     CLUSTERED_MESH,
+    PREPARED,
     "EXT_meshopt_compression",
     "KHR_animation_pointer",
     "KHR_mesh_quantization",

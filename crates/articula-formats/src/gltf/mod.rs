@@ -16,6 +16,7 @@
 //! - `vrm`, `khr_character`, `credits`: human metadata and credits
 //! - `articulation`: the extension `ARTICULA_articulation`
 //! - `clustered`: the extension `ARTICULA_clustered_mesh`, and levels as `MSFT_lod`
+//! - `prepared`: the extension `ARTICULA_prepared`
 //! - `append`, `arrays`, `clips`, `bounds`, `prune`: changes to a document
 //! - `fresh`, `geometry`: a new document from a character
 //! - `weight`: size of meshes in bytes
@@ -49,6 +50,7 @@ mod open;
 mod origin;
 mod place;
 mod pointer;
+mod prepared;
 mod primitive;
 mod prune;
 mod reader;
@@ -62,6 +64,7 @@ mod write;
 pub use clustered::{MeshParts, PartLevels};
 pub use document::Document;
 pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
+pub use prepared::{PreparedHeader, PreparedPart, PreparedState};
 pub use vrm::PassThrough;
 
 use crate::error::{Parsed, ReadError};

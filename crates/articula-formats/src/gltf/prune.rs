@@ -6,14 +6,15 @@
 
 use super::append::{entries_mut, index, object, set};
 use super::document::Document;
-use super::extension::{ARTICULATION, CLUSTERED_MESH};
+use super::extension::{ARTICULATION, CLUSTERED_MESH, PREPARED};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Extensions that refer to neither accessors nor buffer views.
+/// Extensions that refer to neither accessors nor buffer views, or whose references are known.
 const HARMLESS: &[&str] = &[
     ARTICULATION,
     CLUSTERED_MESH,
+    PREPARED,
     "KHR_animation_pointer",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
@@ -72,6 +73,13 @@ impl Document {
             i
         });
         self.drop_views(&views);
+    }
+
+    /// Drops those of the given buffer views that are no longer referenced.
+    pub(super) fn drop_unused_views(&mut self, views: BTreeSet<usize>) {
+        if !has_unknown_extension(&self.json) {
+            self.drop_arrays(BTreeSet::new(), views);
+        }
     }
 
     fn drop_accessors(&mut self, dropped: &BTreeSet<usize>, views: &mut BTreeSet<usize>) {
@@ -218,6 +226,10 @@ fn each_view_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usize) 
         let tables = extension(animation, ARTICULATION).and_then(|e| e.get_mut("tables"));
         change_all(tables, visit);
     }
+    let parts = extension(json, PREPARED).and_then(|e| e.get_mut("parts")?.as_object_mut());
+    for part in parts.into_iter().flat_map(|parts| parts.values_mut()) {
+        change(part, "bufferView", visit);
+    }
 }
 
 fn extension<'a>(owner: &'a mut Value, name: &str) -> Option<&'a mut Value> {
@@ -305,15 +317,22 @@ fn ranges(views: &[Value]) -> BTreeMap<usize, Vec<Range>> {
 }
 
 /// Returns the parts of `gone` that no kept range covers, with lengths that are multiples of 4, so
-/// that the data after them stays aligned.
+/// that the data after them stays aligned: padding after a part is removed with it.
 fn cuts(gone: &[Range], kept: &[Range], length: usize) -> Vec<Cut> {
-    let mut cuts = Vec::new();
-    let mut total = 0;
-    let mut push = |start: usize, end: usize| {
+    let mut cuts: Vec<Cut> = Vec::new();
+    let mut push = |start: usize, end: usize, limit: usize| {
+        let last = cuts.last();
+        let start = start.max(last.map_or(0, |c| c.end));
         let end = end.min(length);
-        let end = start + end.saturating_sub(start) / 4 * 4;
+        let bytes = end.saturating_sub(start);
+        let padded = start + bytes.next_multiple_of(4);
+        let end = match () {
+            () if end == length => end,
+            () if padded <= limit.min(length) => padded,
+            () => start + bytes / 4 * 4,
+        };
         if end > start {
-            total += end - start;
+            let total = last.map_or(0, |c| c.total) + end - start;
             cuts.push(Cut { start, end, total });
         }
     };
@@ -324,10 +343,11 @@ fn cuts(gone: &[Range], kept: &[Range], length: usize) -> Vec<Cut> {
         }
         let mut start = range.start;
         for keep in kept[next..].iter().take_while(|k| k.start < range.end) {
-            push(start, keep.start.min(range.end));
+            push(start, keep.start.min(range.end), keep.start);
             start = start.max(keep.end);
         }
-        push(start, range.end);
+        let limit = kept[next..].iter().find(|k| k.start >= range.end);
+        push(start, range.end, limit.map_or(length, |k| k.start));
     }
     cuts
 }

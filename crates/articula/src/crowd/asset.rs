@@ -1,30 +1,20 @@
 //! The character of a crowd: its levels with their skins and errors, and its bounds.
 
-use super::in_place::{put_in_place, root_path};
-use super::mesh_lods::MeshLods;
+use super::mesh_lods::{MeshLods, mesh_level_triangles};
 use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
+use super::preparation::{CharacterInPlace, PREPARING, bounds, in_place, joint_levels, pose_cache};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::open::choose;
+use crate::prepared::stored::Stored;
 use crate::work::Executor;
-use articula_build::ClipOptions;
-use articula_build::clip_edit::TrajectoryKey;
-use articula_build::motion_bounds;
-use articula_build::{Asset, character};
-use articula_build::{CacheOptions, cached_poses};
-use articula_build::{
-    JointLodOptions, LevelSkins, MergedLevels, joint_lods, level_skins, lod_errors, mean_pose,
-    named_joint_lods, skin_of,
-};
+use articula_build::{Asset, CacheOptions, JointLodOptions, MergedLevels, skin_of};
 use articula_core::crowd::{CrowdModel, CrowdParts, RootTrajectory};
 use articula_core::source::{Character, Property};
-use articula_core::{Clip, ClipSet, JointLods, Mesh, MotionBounds, PaletteMap, Tracks};
+use articula_core::{
+    Clip, ClipSet, ClipStorage, JointLods, LevelSkins, Mesh, MotionBounds, PaletteMap, Tracks,
+};
 use std::sync::Arc;
-
-/// Root motion of a clip, relative to its start.
-type RootTrack = Vec<TrajectoryKey>;
-
-const PREPARING: &str = "preparing levels";
 
 /// A character prepared for crowds. Cheap to clone: clones share the data.
 #[derive(Debug, Clone)]
@@ -72,13 +62,29 @@ impl CrowdAsset {
     }
 
     fn of_figure(figure: &Figure, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
-        let (mut asset, mut ways, mut warnings) = on_the_spot(figure, options.root_motion)?;
-        let kept = kept_clips(&asset.clips, &options.clips)?;
-        keep(&mut asset.clips, &kept);
-        keep(&mut ways, &kept);
-        warnings.extend(morphs_at_rest(&figure.opened.character));
-        warnings.extend(unmapped(&asset, &options.joints));
-        Self::prepared(asset, (&ways, warnings), options, work)
+        let stored = figure.stored();
+        let mut character = in_place(figure, options.root_motion, stored.as_ref())?;
+        let kept = kept_clips(&character.asset.clips, &options.clips)?;
+        let is_whole = kept.iter().all(|kept| *kept);
+        keep(&mut character.asset.clips, &kept);
+        keep(&mut character.paths, &kept);
+        character
+            .warnings
+            .extend(morphs_at_rest(&figure.opened.character));
+        character
+            .warnings
+            .extend(unmapped(&character.asset, &options.joints));
+        // Stored levels are those of all clips in place.
+        let levels = stored.as_ref().filter(|s| {
+            is_whole
+                && s.seed() == options.seed
+                && options.root_motion != RootMotionPolicy::AsAuthored
+        });
+        let mut crowd = Self::prepared(character, (Some(figure), levels), options, work)?;
+        if let (Some(shared), Some(stored)) = (Arc::get_mut(&mut crowd.0), stored) {
+            shared.warnings.extend(stored.into_warnings());
+        }
+        Ok(crowd)
     }
 
     /// Prepares an [`Asset`] that is already built; all clips are used as they are.
@@ -87,56 +93,63 @@ impl CrowdAsset {
     /// An [`Error`](crate::Error) if the options do not fit the character, or
     /// [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn from_asset(asset: Asset, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
-        Self::prepared(asset, (&[], Vec::new()), options, work)
+        let character = CharacterInPlace::authored(asset);
+        Self::prepared(character, (None, None), options, work)
     }
 
-    /// Prepares the asset; `ways` is empty or has one entry per clip, its root motion if any.
     fn prepared(
-        mut asset: Asset,
-        (ways, mut warnings): (&[Option<RootTrack>], Vec<String>),
+        character: CharacterInPlace,
+        (figure, stored): (Option<&Figure>, Option<&Stored<'_>>),
         options: &CrowdOptions,
         work: &Executor<'_>,
     ) -> Result<Self> {
+        let CharacterInPlace {
+            mut asset,
+            mut paths,
+            mut warnings,
+        } = character;
         work.step(PREPARING, 0, 5)?;
+        // A clip is added to a character without one, so what is stored does not fit.
+        let stored = stored.filter(|_| !asset.clips.is_empty());
         if asset.clips.is_empty() {
             warnings.push("the file has no clip: all characters show the rest pose".to_owned());
             asset.clips.push(rest(asset.rig.len())?);
+            paths.push(None);
         }
         let has_mesh = !asset.mesh.is_empty();
         // Before points replace a missing mesh, since bounds from joints are better than from
         // points.
-        let bounds = motion_bounds(&asset, 0.0).context("bounds")?;
+        let bounds = bounds(&asset, stored)?;
         work.step(PREPARING, 1, 5)?;
         if !has_mesh {
             warnings.push("the file has no mesh: points on the bones replace the skin".to_owned());
             asset.mesh = skin_of(&asset).into_owned();
         }
+        let stored = stored.filter(|_| has_mesh);
         let opts = JointLodOptions {
             seed: options.seed,
             ..JointLodOptions::default()
         };
-        let levels = lods_with_skins(&asset, &options.joints, &opts, work)?;
+        let levels = joint_levels(&asset, &options.joints, &opts, stored, work)?;
         let (mesh_lods, levels, meshes) = if options.mesh_levels > 1 && has_mesh {
-            let most = options.mesh_levels;
-            let (lods, levels, meshes) = MeshLods::new(&asset, &levels, most, &opts)?;
+            let triangles = mesh_level_triangles(figure, &asset, options.mesh_levels)?;
+            let stored = stored.filter(|s| s.mesh_levels() == options.mesh_levels);
+            let (lods, levels, meshes) = MeshLods::new(&asset, &levels, triangles, &opts, stored)?;
             (Some(lods), levels, meshes)
         } else {
             let all = 0..levels.joint_lods.levels();
             let meshes = all.map(|l| levels.skins.mesh(l, &asset.mesh)).collect();
             (None, levels, meshes)
         };
-        let mut paths = vec![None; asset.clips.len()];
-        if options.root_motion == RootMotionPolicy::Extracted {
-            for (path, (way, clip)) in paths.iter_mut().zip(ways.iter().zip(&asset.clips)) {
-                if let Some(way) = way {
-                    *path = Some(root_path(way, clip)?);
-                }
-            }
+        let travels = paths.iter().map(Option::is_some).collect();
+        if options.root_motion != RootMotionPolicy::Extracted {
+            paths.fill(None);
         }
-        let model = model(&asset, &levels, (bounds, paths), options)?;
+        let stored = stored.map(|stored| (stored, mesh_lods.is_some()));
+        let model = model(&asset, &levels, (bounds, paths), options, stored)?;
         work.step(PREPARING, 5, 5)?;
         Ok(Self(Arc::new(Shared {
-            travels: ways.iter().map(Option::is_some).collect(),
+            travels,
             full: asset,
             skins: levels.skins,
             meshes,
@@ -243,28 +256,6 @@ impl CrowdAsset {
     }
 }
 
-/// Returns the asset with the clips to be played, the root motion of each clip that travelled, and
-/// warnings.
-fn on_the_spot(
-    figure: &Figure,
-    root_motion: RootMotionPolicy,
-) -> Result<(Asset, Vec<Option<RootTrack>>, Vec<String>)> {
-    if root_motion == RootMotionPolicy::AsAuthored {
-        let ways = vec![None; figure.asset.clips.len()];
-        return Ok((figure.asset.clone(), ways, Vec::new()));
-    }
-    let opened = &figure.opened;
-    let mut source = opened.character.clone();
-    let articulation = opened.articulation();
-    let (ways, faults) = put_in_place(&mut source, articulation.clone(), &opened.end_sites);
-    let asset = if ways.iter().any(Option::is_some) {
-        character(&source, Some(articulation), &ClipOptions::default())?
-    } else {
-        figure.asset.clone()
-    };
-    Ok((asset, ways, faults))
-}
-
 /// Returns which clips are selected by name; all of them without names.
 fn kept_clips(clips: &[Clip], names: &[String]) -> Result<Vec<bool>> {
     let mut kept = vec![names.is_empty(); clips.len()];
@@ -303,34 +294,6 @@ fn unmapped(asset: &Asset, wanted: &JointLodMethod) -> Option<String> {
     })
 }
 
-/// Joint levels with their skins and errors.
-fn lods_with_skins(
-    asset: &Asset,
-    wanted: &JointLodMethod,
-    opts: &JointLodOptions,
-    work: &Executor<'_>,
-) -> Result<MergedLevels> {
-    let joint_lods = match wanted {
-        JointLodMethod::Whole => JointLods::whole(&asset.rig),
-        JointLodMethod::Merged => joint_lods(asset, &mean_pose(asset), opts),
-        JointLodMethod::Named(expression) => {
-            named_joint_lods(asset, &mean_pose(asset), std::slice::from_ref(expression))
-        }
-    };
-    let joint_lods = joint_lods.context("levels")?;
-    work.step(PREPARING, 2, 5)?;
-    let skins = level_skins(asset, &joint_lods, opts).context("skins")?;
-    work.step(PREPARING, 3, 5)?;
-    let errors = lod_errors(asset, &joint_lods, &skins, opts).context("errors")?;
-    work.step(PREPARING, 4, 5)?;
-    Ok(MergedLevels {
-        joint_lods,
-        skins,
-        far: None,
-        errors,
-    })
-}
-
 /// Builds the data that all characters share: clips, palettes, errors and, on request, cached
 /// poses.
 fn model(
@@ -338,6 +301,7 @@ fn model(
     levels: &MergedLevels,
     (bounds, paths): (MotionBounds, Vec<Option<RootTrajectory>>),
     options: &CrowdOptions,
+    stored: Option<(&Stored<'_>, bool)>,
 ) -> Result<CrowdModel> {
     let palette = match options.matrices {
         PaletteMatrices::Joints => PaletteMap::joints(&levels.joint_lods),
@@ -351,11 +315,10 @@ fn model(
             seed: options.seed,
             ..CacheOptions::default()
         };
-        Some(
-            cached_poses(asset, levels, &clips, &opts)
-                .context("cache")?
-                .cache,
-        )
+        // Keys are chosen for clips as they are sampled.
+        let stored = stored.filter(|_| options.storage == ClipStorage::Float);
+        let map = &levels.skins.palette;
+        Some(pose_cache(asset, levels, (&clips, map), &opts, stored)?)
     } else {
         None
     };

@@ -109,7 +109,7 @@ impl ErrorMeter {
         let vertices = every(asset.full().mesh.len(), MAX_VERTICES, seed);
         let vertices: Vec<u32> = vertices.into_iter().map(|v| v as u32).collect();
         let watch = |level| match asset.mesh_lods() {
-            Some(lods) => lods.watch(level, asset.mesh(level), &vertices),
+            Some(lods) => lods.watch(asset.full(), level, asset.mesh(level), &vertices),
             None => Watch::plain(&vertices),
         };
         let watches = (0..asset.levels()).map(watch).collect();

@@ -1,25 +1,26 @@
 //! Mesh levels of a crowd's character, chosen together with its joint levels.
 
 use crate::error::{Context, Result};
-use articula_build::Asset;
-use articula_build::{FigureLevel, figure_levels};
-use articula_build::{JointLodOptions, MergedLevels};
-use articula_build::{PoseOptions, poses, positions};
-use articula_build::{SimplifyOptions, simplify};
-use articula_build::{SkinPoint, attach, compact};
-use articula_core::Mesh;
+use crate::figure::Figure;
+use crate::mesh_levels;
+use crate::prepared::stored::Stored;
+use articula_build::{Asset, JointLodOptions, MergedLevels, SkinPoint, attach, compact};
+use articula_build::{PoseOptions, figure_levels, paired_levels, poses, positions};
+use articula_core::{FigureLevel, Mesh};
 use glam::Vec3;
+use std::sync::OnceLock;
 
 /// Maximum number of mesh levels.
 pub const MAX_MESH_LEVELS: usize = 5;
 
 /// Levels of joints and mesh, combined.
 #[derive(Debug)]
-pub(super) struct MeshLods {
+pub(crate) struct MeshLods {
     /// Joints, mesh and influences of each crowd level.
-    pub(super) levels: Vec<FigureLevel>,
-    /// Poses that the mesh was simplified for, rest pose first.
-    poses: Vec<Vec<Vec3>>,
+    pub(crate) levels: Vec<FigureLevel>,
+    seed: u64,
+    /// Computed when a measurement first needs them.
+    poses: OnceLock<Vec<Vec<Vec3>>>,
 }
 
 /// Points on a level's mesh that correspond to vertices of the full mesh.
@@ -51,45 +52,102 @@ impl Watch {
 }
 
 impl MeshLods {
-    /// Simplifies the mesh to a number of levels, using the character's own poses, and chooses
-    /// pairs of joint and mesh levels. Also returns the levels of the crowd and their meshes.
-    pub(super) fn new(
+    /// Pairs joint levels with mesh levels, given as triangles over the vertices of the asset's
+    /// mesh. Also returns the levels of the crowd and their meshes.
+    pub(crate) fn new(
         asset: &Asset,
         merged: &MergedLevels,
-        mesh_levels: usize,
+        triangles: Vec<Vec<[u32; 3]>>,
         opts: &JointLodOptions,
+        stored: Option<&Stored<'_>>,
     ) -> Result<(Self, MergedLevels, Vec<Mesh>)> {
-        let pose_options = PoseOptions {
+        let levels: Vec<&[[u32; 3]]> = triangles.iter().map(Vec::as_slice).collect();
+        let lods = |levels| Self {
+            levels,
             seed: opts.seed,
-            ..PoseOptions::default()
+            poses: OnceLock::new(),
         };
-        let shaping = poses(asset, &pose_options).context("poses")?.shaping;
-        let poses = positions(asset, &shaping);
-        let mut options = SimplifyOptions::default();
-        options.targets.truncate(mesh_levels);
-        let simplified = simplify(&asset.mesh, &poses, &options).context("mesh levels")?;
-        let levels = simplified.levels.iter().map(|l| l.triangles.as_slice());
-        let levels: Vec<&[[u32; 3]]> = levels.collect();
-        let found = figure_levels(asset, merged, &levels, &poses, opts).context("levels")?;
+        let (lods, found) = match stored.and_then(Stored::paired_levels) {
+            Some(known) if known.levels.iter().all(|l| l.mesh_level < levels.len()) => {
+                let found = paired_levels(asset, merged, known.levels, known.errors);
+                let found = found.context("levels")?;
+                (lods(found.levels.clone()), found)
+            }
+            _ => {
+                let lods = lods(Vec::new());
+                let poses = lods.poses(asset).context("poses")?;
+                let found = figure_levels(asset, merged, &levels, poses, opts);
+                let found = found.context("levels")?;
+                let levels = found.levels.clone();
+                (Self { levels, ..lods }, found)
+            }
+        };
         let all = 0..found.levels.len();
         let meshes = all.map(|l| found.mesh(l, &asset.mesh, &levels)).collect();
-        let lods = Self {
-            levels: found.levels,
-            poses,
-        };
         Ok((lods, found.merged, meshes))
     }
 
-    /// Finds the points that correspond to vertices of the full mesh on the mesh of a level.
-    pub(super) fn watch(&self, level: usize, mesh: &Mesh, vertices: &[u32]) -> Watch {
-        if self.levels[level].mesh_level == self.levels[0].mesh_level {
-            return Watch::plain(vertices);
+    /// Poses by which points of the levels correspond to vertices, the rest pose first.
+    fn poses(&self, asset: &Asset) -> Result<&[Vec<Vec3>]> {
+        if self.poses.get().is_none() {
+            let options = PoseOptions {
+                seed: self.seed,
+                ..PoseOptions::default()
+            };
+            let shaping = poses(asset, &options)?.shaping;
+            // A second thread would have computed the same.
+            let _ = self.poses.set(positions(asset, &shaping));
         }
-        let points = attach(&mesh.triangles, vertices, &self.poses, &mesh.parts);
+        Ok(self.poses.get().map_or(&[], Vec::as_slice))
+    }
+
+    /// Finds the points that correspond to vertices of the full mesh on the mesh of a level.
+    pub(super) fn watch(
+        &self,
+        asset: &Asset,
+        level: usize,
+        mesh: &Mesh,
+        vertices: &[u32],
+    ) -> Watch {
+        let poses = match self.poses(asset) {
+            Ok(poses) if self.levels[level].mesh_level != self.levels[0].mesh_level => poses,
+            // Poses cannot fail for an asset whose levels were made.
+            _ => return Watch::plain(vertices),
+        };
+        let points = attach(&mesh.triangles, vertices, poses, &mesh.parts);
         let (vertices, points) = compact(&points);
         Watch {
             points: Some(points),
             vertices,
         }
     }
+}
+
+/// Triangles of each mesh level of a character: those that its file stores if it has as many, or
+/// those that `prepare` would make.
+pub(crate) fn mesh_level_triangles(
+    figure: Option<&Figure>,
+    asset: &Asset,
+    levels: usize,
+) -> Result<Vec<Vec<[u32; 3]>>> {
+    let triangles = match figure.and_then(|f| f.stored_mesh_levels(levels)) {
+        Some(stored) => stored,
+        None => match figure {
+            Some(figure) => mesh_levels::triangles(figure, levels)?,
+            None => mesh_levels::triangles_of(asset, levels)?,
+        },
+    };
+    Ok(canonical(triangles))
+}
+
+/// Triangles of levels in one order, since simplification and storage order them differently.
+pub(crate) fn canonical(mut levels: Vec<Vec<[u32; 3]>>) -> Vec<Vec<[u32; 3]>> {
+    for level in &mut levels {
+        for triangle in level.iter_mut() {
+            let least = (0..3).min_by_key(|c| triangle[*c]).unwrap_or(0);
+            triangle.rotate_left(least);
+        }
+        level.sort_unstable();
+    }
+    levels
 }

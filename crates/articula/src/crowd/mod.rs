@@ -18,11 +18,12 @@ mod budget;
 mod in_place;
 mod level_use;
 mod lod_error;
-mod mesh_lods;
+pub(crate) mod mesh_lods;
 mod options;
 mod palette_hash;
 mod palettes;
 mod player;
+pub(crate) mod preparation;
 mod scene_file;
 mod scene_player;
 

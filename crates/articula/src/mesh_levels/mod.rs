@@ -6,15 +6,18 @@ mod stream;
 pub use options::MeshLevelOptions;
 pub use stream::MeshLevelStream;
 
-use crate::error::{Error, Result};
+use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use crate::open::GltfSource;
 use crate::work::Executor;
-use articula_build::{MeshLevels, mesh_levels};
-use articula_core::PosedMesh;
+use articula_build::{
+    Asset, Clustered, LevelTriangles, MeshLevels, mesh_level_triangles, mesh_levels,
+};
+use articula_core::{Part, PosedMesh};
 use articula_flat::Bounds;
 use articula_formats::gltf::Document;
 use articula_formats::gltf::{MeshParts, PartLevels};
+use articula_formats::prepared::SourceOrder;
 use glam::Vec3;
 
 /// Measured mesh levels of a character, and the transport stream that encodes them.
@@ -28,10 +31,11 @@ pub struct CodedMeshLevels {
     pub warnings: Vec<String>,
 }
 
-/// Makes the levels of a figure and stores them in its document.
+/// Makes the levels of a figure and stores them in its document. `orders` is the order of the
+/// document's vertices, if it is not that of the figure.
 pub(crate) fn add(
     figure: &Figure,
-    gltf: &mut GltfSource,
+    (gltf, orders): (&mut GltfSource, Option<&[SourceOrder]>),
     wanted: &MeshLevelOptions,
     work: &Executor<'_>,
 ) -> Result<CodedMeshLevels> {
@@ -42,14 +46,19 @@ pub(crate) fn add(
         return Err(Error::unsuited(what));
     }
     work.step(WHAT, 0, 3)?;
-    let classes = vertex_classes(figure, gltf)?;
+    let classes = vertex_classes(figure, gltf, orders)?;
     let options = wanted.of(&asset.mesh, &asset.rig, classes)?;
     let mut levels = mesh_levels(asset, &options)?;
     levels.table.regions = wanted.region_names();
     work.step(WHAT, 1, 3)?;
     let stream = stream::coded(figure, &levels, &options.simplify.regions)?;
     work.step(WHAT, 2, 3)?;
-    store(&mut gltf.document, figure, &levels, &gltf.node_of_mesh)?;
+    store(
+        (&mut gltf.document, orders),
+        figure,
+        &levels,
+        &gltf.node_of_mesh,
+    )?;
     if wanted.msft_lod {
         let rest = PosedMesh::new(&asset.rig, &asset.mesh)
             .pose(asset.rig.rest_pose())
@@ -80,6 +89,31 @@ pub(crate) fn add(
     })
 }
 
+/// Triangles of the levels that [`add`] makes with default options, over the vertices of the
+/// figure's mesh.
+pub(crate) fn triangles(figure: &Figure, levels: usize) -> Result<Vec<Vec<[u32; 3]>>> {
+    let asset = &figure.asset;
+    let wanted = MeshLevelOptions::levels(levels);
+    let classes = match &figure.opened.gltf {
+        Some(gltf) if !figure.is_reordered() => vertex_classes(figure, gltf, None)?,
+        _ => Vec::new(),
+    };
+    let options = wanted.of(&asset.mesh, &asset.rig, classes)?;
+    let made = mesh_level_triangles(asset, &options).context("mesh levels")?;
+    Ok(made.into_iter().map(|level| level.triangles).collect())
+}
+
+/// Triangles of the levels of a character that is not in a file.
+pub(crate) fn triangles_of(asset: &Asset, levels: usize) -> Result<Vec<Vec<[u32; 3]>>> {
+    let wanted = MeshLevelOptions::levels(levels);
+    let options = wanted.of(&asset.mesh, &asset.rig, Vec::new())?;
+    let made = mesh_level_triangles(asset, &options).context("mesh levels")?;
+    Ok(made
+        .into_iter()
+        .map(|level: LevelTriangles| level.triangles)
+        .collect())
+}
+
 /// Radius of a mesh at rest: half the diagonal of its bounding box.
 fn radius_metres<'a>(vertices: impl Iterator<Item = &'a Vec3>) -> f32 {
     let bounds = Bounds::around(vertices.filter(|p| p.is_finite()).map(|p| (*p, *p)));
@@ -88,32 +122,83 @@ fn radius_metres<'a>(vertices: impl Iterator<Item = &'a Vec3>) -> f32 {
 
 /// Returns for each vertex of the character's mesh the first vertex with equal attributes in the
 /// document; vertices of different parts are never equal.
-fn vertex_classes(figure: &Figure, gltf: &GltfSource) -> Result<Vec<u32>> {
+fn vertex_classes(
+    figure: &Figure,
+    gltf: &GltfSource,
+    orders: Option<&[SourceOrder]>,
+) -> Result<Vec<u32>> {
     let mut classes = Vec::with_capacity(figure.asset.mesh.len());
     for (m, parts) in parts_of_meshes(figure).into_iter().enumerate() {
         for (p, part) in parts.enumerate() {
             let first = figure.asset.mesh.parts[part].vertices.start as u32;
-            let of_part = gltf.document.vertex_classes(gltf.node_of_mesh[m], p)?;
+            let mut of_part = gltf.document.vertex_classes(gltf.node_of_mesh[m], p)?;
+            if let Some(order) = orders.and_then(|orders| orders.get(part)) {
+                of_part = classes_in_order(&of_part, &order.vertices);
+            }
             classes.extend(of_part.iter().map(|class| first + class));
         }
     }
     Ok(classes)
 }
 
+/// Classes of stored vertices as classes of source vertices; `order` is the source of each.
+fn classes_in_order(stored: &[u32], order: &[u32]) -> Vec<u32> {
+    let mut first = vec![u32::MAX; stored.len()];
+    for (class, source) in stored.iter().zip(order) {
+        let least = &mut first[*class as usize];
+        *least = (*least).min(*source);
+    }
+    let mut classes = vec![0; stored.len()];
+    for (class, source) in stored.iter().zip(order) {
+        classes[*source as usize] = first[*class as usize];
+    }
+    classes
+}
+
+/// Order of the vertices and triangles of a figure, once its document has the given levels.
+pub(crate) fn source_orders(figure: &Figure, made: &MeshLevels) -> Vec<SourceOrder> {
+    let mesh = &figure.asset.mesh;
+    let parts = mesh.parts.iter().zip(&made.objects);
+    let order = |(part, object): (&Part, &Clustered)| {
+        let first = part.vertices.start as u32;
+        let triangles = mesh.triangles[part.triangles.clone()].iter();
+        SourceOrder {
+            vertices: object.vertices.clone(),
+            triangles: triangles.map(|t| t.map(|v| v - first)).collect(),
+        }
+    };
+    parts.map(order).collect()
+}
+
 /// Writes the levels into a document.
 fn store(
-    document: &mut Document,
+    (document, orders): (&mut Document, Option<&[SourceOrder]>),
     figure: &Figure,
     made: &MeshLevels,
     node_of_mesh: &[usize],
 ) -> Result<()> {
-    let object = |part: usize| {
-        let object = &made.objects[part];
-        PartLevels {
-            vertices: &object.vertices,
-            triangles: &object.triangles,
-            clusters: &object.clusters,
-        }
+    // Vertices of the document in the order of each object.
+    let places: Vec<Vec<u32>> = made
+        .objects
+        .iter()
+        .enumerate()
+        .map(
+            |(part, object)| match orders.and_then(|orders| orders.get(part)) {
+                None => object.vertices.clone(),
+                Some(order) => {
+                    let mut place = vec![0; order.vertices.len()];
+                    for (p, source) in order.vertices.iter().enumerate() {
+                        place[*source as usize] = p as u32;
+                    }
+                    object.vertices.iter().map(|v| place[*v as usize]).collect()
+                }
+            },
+        )
+        .collect();
+    let object = |part: usize| PartLevels {
+        vertices: &places[part],
+        triangles: &made.objects[part].triangles,
+        clusters: &made.objects[part].clusters,
     };
     let meshes: Vec<MeshParts<'_>> = parts_of_meshes(figure)
         .into_iter()

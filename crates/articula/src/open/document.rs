@@ -2,6 +2,7 @@
 
 use super::{CharacterFile, Input};
 use crate::error::Result;
+use crate::prepared::stored::KeptMeshes;
 use articula_core::source::Character;
 use articula_formats::gltf::{self, Document, GltfFile, KhrCharacter, PassThrough};
 
@@ -21,6 +22,8 @@ pub struct GltfSource {
     pub humanoid: Option<Vec<(usize, String)>>,
     /// Contents of the draft glTF extensions for characters.
     pub khr_character: Option<KhrCharacter>,
+    /// State of the stored data before meshes were removed.
+    pub(crate) kept_meshes: Option<KeptMeshes>,
     /// Features that are preserved in the document but have no effect here.
     pub kept: Vec<PassThrough>,
 }
@@ -35,6 +38,7 @@ impl GltfSource {
             version: file.version,
             humanoid: file.humanoid,
             khr_character: file.khr_character,
+            kept_meshes: None,
             kept: file.kept,
         };
         (file.character, behind)

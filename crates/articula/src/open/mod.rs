@@ -18,6 +18,7 @@ pub use human::reference_human;
 pub use options::OpenOptions;
 
 use crate::error::{Context, Error, Result};
+use crate::prepared::stored::KeptMeshes;
 use articula_build::joint_names::JointMapping;
 use articula_core::Articulation;
 use articula_core::joint_names::JointMap;
@@ -161,6 +162,12 @@ impl CharacterFile {
     pub fn keep_meshes(&mut self, only: &[String], hide: &[String]) -> Result<()> {
         let names = self.character.meshes.iter().map(|m| m.name.clone());
         let names: Vec<String> = names.collect();
+        if names.iter().any(|name| !is_kept(name, only, hide)) {
+            let kept = KeptMeshes::of(self, |name| is_kept(name, only, hide));
+            if let Some(gltf) = &mut self.gltf {
+                gltf.kept_meshes = Some(kept);
+            }
+        }
         keep_meshes(&mut self.character, only, hide).context(&self.name)?;
         if let Some(gltf) = &mut self.gltf {
             let mut kept = names.iter().map(|name| is_kept(name, only, hide));
@@ -201,8 +208,9 @@ pub fn choose<'a>(
     )))
 }
 
-fn is_kept(name: &String, only: &[String], hide: &[String]) -> bool {
-    (only.is_empty() || only.contains(name)) && !hide.contains(name)
+fn is_kept(name: &str, only: &[String], hide: &[String]) -> bool {
+    let has = |names: &[String]| names.iter().any(|n| n == name);
+    (only.is_empty() || has(only)) && !has(hide)
 }
 
 fn keep_meshes(character: &mut Character, only: &[String], hide: &[String]) -> Result<()> {
@@ -210,7 +218,7 @@ fn keep_meshes(character: &mut Character, only: &[String], hide: &[String]) -> R
         let names = character.meshes.iter().map(|m| m.name.as_str());
         choose("mesh", name, names)?;
     }
-    let kept = |name: &String| is_kept(name, only, hide);
+    let kept = |name: &str| is_kept(name, only, hide);
     let mut new_index = Vec::with_capacity(character.meshes.len());
     let mut next = 0;
     for mesh in &character.meshes {

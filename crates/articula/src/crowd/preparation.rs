@@ -1,0 +1,183 @@
+//! The steps of preparing a character for crowds. Each uses what the asset stores, and computes it
+//! otherwise; the result is the same.
+
+use super::in_place::{put_in_place, root_path};
+use super::options::{JointLodMethod, RootMotionPolicy};
+use crate::error::{Context, Result};
+use crate::figure::Figure;
+use crate::prepared::stored::Stored;
+use crate::work::Executor;
+use articula_build::{Asset, ClipOptions, character};
+use articula_build::{
+    CacheOptions, JointLodOptions, MergedLevels, cache_of_keys, cached_poses, joint_lods,
+    level_skins, lod_errors, mean_pose, motion_bounds, named_joint_lods,
+};
+use articula_core::crowd::RootTrajectory;
+use articula_core::{
+    ClipSet, JointLods, LodErrors, MotionBounds, PaletteForm, PaletteMap, PoseCache,
+};
+use articula_formats::prepared::ClipsInPlace;
+
+pub(crate) const PREPARING: &str = "preparing levels";
+
+/// A character with its travelling clips in place.
+#[derive(Debug)]
+pub(crate) struct CharacterInPlace {
+    pub(crate) asset: Asset,
+    /// Root motion of each clip that travelled, relative to its start.
+    pub(crate) paths: Vec<Option<RootTrajectory>>,
+    /// Warnings about clips that could not be put in place.
+    pub(crate) warnings: Vec<String>,
+}
+
+impl CharacterInPlace {
+    /// The clips as they are.
+    pub(crate) fn authored(asset: Asset) -> Self {
+        Self {
+            paths: vec![None; asset.clips.len()],
+            asset,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The form in which an asset stores the clips.
+    pub(crate) fn stored_form(&self) -> ClipsInPlace {
+        let clips = self.paths.iter().zip(&self.asset.clips);
+        let travelling = clips.map(|(path, clip)| Some((clip.clone(), path.clone()?)));
+        ClipsInPlace {
+            travelling: travelling.collect(),
+            warnings: self.warnings.clone(),
+        }
+    }
+
+    fn of_stored(asset: &Asset, stored: ClipsInPlace) -> Self {
+        let mut own = Self::authored(asset.clone());
+        own.warnings = stored.warnings;
+        let places = own.asset.clips.iter_mut().zip(&mut own.paths);
+        for ((clip, path), travelling) in places.zip(stored.travelling) {
+            if let Some((in_place, root_motion)) = travelling {
+                *clip = in_place;
+                *path = Some(root_motion);
+            }
+        }
+        own
+    }
+}
+
+/// Removes the root motion of travelling clips.
+pub(crate) fn in_place(
+    figure: &Figure,
+    root_motion: RootMotionPolicy,
+    stored: Option<&Stored<'_>>,
+) -> Result<CharacterInPlace> {
+    let authored = &figure.asset;
+    if root_motion == RootMotionPolicy::AsAuthored {
+        return Ok(CharacterInPlace::authored(authored.clone()));
+    }
+    let found =
+        stored.and_then(|s| s.clips_in_place(&authored.clips, &authored.rig, &authored.mesh));
+    if let Some(found) = found {
+        return Ok(CharacterInPlace::of_stored(authored, found));
+    }
+    let mut source = figure.source_character();
+    let articulation = figure.opened.articulation();
+    let ends = &figure.opened.end_sites;
+    let (ways, warnings) = put_in_place(&mut source, articulation.clone(), ends);
+    if ways.iter().all(Option::is_none) {
+        let mut own = CharacterInPlace::authored(authored.clone());
+        own.warnings = warnings;
+        return Ok(own);
+    }
+    let asset = character(&source, Some(articulation), &ClipOptions::default())?;
+    let mut paths = Vec::with_capacity(ways.len());
+    for (way, clip) in ways.iter().zip(&asset.clips) {
+        paths.push(way.as_ref().map(|way| root_path(way, clip)).transpose()?);
+    }
+    Ok(CharacterInPlace {
+        asset,
+        paths,
+        warnings,
+    })
+}
+
+/// Bounds of a character in its clips.
+pub(crate) fn bounds(asset: &Asset, stored: Option<&Stored<'_>>) -> Result<MotionBounds> {
+    match stored.and_then(|s| s.bounds(&asset.clips)) {
+        Some(bounds) => Ok(bounds),
+        None => motion_bounds(asset, 0.0).context("bounds"),
+    }
+}
+
+/// Joint LODs with their skins and errors.
+pub(crate) fn joint_levels(
+    asset: &Asset,
+    wanted: &JointLodMethod,
+    opts: &JointLodOptions,
+    stored: Option<&Stored<'_>>,
+    work: &Executor<'_>,
+) -> Result<MergedLevels> {
+    let known = match wanted {
+        JointLodMethod::Named(_) => None,
+        _ => stored.and_then(|s| s.joint_levels(&asset.rig, asset.clips.len())),
+    };
+    let (joint_lods, errors) = match (wanted, known) {
+        (JointLodMethod::Merged, Some(known)) => (known.joint_lods, Some(known.errors)),
+        (JointLodMethod::Merged, None) => {
+            let made = joint_lods(asset, &mean_pose(asset), opts);
+            (made.context("levels")?, None)
+        }
+        (JointLodMethod::Whole, known) => {
+            let errors = known.map(|known| of_full_detail(known.errors));
+            (JointLods::whole(&asset.rig).context("levels")?, errors)
+        }
+        (JointLodMethod::Named(expression), _) => {
+            let expressions = std::slice::from_ref(expression);
+            let made = named_joint_lods(asset, &mean_pose(asset), expressions);
+            (made.context("levels")?, None)
+        }
+    };
+    work.step(PREPARING, 2, 5)?;
+    let stored = stored.filter(|_| *wanted == JointLodMethod::Merged);
+    let skins = match stored.and_then(|s| s.skins(&asset.mesh, &joint_lods)) {
+        Some(skins) => skins,
+        None => level_skins(asset, &joint_lods, opts).context("skins")?,
+    };
+    work.step(PREPARING, 3, 5)?;
+    let errors = match errors {
+        Some(errors) => errors,
+        None => lod_errors(asset, &joint_lods, &skins, opts).context("errors")?,
+    };
+    work.step(PREPARING, 4, 5)?;
+    Ok(MergedLevels {
+        joint_lods,
+        skins,
+        far: None,
+        errors,
+    })
+}
+
+/// Errors of level 0 alone.
+fn of_full_detail(mut errors: LodErrors) -> LodErrors {
+    for clip in &mut errors.clips {
+        clip.levels_metres.truncate(1);
+        clip.worst_metres.truncate(1);
+    }
+    errors
+}
+
+/// The pose cache of joint levels, or of their pairs with mesh levels.
+pub(crate) fn pose_cache(
+    asset: &Asset,
+    levels: &MergedLevels,
+    (clips, map): (&ClipSet, &PaletteMap),
+    opts: &CacheOptions,
+    stored: Option<(&Stored<'_>, bool)>,
+) -> Result<PoseCache> {
+    // Keys are chosen for the errors of palettes in full precision.
+    let usable = stored.filter(|_| opts.form == PaletteForm::Matrix);
+    if let Some(keys) = usable.and_then(|(stored, is_paired)| stored.cache_keys(is_paired)) {
+        return cache_of_keys(clips, map, &keys, opts.form).context("cache");
+    }
+    let made = cached_poses(asset, levels, clips, opts).context("cache")?;
+    Ok(made.cache)
+}

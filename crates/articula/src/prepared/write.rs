@@ -1,0 +1,196 @@
+//! Computation and storage of the parts of `ARTICULA_prepared`.
+
+use super::hash::{self, SourceHashes};
+use super::part::{self, PreparedPart};
+use super::stored::PART_VERSION;
+use crate::crowd::RootMotionPolicy;
+use crate::crowd::mesh_lods::{MeshLods, canonical};
+use crate::crowd::preparation::{CharacterInPlace, bounds, in_place, joint_levels};
+use crate::crowd::{ClipStorage, JointLodMethod, PaletteForm};
+use crate::error::{Context, Result};
+use crate::figure::Figure;
+use crate::prepare::PrepareOptions;
+use crate::work::Executor;
+use articula_build::{Asset, CacheOptions, JointLodOptions, MergedLevels, cached_poses};
+use articula_core::source::Character;
+use articula_core::{Articulation, ClipSet};
+use articula_formats::gltf::{Document, PreparedHeader, PreparedPart as Entry};
+use articula_formats::prepared::{
+    JointLevels, PairedLevels, SourceOrder, write_cache_keys, write_clips, write_clips_in_place,
+    write_joint_levels, write_level_skins, write_motion_bounds, write_paired_levels,
+    write_source_orders,
+};
+
+/// The parts of an asset as bytes.
+#[derive(Debug, Default)]
+pub(crate) struct Parts {
+    entries: Vec<(&'static str, Vec<u8>)>,
+    seed: u64,
+    mesh_levels: usize,
+    /// Size of the palettes that the keys of the pose cache stand for.
+    pub(crate) pose_cache_bytes: usize,
+}
+
+impl Parts {
+    /// Number of bytes of a part.
+    pub(crate) fn bytes(&self, part: PreparedPart) -> usize {
+        let own = self
+            .entries
+            .iter()
+            .filter(|e| part.entries().contains(&e.0));
+        own.map(|e| e.1.len()).sum()
+    }
+
+    /// Stores the parts beside the character that they belong to, as it is read from the document.
+    pub(crate) fn store(
+        &self,
+        document: &mut Document,
+        character: &Character,
+        articulation: &Articulation,
+    ) {
+        let read = character.articulation.as_ref().unwrap_or(articulation);
+        let sources = SourceHashes::of(character, read);
+        let mut hashes: Vec<(String, u64)> = Vec::new();
+        hashes.extend(sources.named().map(|(name, hash)| (name.to_owned(), hash)));
+        let entry = |(name, bytes): &(&'static str, Vec<u8>)| (*name, hash::bytes(bytes));
+        let sums: Vec<(&str, u64)> = self.entries.iter().map(entry).collect();
+        let order = sums.iter().find(|(name, _)| *name == part::VERTEX_ORDER);
+        hashes.extend(order.map(|(name, hash)| ((*name).to_owned(), *hash)));
+        let header = PreparedHeader {
+            generator: concat!("Articula ", env!("CARGO_PKG_VERSION")).to_owned(),
+            seed: self.seed,
+            hashes,
+            mesh_levels: self.mesh_levels,
+        };
+        let entries = self.entries.iter().zip(&sums);
+        let entries = entries.map(|((name, bytes), (_, hash))| Entry {
+            name,
+            version: PART_VERSION,
+            hash: *hash,
+            bytes,
+        });
+        document.set_prepared(&header, &entries.collect::<Vec<_>>());
+    }
+}
+
+/// Computes the parts for a figure in the order of its source. `triangles` are those of its mesh
+/// levels, `orders` is the order of its vertices in the document.
+pub(crate) fn parts(
+    figure: &Figure,
+    (triangles, orders): (Option<Vec<Vec<[u32; 3]>>>, Option<&[SourceOrder]>),
+    options: &PrepareOptions,
+    work: &Executor<'_>,
+) -> Result<Parts> {
+    let mut parts = Parts {
+        seed: options.seed,
+        ..Parts::default()
+    };
+    let is_wanted = |part: PreparedPart| !options.without.contains(&part);
+    if let Some(orders) = orders {
+        parts
+            .entries
+            .push((part::VERTEX_ORDER, write_source_orders(orders)));
+    }
+    let clips = &figure.asset.clips;
+    if clips.is_empty() {
+        return Ok(parts);
+    }
+    let character = in_place(figure, RootMotionPolicy::OnTheSpot, None)?;
+    if is_wanted(PreparedPart::Clips) {
+        parts.entries.push((part::CLIPS, write_clips(clips)));
+        let in_place = write_clips_in_place(&character.stored_form(), clips);
+        parts.entries.push((part::CLIPS_IN_PLACE, in_place));
+    }
+    if is_wanted(PreparedPart::Bounds) {
+        let bounds = bounds(&character.asset, None)?;
+        parts
+            .entries
+            .push((part::BOUNDS, write_motion_bounds(&bounds)));
+    }
+    let of_levels = [
+        PreparedPart::JointLevels,
+        PreparedPart::Skins,
+        PreparedPart::PairedLevels,
+        PreparedPart::PoseCache,
+    ];
+    if !character.asset.mesh.is_empty() && of_levels.into_iter().any(is_wanted) {
+        parts.levels(&character, triangles, options, work)?;
+    }
+    Ok(parts)
+}
+
+impl Parts {
+    /// Adds the levels of joints, and their pairs with mesh levels.
+    fn levels(
+        &mut self,
+        character: &CharacterInPlace,
+        triangles: Option<Vec<Vec<[u32; 3]>>>,
+        options: &PrepareOptions,
+        work: &Executor<'_>,
+    ) -> Result<()> {
+        let is_wanted = |part: PreparedPart| !options.without.contains(&part);
+        let asset = &character.asset;
+        let opts = JointLodOptions {
+            seed: options.seed,
+            ..JointLodOptions::default()
+        };
+        let levels = joint_levels(asset, &JointLodMethod::Merged, &opts, None, work)?;
+        if is_wanted(PreparedPart::JointLevels) {
+            let stored = JointLevels {
+                joint_lods: levels.joint_lods.clone(),
+                errors: levels.errors.clone(),
+            };
+            self.entries
+                .push((part::JOINT_LEVELS, write_joint_levels(&stored)));
+        }
+        if is_wanted(PreparedPart::Skins) {
+            let skins = write_level_skins(&levels.skins, &asset.mesh);
+            self.entries.push((part::SKINS, skins));
+        }
+        if is_wanted(PreparedPart::PoseCache) {
+            self.cache(part::POSE_CACHE, asset, &levels, options)?;
+        }
+        let pairs = [PreparedPart::PairedLevels, PreparedPart::PoseCache];
+        let Some(triangles) = triangles.filter(|_| pairs.into_iter().any(is_wanted)) else {
+            return Ok(());
+        };
+        // A level without triangles cannot be paired.
+        if triangles.len() < 2 || triangles.iter().any(Vec::is_empty) {
+            return Ok(());
+        }
+        self.mesh_levels = triangles.len();
+        let (lods, paired, _) = MeshLods::new(asset, &levels, canonical(triangles), &opts, None)?;
+        if is_wanted(PreparedPart::PairedLevels) {
+            let stored = PairedLevels {
+                levels: lods.levels,
+                errors: paired.errors.clone(),
+            };
+            self.entries
+                .push((part::PAIRED_LEVELS, write_paired_levels(&stored)));
+        }
+        if is_wanted(PreparedPart::PoseCache) {
+            self.cache(part::PAIRED_POSE_CACHE, asset, &paired, options)?;
+        }
+        Ok(())
+    }
+
+    fn cache(
+        &mut self,
+        name: &'static str,
+        asset: &Asset,
+        levels: &MergedLevels,
+        options: &PrepareOptions,
+    ) -> Result<()> {
+        let joint_lods = levels.joint_lods.clone();
+        let clips = ClipSet::new(&asset.rig, joint_lods, &asset.clips, ClipStorage::Float)?;
+        let opts = CacheOptions {
+            form: PaletteForm::Matrix,
+            seed: options.seed,
+            ..CacheOptions::default()
+        };
+        let cached = cached_poses(asset, levels, &clips, &opts).context("cache")?;
+        self.pose_cache_bytes += cached.cache.bytes();
+        self.entries.push((name, write_cache_keys(&cached.keys)));
+        Ok(())
+    }
+}
