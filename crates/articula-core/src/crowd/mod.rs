@@ -50,8 +50,8 @@ pub use character_state::{CharacterState, ClipState};
 pub use clip_times::ClipTimes;
 pub use events::ClipEvent;
 
-pub use frame::{CacheUse, CrowdEvent, CrowdReport, Culling, Detail, Frame};
 pub(crate) use events::sorted as sorted_events;
+pub use frame::{CacheUse, CrowdEvent, CrowdReport, Culling, Detail, Frame};
 pub(crate) use model::filled;
 pub use model::{CrowdModel, CrowdParts};
 pub use plan::{Draw, DrawGroup, DrawList, RecordGroup};

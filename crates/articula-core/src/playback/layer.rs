@@ -82,9 +82,7 @@ impl MotionLayer {
             let (below, over) = (pose.get(joint), layer.get(joint));
             let mixed = match &self.mode {
                 LayerMode::Override => mix(below, over, weight),
-                LayerMode::Additive(reference) => {
-                    add(below, over, reference.get(joint), weight)
-                }
+                LayerMode::Additive(reference) => add(below, over, reference.get(joint), weight),
             };
             pose.set(joint, mixed);
         }

@@ -117,7 +117,12 @@ impl<C: MotionController> MotionController for LoaController<C> {
         let inner = &mut self.inner_shown;
         let mut result = self.inner.control(&inside, due, wanted, inner);
         // What carries the figure does so as wanted, whatever the metric holds.
-        for joint in self.states.travelling().difference(&self.articulation).iter() {
+        for joint in self
+            .states
+            .travelling()
+            .difference(&self.articulation)
+            .iter()
+        {
             inner.set(joint, wanted.get(joint));
         }
         if self.started {
