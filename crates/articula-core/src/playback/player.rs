@@ -162,8 +162,8 @@ impl<'a> FigurePlayer<'a> {
     /// Advances all clocks by a time step in seconds, from 0 to 60, and reports the events passed;
     /// returns the motion of the whole figure, which goes on at every level of detail.
     pub fn advance(&mut self, dt_secs: f32, tell: &mut dyn FnMut(PlayedEvent)) -> RootDelta {
-        // NaN counts as 0.
-        let dt_secs = dt_secs.max(0.0).min(MAX_STEP_SECS);
+        let dt_secs = if dt_secs.is_nan() { 0.0 } else { dt_secs };
+        let dt_secs = dt_secs.clamp(0.0, MAX_STEP_SECS);
         self.dt_secs = dt_secs;
         self.now_secs += f64::from(dt_secs);
         let mut way = RootDelta::default();

@@ -216,3 +216,38 @@ impl MotionController for ThesisController<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Test 2 of `docs/methods/motion-lod.md` part 10.
+    #[test]
+    fn the_literal_curve_dips_where_paper_says() {
+        for ratio in [1.0f32, 10.0] {
+            let t = Threshold {
+                thr_init: 1e-3,
+                thr_max: 1e-3 * ratio,
+                ..Threshold::default()
+            };
+            let dip_at = t.d_max_metres * t.thr_init / (2.0 * t.thr_max);
+            let depth = t.thr_init / (4.0 * t.thr_max);
+            assert!((t.at(dip_at) / t.thr_init - (1.0 - depth)).abs() < 1e-5);
+            assert!(t.at(dip_at) < t.at(dip_at - 0.1) && t.at(dip_at) < t.at(dip_at + 0.1));
+            assert_eq!(t.at(0.0), t.thr_init);
+            assert!((t.at(t.d_max_metres) / t.thr_max - 1.0).abs() < 1e-6);
+        }
+    }
+
+    /// Test 2 of `docs/methods/motion-lod.md` part 10.
+    #[test]
+    fn the_fixed_curve_never_falls() {
+        let t = Threshold {
+            curve: ThresholdCurve::Fixed,
+            ..Threshold::default()
+        };
+        let at: Vec<f32> = (0..200).map(|i| t.at(i as f32 * 0.1)).collect();
+        assert!(at.windows(2).all(|w| w[1] >= w[0]));
+        assert_eq!((t.at(3.5), t.at(16.0)), (1e-4, 1e-3));
+    }
+}

@@ -161,8 +161,8 @@ proptest! {
             let state = player.layer_mut(layer).unwrap().state;
             let top = sampled(&rig, &clips, &state);
             let mut plain = base.clone();
-            for joint in 0..rig.len() {
-                let w = weight * mask[joint];
+            for (joint, masked) in mask.iter().enumerate() {
+                let w = weight * masked;
                 plain.rotations[joint] = nlerp(base.rotations[joint], top.rotations[joint], w);
                 plain.translations[joint] =
                     base.translations[joint].lerp(top.translations[joint], w);
