@@ -39,6 +39,7 @@ const STEPS: &[&[Step]] = &[
         ("wasm build", wasm::check),
         ("tidy", tidy_step),
     ],
+    &[("playback in node", wasm::playback)],
 ];
 
 /// Runs the rows up to the first with a failure and prints the duration of each step.

@@ -58,7 +58,6 @@ mod points;
 mod pose_cache;
 mod poses;
 mod reduce;
-mod rotation_vector;
 mod scene;
 mod simplify;
 mod split_mix;

@@ -13,7 +13,9 @@ use crate::attention::tolerance_metres;
 use crate::joint_set::JointSet;
 use crate::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
 use crate::math::angle_between;
-use crate::pose::LocalPose;
+use crate::pose::{LocalPose, ModelPose};
+use crate::second_moment::SecondMoment;
+use glam::{Mat3A, Vec3, Vec3A};
 
 /// Tolerance and timing of a [`DriftController`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,7 +92,24 @@ pub struct DriftController {
     judged: Vec<Judged>,
     last: LocalPose,
     updates: u64,
+    updated: JointSet,
+    seen: Option<SeenParts>,
 }
+
+/// What the view-dependent error needs of each joint.
+#[derive(Debug, Clone)]
+struct SeenParts {
+    moments: Vec<SecondMoment>,
+    /// Model-from-joint matrix of each joint as last shown.
+    joints: Vec<Mat3A>,
+    /// Unit directions from the figure to each view, in model space; without any, errors count
+    /// whole.
+    views: [Vec3; MAX_VIEWS],
+    count: usize,
+}
+
+/// Maximum number of view directions that are told apart; with more views errors count whole.
+pub(crate) const MAX_VIEWS: usize = 8;
 
 impl DriftController {
     /// Creates a controller with every joint active and due.
@@ -120,6 +139,54 @@ impl DriftController {
             states: JointStates::new(rest, hold_last),
             last: rest.clone(),
             updates: 0,
+            updated: JointSet::EMPTY,
+            seen: None,
+        }
+    }
+
+    /// Makes the error view-dependent: the part of a displacement along the line of sight does not
+    /// count. `moments` has the second moment of the skin of each joint. Allocates.
+    ///
+    /// # Panics
+    /// Unless there is one entry for each joint.
+    #[must_use]
+    pub fn with_second_moments(mut self, moments: Vec<SecondMoment>) -> Self {
+        assert_eq!(
+            moments.len(),
+            self.bounds.len(),
+            "expected one entry for each joint"
+        );
+        self.seen = Some(SeenParts {
+            joints: vec![Mat3A::IDENTITY; moments.len()],
+            moments,
+            views: [Vec3::ZERO; MAX_VIEWS],
+            count: 0,
+        });
+        self
+    }
+
+    /// Sets the unit directions from the figure to each view, in model space, and the pose in which
+    /// joints are seen. Has no effect without second moments.
+    ///
+    /// # Panics
+    /// If the pose belongs to another rig.
+    pub fn look_from(&mut self, directions: &[Vec3], model: &ModelPose) {
+        let Some(seen) = &mut self.seen else { return };
+        assert_eq!(
+            model.matrices.len(),
+            seen.joints.len(),
+            "the pose must belong to this rig"
+        );
+        seen.count = if directions.len() > MAX_VIEWS {
+            0
+        } else {
+            directions.len()
+        };
+        for (view, direction) in seen.views.iter_mut().zip(directions) {
+            *view = *direction;
+        }
+        for (joint, matrix) in seen.joints.iter_mut().zip(&model.matrices) {
+            *joint = matrix.matrix3;
         }
     }
 
@@ -131,6 +198,16 @@ impl DriftController {
     /// Returns the number of joint updates shown since the start.
     pub fn updates(&self) -> u64 {
         self.updates
+    }
+
+    /// Returns the joints whose transform was updated by the last step.
+    pub fn updated(&self) -> &JointSet {
+        &self.updated
+    }
+
+    /// Returns the options.
+    pub fn options(&self) -> &DriftOptions {
+        &self.opts
     }
 
     /// Makes every joint due, as needed after a cut of the camera or of the clip.
@@ -164,6 +241,7 @@ impl DriftController {
         wanted: &LocalPose,
     ) -> &LocalPose {
         let due = due.intersection(&JointSet::first(self.bounds.len()));
+        self.updated = JointSet::EMPTY;
         for joint in due.iter() {
             self.judge(joint, now_secs, views, wanted);
         }
@@ -174,11 +252,37 @@ impl DriftController {
         self.states.shown()
     }
 
-    fn error_metres(&self, joint: usize, wanted: &LocalPose) -> f32 {
+    /// Error by the rotation and by the translation of a joint, metres.
+    fn errors_metres(&self, joint: usize, wanted: &LocalPose) -> [f32; 2] {
         let shown = self.states.shown();
-        self.bounds[joint].lever_metres
-            * angle_between(shown.rotations[joint], wanted.rotations[joint])
-            + shown.translations[joint].distance(wanted.translations[joint])
+        let turned = angle_between(shown.rotations[joint], wanted.rotations[joint]);
+        let moved = shown.translations[joint].distance(wanted.translations[joint]);
+        [self.bounds[joint].lever_metres * turned, moved]
+    }
+
+    fn error_metres(&self, joint: usize, wanted: &LocalPose) -> f32 {
+        let [turned, moved] = self.errors_metres(joint, wanted);
+        turned + moved
+    }
+
+    /// The greatest part of the error by rotation that any view sees, 0 to 1.
+    fn seen_part(&self, joint: usize, wanted: &LocalPose) -> f32 {
+        let Some(seen) = self.seen.as_ref().filter(|s| s.count > 0) else {
+            return 1.0;
+        };
+        let (shown, wanted) = (
+            self.states.shown().rotations[joint],
+            wanted.rotations[joint],
+        );
+        let into_joint = seen.joints[joint].transpose();
+        let parts = seen.views[..seen.count].iter().map(|view| {
+            let view = into_joint * Vec3A::from(*view);
+            match Vec3::from(view).try_normalize() {
+                Some(view) => seen.moments[joint].seen_fraction(shown, wanted, view),
+                None => 1.0,
+            }
+        });
+        parts.fold(0.0, f32::max)
     }
 
     fn tolerance(&self, joint: usize, views: JointViewScales<'_>) -> f32 {
@@ -204,7 +308,11 @@ impl DriftController {
                 }
             }
             JointState::Passive => {
-                let error = self.error_metres(joint, wanted);
+                let [turned, moved] = self.errors_metres(joint, wanted);
+                let mut error = turned + moved;
+                if error > high {
+                    error = turned * self.seen_part(joint, wanted) + moved;
+                }
                 if error > high {
                     let pixels = error * views.pixels_per_metre[joint];
                     if pixels > self.opts.pop_px && settled {
@@ -213,7 +321,7 @@ impl DriftController {
                     } else {
                         self.states.show(joint, wanted.get(joint), now);
                     }
-                    self.updates += 1;
+                    self.count_update(joint);
                 }
             }
             _ => {}
@@ -238,19 +346,24 @@ impl DriftController {
         }
     }
 
+    fn count_update(&mut self, joint: usize) {
+        self.updates += 1;
+        self.updated.insert(joint);
+    }
+
     /// Keeps the shown error within the bound, counts updates, and sets the time of the next test.
     fn bound(&mut self, joint: usize, now: f64, views: JointViewScales<'_>, wanted: &LocalPose) {
         let tolerance = self.tolerance(joint, views);
         let mut error = self.error_metres(joint, wanted);
         match self.states.state(joint) {
             JointState::ToActive | JointState::ToPassive => {
-                self.updates += 1;
+                self.count_update(joint);
                 if error > tolerance * (1.0 + self.opts.hysteresis) {
                     self.states.show(joint, wanted.get(joint), now);
                     error = 0.0;
                 }
             }
-            JointState::Active => self.updates += 1,
+            JointState::Active => self.count_update(joint),
             JointState::Passive => {}
         }
         let speed = self.bounds[joint].speed_metres_per_sec.max(1e-9);

@@ -3,11 +3,14 @@
 //! Source: thesis 5.1 (active and passive joints) and 5.2 (transitions by linear blending of
 //! quaternions over a settable time), `docs/methods/motion-lod.md` part 2. Extensions to the
 //! thesis: the transform of a passive joint is a policy, an interrupted transition starts from the
-//! transform then shown, and translations and scales follow the same states.
+//! transform then shown, translations and scales follow the same states, and the root keeps its way
+//! over the ground and its heading in every state.
 
 use crate::joint_set::JointSet;
 use crate::math::{Transform, nlerp};
 use crate::pose::LocalPose;
+use crate::rig::Rig;
+use crate::travel::Carriers;
 use glam::{Quat, Vec3};
 
 /// Whether a joint is active (follows the clip), passive (held), or in transition between both.
@@ -93,11 +96,13 @@ pub struct JointStates {
     key_pose: LocalPose,
     slots: Vec<Slot>,
     shown: LocalPose,
+    /// The root and the nodes above it, if they travel in every state.
+    carriers: Option<Carriers>,
 }
 
 impl JointStates {
-    /// Creates states with all joints active, showing the rest pose. Allocates; no other method
-    /// does.
+    /// Creates states with all joints active, showing the rest pose. Allocates; of the other
+    /// methods only [`JointStates::with_travel`] does.
     pub fn new(rest: &LocalPose, opts: TransitionOptions) -> Self {
         let slots = (0..rest.rotations.len())
             .map(|j| Slot {
@@ -113,7 +118,25 @@ impl JointStates {
             key_pose: rest.clone(),
             slots,
             shown: rest.clone(),
+            carriers: None,
         }
+    }
+
+    /// Lets the root of the rig, and the nodes above it, keep the translation and the heading of
+    /// the clip in every state; they are then always among the joints of
+    /// [`JointStates::sampled`].
+    ///
+    /// # Panics
+    /// If the rig has another number of joints.
+    #[must_use]
+    pub fn with_travel(mut self, rig: &Rig) -> Self {
+        assert_eq!(
+            rig.len(),
+            self.slots.len(),
+            "the rig must be that of the states"
+        );
+        self.carriers = Some(Carriers::new(rig));
+        self
     }
 
     /// Sets the pose shown by [`PassivePolicy::KeyPose`].
@@ -135,22 +158,67 @@ impl JointStates {
     }
 
     /// Returns the joints whose clip transform is needed by the next step: all but the passive
-    /// ones.
+    /// ones, and those that travel.
     pub fn sampled(&self) -> JointSet {
+        let awake = self.in_state(|state| state != JointState::Passive);
+        awake.union(&self.travelling())
+    }
+
+    /// Returns the joints that travel in every state.
+    pub fn travelling(&self) -> JointSet {
+        let carriers = self.carriers.as_ref().map(Carriers::set);
+        carriers.unwrap_or_default()
+    }
+
+    /// Returns the joints in transition.
+    pub fn in_transition(&self) -> JointSet {
+        self.in_state(|s| matches!(s, JointState::ToActive | JointState::ToPassive))
+    }
+
+    fn in_state(&self, holds: impl Fn(JointState) -> bool) -> JointSet {
         (0..self.slots.len())
-            .filter(|&j| self.slots[j].state != JointState::Passive)
+            .filter(|&j| holds(self.slots[j].state))
             .collect()
+    }
+
+    /// Starts with exactly the joints of `active` active and all others passive, without a
+    /// transition.
+    ///
+    /// # Panics
+    /// If the pose belongs to another rig.
+    pub fn start(&mut self, active: &JointSet, now_secs: f64, clip: &LocalPose) {
+        self.shown.copy_from(clip);
+        for joint in 0..self.slots.len() {
+            let hold = self.held_by_policy(joint);
+            self.slots[joint] = Slot {
+                state: if active.contains(joint) {
+                    JointState::Active
+                } else {
+                    JointState::Passive
+                },
+                // The transition is over.
+                since: now_secs - f64::from(self.opts.secs),
+                hold,
+                offset: Transform::IDENTITY,
+            };
+        }
+        self.step(now_secs, clip);
+    }
+
+    /// The transform that a joint holds if it becomes passive now.
+    fn held_by_policy(&self, joint: usize) -> Transform {
+        match self.opts.policy {
+            PassivePolicy::HoldLast | PassivePolicy::BlendToRest { .. } => self.shown.get(joint),
+            PassivePolicy::Rest => self.rest.get(joint),
+            PassivePolicy::KeyPose => self.key_pose.get(joint),
+        }
     }
 
     /// Starts the transition of a joint to passive. Does nothing in the states `Passive` and
     /// `ToPassive`.
     pub fn passivate(&mut self, joint: usize, now_secs: f64, clip: &Transform) {
         let shown = self.shown.get(joint);
-        let hold = match self.opts.policy {
-            PassivePolicy::HoldLast | PassivePolicy::BlendToRest { .. } => shown,
-            PassivePolicy::Rest => self.rest.get(joint),
-            PassivePolicy::KeyPose => self.key_pose.get(joint),
-        };
+        let hold = self.held_by_policy(joint);
         let slot = &mut self.slots[joint];
         if matches!(slot.state, JointState::Passive | JointState::ToPassive) {
             return;
@@ -239,7 +307,11 @@ impl JointStates {
                 JointState::ToPassive => blend(&compose(&clip.get(j), &slot.offset), &slot.hold, s),
                 JointState::ToActive => blend(&slot.hold, &clip.get(j), s),
             };
-            self.shown.set(j, value);
+            let carried = match (&self.carriers, slot.state) {
+                (None, _) | (_, JointState::Active) => None,
+                (Some(carriers), _) => carriers.carried(j, &value, &clip.get(j)),
+            };
+            self.shown.set(j, carried.unwrap_or(value));
         }
         &self.shown
     }

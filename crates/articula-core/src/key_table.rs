@@ -77,9 +77,15 @@ impl KeyTable {
     /// Returns the coarsest level whose tolerance does not exceed `tolerance_metres`; `None` if
     /// even the finest is too coarse and the joint must be evaluated.
     pub fn level_for(&self, tolerance_metres: f32) -> Option<usize> {
-        let steps = (tolerance_metres / self.base_metres).log2().floor();
         let highest = self.levels().checked_sub(1)?;
-        (steps >= 0.0).then(|| (steps as usize).min(highest))
+        // Doubling is exact, so the level is the same on every platform.
+        let mut next = self.base_metres;
+        let mut fitting = 0;
+        while fitting <= highest && next <= tolerance_metres {
+            fitting += 1;
+            next *= 2.0;
+        }
+        fitting.checked_sub(1)
     }
 
     /// Returns the key at or before a frame, and the next key if there is one.

@@ -1,9 +1,10 @@
 //! Rigs, clips, meshes and levels of detail of virtual humans, and their evaluation each frame.
 //!
 //! An engine that plays prepared characters needs only this crate and `glam`. For a single
-//! character, call in the order of a frame, [`sample`] on a [`Clip`], [`blend`], [`local_to_model`]
-//! and [`skin`]; [`PosedMesh`] combines the last two. For many characters [`crowd::Crowd`] covers
-//! the whole frame: clocks, culling, levels of detail and palettes.
+//! character [`playback::FigurePlayer`] covers the frame: clocks, layers, levels of detail for each
+//! joint, forward kinematics and skinning; its plain steps are [`sample`] on a [`Clip`], [`blend`],
+//! [`local_to_model`] and [`skin`], and [`PosedMesh`] combines the last two. For many characters
+//! [`crowd::Crowd`] covers the whole frame: clocks, culling, levels of detail and palettes.
 //!
 //! ```
 //! use articula_core::{Articulation, JointArticulation, LocalPose, ModelPose, Region, Rig};
@@ -39,6 +40,7 @@
 //!
 //! - [`source`]: the editable data that file readers return and builders take
 //! - [`crowd`]: evaluation of many characters with levels of detail, one tick per frame
+//! - [`playback`]: live playback of one figure: layers, controllers of detail, skinning
 //! - [`budget`]: choice of one LOD option for each character, with least error within a budget
 //! - [`visibility`]: frustum culling, occlusion and size on screen of bodies
 //! - [`batch`]: evaluation of eight characters at once, from cursors to palettes
@@ -66,6 +68,7 @@ pub mod hanim_table;
 pub mod joint_names;
 pub mod joint_state;
 pub mod loa;
+pub mod playback;
 pub mod source;
 pub mod visibility;
 
@@ -101,10 +104,12 @@ mod posed_mesh;
 mod progress;
 mod rig;
 mod sample;
+mod second_moment;
 mod simd;
 mod skin;
 mod skin_groups;
 mod sphere;
+mod travel;
 mod triangle;
 mod view;
 
@@ -126,7 +131,7 @@ pub use key_table::{KeyMode, KeyTable, PoseKeys, TableHashes};
 pub use level_skins::{LevelSkin, LevelSkins};
 pub use level_table::{LevelRow, LevelTable, SurfaceError};
 pub use lod_error::{ClipLodErrors, LodErrors, lod_error_metres};
-pub use math::{Transform, angle_between, nlerp, same_hemisphere};
+pub use math::{Transform, angle_between, nlerp, rotation_vector, same_hemisphere};
 pub use mesh::{Binding, Mesh, Morph, Part};
 pub use mesh_level::{MeshChoice, MeshErrors};
 pub use mismatch::Mismatch;
@@ -139,10 +144,12 @@ pub use posed_mesh::PosedMesh;
 pub use progress::{Cancelled, Progress};
 pub use rig::Rig;
 pub use sample::{FramePosition, Wrap, frame_position, sample, sample_morphs};
+pub use second_moment::SecondMoment;
 pub use simd::Backend;
 pub use simd::half::{f32_from_half, half_from_f32};
 pub use skin::{SkinnedMesh, palette, skin, skin_points};
 pub use skin_groups::{GroupedSkin, Matrix3x4, MorphedShape, StaleBlocks};
 pub use sphere::Sphere;
+pub use travel::{heading, hold_with_heading};
 pub use triangle::{triangle_distance_squared, triangle_weights};
 pub use view::{Camera, Viewport};

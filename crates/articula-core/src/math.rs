@@ -89,10 +89,21 @@ pub fn nlerp(a: Quat, b: Quat, t: f32) -> Quat {
     if length < 1e-6 { a } else { blend / length }
 }
 
+/// Returns the rotation vector (axis times angle, radians) of the shorter rotation from `a` to `b`.
+pub fn rotation_vector(a: Quat, b: Quat) -> Vec3 {
+    let relative = same_hemisphere(Quat::IDENTITY, a.conjugate() * b);
+    let v = Vec3::new(relative.x, relative.y, relative.z);
+    let sine = v.length();
+    if sine < 1e-9 {
+        return 2.0 * v;
+    }
+    v * (2.0 * sine.atan2(relative.w) / sine)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f32::consts::PI;
+    use std::f32::consts::{FRAC_PI_2, PI};
 
     #[test]
     fn angle_of_small_rotation_keeps_its_digits() {
@@ -124,5 +135,11 @@ mod tests {
         sheared.x_axis.y = 0.5;
         assert!(Transform::from_matrix(sheared).is_none());
         assert!(Transform::from_matrix(Mat4::ZERO).is_none());
+    }
+
+    #[test]
+    fn rotation_vector_is_axis_times_angle() {
+        let v = rotation_vector(Quat::IDENTITY, -Quat::from_rotation_z(FRAC_PI_2));
+        assert!((v - Vec3::Z * FRAC_PI_2).length() < 1e-5);
     }
 }

@@ -25,7 +25,7 @@ impl LocalPose {
     }
 
     /// Sets the local transform of one joint.
-    pub(crate) fn set(&mut self, joint: usize, transform: Transform) {
+    pub fn set(&mut self, joint: usize, transform: Transform) {
         self.translations[joint] = transform.translation;
         self.rotations[joint] = transform.rotation;
         self.scales[joint] = transform.scale;

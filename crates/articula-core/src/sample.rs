@@ -38,6 +38,17 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// as 0. Times are f64, so that a clock may run for days; a time that equals that of a frame except
 /// for rounding is that frame, so `i / rate_hz` seconds always gives exactly frame `i`.
 pub fn frame_position(clip: &Clip, time_secs: f64, wrap: Wrap) -> FramePosition {
+    position_within(clip, time_secs, ROUNDING, wrap)
+}
+
+/// The frames around a time that was computed in f32; a time that equals that of a frame except for
+/// rounding in f32 is that frame.
+pub(crate) fn frame_position_f32(clip: &Clip, time_secs: f32, wrap: Wrap) -> FramePosition {
+    let rounding = 2.0 * f64::from(f32::EPSILON);
+    position_within(clip, f64::from(time_secs), rounding, wrap)
+}
+
+fn position_within(clip: &Clip, time_secs: f64, rounding: f64, wrap: Wrap) -> FramePosition {
     let last = clip.frames() - 1;
     let time = if time_secs.is_finite() {
         time_secs
@@ -46,7 +57,7 @@ pub fn frame_position(clip: &Clip, time_secs: f64, wrap: Wrap) -> FramePosition 
     };
     let at = time * f64::from(clip.rate_hz());
     let frame = at.round();
-    let at = if (at - frame).abs() <= ROUNDING * frame.abs() {
+    let at = if (at - frame).abs() <= rounding * frame.abs() {
         frame
     } else {
         at
@@ -79,7 +90,11 @@ pub fn sample(clip: &Clip, time_secs: f64, wrap: Wrap, active: &JointSet, out: &
         clip.joints(),
         "the pose must belong to this rig"
     );
-    let at = frame_position(clip, time_secs, wrap);
+    sample_at(clip, frame_position(clip, time_secs, wrap), active, out);
+}
+
+/// [`sample`] at a position between frames.
+pub(crate) fn sample_at(clip: &Clip, at: FramePosition, active: &JointSet, out: &mut LocalPose) {
     for track in &clip.tracks.rotations {
         if active.contains(usize::from(track.target)) {
             out.rotations[usize::from(track.target)] = read(track, at, nlerp);
@@ -101,7 +116,11 @@ pub fn sample(clip: &Clip, time_secs: f64, wrap: Wrap, active: &JointSet, out: &
 /// Writes the morph target weights at a time; slots without a track or beyond `out` are not
 /// changed. Does not allocate.
 pub fn sample_morphs(clip: &Clip, time_secs: f64, wrap: Wrap, out: &mut [f32]) {
-    let at = frame_position(clip, time_secs, wrap);
+    sample_morphs_at(clip, frame_position(clip, time_secs, wrap), out);
+}
+
+/// [`sample_morphs`] at a position between frames.
+pub(crate) fn sample_morphs_at(clip: &Clip, at: FramePosition, out: &mut [f32]) {
     for track in &clip.tracks.morphs {
         if let Some(weight) = out.get_mut(usize::from(track.target)) {
             *weight = read(track, at, |a, b, t| a + (b - a) * t);

@@ -3,8 +3,8 @@
 //! Source: `docs/methods/motion-lod.md` 4.1. Besides the lever at rest there is a reach that bounds
 //! every pose: the lever at rest is too small for a chain that is bent at rest.
 
-use super::joint_lever::{JointLever, SecondMoment};
-use articula_core::{Mesh, PosedMesh, Rig};
+use super::joint_lever::JointLever;
+use articula_core::{Mesh, PosedMesh, Rig, SecondMoment};
 use glam::{Quat, Vec3};
 
 /// Minimum summed weight with which a vertex belongs to a joint's skin.

@@ -7,7 +7,7 @@
 
 use super::contacts::Contact;
 use super::steps::Sole;
-use crate::rotation_vector::rotation_vector;
+use articula_core::rotation_vector;
 use glam::{Quat, Vec3};
 use std::ops::Range;
 

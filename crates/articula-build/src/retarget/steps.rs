@@ -5,7 +5,7 @@ use super::body::Leg;
 use super::contacts::{self, Contact};
 use super::motion::Motion;
 use super::side::Side;
-use crate::rotation_vector::rotation_vector;
+use articula_core::rotation_vector;
 use glam::{Quat, Vec3};
 
 /// Length of a foot from ankle to toes where no joint determines it, in leg lengths.

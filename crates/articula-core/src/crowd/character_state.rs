@@ -1,7 +1,9 @@
 //! Playback state of one character: a clip, or a cross-fade of two, each with its own speed and
 //! phase.
 
+use super::clip_times::ClipTimes;
 use super::events::{ClipEvent, Step, for_events};
+use super::root_path::RootDelta;
 use crate::batch::BatchPose;
 use crate::clip_set::ClipSet;
 use crate::sample::Wrap;
@@ -31,11 +33,11 @@ impl ClipState {
     ///
     /// # Panics
     /// If there is no such clip.
-    pub fn new(clips: &ClipSet, clip: usize) -> Self {
+    pub fn new(clips: &impl ClipTimes, clip: usize) -> Self {
         assert!(
-            clip < clips.clips(),
+            clip < clips.clip_count(),
             "clip {clip} is out of range: the model has {} clips",
-            clips.clips()
+            clips.clip_count()
         );
         Self {
             secs: 0.0,
@@ -58,8 +60,8 @@ impl ClipState {
     /// Returns the state at another time of its clip, in seconds: wrapped if it loops, clamped if
     /// not. A time that is not finite counts as 0.
     #[must_use]
-    pub fn at_secs(self, clips: &ClipSet, secs: f32) -> Self {
-        let duration = clips.duration_secs(self.clip());
+    pub fn at_secs(self, clips: &impl ClipTimes, secs: f32) -> Self {
+        let duration = clips.clip_secs(self.clip());
         let secs = if secs.is_finite() { secs } else { 0.0 };
         let secs = match self.wrap {
             Wrap::Loop if duration > 0.0 => secs.rem_euclid(duration).min(duration),
@@ -85,6 +87,11 @@ impl ClipState {
     /// Time within the clip in seconds.
     pub fn secs(&self) -> f32 {
         self.secs
+    }
+
+    /// Behaviour at the end of the clip.
+    pub fn wrap(&self) -> Wrap {
+        self.wrap
     }
 
     /// Advances the time and reports the events passed; returns how often the clip's end was passed
@@ -217,6 +224,44 @@ impl CharacterState {
             self.from.clip
         };
         (self.from.clip(), usize::from(to))
+    }
+
+    /// Advances both clips and the fade, reports the events passed as (clip, event, weight of the
+    /// clip), and returns the root motion and whether a clip passed its end.
+    pub(crate) fn advance(
+        &mut self,
+        clips: &impl ClipTimes,
+        dt_secs: f32,
+        tell: &mut dyn FnMut(usize, &ClipEvent, f32),
+    ) -> (RootDelta, bool) {
+        let before = *self;
+        let weights = [1.0 - self.fade, self.fade];
+        let count = if before.is_fading() { 2 } else { 1 };
+        let mut laps = [0; 2];
+        let clip_states = [&mut self.from, &mut self.to];
+        for (v, clip_state) in clip_states.into_iter().enumerate().take(count) {
+            let clip = clip_state.clip();
+            let events = clips.clip_events(clip);
+            laps[v] = clip_state.advance(clips.clip_secs(clip), dt_secs, events, &mut |event| {
+                tell(clip, event, weights[v]);
+            });
+        }
+        let way = self.root_delta(&before, clips, laps);
+        self.advance_fade(dt_secs);
+        (way, laps != [0; 2])
+    }
+
+    /// Root motion since an earlier state of the same clips.
+    fn root_delta(&self, before: &Self, clips: &impl ClipTimes, laps: [i32; 2]) -> RootDelta {
+        let step = |from: &ClipState, to: &ClipState, laps| {
+            let path = clips.clip_path(from.clip());
+            path.map_or(RootDelta::default(), |p| p.step(from.secs, to.secs, laps))
+        };
+        let own = step(&before.from, &self.from, laps[0]);
+        if before.fade == 0.0 {
+            return own;
+        }
+        own.lerp(step(&before.to, &self.to, laps[1]), before.fade)
     }
 
     /// Advances the weight; a finished fade leaves only the clip faded to.

@@ -34,6 +34,7 @@
 
 mod attachment;
 mod character_state;
+mod clip_times;
 mod crowd_budget;
 mod events;
 mod frame;
@@ -46,8 +47,12 @@ mod tick;
 
 pub use attachment::attachment;
 pub use character_state::{CharacterState, ClipState};
+pub use clip_times::ClipTimes;
 pub use events::ClipEvent;
+
+pub(crate) use events::sorted as sorted_events;
 pub use frame::{CacheUse, CrowdEvent, CrowdReport, Culling, Detail, Frame};
+pub(crate) use model::filled;
 pub use model::{CrowdModel, CrowdParts};
 pub use plan::{Draw, DrawGroup, DrawList, RecordGroup};
 pub use root_path::{RootDelta, RootTrajectory};

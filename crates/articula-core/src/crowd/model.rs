@@ -1,5 +1,6 @@
 //! Data shared by all characters of a crowd: one rig with its clips, levels and their errors.
 
+use super::clip_times::ClipTimes;
 use super::events::{ClipEvent, sorted};
 use super::root_path::RootTrajectory;
 use crate::Mismatch;
@@ -140,14 +141,6 @@ impl CrowdModel {
         &self.durations
     }
 
-    pub(crate) fn events(&self, clip: usize) -> &[ClipEvent] {
-        &self.parts.events[clip]
-    }
-
-    pub(crate) fn path(&self, clip: usize) -> Option<&RootTrajectory> {
-        self.parts.paths[clip].as_ref()
-    }
-
     /// Whether any clip has root motion.
     pub(crate) fn has_paths(&self) -> bool {
         self.parts.paths.iter().any(Option::is_some)
@@ -163,8 +156,26 @@ impl CrowdModel {
     }
 }
 
+impl ClipTimes for CrowdModel {
+    fn clip_count(&self) -> usize {
+        self.durations.len()
+    }
+
+    fn clip_secs(&self, clip: usize) -> f32 {
+        self.durations[clip]
+    }
+
+    fn clip_events(&self, clip: usize) -> &[ClipEvent] {
+        &self.parts.events[clip]
+    }
+
+    fn clip_path(&self, clip: usize) -> Option<&RootTrajectory> {
+        self.parts.paths[clip].as_ref()
+    }
+}
+
 /// Fills an empty list with a default entry for each clip, and checks the length of others.
-fn filled<T: Clone + Default>(
+pub(crate) fn filled<T: Clone + Default>(
     at: &str,
     entries: &mut Vec<T>,
     clips: usize,

@@ -632,44 +632,15 @@ fn advance_one(
     dt_secs: f32,
     tell: &mut dyn FnMut(CrowdEvent),
 ) -> RootDelta {
-    let before = *player;
-    let shares = [1.0 - player.fade, player.fade];
-    let count = if before.is_fading() { 2 } else { 1 };
-    let mut laps = [0; 2];
-    let clip_states = [&mut player.from, &mut player.to];
-    for (v, clip_state) in clip_states.into_iter().enumerate().take(count) {
-        let clip = clip_state.clip();
-        let duration = model.durations()[clip];
-        laps[v] = clip_state.advance(duration, dt_secs, model.events(clip), &mut |e| {
-            tell(CrowdEvent::Clip {
-                character,
-                clip,
-                id: e.id,
-                weight: shares[v],
-            });
+    let (way, _) = player.advance(model, dt_secs, &mut |clip, event, weight| {
+        tell(CrowdEvent::Clip {
+            character,
+            clip,
+            id: event.id,
+            weight,
         });
-    }
-    let way = root_delta(model, &before, player, laps);
-    player.advance_fade(dt_secs);
+    });
     way
-}
-
-/// Root motion of a character between two playback states.
-fn root_delta(
-    model: &CrowdModel,
-    before: &CharacterState,
-    after: &CharacterState,
-    laps: [i32; 2],
-) -> RootDelta {
-    let step = |from: &ClipState, to: &ClipState, laps| {
-        let path = model.path(from.clip());
-        path.map_or(RootDelta::default(), |p| p.step(from.secs, to.secs, laps))
-    };
-    let own = step(&before.from, &after.from, laps[0]);
-    if before.fade == 0.0 {
-        return own;
-    }
-    own.lerp(step(&before.to, &after.to, laps[1]), before.fade)
 }
 
 /// Model-space bound of a character, and the seconds for which it is valid.

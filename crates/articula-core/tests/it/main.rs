@@ -10,6 +10,7 @@ mod crowd;
 mod drift;
 mod loa;
 mod occlusion;
+mod playback;
 mod pose_cache;
 mod random_rig;
 mod skin_groups;

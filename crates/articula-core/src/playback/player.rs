@@ -1,0 +1,502 @@
+//! The state of one figure, and the stages of its frame.
+
+use super::controller::{ClipFrame, FrameContext, MotionController};
+use super::layer::MotionLayer;
+use super::model::FigureModel;
+use super::report::FrameReport;
+use super::views::FigureViews;
+use crate::Mismatch;
+use crate::blend::blend;
+use crate::crowd::{CharacterState, ClipEvent, ClipState, RootDelta};
+use crate::drift::MAX_VIEWS;
+use crate::hierarchy::local_to_model;
+use crate::joint_set::JointSet;
+use crate::pose::{LocalPose, ModelPose};
+use crate::sample::{frame_position_f32, sample_at, sample_morphs_at};
+use glam::{Affine3A, Vec3};
+
+/// Maximum time step in seconds; longer ones count as this.
+const MAX_STEP_SECS: f32 = 60.0;
+
+/// An event that a figure passed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlayedEvent {
+    /// Index of the layer that played the clip; `None` for the base motion.
+    pub layer: Option<usize>,
+    /// Index of the clip.
+    pub clip: usize,
+    /// The event.
+    pub event: ClipEvent,
+    /// Weight of the clip in its cross-fade, 0 to 1.
+    pub weight: f32,
+}
+
+/// One figure in motion. See the [module](super) for the stages of a frame.
+///
+/// Only [`FigurePlayer::new`] and [`FigurePlayer::add_layer`] allocate.
+#[derive(Debug, Clone)]
+pub struct FigurePlayer<'a> {
+    model: &'a FigureModel<'a>,
+    base: Option<CharacterState>,
+    layers: Vec<MotionLayer>,
+    /// Joints that are always sampled and shown as wanted.
+    pinned: JointSet,
+    /// Tolerance factor of each joint, 1 by default: below 1 where errors are noticed more.
+    pub attention: Vec<f32>,
+    /// Joints that a controller may sample in a frame.
+    pub max_joints: usize,
+    now_secs: f64,
+    dt_secs: f32,
+    cut: bool,
+    wanted: LocalPose,
+    layer_pose: LocalPose,
+    fade_pose: LocalPose,
+    controlled: LocalPose,
+    pose: LocalPose,
+    /// The pose of which `joints` are the model matrices.
+    posed: LocalPose,
+    joints: ModelPose,
+    rest_morphs: Vec<f32>,
+    morphs: Vec<f32>,
+    layer_morphs: Vec<f32>,
+    fade_morphs: Vec<f32>,
+    pixels_per_metre: Vec<f32>,
+    directions: [Vec3; MAX_VIEWS],
+    report: FrameReport,
+}
+
+impl<'a> FigurePlayer<'a> {
+    /// A figure in its rest pose that plays the first clip, if there is one, in a loop.
+    /// `morph_weights` are the weights of morph targets without a track
+    /// ([`Mesh::morph_weights`](crate::Mesh::morph_weights)).
+    pub fn new(model: &'a FigureModel<'a>, morph_weights: &[f32]) -> Self {
+        let rig = model.rig();
+        let rest = rig.rest_pose();
+        let mut joints = ModelPose::new(rig.len());
+        local_to_model(rig, rest, &mut joints);
+        let first = !model.clips().is_empty();
+        Self {
+            base: first.then(|| ClipState::new(model, 0).into()),
+            layers: Vec::new(),
+            pinned: JointSet::EMPTY,
+            attention: vec![1.0; rig.len()],
+            max_joints: usize::MAX,
+            now_secs: 0.0,
+            dt_secs: 0.0,
+            cut: true,
+            wanted: rest.clone(),
+            layer_pose: rest.clone(),
+            fade_pose: rest.clone(),
+            controlled: rest.clone(),
+            pose: rest.clone(),
+            posed: rest.clone(),
+            joints,
+            rest_morphs: morph_weights.to_vec(),
+            morphs: morph_weights.to_vec(),
+            layer_morphs: morph_weights.to_vec(),
+            fade_morphs: morph_weights.to_vec(),
+            pixels_per_metre: vec![0.0; rig.len()],
+            directions: [Vec3::ZERO; MAX_VIEWS],
+            report: FrameReport::default(),
+            model,
+        }
+    }
+
+    /// Plays another motion from now on, without a fade.
+    pub fn play(&mut self, state: impl Into<CharacterState>) {
+        self.base = Some(state.into());
+        self.cut = true;
+    }
+
+    /// Starts a cross-fade to another clip over `secs` seconds; without a motion it starts at once.
+    pub fn fade_to(&mut self, clip_state: ClipState, secs: f32) {
+        match &mut self.base {
+            Some(base) => {
+                base.fade_to(clip_state, secs);
+                self.cut |= !base.is_fading();
+            }
+            None => self.play(clip_state),
+        }
+    }
+
+    /// The base motion.
+    pub fn state(&self) -> Option<&CharacterState> {
+        self.base.as_ref()
+    }
+
+    /// Adds a layer on top of the others; returns its index. Allocates.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if the layer belongs to another rig.
+    pub fn add_layer(&mut self, layer: MotionLayer) -> Result<usize, Mismatch> {
+        let (found, joints) = (layer.joints(), self.model.rig().len());
+        if found != joints {
+            let what = format!("{found} joints, the rig has {joints}");
+            return Err(Mismatch::new("layer", what));
+        }
+        self.layers.push(layer);
+        Ok(self.layers.len() - 1)
+    }
+
+    /// A layer, to change its weight or motion.
+    pub fn layer_mut(&mut self, layer: usize) -> Option<&mut MotionLayer> {
+        self.layers.get_mut(layer)
+    }
+
+    /// Keeps a joint and its ancestors at full detail, whatever a controller holds, as for an
+    /// attachment; [`FigurePlayer::joint`] gives its place.
+    ///
+    /// # Panics
+    /// If there is no such joint.
+    pub fn pin(&mut self, joint: usize) {
+        let rig = self.model.rig();
+        let chain = std::iter::successors(Some(joint), |j| rig.parent(*j));
+        self.pinned.extend(chain);
+    }
+
+    /// Sets the joints that are kept at full detail, without their ancestors.
+    pub fn set_pinned(&mut self, joints: JointSet) {
+        self.pinned = joints.intersection(&self.model.rig().all());
+    }
+
+    /// Advances all clocks by a time step in seconds, from 0 to 60, and reports the events passed;
+    /// returns the motion of the whole figure, which goes on at every level of detail.
+    pub fn advance(&mut self, dt_secs: f32, tell: &mut dyn FnMut(PlayedEvent)) -> RootDelta {
+        let dt_secs = if dt_secs.is_nan() { 0.0 } else { dt_secs };
+        let dt_secs = dt_secs.clamp(0.0, MAX_STEP_SECS);
+        self.dt_secs = dt_secs;
+        self.now_secs += f64::from(dt_secs);
+        let mut way = RootDelta::default();
+        if let Some(base) = &mut self.base {
+            let (step, wrapped) = base.advance(self.model, dt_secs, &mut |clip, event, weight| {
+                tell(played(None, clip, event, weight));
+            });
+            way = step;
+            self.cut |= wrapped;
+        }
+        for (l, layer) in self.layers.iter_mut().enumerate() {
+            layer
+                .state
+                .advance(self.model, dt_secs, &mut |clip, event, weight| {
+                    tell(played(Some(l), clip, event, weight));
+                });
+        }
+        way
+    }
+
+    /// Lets a controller decide what is sampled and shown: samples the joints that it asks for and
+    /// the morph weights, and keeps what it writes until the next frame.
+    ///
+    /// Depths are those of the pose of the frame before, moved as the root moves now.
+    ///
+    /// # Panics
+    /// If the controller belongs to another rig.
+    pub fn control(
+        &mut self,
+        controller: &mut dyn MotionController,
+        views: FigureViews<'_>,
+    ) -> &FrameReport {
+        let carriers = *self.model.carriers();
+        let mut sampled = self.sample(&carriers);
+        let (distance_metres, count) = self.look(views);
+        let asked = controller.due(&self.context(distance_metres, count));
+        let due = asked
+            .intersection(&self.model.rig().all())
+            .union(&self.pinned);
+        sampled += self.sample(&due.difference(&carriers));
+        // Taken out while the context borrows the player.
+        let mut shown = std::mem::take(&mut self.pose);
+        shown.copy_from(&self.controlled);
+        let frame = self.context(distance_metres, count);
+        let result = controller.control(&frame, &due, &self.wanted, &mut shown);
+        for joint in self.pinned.iter() {
+            shown.set(joint, self.wanted.get(joint));
+        }
+        self.controlled.copy_from(&shown);
+        self.pose = shown;
+        self.cut = false;
+        self.sample_morphs();
+        let updated = result.updated.union(&self.pinned);
+        self.report = FrameReport {
+            sampled: due.union(&carriers).intersection(&self.animated()),
+            updated,
+            in_transition: result.in_transition,
+            held: self.model.rig().all().difference(&updated),
+            bound_px: result.bound_px,
+            transforms_sampled: sampled + result.keys_read,
+            matrices: 0,
+        };
+        &self.report
+    }
+
+    /// Calls a hook that may change the pose before the hierarchy, as inverse kinematics and
+    /// ragdolls do. Controllers do not see its changes.
+    pub fn edit(&mut self, hook: &mut dyn FnMut(&mut LocalPose)) {
+        hook(&mut self.pose);
+    }
+
+    /// Computes the model matrices of the joints that changed since the last call, and of those
+    /// below them; returns their number.
+    ///
+    /// # Panics
+    /// If a hook has changed the number of joints.
+    pub fn hierarchy(&mut self) -> usize {
+        let rig = self.model.rig();
+        let mut changed = JointSet::EMPTY;
+        for joint in 0..rig.len() {
+            let parent = rig.parent(joint);
+            let local = self.pose.get(joint);
+            if local == self.posed.get(joint) && !parent.is_some_and(|p| changed.contains(p)) {
+                continue;
+            }
+            changed.insert(joint);
+            let above = parent.map_or(Affine3A::IDENTITY, |p| self.joints.matrices[p]);
+            self.joints.matrices[joint] = above * local.to_affine();
+        }
+        self.posed.copy_from(&self.pose);
+        self.report.matrices = changed.len();
+        changed.len()
+    }
+
+    /// The pose shown.
+    pub fn pose(&self) -> &LocalPose {
+        &self.pose
+    }
+
+    /// The model matrices of the last [`FigurePlayer::hierarchy`].
+    pub fn model_pose(&self) -> &ModelPose {
+        &self.joints
+    }
+
+    /// Model-from-joint matrix of a joint, exact if it is [pinned](FigurePlayer::pin).
+    ///
+    /// # Panics
+    /// If there is no such joint.
+    pub fn joint(&self, joint: usize) -> Affine3A {
+        self.joints.matrices[joint]
+    }
+
+    /// Morph weights of the last [`FigurePlayer::control`].
+    pub fn morph_weights(&self) -> &[f32] {
+        &self.morphs
+    }
+
+    /// Counts of the last frame.
+    pub fn report(&self) -> &FrameReport {
+        &self.report
+    }
+
+    /// Joints that the base motion or a layer moves.
+    fn animated(&self) -> JointSet {
+        let states = self.base.iter().map(|base| (base, self.model.rig().all()));
+        let layers = self.layers.iter().map(|l| (&l.state, l.moved()));
+        let moved = states.chain(layers).map(|(state, masked)| {
+            let (from, to) = state.clips();
+            let both = self.model.animated(from).union(self.model.animated(to));
+            both.intersection(&masked)
+        });
+        moved.fold(JointSet::EMPTY, |all, some| all.union(&some))
+    }
+
+    fn layered(&self) -> JointSet {
+        let moved = self.layers.iter().map(MotionLayer::moved);
+        moved.fold(JointSet::EMPTY, |all, some| all.union(&some))
+    }
+
+    fn context(&self, distance_metres: f32, views: usize) -> FrameContext<'_> {
+        let alone = self.base.filter(|base| !base.is_fading());
+        FrameContext {
+            now_secs: self.now_secs,
+            dt_secs: self.dt_secs,
+            pixels_per_metre: &self.pixels_per_metre,
+            attention: &self.attention,
+            view_directions: &self.directions[..views],
+            distance_metres,
+            allowed: self.model.rig().all(),
+            max_joints: self.max_joints,
+            clip: alone.map(|base| {
+                let state = base.clip_state();
+                let clip = &self.model.clips()[state.clip()];
+                ClipFrame {
+                    index: state.clip(),
+                    at: frame_position_f32(clip, state.secs(), state.wrap()),
+                    clip,
+                }
+            }),
+            layered: self.layered(),
+            cut: self.cut,
+            shown: &self.controlled,
+            model: &self.joints,
+        }
+    }
+
+    /// Computes pixels per metre and view directions; returns the distance of the nearest view and
+    /// the number of directions.
+    fn look(&mut self, views: FigureViews<'_>) -> (f32, usize) {
+        let root = self.wanted_root();
+        let moved = root - self.joints.position(self.model.rig().root());
+        match views {
+            FigureViews::Parallel {
+                pixels_per_metre,
+                distance_metres,
+                directions,
+            } => {
+                self.pixels_per_metre.fill(pixels_per_metre);
+                let told = directions.iter().take(MAX_VIEWS);
+                for (place, direction) in self.directions.iter_mut().zip(told) {
+                    *place = *direction;
+                }
+                (distance_metres, some_views(directions.len()))
+            }
+            FigureViews::Cameras(cameras) => {
+                for (joint, scale) in self.pixels_per_metre.iter_mut().enumerate() {
+                    let at = self.joints.position(joint) + moved;
+                    let seen = cameras.iter().map(|camera| {
+                        let depth = camera.view(at).z.abs();
+                        camera.viewport.pixels_per_metre(depth)
+                    });
+                    *scale = seen.fold(0.0, f32::max);
+                }
+                for (place, camera) in self.directions.iter_mut().zip(cameras) {
+                    *place = (camera.eye - root).try_normalize().unwrap_or(Vec3::Z);
+                }
+                let distances = cameras.iter().map(|camera| camera.eye.distance(root));
+                (
+                    distances.fold(f32::INFINITY, f32::min),
+                    some_views(cameras.len()),
+                )
+            }
+        }
+    }
+
+    /// Model-space position of the root by the transforms wanted now.
+    fn wanted_root(&self) -> Vec3 {
+        let rig = self.model.rig();
+        let chain = std::iter::successors(Some(rig.root()), |j| rig.parent(*j));
+        let model = chain.fold(Affine3A::IDENTITY, |below, j| {
+            self.wanted.get(j).to_affine() * below
+        });
+        model.translation.into()
+    }
+
+    /// Samples some joints from the base motion and the layers; returns the number of transforms.
+    fn sample(&mut self, joints: &JointSet) -> usize {
+        let mut count = match &self.base {
+            Some(base) => {
+                let (out, fade) = (&mut self.wanted, &mut self.fade_pose);
+                sample_state(self.model, base, joints, out, fade)
+            }
+            None => {
+                reset(self.model, joints, &mut self.wanted);
+                0
+            }
+        };
+        for layer in &self.layers {
+            let moved = layer.moved().intersection(joints);
+            if moved.is_empty() {
+                continue;
+            }
+            let (out, fade) = (&mut self.layer_pose, &mut self.fade_pose);
+            count += sample_state(self.model, &layer.state, &moved, out, fade);
+            layer.apply(&moved, &self.layer_pose, &mut self.wanted);
+        }
+        count
+    }
+
+    fn sample_morphs(&mut self) {
+        if self.rest_morphs.is_empty() {
+            return;
+        }
+        let (rest, fade) = (&self.rest_morphs, &mut self.fade_morphs);
+        self.morphs.copy_from_slice(rest);
+        if let Some(base) = &self.base {
+            morphs_of(self.model, base, rest, &mut self.morphs, fade);
+        }
+        for layer in &self.layers {
+            let over = &mut self.layer_morphs;
+            over.copy_from_slice(rest);
+            morphs_of(self.model, &layer.state, rest, over, fade);
+            let (from, to) = layer.state.clips();
+            for clip in [from, to].into_iter().take(if from == to { 1 } else { 2 }) {
+                for track in &self.model.clips()[clip].tracks().morphs {
+                    let slot = usize::from(track.target);
+                    let told_before = clip != from
+                        && self.model.clips()[from]
+                            .tracks()
+                            .morphs
+                            .iter()
+                            .any(|t| t.target == track.target);
+                    if let (Some(weight), false) = (self.morphs.get_mut(slot), told_before) {
+                        *weight = layer.morph(*weight, over[slot]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn played(layer: Option<usize>, clip: usize, event: &ClipEvent, weight: f32) -> PlayedEvent {
+    PlayedEvent {
+        layer,
+        clip,
+        event: *event,
+        weight,
+    }
+}
+
+/// Number of view directions that are told apart: none where there are too many.
+fn some_views(views: usize) -> usize {
+    if views > MAX_VIEWS { 0 } else { views }
+}
+
+fn reset(model: &FigureModel<'_>, joints: &JointSet, out: &mut LocalPose) {
+    for joint in joints.iter() {
+        out.set(joint, model.rig().rest_pose().get(joint));
+    }
+}
+
+/// Samples some joints of one state, cross-fade included; returns the number of transforms.
+fn sample_state(
+    model: &FigureModel<'_>,
+    state: &CharacterState,
+    joints: &JointSet,
+    out: &mut LocalPose,
+    fade: &mut LocalPose,
+) -> usize {
+    let one = |clip_state: &ClipState, out: &mut LocalPose| {
+        reset(model, joints, out);
+        let clip = &model.clips()[clip_state.clip()];
+        let at = frame_position_f32(clip, clip_state.secs(), clip_state.wrap());
+        sample_at(clip, at, joints, out);
+        model.animated(clip_state.clip()).intersection(joints).len()
+    };
+    let mut count = one(state.clip_state(), out);
+    if let Some(next) = state.next().filter(|_| state.fade() > 0.0) {
+        count += one(next, fade);
+        blend(out, fade, state.fade(), joints);
+    }
+    count
+}
+
+/// Morph weights of one state, cross-fade included.
+fn morphs_of(
+    model: &FigureModel<'_>,
+    state: &CharacterState,
+    rest: &[f32],
+    out: &mut [f32],
+    fade: &mut [f32],
+) {
+    let one = |clip_state: &ClipState, out: &mut [f32]| {
+        let clip = &model.clips()[clip_state.clip()];
+        let at = frame_position_f32(clip, clip_state.secs(), clip_state.wrap());
+        sample_morphs_at(clip, at, out);
+    };
+    one(state.clip_state(), out);
+    if let Some(next) = state.next().filter(|_| state.fade() > 0.0) {
+        fade.copy_from_slice(rest);
+        one(next, fade);
+        for (weight, to) in out.iter_mut().zip(fade.iter()) {
+            *weight += (to - *weight) * state.fade();
+        }
+    }
+}

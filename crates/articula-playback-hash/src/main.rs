@@ -1,0 +1,133 @@
+//! Plays one figure under every controller of the core and hashes everything shown, so that
+//! platforms can be compared: `cargo xtask test` runs it natively and, built for WebAssembly, in
+//! node.
+#![allow(
+    unsafe_code,
+    reason = "an exported symbol is the only way for node to call the program"
+)]
+#![allow(clippy::print_stdout, reason = "the hash is the output of the program")]
+
+mod figure;
+
+use articula_core::crowd::ClipState;
+use articula_core::joint_state::{Ease, LoaRange, TransitionOptions};
+use articula_core::playback::{
+    ErrorMatrix, FigureModel, FigurePlayer, FigureSkin, FigureViews, FullDetail, LayerMode,
+    LoaController, MotionController, MotionLayer, StoredKeys, TableController, ThesisController,
+    Threshold,
+};
+use articula_core::{
+    DriftController, DriftOptions, GroupedSkin, JointErrorBounds, JointSet, Mismatch, SecondMoment,
+};
+use glam::Vec3;
+
+/// Display frames of each run.
+const FRAMES: usize = 300;
+
+fn main() {
+    println!("{:016x}", playback_hash());
+}
+
+/// FNV-1a over the bits of all poses, matrices and vertices; 0 if the figure cannot be built.
+#[unsafe(no_mangle)]
+pub extern "C" fn playback_hash() -> u64 {
+    hash().unwrap_or(0)
+}
+
+fn hash() -> Result<u64, Mismatch> {
+    let rig = figure::rig()?;
+    let clips = figure::clips()?;
+    let mesh = figure::mesh()?;
+    let model = FigureModel::new(&rig, &clips)?.with_root_motion(figure::paths()?)?;
+    let tables = figure::tables(&clips);
+    let keys = |c: usize| StoredKeys::new(&clips[c], &tables[c]).map(Some);
+    let values = (0..clips[0].frames() * rig.len()).map(|i| (i * 37 % 101) as f32 / 101.0);
+    let matrix = ErrorMatrix::new(rig.len(), values.collect())?;
+    let bounds = vec![
+        JointErrorBounds {
+            lever_metres: 0.25,
+            speed_metres_per_sec: 2.0,
+            share: 0.5,
+        };
+        rig.len()
+    ];
+    let drift = DriftController::new(rig.rest_pose(), bounds, DriftOptions::default());
+    let moment = SecondMoment::of([(Vec3::Y, 0.5), (Vec3::X, 0.25)]);
+    let seeing = drift.clone().with_second_moments(vec![moment; rig.len()]);
+    let linear = TransitionOptions {
+        secs: 0.15,
+        ease: Ease::Linear,
+        ..TransitionOptions::default()
+    };
+    let sets = [rig.len(), 9, 3, 0].map(JointSet::first).to_vec();
+    let range = || LoaRange::new(sets.clone(), 0).ok_or_else(|| Mismatch::new("levels", "none"));
+    let threshold = Threshold {
+        thr_init: 0.2,
+        thr_max: 0.8,
+        ..Threshold::default()
+    };
+    let matrices = vec![Some(&matrix), None];
+    let thesis = ThesisController::new(&rig, matrices, threshold, 2, linear);
+    let shares = vec![0.5; rig.len()];
+    let stored = TableController::new(vec![keys(0)?, keys(1)?], shares, 1.0);
+    let mut loa = LoaController::new(&rig, range()?, linear, FullDetail::default());
+    let mut bounded = LoaController::new(&rig, range()?, linear, drift.clone());
+    let groups = GroupedSkin::new(&mesh);
+    let mut sum = Fnv(0xcbf2_9ce4_8422_2325);
+    let run = |control: &mut dyn MotionController, sum: &mut Fnv| -> Result<(), Mismatch> {
+        let mut player = FigurePlayer::new(&model, &mesh.morph_weights);
+        let over = ClipState::new(&model, 1).at_speed(0.75);
+        let mask = (0..rig.len()).map(|j| (j % 3) as f32 / 2.0).collect();
+        let layer = player.add_layer(MotionLayer::new(over.into(), mask, LayerMode::Override)?)?;
+        let mut skin = FigureSkin::new(&mesh, &groups);
+        for i in 0..FRAMES {
+            let way = player.advance(1.0 / 60.0, &mut |_| {});
+            sum.floats(&[way.offset.x, way.offset.z, way.yaw_radians]);
+            if i % 100 == 50 {
+                player.fade_to(ClipState::new(&model, i / 100 % 2), 0.2);
+            }
+            if let Some(layer) = player.layer_mut(layer) {
+                layer.weight = if i / 60 % 2 == 1 { 0.5 } else { 0.0 };
+            }
+            let views = FigureViews::Parallel {
+                pixels_per_metre: 40.0 + (i % 50) as f32 * 8.0,
+                distance_metres: 2.0 + (i % 100) as f32 * 0.125,
+                directions: &[Vec3::Z, Vec3::X],
+            };
+            player.control(control, views);
+            player.hierarchy();
+            skin.skin(player.model_pose(), player.morph_weights());
+            player
+                .model_pose()
+                .matrices
+                .iter()
+                .for_each(|m| sum.floats(&m.to_cols_array()));
+            let positions = &skin.skinned().positions;
+            positions.iter().for_each(|p| sum.floats(&p.to_array()));
+        }
+        Ok(())
+    };
+    run(&mut FullDetail::default(), &mut sum)?;
+    for mut drift in [drift, seeing] {
+        run(&mut drift, &mut sum)?;
+    }
+    run(&mut { stored }, &mut sum)?;
+    run(&mut { thesis }, &mut sum)?;
+    for level in [2, 0, 3, 1] {
+        loa.request(level);
+        run(&mut loa, &mut sum)?;
+        bounded.request(level);
+        run(&mut bounded, &mut sum)?;
+    }
+    Ok(sum.0)
+}
+
+struct Fnv(u64);
+
+impl Fnv {
+    fn floats(&mut self, values: &[f32]) {
+        for byte in values.iter().flat_map(|v| v.to_bits().to_le_bytes()) {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
