@@ -208,7 +208,7 @@ impl ClusteredTriangles {
             return Err(Mismatch::new("triangles", what));
         }
         let finest = self.clusters.vertices(0);
-        if finest as usize != vertex_count {
+        if finest as usize > vertex_count {
             let what =
                 format!("{finest} vertices in the finest level, the mesh has {vertex_count}");
             return Err(Mismatch::new("clusters.vertices", what));

@@ -1,6 +1,6 @@
 //! `prepare`: computes offline data of a character and stores it in one GLB.
 
-use crate::error::{Context, Result};
+use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use crate::mesh_levels::{self, CodedMeshLevels, MeshLevelOptions};
 use crate::motion_tables::{ClipTables, TableMaker};
@@ -71,7 +71,10 @@ pub fn prepare(
     let (mut opened, gltf) = with_document(opened).with_context(|| &name)?;
     opened.gltf = Some(gltf);
     let source = Figure::computed(opened)?.into_source();
-    let mut gltf = source.gltf.context(&name)?;
+    let Some(mut gltf) = source.gltf else {
+        // It was just put there.
+        return Err(Error::unsuited("the character has no document")).context(&name);
+    };
     gltf.document.remove_prepared();
     let (mut figure, mut orders) = (source.figure, source.orders);
     let mut triangles = source.mesh_levels;

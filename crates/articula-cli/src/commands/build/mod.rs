@@ -2,6 +2,7 @@
 //! mesh levels, and adds clips of other files.
 
 mod arguments;
+mod check;
 pub(crate) mod levels;
 
 use crate::arguments::ReadArgs;
@@ -14,24 +15,29 @@ use anyhow::Context;
 use arguments::MeshLevelArgs;
 use articula::convert::ClipProvenance;
 use articula::{
-    AddClipsOptions, CharacterFile, ClipTables, Format, PrepareOptions, PreparedAsset, prepare,
+    AddClipsOptions, CharacterFile, ClipTables, Format, PartBytes, PrepareOptions, PreparedAsset,
+    PreparedPart, prepare,
 };
 use clap::Args;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `build`.
 #[derive(Debug, Args)]
 pub(crate) struct BuildArgs {
-    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh), followed by files whose clips are added
-    /// (any format with clips)
-    #[arg(value_name = "IN", required = true)]
-    inputs: Vec<PathBuf>,
-    /// Asset to write (.glb)
-    out: PathBuf,
+    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh), files whose clips are added (any format with
+    /// clips), and the asset to write (.glb); with --check, the asset to check
+    #[arg(value_name = "IN [MOTION]… OUT.glb", required = true)]
+    paths: Vec<PathBuf>,
+    /// Only check that an asset has every part, and that each belongs to the character beside it
+    #[arg(long)]
+    check: bool,
+    /// Parts of the preparation to leave out
+    #[arg(long, value_name = "PART,…", value_delimiter = ',', value_parser = part, conflicts_with = "check")]
+    without: Vec<PreparedPart>,
     #[command(flatten)]
     names: ReadArgs,
-    /// Seed for choosing the vertices measured for whole-pose keys
+    /// Seed for choosing the vertices and frames that errors are measured on
     #[arg(long, default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
@@ -49,6 +55,10 @@ struct BuildReport {
     mapped: usize,
     profile: String,
     clips: Vec<ClipTableSizes>,
+    /// Bytes of each part of the preparation; 0 for what was left out or is not needed.
+    parts: Vec<PartBytes>,
+    /// Bytes of the palettes that the keys of the pose cache become when the asset is opened.
+    pose_cache_bytes: usize,
     /// Files whose clips were added.
     added: Vec<Added>,
     /// Mesh levels, finest first; empty unless asked for.
@@ -69,6 +79,7 @@ struct ClipTableSizes {
     frames: usize,
     segs_bytes: usize,
     posekeys_bytes: usize,
+    contacts_bytes: usize,
     /// Keys of all joints at each tolerance, from 0.5 mm, doubling.
     keys: Vec<usize>,
 }
@@ -86,15 +97,25 @@ struct Added {
 
 /// Reads a character, computes its tables and writes the asset.
 pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
-    if files::format(&args.out) != Some(Format::Glb) {
+    let mesh_levels = args.mesh_levels.wanted()?;
+    if args.check {
+        return check::run(args, console);
+    }
+    let Some((out, inputs)) = args.paths.split_last().filter(|(_, i)| !i.is_empty()) else {
+        return Err(fault::usage(
+            "name the character, then the asset to write: IN OUT.glb",
+        ));
+    };
+    if files::format(out) != Some(Format::Glb) {
         let what = "an asset is a GLB; name the file .glb";
-        return Err(fault::usage(format!("{}: {what}", files::shown(&args.out))));
+        return Err(fault::usage(format!("{}: {what}", files::shown(out))));
     }
     let options = PrepareOptions {
         seed: args.seed,
-        mesh_levels: args.mesh_levels.wanted()?,
+        mesh_levels,
+        without: args.without.clone(),
     };
-    let mut files = args.inputs.iter().map(|p| open::character(p, &args.names));
+    let mut files = inputs.iter().map(|p| open::character(p, &args.names));
     let mut opened = files.next().context("no character was named")??;
     let motions: Vec<CharacterFile> = files.collect::<Result<_, _>>()?;
     let added = added(&mut opened, &motions, console)?;
@@ -105,11 +126,11 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         }
         _ => error.into(),
     })?;
-    files::write(&args.out, &built.glb)?;
+    files::write(out, &built.glb)?;
     if let (Some(path), Some(levels)) = (&args.mesh_levels.mesh_stream, &built.mesh_levels) {
         files::write(path, &levels.stream.bytes)?;
     }
-    let mut report = BuildReport::new(args, &built);
+    let mut report = BuildReport::new(args, out, &built);
     report.added = added;
     for motion in &motions {
         let warnings = open::warnings(motion).into_iter();
@@ -139,7 +160,7 @@ fn added(
 }
 
 impl BuildReport {
-    fn new(args: &BuildArgs, built: &PreparedAsset) -> Self {
+    fn new(args: &BuildArgs, out: &Path, built: &PreparedAsset) -> Self {
         let (figure, made) = (&built.figure, built.mesh_levels.as_ref());
         let asset = &figure.asset;
         let articulation = asset.rig.articulation();
@@ -148,17 +169,20 @@ impl BuildReport {
             frames: clip.frames(),
             segs_bytes: tables.segs.len(),
             posekeys_bytes: tables.pose_keys.len(),
+            contacts_bytes: tables.contacts.len(),
             keys: tables.keys.clone(),
         };
         Self {
             input: figure.opened.name.clone(),
-            out: files::shown(&args.out),
+            out: files::shown(out),
             bytes_in: figure.opened.bytes,
             bytes_out: built.glb.len(),
             joints: asset.rig.skin_joints().len(),
             mapped: articulation.mapped(),
             profile: articulation.profile.clone(),
             clips: asset.clips.iter().zip(&built.tables).map(clip).collect(),
+            parts: built.parts.clone(),
+            pose_cache_bytes: built.pose_cache_bytes,
             added: Vec::new(),
             levels: made.map(levels::levels).unwrap_or_default(),
             bytes: made.map(|l| levels::bytes(l, built.mesh_bytes)),
@@ -224,6 +248,8 @@ impl BuildReport {
         } else {
             text.push_str(&table.text());
         }
+        text.push('\n');
+        text.push_str(&parts_text(&self.parts, self.pose_cache_bytes));
         if let Some(bytes) = &self.bytes {
             text.push('\n');
             text.push_str(&levels::text(&self.levels, bytes, &self.measured));
@@ -236,4 +262,27 @@ impl BuildReport {
         }
         text
     }
+}
+
+/// The stored parts as a table.
+fn parts_text(parts: &[PartBytes], pose_cache_bytes: usize) -> String {
+    let mut table = Table::new(&["part", "bytes"]);
+    for part in parts {
+        let bytes = match part.bytes {
+            0 => "-".to_owned(),
+            bytes => bytes.to_string(),
+        };
+        table.row([part.part.to_owned(), bytes]);
+    }
+    let mut text = table.text();
+    if pose_cache_bytes > 0 {
+        text.push_str(&format!(
+            "pose cache: its keys become palettes of {pose_cache_bytes} bytes when the asset is opened\n"
+        ));
+    }
+    text
+}
+
+fn part(text: &str) -> Result<PreparedPart, String> {
+    text.trim().parse()
 }

@@ -21,7 +21,7 @@ use crate::{fault, files};
 use anyhow::Context;
 use articula::crowd::put_in_place;
 use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
-use articula::{AddClipsOptions, Figure, MeshLevelOptions, PrepareOptions, prepare, stored_tables};
+use articula::{AddClipsOptions, Figure, MeshLevelOptions, PrepareOptions, prepare};
 use articula_build::evaluate::{EvaluationSetup, MethodOptions};
 use articula_formats::gltf::Document;
 use articula_human::HumanOptions;
@@ -62,7 +62,6 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     let folder = Folder::new(&args.out);
     let (asset, mesh_levels) = make_asset(&folder, &args.files, console)?;
     let figure = Figure::new(open::character(&asset, &ReadArgs::default())?)?;
-    stored_tables(&figure)?;
     let scene = scene_of(&figure, clip_of(&figure)?)?;
     let chosen = NamedMethod::all(&figure.asset.rig);
     let tuning = ParameterChoice::Calibrated(TARGET_PX);

@@ -10,8 +10,9 @@ use crate::arguments::CharacterArgs;
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
+use articula::MotionTables;
+use articula::inspect::WarningInspection;
 use articula::inspect::inspect;
-use articula::stored_tables;
 use clap::Args;
 
 /// Arguments of `inspect`.
@@ -51,9 +52,16 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         told.what = open::advised(warning);
     }
     if !args.character.leaves_out() {
-        let tables = stored_tables(&figure)?;
         for (clip, found) in clips.iter().zip(&mut findings.clips) {
-            found.motion_tables = tables.get(*clip).copied();
+            let tables = MotionTables::stored(&figure, *clip);
+            found.motion_tables = Some(tables.bytes);
+            let told = |what| WarningInspection {
+                at: "file".to_owned(),
+                what,
+            };
+            findings
+                .warnings
+                .extend(tables.warnings.into_iter().map(told));
         }
     }
     console.result(&findings, |found| text::of(found, args.map))

@@ -13,7 +13,6 @@ use crate::{fault, files};
 use anyhow::Context;
 use articula::Figure;
 use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
-use articula::{StoredTables, stored_tables};
 use articula_build::evaluate::{EvaluationSetup, Method};
 use articula_flat::Picture;
 use articula_report::{motion_sheet, rest_sheet, stacked};
@@ -75,7 +74,6 @@ pub(crate) struct LodArgs {
 pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     args.check()?;
     let figure = open::figure(&args.character)?;
-    let stored = args.stored_tables(&figure)?;
     let Some(clip) = figure.clip(args.clip.as_deref())? else {
         return at_rest(args, &figure, console);
     };
@@ -103,7 +101,6 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     let tables =
         console.work(|work| scene.tables(&methods, &args.distances, args.tuning(), work))?;
     let mut report = LodReport::new(&scene, args, &tables);
-    report.motion_tables = stored.get(clip).copied();
     report.written.extend(saved);
     if let Some(path) = &args.plot {
         write_plots(&scene, &tables, path, &mut report)?;
@@ -168,15 +165,6 @@ impl LodArgs {
         Err(fault::usage(format!(
             "--parameter {parameter}: {name} takes {what}"
         )))
-    }
-
-    /// The motion tables stored in the file, checked; none where meshes are left out, since the
-    /// tables apply to the whole skin.
-    fn stored_tables(&self, figure: &Figure) -> anyhow::Result<Vec<StoredTables>> {
-        if self.character.leaves_out() {
-            return Ok(Vec::new());
-        }
-        Ok(stored_tables(figure)?)
     }
 
     /// Writes the selected joints, if asked to; returns the path.

@@ -5,7 +5,6 @@ use crate::fault::clean;
 use crate::open;
 use crate::table::Table;
 use articula::Figure;
-use articula::StoredTables;
 use articula::evaluate::{Costs, EvaluatedClip, MethodRow, MethodTable, PathSummary};
 use clap::ValueEnum;
 use serde::Serialize;
@@ -35,8 +34,6 @@ pub(super) struct LodReport {
     /// Costs by zone, depth and complexity, where they are plotted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) costs: Option<Costs>,
-    /// Bytes of the checked motion tables of the clip in the file; null where meshes are left out.
-    pub(super) motion_tables: Option<StoredTables>,
     /// Files written.
     pub(super) written: Vec<String>,
     pub(super) warnings: Vec<String>,
@@ -95,7 +92,6 @@ impl LodReport {
             rows: Vec::new(),
             camera_path: None,
             costs: None,
-            motion_tables: None,
             written: Vec::new(),
             warnings: std::iter::once("the file has no clip: rest pose only".into())
                 .chain(open::warnings(&figure.opened))
@@ -142,12 +138,6 @@ impl LodReport {
                 self.viewport_px[0],
                 self.viewport_px[1],
                 self.fov_deg
-            ));
-        }
-        if let Some(tables) = self.motion_tables.filter(|t| t.any()) {
-            text.push_str(&format!(
-                "motion tables in the file match: segs {} bytes, posekeys {} bytes\n",
-                tables.segs, tables.posekeys
             ));
         }
         let rows = self.rows();
