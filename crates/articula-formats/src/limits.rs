@@ -1,6 +1,7 @@
 //! Bounds on what a file may request, so that a hostile one cannot exhaust memory or time.
 
 use crate::error::ReadError;
+use std::fmt::Display;
 
 /// Upper bounds that every reader enforces. The defaults admit any character made by people.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,9 +32,9 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Returns an error if `found` exceeds `limit`.
+    /// Returns an error if `found` exceeds `limit`; the position becomes text only then.
     pub(crate) fn check(
-        at: &str,
+        at: impl Display,
         which: &'static str,
         found: u64,
         limit: u64,
@@ -42,7 +43,7 @@ impl Limits {
             return Ok(());
         }
         Err(ReadError::LimitExceeded {
-            at: at.to_owned(),
+            at: at.to_string(),
             which,
             found,
             limit,

@@ -79,7 +79,7 @@ pub(super) fn parse(
             motion.keyword(line, keyword, rest, notes)?;
         } else if rest.is_empty() && first.bytes().all(|b| b.is_ascii_digit()) {
             let frames = motion.frames as u64 + 1;
-            Limits::check(&at(line), "frames", frames, limits.frames.min(MAX_FRAMES))?;
+            Limits::check(at(line), "frames", frames, limits.frames.min(MAX_FRAMES))?;
             motion.frames += 1;
             let frame = first.parse::<u64>().ok();
             if frame != expected && motion.frames > 1 && !skipped {
@@ -92,7 +92,7 @@ pub(super) fn parse(
         } else {
             motion.row(line, first, rest, bones)?;
             let elements = motion.values.len() as u64;
-            Limits::check(&at(line), "key values", elements, limits.elements)?;
+            Limits::check(at(line), "key values", elements, limits.elements)?;
         }
     }
     if motion.frames == 0 {

@@ -279,7 +279,7 @@ impl Parser<'_> {
                 return Err(ReadError::malformed(at(line), what));
             }
             let count = self.text.bones.len() as u64 + 2;
-            Limits::check(&at(line), "bones", count, self.limits.nodes)?;
+            Limits::check(at(line), "bones", count, self.limits.nodes)?;
             self.in_limits = false;
             self.open = Some(Bone {
                 line,

@@ -39,7 +39,7 @@ pub(super) fn build(
     let mut open: Vec<_> = children[0].iter().rev().map(entry(0, 2)).collect();
     while let Some((parent, depth, bone)) = open.pop() {
         Limits::check(
-            &at(text.bones[bone].line),
+            at(text.bones[bone].line),
             "nested bones",
             depth,
             limits.depth,

@@ -144,7 +144,7 @@ fn parse(
     }
     while let Some((line, text)) = lines.rest.next() {
         let count = file.segments.len() as u64 + 1;
-        Limits::check(&at(line), "segments", count, limits.nodes)?;
+        Limits::check(at(line), "segments", count, limits.nodes)?;
         let name = value_of(at(line), text, "segment")?;
         if name.is_empty() {
             notes.add(at(line), "a segment has no name");
@@ -156,10 +156,10 @@ fn parse(
         let mut frames = Vec::new();
         while let Some((line, text)) = lines.numbers() {
             values += columns.len() as u64;
-            Limits::check(&at(line), "key values", values, limits.elements)?;
+            Limits::check(at(line), "key values", values, limits.elements)?;
             frames.push(frame(line, text, &columns)?);
             let most = limits.frames.min(MAX_FRAMES);
-            Limits::check(&at(line), "frames", frames.len() as u64, most)?;
+            Limits::check(at(line), "frames", frames.len() as u64, most)?;
         }
         if declared.parse::<usize>().ok() != Some(frames.len()) {
             let (found, declared) = (frames.len(), shortened(declared));

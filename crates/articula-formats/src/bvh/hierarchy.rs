@@ -125,7 +125,7 @@ impl Parser<'_> {
         };
         self.nothing_pending(line)?;
         let count = self.hierarchy.joints.len() as u64 + 1;
-        Limits::check(&at(line), "joints", count, self.limits.nodes)?;
+        Limits::check(at(line), "joints", count, self.limits.nodes)?;
         let length = after.iter().position(|w| *w == "{").unwrap_or(after.len());
         if length == 0 {
             self.warnings
@@ -178,7 +178,7 @@ impl Parser<'_> {
         let block = block.ok_or_else(|| ReadError::malformed(at(line), "\"{\" without a joint"))?;
         self.open.push(block);
         let depth = self.open.len() as u64;
-        Limits::check(&at(line), "nested joints", depth, self.limits.depth)?;
+        Limits::check(at(line), "nested joints", depth, self.limits.depth)?;
         Ok(after)
     }
 

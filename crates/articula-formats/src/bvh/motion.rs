@@ -41,9 +41,9 @@ pub(super) fn parse(
     for (line, text) in lines {
         frame(&mut motion, line, text, channels)?;
         let frames = motion.frames as u64;
-        Limits::check(&at(line), "frames", frames, limits.frames.min(MAX_FRAMES))?;
+        Limits::check(at(line), "frames", frames, limits.frames.min(MAX_FRAMES))?;
         let elements = motion.values.len() as u64;
-        Limits::check(&at(line), "key values", elements, limits.elements)?;
+        Limits::check(at(line), "key values", elements, limits.elements)?;
     }
     let mut warnings = Vec::new();
     if declared.parse::<usize>().ok() != Some(motion.frames) {

@@ -175,10 +175,10 @@ impl<'a> Reader<'a> {
     pub(super) fn accessor_at(&self, place: Place<'a>) -> Result<Accessor<'a>, ReadError> {
         let component = component(&place)?;
         let width = width(&place)?;
-        let count = place.require("count")?.whole()?;
+        let count = place.require_whole("count")?;
         let base = place
-            .get("bufferView")
-            .map(|view| self.strided(&place, &view, (component, width), count))
+            .has("bufferView")
+            .then(|| self.strided(&place, (component, width), count))
             .transpose()?;
         let sparse = place
             .get("sparse")
@@ -199,6 +199,10 @@ impl<'a> Reader<'a> {
     /// fractions. Non-finite numbers are an error.
     pub(super) fn floats(&mut self, accessor: &Accessor<'a>) -> Result<Vec<f32>, ReadError> {
         let out = self.floats_as_they_are(accessor)?;
+        // Without an early exit the compiler can test several numbers at once.
+        if out.iter().fold(true, |all, x| all & x.is_finite()) {
+            return Ok(out);
+        }
         match out.iter().position(|x| !x.is_finite()) {
             None => Ok(out),
             Some(i) => {
@@ -213,11 +217,12 @@ impl<'a> Reader<'a> {
         &mut self,
         accessor: &Accessor<'a>,
     ) -> Result<Vec<f32>, ReadError> {
-        let component = accessor.component;
-        if accessor.is_normalized {
-            return self.decode(accessor, |b| component.normalized(b));
+        // A constant type in the loop that nearly all files need.
+        match accessor.component {
+            Component::F32 => self.decode(accessor, |b| Component::F32.float(b)),
+            other if accessor.is_normalized => self.decode(accessor, |b| other.normalized(b)),
+            other => self.decode(accessor, |b| other.float(b)),
         }
-        self.decode(accessor, |b| component.float(b))
     }
 
     /// Returns the minimum and maximum of each component of an accessor's elements, as stored.
@@ -252,7 +257,7 @@ impl<'a> Reader<'a> {
     ) -> Result<Vec<T>, ReadError> {
         let (width, size) = (accessor.width, accessor.component.size());
         let numbers = accessor.count.saturating_mul(width);
-        self.charge(accessor.place.at(), numbers as u64)?;
+        self.charge(&accessor.place, numbers as u64)?;
         let mut out = vec![T::default(); numbers];
         if let Some(base) = accessor.base {
             for (i, element) in out.chunks_exact_mut(width).enumerate() {
@@ -297,7 +302,7 @@ impl<'a> Reader<'a> {
         element: Element,
         of: u64,
     ) -> Result<Sparse<'a>, ReadError> {
-        let count = place.require("count")?.whole()?;
+        let count = place.require_whole("count")?;
         if count > of {
             let what = format!("{count} sparse elements for an accessor of {of}");
             return Err(place.malformed(what));
@@ -311,31 +316,30 @@ impl<'a> Reader<'a> {
         ) {
             return Err(indices.malformed("expected unsigned integers"));
         }
-        let index_view = indices.require("bufferView")?;
-        let value_view = values.require("bufferView")?;
+        indices.require("bufferView")?;
+        values.require("bufferView")?;
         Ok(Sparse {
             count: count as usize,
             index_component,
-            indices: self.strided(&indices, &index_view, (index_component, 1), count)?,
-            values: self.strided(&values, &value_view, element, count)?,
+            indices: self.strided(&indices, (index_component, 1), count)?,
+            values: self.strided(&values, element, count)?,
         })
     }
 
-    /// Returns elements from the owner's `byteOffset` in a buffer view.
+    /// Returns elements from the owner's `byteOffset` in its buffer view.
     fn strided(
         &self,
         owner: &Place<'_>,
-        view: &Place<'_>,
         (component, width): Element,
         count: u64,
     ) -> Result<Strided<'a>, ReadError> {
         let size = component.size() * width;
-        let (bytes, stride) = self.buffer_view(view)?;
+        let (bytes, stride) = self.buffer_view(owner)?;
         let stride = stride.unwrap_or(size as u64);
         let is_whole = stride.is_multiple_of(component.size() as u64);
         if stride < size as u64 || stride > 1 << 16 || !is_whole {
             let what = format!("byteStride {stride} does not fit elements of {size} bytes");
-            return Err(view.malformed(what));
+            return Err(ReadError::malformed(owner.path("bufferView"), what));
         }
         let offset = owner.whole_or("byteOffset", 0)?;
         let end = count
@@ -356,16 +360,14 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Returns bytes and stride of the buffer view whose index a place holds.
+    /// Returns bytes and stride of the buffer view that is the owner's `bufferView`.
     pub(super) fn buffer_view(
         &self,
-        index: &Place<'_>,
+        owner: &Place<'_>,
     ) -> Result<(&'a [u8], Option<u64>), ReadError> {
-        let i = index.index_below(self.root.count("bufferViews"))?;
-        let missing = || index.malformed("the buffer view does not exist");
-        let view = self.root.entry("bufferViews", i).ok_or_else(missing)?;
+        let view = self.root.entry_of("bufferViews", owner, "bufferView")?;
         let bytes = bytes_of(&view, &self.document.buffers)?;
-        let stride = view.get("byteStride").map(|s| s.whole()).transpose()?;
+        let stride = view.whole_at("byteStride")?;
         Ok((bytes, stride))
     }
 }
@@ -375,10 +377,10 @@ pub(super) fn bytes_of<'a>(
     view: &Place<'_>,
     buffers: &'a [Vec<u8>],
 ) -> Result<&'a [u8], ReadError> {
-    let buffer = view.require("buffer")?.index_below(buffers.len())?;
+    let buffer = view.require_index("buffer", buffers.len())?;
     let bytes = &buffers[buffer];
     let offset = view.whole_or("byteOffset", 0)?;
-    let length = view.require("byteLength")?.whole()?;
+    let length = view.require_whole("byteLength")?;
     let end = offset
         .checked_add(length)
         .filter(|end| *end <= bytes.len() as u64);
@@ -393,15 +395,17 @@ pub(super) fn bytes_of<'a>(
 }
 
 fn put<T>(element: &mut [T], bytes: &[u8], size: usize, number: impl Fn(&[u8]) -> T) {
-    for (c, value) in element.iter_mut().enumerate() {
-        *value = number(&bytes[c * size..]);
+    for (value, bytes) in element.iter_mut().zip(bytes.chunks_exact(size)) {
+        *value = number(bytes);
     }
 }
 
 fn component(place: &Place<'_>) -> Result<Component, ReadError> {
-    let code = place.require("componentType")?;
-    Component::from_code(code.whole()?)
-        .ok_or_else(|| code.malformed("not a component type of glTF"))
+    let code = place.require_whole("componentType")?;
+    Component::from_code(code).ok_or_else(|| {
+        let at = place.path("componentType");
+        ReadError::malformed(at, "not a component type of glTF")
+    })
 }
 
 /// Returns the number of numbers per element. Small 2x2 and 3x3 matrices have padded columns;

@@ -60,10 +60,7 @@ fn read_channels<'a>(
                 reader.warn(&place, "a second channel for the same property; left out");
                 continue;
             }
-            let sampler = place.require("sampler")?;
-            let i = sampler.index_below(animation.count("samplers"))?;
-            let missing = || sampler.malformed("the sampler does not exist");
-            let sampler = animation.entry("samplers", i).ok_or_else(missing)?;
+            let sampler = animation.entry_of("samplers", &place, "sampler")?;
             if let Some(channel) = read_sampler(reader, &sampler, target)? {
                 channels.push(channel);
             }
@@ -231,7 +228,7 @@ fn read_times(reader: &mut Reader<'_>, index: &Place<'_>) -> Result<Vec<f32>, Re
     let accessor = reader.accessor(index)?;
     accessor.expect_type(&["SCALAR"])?;
     let keys = accessor.count as u64;
-    Limits::check(index.at(), "keys of a channel", keys, reader.limits.frames)?;
+    Limits::check(index, "keys of a channel", keys, reader.limits.frames)?;
     if keys == 0 {
         reader.warn(index, "a channel without keys left out");
     }
@@ -262,6 +259,9 @@ fn drop_unordered_keys(
     floats: usize,
     channel: &mut Channel,
 ) {
+    if channel.times_secs.is_sorted_by(|a, b| a < b) {
+        return;
+    }
     let mut last = f32::NEG_INFINITY;
     let in_order: Vec<bool> = channel
         .times_secs
@@ -273,9 +273,6 @@ fn drop_unordered_keys(
         })
         .collect();
     let dropped = in_order.iter().filter(|keep| !**keep).count();
-    if dropped == 0 {
-        return;
-    }
     let what = format!("{dropped} keys do not rise in time; left out");
     reader.notes.add(sampler.path("input"), what);
     let mut keep = in_order.iter();
@@ -303,16 +300,13 @@ fn mend_rotations(reader: &mut Reader<'_>, sampler: &Place<'_>, parts: usize, va
         off += usize::from(unit.is_some() && (rotation.length() - 1.0).abs() > 1e-3);
         *value = unit.unwrap_or(Quat::IDENTITY).to_array();
     }
-    let at = sampler.path("output");
     if zeros > 0 {
         let what = format!("{zeros} quaternions of length 0 are read as identity");
-        reader.notes.add(at.as_str(), what);
+        reader.notes.add(sampler.path("output"), what);
     }
     if off > 0 {
-        reader.notes.add(
-            at,
-            format!("{off} quaternions are not of unit length; normalised"),
-        );
+        let what = format!("{off} quaternions are not of unit length; normalised");
+        reader.notes.add(sampler.path("output"), what);
     }
 }
 

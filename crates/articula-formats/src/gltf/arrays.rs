@@ -37,7 +37,7 @@ pub(super) fn reordered<'a>(
         return Err(index.malformed("fewer elements than vertices"));
     }
     let element_size = accessor.element_size();
-    reader.charge(index.at(), (order.len() * element_size.div_ceil(4)) as u64)?;
+    reader.charge(index, (order.len() * element_size.div_ceil(4)) as u64)?;
     let mut template = accessor.place().value().clone();
     for key in ["bufferView", "byteOffset", "count", "sparse"] {
         object(&mut template).shift_remove(key);

@@ -104,7 +104,7 @@ fn decode_all(
         // Cannot overflow: the size was compared with the view's length.
         spent = spent.saturating_add(shape.count * shape.stride);
         let which = "bytes of buffers and pictures";
-        Limits::check(extension.at(), which, spent, limits.bytes)?;
+        Limits::check(&extension, which, spent, limits.bytes)?;
         let bytes = decode(encoded, &shape, limits).map_err(|e| placed(&extension, e))?;
         out.push(Decoded {
             view: i,
@@ -136,10 +136,10 @@ fn shape(view: &Place<'_>, extension: &Place<'_>) -> Result<ViewLayout, ReadErro
             Some(Some("COLOR")) => Filter::Color,
             _ => return Err(unknown("filter")),
         },
-        count: extension.require("count")?.whole()?,
-        stride: extension.require("byteStride")?.whole()?,
+        count: extension.require_whole("count")?,
+        stride: extension.require_whole("byteStride")?,
     };
-    let length = view.require("byteLength")?.whole()?;
+    let length = view.require_whole("byteLength")?;
     if shape.count.checked_mul(shape.stride) != Some(length) {
         let (count, stride) = (shape.count, shape.stride);
         let what =

@@ -98,8 +98,12 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
 
 fn parse(text: &[u8], offset: usize, limits: &Limits) -> Result<Value, ReadError> {
     let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
-    check_depth(text, offset, limits.depth.min(PARSER_DEPTH))?;
-    let json: Value = serde_json::from_slice(text).map_err(|e| {
+    let parsed = serde_json::from_slice(text);
+    // What the parser accepts is within its own depth; what it refuses may be too deep.
+    if parsed.is_err() || limits.depth < PARSER_DEPTH {
+        check_depth(text, offset, limits.depth.min(PARSER_DEPTH))?;
+    }
+    let json: Value = parsed.map_err(|e| {
         let place = format!("JSON line {} column {}", e.line(), e.column());
         ReadError::malformed(place, format!("neither GLB nor well-formed JSON: {e}"))
     })?;
@@ -109,7 +113,7 @@ fn parse(text: &[u8], offset: usize, limits: &Limits) -> Result<Value, ReadError
     Ok(json)
 }
 
-/// Returns an error that names the byte where nesting exceeds the limit, before anything is parsed.
+/// Returns an error that names the byte where nesting exceeds the limit.
 fn check_depth(text: &[u8], offset: usize, limit: u64) -> Result<(), ReadError> {
     let mut depth = 0u64;
     let mut in_string = false;

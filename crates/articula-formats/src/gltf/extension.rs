@@ -45,7 +45,7 @@ pub(super) fn check(root: &Place<'_>, notes: &mut Notes) -> Result<(), ReadError
         let is_read = READ.contains(&name) || READ_FAMILIES.iter().any(|f| name.starts_with(f));
         if !is_read {
             return Err(ReadError::Unsupported {
-                at: required.at().to_owned(),
+                at: required.at(),
                 what: name.to_owned(),
                 mend: mend(name),
             });

@@ -36,7 +36,7 @@ pub(super) fn read(
         return rigid(reader, attributes, count);
     }
     let influences = sets * 4;
-    reader.charge(attributes.at(), (count * influences) as u64)?;
+    reader.charge(attributes, (count * influences) as u64)?;
     let mut joints = vec![0u16; count * influences];
     let mut weights = vec![0.0f32; count * influences];
     for set in 0..sets {
@@ -58,7 +58,7 @@ fn rigid(
     attributes: &Place<'_>,
     count: usize,
 ) -> Result<Influences, ReadError> {
-    reader.charge(attributes.at(), count as u64 * 2)?;
+    reader.charge(attributes, count as u64 * 2)?;
     Ok((1, vec![0; count], vec![1.0; count]))
 }
 

@@ -124,7 +124,7 @@ impl Lods {
         while let Some(n) = stack.pop() {
             let node = node_place(reader, n)?;
             // Charged, since a branch may be referenced any number of times.
-            reader.charge(node.at(), 0)?;
+            reader.charge(&node, 0)?;
             if node.get("mesh").is_some() {
                 found.push(n);
             }

@@ -85,11 +85,7 @@ fn texture_image(
     info: &Place<'_>,
     images: usize,
 ) -> Result<Option<usize>, ReadError> {
-    let index = info.require("index")?;
-    let i = index.index_below(reader.root.count("textures"))?;
-    let Some(texture) = reader.root.entry("textures", i) else {
-        return Ok(None);
-    };
+    let texture = reader.root.entry_of("textures", info, "index")?;
     let image = texture.index("source", images)?;
     if image.is_none() {
         reader.warn(&texture, "the image is not PNG or JPEG; shown without it");
@@ -102,14 +98,14 @@ fn read_images(reader: &mut Reader<'_>) -> Result<Vec<Image>, ReadError> {
     let mut spent = 0u64;
     for (i, place) in reader.root.entries("images")?.iter().enumerate() {
         let fetched = reader.document.pictures.get(i).and_then(Option::as_deref);
-        let bytes = match (fetched, place.get("bufferView")) {
-            (Some(bytes), _) => bytes,
-            (None, Some(view)) => reader.buffer_view(&view)?.0,
-            (None, None) => &[],
+        let bytes = match fetched {
+            Some(bytes) => bytes,
+            None if place.has("bufferView") => reader.buffer_view(place)?.0,
+            None => &[],
         };
         // Counted, since many entries may name one large view.
         spent = spent.saturating_add(bytes.len() as u64);
-        Limits::check(place.at(), "bytes of pictures", spent, reader.limits.bytes)?;
+        Limits::check(place, "bytes of pictures", spent, reader.limits.bytes)?;
         images.push(Image {
             name: place.text("name").to_owned(),
             mime_type: mime_type(place.text("mimeType"), bytes),

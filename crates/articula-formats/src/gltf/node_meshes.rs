@@ -34,10 +34,7 @@ pub(super) fn read_parts<'a>(
     node: &Place<'a>,
     given: &Given<'_>,
 ) -> Result<(Place<'a>, Vec<Primitive>), ReadError> {
-    let index = node.require("mesh")?;
-    let i = index.index_below(reader.root.count("meshes"))?;
-    let missing = || index.malformed("the mesh does not exist");
-    let place = reader.root.entry("meshes", i).ok_or_else(missing)?;
+    let place = reader.root.entry_of("meshes", node, "mesh")?;
     let joint_count = skin_of(node, given)?.map(|skin| skin.joints.len());
     let primitives = read_primitives(reader, &place, joint_count, given.texcoords)?;
     Ok((place, primitives))
@@ -84,7 +81,7 @@ fn read_primitives(
     let places = mesh.entries("primitives")?;
     let shares = primitive::sharing(&places);
     for (place, shares) in places.into_iter().zip(shares) {
-        reader.charge(place.at(), 0)?;
+        reader.charge(&place, 0)?;
         let Some(mut primitive) = primitive::read(reader, &place, joint_count, texcoords)? else {
             continue;
         };

@@ -72,7 +72,7 @@ impl Fetch<'_, '_> {
                 }
                 (Some(_), _) => self.uri(buffer)?.1,
             };
-            let length = buffer.require("byteLength")?.whole()?;
+            let length = buffer.require_whole("byteLength")?;
             if length > bytes.len() as u64 {
                 let what = format!("{length} bytes declared, but only {} exist", bytes.len());
                 return Err(ReadError::malformed(buffer.path("byteLength"), what));
@@ -134,6 +134,6 @@ impl Fetch<'_, '_> {
     fn charge(&mut self, owner: &Place<'_>, bytes: usize) -> Result<(), ReadError> {
         self.spent = self.spent.saturating_add(bytes as u64);
         let which = "bytes of buffers and pictures";
-        Limits::check(owner.at(), which, self.spent, self.limits.bytes)
+        Limits::check(owner, which, self.spent, self.limits.bytes)
     }
 }

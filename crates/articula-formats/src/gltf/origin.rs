@@ -26,7 +26,7 @@ pub(super) fn origins(reader: &mut Reader<'_>, mesh: &Place<'_>) -> Result<Vec<O
         let Some((count, triangles)) = primitive::outline(reader, place)? else {
             continue;
         };
-        reader.charge(place.at(), count as u64)?;
+        reader.charge(place, count as u64)?;
         let mut is_used = vec![!shares; count];
         for v in triangles.as_flattened() {
             is_used[*v as usize] = true;
@@ -48,10 +48,9 @@ pub(super) fn mesh_of<'a>(reader: &Reader<'a>, node: usize) -> Result<Place<'a>,
             "there is no such node with a mesh",
         )
     };
-    let index = reader.root.entry("nodes", node);
-    let index = index.and_then(|n| n.get("mesh")).ok_or_else(missing)?;
-    let mesh = index.index_below(reader.root.count("meshes"))?;
-    reader.root.entry("meshes", mesh).ok_or_else(missing)
+    let node = reader.root.entry("nodes", node);
+    let node = node.filter(|n| n.has("mesh")).ok_or_else(missing)?;
+    reader.root.entry_of("meshes", &node, "mesh")
 }
 
 impl Document {

@@ -2,46 +2,106 @@
 
 use crate::error::ReadError;
 use serde_json::Value;
+use std::fmt;
+use std::rc::Rc;
+
+/// Largest object whose members are found by comparing every key, which is faster than a hash.
+const FEW_MEMBERS: usize = 16;
 
 /// A value of the document and its path, such as `nodes[3].rotation`.
 #[derive(Debug, Clone)]
 pub(super) struct Place<'a> {
     value: &'a Value,
-    at: String,
+    /// `None` for the document itself.
+    path: Option<Path<'a>>,
+}
+
+/// Position of a value. It becomes text only in an error or a warning, since a document has far
+/// more values than either.
+#[derive(Debug, Clone)]
+struct Path<'a> {
+    /// Path of the object that has the member; `None` for the document.
+    owner: Option<Rc<Path<'a>>>,
+    key: &'a str,
+    /// Index of the value if it is an entry of the member.
+    index: Option<usize>,
+}
+
+impl fmt::Display for Path<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(owner) = &self.owner {
+            write!(f, "{owner}.")?;
+        }
+        f.write_str(self.key)?;
+        self.index.map_or(Ok(()), |i| write!(f, "[{i}]"))
+    }
+}
+
+/// Writes the path.
+impl fmt::Display for Place<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.path.as_ref().map_or(Ok(()), |path| path.fmt(f))
+    }
 }
 
 impl<'a> Place<'a> {
     /// The document itself; its path is empty.
     pub(super) fn root(value: &'a Value) -> Self {
-        let at = String::new();
-        Self { value, at }
+        Self { value, path: None }
     }
 
     pub(super) fn value(&self) -> &'a Value {
         self.value
     }
 
-    pub(super) fn at(&self) -> &str {
-        &self.at
+    /// Returns the path as text.
+    pub(super) fn at(&self) -> String {
+        self.to_string()
     }
 
     /// Returns the path of a member, whether it exists or not.
     pub(super) fn path(&self, key: &str) -> String {
-        if self.at.is_empty() {
-            return key.to_owned();
+        match &self.path {
+            None => key.to_owned(),
+            Some(path) => format!("{path}.{key}"),
         }
-        format!("{}.{key}", self.at)
+    }
+
+    /// Returns the place of a member's value, or of an entry of the member.
+    fn child(&self, key: &'a str, index: Option<usize>, value: &'a Value) -> Self {
+        let path = Path {
+            owner: self.path.clone().map(Rc::new),
+            key,
+            index,
+        };
+        let path = Some(path);
+        Self { value, path }
     }
 
     pub(super) fn malformed(&self, what: impl Into<String>) -> ReadError {
-        ReadError::malformed(self.at.as_str(), what)
+        ReadError::malformed(self.at(), what)
+    }
+
+    /// Returns the key and the value of a member, even if it is `null`.
+    fn member(&self, key: &str) -> Option<(&'a str, &'a Value)> {
+        let object = self.value.as_object()?;
+        let (key, value) = if object.len() <= FEW_MEMBERS {
+            object.iter().find(|(name, _)| *name == key)?
+        } else {
+            object.get_key_value(key)?
+        };
+        Some((key, value))
+    }
+
+    /// Returns whether a member exists; `null` counts as absent.
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.member(key).is_some_and(|(_, value)| !value.is_null())
     }
 
     /// Returns a member; `null` counts as absent.
     pub(super) fn get(&self, key: &str) -> Option<Self> {
-        let value = self.value.get(key).filter(|v| !v.is_null())?;
-        let at = self.path(key);
-        Some(Self { value, at })
+        let (key, value) = self.member(key).filter(|(_, v)| !v.is_null())?;
+        Some(self.child(key, None, value))
     }
 
     /// Returns a nested member, if all members along the way exist.
@@ -51,38 +111,55 @@ impl<'a> Place<'a> {
     }
 
     pub(super) fn require(&self, key: &str) -> Result<Self, ReadError> {
-        self.get(key)
-            .ok_or_else(|| self.malformed(format!("\"{key}\" is missing")))
+        self.get(key).ok_or_else(|| self.missing(key))
+    }
+
+    fn missing(&self, key: &str) -> ReadError {
+        self.malformed(format!("\"{key}\" is missing"))
     }
 
     /// Returns the number of entries of an array member; 0 if it is absent or not an array.
     pub(super) fn count(&self, key: &str) -> usize {
-        self.value
-            .get(key)
-            .and_then(Value::as_array)
+        self.member(key)
+            .and_then(|(_, value)| value.as_array())
             .map_or(0, Vec::len)
     }
 
     /// Returns one entry of an array member.
     pub(super) fn entry(&self, key: &str, index: usize) -> Option<Self> {
-        let value = self.value.get(key)?.as_array()?.get(index)?;
-        let at = format!("{}[{index}]", self.path(key));
-        Some(Self { value, at })
+        let (key, value) = self.member(key)?;
+        let value = value.as_array()?.get(index)?;
+        Some(self.child(key, Some(index), value))
+    }
+
+    /// Returns the entry of an array member whose index is the member `key` of `owner`.
+    pub(super) fn entry_of(
+        &self,
+        list: &str,
+        owner: &Place<'_>,
+        key: &str,
+    ) -> Result<Self, ReadError> {
+        let index = owner.require_index(key, self.count(list))?;
+        let entry = self.entry(list, index);
+        entry.ok_or_else(|| ReadError::malformed(owner.path(key), "the entry does not exist"))
     }
 
     /// Returns the entries of an array member; empty if it is absent.
     pub(super) fn entries(&self, key: &str) -> Result<Vec<Self>, ReadError> {
-        let Some(member) = self.get(key) else {
-            return Ok(Vec::new());
+        self.get(key).map_or(Ok(Vec::new()), |list| list.items())
+    }
+
+    /// Returns the entries of this array.
+    fn items(&self) -> Result<Vec<Self>, ReadError> {
+        let Some(list) = self.value.as_array() else {
+            return Err(self.malformed("expected an array"));
         };
-        let Some(list) = member.value.as_array() else {
-            return Err(member.malformed("expected an array"));
+        let item = |(i, value)| {
+            let index = Some(i);
+            let path = self.path.clone().map(|path| Path { index, ..path });
+            Self { value, path }
         };
-        let entry = |(i, value)| Self {
-            value,
-            at: format!("{}[{i}]", member.at),
-        };
-        Ok(list.iter().enumerate().map(entry).collect())
+        Ok(list.iter().enumerate().map(item).collect())
     }
 
     /// Returns the members of an object; empty if this is not an object.
@@ -90,16 +167,16 @@ impl<'a> Place<'a> {
         let Some(object) = self.value.as_object() else {
             return Vec::new();
         };
-        let member = |(key, value): (&'a String, &'a Value)| {
-            let at = self.path(key);
-            (key.as_str(), Self { value, at })
-        };
+        let member =
+            |(key, value): (&'a String, &'a Value)| (key.as_str(), self.child(key, None, value));
         object.iter().map(member).collect()
     }
 
     /// Returns a string member, or the empty string.
     pub(super) fn text(&self, key: &str) -> &'a str {
-        self.value.get(key).and_then(Value::as_str).unwrap_or("")
+        self.member(key)
+            .and_then(|(_, value)| value.as_str())
+            .unwrap_or("")
     }
 
     pub(super) fn is_object(&self) -> bool {
@@ -107,7 +184,7 @@ impl<'a> Place<'a> {
     }
 
     pub(super) fn is_true(&self, key: &str) -> bool {
-        self.value.get(key).and_then(Value::as_bool) == Some(true)
+        self.member(key).and_then(|(_, value)| value.as_bool()) == Some(true)
     }
 
     /// Returns this value as a non-negative integer; `3.0` counts as one.
@@ -117,9 +194,23 @@ impl<'a> Place<'a> {
         })
     }
 
-    /// Returns an integer member.
+    /// Returns an integer member; `None` if it is absent.
+    pub(super) fn whole_at(&self, key: &str) -> Result<Option<u64>, ReadError> {
+        match self.member(key).and_then(|(_, value)| whole(value)) {
+            Some(found) => Ok(Some(found)),
+            // The place of the member is made only for an error.
+            None => self.get(key).map(|member| member.whole()).transpose(),
+        }
+    }
+
+    /// Returns an integer member that must exist.
+    pub(super) fn require_whole(&self, key: &str) -> Result<u64, ReadError> {
+        self.whole_at(key)?.ok_or_else(|| self.missing(key))
+    }
+
+    /// Returns an integer member, or `absent`.
     pub(super) fn whole_or(&self, key: &str, absent: u64) -> Result<u64, ReadError> {
-        self.get(key).map_or(Ok(absent), |member| member.whole())
+        Ok(self.whole_at(key)?.unwrap_or(absent))
     }
 
     /// Returns this value as an index into a list of `len` entries.
@@ -135,9 +226,18 @@ impl<'a> Place<'a> {
 
     /// Returns an index member.
     pub(super) fn index(&self, key: &str, len: usize) -> Result<Option<usize>, ReadError> {
-        self.get(key)
-            .map(|member| member.index_below(len))
-            .transpose()
+        let Some(found) = self.whole_at(key)? else {
+            return Ok(None);
+        };
+        match usize::try_from(found).ok().filter(|index| *index < len) {
+            Some(index) => Ok(Some(index)),
+            None => self.require(key)?.index_below(len).map(Some),
+        }
+    }
+
+    /// Returns an index member that must exist.
+    pub(super) fn require_index(&self, key: &str, len: usize) -> Result<usize, ReadError> {
+        self.index(key, len)?.ok_or_else(|| self.missing(key))
     }
 
     /// Returns this value as a finite number.
@@ -156,7 +256,7 @@ impl<'a> Place<'a> {
         let Some(member) = self.get(key) else {
             return Ok(None);
         };
-        let list = self.entries(key)?;
+        let list = member.items()?;
         if list.len() != N {
             return Err(member.malformed(format!("expected {N} numbers, found {}", list.len())));
         }
@@ -207,6 +307,34 @@ mod tests {
             "nodes[1].scale[1]: expected a finite number, found \"x\""
         );
         assert_eq!(node.index("skin", 2), Ok(None));
+    }
+
+    #[test]
+    fn paths_of_nested_members() {
+        let json = json!({"a": {"b": [{"c": null}, {"c": [[7], 8]}]}});
+        let root = Place::root(&json);
+        assert_eq!((root.at(), root.path("x")), (String::new(), "x".to_owned()));
+        let entries = root.get("a").unwrap().entries("b").unwrap();
+        assert_eq!(entries[0].path("c"), "a.b[0].c");
+        assert!(!entries[0].has("c") && entries[1].has("c"));
+        let (name, member) = entries[1].members().remove(0);
+        assert_eq!((name, member.at()), ("c", "a.b[1].c".to_owned()));
+        assert_eq!(entries[1].entries("c").unwrap()[1].at(), "a.b[1].c[1]");
+    }
+
+    #[test]
+    fn members_of_small_and_large_objects() {
+        for count in [1, FEW_MEMBERS, FEW_MEMBERS + 1] {
+            let members = (0..count).map(|i| (format!("m{i}"), json!(i)));
+            let json = Value::Object(members.collect());
+            let root = Place::root(&json);
+            assert_eq!(root.whole_at("m0"), Ok(Some(0)));
+            let last = format!("m{}", count - 1);
+            assert_eq!(root.require_whole(&last), Ok(count as u64 - 1));
+            assert_eq!(root.whole_at("n"), Ok(None));
+            let error = root.require_whole("n").unwrap_err().to_string();
+            assert_eq!(error, ": \"n\" is missing");
+        }
     }
 
     #[test]

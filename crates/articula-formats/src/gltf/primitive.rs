@@ -173,7 +173,7 @@ fn morphs(
     for target in place.entries("targets")? {
         let mut positions = vec3s(reader, &target, "POSITION", Some(count))?;
         if positions.is_empty() {
-            reader.charge(target.at(), count as u64 * 3)?;
+            reader.charge(&target, count as u64 * 3)?;
             positions = vec![Vec3::ZERO; count];
         }
         morphs.push(MorphTarget {
@@ -198,7 +198,7 @@ fn triangles(
             reader.integers(&accessor)?
         }
         None => {
-            reader.charge(place.at(), count as u64)?;
+            reader.charge(place, count as u64)?;
             let last = u32::try_from(count).map_err(|_| place.malformed("too many vertices"))?;
             (0..last).collect()
         }
@@ -223,7 +223,7 @@ fn triangles(
         reader.notes.add(place.path("indices"), what);
     }
     if mode != 4 {
-        reader.charge(place.at(), corners.len() as u64 * 3)?;
+        reader.charge(place, corners.len() as u64 * 3)?;
     }
     Ok(assemble(mode, &corners))
 }

@@ -5,6 +5,7 @@ use super::place::Place;
 use crate::error::ReadError;
 use crate::limits::Limits;
 pub(super) use crate::notes::Notes;
+use std::fmt::Display;
 
 /// A document being converted to a character.
 #[derive(Debug)]
@@ -29,7 +30,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Counts `elements` against the limit before they are allocated.
-    pub(super) fn charge(&mut self, at: &str, elements: u64) -> Result<(), ReadError> {
+    pub(super) fn charge(&mut self, at: impl Display, elements: u64) -> Result<(), ReadError> {
         // Even an empty array has a cost, so that a million of them exceed the limit.
         self.spent = self.spent.saturating_add(elements.max(4));
         Limits::check(at, "decoded elements", self.spent, self.limits.elements)

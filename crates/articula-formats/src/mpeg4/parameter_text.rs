@@ -112,8 +112,8 @@ impl<'a> Reader<'a> {
         };
         self.found += 1;
         self.values += frame.mask.len() as u64;
-        Limits::check(&at(line), "frames", self.found, self.limits.frames)?;
-        Limits::check(&at(line), "values", self.values, self.limits.elements)?;
+        Limits::check(at(line), "frames", self.found, self.limits.frames)?;
+        Limits::check(at(line), "values", self.values, self.limits.elements)?;
         frame.line = line;
         self.fields(line, &words, frame)?;
         Ok(true)
@@ -195,7 +195,7 @@ impl<'a> Reader<'a> {
             number
         };
         Limits::check(
-            &at(line),
+            at(line),
             "frames up to this number",
             number.into(),
             self.limits.frames,

@@ -47,7 +47,7 @@ impl<'a> Reader<'a> {
             return Ok(());
         }
         let (found, limit) = (self.spent, self.limits.elements);
-        Limits::check(&self.scene.at(id), "decoded elements", found, limit)
+        Limits::check(self.scene.at(id), "decoded elements", found, limit)
     }
 
     /// Counts one step of a graph traversal against the limit, so that it ends.

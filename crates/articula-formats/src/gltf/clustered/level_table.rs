@@ -119,8 +119,8 @@ fn read_row(row: &Place<'_>) -> Result<LevelRow, ReadError> {
         })
     };
     Ok(LevelRow {
-        triangles: row.require("triangles")?.whole()?,
-        vertices: row.require("vertices")?.whole()?,
+        triangles: row.require_whole("triangles")?,
+        vertices: row.require_whole("vertices")?,
         rest: error("errorRest")?,
         motion: error("errorMotion")?,
     })

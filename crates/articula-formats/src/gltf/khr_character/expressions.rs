@@ -46,7 +46,7 @@ pub(in super::super) fn read(
     let root = reader.root.clone();
     let entries = entries(&root);
     for place in &entries {
-        reader.charge(place.at(), 4 * COST)?;
+        reader.charge(place, 4 * COST)?;
         let mut expression = Expression {
             name: place.text("expression").to_owned(),
             ..Expression::default()
@@ -132,10 +132,10 @@ impl<'a> Response<'a> {
         let mut curved = false;
         let mut of_joint: HashMap<usize, usize> = HashMap::new();
         for channel in &self.channels {
-            reader.charge(self.place.at(), COST)?;
+            reader.charge(&self.place, COST)?;
             if channel.property == Property::Weights {
                 let rest = &shown.meshes[channel.target].morph_weights;
-                reader.charge(self.place.at(), COST * rest.len() as u64)?;
+                reader.charge(&self.place, COST * rest.len() as u64)?;
                 let full = self.at(channel, 1.0, rest.len());
                 let driven = full.iter().zip(rest).enumerate();
                 let driven = driven.filter(|(_, (full, rest))| (*full - *rest).abs() > STILL);
@@ -218,7 +218,7 @@ fn masks(
     };
     let mut found = Vec::new();
     for mask in list.entries("masks").unwrap_or_default() {
-        reader.charge(mask.at(), COST)?;
+        reader.charge(&mask, COST)?;
         let share = |key: &str, absent| {
             let share = mask.get(key).map_or(Ok(absent), |v| v.float());
             share.map_or(absent, |share| share.clamp(0.0, 1.0))

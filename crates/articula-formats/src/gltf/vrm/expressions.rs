@@ -105,7 +105,7 @@ pub(in super::super) fn read(
     let meshes = Meshes::new(reader, shown);
     let mut expressions = Vec::new();
     for (i, (name, place)) in listed.iter().enumerate() {
-        reader.charge(place.at(), 4 * COST)?;
+        reader.charge(place, 4 * COST)?;
         let mut expression = Expression {
             name: name.clone(),
             is_binary: place.is_true("isBinary"),
@@ -209,7 +209,7 @@ impl<'a> Meshes<'a> {
         let weight = bind.get("weight").map_or(Ok(full), |w| w.float());
         let mut found = Vec::new();
         for &mesh in meshes {
-            reader.charge(bind.at(), COST)?;
+            reader.charge(bind, COST)?;
             let count = self.shown.meshes[mesh].morph_weights.len();
             let target = target.and_then(|t| usize::try_from(t).ok());
             if let (Some(target), Ok(weight)) = (target.filter(|t| *t < count), &weight) {
