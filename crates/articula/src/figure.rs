@@ -204,7 +204,7 @@ fn assembled(
     let shown = meshes.unwrap_or(&source.meshes);
     if let Some(stored) = stored {
         let (rig, mesh) = rig_and_mesh(&source.skeleton, shown, articulation.clone())?;
-        if let Some(clips) = stored.clips(source.clips.len(), &rig, &mesh) {
+        if let Some(clips) = stored.clips(&source.clips, &rig, &mesh) {
             return Ok(Asset { rig, mesh, clips });
         }
     }

@@ -148,7 +148,7 @@ fn usable(figure: &Figure, stored: Option<&Stored<'_>>) -> Vec<PreparedPart> {
     let clips = asset.clips.len();
     let mut found = Vec::new();
     let has_clips = stored
-        .clips(clips, &asset.rig, &asset.mesh)
+        .clips(&figure.opened.character.clips, &asset.rig, &asset.mesh)
         .and_then(|own| stored.clips_in_place(&own, &asset.rig, &asset.mesh));
     found.extend(has_clips.map(|_| PreparedPart::Clips));
     if let Some(levels) = stored.joint_levels(&asset.rig, clips) {

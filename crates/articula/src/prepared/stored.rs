@@ -3,7 +3,7 @@
 use super::hash::{self, SourceHashes};
 use super::part;
 use crate::open::CharacterFile;
-use articula_core::source::RawMesh;
+use articula_core::source::{RawClip, RawMesh};
 use articula_core::{Clip, JointLods, LevelSkins, Mesh, MotionBounds, Rig};
 use articula_formats::gltf::{Document, PreparedHeader, PreparedState};
 use articula_formats::prepared::{
@@ -201,11 +201,11 @@ impl<'a> Stored<'a> {
     }
 
     /// The clips at a uniform rate, if they are of this rig and as many as the source has.
-    pub(crate) fn clips(&self, count: usize, rig: &Rig, mesh: &Mesh) -> Option<Vec<Clip>> {
+    pub(crate) fn clips(&self, sources: &[RawClip], rig: &Rig, mesh: &Mesh) -> Option<Vec<Clip>> {
         self.read(part::CLIPS, |bytes, limits| {
-            let clips = read_clips(bytes, limits)?;
+            let clips = read_clips(bytes, sources, limits)?;
             check_clips(clips.iter(), rig, mesh)?;
-            same_count("clips", clips.len(), count)?;
+            same_count("clips", clips.len(), sources.len())?;
             Ok(clips)
         })
     }

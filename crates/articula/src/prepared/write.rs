@@ -97,7 +97,10 @@ pub(crate) fn parts(
     }
     let character = in_place(figure, RootMotionPolicy::OnTheSpot, None)?;
     if is_wanted(PreparedPart::Clips) {
-        parts.entries.push((part::CLIPS, write_clips(clips)));
+        parts.entries.push((
+            part::CLIPS,
+            write_clips(clips, &figure.opened.character.clips),
+        ));
         let in_place = write_clips_in_place(&character.stored_form(), clips);
         parts.entries.push((part::CLIPS_IN_PLACE, in_place));
     }

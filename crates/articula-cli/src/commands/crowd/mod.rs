@@ -22,6 +22,7 @@ use articula_report::{Plot, PlotOptions, Series, line_plot, stacked};
 use clap::{Args, ValueEnum};
 use report::CrowdRunReport;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Seconds to play a scene without a camera path.
 const USUAL_SECS: f64 = 2.0;
@@ -193,11 +194,13 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     args.check_outputs()?;
     args.check_cache()?;
     args.check_mesh_levels()?;
+    let start = Instant::now();
     let figure = open::figure(&args.character)?;
     let place = figure.opened.name.clone();
     let mut warnings = open::warnings(&figure.opened);
     let options = args.options(&figure.asset.clips)?;
     let asset = console.work(|work| CrowdAsset::new(&figure, &options, work))?;
+    let ready_ms = start.elapsed().as_secs_f64() * 1e3;
     warnings.extend_from_slice(asset.warnings());
     if args.picture.is_some() && !asset.has_mesh() {
         anyhow::bail!("{place}: no mesh, so there is nothing to draw; leave --picture out");
@@ -221,6 +224,7 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     };
     let found = run::run(&piece.asset, &piece.scene, settings, args.seed, console)?;
     let mut report = CrowdRunReport::new(args, &piece, &found, place);
+    report.ready_ms = ready_ms;
     report.warnings.extend(warnings);
     args.write(&piece, &found, &mut report)?;
     console.result(&report, CrowdRunReport::text)

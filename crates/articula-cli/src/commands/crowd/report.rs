@@ -38,6 +38,8 @@ pub(super) struct CrowdRunReport {
     pub(super) storage: String,
     pub(super) form: String,
     pub(super) palette: String,
+    /// Time from opening the file to the first frame: reading, and preparing what is not stored.
+    pub(super) ready_ms: f64,
     pub(super) ns_per_character: Spread,
     pub(super) characters_per_ms: f64,
     /// Processor time of a whole frame, all threads together.
@@ -107,6 +109,7 @@ impl CrowdRunReport {
                 .backend
                 .unwrap_or_else(articula_core::Backend::best)
                 .to_string(),
+            ready_ms: 0.0,
             storage: name_of(args.storage.storage),
             form: name_of(args.storage.form),
             palette: name_of(args.storage.palette()),
@@ -156,7 +159,8 @@ impl CrowdRunReport {
         format!(
             "{}, {} characters, scene {}, level {}, {clips}\n\
              {} frames at {} Hz, {threads}, {}, {} x {} px, {:.0} degrees\n\
-             characters: {} visible, {} in the cull margin, {} hidden\n",
+             characters: {} visible, {} in the cull margin, {} hidden\n\
+             ready in {:.0} ms\n",
             clean(name),
             self.characters,
             clean(&self.scene),
@@ -169,7 +173,8 @@ impl CrowdRunReport {
             self.fov_deg,
             self.visible,
             self.in_cull_margin,
-            self.hidden
+            self.hidden,
+            self.ready_ms
         )
     }
 
