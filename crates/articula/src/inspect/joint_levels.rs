@@ -7,13 +7,13 @@ use articula_build::{JointLodOptions, MergedLevels, merged_levels};
 use articula_core::lod_error_metres;
 use serde::Serialize;
 
-/// Error in metres from which levels may drop ancestors of kept joints, unless stated otherwise.
+/// Tolerance in metres from which levels may drop ancestors of kept joints, unless stated otherwise.
 pub const FAR_FROM_METRES: f32 = 4e-3;
 
 /// Joint levels of a character, derived from the motion of all its clips.
 #[derive(Debug, Serialize)]
 pub struct JointLevelsInspection {
-    /// Error in metres from which far levels are used.
+    /// Tolerance in metres, of the 95th percentile over vertices, from which far levels are used.
     pub far_from_m: f32,
     /// Whether errors are those of points on the bones, since the file has no mesh.
     pub on_bones: bool,
@@ -58,7 +58,7 @@ pub struct JointLevelError {
 
 /// Computes the joint levels of a figure and lists them with their errors in some of its clips.
 ///
-/// Levels with an error of at least `far_from_metres` may be far levels; with infinity there are
+/// Levels for a tolerance of at least `far_from_metres` may be far levels; with infinity there are
 /// none.
 ///
 /// # Errors

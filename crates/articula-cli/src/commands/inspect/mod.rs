@@ -26,7 +26,7 @@ pub(crate) struct InspectArgs {
     /// Compute and list the joint levels of the character: joints, matrices and errors
     #[arg(long)]
     joint_levels: bool,
-    /// With --joint-levels: error in millimetres from which a level may drop ancestors of the
+    /// With --joint-levels: tolerance in millimetres from which a level may drop ancestors of the
     /// joints that it keeps (a far level)
     #[arg(long, value_name = "MM", default_value_t = 1e3 * FAR_FROM_METRES,
           value_parser = not_negative, requires = "joint_levels")]
