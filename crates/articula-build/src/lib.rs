@@ -11,7 +11,7 @@
 //! - [`simplify`], [`decimate`], [`cluster`], [`mesh_levels`]: simplify the mesh of an animated
 //!   character into levels that are ranges of one object
 //! - [`surface_distances`]: measures the distance of a mesh level from the original, at rest and in
-//!   motion
+//!   motion; [`RegionMix`], [`measure_levels`]: each region of a mesh at a level of its own
 //! - [`figure_levels`]: pairs levels of joints and mesh that are shown together
 //! - [`cached_poses`], [`motion_bounds`], [`occluders`]: data that a crowd reads instead of
 //!   computing it
@@ -74,7 +74,8 @@ pub use joint_lods::{
     levels_of, lod_errors, mean_pose, merged_levels, named_joint_lods, skin_of,
 };
 pub use mesh_levels::{
-    MeasurementPoses, MeshLevelOptions, MeshLevels, mesh_level_triangles, mesh_levels,
+    MeasurementPoses, MeshLevelOptions, MeshLevels, RegionMix, measure_levels,
+    mesh_level_triangles, mesh_levels,
 };
 pub use motion_bounds::motion_bounds;
 pub use motion_error::{
@@ -91,6 +92,7 @@ pub use reduce::{ClipSize, clip_size, hold_joints_in_clip};
 pub use scene::{ClipPlayback, CrossFade, PLAZA_COUNT, Plaza, Scene, SceneCharacter, plaza};
 pub use simplify::{
     ErrorWeighting, LevelTriangles, Simplified, SimplifyOptions, region_weights, simplify,
+    skin_regions,
 };
 pub use surface_distance::{
     DistanceOptions, LevelDistances, SkinPoint, attach, compact, surface_distances,

@@ -149,7 +149,8 @@ impl Clusters {
     /// Returns the triangle ranges for a separate level of each region. Does not allocate.
     ///
     /// Whether two levels can be mixed without gaps where regions touch is known to the builder of
-    /// the levels (`articula_build::cluster`).
+    /// the levels (`articula_build::cluster`) and stated by the table of levels
+    /// ([`LevelTable::check_mix`](crate::LevelTable::check_mix)).
     ///
     /// # Errors
     /// A [`Mismatch`] unless there is one level for each region.
@@ -191,6 +192,18 @@ impl ClusteredTriangles {
     pub fn level(&self, level: usize) -> impl Iterator<Item = [u32; 3]> + '_ {
         let of = |r: Range<u32>| &self.triangles[r.start as usize..r.end as usize];
         self.clusters.ranges(level).flat_map(of).copied()
+    }
+
+    /// Returns the triangles for a separate level of each region, in stored order.
+    ///
+    /// # Errors
+    /// As [`Clusters::ranges_of`].
+    pub fn mix<'a>(
+        &'a self,
+        levels: &'a [u16],
+    ) -> Result<impl Iterator<Item = [u32; 3]> + 'a, Mismatch> {
+        let of = |r: Range<u32>| &self.triangles[r.start as usize..r.end as usize];
+        Ok(self.clusters.ranges_of(levels)?.flat_map(of).copied())
     }
 
     /// Checks that the clusters cover all triangles, and that every level uses only its own

@@ -57,6 +57,49 @@ impl LevelTable {
         };
         MeshErrors::of_statistics(&list(|e| e.p95_metres), &list(|e| e.max_metres))
     }
+
+    /// Checks that regions can be shown at these levels without a gap between them: one level for
+    /// each region, all equal or none coarser than [`LevelTable::mixable_to`].
+    ///
+    /// # Errors
+    /// A [`Mismatch`] that names the region, and the levels that it may have.
+    pub fn check_mix(&self, levels: &[u16]) -> Result<(), Mismatch> {
+        let regions = self.regions.len().max(1);
+        if levels.len() != regions {
+            let what = format!("{} levels for {regions} regions", levels.len());
+            return Err(Mismatch::new("levels", what));
+        }
+        let place = |region: usize| match self.regions.get(region) {
+            Some(name) => format!("region \"{name}\""),
+            None => "mesh".to_owned(),
+        };
+        let count = self.levels.len();
+        if let Some(r) = levels.iter().position(|l| usize::from(*l) >= count) {
+            let what = format!(
+                "there is no level {}; the levels are 0 to {}",
+                levels[r],
+                count.saturating_sub(1)
+            );
+            return Err(Mismatch::new(place(r), what));
+        }
+        if levels.iter().all(|l| *l == levels[0]) {
+            return Ok(());
+        }
+        match levels
+            .iter()
+            .position(|l| usize::from(*l) > self.mixable_to)
+        {
+            None => Ok(()),
+            Some(r) => {
+                let what = format!(
+                    "level {} cannot stand beside another level without gaps; give regions levels \
+                     of 0 to {}, or all regions the same level",
+                    levels[r], self.mixable_to
+                );
+                Err(Mismatch::new(place(r), what))
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -89,5 +132,33 @@ mod tests {
         assert_eq!(errors.levels_metres(), [0.0, 0.01, 0.025]);
         table.levels.remove(0);
         assert!(table.errors().is_err());
+    }
+
+    #[test]
+    fn regions_differ_only_where_the_seam_is_the_same() {
+        let row = LevelRow {
+            triangles: 0,
+            vertices: 0,
+            rest: SurfaceError::default(),
+            motion: SurfaceError::default(),
+        };
+        let table = LevelTable {
+            levels: vec![row; 4],
+            regions: vec!["face".into(), "rest".into()],
+            mixable_to: 2,
+        };
+        for good in [[0, 0], [0, 2], [2, 1], [3, 3]] {
+            assert_eq!(table.check_mix(&good), Ok(()), "{good:?}");
+        }
+        let refused = |levels: &[u16]| table.check_mix(levels).unwrap_err().to_string();
+        assert!(refused(&[0, 3]).contains("region \"rest\""));
+        assert!(refused(&[0, 3]).contains("0 to 2"));
+        assert!(refused(&[4, 4]).contains("the levels are 0 to 3"));
+        assert!(refused(&[1]).contains("1 levels for 2 regions"));
+        let whole = LevelTable {
+            regions: Vec::new(),
+            ..table
+        };
+        assert_eq!(whole.check_mix(&[3]), Ok(()));
     }
 }

@@ -7,7 +7,7 @@
 
 use crate::error::ReadError;
 use crate::limits::Limits;
-use articula_core::loa::{Rule, Selection};
+use articula_core::loa::{MAX_HANIM_LEVEL, Rule, Selection};
 use articula_core::{Complexity, Region, Zone};
 use serde::{Deserialize, Serialize};
 
@@ -63,6 +63,8 @@ struct File {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     complexity: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    hanim: Option<u8>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     zones: Option<Vec<String>>,
     #[serde(default)]
     joints: Joints,
@@ -92,6 +94,7 @@ pub fn read(json: &[u8], limits: &Limits) -> Result<LoaProfile, ReadError> {
             },
             depth: file.depth,
             complexity: file.complexity.as_deref().map(complexity).transpose()?,
+            hanim: file.hanim.map(hanim).transpose()?,
             zone: file.zones.as_deref().map(zone).transpose()?,
             plus: file.joints.plus,
             minus: file.joints.minus,
@@ -114,6 +117,7 @@ pub fn write(profile: &LoaProfile) -> Vec<u8> {
         },
         depth: selection.depth,
         complexity: selection.complexity.map(|c| c.to_string()),
+        hanim: selection.hanim,
         zones: selection.zone.map(zones),
         joints: Joints {
             plus: selection.plus.clone(),
@@ -134,6 +138,14 @@ fn complexity(name: &str) -> Result<Complexity, ReadError> {
             format!("\"{name}\" found, expected one of {known}"),
         )
     })
+}
+
+fn hanim(level: u8) -> Result<u8, ReadError> {
+    if level > MAX_HANIM_LEVEL {
+        let what = format!("{level} found, expected a level of 0 to {MAX_HANIM_LEVEL}");
+        return Err(ReadError::malformed("hanim", what));
+    }
+    Ok(level)
 }
 
 fn zone(names: &[String]) -> Result<Zone, ReadError> {
@@ -172,6 +184,7 @@ mod tests {
                 rule: Rule::Sum,
                 depth: Some(3),
                 complexity: Some(Complexity::None),
+                hanim: None,
                 zone: Some(torso_and_legs),
                 plus: vec![],
                 minus: vec![],
@@ -204,6 +217,7 @@ mod tests {
                         rule,
                         depth: complexity.map(|c| c as u32),
                         complexity,
+                        hanim: complexity.map(|_| 2),
                         zone: complexity.map(|_| Zone::UPPER),
                         plus: vec!["l_knee".to_owned(), "odd \"name\"".to_owned()],
                         minus: vec!["Tail".to_owned()],
@@ -220,6 +234,7 @@ mod tests {
         check(r#"{"depth": -1}"#, "line 1");
         check(r#"{"depth": 1, "depth": 2}"#, "depth");
         check(r#"{"complexity": "most"}"#, "complexity: \"most\" found");
+        check(r#"{"hanim": 4}"#, "hanim: 4 found");
         check(r#"{"zones": ["torso", "tail"]}"#, "zones[1]: \"tail\"");
         check(r#"{"joints": {"add": []}}"#, "add");
         check(r#"{"rule": "both"}"#, "both");

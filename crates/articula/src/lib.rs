@@ -60,6 +60,10 @@ pub use error::{Error, Result};
 pub use facing::facing;
 pub use figure::Figure;
 pub use mesh_levels::{CodedMeshLevels, MeshLevelOptions, MeshLevelStream};
+pub use mesh_levels::{
+    LevelChoice, MeshView, ShownInView, ShownLevelOptions, ShownLevels, ShownLevelsReport,
+    ShownRegion,
+};
 pub use motion_tables::{ClipTables, MotionTables, StoredTables};
 pub use open::{
     CharacterFile, Data, DataFile, DataFormat, Format, GltfSource, OpenOptions, WriteSupport,

@@ -5,6 +5,7 @@
 //! in its own folder do not count: these files may in turn use what the module defines.
 
 use super::Fault;
+use super::imports::{code_of, inline_paths, module_of, statements};
 use super::tree::Tree;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -137,22 +138,12 @@ impl File {
             handed_on: BTreeMap::new(),
             handed_on_whole: Vec::new(),
         };
-        let mut rest = String::new();
-        let mut words = code.as_str();
-        // Statements that begin with `use`, and the code between them.
-        while let Some(at) = find_use(words) {
-            rest.push_str(&words[..at]);
-            let is_public = rest.trim_end().ends_with("pub") || rest.trim_end().ends_with(')');
-            let statement = &words[at + 4..];
-            let end = statement.find(';').unwrap_or(statement.len());
-            let mut all = Vec::new();
-            expand(&statement[..end], "", &mut all);
-            for path in all {
-                file.add(&path, module, is_public);
+        let (imports, rest) = statements(&code);
+        for import in imports {
+            for path in import.paths {
+                file.add(&path, module, import.is_public);
             }
-            words = &statement[end..];
         }
-        rest.push_str(words);
         for path in inline_paths(&rest) {
             file.add(&path, module, false);
         }
@@ -183,18 +174,6 @@ impl File {
     }
 }
 
-/// Returns the module path of a file below `src`.
-fn module_of(name: &str) -> Vec<String> {
-    let stem = name.trim_end_matches(".rs");
-    let parts = stem.split('/').map(str::to_owned);
-    let mut parts: Vec<String> = parts.collect();
-    let is_root = |p: &String| matches!(p.as_str(), "lib" | "main" | "mod");
-    if parts.last().is_some_and(is_root) {
-        parts.pop();
-    }
-    parts
-}
-
 /// Returns a path from the root of the crate; `None` for a path of another crate.
 fn resolved(path: &str, module: &[String]) -> Option<Vec<String>> {
     let mut parts = path.split("::").map(str::trim).peekable();
@@ -215,82 +194,6 @@ fn resolved(path: &str, module: &[String]) -> Option<Vec<String>> {
     }
     base.extend(parts.filter(|p| *p != "self").map(str::to_owned));
     Some(base)
-}
-
-/// Appends all paths of a `use`, with groups expanded.
-fn expand(text: &str, before: &str, out: &mut Vec<String>) {
-    let text = text.trim();
-    let Some(open) = text.find('{') else {
-        for part in text.split(',').map(str::trim).filter(|p| !p.is_empty()) {
-            out.push(format!("{before}{part}"));
-        }
-        return;
-    };
-    // Parts before the first group, then the group with its own prefix, then the rest.
-    let (head, rest) = text.split_at(open);
-    let (plain, prefix) = head.rsplit_once(',').map_or(("", head), |(p, q)| (p, q));
-    expand(plain, before, out);
-    let mut depth = 0usize;
-    let close = rest.char_indices().find(|(_, c)| {
-        depth = match c {
-            '{' => depth + 1,
-            '}' => depth - 1,
-            _ => depth,
-        };
-        depth == 0
-    });
-    let close = close.map_or(rest.len(), |(at, _)| at);
-    let inner = rest.get(1..close).unwrap_or_default();
-    let prefix = format!("{before}{}", prefix.trim());
-    let mut level = 0i32;
-    let mut start = 0;
-    for (at, c) in inner.char_indices().chain([(inner.len(), ',')]) {
-        match c {
-            '{' => level += 1,
-            '}' => level -= 1,
-            ',' if level == 0 => {
-                expand(&inner[start..at], &prefix, out);
-                start = at + 1;
-            }
-            _ => {}
-        }
-    }
-    expand(rest.get(close + 1..).unwrap_or_default(), before, out);
-}
-
-/// Returns the position of the next `use …` statement.
-fn find_use(code: &str) -> Option<usize> {
-    let starts = |at: usize| {
-        let before = code[..at].trim_end();
-        before.is_empty() || before.ends_with([';', '}', '{', ']', ')']) || before.ends_with("pub")
-    };
-    let mut from = 0;
-    while let Some(found) = code[from..].find("use ") {
-        let at = from + found;
-        let is_word = !code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
-        if is_word && starts(at) {
-            return Some(at);
-        }
-        from = at + 4;
-    }
-    None
-}
-
-/// Returns the paths in code that begin with `crate::` or `super::`.
-fn inline_paths(code: &str) -> Vec<String> {
-    let is_part = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
-    let words = code.split(|c: char| !is_part(c));
-    let ours = words.filter(|w| w.starts_with("crate::") || w.starts_with("super::"));
-    ours.map(|w| w.trim_end_matches(':').to_owned()).collect()
-}
-
-/// Returns the code without comments and without the tests at its end.
-fn code_of(text: &str) -> String {
-    let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
-    let lines = code
-        .lines()
-        .map(|l| l.split("//").next().unwrap_or_default());
-    lines.collect::<Vec<_>>().join("\n")
 }
 
 #[cfg(test)]

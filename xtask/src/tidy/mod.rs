@@ -3,7 +3,10 @@
 
 mod circles;
 mod citations;
+mod imports;
+mod items;
 mod manifest;
+mod reach;
 mod record;
 mod source;
 mod tree;
@@ -64,6 +67,7 @@ const RULES: &[fn(&Tree) -> Vec<Fault>] = &[
     source::marks,
     source::machine_paths,
     record::thesis_map,
+    reach::thesis_map,
     record::data_readmes,
     record::links,
     record::schemas,

@@ -3,23 +3,28 @@
 use super::Fault;
 use super::tree::Tree;
 
-const THESIS_MAP: &str = "docs/thesis-map.md";
+pub(super) const THESIS_MAP: &str = "docs/thesis-map.md";
 
 /// Finds rows of the thesis map whose module or test does not exist.
 ///
-/// A row is `| section | module | test | difference |`. Modules and tests are in backquotes,
+/// A row is `| section | module | test | reached by | difference |`. Modules and tests are in backquotes,
 /// separated by commas; a module is a Rust path (`articula_core::loa::joint_set`) or the path of a
 /// file, a test is the name of a `#[test]` function of any crate.
 pub(crate) fn thesis_map(tree: &Tree) -> Vec<Fault> {
     let Some(text) = tree.text(THESIS_MAP) else {
         return vec![Fault::file(THESIS_MAP, "is missing")];
     };
-    let mut faults = Vec::new();
-    for (index, line) in text.lines().enumerate() {
-        let Some([_, module, test, _]) = cells(line) else {
-            continue;
-        };
-        let mut wrong = |what: String| faults.push(Fault::line(THESIS_MAP, index + 1, what));
+    let mut faults: Vec<Fault> = text
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| line.trim().starts_with('|') && fields(line).len() != COLUMNS)
+        .map(|(index, _)| {
+            let what = format!("a row must have {COLUMNS} cells");
+            Fault::line(THESIS_MAP, index + 1, what)
+        })
+        .collect();
+    for (line, [_, module, test, _, _]) in map_rows(text) {
+        let mut wrong = |what: String| faults.push(Fault::line(THESIS_MAP, line, what));
         let modules = quoted(module);
         let tests = quoted(test);
         if modules.is_empty() || tests.is_empty() {
@@ -35,17 +40,32 @@ pub(crate) fn thesis_map(tree: &Tree) -> Vec<Fault> {
     faults
 }
 
-/// Returns the four cells of a table row; `None` for its heading and ruler.
-fn cells(line: &str) -> Option<[&str; 4]> {
-    let inner = line.trim().strip_prefix('|')?.strip_suffix('|')?;
-    let cells: Vec<&str> = inner.split('|').map(str::trim).collect();
-    let cells: [&str; 4] = cells.try_into().ok()?;
+/// Returns the rows of the thesis map, each with the number of its line.
+pub(super) fn map_rows(text: &str) -> impl Iterator<Item = (usize, [&str; 5])> {
+    let lines = text.lines().enumerate();
+    lines.filter_map(|(index, line)| Some((index + 1, cells(line)?)))
+}
+
+/// Number of columns of the thesis map.
+const COLUMNS: usize = 5;
+
+/// Returns the cells of a table row; `None` for its heading and ruler.
+fn cells(line: &str) -> Option<[&str; COLUMNS]> {
+    let cells: [&str; COLUMNS] = fields(line).try_into().ok()?;
     let heading = cells[1] == "module" || cells[1].starts_with("--");
     (!heading).then_some(cells)
 }
 
+/// Returns all cells of a line of a table; none for other lines.
+fn fields(line: &str) -> Vec<&str> {
+    let inner = line.trim().strip_prefix('|');
+    let inner = inner.and_then(|line| line.strip_suffix('|'));
+    let cells = inner.into_iter().flat_map(|line| line.split('|'));
+    cells.map(str::trim).collect()
+}
+
 /// Returns the texts in backquotes.
-fn quoted(cell: &str) -> Vec<&str> {
+pub(super) fn quoted(cell: &str) -> Vec<&str> {
     cell.split('`').skip(1).step_by(2).collect()
 }
 
@@ -183,7 +203,9 @@ mod tests {
     const CODE: &str = "//! x\n#[test]\nfn nested() {}\nfn plain() {}\n";
 
     fn map_faults(row: &str) -> usize {
-        let text = format!("| section | module | test | difference |\n|---|---|---|---|\n{row}\n");
+        let text = format!(
+            "| section | module | test | reached by | difference |\n|---|---|---|---|---|\n{row}\n"
+        );
         let files = [
             (THESIS_MAP, text.as_str()),
             ("crates/articula-core/src/loa/joint_set.rs", CODE),
@@ -195,20 +217,36 @@ mod tests {
     #[test]
     fn rows_of_the_thesis_map_are_true() {
         let module = "`articula_core::loa::joint_set`";
-        assert_eq!(map_faults(&format!("| 5.1 | {module} | `nested` | – |")), 0);
         assert_eq!(
-            map_faults("| 5.1 | `articula_core::loa` | `nested` | – |"),
+            map_faults(&format!("| 5.1 | {module} | `nested` | `lod` | – |")),
+            0
+        );
+        assert_eq!(
+            map_faults("| 5.1 | `articula_core::loa` | `nested` | `lod` | – |"),
             0
         );
         let file = "`crates/articula-core/src/loa/mod.rs`";
-        assert_eq!(map_faults(&format!("| 5.1 | {file} | `nested` | – |")), 0);
         assert_eq!(
-            map_faults("| 5.1 | `articula_core::loa::depth` | `nested` | – |"),
+            map_faults(&format!("| 5.1 | {file} | `nested` | `lod` | – |")),
+            0
+        );
+        assert_eq!(
+            map_faults("| 5.1 | `articula_core::loa::depth` | `nested` | `lod` | – |"),
             1
         );
-        assert_eq!(map_faults(&format!("| 5.1 | {module} | `absent` | – |")), 1);
-        assert_eq!(map_faults(&format!("| 5.1 | {module} | `plain` | – |")), 1);
-        assert_eq!(map_faults(&format!("| 5.1 | {module} | none | – |")), 1);
+        assert_eq!(
+            map_faults(&format!("| 5.1 | {module} | `absent` | `lod` | – |")),
+            1
+        );
+        assert_eq!(
+            map_faults(&format!("| 5.1 | {module} | `plain` | `lod` | – |")),
+            1
+        );
+        assert_eq!(
+            map_faults(&format!("| 5.1 | {module} | none | `lod` | – |")),
+            1
+        );
+        assert_eq!(map_faults(&format!("| 5.1 | {module} | `nested` | – |")), 1);
     }
 
     #[test]

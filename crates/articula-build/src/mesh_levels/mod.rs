@@ -5,13 +5,16 @@
 //! character (`simplify`), each part is clustered as one object (`clusters`), and each level of the
 //! whole character has one error (`surface_distance`).
 
+mod mix;
 mod reordered;
+
+pub use mix::{RegionMix, measure_levels};
 
 use crate::character::Asset;
 use crate::clusters::{ClusterOrder, Clustered, cluster};
 use crate::poses::{PoseOptions, PoseOrigin, Poses, SkinPose, poses, positions};
 use crate::simplify::{LevelTriangles, Simplified, SimplifyOptions, simplify};
-use crate::surface_distance::{DistanceOptions, LevelDistances, surface_distances};
+use crate::surface_distance::{DistanceOptions, LevelDistances};
 use articula_core::source::Character;
 use articula_core::{LevelRow, LevelTable, Mesh, Mismatch, Part};
 
@@ -111,7 +114,8 @@ impl MeshLevels {
 pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels, Mismatch> {
     let mesh = &asset.mesh;
     let (simplified, poses) = simplified(asset, opts)?;
-    let distances = measured(asset, &simplified, &poses, &opts.distance)?;
+    let lists: Vec<&[[u32; 3]]> = simplified.levels.iter().map(|l| &l.triangles[..]).collect();
+    let distances = mix::measured(asset, &lists, &poses, &opts.distance)?;
     let mut objects = Vec::with_capacity(mesh.parts.len());
     let mut parts = Vec::with_capacity(mesh.parts.len());
     for (p, part) in mesh.parts.iter().enumerate() {
@@ -184,22 +188,4 @@ fn part_levels(simplified: &Simplified, p: usize, part: &Part) -> Vec<Vec<[u32; 
         triangles.iter().map(local).collect()
     });
     of_level.collect()
-}
-
-fn measured(
-    asset: &Asset,
-    simplified: &Simplified,
-    poses: &Poses,
-    opts: &DistanceOptions,
-) -> Result<Vec<LevelDistances>, Mismatch> {
-    let Some((original, coarser)) = simplified.levels.split_first() else {
-        return Ok(Vec::new());
-    };
-    let coarser: Vec<&[[u32; 3]]> = coarser.iter().map(|l| l.triangles.as_slice()).collect();
-    let rest = positions(asset, &poses.shaping[..1]);
-    let motion = positions(asset, &poses.measuring);
-    let coarser = surface_distances(&original.triangles, &coarser, &rest[0], &motion, opts)?;
-    // The original has no error.
-    let original = std::iter::once(LevelDistances::default());
-    Ok(original.chain(coarser).collect())
 }

@@ -23,7 +23,7 @@ mod ring;
 mod topology;
 mod wedges;
 
-pub use region_weights::region_weights;
+pub use region_weights::{region_weights, skin_regions};
 
 use articula_core::{Mesh, Mismatch};
 use glam::Vec3;

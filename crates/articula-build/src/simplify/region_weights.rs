@@ -1,10 +1,27 @@
-//! Vertex weights by body region.
+//! Body regions of the skin, and vertex weights by them.
 
 use articula_core::{Mesh, Mismatch, Region, Rig};
 
-/// Returns the weight of an error at each vertex, by the region of the joint with the largest
-/// weight on it: `("hands", 4.0)` makes errors of hands count four times. The weight is 1 in
-/// regions that are not listed.
+/// Returns the region of the skin that each joint of a rig moves: the region of the joint, but the
+/// face for the skull base and all joints below it. H-Anim counts the skull base to the spine, and
+/// the face has no other joint in many rigs.
+pub fn skin_regions(rig: &Rig) -> Vec<Region> {
+    let joints = &rig.articulation().joints;
+    let mut is_head = vec![false; joints.len()];
+    for (j, joint) in joints.iter().enumerate() {
+        let above = rig.parent(j).is_some_and(|p| is_head[p]);
+        is_head[j] = above || joint.hanim.as_deref() == Some("skullbase");
+    }
+    let of = |(joint, is_head): (&articula_core::JointArticulation, &bool)| match is_head {
+        true => Region::Face,
+        false => joint.region,
+    };
+    joints.iter().zip(&is_head).map(of).collect()
+}
+
+/// Returns the weight of an error at each vertex, by the region of the skin ([`skin_regions`]) that
+/// the joint with the largest weight on it moves: `("hands", 4.0)` makes errors of hands count four
+/// times. The weight is 1 in regions that are not listed.
 ///
 /// # Errors
 /// A [`Mismatch`] if a name is not that of a region, a factor is not positive and finite, or the
@@ -43,6 +60,7 @@ pub fn region_weights(
         );
         return Err(Mismatch::new("mesh.bindings", what));
     }
+    let regions = skin_regions(rig);
     let weight = |v: usize| {
         let heaviest =
             mesh.influences_of(v)
@@ -50,7 +68,7 @@ pub fn region_weights(
                     Some(b) if b.1 >= i.1 => Some(b),
                     _ => Some(i),
                 });
-        let region = heaviest.map(|(joint, _)| joints[joint].region);
+        let region = heaviest.map(|(joint, _)| regions[joint]);
         let at = region.and_then(|r| Region::ALL.iter().position(|known| *known == r));
         at.map_or(1.0, |at| of_region[at])
     };
@@ -61,8 +79,8 @@ pub fn region_weights(
 mod tests {
     use super::*;
     use crate::joint_lods::test_figures::{figure, rig};
-    use articula_core::Articulation;
     use articula_core::source::{Joint, Skeleton};
+    use articula_core::{Articulation, Transform};
 
     /// A tube of two joints, the upper one a hand.
     fn hand() -> (Mesh, Rig) {
@@ -109,5 +127,28 @@ mod tests {
         for factor in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             assert!(region_weights(&mesh, &rig, &[("face", factor)]).is_err());
         }
+    }
+
+    #[test]
+    fn the_head_belongs_to_the_face() {
+        let plain = rig(&[None, Some(0), Some(1), Some(0)]);
+        let mut articulation = plain.articulation().clone();
+        articulation.joints[1].hanim = Some("skullbase".into());
+        for joint in &mut articulation.joints {
+            joint.region = Region::Torso;
+        }
+        let named = |(j, parent)| Joint {
+            name: format!("j{j}"),
+            parent,
+            rest: Transform::IDENTITY,
+            in_skin: true,
+        };
+        let parents = [(0, None), (1, Some(0)), (2, Some(1)), (3, Some(0))];
+        let skeleton = Skeleton {
+            joints: parents.map(named).to_vec(),
+        };
+        let rig = Rig::new(&skeleton, articulation).unwrap();
+        let expected = [Region::Torso, Region::Face, Region::Face, Region::Torso];
+        assert_eq!(skin_regions(&rig), expected);
     }
 }

@@ -2,6 +2,7 @@
 //! schemas the extension, three.js the shown levels.
 
 use crate::judges::{ask, judges_are_here};
+use crate::program::{folder, json};
 use crate::real;
 use crate::thinned;
 use articula_build::Clustered;
@@ -87,6 +88,50 @@ fn stored_levels_are_valid_and_keep_to_the_schema() {
         let primitives: usize = stored.of.iter().map(Vec::len).sum();
         let judged = files[0]["judged"].as_u64().unwrap() as usize;
         assert!((2..=primitives + 1).contains(&judged), "{files:?}");
+    }
+}
+
+/// Every mix of levels that a file allows is an ordinary valid file, and three.js shows its
+/// triangles.
+#[test]
+fn mixes_of_levels_are_valid_and_shown() {
+    if !judges_are_here() {
+        return;
+    }
+    let here = folder("levels-mixes");
+    let mut files = Vec::new();
+    for name in ["glb/pab_arnaud.glb", "vrm/Godette_vrm_v4.vrm"] {
+        let Some(file) = real::file(name) else {
+            continue;
+        };
+        let stem = Path::new(name).file_stem().unwrap().to_string_lossy();
+        let built = format!("{stem}.built.glb");
+        let words = ["--levels", "3", "--split", "face,hands"];
+        json(
+            &here,
+            &[&["build", &word(&file), &built], &words[..]].concat(),
+        );
+        let found = json(&here, &["inspect", &built]);
+        let mixable = found["mesh_levels"]["mixable_to"].as_u64().unwrap();
+        let last = found["mesh_levels"]["levels"].as_array().unwrap().len() as u64 - 1;
+        assert!(mixable > 0, "{name}: no mix is allowed");
+        let pairs = (0..=mixable).flat_map(|a| (0..=mixable).map(move |b| (a, b)));
+        for (head, rest) in pairs.chain([(last, last)]) {
+            let out = format!("{stem}.{head}{rest}.glb");
+            let levels = format!("face={head},rest={rest}");
+            let made = json(&here, &["convert", &built, &out, "--mesh-level", &levels]);
+            files.push((here.join(&out), made["mesh"]["triangles"].as_u64().unwrap()));
+        }
+    }
+    let names: Vec<String> = files.iter().map(|(path, _)| word(path)).collect();
+    let (verdict, good) = ask("validate.mjs", &names);
+    assert!(good, "{verdict}");
+    for (path, triangles) in &files {
+        // A part that vanishes keeps one triangle of three equal corners.
+        let shown = shown(path);
+        let corners = shown.iter().flat_map(|p| p.as_chunks::<3>().0);
+        let drawn = corners.filter(|[a, b, c]| a != b || b != c).count();
+        assert_eq!(drawn as u64, *triangles, "{}", path.display());
     }
 }
 

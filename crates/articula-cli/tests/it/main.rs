@@ -21,6 +21,7 @@ mod flatten;
 mod flatten_browser;
 mod folders;
 mod hostile;
+mod joint_levels;
 mod judges;
 mod levels_oracle;
 mod mesh_levels;

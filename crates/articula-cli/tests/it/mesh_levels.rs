@@ -153,6 +153,69 @@ fn zones_and_locked_vertices_are_kept_apart() {
 }
 
 #[test]
+fn convert_writes_a_mix_of_levels_and_draws_it() {
+    let here = folder("mesh-levels-mix");
+    let words = ["--levels", "4", "--split", "face,hands"];
+    let human = word(human());
+    json(&here, &[&["build", human, "b.glb"], &words[..]].concat());
+    let words = [
+        "--mesh-level",
+        "face=0,hands=1,rest=2",
+        "--mesh-distance",
+        "4",
+    ];
+    let words = [&words[..], &["--mesh-picture", "mix.png"]].concat();
+    let made = json(
+        &here,
+        &[&["convert", "b.glb", "mix.glb"], &words[..]].concat(),
+    );
+    let mesh = &made["mesh"];
+    let regions = mesh["regions"].as_array().unwrap();
+    let named: Vec<&str> = regions
+        .iter()
+        .map(|r| r["region"].as_str().unwrap())
+        .collect();
+    assert_eq!(named, ["face", "hands", "rest"]);
+    assert_eq!(numbers(&mesh["regions"], "level"), [0.0, 1.0, 2.0]);
+    let sum: f64 = numbers(&mesh["regions"], "triangles").iter().sum();
+    assert_eq!(sum, mesh["triangles"].as_f64().unwrap());
+    assert!(mesh["view"]["error_px"].as_f64().unwrap() > 0.0);
+    assert_eq!(mesh["view"]["from_m"], Value::Null, "the level was given");
+    assert_eq!(made["written"], serde_json::json!(["mix.png"]));
+    let picture = std::fs::read(here.join("mix.png")).unwrap();
+    assert!(picture.starts_with(b"\x89PNG"));
+    let found = json(&here, &["inspect", "mix.glb"]);
+    assert_eq!(found["mesh_levels"], Value::Null);
+    let triangles: f64 = numbers(&found["meshes"], "triangles").iter().sum();
+    assert_eq!(triangles, sum);
+    assert_eq!(found["clips"].as_array().unwrap().len(), 3);
+    let none = serde_json::json!({"segs": 0, "posekeys": 0});
+    assert_eq!(found["clips"][0]["motion_tables"], none);
+    // The text says the same, and a distance alone chooses the level.
+    let ran = articula(
+        &here,
+        &["convert", "b.glb", "far.glb", "--mesh-distance", "9"],
+    );
+    assert_eq!(ran.status, 0, "{}", ran.err);
+    assert!(ran.out.contains("this level is kept from"), "{}", ran.out);
+
+    let torn = [
+        "convert",
+        "b.glb",
+        "no.glb",
+        "--mesh-level",
+        "face=0,rest=3",
+    ];
+    let line = fault(&here, 1, &torn);
+    assert!(line.contains("give regions levels of 0 to 2"), "{line}");
+    let line = fault(&here, 1, &["convert", human, "no.glb", "--mesh-level", "1"]);
+    assert!(line.contains("no levels"), "{line}");
+    assert!(!here.join("no.glb").exists());
+    let alone = ["convert", "b.glb", "no.glb", "--mesh-picture", "a.png"];
+    assert!(fault(&here, 2, &alone).contains("--mesh-level"));
+}
+
+#[test]
 fn the_same_build_gives_the_same_bytes_and_builds_again() {
     let here = folder("mesh-levels-again");
     for out in ["a.glb", "b.glb"] {

@@ -4,8 +4,8 @@
 //!
 //! ```text
 //! expr := term (('+' | '&' | '-') term)*      left-associative
-//! term := 'depth(' int ')' | 'loa(' name ')' | 'zone(' name ('|' name)* ')'
-//!       | 'joint(' name ')' | '(' expr ')'
+//! term := 'depth(' int ')' | 'loa(' name ')' | 'hanim(' 0 to 3 ')'
+//!       | 'zone(' name ('|' name)* ')' | 'joint(' name ')' | '(' expr ')'
 //! ```
 
 use super::selection;
@@ -27,6 +27,8 @@ pub enum LoaExpression {
     Depth(u32),
     /// Joints of a level of articulation.
     Loa(Complexity),
+    /// Joints of an official H-Anim level, at most [`selection::MAX_HANIM_LEVEL`].
+    Hanim(u8),
     /// Joints of some regions.
     Zone(Zone),
     /// One joint, by its name in the rig or its H-Anim name.
@@ -84,6 +86,7 @@ impl LoaExpression {
         Ok(match self {
             Self::Depth(k) => selection::depth(rig, *k),
             Self::Loa(c) => selection::complexity(rig, *c),
+            Self::Hanim(l) => selection::hanim(rig, *l),
             Self::Zone(z) => selection::zone(rig, *z),
             Self::Joint(name) => JointSet::from_iter([selection::joint(rig, name)?]),
             Self::Plus(a, b) => a.joints(rig)?.union(&b.joints(rig)?),
@@ -155,7 +158,10 @@ impl Parser<'_> {
         let start = self.at;
         let word = self.word(|c| c.is_ascii_alphabetic());
         let selector = word.to_ascii_lowercase();
-        if !matches!(selector.as_str(), "depth" | "loa" | "zone" | "joint") {
+        if !matches!(
+            selector.as_str(),
+            "depth" | "loa" | "hanim" | "zone" | "joint"
+        ) {
             self.at = start;
             let found = if word.is_empty() {
                 self.peek().map_or("the end".into(), |c| format!("'{c}'"))
@@ -163,7 +169,8 @@ impl Parser<'_> {
                 format!("\"{word}\"")
             };
             return Err(self.error(format!(
-                "found {found}, expected depth(…), loa(…), zone(…), joint(…) or a parenthesis"
+                "found {found}, expected depth(…), loa(…), hanim(…), zone(…), joint(…) or a \
+                 parenthesis"
             )));
         }
         self.expect('(')?;
@@ -196,6 +203,12 @@ fn argument_of(selector: &str, argument: &str) -> Result<LoaExpression, String> 
             let names = Complexity::ALL.map(|c| c.to_string()).join(", ");
             format!("\"{argument}\" is not a level; expected one of {names}")
         }),
+        "hanim" => argument
+            .parse()
+            .ok()
+            .filter(|level| *level <= selection::MAX_HANIM_LEVEL)
+            .map(LoaExpression::Hanim)
+            .ok_or_else(|| format!("\"{argument}\" is not an H-Anim level; expected 0, 1, 2 or 3")),
         "zone" => argument
             .split('|')
             .map(|name| {
@@ -244,6 +257,7 @@ mod tests {
         assert_eq!(of("loa(Lots)").column, 5);
         assert!(of("depth(-1)").what.contains("whole number"));
         assert!(of("zone(tail)").what.contains("pelvis"));
+        assert!(of("hanim(4)").what.contains("0, 1, 2 or 3"));
         assert!(of("joint()").what.contains("name"));
         assert!(of("(depth(1)").what.contains("expected ')'"));
         assert!(of("depth(1) +").what.contains("the end"));

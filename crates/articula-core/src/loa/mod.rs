@@ -11,5 +11,6 @@ mod selection;
 pub use crate::articulation::MAX_LEVEL;
 pub use expression::{LoaExpression, LoaExpressionError};
 pub use selection::{
-    Rule, Selection, UnknownJoint, complexity, depth, joint, with_ancestors, zone,
+    MAX_HANIM_LEVEL, Rule, Selection, UnknownJoint, complexity, depth, hanim, joint,
+    with_ancestors, zone,
 };

@@ -6,16 +6,17 @@
 //! selects nothing.
 
 use crate::articulation::{Complexity, Zone};
+use crate::hanim_table;
 use crate::joint_set::JointSet;
 use crate::rig::Rig;
 
 /// How the selectors of a [`Selection`] combine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Rule {
-    /// `(depth | complexity | zone | plus) - minus`: for authoring and at run time.
+    /// `(depth | complexity | hanim | zone | plus) - minus`: for authoring and at run time.
     #[default]
     Sum,
-    /// `((depth & complexity & zone) | plus) - minus`: for the adaptation of streams.
+    /// `((depth & complexity & hanim & zone) | plus) - minus`: for the adaptation of streams.
     Restrict,
 }
 
@@ -28,6 +29,8 @@ pub struct Selection {
     pub depth: Option<u32>,
     /// Selects the joints of this level of articulation.
     pub complexity: Option<Complexity>,
+    /// Selects the joints of this official H-Anim level, 0 to [`MAX_HANIM_LEVEL`].
+    pub hanim: Option<u8>,
     /// Selects the joints of these regions.
     pub zone: Option<Zone>,
     /// Joints that are always included, by their names in the rig or their H-Anim names.
@@ -63,6 +66,7 @@ impl Selection {
         let selectors = [
             self.depth.map(|k| depth(rig, k)),
             self.complexity.map(|c| complexity(rig, c)),
+            self.hanim.map(|l| hanim(rig, l)),
             self.zone.map(|z| zone(rig, z)),
         ];
         if selectors.iter().all(Option::is_none) && self.plus.is_empty() {
@@ -93,6 +97,53 @@ pub fn complexity(rig: &Rig, complexity: Complexity) -> JointSet {
             .filter(|&j| joints[j].level <= level)
             .collect(),
     }
+}
+
+/// Highest official H-Anim level of articulation; it includes every joint.
+pub const MAX_HANIM_LEVEL: u8 = 3;
+
+/// Returns the joints of an official level of articulation of H-Anim 1.1, LOA-0 to LOA-3: those
+/// whose [`HanimJoint::hanim_level`](crate::hanim_table::HanimJoint::hanim_level) is at most
+/// `level`.
+///
+/// A joint below the humanoid root that the standard does not name has the level above that of its
+/// parent, at most 3; nodes above the root have its level, 0, and joints beside it have 3. In a rig
+/// without any H-Anim name the level is the depth, at most 3.
+pub fn hanim(rig: &Rig, level: u8) -> JointSet {
+    let levels = hanim_levels(rig);
+    (0..rig.len()).filter(|&j| levels[j] <= level).collect()
+}
+
+/// Official level of each joint.
+fn hanim_levels(rig: &Rig) -> Vec<u8> {
+    let of_table = |j: usize| {
+        let name = rig.articulation().joints[j].hanim.as_deref()?;
+        Some(hanim_table::JOINTS[hanim_table::find(name)?].hanim_level)
+    };
+    let named: Vec<Option<u8>> = (0..rig.len()).map(of_table).collect();
+    if named.iter().all(Option::is_none) {
+        let depth = |j| rig.depth(j).min(usize::from(MAX_HANIM_LEVEL)) as u8;
+        return (0..rig.len()).map(depth).collect();
+    }
+    let mut is_above = vec![false; rig.len()];
+    for j in (0..rig.len()).rev() {
+        if let Some(p) = rig.parent(j) {
+            is_above[p] |= is_above[j] || named[j].is_some();
+        }
+    }
+    let mut levels: Vec<u8> = Vec::with_capacity(rig.len());
+    let mut is_human = vec![false; rig.len()];
+    for j in 0..rig.len() {
+        let parent = rig.parent(j).filter(|p| is_human[*p]);
+        is_human[j] = named[j].is_some() || parent.is_some();
+        levels.push(match (named[j], parent) {
+            (Some(level), _) => level,
+            (None, Some(p)) => MAX_HANIM_LEVEL.min(levels[p] + 1),
+            (None, None) if is_above[j] => 0,
+            (None, None) => MAX_HANIM_LEVEL,
+        });
+    }
+    levels
 }
 
 /// Returns the joints whose region is part of the zone.

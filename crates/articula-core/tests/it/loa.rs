@@ -69,6 +69,115 @@ fn complexity_is_nested_and_has_the_published_counts() {
     }
 }
 
+/// Table 3.1 of the thesis, and the lists of `docs/methods/hanim.md` part 2.
+#[test]
+fn official_levels_are_nested_and_have_the_printed_lists() {
+    let rig = standard();
+    let body = JointSet::first(89);
+    let level = |l: u8| joints(&format!("hanim({l})")).intersection(&body);
+    assert_eq!([0, 1, 2, 3].map(|l| level(l).len()), [1, 18, 71, 89]);
+    for l in 1..4 {
+        assert!(level(l - 1).difference(&level(l)).is_empty());
+    }
+    let names = |set: JointSet| -> Vec<&str> { set.iter().map(|j| rig.name(j)).collect() };
+    let sorted = |mut names: Vec<&'static str>| {
+        names.sort_unstable();
+        names
+    };
+    let both = |list: &[&'static str]| -> Vec<&'static str> {
+        let of = |side: &str| -> Vec<&'static str> {
+            let named = |name: &&str| JOINTS.iter().find(|j| j.name == format!("{side}_{name}"));
+            list.iter().map(|n| named(n).unwrap().name).collect()
+        };
+        [of("l"), of("r")].concat()
+    };
+    assert_eq!(names(level(0)), ["humanoid_root"]);
+    let limbs = [
+        "hip",
+        "knee",
+        "ankle",
+        "midtarsal",
+        "shoulder",
+        "elbow",
+        "wrist",
+    ];
+    let first = [
+        both(&limbs),
+        vec!["humanoid_root", "sacroiliac", "vl5", "skullbase"],
+    ]
+    .concat();
+    let mut found = names(level(1));
+    found.sort_unstable();
+    assert_eq!(found, sorted(first));
+    let added = level(2).difference(&level(1));
+    let fingers = |j: usize| rig.articulation().joints[j].region == Region::Hands;
+    assert_eq!(added.iter().filter(|j| fingers(*j)).count(), 38);
+    let limbs = [
+        "subtalar",
+        "metatarsal",
+        "sternoclavicular",
+        "acromioclavicular",
+    ];
+    let spine = vec!["vl3", "vl1", "vt10", "vt6", "vt1", "vc4", "vc2"];
+    let mut found: Vec<&str> = added
+        .iter()
+        .filter(|j| !fingers(*j))
+        .map(|j| rig.name(j))
+        .collect();
+    found.sort_unstable();
+    assert_eq!(found, sorted([both(&limbs), spine].concat()));
+    // The extended level 2 is official level 1 with toes and both collars.
+    let medium = joints("loa(Medium)").intersection(&body);
+    let toes_and_collars = ["metatarsal", "sternoclavicular", "acromioclavicular"];
+    let mut more: Vec<&str> = medium
+        .difference(&level(1))
+        .iter()
+        .map(|j| rig.name(j))
+        .collect();
+    more.sort_unstable();
+    assert_eq!(more, sorted(both(&toes_and_collars)));
+}
+
+#[test]
+fn joints_that_the_standard_does_not_name_have_an_official_level_too() {
+    let rig = standard();
+    // The wrist is of level 1, so the bracelet on it of level 2.
+    let bracelet = rig.len() - 1;
+    assert!(!loa::hanim(&rig, 1).contains(bracelet));
+    assert!(loa::hanim(&rig, 2).contains(bracelet));
+
+    // armature > (root > spine > strap), prop: root and spine have names.
+    let joint = |parent| Joint {
+        name: String::new(),
+        parent,
+        rest: Transform::IDENTITY,
+        in_skin: true,
+    };
+    let parents = [None, Some(0), Some(1), Some(2), Some(0)];
+    let skeleton = Skeleton {
+        joints: parents.map(joint).to_vec(),
+    };
+    let rig_of = |names: [Option<&str>; 5]| {
+        let entry = |name: Option<&str>| JointArticulation {
+            hanim: name.map(str::to_owned),
+            level: 0,
+            region: Region::Torso,
+        };
+        let articulation = Articulation {
+            profile: String::new(),
+            joints: names.map(entry).to_vec(),
+        };
+        Rig::new(&skeleton, articulation).unwrap()
+    };
+    let levels = |rig: &Rig| -> Vec<u8> {
+        let least = |j| (0..4).find(|l| loa::hanim(rig, *l).contains(j)).unwrap();
+        (0..rig.len()).map(least).collect()
+    };
+    let human = rig_of([None, Some("humanoid_root"), Some("vl5"), None, None]);
+    assert_eq!(levels(&human), [0, 0, 1, 2, 3]);
+    assert_eq!(levels(&rig_of([None; 5])), [0, 1, 2, 3, 1], "depths");
+}
+
 #[test]
 fn regions_partition_the_joints() {
     let rig = standard();
@@ -172,18 +281,22 @@ fn any_selection() -> impl Strategy<Value = Selection> {
     (
         prop::option::of(0u32..20),
         prop::option::of(prop::sample::select(Complexity::ALL.to_vec())),
+        prop::option::of(0u8..=loa::MAX_HANIM_LEVEL),
         prop::option::of(prop::sample::select(Region::ALL.to_vec())),
         names(),
         names(),
     )
-        .prop_map(|(depth, complexity, region, plus, minus)| Selection {
-            rule: Rule::Sum,
-            depth,
-            complexity,
-            zone: region.map(Zone::from),
-            plus: plus.into_iter().map(str::to_owned).collect(),
-            minus: minus.into_iter().map(str::to_owned).collect(),
-        })
+        .prop_map(
+            |(depth, complexity, hanim, region, plus, minus)| Selection {
+                rule: Rule::Sum,
+                depth,
+                complexity,
+                hanim,
+                zone: region.map(Zone::from),
+                plus: plus.into_iter().map(str::to_owned).collect(),
+                minus: minus.into_iter().map(str::to_owned).collect(),
+            },
+        )
 }
 
 proptest! {
@@ -200,7 +313,12 @@ proptest! {
             let joint = loa::joint(&rig, name).unwrap();
             prop_assert!(sum.contains(joint) && restrict.contains(joint));
         }
-        let selectors = [selection.depth.is_some(), selection.complexity.is_some(), selection.zone.is_some()];
+        let selectors = [
+            selection.depth.is_some(),
+            selection.complexity.is_some(),
+            selection.hanim.is_some(),
+            selection.zone.is_some(),
+        ];
         if selectors.iter().any(|s| *s) {
             prop_assert!(restrict.difference(&sum).is_empty(), "meeting every selector meets one");
         }

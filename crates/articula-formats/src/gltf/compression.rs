@@ -191,7 +191,7 @@ fn put(document: &mut Document, views: Vec<Decoded>) {
     document.drop_unused_buffers();
 }
 
-fn take_extension(owner: &mut Value, name: &str) -> Option<Value> {
+pub(super) fn take_extension(owner: &mut Value, name: &str) -> Option<Value> {
     let extensions = owner.get_mut("extensions").filter(|e| e.is_object())?;
     let taken = object(extensions).shift_remove(name);
     if object(extensions).is_empty() {

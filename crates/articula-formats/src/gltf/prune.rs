@@ -5,6 +5,7 @@
 //! and buffer views alone prevents any removal.
 
 use super::append::{entries_mut, index, object, set};
+use super::compression::take_extension;
 use super::document::Document;
 use super::extension::{ARTICULATION, CLUSTERED_MESH, PREPARED};
 use serde_json::{Value, json};
@@ -60,6 +61,22 @@ impl Document {
         if !has_unknown_extension(&self.json) {
             self.drop_arrays(accessors, BTreeSet::new());
         }
+    }
+
+    /// Removes the motion tables of all animations. They hold for one order of vertices and one
+    /// set of joints and clips, so whoever changes these removes them.
+    pub fn remove_motion_tables(&mut self) {
+        let mut views = BTreeSet::new();
+        for animation in entries_mut(&mut self.json, "animations") {
+            views.extend(table_views(animation));
+            if let Some(own) = extension(animation, ARTICULATION) {
+                object(own).shift_remove("tables");
+                if object(own).is_empty() {
+                    take_extension(animation, ARTICULATION);
+                }
+            }
+        }
+        self.drop_arrays(BTreeSet::new(), views);
     }
 
     fn drop_arrays(&mut self, mut accessors: BTreeSet<usize>, mut views: BTreeSet<usize>) {

@@ -279,23 +279,6 @@ impl ClipEdits {
     }
 }
 
-impl CharacterFile {
-    /// Edits all clips of the character; returns one report per clip, or none if no edit is
-    /// requested. There is one job per clip.
-    ///
-    /// # Errors
-    /// An [`Error`] that names the file, and the clip or joint at fault.
-    pub fn edit_clips(
-        &mut self,
-        edits: &ClipEdits,
-        work: &Executor<'_>,
-    ) -> Result<Vec<ClipEdited>> {
-        let mut edited = edits.apply(self, work)?;
-        edits.reduce_keys(self, &mut edited, work)?;
-        Ok(edited)
-    }
-}
-
 fn subject(opened: &CharacterFile) -> Result<EditSubject<'_>> {
     let articulation = opened.articulation();
     Ok(EditSubject::new(

@@ -42,6 +42,7 @@ pub use reduction::{
 pub use written::{write, write_data};
 
 use crate::error::{Context, Error, Result};
+use crate::mesh_levels::{self, ShownLevelOptions, ShownLevels};
 use crate::open::{CharacterFile, Format, WriteSupport, choose, conversions};
 use crate::work::Executor;
 
@@ -50,6 +51,9 @@ use crate::work::Executor;
 pub struct ConvertOptions {
     /// Name of the only clip to keep; without a name, the first ones, as many as the format holds.
     pub clip: Option<String>,
+    /// Mesh levels that are written in place of the original meshes, if the file has levels;
+    /// `None` keeps all levels. For glTF formats.
+    pub mesh: Option<ShownLevelOptions>,
     /// Edits of the clips.
     pub edits: ClipEdits,
     /// Selection of the joints that move, and the poses of the others; `None` keeps all motion.
@@ -66,6 +70,8 @@ pub struct Converted {
     pub written: EncodedFile,
     /// Names of the written clips.
     pub clips: Vec<String>,
+    /// The mesh levels that were written, if they were requested.
+    pub mesh: Option<ShownLevels>,
     /// Report on the edits of each clip; empty if no edit was requested.
     pub edits: Vec<ClipEdited>,
     /// Report on the joint reduction, if it was requested.
@@ -127,6 +133,9 @@ pub fn convert(
 ) -> Result<Converted> {
     options.check(opened.format, format)?;
     let place = opened.name.clone();
+    let mesh = options.mesh.as_ref();
+    let mesh = mesh.map(|wanted| mesh_levels::show(&mut opened, wanted, work));
+    let mesh = mesh.transpose().with_context(|| &place)?;
     let dropped = choose_clips(options.clip.as_deref(), &mut opened, format);
     let dropped = dropped.with_context(|| &place)?;
     let mut edits = options.edits.apply(&mut opened, work)?;
@@ -143,6 +152,7 @@ pub fn convert(
     Ok(Converted {
         written,
         clips: clips.map(|c| c.name.clone()).collect(),
+        mesh,
         edits,
         reduction,
     })
@@ -158,6 +168,12 @@ impl ConvertOptions {
         if self.khr_character && to != Format::Glb {
             return Err(Error::argument(format!(
                 "the draft extensions for characters need a .glb file, not .{}",
+                to.name()
+            )));
+        }
+        if self.mesh.is_some() && !to.is_gltf() {
+            return Err(Error::argument(format!(
+                "a choice of mesh levels needs a .glb or .vrm file, not .{}",
                 to.name()
             )));
         }

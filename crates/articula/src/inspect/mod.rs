@@ -5,6 +5,7 @@
 mod data;
 mod extent;
 mod human;
+mod joint_levels;
 mod mesh_levels;
 mod skeletons;
 mod stream;
@@ -17,6 +18,9 @@ pub use extent::Extent;
 pub use human::{
     CreditsInspection, ExpressionInspection, HumanoidInspection, KhrCharacterInspection, MappedRig,
     MorphInspection, PassThroughItem, ReferencePoseClip, Term,
+};
+pub use joint_levels::{
+    FAR_FROM_METRES, JointLevelError, JointLevelInspection, JointLevelsInspection, joint_levels,
 };
 pub use mesh_levels::{CoarserMesh, MeshLevelInspection, MeshLevelsInspection};
 pub use stream::{StreamInspection, StreamLevel, inspect_stream};
@@ -54,6 +58,8 @@ pub struct Inspection {
     pub meshes: Vec<MeshInspection>,
     /// Mesh levels of all meshes together; null if the file has none.
     pub mesh_levels: Option<MeshLevelsInspection>,
+    /// Joint levels; null unless they were asked for ([`joint_levels()`]).
+    pub joint_levels: Option<JointLevelsInspection>,
     /// Number of materials.
     pub materials: usize,
     /// Number of pictures.
@@ -213,6 +219,7 @@ pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<
         skeletons: skeletons_of(figure),
         clips: measured,
         meshes: character.meshes.iter().map(mesh_of).collect(),
+        joint_levels: None,
         mesh_levels: {
             let table = character.mesh_levels.as_ref();
             table.map(|table| mesh_levels::of(table, &character.meshes))

@@ -43,14 +43,17 @@ pub struct StreamLevel {
     pub complete: bool,
 }
 
-/// Summarises a stream of mesh levels; every chunk that is present is checked and decoded. `file`
-/// identifies the file in errors.
+/// Summarises a stream of mesh levels; every chunk that is present is checked and decoded, and so is
+/// the map by which the stream can be cut. `file` identifies the file in errors.
 ///
 /// # Errors
 /// An [`Error`](crate::Error) that names the file and the position in it.
 pub fn inspect_stream(bytes: &[u8], file: &str, limits: &StreamLimits) -> Result<StreamInspection> {
     let received = Receiver::read(bytes, limits).context(file)?;
     let stream = received.stream();
+    let map = stream.unit();
+    map.check().context("map")?;
+    map.check_values(bytes).context("map")?;
     Ok(StreamInspection {
         file: file.to_owned(),
         format: "ams",

@@ -1,9 +1,15 @@
 //! Mesh levels of an asset: options, computation and storage.
 
 mod options;
+mod show;
 mod stream;
 
 pub use options::MeshLevelOptions;
+pub(crate) use show::show;
+pub use show::{
+    LevelChoice, MeshView, ShownInView, ShownLevelOptions, ShownLevels, ShownLevelsReport,
+    ShownRegion,
+};
 pub use stream::MeshLevelStream;
 
 use crate::error::{Context, Error, Result};
@@ -214,12 +220,16 @@ fn store(
 
 /// Range of parts of the character's mesh for each source mesh.
 fn parts_of_meshes(figure: &Figure) -> Vec<std::ops::Range<usize>> {
+    parts_of_meshes_of(&figure.opened.character.meshes)
+}
+
+/// Range of primitives, counted over all meshes, for each mesh.
+fn parts_of_meshes_of(meshes: &[articula_core::source::RawMesh]) -> Vec<std::ops::Range<usize>> {
     let mut first = 0;
-    let meshes = figure.opened.character.meshes.iter();
     let range = |mesh: &articula_core::source::RawMesh| {
         let range = first..first + mesh.primitives.len();
         first = range.end;
         range
     };
-    meshes.map(range).collect()
+    meshes.iter().map(range).collect()
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{Context, Error, Result};
 use articula_build::MeshLevelOptions as BuildOptions;
-use articula_build::{ErrorWeighting, SimplifyOptions, region_weights};
+use articula_build::{ErrorWeighting, SimplifyOptions, region_weights, skin_regions};
 use articula_core::{Mesh, Part, Rig, Zone};
 use std::collections::BTreeMap;
 
@@ -63,15 +63,16 @@ impl MeshLevelOptions {
         })
     }
 
-    /// Zone of each vertex: the first that contains the joint with the greatest weight.
+    /// Zone of each vertex: the first that contains the region of the skin that the joint with the
+    /// greatest weight moves.
     fn regions(&self, mesh: &Mesh, rig: &Rig) -> Vec<u8> {
         if self.split.is_empty() {
             return Vec::new();
         }
-        let joints = &rig.articulation().joints;
+        let of_joint = skin_regions(rig);
         let zone_of = |joint: usize| {
-            let region = joints.get(joint).map(|j| j.region);
-            let has = |(_, zone): &(String, Zone)| region.is_some_and(|r| zone.contains(r));
+            let region = of_joint.get(joint);
+            let has = |(_, zone): &(String, Zone)| region.is_some_and(|r| zone.contains(*r));
             self.split.iter().position(has).unwrap_or(self.split.len()) as u8
         };
         let heaviest = |v| {

@@ -181,6 +181,11 @@ impl Format {
         self.row().name
     }
 
+    /// Returns whether the format is glTF 2.0 or built on it.
+    pub fn is_gltf(self) -> bool {
+        matches!(self, Self::Glb | Self::Gltf | Self::Vrm | Self::Vrma)
+    }
+
     /// Returns which characters can be written in the format.
     pub fn writes(self) -> WriteSupport {
         self.row().writes

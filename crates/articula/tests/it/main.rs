@@ -10,5 +10,6 @@
 
 mod convert;
 mod crowd;
+mod mesh_levels;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;

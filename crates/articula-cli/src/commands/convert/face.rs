@@ -42,6 +42,8 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         onto: None,
         edits: Vec::new(),
         reduction: None,
+        mesh: None,
+        written: Vec::new(),
         warnings: warnings.map(|w| format!("{}: {}", w.at, w.what)).collect(),
         failed: Vec::new(),
     };

@@ -162,6 +162,10 @@ impl Recipe<'_> {
                 "a .{format} file stores every joint in every frame, so the file does not become smaller; write .glb to save bytes"
             ));
         }
+        if let Some(shown) = made.mesh {
+            report.written.extend(self.args.mesh.draw(&shown)?);
+            report.mesh = Some(shown.report);
+        }
         report.edits = made.edits;
         let reduction = self.selected.as_ref().zip(made.reduction);
         report.reduction = reduction.map(|(selected, saved)| Reduction::new(selected, saved));
@@ -175,6 +179,7 @@ impl Recipe<'_> {
     fn options(&self, clip: Option<String>) -> ConvertOptions {
         ConvertOptions {
             clip,
+            mesh: self.args.mesh.options(),
             edits: self.args.hygiene.edits(),
             reduction: self.selected.as_ref().map(|s| s.reduction.clone()),
             khr_character: self.args.khr_character,

@@ -4,6 +4,7 @@
 mod face;
 mod hygiene;
 mod job;
+mod mesh;
 mod onto;
 mod plan;
 mod reduction;
@@ -73,6 +74,8 @@ pub(crate) struct ConvertArgs {
     #[arg(long)]
     khr_character: bool,
     #[command(flatten)]
+    mesh: mesh::MeshArgs,
+    #[command(flatten)]
     hygiene: hygiene::HygieneArgs,
     #[command(flatten)]
     names: ReadArgs,
@@ -85,6 +88,7 @@ pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         return face::run(args, console);
     }
     let plan = Plan::of(args)?;
+    args.mesh.check(plan.folder.is_some())?;
     for job in &plan.jobs {
         args.hygiene.check(job.format)?;
         args.check_khr_character(job.format)?;

@@ -1,12 +1,14 @@
 //! The report of a conversion, for programs and for people.
 
 use super::hygiene;
+use super::mesh;
 use super::onto;
 use super::plan::Job;
 use super::reduction::Reduction;
 use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
+use articula::ShownLevelsReport;
 use articula::convert::{ClipEdited, LossyPart, TransferReport};
 use serde::Serialize;
 use std::path::Path;
@@ -32,6 +34,10 @@ pub(super) struct ConvertReport {
     /// Edits of each clip; empty if none were asked for.
     pub(super) edits: Vec<ClipEdited>,
     pub(super) reduction: Option<Reduction>,
+    /// The mesh levels that were written, if any were asked for.
+    pub(super) mesh: Option<ShownLevelsReport>,
+    /// Pictures that were written.
+    pub(super) written: Vec<String>,
     /// Content that the output format cannot hold.
     pub(super) left_out: Vec<String>,
     pub(super) warnings: Vec<String>,
@@ -129,6 +135,8 @@ impl ConvertReport {
             onto: None,
             edits: Vec::new(),
             reduction: None,
+            mesh: None,
+            written: Vec::new(),
             left_out: Vec::new(),
             warnings: Vec::new(),
             failed: Vec::new(),
@@ -153,12 +161,16 @@ impl ConvertReport {
         if let Some(onto) = &self.onto {
             text.push_str(&onto.text(map));
         }
+        if let Some(shown) = &self.mesh {
+            text.push_str(&mesh::text(shown));
+        }
         for edits in &self.edits {
             text.push_str(&hygiene::text(edits));
         }
         if let Some(reduction) = &self.reduction {
             text.push_str(&reduction.text());
         }
+        text.push_str(&lines("picture", &self.written));
         text.push_str(&lines("left out", &self.left_out));
         text.push_str(&lines("warning", &self.warnings));
         text

@@ -2,17 +2,17 @@
 
 mod data;
 mod human;
+mod joint_levels;
 mod mesh_levels;
 mod stream;
 mod text;
 
-use crate::arguments::CharacterArgs;
+use crate::arguments::{CharacterArgs, not_negative};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use articula::MotionTables;
-use articula::inspect::WarningInspection;
-use articula::inspect::inspect;
+use articula::inspect::{FAR_FROM_METRES, WarningInspection, inspect, joint_levels};
 use clap::Args;
 
 /// Arguments of `inspect`.
@@ -23,6 +23,14 @@ pub(crate) struct InspectArgs {
     /// List every joint with its H-Anim name, level and region; of a FAP file every parameter
     #[arg(long)]
     map: bool,
+    /// Compute and list the joint levels of the character: joints, matrices and errors
+    #[arg(long)]
+    joint_levels: bool,
+    /// With --joint-levels: tolerance in millimetres from which a level may drop ancestors of the
+    /// joints that it keeps (a far level)
+    #[arg(long, value_name = "MM", default_value_t = 1e3 * FAR_FROM_METRES,
+          value_parser = not_negative, requires = "joint_levels")]
+    far_from_mm: f32,
     /// Name of the only clip to report
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
@@ -30,7 +38,13 @@ pub(crate) struct InspectArgs {
 
 /// Reads the file and prints its contents.
 pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
-    if let Some(format) = files::data_format(&args.character.file) {
+    let is_stream = stream::is_one(&args.character.file);
+    let data_format = files::data_format(&args.character.file);
+    if args.joint_levels && (is_stream || data_format.is_some()) {
+        let what = "--joint-levels lists levels of a character; this file has no joints";
+        return Err(fault::usage(what));
+    }
+    if let Some(format) = data_format {
         if args.clip.is_some() {
             return Err(fault::usage(format!(
                 "--clip chooses a motion of joints; a .{} file has none",
@@ -39,7 +53,7 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         }
         return data::run(&args.character, format, args.map, console);
     }
-    if stream::is_one(&args.character.file) {
+    if is_stream {
         return stream::run(&args.character, console);
     }
     let figure = open::figure(&args.character)?;
@@ -63,6 +77,11 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
                 .warnings
                 .extend(tables.warnings.into_iter().map(told));
         }
+    }
+    if args.joint_levels {
+        let far_from_metres = 1e-3 * args.far_from_mm;
+        let found = console.work(|work| joint_levels(&figure, &clips, far_from_metres, work))?;
+        findings.joint_levels = Some(found);
     }
     console.result(&findings, |found| text::of(found, args.map))
 }

@@ -1,6 +1,6 @@
 //! The result of `inspect` as text tables.
 
-use super::{human, mesh_levels};
+use super::{human, joint_levels, mesh_levels};
 use crate::fault::clean;
 use crate::table::Table;
 use articula::inspect::{
@@ -38,6 +38,9 @@ pub(super) fn of(found: &Inspection, map: bool) -> String {
                 levels.mixable_to
             ));
         }
+    }
+    if let Some(levels) = &found.joint_levels {
+        text.push_str(&joint_levels::text(levels));
     }
     if map {
         text.push_str("\njoints\n");

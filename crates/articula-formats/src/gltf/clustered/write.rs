@@ -4,6 +4,7 @@ use super::version::{MAX_LEVELS, VERSION};
 use crate::error::ReadError;
 use crate::gltf::append::{Use, entries_mut, object, push, set};
 use crate::gltf::arrays::{Reordered, reordered};
+use crate::gltf::compression::take_extension;
 use crate::gltf::document::Document;
 use crate::gltf::extension::CLUSTERED_MESH;
 use crate::gltf::origin::{mesh_of, origins};
@@ -47,6 +48,15 @@ pub struct MeshParts<'a> {
     pub parts: Vec<PartLevels<'a>>,
 }
 
+/// Which lists of triangles a primitive gets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Lists {
+    /// Its own, the finest level, and that of all levels with their clusters.
+    Clustered,
+    /// Its own alone.
+    Single,
+}
+
 /// A primitive with its vertices in a new order, not yet in the document.
 struct NewPrimitive {
     primitive: usize,
@@ -82,6 +92,63 @@ impl Document {
         Ok(())
     }
 
+    /// Replaces meshes by a single level each, which becomes their ordinary triangles: no list of
+    /// levels remains, neither of this extension nor of `MSFT_lod` on these nodes. Otherwise as
+    /// [`Document::set_mesh_levels`].
+    ///
+    /// A primitive whose level has no triangle gets one of three equal corners, which shows
+    /// nothing: its mesh, skin and morph targets remain in use.
+    ///
+    /// # Errors
+    /// As [`Document::set_mesh_levels`], also if a part has several levels.
+    pub fn set_single_level(&mut self, meshes: &[MeshParts<'_>]) -> Result<(), WriteError> {
+        check_all(meshes, 1)?;
+        let nothing = Clusters::new(
+            vec![1],
+            vec![Cluster {
+                finest_level: 0,
+                coarsest_level: 0,
+                region: 0,
+                triangles: 0..1,
+            }],
+        );
+        let nothing = nothing.map_err(|e| WriteError::mismatch(e.at, e.what))?;
+        let empty = PartLevels {
+            vertices: &[0],
+            triangles: &[[0; 3]],
+            clusters: &nothing,
+        };
+        let drawn = |part: &PartLevels<'_>| !part.triangles.is_empty();
+        let shown: Vec<MeshParts<'_>> = meshes
+            .iter()
+            .map(|mesh| MeshParts {
+                node: mesh.node,
+                parts: mesh
+                    .parts
+                    .iter()
+                    .map(|p| if drawn(p) { *p } else { empty })
+                    .collect(),
+            })
+            .collect();
+        self.put_meshes(&shown, Lists::Single)?;
+        for mesh in meshes {
+            self.clear_level_nodes(mesh.node);
+        }
+        self.drop_level_table();
+        Ok(())
+    }
+
+    /// Removes the table of levels if no mesh has levels any more.
+    fn drop_level_table(&mut self) {
+        let mut meshes = entries_mut(&mut self.json, "meshes").iter_mut();
+        let has_levels = |p: &Value| p["extensions"].get(CLUSTERED_MESH).is_some();
+        if meshes.any(|m| entries_mut(m, "primitives").iter().any(has_levels)) {
+            return;
+        }
+        take_extension(&mut self.json, CLUSTERED_MESH);
+        self.disuse_extension(CLUSTERED_MESH);
+    }
+
     /// As [`Document::set_mesh_levels`], but keeps levels of `MSFT_lod`.
     fn write_mesh_levels(
         &mut self,
@@ -89,12 +156,14 @@ impl Document {
         meshes: &[MeshParts<'_>],
     ) -> Result<(), WriteError> {
         let table = super::level_table::table(levels)?;
-        for mesh in meshes {
-            for (p, part) in mesh.parts.iter().enumerate() {
-                check(part, levels.levels.len())
-                    .map_err(|what| mismatch(mesh.node, format!("part {p}: {what}")))?;
-            }
-        }
+        check_all(meshes, levels.levels.len())?;
+        self.put_meshes(meshes, Lists::Clustered)?;
+        self.extend(CLUSTERED_MESH, table);
+        Ok(())
+    }
+
+    /// Stores meshes in the order of their levels, and drops what they no longer use.
+    fn put_meshes(&mut self, meshes: &[MeshParts<'_>], lists: Lists) -> Result<(), WriteError> {
         let planned = self.plan(meshes)?;
         let mut given: Vec<(usize, &MeshParts<'_>, usize)> = Vec::new();
         let untouched = self.json.get("meshes").cloned().unwrap_or_default();
@@ -113,7 +182,7 @@ impl Document {
                     push(&mut self.json, "meshes", untouched[mesh].clone())
                 };
                 for (new, part) in primitives.into_iter().zip(&parts.parts) {
-                    self.put(stored, new, part);
+                    self.put(stored, new, part, lists);
                 }
                 stored
             };
@@ -124,7 +193,6 @@ impl Document {
                 stored,
             );
         }
-        self.extend(CLUSTERED_MESH, table);
         self.drop_unnamed(before);
         Ok(())
     }
@@ -212,7 +280,7 @@ impl Document {
     }
 
     /// Stores a primitive in its new order.
-    fn put(&mut self, mesh: usize, new: NewPrimitive, part: &PartLevels<'_>) {
+    fn put(&mut self, mesh: usize, new: NewPrimitive, part: &PartLevels<'_>, lists: Lists) {
         let arrays: Vec<usize> = new
             .arrays
             .into_iter()
@@ -227,14 +295,23 @@ impl Document {
             corners.flat_map(|c| c.to_le_bytes()).collect()
         };
         let view = self.add_view(&bytes, Use::Indices);
-        let finest = part.clusters.triangles(0) as usize;
-        let [own, all] = [finest, part.triangles.len()].map(|triangles| {
-            self.add_accessor(json!({
+        let list = |triangles: usize| {
+            json!({
                 "bufferView": view,
                 "componentType": if short { 5123 } else { 5125 },
                 "count": triangles * 3,
                 "type": "SCALAR",
-            }))
+            })
+        };
+        let own = self.add_accessor(list(part.clusters.triangles(0) as usize));
+        let clustered = (lists == Lists::Clustered).then(|| {
+            let clusters: Vec<Value> = part.clusters.clusters().iter().map(cluster).collect();
+            json!({
+                "version": VERSION,
+                "indices": self.add_accessor(list(part.triangles.len())),
+                "vertices": part.clusters.vertex_counts(),
+                "clusters": clusters,
+            })
         });
         let mesh = &mut entries_mut(&mut self.json, "meshes")[mesh];
         let primitive = &mut entries_mut(mesh, "primitives")[new.primitive];
@@ -247,17 +324,14 @@ impl Document {
         }
         object(primitive).shift_remove("mode");
         set(primitive, "indices", own);
-        let extensions = object(primitive)
-            .entry("extensions")
-            .or_insert_with(|| json!({}));
-        let clusters: Vec<Value> = part.clusters.clusters().iter().map(cluster).collect();
-        let value = json!({
-            "version": VERSION,
-            "indices": all,
-            "vertices": part.clusters.vertex_counts(),
-            "clusters": clusters,
-        });
-        set(extensions, CLUSTERED_MESH, value);
+        if let Some(value) = clustered {
+            let extensions = object(primitive)
+                .entry("extensions")
+                .or_insert_with(|| json!({}));
+            set(extensions, CLUSTERED_MESH, value);
+        } else {
+            take_extension(primitive, CLUSTERED_MESH);
+        }
     }
 
     /// Returns all accessors that meshes use.
@@ -276,6 +350,15 @@ fn mismatch(node: usize, what: impl Into<String>) -> WriteError {
     WriteError::mismatch(format!("nodes[{node}].mesh"), what)
 }
 
+fn check_all(meshes: &[MeshParts<'_>], levels: usize) -> Result<(), WriteError> {
+    for mesh in meshes {
+        for (p, part) in mesh.parts.iter().enumerate() {
+            check(part, levels).map_err(|what| mismatch(mesh.node, format!("part {p}: {what}")))?;
+        }
+    }
+    Ok(())
+}
+
 fn check(part: &PartLevels<'_>, levels: usize) -> Result<(), String> {
     let found = part.clusters.levels();
     if found != levels || levels > MAX_LEVELS {
@@ -292,6 +375,7 @@ fn check(part: &PartLevels<'_>, levels: usize) -> Result<(), String> {
         .map_err(|e| e.to_string())?;
     let finest: Vec<_> = part.clusters.ranges(0).collect();
     match finest.as_slice() {
+        [] if part.triangles.is_empty() => Ok(()),
         [range] if range.start == 0 => Ok(()),
         _ => Err("the finest level must be the first range of the triangles".to_owned()),
     }

@@ -1,0 +1,207 @@
+//! `convert --mesh-level --mesh-distance --mesh-picture`: the mesh levels that are written, and the
+//! report about them.
+
+use crate::arguments::{ViewArgs, positive};
+use crate::table::{Table, millimetres};
+use crate::{fault, files};
+use anyhow::Context;
+use articula::{LevelChoice, MeshView, ShownLevelOptions, ShownLevels, ShownLevelsReport, facing};
+use articula_core::{ModelPose, Wrap, local_to_model, sample};
+use articula_flat::Picture;
+use articula_report::{FacetRow, facet_sheet};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Choice of mesh levels.
+#[derive(Debug, Clone, Args)]
+pub(super) struct MeshArgs {
+    /// Write the mesh at one of its levels (0 is the finest), or regions of the body at levels of
+    /// their own: face=0,rest=3; regions without a level have that of rest, or 0
+    #[arg(long, value_name = "LEVEL|REGION=LEVEL,...", value_parser = level)]
+    mesh_level: Option<LevelChoice>,
+    /// Distance from the camera in metres at which the error of the mesh is reported in pixels;
+    /// without --mesh-level it chooses the coarsest level within --epsilon-px
+    #[arg(long, value_name = "M", value_parser = positive)]
+    mesh_distance: Option<f32>,
+    /// With --mesh-distance: tolerated error of the mesh in pixels
+    #[arg(long, value_name = "PX", default_value_t = 1.0, value_parser = positive,
+          requires = "mesh_distance")]
+    epsilon_px: f32,
+    #[command(flatten)]
+    view: ViewArgs,
+    /// Write a picture of the chosen levels below the original, with every triangle visible
+    #[arg(long, value_name = "OUT.png")]
+    mesh_picture: Option<PathBuf>,
+}
+
+impl MeshArgs {
+    /// Refuses flags that have no effect.
+    pub(super) fn check(&self, folder: bool) -> anyhow::Result<()> {
+        let Some(path) = &self.mesh_picture else {
+            return Ok(());
+        };
+        if self.options().is_none() {
+            let what = "--mesh-picture needs --mesh-level or --mesh-distance";
+            return Err(fault::usage(what));
+        }
+        if !path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+        {
+            let path = files::shown(path);
+            let what = format!("--mesh-picture {path}: pictures are PNG; name the file .png");
+            return Err(fault::usage(what));
+        }
+        if folder {
+            let what = "--mesh-picture draws one file; convert the files one by one";
+            return Err(fault::usage(what));
+        }
+        Ok(())
+    }
+
+    /// The choice, if there is one.
+    pub(super) fn options(&self) -> Option<ShownLevelOptions> {
+        let view = self.mesh_distance.map(|distance_m| MeshView {
+            distance_m,
+            epsilon_px: self.epsilon_px,
+            viewport: self.view.viewport(),
+        });
+        if self.mesh_level.is_none() && view.is_none() {
+            return None;
+        }
+        Some(ShownLevelOptions {
+            level: self.mesh_level.clone().unwrap_or_default(),
+            view,
+        })
+    }
+
+    /// Writes the picture, if one was asked for; returns its path.
+    pub(super) fn draw(&self, shown: &ShownLevels) -> anyhow::Result<Option<String>> {
+        let Some(path) = &self.mesh_picture else {
+            return Ok(None);
+        };
+        let bytes = picture(shown)?
+            .to_png()
+            .with_context(|| files::shown(path))?;
+        files::write(path, &bytes)?;
+        Ok(Some(files::shown(path)))
+    }
+}
+
+/// Parses a level, or levels of regions.
+fn level(text: &str) -> Result<LevelChoice, String> {
+    let wrong = || "expected a level such as 2, or levels of regions such as face=0,rest=3";
+    let number = |text: &str| text.trim().parse::<u16>().map_err(|_| wrong().to_owned());
+    if !text.contains('=') {
+        return number(text).map(LevelChoice::Whole);
+    }
+    let mut named: Vec<(String, u16)> = Vec::new();
+    for entry in text.split(',') {
+        let (name, level) = entry.split_once('=').ok_or_else(wrong)?;
+        let name = name.trim().to_owned();
+        if named.iter().any(|(n, _)| *n == name) {
+            return Err(format!("\"{name}\" has two levels"));
+        }
+        named.push((name, number(level)?));
+    }
+    Ok(LevelChoice::Regions(named))
+}
+
+/// The original and the chosen levels, in the first clip after a quarter of its time.
+fn picture(shown: &ShownLevels) -> anyhow::Result<Picture> {
+    let asset = &shown.asset;
+    let mut pose = asset.rig.rest_pose().clone();
+    let mut rest = ModelPose::new(asset.rig.len());
+    local_to_model(&asset.rig, &pose, &mut rest);
+    if let Some(clip) = asset.clips.first() {
+        let secs = f64::from(clip.duration_secs()) / 4.0;
+        sample(clip, secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
+    }
+    let report = &shown.report;
+    let levels = report.regions.iter();
+    let levels: Vec<String> = levels
+        .map(|r| format!("{} {}", r.region, r.level))
+        .collect();
+    let labels = [report.triangles_before, report.triangles].map(|n| format!("{n} triangles"));
+    let rows = [&shown.original, &shown.shown];
+    let row = |(label, triangles)| FacetRow { label, triangles };
+    let rows: Vec<FacetRow<'_>> = labels
+        .iter()
+        .map(String::as_str)
+        .zip(rows.map(Vec::as_slice))
+        .map(row)
+        .collect();
+    let notes = vec![format!(
+        "Above level 0, below levels: {}.",
+        levels.join(", ")
+    )];
+    let facing = facing(&asset.rig, &rest);
+    let drawn = facet_sheet(
+        (&asset.rig, &asset.mesh),
+        (&pose, facing),
+        &rows,
+        ("Mesh levels", notes),
+    );
+    drawn.context("the picture of mesh levels")
+}
+
+/// Formats the report for people.
+pub(super) fn text(report: &ShownLevelsReport) -> String {
+    let mut text = format!(
+        "mesh: {} -> {} triangles, {} -> {} vertices ({} where the asset itself is drawn)\n",
+        report.triangles_before,
+        report.triangles,
+        report.vertices_before,
+        report.vertices,
+        report.vertices_in_asset,
+    );
+    let mut table = Table::new(&["region", "level", "triangles", "of"]);
+    for region in &report.regions {
+        table.row([
+            region.region.clone(),
+            region.level.to_string(),
+            region.triangles.to_string(),
+            region.triangles_before.to_string(),
+        ]);
+    }
+    text.push_str(&table.text());
+    text.push_str(&format!(
+        "  error: at most {} at rest, {} in motion over {} poses; {} where levels are chosen\n",
+        millimetres(report.error_rest_m),
+        millimetres(report.error_motion_m),
+        report.poses_measured,
+        millimetres(report.error_lod_m),
+    ));
+    if let Some(view) = &report.view {
+        let px = view
+            .error_px
+            .map_or("-".to_owned(), |px| format!("{px:.2}"));
+        text.push_str(&format!("  at {} m: {px} px", view.distance_m));
+        if let Some(from) = view.from_m {
+            let to = view
+                .to_m
+                .map_or("on".to_owned(), |to| format!("to {to:.1} m"));
+            text.push_str(&format!(
+                "; within {} px this level is kept from {from:.1} m {to}",
+                view.epsilon_px
+            ));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_one_number_or_named() {
+        assert_eq!(level("3"), Ok(LevelChoice::Whole(3)));
+        let named = vec![("face".to_owned(), 0), ("rest".to_owned(), 2)];
+        assert_eq!(level("face=0, rest=2"), Ok(LevelChoice::Regions(named)));
+        for bad in ["", "-1", "face", "face=", "face=0,", "face=0,face=1", "1,2"] {
+            assert!(level(bad).is_err(), "{bad}");
+        }
+    }
+}
