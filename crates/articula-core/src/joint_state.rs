@@ -398,6 +398,15 @@ impl LoaRange {
         })
     }
 
+    /// Creates a range of one level.
+    pub fn one(joints: JointSet) -> Self {
+        Self {
+            levels: vec![joints],
+            finest_allowed: 0,
+            current: 0,
+        }
+    }
+
     /// Returns the current level.
     pub fn level(&self) -> usize {
         self.current

@@ -94,6 +94,15 @@ pub fn stored_tables(figure: &Figure) -> Result<Vec<StoredTables>> {
         .with_context(|| &figure.opened.name)
 }
 
+/// Reads the stored key table of a clip; `None` if there is none that fits the rig, clip and mesh.
+pub(crate) fn stored_key_table(figure: &Figure, clip: usize) -> Option<KeyTable> {
+    let gltf = figure.opened.gltf.as_ref()?;
+    let bytes = gltf.document.motion_table(clip, SEGS)?;
+    let table = read_key_table(bytes, &Limits::default()).ok()?;
+    check_segs(&figure.asset, clip, &table).ok()?;
+    Some(table)
+}
+
 fn of_clip(figure: &Figure, clip: usize) -> Result<StoredTables> {
     let Some(gltf) = &figure.opened.gltf else {
         return Ok(StoredTables::default());

@@ -123,8 +123,8 @@ pub(crate) fn updates_plot(
 }
 
 /// Distance, joints updated and error over the time of a path; `bound_px` is the upper bound of
-/// the error of a single joint.
-pub(crate) fn path_plots(run: &PathRun, bound_px: f32, heading: &str) -> Vec<Plot> {
+/// the error of a single joint, if there is one.
+pub(crate) fn path_plots(run: &PathRun, bound_px: Option<f32>, heading: &str) -> Vec<Plot> {
     let plot = |name, y: &str, target: Option<(f64, String)>, of: &dyn Fn(&PathFrame) -> f64| {
         let options = PlotOptions {
             title: format!("{y}, {heading}"),
@@ -142,8 +142,7 @@ pub(crate) fn path_plots(run: &PathRun, bound_px: f32, heading: &str) -> Vec<Plo
             svg: line_plot(&options, &[series]),
         }
     };
-    let bound = format!("bound per joint {bound_px} px");
-    let bound = Some((f64::from(bound_px), bound));
+    let bound = bound_px.map(|px| (f64::from(px), format!("bound per joint {px} px")));
     vec![
         plot(
             "path-distance.svg",

@@ -90,7 +90,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     let scene = EvaluatedClip {
         clip,
         setup: args.setup(),
-        options: args.method.options(),
+        options: args.method.options(&figure.asset.rig)?,
         figure: &figure,
     };
     if let Some(path) = &args.camera_path {

@@ -1,9 +1,9 @@
-//! `lod --camera-path`: the drift controller before a moving camera.
+//! `lod --camera-path`: a controller of the live playback before a moving camera.
 
 use super::report::LodReport;
 use super::{LodArgs, write_png};
 use crate::console::Console;
-use crate::files;
+use crate::{fault, files};
 use crate::play::motion_plots::path_plots;
 use crate::play::{drawn, read_camera_path};
 use anyhow::Context;
@@ -19,10 +19,18 @@ pub(super) fn run(
     console: &Console,
 ) -> anyhow::Result<()> {
     let display_hz = f64::from(args.display_hz);
+    let keys = read_camera_path(path, display_hz)?;
+    let rig = &scene.figure.asset.rig;
+    let (method, level) = args.method.before_a_camera(rig, args.parameter)?;
+    if args.calibrate.is_some() && method.tolerance_px().is_none() {
+        let what = "--calibrate with --camera-path searches a tolerance in pixels; give --parameter to thesis and loa";
+        return Err(fault::usage(what));
+    }
     let path = CameraPath {
-        keys: read_camera_path(path, display_hz)?,
+        keys,
         display_hz,
-        options: args.method.drift(args.parameter.unwrap_or(1.0))?,
+        method,
+        level,
     };
     let stage = scene.stage();
     let bar = console.progress("moving the camera", 1);

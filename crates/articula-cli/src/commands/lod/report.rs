@@ -156,14 +156,15 @@ impl LodReport {
             text.push_str(&rows.text());
         }
         if let Some(path) = &self.camera_path {
+            let bound = path.bound_px;
+            let bound = bound.map_or("no bound".to_owned(), |px| format!("bound {px:.2} px"));
             text.push_str(&format!(
-                "moving camera: {} frames at {} Hz, {:.1} to {:.1} m; maximum joint error {:.2} px, bound {:.2} px\n",
+                "moving camera: {} frames at {} Hz, {:.1} to {:.1} m; maximum joint error {:.2} px, {bound}\n",
                 path.frames,
                 path.display_hz,
                 path.distance_m_min,
                 path.distance_m_max,
                 path.joint_error_px_max,
-                path.bound_px
             ));
         }
         for warning in &self.warnings {
