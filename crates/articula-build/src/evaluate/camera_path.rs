@@ -138,7 +138,8 @@ pub fn play_camera_path(
     let all = stage.asset.rig.all();
     let shares = bounds.iter().map(|b| b.share).collect();
     let rest = stage.asset.rig.rest_pose();
-    let drift = |bounds: Vec<JointErrorBounds>, options| DriftController::new(rest, bounds, options);
+    let drift =
+        |bounds: Vec<JointErrorBounds>, options| DriftController::new(rest, bounds, options);
     match method {
         PathMethod::Drift(options) => {
             stage.along(path, display_hz, &mut drift(bounds, *options), &all)
@@ -177,7 +178,12 @@ impl ClipEvaluator<'_> {
         match &self.options.articulation {
             Some(set) => {
                 let mut bounded = self.articulated(set, control);
-                self.moved(path, display_hz, &mut bounded, &controlled.union(&self.loose(set)))
+                self.moved(
+                    path,
+                    display_hz,
+                    &mut bounded,
+                    &controlled.union(&self.loose(set)),
+                )
             }
             None => self.moved(path, display_hz, control, controlled),
         }
@@ -193,7 +199,8 @@ impl ClipEvaluator<'_> {
     ) -> Option<PathRun> {
         let (first, last) = (path.first()?, path.last()?);
         let (rig, clip) = (&self.asset.rig, &self.clip);
-        let model = FigureModel::new(rig, std::slice::from_ref(clip)).ok()?;
+        let model = FigureModel::new(rig, std::slice::from_ref(clip))
+            .expect("the clip must belong to the rig");
         let mut player = FigurePlayer::new(&model, &[]);
         player.play(ClipState::new(&model, 0));
         player.set_pinned(rig.all().difference(controlled));

@@ -16,6 +16,7 @@ mod controllers;
 mod method;
 mod playbacks;
 mod pose_keys;
+mod schedule;
 mod stage;
 
 pub use baselines::thesis::{BoneDirection, SegmentRadius, ThesisMetricOptions};
@@ -25,4 +26,5 @@ pub use camera_path::{CameraKey, PathFrame, PathMethod, PathRun, play_camera_pat
 pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use playbacks::play;
 pub use pose_keys::{pose_key_frames, uniform_key_frames};
+pub use schedule::{LevelSchedule, RequestedLevel, ScheduleFrame, ScheduledLevel, play_schedule};
 pub use stage::{ClipEvaluator, DistanceRow, EvaluationSetup, FrameErrors, MethodRun};

@@ -60,9 +60,8 @@ fn playbacks(stage: &ClipEvaluator<'_>, method: &Method, parameter: f32) -> Vec<
         Method::Ahn => {
             let radii = radii(rig, stage.options.thesis.radius);
             let alpha = stage.options.thesis.alpha;
-            one(&mut stage.segments(|joint, values| {
-                ahn::clusters(values, alpha, radii[joint], parameter)
-            }))
+            one(&mut stage
+                .segments(|joint, values| ahn::clusters(values, alpha, radii[joint], parameter)))
         }
         Method::SkipHold => one(&mut Skipped::new(stage.every(parameter), None)),
         Method::SkipLerp => {
@@ -203,9 +202,7 @@ impl ClipEvaluator<'_> {
     fn played(&self, control: &mut dyn MotionController, controlled: &JointSet) -> Playback {
         let rig = &self.asset.rig;
         let clips = std::slice::from_ref(&self.clip);
-        let Ok(model) = FigureModel::new(rig, clips) else {
-            return self.true_playback();
-        };
+        let model = FigureModel::new(rig, clips).expect("the clip must belong to the rig");
         let mut player = FigurePlayer::new(&model, &[]);
         player.play(ClipState::new(&model, 0).once());
         player.set_pinned(rig.all().difference(controlled));

@@ -11,7 +11,8 @@ use crate::motion_error::tables::key_table;
 use crate::points::Points;
 use articula_core::playback::{ErrorMatrix, StoredKeys};
 use articula_core::{
-    Clip, JointSet, KeyMode, KeyTable, LocalPose, ModelPose, Viewport, Wrap, local_to_model, percentile, sample,
+    Clip, JointSet, KeyMode, KeyTable, LocalPose, ModelPose, Viewport, Wrap, local_to_model,
+    percentile, sample,
 };
 use glam::{Quat, Vec3};
 use std::cell::OnceCell;
@@ -217,15 +218,6 @@ impl<'a> ClipEvaluator<'a> {
     pub(super) fn key_table(&self) -> &KeyTable {
         let made = || key_table(self.asset, &self.clip, &self.levers, KeyMode::Hold);
         self.key_table.get_or_init(made)
-    }
-
-    /// The unreduced playback, without any counted update.
-    pub(super) fn true_playback(&self) -> Playback {
-        Playback {
-            shown: self.truth.iter().map(|p| p.rotations.clone()).collect(),
-            updated: vec![JointSet::EMPTY; self.truth.len()],
-            in_transition: vec![JointSet::EMPTY; self.truth.len()],
-        }
     }
 
     pub(super) fn trial(&self, parameter: f32, playbacks: &[Playback]) -> MethodRun {

@@ -6,7 +6,7 @@ use articula::evaluate::NamedMethod;
 use articula_build::ChainTolerance;
 use articula_build::evaluate::{BoneDirection, SegmentRadius};
 use articula_build::evaluate::{Method, MethodOptions, PathMethod, SkinPxVariant};
-use articula_core::joint_state::{Ease, PassivePolicy};
+use articula_core::joint_state::{Ease, PassivePolicy, TransitionOptions};
 use articula_core::playback::{Threshold, ThresholdCurve};
 use articula_core::{DriftOptions, JointSet, Rig};
 use clap::{Args, ValueEnum};
@@ -94,6 +94,16 @@ pub(crate) enum Passive {
     KeyPose,
 }
 
+impl Passive {
+    fn policy(self) -> PassivePolicy {
+        match self {
+            Self::Hold => PassivePolicy::HoldLast,
+            Self::Rest => PassivePolicy::Rest,
+            Self::KeyPose => PassivePolicy::KeyPose,
+        }
+    }
+}
+
 /// Curve of the thesis' threshold over distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Curve {
@@ -145,8 +155,8 @@ pub(crate) struct MethodArgs {
     variant: Option<Variant>,
     #[command(flatten)]
     pub(crate) selection: SelectionArgs,
-    /// Pose of joints outside the level (with --method loa)
-    /// [default: key-pose]
+    /// Pose of joints outside the level (with --method loa or a profile that bounds the method)
+    /// [default: key-pose, with --schedule hold]
     #[arg(long, value_enum, value_name = "POLICY")]
     passive: Option<Passive>,
     /// Division of the tolerance among the joints of a chain (with --camera-path)
@@ -173,8 +183,8 @@ pub(crate) struct MethodArgs {
     /// Farthest viewing distance in metres
     #[arg(long, help_heading = THESIS, default_value_t = 16.0, value_parser = positive, value_name = "M")]
     d_max: f32,
-    /// Duration of the transition between active and passive in milliseconds [default: thesis 0,
-    /// with --camera-path 200]
+    /// Duration of the transition between active and passive in milliseconds [default: 200 with
+    /// --schedule and for skin-px with --camera-path, else 0]
     #[arg(long, value_parser = not_negative, value_name = "MS")]
     transition_ms: Option<f32>,
     /// Course of the transition
@@ -226,8 +236,8 @@ impl MethodArgs {
         self.variant.unwrap_or(Variant::Hold)
     }
 
-    /// Refuses flags that the method would ignore.
-    pub(crate) fn check(&self) -> anyhow::Result<()> {
+    /// Refuses flags that the method would ignore; `scheduled` says that levels change over time.
+    pub(crate) fn check(&self, scheduled: bool) -> anyhow::Result<()> {
         self.selection.check()?;
         self.selection.is_bound()?;
         if self.d_min >= self.d_max {
@@ -238,7 +248,7 @@ impl MethodArgs {
         }
         let method = self.method();
         let what = match method {
-            MethodName::SkinPx if self.passive.is_some() => {
+            MethodName::SkinPx if self.passive.is_some() && !scheduled && !self.is_bound() => {
                 "--passive sets the pose of joints outside a fixed level; add --loa EXPR or --method loa"
             }
             MethodName::SkinPx => return Ok(()),
@@ -323,11 +333,7 @@ impl MethodArgs {
         };
         options.transition.secs = self.transition_ms.unwrap_or(0.0) / 1000.0;
         options.transition.ease = self.transition.ease();
-        options.transition.policy = match self.passive.unwrap_or(Passive::KeyPose) {
-            Passive::Hold => PassivePolicy::HoldLast,
-            Passive::Rest => PassivePolicy::Rest,
-            Passive::KeyPose => PassivePolicy::KeyPose,
-        };
+        options.transition.policy = self.passive.unwrap_or(Passive::KeyPose).policy();
         options.protect_contacts = self.protect_contacts;
         options.chain = match self.chain {
             Chain::Whole => ChainTolerance::Whole,
@@ -339,6 +345,16 @@ impl MethodArgs {
 }
 
 impl MethodArgs {
+    /// Transitions of a live playback: 200 ms, and held joints show their last pose, unless given.
+    pub(crate) fn live_transition(&self) -> TransitionOptions {
+        let usual = TransitionOptions::default();
+        TransitionOptions {
+            secs: self.transition_ms.map_or(usual.secs, |ms| ms / 1000.0),
+            ease: self.transition.ease(),
+            policy: self.passive.map_or(usual.policy, Passive::policy),
+        }
+    }
+
     /// The controller before a moving camera, with its parameter: a tolerance in pixels, a threshold
     /// that does not depend on the distance, or the index of a level. The level's name comes with
     /// it.

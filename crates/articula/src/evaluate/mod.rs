@@ -6,6 +6,7 @@
 //! - `methods`: methods with their names in reports
 //! - `rows`: gain and error of each method at each distance
 //! - `path`: a controller of the live playback with a moving camera
+//! - `schedule`: levels of articulation that change over time
 //! - `costs`: cost of each zone, depth and level of complexity
 //!
 //! Field names are stable, since scripts read them as JSON (`docs/commands.md`).
@@ -14,11 +15,16 @@ mod costs;
 mod methods;
 mod path;
 mod rows;
+mod schedule;
 
 pub use costs::{Cost, Costs};
 pub use methods::NamedMethod;
 pub use path::{CameraPath, PathSummary, PlayedPath};
 pub use rows::{ErrorPx, MethodRow, MethodTable, ParameterChoice, rows};
+pub use schedule::{
+    ChangeError, ScheduleChange, ScheduleEntry, ScheduleOptions, ScheduleReport, ScheduleRow,
+    play_lod_schedule, read_lod_schedule,
+};
 
 use crate::figure::Figure;
 use crate::motion_tables::stored_key_table;

@@ -6,7 +6,9 @@ use crate::open;
 use crate::table::Table;
 use articula::Figure;
 use articula::StoredTables;
-use articula::evaluate::{Costs, EvaluatedClip, MethodRow, MethodTable, PathSummary};
+use articula::evaluate::{
+    Costs, EvaluatedClip, MethodRow, MethodTable, PathSummary, ScheduleReport,
+};
 use clap::ValueEnum;
 use serde::Serialize;
 
@@ -32,6 +34,9 @@ pub(super) struct LodReport {
     /// Fields of a moving camera only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) camera_path: Option<PathSummary>,
+    /// Schedules only: one entry for each kind of transition, that of the flags first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) schedule: Option<Vec<ScheduleReport>>,
     /// Costs by zone, depth and complexity, where they are plotted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) costs: Option<Costs>,
@@ -94,6 +99,7 @@ impl LodReport {
             seed: args.seed,
             rows: Vec::new(),
             camera_path: None,
+            schedule: None,
             costs: None,
             motion_tables: None,
             written: Vec::new(),
@@ -167,6 +173,10 @@ impl LodReport {
                 path.joint_error_px_max,
             ));
         }
+        if let Some(schedule) = &self.schedule {
+            text.push('\n');
+            text.push_str(&schedule_table(schedule).text());
+        }
         for warning in &self.warnings {
             text.push_str(&format!("warning: {}\n", clean(warning)));
         }
@@ -215,6 +225,37 @@ impl LodReport {
         }
         table
     }
+}
+
+/// One line for each change under each kind of transition.
+fn schedule_table(schedule: &[ScheduleReport]) -> Table {
+    let mut table = Table::new(&[
+        "time",
+        "level",
+        "joints",
+        "transition",
+        "px before",
+        "px at",
+        "px after",
+        "jump per frame",
+        "gap",
+    ]);
+    for played in schedule {
+        for change in &played.changes {
+            table.row([
+                format!("{:.2} s", change.t),
+                change.level.clone(),
+                change.joints.to_string(),
+                played.transition.to_owned(),
+                format!("{:.2}", change.error_px.before),
+                format!("{:.2}", change.error_px.at),
+                format!("{:.2}", change.error_px.after),
+                format!("{:.2}°", change.jump_deg),
+                format!("{:.2}°", change.gap_deg),
+            ]);
+        }
+    }
+    table
 }
 
 /// A value rounded to two decimals.
