@@ -672,11 +672,9 @@ fn the_thesis_renews_its_threshold_before_a_moving_camera() {
                 frame.joint_error_px
             );
         }
-        assert!(
-            run.joint_update_gain > 0.1,
-            "{method:?}: {}",
-            run.joint_update_gain
-        );
+        // The arm moves by 0.3 m/s, too fast for the drift controller to freeze it for 100 ms.
+        let saves = method == PathMethod::Tables(1.0);
+        assert_eq!(run.joint_update_gain > 0.1, saves, "{method:?}");
     }
 }
 
@@ -809,12 +807,13 @@ fn no_joint_jumps_more_than_its_transition_allows() {
         let near = |secs: f64| frames.iter().find(|f| f.secs >= secs).unwrap();
         assert!(near(0.75).in_transition == 0 && near(0.6).in_transition > 0);
         assert!(
-            near(0.99).error_px > near(0.4).error_px,
+            near(0.95).error_px > near(0.4).error_px,
             "held joints are off"
         );
-        assert!(near(0.99).sampled < near(0.4).sampled);
-        assert!(
-            (near(2.9).error_px - near(0.4).error_px).abs() < 0.5,
+        assert!(near(0.95).sampled < near(0.4).sampled);
+        assert_eq!(
+            near(2.9).articulation,
+            frames[0].articulation,
             "level 1 again"
         );
     }
