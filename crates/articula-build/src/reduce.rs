@@ -4,11 +4,10 @@
 //! `docs/methods/motion-lod.md` part 2. The root's translation and heading belong to no joint: they
 //! are always kept.
 
-use crate::clip_edit::heading::yaw;
 use crate::motion_error::keys::central_rotation;
 use articula_core::joint_state::PassivePolicy;
 use articula_core::source::{Channel, Interpolation, Property, RawClip, evaluate};
-use articula_core::{JointSet, Rig, Transform};
+use articula_core::{JointSet, Rig, Transform, hold_with_heading};
 use glam::{Quat, Vec3};
 
 /// Size of a motion in channels, keys, joints and bytes.
@@ -153,11 +152,7 @@ fn heading(rig: &Rig, channel: &Channel, policy: PassivePolicy) -> Channel {
     let values = channel.times_secs.iter().flat_map(|t| {
         let mut value = [0.0; 4];
         evaluate::channel(channel, *t, &mut value);
-        let turn = above * Quat::from_array(value) * hold.conjugate() * above.conjugate();
-        let about_y = Quat::from_rotation_y(yaw(turn));
-        (above.conjugate() * about_y * above * hold)
-            .normalize()
-            .to_array()
+        hold_with_heading(above, Quat::from_array(value), hold).to_array()
     });
     Channel {
         target: channel.target,

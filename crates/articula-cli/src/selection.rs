@@ -2,8 +2,9 @@
 
 use crate::{fault, files};
 use anyhow::Context;
-use articula_core::loa::{LoaExpression, Selection};
-use articula_formats::{Limits, loa_profile};
+use articula_core::loa::LoaExpression;
+use articula_formats::Limits;
+use articula_formats::loa_profile::{self, LoaProfile};
 use std::path::Path;
 
 /// Parses the value of a flag; a mistake in it is a usage error.
@@ -14,9 +15,9 @@ pub(crate) fn expression(flag: &str, text: &str) -> anyhow::Result<LoaExpression
 }
 
 /// Reads the file of `--loa-profile`.
-pub(crate) fn saved(path: &Path) -> anyhow::Result<Selection> {
+pub(crate) fn saved(path: &Path) -> anyhow::Result<LoaProfile> {
     let limits = Limits::default();
     let bytes = files::read(path, limits.bytes)?;
     let profile = loa_profile::read(&bytes, &limits);
-    Ok(profile.with_context(|| files::shown(path))?.selection)
+    profile.with_context(|| files::shown(path))
 }

@@ -6,7 +6,9 @@
 //! transform then shown, translations and scales follow the same states, and the root keeps its way
 //! over the ground and its heading in every state.
 
+use crate::articulation::Complexity;
 use crate::joint_set::JointSet;
+use crate::loa::complexity;
 use crate::math::{Transform, nlerp};
 use crate::pose::LocalPose;
 use crate::rig::Rig;
@@ -396,6 +398,28 @@ impl LoaRange {
             finest_allowed,
             current: finest_allowed,
         })
+    }
+
+    /// Creates a range of the named levels of a rig, from `loa(VeryHigh)`, level 0, to `loa(None)`,
+    /// level 6.
+    pub fn named(rig: &Rig, finest_allowed: usize) -> Self {
+        let finest_first = Complexity::ALL.into_iter().rev();
+        let levels: Vec<JointSet> = finest_first.map(|c| complexity(rig, c)).collect();
+        let finest_allowed = finest_allowed.min(levels.len() - 1);
+        Self {
+            levels,
+            finest_allowed,
+            current: finest_allowed,
+        }
+    }
+
+    /// Creates a range of one level.
+    pub fn one(joints: JointSet) -> Self {
+        Self {
+            levels: vec![joints],
+            finest_allowed: 0,
+            current: 0,
+        }
     }
 
     /// Returns the current level.

@@ -8,7 +8,8 @@
 #![doc = include_str!("../examples/crowd.rs")]
 //! ```
 //!
-//! A single character (`--example hero -- my.glb`):
+//! A single character whose level of articulation follows its distance (`--example hero --
+//! my.glb`):
 //!
 //! ```
 #![doc = include_str!("../examples/hero.rs")]
@@ -21,6 +22,7 @@
 //!   the data needed to write them back; [`CharacterFile::add_clips`] adds the motions of other
 //!   files
 //! - [`Figure`]: rig, mesh and clips in the form that a frame reads
+//! - [`playback`]: live playback of one character: layers, levels of articulation, skinning
 //! - [`crowd`]: thousands of instances of one character, each at a level of detail chosen by
 //!   projected error or by a time budget
 //! - [`prepare()`]: computes motion tables and, on request, mesh levels, and stores them in a GLB
@@ -75,7 +77,11 @@ pub use prepared::{
 };
 pub use work::{Executor, Job, JobRunner, Step, StepCallback};
 
-pub use articula_core::{Camera, PosedMesh, SkinnedMesh, Viewport, Wrap, sample, sample_morphs};
+pub use articula_core::joint_state::LoaRange;
+pub use articula_core::playback;
+pub use articula_core::{
+    Camera, GroupedSkin, PosedMesh, SkinnedMesh, Viewport, Wrap, sample, sample_morphs,
+};
 pub use glam;
 
 /// The example of the readme.

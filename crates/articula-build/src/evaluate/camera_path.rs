@@ -1,16 +1,20 @@
-//! Playback of a clip along a path of a perspective camera, under the drift controller.
+//! Playback of a clip along a path of a perspective camera, under a controller of the core.
 //!
-//! Source: `docs/methods/motion-lod.md` 4.5 and 12. This measures the controller that runs in a
-//! frame, not a table: its bound holds while the view moves.
+//! Source: `docs/methods/motion-lod.md` 4.5 and 12. The frames are those of a live playback: depths
+//! are those of the pose shown before, moved as the root moves.
 
 use super::stage::{ClipEvaluator, FrameErrors};
 use crate::motion_error::bounds::joint_bounds;
 use crate::motion_error::contacts::attention;
+use articula_core::crowd::ClipState;
 use articula_core::joint_state::JointState;
-use articula_core::percentile;
+use articula_core::playback::{
+    FigureModel, FigurePlayer, FigureViews, FullDetail, MotionController, StoredKeys,
+    TableController, Threshold,
+};
 use articula_core::{
-    Camera, DriftController, DriftOptions, JointSet, JointViewScales, LocalPose, ModelPose,
-    Viewport, Wrap, angle_between, frame_position, local_to_model, sample,
+    Camera, DriftController, DriftOptions, JointErrorBounds, JointSet, LocalPose, ModelPose,
+    Viewport, Wrap, angle_between, frame_position, local_to_model, percentile, sample,
 };
 use glam::Vec3;
 
@@ -41,7 +45,7 @@ pub struct PathFrame {
     pub sampled: JointSet,
     /// Moving joints whose shown rotation changed.
     pub updated: JointSet,
-    /// State of each joint.
+    /// State of each joint: in transition, passive if it shows what it showed before, else active.
     pub states: Vec<JointState>,
     /// Pose that was shown.
     pub shown: LocalPose,
@@ -66,74 +70,192 @@ pub struct PathRun {
     pub error_px: FrameErrors,
 }
 
+/// A controller before a moving camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PathMethod {
+    /// The drift controller.
+    Drift(DriftOptions),
+    /// The drift controller with the error as seen by the camera.
+    DriftInView(DriftOptions),
+    /// The stored key table at the nearest stored tolerance; the tolerance in pixels.
+    Tables(f32),
+    /// The thesis' metric, its threshold renewed at each look-up.
+    Thesis(Threshold),
+    /// A fixed level of articulation.
+    Loa(JointSet),
+}
+
+impl PathMethod {
+    /// Tolerated displacement in pixels, if the method has one.
+    pub fn tolerance_px(&self) -> Option<f32> {
+        match self {
+            Self::Drift(options) | Self::DriftInView(options) => Some(options.epsilon_px),
+            Self::Tables(epsilon_px) => Some(*epsilon_px),
+            Self::Thesis(_) | Self::Loa(_) => None,
+        }
+    }
+
+    /// Maximum error of a joint in pixels, if the method bounds it.
+    pub fn bound_px(&self) -> Option<f32> {
+        match self {
+            Self::Drift(options) | Self::DriftInView(options) => Some(options.bound_px()),
+            Self::Tables(epsilon_px) => Some(*epsilon_px),
+            Self::Thesis(_) | Self::Loa(_) => None,
+        }
+    }
+
+    /// The method with another tolerance in pixels; methods without one are unchanged.
+    #[must_use]
+    pub fn with_tolerance_px(self, epsilon_px: f32) -> Self {
+        let of = |options| DriftOptions {
+            epsilon_px,
+            ..options
+        };
+        match self {
+            Self::Drift(options) => Self::Drift(of(options)),
+            Self::DriftInView(options) => Self::DriftInView(of(options)),
+            Self::Tables(_) => Self::Tables(epsilon_px),
+            other => other,
+        }
+    }
+}
+
 /// Plays a looping clip along a camera path at a display rate in hertz. Returns `None` if the path
 /// has no key.
 pub fn play_camera_path(
     stage: &ClipEvaluator<'_>,
     path: &[CameraKey],
     display_hz: f64,
-    opts: DriftOptions,
+    method: &PathMethod,
 ) -> Option<PathRun> {
-    let (first, last) = (path.first()?, path.last()?);
-    let (asset, clip) = (stage.asset, &stage.clip);
     let levers_metres: Vec<f32> = stage.levers.iter().map(|l| l.rest_metres).collect();
-    let bounds = joint_bounds(asset, clip, &levers_metres, stage.options.chain);
-    let mut drift = DriftController::new(asset.rig.rest_pose(), bounds, opts);
-    let mut wanted = asset.rig.rest_pose().clone();
-    let mut truth = wanted.clone();
-    let mut model = ModelPose::new(asset.rig.len());
-    let mut care = vec![1.0; asset.rig.len()];
-    let mut before = f64::INFINITY;
-    let count = ((last.secs - first.secs).max(0.0) * display_hz).floor() as usize;
-    let mut frames: Vec<PathFrame> = Vec::with_capacity(count + 1);
-    for i in 0..=count {
-        let secs = i as f64 / display_hz;
-        let at = frame_position(clip, secs, Wrap::Loop);
-        if stage.options.protect_contacts {
-            attention(asset, &stage.contacts, at.before, &mut care);
+    let bounds = joint_bounds(
+        stage.asset,
+        &stage.clip,
+        &levers_metres,
+        stage.options.chain,
+    );
+    let all = stage.asset.rig.all();
+    let shares = bounds.iter().map(|b| b.share).collect();
+    let rest = stage.asset.rig.rest_pose();
+    let drift =
+        |bounds: Vec<JointErrorBounds>, options| DriftController::new(rest, bounds, options);
+    match method {
+        PathMethod::Drift(options) => {
+            stage.along(path, display_hz, &mut drift(bounds, *options), &all)
         }
-        // Where the clip starts again it may jump, which exceeds any bound on its speed.
-        let now = at.before as f64 + f64::from(at.blend);
-        if now <= before || f64::from(clip.duration_secs()) * display_hz <= 1.0 {
-            drift.invalidate();
+        PathMethod::DriftInView(options) => {
+            let moments = stage.levers.iter().map(|l| l.second_moment).collect();
+            let mut drift = drift(bounds, *options).with_second_moments(moments);
+            stage.along(path, display_hz, &mut drift, &all)
         }
-        before = now;
-        let camera = camera_at(path, first.secs + secs, stage.setup.viewport)?;
-        sample(clip, secs, Wrap::Loop, &asset.rig.all(), &mut truth);
-        local_to_model(&asset.rig, &truth, &mut model);
-        let ppm: Vec<f32> = (0..asset.rig.len())
-            .map(|j| {
-                camera
-                    .viewport
-                    .pixels_per_metre(camera.view(model.position(j)).z.abs())
-            })
-            .collect();
-        let views = JointViewScales {
-            pixels_per_metre: &ppm,
-            attention: &care,
-        };
-        let due = drift.due(secs, views);
-        sample(clip, secs, Wrap::Loop, &due, &mut wanted);
-        let shown = drift.step(secs, views, &due, &wanted).clone();
-        let joint_errors = stage.moving.iter().map(|j| {
-            let angle = angle_between(shown.rotations[j], truth.rotations[j]);
-            stage.levers[j].rest_metres * angle * ppm[j]
-        });
-        frames.push(PathFrame {
-            secs,
-            camera,
-            distance_m: camera.eye.distance(model.position(asset.rig.root())),
-            sampled: due,
-            updated: changed(stage, frames.last().map(|f| &f.shown), &shown),
-            states: (0..asset.rig.len())
-                .map(|j| drift.states().state(j))
-                .collect(),
-            joint_error_px: joint_errors.fold(0.0, f32::max),
-            error_px: stage.projected_error(&camera, &shown, &truth),
-            shown,
-        });
+        PathMethod::Tables(epsilon_px) => {
+            let keys = StoredKeys::new(&stage.clip, stage.key_table()).ok();
+            let mut tables = TableController::new(vec![keys], shares, *epsilon_px);
+            stage.along(path, display_hz, &mut tables, &all)
+        }
+        PathMethod::Thesis(threshold) => {
+            let mut thesis = stage.thesis(*threshold);
+            stage.along(path, display_hz, &mut thesis, &stage.moving)
+        }
+        PathMethod::Loa(set) => {
+            let mut full = FullDetail::default();
+            let mut loa = stage.articulated(set, &mut full);
+            stage.moved(path, display_hz, &mut loa, &stage.loose(set))
+        }
     }
-    Some(summary(stage, frames))
+}
+
+impl ClipEvaluator<'_> {
+    /// Plays a controller within the articulation of the options.
+    fn along(
+        &self,
+        path: &[CameraKey],
+        display_hz: f64,
+        control: &mut dyn MotionController,
+        controlled: &JointSet,
+    ) -> Option<PathRun> {
+        match &self.options.articulation {
+            Some(set) => {
+                let mut bounded = self.articulated(set, control);
+                self.moved(
+                    path,
+                    display_hz,
+                    &mut bounded,
+                    &controlled.union(&self.loose(set)),
+                )
+            }
+            None => self.moved(path, display_hz, control, controlled),
+        }
+    }
+
+    /// Plays a controller of some joints; all others follow the clip.
+    fn moved(
+        &self,
+        path: &[CameraKey],
+        display_hz: f64,
+        control: &mut dyn MotionController,
+        controlled: &JointSet,
+    ) -> Option<PathRun> {
+        let (first, last) = (path.first()?, path.last()?);
+        let (rig, clip) = (&self.asset.rig, &self.clip);
+        let model = FigureModel::new(rig, std::slice::from_ref(clip))
+            .expect("the clip must belong to the rig");
+        let mut player = FigurePlayer::new(&model, &[]);
+        player.play(ClipState::new(&model, 0));
+        player.set_pinned(rig.all().difference(controlled));
+        let mut truth = rig.rest_pose().clone();
+        let mut joints = ModelPose::new(rig.len());
+        let count = ((last.secs - first.secs).max(0.0) * display_hz).floor() as usize;
+        let mut frames: Vec<PathFrame> = Vec::with_capacity(count + 1);
+        for i in 0..=count {
+            let secs = i as f64 / display_hz;
+            let camera = camera_at(path, first.secs + secs, self.setup.viewport)?;
+            if self.options.protect_contacts {
+                let at = frame_position(clip, secs, Wrap::Loop).before;
+                attention(self.asset, &self.contacts, at, &mut player.attention);
+            }
+            player.advance_to(secs, looped(clip.duration_secs(), secs));
+            let report = *player.control(control, FigureViews::Cameras(&[camera]));
+            player.hierarchy();
+            let shown = player.pose().clone();
+            sample(clip, secs, Wrap::Loop, &rig.all(), &mut truth);
+            local_to_model(rig, &truth, &mut joints);
+            let joint_errors = self.moving.iter().map(|j| {
+                let angle = angle_between(shown.rotations[j], truth.rotations[j]);
+                let depth = camera.view(joints.position(j)).z.abs();
+                self.levers[j].rest_metres * angle * camera.viewport.pixels_per_metre(depth)
+            });
+            frames.push(PathFrame {
+                secs,
+                camera,
+                distance_m: camera.eye.distance(joints.position(rig.root())),
+                sampled: report.sampled,
+                updated: changed(self, frames.last().map(|f| &f.shown), &shown),
+                states: (0..rig.len())
+                    .map(|j| match j {
+                        j if report.in_transition.contains(j) => JointState::ToActive,
+                        j if report.held.contains(j) => JointState::Passive,
+                        _ => JointState::Active,
+                    })
+                    .collect(),
+                joint_error_px: joint_errors.fold(0.0, f32::max),
+                error_px: self.projected_error(&camera, &shown, &truth),
+                shown,
+            });
+        }
+        Some(summary(self, frames))
+    }
+}
+
+/// A time within a looping clip.
+fn looped(duration_secs: f32, secs: f64) -> f32 {
+    let duration = f64::from(duration_secs);
+    if duration > 0.0 {
+        secs.rem_euclid(duration) as f32
+    } else {
+        0.0
+    }
 }
 
 fn changed(stage: &ClipEvaluator<'_>, before: Option<&LocalPose>, shown: &LocalPose) -> JointSet {

@@ -3,10 +3,10 @@
 //! Source: `docs/methods/motion-lod.md` 3 (thesis, Ahn), 4 (ours), 11 (baselines).
 
 use super::baselines::thesis::ThesisMetricOptions;
-use super::baselines::thesis_metric::Threshold;
 use crate::motion_error::bounds::ChainTolerance;
 use articula_core::JointSet;
 use articula_core::joint_state::{PassivePolicy, TransitionOptions};
+use articula_core::playback::Threshold;
 use glam::Quat;
 
 /// Variant of the `skin-px` method, such as holding keys or interpolating between them.
@@ -23,6 +23,8 @@ pub enum SkinPxVariant {
     ClosedLoop,
     /// Interpolates between keys; each frame still blends, only keys are counted as updates.
     Linear,
+    /// Plays the stored key table of the clip at the nearest stored tolerance (4.5, 9).
+    Tables,
 }
 
 /// A motion LOD method, which saves joint updates. Its only parameter is given when it is played.
@@ -68,6 +70,10 @@ pub struct MethodOptions {
     pub transition: TransitionOptions,
     /// Distribution of the drift controller's tolerance along a chain of joints (4.4).
     pub chain: ChainTolerance,
+    /// Every how many frames the thesis' matrix is consulted, at least 1.
+    pub lookup_every: usize,
+    /// The joints that the other methods may choose from; all if `None`.
+    pub articulation: Option<JointSet>,
     /// Whether joints from the root to a foot in contact get a quarter of the tolerance (4.6).
     pub protect_contacts: bool,
 }
@@ -83,6 +89,8 @@ impl Default for MethodOptions {
                 ..TransitionOptions::default()
             },
             chain: ChainTolerance::Root,
+            lookup_every: 1,
+            articulation: None,
             protect_contacts: false,
         }
     }

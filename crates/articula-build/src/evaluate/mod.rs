@@ -12,17 +12,19 @@
 mod baselines;
 mod calibrate;
 mod camera_path;
+mod controllers;
 mod method;
 mod playbacks;
 mod pose_keys;
+mod schedule;
 mod stage;
 
 pub use baselines::thesis::{BoneDirection, SegmentRadius, ThesisMetricOptions};
-pub use baselines::thesis_metric::{Threshold, ThresholdCurve};
 pub use calibrate::{calibrate, sweep};
 pub(crate) use camera_path::camera_at;
-pub use camera_path::{CameraKey, PathFrame, PathRun, play_camera_path};
+pub use camera_path::{CameraKey, PathFrame, PathMethod, PathRun, play_camera_path};
 pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use playbacks::play;
 pub use pose_keys::{pose_key_frames, uniform_key_frames};
+pub use schedule::{LevelSchedule, RequestedLevel, ScheduleFrame, ScheduledLevel, play_schedule};
 pub use stage::{ClipEvaluator, DistanceRow, EvaluationSetup, FrameErrors, MethodRun};

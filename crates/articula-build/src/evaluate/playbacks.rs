@@ -1,18 +1,23 @@
-//! Playback of each method: the rotations that it shows at every frame of one pass.
+//! Playback of each method over one pass of a clip, by the playback that ships.
 //!
-//! Source: `docs/methods/motion-lod.md` 3 (thesis, Ahn), 4 (ours), 11 (baselines).
+//! Source: `docs/methods/motion-lod.md` 3 (thesis, Ahn), 4 (ours), 11 (baselines). A method is a
+//! controller of a [`FigurePlayer`]; what is measured is what the player shows.
 
 use super::baselines::ahn;
 use super::baselines::thesis::radii;
-use super::baselines::thesis_metric::{ErrorMatrix, switch};
+use super::controllers::{ClosedLoop, Held, HeldView, Segments, Skipped};
 use super::method::{Method, Playback, SkinPxVariant};
 use super::stage::{ClipEvaluator, MethodRun};
-use crate::motion_error::closed_loop;
 use crate::motion_error::contacts::attention;
 use crate::motion_error::keys::{Segment, central_rotation, linear_keys, pose_segments};
-use articula_core::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
-use articula_core::{JointSet, nlerp};
-use glam::{Quat, Vec3};
+use articula_core::crowd::ClipState;
+use articula_core::joint_state::{LoaRange, PassivePolicy, TransitionOptions};
+use articula_core::playback::{
+    FigureModel, FigurePlayer, FigureViews, FullDetail, LoaController, MotionController,
+    StoredKeys, TableController, ThesisController, Threshold,
+};
+use articula_core::{JointSet, KeyMode, KeyTable, LocalPose, TableHashes};
+use glam::Quat;
 
 /// Plays a clip with a method at one parameter; returns its statistics and one playback (one for
 /// each azimuth if the method depends on the view).
@@ -27,205 +32,204 @@ pub fn play(
 
 /// One playback of a method, or one per azimuth where the method depends on the view.
 fn playbacks(stage: &ClipEvaluator<'_>, method: &Method, parameter: f32) -> Vec<Playback> {
+    let rig = &stage.asset.rig;
+    let levers = stage.levers.as_slice();
+    let one = |control: &mut dyn MotionController| vec![stage.bounded(control)];
     match method {
-        Method::SkinPx(SkinPxVariant::View) => stage
-            .view_directions()
-            .map(|view| held_in_view(stage, parameter, view))
-            .collect(),
-        Method::SkinPx(variant) => vec![skin_px(stage, *variant, parameter)],
-        Method::Thesis => vec![thesis(stage, parameter)],
-        Method::Ahn => {
-            let radii = radii(&stage.asset.rig, stage.options.thesis.radius);
-            let alpha = stage.options.thesis.alpha;
-            vec![segmented(stage, |joint, values| {
-                ahn::clusters(values, alpha, radii[joint], parameter)
-            })]
+        Method::SkinPx(SkinPxVariant::View) => {
+            let held = |direction| {
+                let view = HeldView { rig, direction };
+                stage.bounded(&mut Held::new(levers, parameter, Some(view)))
+            };
+            stage.view_directions().map(held).collect()
         }
-        Method::SkipHold => vec![skipped(stage, parameter, false)],
-        Method::SkipLerp => vec![skipped(stage, parameter, true)],
+        Method::SkinPx(SkinPxVariant::Hold) => one(&mut Held::new(levers, parameter, None)),
+        Method::SkinPx(SkinPxVariant::KeyPose) => one(&mut stage.segments(|joint, values| {
+            pose_segments(values, parameter / levers[joint].rest_metres)
+        })),
+        Method::SkinPx(SkinPxVariant::ClosedLoop) => {
+            let radians = levers.iter().map(|lever| parameter / lever.rest_metres);
+            one(&mut ClosedLoop::new(rig, stage.moving, radians.collect()))
+        }
+        Method::SkinPx(SkinPxVariant::Linear) => {
+            let table = linear_table(stage, parameter);
+            vec![stage.by_table(&table, parameter)]
+        }
+        Method::SkinPx(SkinPxVariant::Tables) => vec![stage.by_table(stage.key_table(), parameter)],
+        Method::Thesis => one(&mut stage.thesis(Threshold::constant(parameter))),
+        Method::Ahn => {
+            let radii = radii(rig, stage.options.thesis.radius);
+            let alpha = stage.options.thesis.alpha;
+            one(&mut stage
+                .segments(|joint, values| ahn::clusters(values, alpha, radii[joint], parameter)))
+        }
+        Method::SkipHold => one(&mut Skipped::new(stage.every(parameter), None)),
+        Method::SkipLerp => {
+            let ahead = stage.truth.iter().map(|p| p.rotations.clone()).collect();
+            one(&mut Skipped::new(stage.every(parameter), Some(ahead)))
+        }
         Method::Loa(levels) => {
             let at = (parameter.max(0.0) as usize).min(levels.len().saturating_sub(1));
-            let set = levels.get(at).copied().unwrap_or(stage.asset.rig.all());
-            vec![fixed(stage, &set)]
+            let set = levels.get(at).copied().unwrap_or(rig.all());
+            vec![stage.fixed(&set)]
         }
     }
 }
 
-fn skin_px(stage: &ClipEvaluator<'_>, variant: SkinPxVariant, tolerance: f32) -> Playback {
-    let radians = |joint: usize| tolerance / stage.levers[joint].rest_metres;
-    match variant {
-        SkinPxVariant::Hold | SkinPxVariant::View => held(stage, tolerance),
-        SkinPxVariant::KeyPose => {
-            segmented(stage, |joint, values| pose_segments(values, radians(joint)))
+/// Keys of each moving joint between which a blend stays within one tolerance.
+fn linear_table(stage: &ClipEvaluator<'_>, tolerance: f32) -> KeyTable {
+    let all: Vec<u32> = (0..stage.truth.len() as u32).collect();
+    let keys = |joint: usize| {
+        if !stage.moving.contains(joint) {
+            return vec![Vec::new()];
         }
-        SkinPxVariant::ClosedLoop => {
-            let limits: Vec<f32> = (0..stage.asset.rig.len()).map(radians).collect();
-            let truth: Vec<&[Quat]> = stage.truth.iter().map(|p| p.rotations.as_slice()).collect();
-            let played = closed_loop::closed_loop(&stage.asset.rig, &truth, &stage.moving, &limits);
-            Playback {
-                in_transition: vec![JointSet::EMPTY; truth.len()],
-                shown: played.shown,
-                updated: played.renewed,
-            }
-        }
-        SkinPxVariant::Linear => linear(stage, tolerance),
-    }
-}
-
-/// Starts from the true motion; `rewrite` then replaces the moving joints one by one.
-fn per_joint(
-    stage: &ClipEvaluator<'_>,
-    mut rewrite: impl FnMut(usize, &[Quat], &mut Playback),
-) -> Playback {
-    let mut out = stage.true_playback();
-    for joint in stage.moving.iter() {
-        let values: Vec<Quat> = stage.truth.iter().map(|p| p.rotations[joint]).collect();
-        rewrite(joint, &values, &mut out);
-    }
-    out
-}
-
-fn held(stage: &ClipEvaluator<'_>, tolerance: f32) -> Playback {
-    let mut care = vec![1.0; stage.asset.rig.len()];
-    let mut out = stage.true_playback();
-    for frame in 1..stage.truth.len() {
-        if stage.options.protect_contacts {
-            attention(stage.asset, &stage.contacts, frame, &mut care);
-        }
-        for joint in stage.moving.iter() {
-            let (before, wanted) = (out.shown[frame - 1][joint], out.shown[frame][joint]);
-            if stage.levers[joint].held_error(before, wanted) > tolerance * care[joint] {
-                out.updated[frame].insert(joint);
-            } else {
-                out.shown[frame][joint] = before;
-            }
-        }
-    }
-    out
-}
-
-fn held_in_view(stage: &ClipEvaluator<'_>, tolerance: f32, view: Vec3) -> Playback {
-    let mut out = stage.true_playback();
-    for frame in 1..stage.truth.len() {
-        for joint in stage.moving.iter() {
-            let (before, wanted) = (out.shown[frame - 1][joint], out.shown[frame][joint]);
-            let lever = &stage.levers[joint];
-            let in_joint = stage.true_models[frame][joint].conjugate() * view;
-            let error = lever.projected_error(before, wanted, in_joint);
-            if error > tolerance {
-                out.updated[frame].insert(joint);
-            } else {
-                out.shown[frame][joint] = before;
-            }
-        }
-    }
-    out
-}
-
-fn segmented(
-    stage: &ClipEvaluator<'_>,
-    mut cut: impl FnMut(usize, &[Quat]) -> Vec<Segment>,
-) -> Playback {
-    per_joint(stage, |joint, values, out| {
-        let segments = cut(joint, values);
-        for (s, segment) in segments.iter().enumerate() {
-            let end = segments.get(s + 1).map_or(values.len(), |next| next.start);
-            for frame in segment.start..end {
-                out.shown[frame][joint] = segment.key;
-            }
-            if segment.start > 0 {
-                out.updated[segment.start].insert(joint);
-            }
-        }
-    })
-}
-
-fn linear(stage: &ClipEvaluator<'_>, tolerance: f32) -> Playback {
-    per_joint(stage, |joint, values, out| {
-        let all: Vec<u32> = (0..values.len() as u32).collect();
-        let keys = linear_keys(values, tolerance / stage.levers[joint].rest_metres, &all);
-        for span in keys.windows(2) {
-            let (from, to) = (span[0] as usize, span[1] as usize);
-            for frame in from..to {
-                let u = (frame - from) as f32 / (to - from) as f32;
-                out.shown[frame][joint] = nlerp(values[from], values[to], u);
-            }
-            out.updated[to].insert(joint);
-        }
-    })
-}
-
-fn thesis(stage: &ClipEvaluator<'_>, threshold: f32) -> Playback {
-    let matrix: &ErrorMatrix = stage.thesis_matrix();
-    let hold_last = TransitionOptions {
-        policy: PassivePolicy::HoldLast,
-        ..stage.options.transition
+        let radians = tolerance / stage.levers[joint].rest_metres;
+        vec![linear_keys(&stage.values(joint), radians, &all)]
     };
-    let mut states = JointStates::new(&stage.truth[0], hold_last);
-    let mut out = stage.true_playback();
-    for (frame, pose) in stage.truth.iter().enumerate() {
-        let secs = frame as f64 / f64::from(stage.clip.rate_hz());
-        if frame > 0 {
-            switch(matrix, frame, threshold, &mut states, secs, pose);
-        }
-        let shown = states.step(secs, pose);
-        for joint in stage.moving.iter() {
-            out.shown[frame][joint] = shown.rotations[joint];
-        }
-        for joint in stage.moving.iter().filter(|_| frame > 0) {
-            let state = states.state(joint);
-            if state != JointState::Passive {
-                out.updated[frame].insert(joint);
-            }
-            if matches!(state, JointState::ToActive | JointState::ToPassive) {
-                out.in_transition[frame].insert(joint);
-            }
-        }
+    KeyTable {
+        hashes: TableHashes::default(),
+        rate_hz: stage.clip.rate_hz(),
+        frames: stage.truth.len() as u32,
+        base_metres: tolerance,
+        mode: KeyMode::Linear,
+        keys: (0..stage.asset.rig.len()).map(keys).collect(),
     }
-    out
 }
 
-fn skipped(stage: &ClipEvaluator<'_>, every: f32, blended: bool) -> Playback {
-    let every = (every.max(1.0) as usize).min(stage.truth.len());
-    let last = stage.truth.len() - 1;
-    let mut out = stage.true_playback();
-    for frame in 1..=last {
-        let key = frame - frame % every;
-        let next = (key + every).min(last);
-        if frame == key || (blended && frame == last) {
-            out.updated[frame] = stage.moving;
-            continue;
-        }
-        let u = if blended {
-            (frame - key) as f32 / (next - key) as f32
-        } else {
-            0.0
-        };
-        for joint in stage.moving.iter() {
-            let [from, to] = [key, next].map(|f| stage.truth[f].rotations[joint]);
-            out.shown[frame][joint] = if blended { nlerp(from, to, u) } else { from };
-        }
+impl ClipEvaluator<'_> {
+    /// True rotations of a joint at all frames.
+    pub(super) fn values(&self, joint: usize) -> Vec<Quat> {
+        self.truth.iter().map(|p| p.rotations[joint]).collect()
     }
-    out
-}
 
-fn fixed(stage: &ClipEvaluator<'_>, level: &JointSet) -> Playback {
-    let mut out = per_joint(stage, |joint, values, out| {
-        if level.contains(joint) {
-            return;
-        }
-        let rest = stage.asset.rig.rest_pose().rotations[joint];
-        let key = match stage.options.transition.policy {
-            PassivePolicy::KeyPose => central_rotation(values).unwrap_or(rest),
-            PassivePolicy::HoldLast => values[0],
-            PassivePolicy::Rest | PassivePolicy::BlendToRest { .. } => rest,
-        };
-        for frame in &mut out.shown {
-            frame[joint] = key;
-        }
-    });
-    for frame in out.updated.iter_mut().skip(1) {
-        *frame = stage.moving.intersection(level);
+    /// Every how many frames a skipping method updates.
+    fn every(&self, parameter: f32) -> usize {
+        (parameter.max(1.0) as usize).min(self.truth.len())
     }
-    out
+
+    fn segments(&self, mut cut: impl FnMut(usize, &[Quat]) -> Vec<Segment>) -> Segments {
+        let runs = |joint: usize| match self.moving.contains(joint) {
+            true => cut(joint, &self.values(joint)),
+            false => Vec::new(),
+        };
+        Segments::new((0..self.asset.rig.len()).map(runs).collect())
+    }
+
+    fn by_table(&self, table: &KeyTable, tolerance_metres: f32) -> Playback {
+        let keys = StoredKeys::new(&self.clip, table).ok();
+        let shares = vec![1.0; self.asset.rig.len()];
+        self.bounded(&mut TableController::new(
+            vec![keys],
+            shares,
+            tolerance_metres,
+        ))
+    }
+
+    /// The controller of the thesis; passive joints hold their last transform.
+    pub(super) fn thesis(&self, threshold: Threshold) -> ThesisController<'_> {
+        let hold_last = TransitionOptions {
+            policy: PassivePolicy::HoldLast,
+            ..self.options.transition
+        };
+        let matrices = vec![Some(self.thesis_matrix())];
+        let every = self.options.lookup_every;
+        ThesisController::new(&self.asset.rig, matrices, threshold, every, hold_last)
+    }
+
+    /// Plays a controller within the articulation of the options, if there is one.
+    fn bounded(&self, control: &mut dyn MotionController) -> Playback {
+        match &self.options.articulation {
+            Some(set) => {
+                let mut bounded = self.articulated(set, control);
+                self.played(&mut bounded, &self.loose(set))
+            }
+            None => self.played(control, &self.moving),
+        }
+    }
+
+    /// Plays a fixed level: joints outside of it hold what the policy of the options says.
+    fn fixed(&self, level: &JointSet) -> Playback {
+        let mut full = FullDetail::default();
+        let mut loa = self.articulated(level, &mut full);
+        self.played(&mut loa, &self.loose(level))
+    }
+
+    /// The joints that an articulation holds or lets go: those that move, and the root and what is
+    /// above it where it is not selected.
+    pub(super) fn loose(&self, level: &JointSet) -> JointSet {
+        let rig = &self.asset.rig;
+        let chain = std::iter::successors(Some(rig.root()), |j| rig.parent(*j));
+        let carriers: JointSet = chain.collect();
+        self.moving.union(&carriers.difference(level))
+    }
+
+    /// A level of articulation around a controller, by the policy of the options.
+    pub(super) fn articulated<'c>(
+        &self,
+        level: &JointSet,
+        inner: &'c mut dyn MotionController,
+    ) -> LoaController<&'c mut dyn MotionController> {
+        let rig = &self.asset.rig;
+        let transition = TransitionOptions {
+            // A fade to rest would count as an error of the level only until it is over.
+            policy: match self.options.transition.policy {
+                PassivePolicy::BlendToRest { .. } => PassivePolicy::Rest,
+                policy => policy,
+            },
+            ..self.options.transition
+        };
+        let range = LoaRange::one(*level);
+        let mut loa = LoaController::new(rig, range, transition, inner);
+        if transition.policy == PassivePolicy::KeyPose {
+            loa.set_key_pose(&self.key_pose());
+        }
+        loa
+    }
+
+    /// The rotation of each joint with the smallest largest angle to all frames.
+    pub(super) fn key_pose(&self) -> LocalPose {
+        let mut pose = self.truth[0].clone();
+        for joint in 0..self.asset.rig.len() {
+            if let Some(key) = central_rotation(&self.values(joint)) {
+                pose.rotations[joint] = key;
+            }
+        }
+        pose
+    }
+
+    /// Plays one pass of the clip at its own frames. `controlled` are the joints that the
+    /// controller holds or renews; all others follow the clip.
+    fn played(&self, control: &mut dyn MotionController, controlled: &JointSet) -> Playback {
+        let rig = &self.asset.rig;
+        let clips = std::slice::from_ref(&self.clip);
+        let model = FigureModel::new(rig, clips).expect("the clip must belong to the rig");
+        let mut player = FigurePlayer::new(&model, &[]);
+        player.play(ClipState::new(&model, 0).once());
+        player.set_pinned(rig.all().difference(controlled));
+        let mut out = Playback::default();
+        for frame in 0..self.truth.len() {
+            let secs = frame as f64 / f64::from(self.clip.rate_hz());
+            player.advance_to(secs, frame as f32 / self.clip.rate_hz());
+            if self.options.protect_contacts {
+                attention(self.asset, &self.contacts, frame, &mut player.attention);
+            }
+            let views = FigureViews::Parallel {
+                pixels_per_metre: 1.0,
+                distance_metres: 0.0,
+                directions: &[],
+            };
+            let report = *player.control(control, views);
+            out.shown.push(player.pose().rotations.clone());
+            // The first frame is the start, not an update.
+            let counted = if frame > 0 {
+                self.moving
+            } else {
+                JointSet::EMPTY
+            };
+            out.updated.push(report.updated.intersection(&counted));
+            out.in_transition
+                .push(report.in_transition.intersection(&counted));
+        }
+        out
+    }
 }

@@ -1,17 +1,18 @@
 //! The set-up of an evaluation, the reference motion of a clip, and the statistics of one run.
 
 use super::baselines::thesis::error_matrix;
-use super::baselines::thesis_metric::ErrorMatrix;
 use super::method::{Method, MethodOptions, Playback};
 use crate::character::Asset;
 use crate::motion_error::bounds::moving_joints;
 use crate::motion_error::contacts::contacts;
 use crate::motion_error::joint_lever::JointLever;
 use crate::motion_error::levers::levers;
+use crate::motion_error::tables::key_table;
 use crate::points::Points;
+use articula_core::playback::{ErrorMatrix, StoredKeys};
 use articula_core::{
-    Clip, Contact, JointSet, LocalPose, ModelPose, Viewport, Wrap, local_to_model, percentile,
-    sample,
+    Clip, Contact, JointSet, KeyMode, KeyTable, LocalPose, ModelPose, Viewport, Wrap,
+    local_to_model, percentile, sample,
 };
 use glam::{Quat, Vec3};
 use std::cell::OnceCell;
@@ -59,11 +60,10 @@ pub struct ClipEvaluator<'a> {
     pub(crate) contacts: Vec<Contact>,
     /// Unreduced local poses of all frames.
     pub truth: Vec<LocalPose>,
-    /// Unreduced model-space rotations of all frames.
-    pub(super) true_models: Vec<Vec<Quat>>,
     points: Points,
     true_points: Vec<Vec<Vec3>>,
     matrix: OnceCell<ErrorMatrix>,
+    key_table: OnceCell<KeyTable>,
 }
 
 /// Projected displacement of the skin: percentiles over frames of the 95th percentile over
@@ -131,11 +131,11 @@ impl<'a> ClipEvaluator<'a> {
             moving: moving_joints(asset, &clip),
             levers: levers(&asset.rig, &asset.mesh),
             contacts: contacts(asset, &clip, false),
-            true_models: truth.iter().map(|p| models(asset, &p.rotations)).collect(),
             true_points: truth.iter().map(|p| points.posed(asset, p)).collect(),
             truth,
             points,
             matrix: OnceCell::new(),
+            key_table: OnceCell::new(),
             asset,
             clip,
             setup,
@@ -203,13 +203,21 @@ impl<'a> ClipEvaluator<'a> {
         })
     }
 
-    /// The unreduced playback, without any counted update.
-    pub(super) fn true_playback(&self) -> Playback {
-        Playback {
-            shown: self.truth.iter().map(|p| p.rotations.clone()).collect(),
-            updated: vec![JointSet::EMPTY; self.truth.len()],
-            in_transition: vec![JointSet::EMPTY; self.truth.len()],
+    /// Gives the stored key table of the clip, played by the variant `Tables`. One that was made
+    /// for other frames than those of the evaluated clip is ignored.
+    #[must_use]
+    pub fn with_key_table(self, table: KeyTable) -> Self {
+        if StoredKeys::new(&self.clip, &table).is_ok() {
+            // A cell that is already set keeps its table.
+            let _ = self.key_table.set(table);
         }
+        self
+    }
+
+    /// The given key table, or that which preparation would store.
+    pub(super) fn key_table(&self) -> &KeyTable {
+        let made = || key_table(self.asset, &self.clip, &self.levers, KeyMode::Hold);
+        self.key_table.get_or_init(made)
     }
 
     pub(super) fn trial(&self, parameter: f32, playbacks: &[Playback]) -> MethodRun {
@@ -312,14 +320,4 @@ impl<'a> ClipEvaluator<'a> {
         }
         out
     }
-}
-
-fn models(asset: &Asset, locals: &[Quat]) -> Vec<Quat> {
-    let mut out = locals.to_vec();
-    for joint in 0..out.len() {
-        if let Some(parent) = asset.rig.parent(joint) {
-            out[joint] = out[parent] * out[joint];
-        }
-    }
-    out
 }

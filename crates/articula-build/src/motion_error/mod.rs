@@ -8,7 +8,6 @@
 //! - [`contact_intervals`], [`contact_table`]: intervals in which feet and hands stand still
 
 pub(crate) mod bounds;
-pub(crate) mod closed_loop;
 pub(crate) mod contacts;
 pub(crate) mod joint_lever;
 pub(crate) mod keys;

@@ -2,14 +2,17 @@
 
 use articula_build::ClipOptions;
 use articula_build::evaluate::{
-    CameraKey, ClipEvaluator, EvaluationSetup, Method, MethodOptions, MethodRun, SkinPxVariant,
-    calibrate, play, play_camera_path, pose_key_frames, sweep, uniform_key_frames,
+    CameraKey, ClipEvaluator, EvaluationSetup, LevelSchedule, Method, MethodOptions, MethodRun,
+    PathMethod, RequestedLevel, ScheduleFrame, ScheduledLevel, SkinPxVariant, calibrate, play,
+    play_camera_path, play_schedule, pose_key_frames, sweep, uniform_key_frames,
 };
-use articula_build::levers;
 use articula_build::pose_keys;
 use articula_build::{Asset, character};
 use articula_build::{ChainTolerance, joint_bounds};
+use articula_build::{hold_joints_in_clip, levers};
 use articula_build::{key_table, table_hashes};
+use articula_core::joint_state::{Ease, PassivePolicy, TransitionOptions};
+use articula_core::playback::{Threshold, ThresholdCurve};
 use articula_core::source::{
     Channel, Character, Interpolation, Joint, Primitive, Property, RawClip, RawMesh, Skeleton, Skin,
 };
@@ -413,7 +416,8 @@ fn an_open_loop_is_shown_at_once_from_afar_too() {
     };
     let opts = DriftOptions::default();
     for hz in [24.0, 60.0, 143.0] {
-        let run = play_camera_path(&stage, &[key(0.0), key(9.0)], hz, opts).unwrap();
+        let run =
+            play_camera_path(&stage, &[key(0.0), key(9.0)], hz, &PathMethod::Drift(opts)).unwrap();
         for f in &run.frames {
             let px = f.joint_error_px;
             assert!(px <= opts.bound_px() + 5e-3, "{px} px at {} s", f.secs);
@@ -518,7 +522,13 @@ fn a_moving_camera_keeps_the_bound_and_saves_most_from_afar() {
         target: Vec3::ZERO,
     };
     let opts = DriftOptions::default();
-    let run = play_camera_path(&stage, &[key(0.0, 25.0), key(4.6, 2.0)], 60.0, opts).unwrap();
+    let run = play_camera_path(
+        &stage,
+        &[key(0.0, 25.0), key(4.6, 2.0)],
+        60.0,
+        &PathMethod::Drift(opts),
+    )
+    .unwrap();
     assert_eq!(run.frames.len(), 277);
     for f in &run.frames {
         // The clip's loop is open: where it jumps, the controller must show the jump at once.
@@ -536,5 +546,275 @@ fn a_moving_camera_keeps_the_bound_and_saves_most_from_afar() {
             .sum::<usize>()
     };
     assert!(updates(0, 60) < updates(200, 260), "nearer costs more");
-    assert!(play_camera_path(&stage, &[], 60.0, opts).is_none());
+    assert!(play_camera_path(&stage, &[], 60.0, &PathMethod::Drift(opts)).is_none());
+}
+
+fn run_with(options: MethodOptions, method: &Method, parameter: f32) -> MethodRun {
+    let asset = asset();
+    let setup = EvaluationSetup {
+        azimuths_deg: vec![0.0],
+        ..EvaluationSetup::default()
+    };
+    let stage = ClipEvaluator::new(&asset, &asset.clips[0], setup, options);
+    play(&stage, method, parameter).0
+}
+
+#[test]
+fn stored_tables_are_played_at_the_nearest_stored_tolerance() {
+    let tables = Method::SkinPx(SkinPxVariant::Tables);
+    // 35 mm are level 6, 32 mm: three steps of 10 mm are within.
+    let t = run(&tables, 0.035);
+    assert!(
+        near(t.joint_update_gain, 0.75) && near(t.error.max, 3.0 * STEP),
+        "{t:?}"
+    );
+    // Below 0.5 mm nothing is stored, so every frame is sampled.
+    assert_eq!(run(&tables, 0.0004).joint_update_gain, 0.0);
+    // A table of a file is played as it is; one of another clip is not.
+    let asset = asset();
+    let levers = levers(&asset.rig, &asset.mesh);
+    let mut table = key_table(&asset, &asset.clips[0], &levers, KeyMode::Hold);
+    table.keys[1] = vec![vec![0, 30]; 10];
+    let stage = |table| {
+        let clip = &asset.clips[0];
+        let (setup, options) = (EvaluationSetup::default(), MethodOptions::default());
+        ClipEvaluator::new(&asset, clip, setup, options).with_key_table(table)
+    };
+    let gain = |table| play(&stage(table), &tables, 0.035).0.joint_update_gain;
+    assert!(near(gain(table.clone()), 59.0 / 60.0));
+    table.frames += 1;
+    assert!(near(gain(table), 0.75));
+}
+
+#[test]
+fn an_articulation_bounds_what_a_metric_may_choose() {
+    let bounded = MethodOptions {
+        articulation: Some(JointSet::first(1)),
+        ..MethodOptions::default()
+    };
+    // The arm shows its key pose, thirty steps from either end.
+    for method in [Method::SkinPx(SkinPxVariant::Hold), Method::Thesis] {
+        let t = run_with(bounded, &method, 1e-6);
+        assert_eq!(t.joint_update_gain, 1.0, "{method:?}");
+        assert!(near(t.error.max, 2.0 * (0.15f32).sin()), "{t:?}");
+    }
+    // What may move is left to the metric.
+    let free = MethodOptions {
+        articulation: Some(JointSet::first(2)),
+        ..MethodOptions::default()
+    };
+    let hold = Method::SkinPx(SkinPxVariant::Hold);
+    assert_eq!(run_with(free, &hold, 0.035), run(&hold, 0.035));
+}
+
+#[test]
+fn a_rarer_look_up_of_the_thesis_changes_its_mind_later() {
+    // The normalised error is 1 from the third frame on; before that the arm starts.
+    let every = |lookup_every| {
+        let options = MethodOptions {
+            lookup_every,
+            ..MethodOptions::default()
+        };
+        run_with(options, &Method::Thesis, 1.01).joint_update_gain
+    };
+    assert_eq!(every(1), 1.0);
+    // Frozen at frame 20 only: 19 of 60 updates.
+    assert!(near(every(20), 41.0 / 60.0), "{}", every(20));
+}
+
+#[test]
+fn the_thesis_renews_its_threshold_before_a_moving_camera() {
+    let asset = asset();
+    let (setup, options) = (EvaluationSetup::default(), MethodOptions::default());
+    let stage = ClipEvaluator::new(&asset, &asset.clips[0], setup, options);
+    let key = |secs, z| CameraKey {
+        secs,
+        eye: Vec3::Z * z,
+        target: Vec3::ZERO,
+    };
+    let threshold = Threshold {
+        thr_init: 0.1,
+        thr_max: 2.0,
+        d_min_metres: 3.0,
+        d_max_metres: 20.0,
+        curve: ThresholdCurve::Fixed,
+    };
+    let path = [key(0.0, 3.0), key(1.9, 20.0)];
+    let run = play_camera_path(&stage, &path, 30.0, &PathMethod::Thesis(threshold)).unwrap();
+    // The error of the steady turn is 1: passive from u² = 0.9 / 1.9 on, at 14.7 m.
+    let crossing = 3.0 + 17.0 * (0.9f32 / 1.9).sqrt();
+    for pair in run.frames.windows(2).skip(3) {
+        let far = pair[1].distance_m > crossing;
+        assert_eq!(pair[1].updated.is_empty(), far, "{} m", pair[1].distance_m);
+    }
+    assert!(run.frames[50].error_px > run.frames[20].error_px);
+    let none = PathMethod::Loa(JointSet::EMPTY);
+    let still = play_camera_path(&stage, &path, 30.0, &none).unwrap();
+    assert_eq!(still.joint_update_gain, 1.0);
+    for method in [
+        PathMethod::Tables(1.0),
+        PathMethod::DriftInView(DriftOptions::default()),
+    ] {
+        let run = play_camera_path(&stage, &path, 30.0, &method).unwrap();
+        let bound = method.bound_px().unwrap();
+        // A key holds up to the next frame of the clip, 10 mm further.
+        let late = if method == PathMethod::Tables(1.0) {
+            0.01
+        } else {
+            1e-4
+        };
+        for frame in &run.frames {
+            let scale = stage.setup.viewport.pixels_per_metre(frame.distance_m);
+            let most = bound + late * scale;
+            assert!(
+                frame.joint_error_px <= most,
+                "{method:?}: {}",
+                frame.joint_error_px
+            );
+        }
+        // The arm moves by 0.3 m/s, too fast for the drift controller to freeze it for 100 ms.
+        let saves = method == PathMethod::Tables(1.0);
+        assert_eq!(run.joint_update_gain > 0.1, saves, "{method:?}");
+    }
+}
+
+/// `loa(None)` in an evaluation and in a reduced clip: nothing moves but the way over the ground
+/// and the heading.
+#[test]
+fn at_no_joint_the_figure_travels_as_in_a_reduced_clip() {
+    let asset = asset();
+    let turn = |i: usize| {
+        let lean = Quat::from_rotation_x(0.1 + 0.3 * (0.2 * i as f32).sin());
+        Quat::from_rotation_y(0.03 * i as f32) * lean
+    };
+    let times: Vec<f32> = (0..FRAMES).map(|i| i as f32 / RATE).collect();
+    let channel = |target, property, values| Channel {
+        target,
+        property,
+        interpolation: Interpolation::Linear,
+        times_secs: times.clone(),
+        values,
+    };
+    let way = (0..FRAMES).flat_map(|i| [0.01 * i as f32, 0.9, 0.02 * i as f32]);
+    let turned = (0..FRAMES).flat_map(|i| turn(i).to_array());
+    let waved = (0..FRAMES).flat_map(|i| Quat::from_rotation_z(STEP * i as f32).to_array());
+    let source = RawClip {
+        name: "walk".into(),
+        duration_secs: times[FRAMES - 1],
+        channels: vec![
+            channel(0, Property::Translation, way.collect()),
+            channel(0, Property::Rotation, turned.collect()),
+            channel(1, Property::Rotation, waved.collect()),
+        ],
+    };
+    let rate = ClipOptions {
+        rate_hz: Some(RATE),
+    };
+    for policy in [
+        PassivePolicy::HoldLast,
+        PassivePolicy::Rest,
+        PassivePolicy::KeyPose,
+    ] {
+        for level in [JointSet::EMPTY, JointSet::first(1)] {
+            let reduced = hold_joints_in_clip(&asset.rig, &source, &level, policy);
+            let expected = clip_of(&asset, reduced, &rate);
+            let clip = clip_of(&asset, source.clone(), &rate);
+            let options = MethodOptions {
+                transition: TransitionOptions {
+                    secs: 0.0,
+                    policy,
+                    ..TransitionOptions::default()
+                },
+                ..MethodOptions::default()
+            };
+            let stage = ClipEvaluator::new(&asset, &clip, EvaluationSetup::default(), options);
+            let (_, passes) = play(&stage, &Method::Loa(vec![level]), 0.0);
+            let mut pose = asset.rig.rest_pose().clone();
+            for (frame, shown) in passes[0].shown.iter().enumerate() {
+                let secs = frame as f64 / f64::from(RATE);
+                articula_core::sample(&expected, secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
+                for (a, b) in shown.iter().zip(&pose.rotations) {
+                    let off = articula_core::angle_between(*a, *b);
+                    assert!(off < 1e-3, "{policy:?}, {level:?}, frame {frame}: {off}");
+                }
+            }
+        }
+    }
+}
+
+/// A figure walks while its level falls and rises, also in the middle of a transition.
+#[test]
+fn no_joint_jumps_more_than_its_transition_allows() {
+    let asset = crate::reference_human::asset_of_2000();
+    let clip = asset.clips.iter().find(|c| c.name == "walk").unwrap();
+    let (setup, options) = (EvaluationSetup::default(), MethodOptions::default());
+    let stage = ClipEvaluator::new(asset, clip, setup, options);
+    let at = |secs, level| ScheduledLevel {
+        secs,
+        level: RequestedLevel::Level(level),
+    };
+    let hands = JointSet::from_iter([asset.rig.find("l_wrist").unwrap_or(3)]);
+    let schedule = LevelSchedule {
+        changes: vec![
+            at(0.5, 5),
+            at(1.0, 0),
+            at(1.1, 6),
+            at(1.6, 1),
+            ScheduledLevel {
+                secs: 2.1,
+                level: RequestedLevel::Joints(hands),
+            },
+            at(2.6, 0),
+        ],
+        finest_allowed: 1,
+        display_hz: 60.0,
+        tail_secs: 0.5,
+        distance_m: 3.5,
+    };
+    let run = |ease, secs| {
+        let transition = TransitionOptions {
+            secs,
+            ease,
+            policy: PassivePolicy::HoldLast,
+        };
+        play_schedule(&stage, &schedule, transition)
+    };
+    let none = run(Ease::Linear, 0.0);
+    let greatest = |frames: &[ScheduleFrame], of: fn(&ScheduleFrame) -> f32| {
+        frames.iter().map(of).fold(0.0, f32::max)
+    };
+    // The angle that a transition has to bridge at most; a blend turns fastest half-way.
+    let gap = greatest(&none, |f| f.gap_radians);
+    let most = |slope: f32| slope / 60.0 / 0.2 * 4.0 * (0.25 * gap).tan() + 1e-3;
+    for (ease, slope) in [(Ease::Linear, 1.0), (Ease::Smoothstep, 1.5)] {
+        let frames = run(ease, 0.2);
+        let jump = greatest(&frames, |f| f.jump_radians);
+        assert!(
+            jump <= most(slope),
+            "{ease:?}: {jump} rad, allowed {}",
+            most(slope)
+        );
+        let switched = greatest(&none, |f| f.jump_radians);
+        assert!(
+            switched > 2.0 * most(slope),
+            "without transitions {switched} rad"
+        );
+        for (frame, plain) in frames.iter().zip(&none) {
+            assert_eq!(frame.articulation, plain.articulation);
+            // Play starts at the cap of the device, which no change passes.
+            assert!(frame.articulation.len() < asset.rig.len());
+        }
+        let near = |secs: f64| frames.iter().find(|f| f.secs >= secs).unwrap();
+        assert!(near(0.75).in_transition == 0 && near(0.6).in_transition > 0);
+        assert!(
+            near(0.95).error_px > near(0.4).error_px,
+            "held joints are off"
+        );
+        assert!(near(0.95).sampled < near(0.4).sampled);
+        assert_eq!(
+            near(2.9).articulation,
+            frames[0].articulation,
+            "level 1 again"
+        );
+    }
 }

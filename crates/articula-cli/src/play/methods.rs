@@ -4,12 +4,11 @@ use super::selection::SelectionArgs;
 use crate::fault;
 use articula::evaluate::NamedMethod;
 use articula_build::ChainTolerance;
-use articula_build::evaluate::ThresholdCurve;
 use articula_build::evaluate::{BoneDirection, SegmentRadius};
-use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
-use articula_core::joint_state::PassivePolicy;
-
-use articula_core::{DriftOptions, Rig};
+use articula_build::evaluate::{Method, MethodOptions, PathMethod, SkinPxVariant};
+use articula_core::joint_state::{Ease, PassivePolicy, TransitionOptions};
+use articula_core::playback::{Threshold, ThresholdCurve};
+use articula_core::{DriftOptions, JointSet, Rig};
 use clap::{Args, ValueEnum};
 
 use crate::arguments::{not_negative, positive};
@@ -49,6 +48,8 @@ pub(crate) enum Variant {
     ClosedLoop,
     /// Interpolate between keys
     Linear,
+    /// Play the key table stored in the file, or the one that `build` would store
+    Tables,
 }
 
 impl Variant {
@@ -59,6 +60,25 @@ impl Variant {
             Self::KeyPose => SkinPxVariant::KeyPose,
             Self::ClosedLoop => SkinPxVariant::ClosedLoop,
             Self::Linear => SkinPxVariant::Linear,
+            Self::Tables => SkinPxVariant::Tables,
+        }
+    }
+}
+
+/// Course of a transition between held and sampled joints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TransitionCurve {
+    /// Constant speed, as in the thesis
+    Linear,
+    /// Slow at both ends
+    Smooth,
+}
+
+impl TransitionCurve {
+    pub(crate) fn ease(self) -> Ease {
+        match self {
+            Self::Linear => Ease::Linear,
+            Self::Smooth => Ease::Smoothstep,
         }
     }
 }
@@ -72,6 +92,16 @@ pub(crate) enum Passive {
     Rest,
     /// Rotation with the smallest maximum angle to all frames
     KeyPose,
+}
+
+impl Passive {
+    fn policy(self) -> PassivePolicy {
+        match self {
+            Self::Hold => PassivePolicy::HoldLast,
+            Self::Rest => PassivePolicy::Rest,
+            Self::KeyPose => PassivePolicy::KeyPose,
+        }
+    }
 }
 
 /// Curve of the thesis' threshold over distance.
@@ -125,8 +155,8 @@ pub(crate) struct MethodArgs {
     variant: Option<Variant>,
     #[command(flatten)]
     pub(crate) selection: SelectionArgs,
-    /// Pose of joints outside the level (with --method loa)
-    /// [default: key-pose]
+    /// Pose of joints outside the level (with --method loa or a profile that bounds the method)
+    /// [default: key-pose, with --schedule hold]
     #[arg(long, value_enum, value_name = "POLICY")]
     passive: Option<Passive>,
     /// Division of the tolerance among the joints of a chain (with --camera-path)
@@ -153,10 +183,16 @@ pub(crate) struct MethodArgs {
     /// Farthest viewing distance in metres
     #[arg(long, help_heading = THESIS, default_value_t = 16.0, value_parser = positive, value_name = "M")]
     d_max: f32,
-    /// Duration of the transition between active and passive in milliseconds [default: thesis 0,
-    /// with --camera-path 200]
+    /// Duration of the transition between active and passive in milliseconds [default: 200 with
+    /// --schedule and for skin-px with --camera-path, else 0]
     #[arg(long, value_parser = not_negative, value_name = "MS")]
     transition_ms: Option<f32>,
+    /// Course of the transition
+    #[arg(long, value_enum, value_name = "CURVE", default_value = "smooth")]
+    transition: TransitionCurve,
+    /// Consult the error matrix in every n-th frame only
+    #[arg(long, help_heading = THESIS, value_name = "N", default_value_t = 1, value_parser = every)]
+    lookup_every: u16,
     /// Curve of the threshold over distance
     #[arg(long, help_heading = THESIS, value_enum, default_value = "literal")]
     curve: Curve,
@@ -174,23 +210,36 @@ fn share(text: &str) -> Result<f32, String> {
     number.ok_or_else(|| "expected a number from 0 to 1".into())
 }
 
+fn every(text: &str) -> Result<u16, String> {
+    let number = text.parse::<u16>().ok().filter(|n| *n > 0);
+    number.ok_or_else(|| "expected a whole number of frames from 1 to 65535".into())
+}
+
 impl MethodArgs {
-    /// The method to play; selected joints imply the method `loa`.
+    /// The method to play; selected joints imply the method `loa`, unless they only bound a metric.
     pub(crate) fn method(&self) -> MethodName {
-        let usual = match self.selection.is_given() {
+        let decides = self.selection.is_given() && !self.is_bound();
+        let usual = match decides {
             true => MethodName::Loa,
             false => MethodName::SkinPx,
         };
         self.method.unwrap_or(usual)
     }
 
+    /// Whether the selected joints bound what a metric may choose. A profile that cannot be read
+    /// is refused by [`MethodArgs::check`].
+    fn is_bound(&self) -> bool {
+        self.selection.is_bound().unwrap_or(false)
+    }
+
     fn variant(&self) -> Variant {
         self.variant.unwrap_or(Variant::Hold)
     }
 
-    /// Refuses flags that the method would ignore.
-    pub(crate) fn check(&self) -> anyhow::Result<()> {
+    /// Refuses flags that the method would ignore; `scheduled` says that levels change over time.
+    pub(crate) fn check(&self, scheduled: bool) -> anyhow::Result<()> {
         self.selection.check()?;
+        self.selection.is_bound()?;
         if self.d_min >= self.d_max {
             let (near, far) = (self.d_min, self.d_max);
             return Err(fault::usage(format!(
@@ -199,7 +248,7 @@ impl MethodArgs {
         }
         let method = self.method();
         let what = match method {
-            MethodName::SkinPx if self.passive.is_some() => {
+            MethodName::SkinPx if self.passive.is_some() && !scheduled && !self.is_bound() => {
                 "--passive sets the pose of joints outside a fixed level; add --loa EXPR or --method loa"
             }
             MethodName::SkinPx => return Ok(()),
@@ -220,9 +269,10 @@ impl MethodArgs {
     /// The methods to play.
     pub(crate) fn chosen(&self, rig: &Rig) -> anyhow::Result<Vec<NamedMethod>> {
         let is_fixed = matches!(self.method(), MethodName::Loa | MethodName::All);
-        if self.selection.is_given() && !is_fixed {
+        if self.selection.is_given() && !is_fixed && !self.is_bound() {
             return Err(fault::usage(
-                "--loa and --loa-profile choose a fixed set of joints; add --method loa (or --method all)",
+                "--loa and --loa-profile choose a fixed set of joints; add --method loa (or --method all), \
+                 or write \"manual\": false into the profile, so that it bounds the method",
             ));
         }
         Ok(vec![match self.method() {
@@ -248,9 +298,21 @@ impl MethodArgs {
         })
     }
 
+    /// The joints that a metric may choose from, if the selection only bounds it.
+    fn articulation(&self, rig: &Rig) -> anyhow::Result<Option<JointSet>> {
+        if !self.is_bound() {
+            return Ok(None);
+        }
+        Ok(self.selection.joints(rig)?.map(|(_, set)| set))
+    }
+
     /// The parameters besides the calibrated one.
-    pub(crate) fn options(&self) -> MethodOptions {
-        let mut options = MethodOptions::default();
+    pub(crate) fn options(&self, rig: &Rig) -> anyhow::Result<MethodOptions> {
+        let mut options = MethodOptions {
+            articulation: self.articulation(rig)?,
+            lookup_every: usize::from(self.lookup_every),
+            ..MethodOptions::default()
+        };
         options.thesis.alpha = self.alpha;
         options.thesis.beta = self.beta;
         options.thesis.direction = match self.direction {
@@ -270,36 +332,73 @@ impl MethodArgs {
             Curve::Fixed => ThresholdCurve::Fixed,
         };
         options.transition.secs = self.transition_ms.unwrap_or(0.0) / 1000.0;
-        options.transition.policy = match self.passive.unwrap_or(Passive::KeyPose) {
-            Passive::Hold => PassivePolicy::HoldLast,
-            Passive::Rest => PassivePolicy::Rest,
-            Passive::KeyPose => PassivePolicy::KeyPose,
-        };
+        options.transition.ease = self.transition.ease();
+        options.transition.policy = self.passive.unwrap_or(Passive::KeyPose).policy();
         options.protect_contacts = self.protect_contacts;
         options.chain = match self.chain {
             Chain::Whole => ChainTolerance::Whole,
             Chain::Root => ChainTolerance::Root,
             Chain::Split => ChainTolerance::Split,
         };
-        options
+        Ok(options)
     }
 }
 
 impl MethodArgs {
-    /// Options of the drift controller for a moving camera, with a tolerance in pixels.
-    pub(crate) fn drift(&self, epsilon_px: f32) -> anyhow::Result<DriftOptions> {
-        let ours = self.method() == MethodName::SkinPx && self.variant() == Variant::Hold;
-        if !ours {
-            let what = "--camera-path plays the controller of skin-px; leave --method, --variant and --loa out";
-            return Err(fault::usage(what));
+    /// Transitions of a live playback: 200 ms, and held joints show their last pose, unless given.
+    pub(crate) fn live_transition(&self) -> TransitionOptions {
+        let usual = TransitionOptions::default();
+        TransitionOptions {
+            secs: self.transition_ms.map_or(usual.secs, |ms| ms / 1000.0),
+            ease: self.transition.ease(),
+            policy: self.passive.map_or(usual.policy, Passive::policy),
         }
-        let mut options = DriftOptions {
-            epsilon_px,
+    }
+
+    /// The controller before a moving camera, with its parameter: a tolerance in pixels, a threshold
+    /// that does not depend on the distance, or the index of a level. The level's name comes with
+    /// it.
+    pub(crate) fn before_a_camera(
+        &self,
+        rig: &Rig,
+        parameter: Option<f32>,
+    ) -> anyhow::Result<(PathMethod, Option<String>)> {
+        let mut drift = DriftOptions {
+            epsilon_px: parameter.unwrap_or(1.0),
             ..DriftOptions::default()
         };
         if let Some(ms) = self.transition_ms {
-            options.transition.secs = ms / 1000.0;
+            drift.transition.secs = ms / 1000.0;
         }
-        Ok(options)
+        drift.transition.ease = self.transition.ease();
+        let method = match (self.method(), self.variant()) {
+            (MethodName::SkinPx, Variant::Hold) => PathMethod::Drift(drift),
+            (MethodName::SkinPx, Variant::View) => PathMethod::DriftInView(drift),
+            (MethodName::SkinPx, Variant::Tables) => PathMethod::Tables(drift.epsilon_px),
+            (MethodName::Thesis, _) => {
+                let by_distance = self.options(rig)?.threshold;
+                PathMethod::Thesis(parameter.map_or(by_distance, Threshold::constant))
+            }
+            (MethodName::Loa, _) => {
+                let level = self.level(rig)?;
+                let Method::Loa(sets) = &level.method else {
+                    anyhow::bail!("the level has no joints");
+                };
+                let at = parameter.unwrap_or(0.0) as usize;
+                let Some(set) = sets.get(at) else {
+                    let last = sets.len() - 1;
+                    return Err(fault::usage(format!(
+                        "--parameter {at}: loa takes the index of a level, from 0 (the most joints) to {last}"
+                    )));
+                };
+                return Ok((PathMethod::Loa(*set), level.levels.get(at).cloned()));
+            }
+            _ => {
+                let what = "--camera-path plays skin-px (variants hold, view and tables), thesis and loa; \
+                            leave other methods and variants out";
+                return Err(fault::usage(what));
+            }
+        };
+        Ok((method, None))
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Source: thesis figures 6.14 and 6.15; `docs/methods/motion-lod.md` part 12.
 
+use articula::evaluate::{ScheduleReport, ScheduleRow};
 use articula_build::evaluate::{ClipEvaluator, PathFrame, PathRun, play};
 use articula_core::JointSet;
 use articula_report::{
@@ -123,8 +124,8 @@ pub(crate) fn updates_plot(
 }
 
 /// Distance, joints updated and error over the time of a path; `bound_px` is the upper bound of
-/// the error of a single joint.
-pub(crate) fn path_plots(run: &PathRun, bound_px: f32, heading: &str) -> Vec<Plot> {
+/// the error of a single joint, if there is one.
+pub(crate) fn path_plots(run: &PathRun, bound_px: Option<f32>, heading: &str) -> Vec<Plot> {
     let plot = |name, y: &str, target: Option<(f64, String)>, of: &dyn Fn(&PathFrame) -> f64| {
         let options = PlotOptions {
             title: format!("{y}, {heading}"),
@@ -142,8 +143,7 @@ pub(crate) fn path_plots(run: &PathRun, bound_px: f32, heading: &str) -> Vec<Plo
             svg: line_plot(&options, &[series]),
         }
     };
-    let bound = format!("bound per joint {bound_px} px");
-    let bound = Some((f64::from(bound_px), bound));
+    let bound = bound_px.map(|px| (f64::from(px), format!("bound per joint {px} px")));
     vec![
         plot(
             "path-distance.svg",
@@ -165,6 +165,44 @@ pub(crate) fn path_plots(run: &PathRun, bound_px: f32, heading: &str) -> Vec<Plo
             "Error of the skin (px, p95 over vertices)",
             None,
             &|f| f64::from(f.error_px),
+        ),
+    ]
+}
+
+/// Error, joints sampled and jump per frame over the time of a schedule, one line for each kind of
+/// transition.
+pub(crate) fn schedule_plots(schedule: &[ScheduleReport], heading: &str) -> Vec<Plot> {
+    let plot = |name, y: &str, of: fn(&ScheduleRow) -> f64| {
+        let options = PlotOptions {
+            title: format!("{y}, {heading}"),
+            x_label: "time (s)".into(),
+            y_label: y.into(),
+            ..PlotOptions::default()
+        };
+        let line = |played: &ScheduleReport| Series {
+            name: format!("{} transition", played.transition),
+            points: played.frames.iter().map(|f| (f.t, of(f))).collect(),
+            dashed: played.transition == "none",
+        };
+        let series: Vec<Series> = schedule.iter().map(line).collect();
+        Plot {
+            name,
+            svg: line_plot(&options, &series),
+        }
+    };
+    vec![
+        plot(
+            "schedule-error.svg",
+            "Error of the skin (px, p95 over vertices)",
+            |f| f64::from(f.error_px),
+        ),
+        plot("schedule-joints.svg", "Joints sampled", |f| {
+            f.joints_sampled as f64
+        }),
+        plot(
+            "schedule-jump.svg",
+            "Largest jump of a joint per frame (degrees)",
+            |f| f64::from(f.jump_deg),
         ),
     ]
 }

@@ -32,6 +32,12 @@ impl SelectionArgs {
         self.loa.is_some() || self.loa_profile.is_some()
     }
 
+    /// Whether the saved selection bounds what a metric may choose, instead of deciding alone.
+    pub(crate) fn is_bound(&self) -> anyhow::Result<bool> {
+        let profile = self.loa_profile.as_deref().map(selection::saved);
+        Ok(profile.transpose()?.is_some_and(|profile| !profile.manual))
+    }
+
     /// Refuses flags that need a selection.
     pub(crate) fn check(&self) -> anyhow::Result<()> {
         let needs = match (self.with_ancestors, &self.save_loa_profile) {
@@ -49,7 +55,7 @@ impl SelectionArgs {
         let (name, set) = match (&self.loa, &self.loa_profile) {
             (Some(text), _) => (text.clone(), joints(text, rig)?),
             (None, Some(path)) => {
-                let joints = selection::saved(path)?.joints(rig);
+                let joints = selection::saved(path)?.selection.joints(rig);
                 (
                     files::shown(path),
                     joints.with_context(|| files::shown(path))?,

@@ -291,6 +291,135 @@ fn a_moving_camera_stays_within_the_bound() {
     assert!(here.join("s.png").exists());
     let line = fault(&here, 2, &[&words[..], &["--method", "ahn"]].concat());
     assert!(line.contains("skin-px"), "{line}");
+    // Every controller of the live playback moves with the camera.
+    let words = &words[..6];
+    let played = |more: &[&str]| json(&here, &[words, more].concat());
+    let saved = |more: &[&str]| number(&played(more)["rows"][0]["joint_update_gain"]);
+    let tables = played(&["--variant", "tables"]);
+    assert_eq!(tables["rows"][0]["variant"], "tables");
+    assert!(
+        saved(&["--variant", "view"]) >= number(&report["rows"][0]["joint_update_gain"]) - 0.05
+    );
+    let thesis = played(&["--method", "thesis", "--thr-init", "0.02"]);
+    assert!(thesis["camera_path"]["bound_px"].is_null());
+    assert!(number(&thesis["rows"][0]["joint_update_gain"]) > 0.0);
+    let rarely = [
+        "--method",
+        "thesis",
+        "--thr-init",
+        "0.02",
+        "--lookup-every",
+        "30",
+    ];
+    assert_ne!(
+        saved(&rarely),
+        number(&thesis["rows"][0]["joint_update_gain"])
+    );
+    assert_eq!(saved(&["--loa", "loa(None)"]), 1.0);
+    for words in [
+        &["--method", "thesis", "--calibrate", "1"][..],
+        &["--method", "loa", "--parameter", "9"],
+        &["--lookup-every", "0"],
+    ] {
+        let all = [
+            &["lod", word(human()), "--camera-path", "p.json"][..],
+            words,
+        ]
+        .concat();
+        assert_eq!(articula(&here, &all).status, 2, "{words:?}");
+    }
+}
+
+/// Changes of level are reported with every kind of transition, and drawn.
+#[test]
+fn a_schedule_of_levels_is_played_reported_and_drawn() {
+    let here = folder("schedule");
+    let list = r#"[{"t": 0.5, "level": 5}, {"t": 1.0, "loa": "loa(High) + zone(hands)"}, {"t": 1.5, "loa": "loa(None)"}]"#;
+    std::fs::write(here.join("s.json"), list).unwrap();
+    let words = [
+        "lod",
+        word(human()),
+        "--clip",
+        "walk",
+        "--schedule",
+        "s.json",
+    ];
+    let report = json(&here, &[&words[..], &["--plot", "plots"]].concat());
+    let played = report["schedule"].as_array().unwrap();
+    let kinds: Vec<&str> = played
+        .iter()
+        .map(|p| p["transition"].as_str().unwrap())
+        .collect();
+    assert_eq!(kinds, ["smooth", "linear", "none"]);
+    let jump = |kind: usize, change: usize| number(&played[kind]["changes"][change]["jump_deg"]);
+    assert!(jump(0, 1) < 0.5 * jump(2, 1) && jump(1, 1) < 0.5 * jump(2, 1));
+    let change = &played[0]["changes"][0];
+    assert_eq!(change["level"], "5: loa(VeryLow)");
+    assert!(number(&change["error_px"]["after"]) > number(&change["error_px"]["before"]));
+    assert_eq!(number(&played[0]["changes"][2]["joints"]), 0.0);
+    // Frames up to a second after the last transition, at 60 Hz.
+    assert_eq!(played[0]["frames"].as_array().unwrap().len(), 163);
+    for name in ["schedule-error", "schedule-joints", "schedule-jump"] {
+        let svg = std::fs::read_to_string(here.join("plots").join(format!("{name}.svg"))).unwrap();
+        let lines = ["smooth transition", "linear transition", "none transition"];
+        assert!(lines.iter().all(|line| svg.contains(line)), "{name}");
+    }
+    // A device that allows level 4 at most starts there.
+    let capped = json(
+        &here,
+        &[
+            &words[..],
+            &["--finest-level", "4", "--transition", "linear"],
+        ]
+        .concat(),
+    );
+    let capped = &capped["schedule"][0];
+    assert_eq!(capped["transition"], "linear");
+    let joints = |report: &Value, frame: usize| number(&report["frames"][frame]["joints"]);
+    assert!(joints(capped, 0) < joints(&played[0], 0));
+    std::fs::write(here.join("bad.json"), r#"[{"t": 0, "loa": "joint(tail)"}]"#).unwrap();
+    let bad = ["lod", word(human()), "--schedule", "bad.json"];
+    let line = fault(&here, 1, &bad);
+    assert!(line.contains("[0].loa") && line.contains("tail"), "{line}");
+    let both = [&words[..], &["--camera-path", "s.json"]].concat();
+    assert_eq!(articula(&here, &both).status, 2);
+}
+
+/// A profile that is not manual bounds what a metric may choose.
+#[test]
+fn a_profile_that_is_not_manual_bounds_the_metric() {
+    let here = folder("bounded");
+    let profile = |manual: bool, complexity: &str| {
+        let text = format!(r#"{{"manual": {manual}, "complexity": "{complexity}"}}"#);
+        std::fs::write(here.join("p.json"), text).unwrap();
+    };
+    let words = ["lod", word(human()), "--clip", "walk", "--distances", "3.5"];
+    let row = |more: &[&str]| json(&here, &[&words[..], more].concat())["rows"][0].clone();
+    profile(false, "Low");
+    let bounded = row(&["--loa-profile", "p.json"]);
+    assert_eq!(bounded["method"], "skin-px");
+    let free = row(&[]);
+    assert!(number(&bounded["joints_sampled"]) < number(&free["joints_sampled"]));
+    let thesis = row(&["--loa-profile", "p.json", "--method", "thesis"]);
+    profile(true, "Low");
+    let decided = row(&["--loa-profile", "p.json"]);
+    assert_eq!(decided["method"], "loa");
+    // What the metric may choose is at most what the selection alone moves.
+    for chosen in [&bounded, &thesis] {
+        assert!(number(&chosen["joints_sampled"]) <= number(&decided["joints_sampled"]));
+        assert!(number(&chosen["error_px"]["p95"]) >= 0.99 * number(&decided["error_px"]["p95"]));
+    }
+    let refused = [
+        &words[..],
+        &["--loa-profile", "p.json", "--method", "thesis"],
+    ]
+    .concat();
+    assert!(fault(&here, 2, &refused).contains("manual"));
+    profile(false, "VeryHigh");
+    assert_eq!(
+        row(&["--loa-profile", "p.json"])["error_px"],
+        free["error_px"]
+    );
 }
 
 #[test]

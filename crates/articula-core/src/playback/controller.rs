@@ -116,3 +116,19 @@ pub trait MotionController {
         shown: &mut LocalPose,
     ) -> ControlResult;
 }
+
+impl<C: MotionController + ?Sized> MotionController for &mut C {
+    fn due(&mut self, frame: &FrameContext<'_>) -> JointSet {
+        (**self).due(frame)
+    }
+
+    fn control(
+        &mut self,
+        frame: &FrameContext<'_>,
+        due: &JointSet,
+        wanted: &LocalPose,
+        shown: &mut LocalPose,
+    ) -> ControlResult {
+        (**self).control(frame, due, wanted, shown)
+    }
+}

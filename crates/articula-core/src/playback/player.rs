@@ -184,6 +184,19 @@ impl<'a> FigurePlayer<'a> {
         way
     }
 
+    /// Sets the clock of playback and the time of the base clip, as a caller with a clock of its own
+    /// does in place of [`FigurePlayer::advance`]; the motion goes on from the frame before, and
+    /// jumps only where the clip starts again. Reports no events and no root motion.
+    pub fn advance_to(&mut self, now_secs: f64, clip_secs: f32) {
+        self.dt_secs = (now_secs - self.now_secs) as f32;
+        self.now_secs = now_secs;
+        if let Some(base) = &mut self.base {
+            let before = base.from.secs();
+            base.from = base.from.at_secs(self.model, clip_secs);
+            self.cut |= base.from.secs() < before;
+        }
+    }
+
     /// Lets a controller decide what is sampled and shown: samples the joints that it asks for and
     /// the morph weights, and keeps what it writes until the next frame.
     ///

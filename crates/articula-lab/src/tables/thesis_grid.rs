@@ -12,7 +12,7 @@ use articula_build::evaluate::ThesisMetricOptions;
 use articula_build::evaluate::{
     ClipEvaluator, DistanceRow, EvaluationSetup, Method, MethodOptions,
 };
-use articula_build::evaluate::{Threshold, ThresholdCurve};
+use articula_core::playback::{Threshold, ThresholdCurve};
 use std::fmt::Write as _;
 
 /// The rows of the grid: name, initial threshold, beta.

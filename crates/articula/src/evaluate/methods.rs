@@ -23,6 +23,7 @@ impl From<Method> for NamedMethod {
             Method::SkinPx(SkinPxVariant::KeyPose) => Some("key-pose"),
             Method::SkinPx(SkinPxVariant::ClosedLoop) => Some("closed-loop"),
             Method::SkinPx(SkinPxVariant::Linear) => Some("linear"),
+            Method::SkinPx(SkinPxVariant::Tables) => Some("tables"),
             _ => None,
         };
         Self {

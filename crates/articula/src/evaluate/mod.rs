@@ -5,7 +5,8 @@
 //!
 //! - `methods`: methods with their names in reports
 //! - `rows`: gain and error of each method at each distance
-//! - `path`: the per-frame controller with a moving camera
+//! - `path`: a controller of the live playback with a moving camera
+//! - `schedule`: levels of articulation that change over time
 //! - `costs`: cost of each zone, depth and level of complexity
 //!
 //! Field names are stable, since scripts read them as JSON (`docs/commands.md`).
@@ -14,13 +15,19 @@ mod costs;
 mod methods;
 mod path;
 mod rows;
+mod schedule;
 
 pub use costs::{Cost, Costs};
 pub use methods::NamedMethod;
 pub use path::{CameraPath, PathSummary, PlayedPath};
 pub use rows::{ErrorPx, MethodRow, MethodTable, ParameterChoice, rows};
+pub use schedule::{
+    ChangeError, ScheduleChange, ScheduleEntry, ScheduleOptions, ScheduleReport, ScheduleRow,
+    play_lod_schedule, read_lod_schedule,
+};
 
 use crate::figure::Figure;
+use crate::motion_tables::MotionTables;
 use articula_build::evaluate::{ClipEvaluator, EvaluationSetup, MethodOptions};
 
 /// The clip to be evaluated, with camera setup and method options.
@@ -37,10 +44,15 @@ pub struct EvaluatedClip<'a> {
 }
 
 impl EvaluatedClip<'_> {
-    /// Computes the reference playback of the clip; use one per thread.
+    /// Computes the reference playback of the clip; use one per thread. A key table that is stored in
+    /// the file, and fits, is played.
     pub fn stage(&self) -> ClipEvaluator<'_> {
         let asset = &self.figure.asset;
         let clip = &asset.clips[self.clip];
-        ClipEvaluator::new(asset, clip, self.setup.clone(), self.options)
+        let stage = ClipEvaluator::new(asset, clip, self.setup.clone(), self.options);
+        match MotionTables::stored(self.figure, self.clip).joint_keys {
+            Some(table) => stage.with_key_table(table),
+            None => stage,
+        }
     }
 }

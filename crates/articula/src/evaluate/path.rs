@@ -1,11 +1,13 @@
-//! A clip with a moving camera, under the per-frame controller.
+//! A clip with a moving camera, under a controller of the live playback.
 //!
 //! Source: `docs/methods/motion-lod.md` part 4.5. The camera is in full perspective.
 
 use super::rows::MethodRow;
 use crate::error::{Error, Result};
-use articula_build::evaluate::{CameraKey, ClipEvaluator, PathFrame, PathRun, play_camera_path};
-use articula_core::{DriftOptions, JointSet, Rig};
+use articula_build::evaluate::{
+    CameraKey, ClipEvaluator, PathFrame, PathMethod, PathRun, play_camera_path,
+};
+use articula_core::{JointSet, Rig};
 use serde::Serialize;
 
 /// Range of tolerances searched by a calibration in pixels, and number of bisections.
@@ -19,8 +21,10 @@ pub struct CameraPath {
     pub keys: Vec<CameraKey>,
     /// Frame rate of the display, in hertz.
     pub display_hz: f64,
-    /// Options of the controller that holds joints.
-    pub options: DriftOptions,
+    /// The controller and its options.
+    pub method: PathMethod,
+    /// Name of the fixed level in reports, if the method is one.
+    pub level: Option<String>,
 }
 
 /// Result of playing a clip along a camera path.
@@ -41,10 +45,10 @@ pub struct PathSummary {
     pub frames: usize,
     /// Frame rate of the display, in hertz.
     pub display_hz: f64,
-    /// Tolerance of the controller, in pixels.
-    pub tolerance_px: f32,
-    /// Upper bound of the error of one joint, in pixels.
-    pub bound_px: f32,
+    /// Tolerance of the controller in pixels; null for methods without one.
+    pub tolerance_px: Option<f32>,
+    /// Upper bound of the error of one joint in pixels; null for methods without one.
+    pub bound_px: Option<f32>,
     /// Maximum error of one joint that occurred, in pixels.
     pub joint_error_px_max: f32,
     /// Minimum distance of the camera to the root, in metres.
@@ -60,29 +64,27 @@ impl CameraPath {
     /// # Errors
     /// [`Error::Unsupported`] if the path has no key frame.
     pub fn play(&self, stage: &ClipEvaluator<'_>, limit_px: Option<f32>) -> Result<PlayedPath> {
-        let play = |epsilon_px: f32| {
-            let options = DriftOptions {
-                epsilon_px,
-                ..self.options
-            };
-            let run = play_camera_path(stage, &self.keys, self.display_hz, options);
+        let play = |method: PathMethod| {
+            let run = play_camera_path(stage, &self.keys, self.display_hz, &method);
             let run = run.ok_or_else(|| {
                 Error::unsuited("the camera path has no key frame; give at least one")
             })?;
-            Ok((run, options))
+            Ok((run, method))
         };
-        let (run, options) = match limit_px {
-            Some(limit) => calibrated(play, limit)?,
-            None => play(self.options.epsilon_px)?,
+        let (run, method) = match limit_px {
+            Some(limit) if self.method.tolerance_px().is_some() => {
+                calibrated(|px| play(self.method.with_tolerance_px(px)), limit)?
+            }
+            _ => play(self.method)?,
         };
-        Ok(self.played(stage, run, &options, limit_px))
+        Ok(self.played(stage, run, &method, limit_px))
     }
 
     fn played(
         &self,
         stage: &ClipEvaluator<'_>,
         run: PathRun,
-        options: &DriftOptions,
+        method: &PathMethod,
         limit_px: Option<f32>,
     ) -> PlayedPath {
         let mut distances: Vec<f32> = run.frames.iter().map(|f| f.distance_m).collect();
@@ -93,16 +95,27 @@ impl CameraPath {
             run.frames.iter().skip(1).map(count).sum::<usize>() as f32 / frames
         };
         let rig = &stage.asset.rig;
+        let (name, variant) = match method {
+            PathMethod::Drift(_) => ("skin-px", Some("drift")),
+            PathMethod::DriftInView(_) => ("skin-px", Some("drift-view")),
+            PathMethod::Tables(_) => ("skin-px", Some("tables")),
+            PathMethod::Thesis(_) => ("thesis", None),
+            PathMethod::Loa(_) => ("loa", None),
+        };
+        let parameter = match method {
+            PathMethod::Thesis(threshold) => threshold.thr_init,
+            other => other.tolerance_px().unwrap_or(0.0),
+        };
         let joint_errors = run.frames.iter().map(|f| f.joint_error_px);
         PlayedPath {
             row: MethodRow {
-                method: "skin-px",
-                variant: Some("drift"),
+                method: name,
+                variant,
                 distance_m: at(distances.len() / 2),
                 joint_update_gain: run.joint_update_gain,
                 evaluations_saved: run.evaluations_saved,
-                parameter: options.epsilon_px,
-                level: None,
+                parameter,
+                level: self.level.clone(),
                 error_px: run.error_px.into(),
                 joints_sampled: mean(&|f| f.sampled.intersection(&stage.moving).len()),
                 fk_joints: mean(&|f| at_or_below(rig, &f.updated)),
@@ -112,8 +125,8 @@ impl CameraPath {
             summary: PathSummary {
                 frames: run.frames.len(),
                 display_hz: self.display_hz,
-                tolerance_px: options.epsilon_px,
-                bound_px: options.bound_px(),
+                tolerance_px: method.tolerance_px(),
+                bound_px: method.bound_px(),
                 joint_error_px_max: joint_errors.fold(0.0, f32::max),
                 distance_m_min: at(0),
                 distance_m_max: at(distances.len().saturating_sub(1)),
@@ -124,18 +137,19 @@ impl CameraPath {
 }
 
 fn calibrated(
-    play: impl Fn(f32) -> Result<(PathRun, DriftOptions)>,
+    play: impl Fn(f32) -> Result<(PathRun, PathMethod)>,
     limit_px: f32,
-) -> Result<(PathRun, DriftOptions)> {
+) -> Result<(PathRun, PathMethod)> {
     let (mut low, mut high) = SEARCHED_PX;
     let mut best = play(low)?;
     for _ in 0..HALVINGS {
-        let tried = play((low * high).sqrt())?;
+        let px = (low * high).sqrt();
+        let tried = play(px)?;
         if tried.0.error_px.p95 <= limit_px {
-            low = tried.1.epsilon_px;
+            low = px;
             best = tried;
         } else {
-            high = tried.1.epsilon_px;
+            high = px;
         }
     }
     Ok(best)

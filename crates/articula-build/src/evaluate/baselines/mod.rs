@@ -2,4 +2,3 @@
 
 pub(crate) mod ahn;
 pub(crate) mod thesis;
-pub(crate) mod thesis_metric;

@@ -3,8 +3,8 @@
 //! Source: thesis 5.2; reconstruction of the damaged formula and the decisions taken in
 //! `docs/methods/motion-lod.md` 3.1.
 
-use super::thesis_metric::ErrorMatrix;
 use crate::character::Asset;
+use articula_core::playback::ErrorMatrix;
 use articula_core::{Clip, JointSet, ModelPose, Rig, Wrap, angle_between, local_to_model, sample};
 use glam::{Quat, Vec3};
 

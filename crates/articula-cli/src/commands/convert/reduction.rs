@@ -27,7 +27,7 @@ impl Selected {
             }
             (None, Some(path)) => {
                 let place = files::shown(path);
-                let selection = selection::saved(path)?;
+                let selection = selection::saved(path)?.selection;
                 (place.clone(), place, MovingJoints::Selection(selection))
             }
             (None, None) => return Ok(None),

@@ -2,6 +2,7 @@
 
 mod moving_camera;
 mod report;
+mod schedule;
 
 use crate::arguments::{CharacterArgs, ViewArgs, not_negative, positive};
 use crate::console::Console;
@@ -15,7 +16,7 @@ use articula::Figure;
 use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
 use articula_build::evaluate::{EvaluationSetup, Method};
 use articula_flat::Picture;
-use articula_report::{motion_sheet, rest_sheet, stacked};
+use articula_report::{Plot, motion_sheet, rest_sheet, stacked};
 use clap::Args;
 use report::LodReport;
 use std::path::{Path, PathBuf};
@@ -51,9 +52,17 @@ pub(crate) struct LodArgs {
     /// Play before a moving camera: a JSON list of key frames with t, eye and target
     #[arg(long, value_name = "F.json")]
     camera_path: Option<PathBuf>,
-    /// Refresh rate of the display in hertz (with --camera-path)
-    #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive,
-          requires = "camera_path")]
+    /// Play changes of the level of articulation over time: a JSON list with t and loa or level; at
+    /// the first of --distances
+    #[arg(long, value_name = "F.json", conflicts_with_all = ["camera_path", "calibrate", "parameter", "method", "loa", "loa_profile", "contact_sheet"])]
+    schedule: Option<PathBuf>,
+    /// Finest named level that the device allows, 0 (all joints) to 6 (none); play starts there
+    /// (with --schedule)
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = named_level,
+          requires = "schedule")]
+    finest_level: usize,
+    /// Refresh rate of the display in hertz (with --camera-path or --schedule)
+    #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive)]
     display_hz: f32,
     /// Write plots: FILE.svg receives updates saved and error, a folder all plots
     /// [default without a value: lod-plots]
@@ -88,11 +97,14 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     let scene = EvaluatedClip {
         clip,
         setup: args.setup(),
-        options: args.method.options(),
+        options: args.method.options(&figure.asset.rig)?,
         figure: &figure,
     };
     if let Some(path) = &args.camera_path {
         return moving_camera::run(args, &scene, path, console);
+    }
+    if let Some(path) = &args.schedule {
+        return schedule::run(args, &scene, path, console);
     }
     let methods = args.method.chosen(&figure.asset.rig);
     let methods = methods.with_context(|| figure.opened.name.clone())?;
@@ -120,7 +132,7 @@ impl LodArgs {
             let what = "--parameter applies to one method; compare methods with --calibrate PX";
             return Err(fault::usage(what));
         }
-        self.method.check()?;
+        self.method.check(self.schedule.is_some())?;
         let ends_with = |path: &PathBuf, endings: &[&str]| {
             let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
             endings.iter().any(|e| ending == *e)
@@ -195,6 +207,12 @@ fn distance(text: &str) -> Result<f32, String> {
     let number = positive(text).ok();
     let number = number.filter(|d| (0.01..=100_000.0).contains(d));
     number.ok_or_else(|| "expected a distance of 0.01 to 100000 m".into())
+}
+
+/// Parses the number of a named level.
+fn named_level(text: &str) -> Result<usize, String> {
+    let number = text.parse::<usize>().ok().filter(|n| *n <= 6);
+    number.ok_or_else(|| "expected the number of a named level, 0 to 6".into())
 }
 
 fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result<()> {
@@ -276,4 +294,22 @@ fn write_png(picture: &Picture, path: &Path) -> anyhow::Result<String> {
     let bytes = picture.to_png().with_context(|| files::shown(path))?;
     files::write(path, &bytes)?;
     Ok(files::shown(path))
+}
+
+/// Writes plots into one file, or each into its own of a folder; returns the paths.
+fn write_plot_files(plots: &[Plot], target: &Path) -> anyhow::Result<Vec<String>> {
+    if target
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+    {
+        files::write(target, stacked(plots).as_bytes())?;
+        return Ok(vec![files::shown(target)]);
+    }
+    let mut written = Vec::new();
+    for plot in plots {
+        let file = target.join(plot.name);
+        files::write(&file, plot.svg.as_bytes())?;
+        written.push(files::shown(&file));
+    }
+    Ok(written)
 }

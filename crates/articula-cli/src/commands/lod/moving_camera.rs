@@ -1,14 +1,14 @@
-//! `lod --camera-path`: the drift controller before a moving camera.
+//! `lod --camera-path`: a controller of the live playback before a moving camera.
 
 use super::report::LodReport;
-use super::{LodArgs, write_png};
+use super::{LodArgs, write_plot_files, write_png};
 use crate::console::Console;
-use crate::files;
+use crate::fault;
 use crate::play::motion_plots::path_plots;
 use crate::play::{drawn, read_camera_path};
 use anyhow::Context;
 use articula::evaluate::{CameraPath, EvaluatedClip};
-use articula_report::{Plot, camera_path_sheet, stacked};
+use articula_report::camera_path_sheet;
 use std::path::Path;
 
 /// Plays the clip along the path and prints the report.
@@ -19,10 +19,18 @@ pub(super) fn run(
     console: &Console,
 ) -> anyhow::Result<()> {
     let display_hz = f64::from(args.display_hz);
+    let keys = read_camera_path(path, display_hz)?;
+    let rig = &scene.figure.asset.rig;
+    let (method, level) = args.method.before_a_camera(rig, args.parameter)?;
+    if args.calibrate.is_some() && method.tolerance_px().is_none() {
+        let what = "--calibrate with --camera-path searches a tolerance in pixels; give --parameter to thesis and loa";
+        return Err(fault::usage(what));
+    }
     let path = CameraPath {
-        keys: read_camera_path(path, display_hz)?,
+        keys,
         display_hz,
-        options: args.method.drift(args.parameter.unwrap_or(1.0))?,
+        method,
+        level,
     };
     let stage = scene.stage();
     let bar = console.progress("moving the camera", 1);
@@ -38,7 +46,7 @@ pub(super) fn run(
             played.summary.bound_px,
             &format!("clip {clip}"),
         );
-        report.written.extend(write(&plots, target)?);
+        report.written.extend(write_plot_files(&plots, target)?);
     }
     if let Some(target) = &args.contact_sheet {
         let notes = vec![
@@ -53,21 +61,4 @@ pub(super) fn run(
     }
     report.camera_path = Some(played.summary);
     console.result(&report, LodReport::text)
-}
-
-fn write(plots: &[Plot], target: &Path) -> anyhow::Result<Vec<String>> {
-    if target
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
-    {
-        files::write(target, stacked(plots).as_bytes())?;
-        return Ok(vec![files::shown(target)]);
-    }
-    let mut written = Vec::new();
-    for plot in plots {
-        let file = target.join(plot.name);
-        files::write(&file, plot.svg.as_bytes())?;
-        written.push(files::shown(&file));
-    }
-    Ok(written)
 }

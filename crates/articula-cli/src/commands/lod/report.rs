@@ -4,8 +4,10 @@ use super::LodArgs;
 use crate::fault::clean;
 use crate::open;
 use crate::table::Table;
-use articula::Figure;
-use articula::evaluate::{Costs, EvaluatedClip, MethodRow, MethodTable, PathSummary};
+use articula::evaluate::{
+    Costs, EvaluatedClip, MethodRow, MethodTable, PathSummary, ScheduleReport,
+};
+use articula::{Figure, MotionTables};
 use clap::ValueEnum;
 use serde::Serialize;
 
@@ -31,6 +33,9 @@ pub(super) struct LodReport {
     /// Fields of a moving camera only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) camera_path: Option<PathSummary>,
+    /// Schedules only: one entry for each kind of transition, that of the flags first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) schedule: Option<Vec<ScheduleReport>>,
     /// Costs by zone, depth and complexity, where they are plotted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) costs: Option<Costs>,
@@ -52,7 +57,11 @@ impl LodReport {
             joints_moving: moving.len(),
             azimuths_deg: scene.setup.azimuths_deg.clone(),
             rows: tables.iter().flat_map(|t| t.rows.clone()).collect(),
-            warnings: open::warnings(&scene.figure.opened),
+            warnings: {
+                let mut warnings = open::warnings(&scene.figure.opened);
+                warnings.extend(MotionTables::stored(scene.figure, scene.clip).warnings);
+                warnings
+            },
             ..Self::at_rest(scene.figure, args)
         };
         if moving.is_empty() {
@@ -91,6 +100,7 @@ impl LodReport {
             seed: args.seed,
             rows: Vec::new(),
             camera_path: None,
+            schedule: None,
             costs: None,
             written: Vec::new(),
             warnings: std::iter::once("the file has no clip: rest pose only".into())
@@ -146,15 +156,20 @@ impl LodReport {
             text.push_str(&rows.text());
         }
         if let Some(path) = &self.camera_path {
+            let bound = path.bound_px;
+            let bound = bound.map_or("no bound".to_owned(), |px| format!("bound {px:.2} px"));
             text.push_str(&format!(
-                "moving camera: {} frames at {} Hz, {:.1} to {:.1} m; maximum joint error {:.2} px, bound {:.2} px\n",
+                "moving camera: {} frames at {} Hz, {:.1} to {:.1} m; maximum joint error {:.2} px, {bound}\n",
                 path.frames,
                 path.display_hz,
                 path.distance_m_min,
                 path.distance_m_max,
                 path.joint_error_px_max,
-                path.bound_px
             ));
+        }
+        if let Some(schedule) = &self.schedule {
+            text.push('\n');
+            text.push_str(&schedule_table(schedule).text());
         }
         for warning in &self.warnings {
             text.push_str(&format!("warning: {}\n", clean(warning)));
@@ -204,6 +219,37 @@ impl LodReport {
         }
         table
     }
+}
+
+/// One line for each change under each kind of transition.
+fn schedule_table(schedule: &[ScheduleReport]) -> Table {
+    let mut table = Table::new(&[
+        "time",
+        "level",
+        "joints",
+        "transition",
+        "px before",
+        "px at",
+        "px after",
+        "jump per frame",
+        "gap",
+    ]);
+    for played in schedule {
+        for change in &played.changes {
+            table.row([
+                format!("{:.2} s", change.t),
+                change.level.clone(),
+                change.joints.to_string(),
+                played.transition.to_owned(),
+                format!("{:.2}", change.error_px.before),
+                format!("{:.2}", change.error_px.at),
+                format!("{:.2}", change.error_px.after),
+                format!("{:.2}°", change.jump_deg),
+                format!("{:.2}°", change.gap_deg),
+            ]);
+        }
+    }
+    table
 }
 
 /// A value rounded to two decimals.

@@ -3,7 +3,7 @@
 use super::by_hand::{chain, turning};
 use super::seen_at;
 use articula_core::crowd::{CharacterState, ClipState};
-use articula_core::joint_state::{LoaRange, PassivePolicy, TransitionOptions};
+use articula_core::joint_state::{JointState, LoaRange, PassivePolicy, TransitionOptions};
 use articula_core::playback::{
     ErrorMatrix, FigureModel, FigurePlayer, FigureSkin, FigureViews, FullDetail, LayerMode,
     LoaController, MotionController, MotionLayer, StoredKeys, TableController, ThesisController,
@@ -380,4 +380,44 @@ fn no_frame_allocates() {
         loa.request(1);
     });
     assert_eq!(counted.count_total, 0);
+}
+
+/// The thesis compares neighbouring frames. Its values are divided by the clip's maximum; one quick
+/// joint in the same clip puts a slow one permanently below every threshold.
+#[test]
+fn a_slow_turn_is_never_followed_by_the_thesis() {
+    let rig = chain(1);
+    // One degree per second for a minute.
+    let frames = 60 * 30 + 1;
+    let values = (0..frames).map(|i| Quat::from_rotation_x((i as f32 / 30.0).to_radians()));
+    let tracks = Tracks {
+        rotations: vec![Track {
+            target: 0,
+            step: false,
+            values: values.collect(),
+        }],
+        ..Tracks::default()
+    };
+    let clips = [Clip::new("slow", 30.0, frames, 1, tracks).unwrap()];
+    let model = FigureModel::new(&rig, &clips).unwrap();
+    let slow_of_quick = (1.0f32 / 30.0).to_radians() / 2.0f32.to_radians() * 0.01;
+    let matrix = ErrorMatrix::new(1, vec![slow_of_quick; frames]).unwrap();
+    let at_once = TransitionOptions {
+        secs: 0.0,
+        ..TransitionOptions::default()
+    };
+    let threshold = Threshold::constant(1e-3);
+    let mut control = ThesisController::new(&rig, vec![Some(&matrix)], threshold, 1, at_once);
+    let mut player = FigurePlayer::new(&model, &[]);
+    let mut worst: f32 = 0.0;
+    for frame in 0..frames - 1 {
+        player.advance_to(f64::from(frame as u32) / 30.0, frame as f32 / 30.0);
+        player.control(&mut control, seen_at(1.0));
+        worst = worst.max(error_px(&player, &rig, &clips, 1.0) / LEVER);
+    }
+    assert_eq!(control.states().state(0), JointState::Passive);
+    assert!(
+        worst > 59.0f32.to_radians(),
+        "frozen at the first frame, {worst} rad away at last"
+    );
 }
