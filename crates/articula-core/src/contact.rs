@@ -19,9 +19,9 @@ pub struct Contact {
 pub struct ContactTable {
     /// Hashes of the rig, clip and mesh for which the table was made.
     pub hashes: TableHashes,
-    /// Frames per second of the clip.
+    /// Frames per second of the table: the rate of the clip's keys.
     pub rate_hz: f32,
-    /// Number of frames of the clip.
+    /// Number of frames at this rate.
     pub frames: u32,
     /// The contacts, joint by joint.
     pub contacts: Vec<Contact>,

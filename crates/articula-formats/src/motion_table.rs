@@ -7,6 +7,7 @@
 //! `docs/formats/motion-tables.md`.
 
 use crate::{Limits, ReadError};
+use articula_core::playback::{ErrorMatrix, ErrorMatrixTable};
 use articula_core::{
     ByteReader, Contact, ContactTable, KeyMode, KeyTable, MAX_JOINTS, PoseKeys, TableHashes,
     push_varint,
@@ -15,6 +16,7 @@ use articula_core::{
 const SEGS: &[u8; 4] = b"ASEG";
 const POSE_KEYS: &[u8; 4] = b"APKY";
 const CONTACTS: &[u8; 4] = b"ACON";
+const ERRORS: &[u8; 4] = b"AERR";
 const VERSION: u8 = 1;
 /// Upper bound on the number of levels: tolerances double from level to level, so no table needs
 /// more.
@@ -190,6 +192,62 @@ pub fn read_contact_table(bytes: &[u8], limits: &Limits) -> Result<ContactTable,
     })
 }
 
+/// Encodes an error matrix; joints whose errors are all 0 take no bytes.
+pub fn write_error_matrix(table: &ErrorMatrixTable) -> Vec<u8> {
+    let matrix = &table.matrix;
+    let mut out = ERRORS.to_vec();
+    out.extend([VERSION, 0, 0, 0]);
+    put_hashes(&mut out, &table.hashes);
+    out.extend(table.rate_hz.to_le_bytes());
+    out.extend((matrix.frames() as u32).to_le_bytes());
+    push_varint(&mut out, matrix.joints() as u64);
+    let moves = |j: &u32| (0..matrix.frames()).any(|f| matrix.frame(f)[*j as usize] != 0.0);
+    let joints: Vec<u32> = (0..matrix.joints() as u32).filter(moves).collect();
+    gaps(&mut out, &joints);
+    for frame in 0..matrix.frames() {
+        let errors = matrix.frame(frame);
+        joints
+            .iter()
+            .for_each(|j| out.extend(errors[*j as usize].to_le_bytes()));
+    }
+    out
+}
+
+/// Decodes the output of [`write_error_matrix`].
+///
+/// # Errors
+/// As [`read_key_table`].
+pub fn read_error_matrix(bytes: &[u8], limits: &Limits) -> Result<ErrorMatrixTable, ReadError> {
+    let mut r = ByteReader::new(bytes);
+    let (_, hashes) = start_of(&mut r, ERRORS)?;
+    let rate_hz = r.positive("a rate")?;
+    let frames = r.u32()? as usize;
+    Limits::check("byte 36", "frames", frames as u64, limits.frames)?;
+    let joints = count(&mut r, "joints", MAX_JOINTS)?;
+    let moving = gaps_of(&mut r, joints as u32)?;
+    let size = (frames * joints) as u64;
+    Limits::check("byte 40", "errors", size, limits.elements)?;
+    let floats = r.slice(frames * moving.len() * 4)?.as_chunks::<4>().0;
+    r.end()?;
+    let mut values = vec![0.0; frames * joints];
+    for (i, bytes) in floats.iter().enumerate() {
+        let error = f32::from_le_bytes(*bytes);
+        if !(error.is_finite() && error >= 0.0) {
+            return Err(r
+                .bad(format!("an error of {error}, expected at least 0"))
+                .into());
+        }
+        let (frame, joint) = (i / moving.len(), moving[i % moving.len()] as usize);
+        values[frame * joints + joint] = error;
+    }
+    let matrix = ErrorMatrix::new(joints, values).map_err(|e| r.bad(e.to_string()))?;
+    Ok(ErrorMatrixTable {
+        hashes,
+        rate_hz,
+        matrix,
+    })
+}
+
 fn mode_byte(mode: KeyMode) -> u8 {
     match mode {
         KeyMode::Hold => 0,
@@ -344,6 +402,28 @@ mod tests {
                 prop_assert!(read.keys.iter().flatten().flatten().all(|k| *k < read.frames));
             }
         }
+    }
+
+    #[test]
+    fn error_matrices_come_back_without_joints_that_do_not_move() {
+        let values = vec![0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.25, 0.0];
+        let table = ErrorMatrixTable {
+            hashes: TableHashes::default(),
+            rate_hz: 25.0,
+            matrix: ErrorMatrix::new(3, values).unwrap(),
+        };
+        let bytes = write_error_matrix(&table);
+        let read = |bytes: &[u8]| read_error_matrix(bytes, &Limits::default());
+        assert_eq!(read(&bytes).unwrap(), table);
+        // Three frames of the two joints that move, and nothing for the first.
+        assert_eq!(bytes.len(), 8 + 24 + 8 + 1 + 3 + 3 * 2 * 4);
+        for end in 0..bytes.len() {
+            assert!(read(&bytes[..end]).is_err());
+        }
+        let mut negative = bytes.clone();
+        let last = negative.len() - 1;
+        negative[last] = 0xbf;
+        assert!(read(&negative).is_err());
     }
 
     #[test]

@@ -5,14 +5,16 @@
 
 use crate::figure::Figure;
 use crate::prepared::PreparedPart;
+use articula_build::evaluate::error_matrix_table;
 use articula_build::{
     Asset, JointLever, contact_table, key_table, levers, pose_keys, table_hashes,
 };
+use articula_core::playback::ErrorMatrixTable;
 use articula_core::{ContactTable, KeyMode, KeyTable, Mismatch, PoseKeys};
 use articula_formats::{Limits, ReadError};
 use articula_formats::{
-    read_contact_table, read_key_table, read_pose_keys, write_contact_table, write_key_table,
-    write_pose_keys,
+    read_contact_table, read_error_matrix, read_key_table, read_pose_keys, write_contact_table,
+    write_error_matrix, write_key_table, write_pose_keys,
 };
 use serde::Serialize;
 
@@ -96,6 +98,9 @@ impl<'a> TableMaker<'a> {
         if is_wanted(PreparedPart::Contacts) {
             tables.contacts = write_contact_table(&contact_table(self.asset, clip));
         }
+        if is_wanted(PreparedPart::ErrorMatrix) {
+            tables.error_matrix = write_error_matrix(&error_matrix_table(self.asset, clip));
+        }
         tables
     }
 }
@@ -125,6 +130,8 @@ pub struct MotionTables {
     pub pose_keys: Option<PoseKeys>,
     /// Intervals in which feet stand still.
     pub contacts: Option<ContactTable>,
+    /// Error of each joint at each frame, after the thesis, with default options.
+    pub error_matrix: Option<ErrorMatrixTable>,
     /// Sizes of the first two in bytes; 0 for a table that is not used.
     pub bytes: StoredTables,
     /// Tables that are damaged or were made for another rig, clip or mesh, as text for the user.
@@ -159,6 +166,9 @@ impl MotionTables {
             table.hashes.check(&hashes)?;
             let last = table.contacts.iter().map(|c| c.frames.end as u32 - 1);
             within(last.max(), frames)
+        });
+        found.error_matrix = reader.read(ERROR_MATRIX, read_error_matrix, |table| {
+            table.hashes.check(&hashes)
         });
         found.warnings = reader.warnings;
         let size = |name| {

@@ -19,7 +19,9 @@ mod pose_keys;
 mod schedule;
 mod stage;
 
-pub use baselines::thesis::{BoneDirection, SegmentRadius, ThesisMetricOptions};
+pub use baselines::thesis::{
+    BoneDirection, SegmentRadius, ThesisMetricOptions, error_matrix_table,
+};
 pub use calibrate::{calibrate, sweep};
 pub(crate) use camera_path::camera_at;
 pub use camera_path::{CameraKey, PathFrame, PathMethod, PathRun, play_camera_path};

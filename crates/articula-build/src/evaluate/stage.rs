@@ -1,6 +1,6 @@
 //! The set-up of an evaluation, the reference motion of a clip, and the statistics of one run.
 
-use super::baselines::thesis::error_matrix;
+use super::baselines::thesis::{ThesisMetricOptions, error_matrix};
 use super::method::{Method, MethodOptions, Playback};
 use crate::character::Asset;
 use crate::motion_error::bounds::moving_joints;
@@ -201,6 +201,29 @@ impl<'a> ClipEvaluator<'a> {
         self.matrix.get_or_init(|| {
             error_matrix(self.asset, &self.clip, &self.moving, &self.options.thesis)
         })
+    }
+
+    /// Gives the stored error matrix of the thesis, made with default options. It is ignored under
+    /// other options, or if it has other frames than the evaluated clip.
+    #[must_use]
+    pub fn with_error_matrix(self, matrix: ErrorMatrix) -> Self {
+        let is_own =
+            (matrix.joints(), matrix.frames()) == (self.asset.rig.len(), self.clip.frames());
+        if is_own && self.options.thesis == ThesisMetricOptions::default() {
+            // A cell that is already set keeps its matrix.
+            let _ = self.matrix.set(matrix);
+        }
+        self
+    }
+
+    /// Uses contacts that were found before instead of those that it found.
+    #[must_use]
+    pub fn with_contacts(self, contacts: Vec<Contact>) -> Self {
+        let frames = self.clip.frames();
+        if contacts.iter().any(|c| c.frames.end > frames) {
+            return self;
+        }
+        Self { contacts, ..self }
     }
 
     /// Gives the stored key table of the clip, played by the variant `Tables`. One that was made

@@ -63,13 +63,15 @@ pub(crate) fn contacts(asset: &Asset, clip: &Clip, hands: bool) -> Vec<Contact> 
     found
 }
 
-/// Finds the intervals in which the feet of a character stand still in a clip.
+/// Finds the intervals in which the feet of a character stand still in a clip, at the rate of its
+/// keys.
 pub fn contact_table(asset: &Asset, clip: &Clip) -> ContactTable {
+    let played = clip.at_key_rate();
     ContactTable {
         hashes: table_hashes(&asset.rig, clip, &asset.mesh),
-        rate_hz: clip.rate_hz(),
-        frames: clip.frames() as u32,
-        contacts: contacts(asset, clip, false),
+        rate_hz: played.rate_hz(),
+        frames: played.frames() as u32,
+        contacts: contacts(asset, &played, false),
     }
 }
 

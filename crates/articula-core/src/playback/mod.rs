@@ -46,5 +46,5 @@ pub use model::FigureModel;
 pub use player::{FigurePlayer, PlayedEvent};
 pub use report::FrameReport;
 pub use tables::{StoredKeys, TableController};
-pub use thesis::{ErrorMatrix, ThesisController, Threshold, ThresholdCurve};
+pub use thesis::{ErrorMatrix, ErrorMatrixTable, ThesisController, Threshold, ThresholdCurve};
 pub use views::FigureViews;

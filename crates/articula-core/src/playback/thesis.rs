@@ -8,6 +8,7 @@ use super::controller::{ControlResult, FrameContext, MotionController};
 use crate::Mismatch;
 use crate::joint_set::JointSet;
 use crate::joint_state::{JointState, JointStates, TransitionOptions};
+use crate::key_table::TableHashes;
 use crate::pose::LocalPose;
 use crate::rig::Rig;
 
@@ -34,11 +35,32 @@ impl ErrorMatrix {
         Ok(Self { joints, values })
     }
 
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        self.joints
+    }
+
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        self.values.len() / self.joints
+    }
+
     /// Errors of all joints at a frame; empty beyond the last.
     pub fn frame(&self, frame: usize) -> &[f32] {
         let from = (frame * self.joints).min(self.values.len());
         &self.values[from..(from + self.joints).min(self.values.len())]
     }
+}
+
+/// An error matrix that belongs to one clip, as assets store it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorMatrixTable {
+    /// Hashes of the rig, clip and mesh for which the matrix was made.
+    pub hashes: TableHashes,
+    /// Frames per second of the matrix: the rate of the clip's keys.
+    pub rate_hz: f32,
+    /// Normalised errors.
+    pub matrix: ErrorMatrix,
 }
 
 /// Shape of the threshold between the closest and the farthest view.

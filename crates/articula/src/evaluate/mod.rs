@@ -44,14 +44,24 @@ pub struct EvaluatedClip<'a> {
 }
 
 impl EvaluatedClip<'_> {
-    /// Computes the reference playback of the clip; use one per thread. A key table that is stored in
-    /// the file, and fits, is played.
+    /// Computes the reference playback of the clip; use one per thread. Tables that are
+    /// stored in the file, and fit, are played.
     pub fn stage(&self) -> ClipEvaluator<'_> {
         let asset = &self.figure.asset;
         let clip = &asset.clips[self.clip];
         let stage = ClipEvaluator::new(asset, clip, self.setup.clone(), self.options);
-        match MotionTables::stored(self.figure, self.clip).joint_keys {
+        let stored = MotionTables::stored(self.figure, self.clip);
+        let stage = match stored.joint_keys {
             Some(table) => stage.with_key_table(table),
+            None => stage,
+        };
+        let frames = stage.clip.frames();
+        let stage = match stored.contacts.filter(|t| t.frames as usize == frames) {
+            Some(table) => stage.with_contacts(table.contacts),
+            None => stage,
+        };
+        match stored.error_matrix {
+            Some(table) => stage.with_error_matrix(table.matrix),
             None => stage,
         }
     }

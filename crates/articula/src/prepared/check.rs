@@ -79,7 +79,7 @@ pub fn check_prepared(opened: CharacterFile) -> Result<PreparedCheck> {
         let is_usable = match part {
             PreparedPart::JointKeys => tables.iter().all(|t| t.joint_keys.is_some()),
             PreparedPart::PoseKeys => tables.iter().all(|t| t.pose_keys.is_some()),
-            PreparedPart::ErrorMatrix => false,
+            PreparedPart::ErrorMatrix => tables.iter().all(|t| t.error_matrix.is_some()),
             PreparedPart::Contacts => tables.iter().all(|t| t.contacts.is_some()),
             part => usable.contains(&part),
         };

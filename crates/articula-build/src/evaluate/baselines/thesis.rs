@@ -4,7 +4,9 @@
 //! `docs/methods/motion-lod.md` 3.1.
 
 use crate::character::Asset;
-use articula_core::playback::ErrorMatrix;
+use crate::motion_error::bounds::moving_joints;
+use crate::motion_error::tables::table_hashes;
+use articula_core::playback::{ErrorMatrix, ErrorMatrixTable};
 use articula_core::{Clip, JointSet, ModelPose, Rig, Wrap, angle_between, local_to_model, sample};
 use glam::{Quat, Vec3};
 
@@ -72,6 +74,18 @@ pub(crate) fn radii(rig: &Rig, kind: SegmentRadius) -> Vec<f32> {
             }
         })
         .collect()
+}
+
+/// Computes the error matrix of a clip at the rate of its keys, with default options: the table that
+/// an asset stores.
+pub fn error_matrix_table(asset: &Asset, clip: &Clip) -> ErrorMatrixTable {
+    let played = clip.at_key_rate();
+    let moving = moving_joints(asset, &played);
+    ErrorMatrixTable {
+        hashes: table_hashes(&asset.rig, clip, &asset.mesh),
+        rate_hz: played.rate_hz(),
+        matrix: error_matrix(asset, &played, &moving, &ThesisMetricOptions::default()),
+    }
 }
 
 /// The normalised matrix over all frames of a clip; the maximum over the joints of `moving`
