@@ -17,7 +17,8 @@ use articula_core::playback::{
     Threshold,
 };
 use articula_core::{
-    DriftController, DriftOptions, GroupedSkin, JointErrorBounds, JointSet, Mismatch, SecondMoment,
+    DriftController, DriftOptions, GroupedSkin, JointErrorBounds, JointSet, Mesh, Mismatch,
+    SecondMoment,
 };
 use glam::Vec3;
 
@@ -72,19 +73,49 @@ fn hash() -> Result<u64, Mismatch> {
     let stored = TableController::new(vec![keys(0)?, keys(1)?], shares, 1.0);
     let mut loa = LoaController::new(&rig, range()?, linear, FullDetail::default());
     let mut bounded = LoaController::new(&rig, range()?, linear, drift.clone());
-    let groups = GroupedSkin::new(&mesh);
     let mut sum = Fnv(0xcbf2_9ce4_8422_2325);
-    let run = |control: &mut dyn MotionController, sum: &mut Fnv| -> Result<(), Mismatch> {
-        let mut player = FigurePlayer::new(&model, &mesh.morph_weights);
-        let over = ClipState::new(&model, 1).at_speed(0.75);
-        let mask = (0..rig.len()).map(|j| (j % 3) as f32 / 2.0).collect();
+    let stage = Stage {
+        model: &model,
+        mesh: &mesh,
+        groups: &GroupedSkin::new(&mesh),
+    };
+    stage.play(&mut FullDetail::default(), &mut sum)?;
+    for mut drift in [drift, seeing] {
+        stage.play(&mut drift, &mut sum)?;
+    }
+    stage.play(&mut { stored }, &mut sum)?;
+    stage.play(&mut { thesis }, &mut sum)?;
+    for level in [2, 0, 3, 1] {
+        loa.request(level);
+        stage.play(&mut loa, &mut sum)?;
+        bounded.request(level);
+        stage.play(&mut bounded, &mut sum)?;
+    }
+    Ok(sum.0)
+}
+
+/// What every run shares.
+struct Stage<'a> {
+    model: &'a FigureModel<'a>,
+    mesh: &'a Mesh,
+    groups: &'a GroupedSkin,
+}
+
+impl Stage<'_> {
+    /// Plays a controller before views that come and go, and hashes what is shown.
+    fn play(&self, control: &mut dyn MotionController, sum: &mut Fnv) -> Result<(), Mismatch> {
+        let mut player = FigurePlayer::new(self.model, &self.mesh.morph_weights);
+        let over = ClipState::new(self.model, 1).at_speed(0.75);
+        let mask = (0..self.model.rig().len())
+            .map(|j| (j % 3) as f32 / 2.0)
+            .collect();
         let layer = player.add_layer(MotionLayer::new(over.into(), mask, LayerMode::Override)?)?;
-        let mut skin = FigureSkin::new(&mesh, &groups);
+        let mut skin = FigureSkin::new(self.mesh, self.groups);
         for i in 0..FRAMES {
             let way = player.advance(1.0 / 60.0, &mut |_| {});
             sum.floats(&[way.offset.x, way.offset.z, way.yaw_radians]);
             if i % 100 == 50 {
-                player.fade_to(ClipState::new(&model, i / 100 % 2), 0.2);
+                player.fade_to(ClipState::new(self.model, i / 100 % 2), 0.2);
             }
             if let Some(layer) = player.layer_mut(layer) {
                 layer.weight = if i / 60 % 2 == 1 { 0.5 } else { 0.0 };
@@ -106,20 +137,7 @@ fn hash() -> Result<u64, Mismatch> {
             positions.iter().for_each(|p| sum.floats(&p.to_array()));
         }
         Ok(())
-    };
-    run(&mut FullDetail::default(), &mut sum)?;
-    for mut drift in [drift, seeing] {
-        run(&mut drift, &mut sum)?;
     }
-    run(&mut { stored }, &mut sum)?;
-    run(&mut { thesis }, &mut sum)?;
-    for level in [2, 0, 3, 1] {
-        loa.request(level);
-        run(&mut loa, &mut sum)?;
-        bounded.request(level);
-        run(&mut bounded, &mut sum)?;
-    }
-    Ok(sum.0)
 }
 
 struct Fnv(u64);

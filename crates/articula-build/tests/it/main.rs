@@ -10,6 +10,7 @@ mod entering_view;
 mod evaluate;
 mod figure_levels;
 mod joint_lods;
+mod levels_over_time;
 mod motion_bounds;
 mod occluders;
 mod one_pass;
