@@ -357,6 +357,8 @@ mod tests {
         let good = of(&[[0, 1, 2], [0, 1, 3]]);
         assert_eq!(good.check(4), Ok(()));
         assert_eq!(good.level(0).collect::<Vec<_>>(), [[0, 1, 3]]);
+        assert_eq!(good.mix(&[1]).unwrap().collect::<Vec<_>>(), [[0, 1, 2]]);
+        assert!(good.mix(&[0, 0]).is_err(), "there is one region");
         let at = |of: ClusteredTriangles, count| of.check(count).unwrap_err().at;
         assert_eq!(at(good, 5), "clusters.vertices");
         assert_eq!(at(of(&[[0, 1, 3], [0, 1, 3]]), 4), "triangles[0]");

@@ -118,7 +118,8 @@ fn every_allowed_mix_is_closed_and_has_the_triangles_of_its_parts() {
             assert_eq!(report.regions[r].triangles, of(*level).regions[r].triangles);
         }
         let [finest, coarsest] = [*levels.iter().min().unwrap(), *levels.iter().max().unwrap()];
-        assert_eq!(report.vertices_in_asset, of(finest).vertices, "a prefix");
+        // Each object needs a prefix of its vertices, up to the finest level of its own regions.
+        assert!(report.vertices_in_asset <= of(finest).vertices);
         assert!(report.vertices <= report.vertices_in_asset);
         let error = report.error_rest_m.unwrap();
         let [least, most] = [finest, coarsest].map(|l| of(l).error_rest_m.unwrap());
