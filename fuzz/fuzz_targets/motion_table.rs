@@ -1,7 +1,10 @@
 //! Any bytes as motion tables: an error or a value whose keys are within its frames.
 #![no_main]
 
-use articula_formats::{Limits, read_pose_keys, read_key_table, write_pose_keys, write_key_table};
+use articula_formats::{
+    Limits, read_contact_table, read_error_matrix, read_key_table, read_pose_keys, write_contact_table,
+    write_error_matrix, write_key_table, write_pose_keys,
+};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -13,5 +16,11 @@ fuzz_target!(|bytes: &[u8]| {
     if let Ok(keys) = read_pose_keys(bytes, &limits) {
         let again = read_pose_keys(&write_pose_keys(&keys), &limits);
         assert_eq!(again, Ok(keys));
+    }
+    if let Ok(table) = read_contact_table(bytes, &limits) {
+        assert_eq!(read_contact_table(&write_contact_table(&table), &limits), Ok(table));
+    }
+    if let Ok(table) = read_error_matrix(bytes, &limits) {
+        assert_eq!(read_error_matrix(&write_error_matrix(&table), &limits), Ok(table));
     }
 });

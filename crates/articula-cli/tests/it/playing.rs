@@ -120,9 +120,6 @@ fn built_assets_carry_tables_that_must_fit() {
             "coarser levels have fewer keys: {keys:?}"
         );
     }
-    let played = json(&here, &["lod", "a.glb", "--distances", "9"]);
-    assert!(number(&played["motion_tables"]["segs"]) > 0.0);
-
     // Another name of a joint makes another rig.
     let mut bytes = std::fs::read(here.join("a.glb")).unwrap();
     let name = b"\"l_knee\"";
@@ -134,12 +131,10 @@ fn built_assets_carry_tables_that_must_fit() {
     }
     std::fs::write(here.join("stale.glb"), bytes).unwrap();
     for command in ["lod", "inspect"] {
-        let line = fault(&here, 1, &[command, "stale.glb"]);
-        assert!(
-            line.contains("stale.glb") && line.contains("animations[0]"),
-            "{line}"
-        );
-        assert!(line.contains("rebuild the asset"), "{line}");
+        let told = json(&here, &[command, "stale.glb"])["warnings"].to_string();
+        assert!(told.contains("animations[0]"), "{told}");
+        assert!(told.contains("skeleton of this file"), "{told}");
+        assert!(told.contains("`articula build` renews it"), "{told}");
     }
 }
 

@@ -1,6 +1,7 @@
 //! The extension `ARTICULA_articulation`: H-Anim articulation of joints, and tables of motions.
 //!
-//! Each skin lists H-Anim name, level and region in the order of its joints; each animation may
+//! Each skin lists H-Anim name, level and region in the order of its joints; a node that is a joint
+//! without being in a skin has them itself; each animation may
 //! name buffer views by table name, and have other members that are opaque here. The page is
 //! `docs/formats/ARTICULA_articulation.md`; the schema is next to it.
 
@@ -20,8 +21,7 @@ impl Document {
     /// Writes H-Anim name, level and region of every joint onto the document's skins.
     ///
     /// `node_of_joint` maps the articulation's joints to nodes, as [`read`](super::read) returns
-    /// it. Joints in no skin cannot be stored; when read, they get level and region of the nearest
-    /// ancestor in a skin.
+    /// it. Joints in no skin are described on their nodes.
     ///
     /// # Errors
     /// [`WriteError::Mismatch`] if the lists differ in length, or a skin has a joint that is not in
@@ -50,14 +50,40 @@ impl Document {
             })?;
             written.push(json!({"profile": articulation.profile, "joints": joints}));
         }
-        if written.is_empty() {
-            return Ok(());
-        }
+        self.describe_nodes(&of_node);
         for (skin, value) in entries_mut(&mut self.json, "skins").iter_mut().zip(written) {
             extend(skin, value);
         }
         self.use_extension(ARTICULATION);
         Ok(())
+    }
+
+    /// Describes the joints that are in no skin on their nodes, and no others.
+    fn describe_nodes(&mut self, of_node: &[Option<&JointArticulation>]) {
+        let mut is_in_skin = vec![false; of_node.len()];
+        for skin in entries_mut(&mut self.json, "skins") {
+            let joints = skin.get("joints").and_then(Value::as_array);
+            for node in joints.into_iter().flatten().filter_map(super::place::whole) {
+                if let Some(slot) = is_in_skin.get_mut(node as usize) {
+                    *slot = true;
+                }
+            }
+        }
+        let nodes = entries_mut(&mut self.json, "nodes").iter_mut();
+        for ((node, joint), is_in_skin) in nodes.zip(of_node).zip(is_in_skin) {
+            match joint.filter(|_| !is_in_skin) {
+                Some(joint) => extend(node, described(joint)),
+                None => {
+                    let extensions = node.get_mut("extensions").and_then(Value::as_object_mut);
+                    if let Some(extensions) = extensions
+                        && extensions.shift_remove(ARTICULATION).is_some()
+                        && extensions.is_empty()
+                    {
+                        object(node).shift_remove("extensions");
+                    }
+                }
+            }
+        }
     }
 
     /// Stores a binary table with an animation under a name such as `motionError`.
@@ -143,13 +169,17 @@ fn skin_joints(skin: &Value, of_node: &[Option<&JointArticulation>]) -> Option<V
     let joint = |node: &Value| {
         let node = usize::try_from(super::place::whole(node)?).ok()?;
         let joint = of_node.get(node).copied().flatten()?;
-        Some(json!({
-            "hanim": joint.hanim,
-            "level": joint.level,
-            "region": joint.region.to_string(),
-        }))
+        Some(described(joint))
     };
     nodes.iter().map(joint).collect()
+}
+
+fn described(joint: &JointArticulation) -> Value {
+    json!({
+        "hanim": joint.hanim,
+        "level": joint.level,
+        "region": joint.region.to_string(),
+    })
 }
 
 fn extend(owner: &mut Value, value: Value) {
@@ -168,7 +198,7 @@ fn motion_extension(animation: &mut Value) -> &mut Value {
         .or_insert_with(|| json!({}))
 }
 
-/// Reads the extension from all skins; `None` if none has it. A broken one is a warning, since the
+/// Reads the extension from all skins and nodes; `None` if none has it. A broken one is a warning, since the
 /// character can be mapped again.
 pub(super) fn read(
     reader: &mut Reader<'_>,
@@ -187,6 +217,20 @@ pub(super) fn read(
                     if let Some(j) = skeletal.joint_of_node.get(node).copied().flatten() {
                         found[j].get_or_insert(joint);
                     }
+                }
+            }
+            Err(error) => reader.warn(&extension, format!("{error}; left out")),
+        }
+    }
+    for (n, node) in reader.root.entries("nodes")?.iter().enumerate() {
+        let Some(extension) = node.dig(&["extensions", ARTICULATION]) else {
+            continue;
+        };
+        match read_joint(&extension) {
+            Ok(joint) => {
+                profile.get_or_insert_default();
+                if let Some(j) = skeletal.joint_of_node.get(n).copied().flatten() {
+                    found[j].get_or_insert(joint);
                 }
             }
             Err(error) => reader.warn(&extension, format!("{error}; left out")),

@@ -16,6 +16,7 @@ mod joint_map_characters;
 mod meshopt;
 mod mpeg4;
 mod mutated_text;
+mod prepared;
 mod real;
 mod simplified_characters;
 mod thinned;

@@ -77,7 +77,7 @@ impl StoredState {
             };
             let changed: Vec<&str> = changed.iter().map(of).collect();
             state.stale.push(format!(
-                "the prepared data belongs to another {}; {MEND}",
+                "the prepared data does not belong to the {} of this file; {MEND}",
                 changed.join(" and ")
             ));
         }

@@ -12,7 +12,7 @@ use glam::Vec3;
 use std::sync::OnceLock;
 
 /// The reference human, built once for all tests.
-fn human() -> CharacterFile {
+pub(crate) fn human() -> CharacterFile {
     static HUMAN: OnceLock<CharacterFile> = OnceLock::new();
     let made = HUMAN.get_or_init(|| {
         let options = articula_human::HumanOptions { triangles: 2000 };

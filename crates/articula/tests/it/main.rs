@@ -11,5 +11,6 @@
 mod convert;
 mod crowd;
 mod mesh_levels;
+mod prepared;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;

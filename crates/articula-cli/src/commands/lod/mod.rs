@@ -17,7 +17,7 @@ use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, Paramet
 use articula_build::evaluate::{EvaluationSetup, Method};
 use articula_flat::Picture;
 use articula_report::{Plot, motion_sheet, rest_sheet, stacked};
-use clap::Args;
+use clap::{ArgGroup, Args};
 use report::LodReport;
 use std::path::{Path, PathBuf};
 
@@ -29,6 +29,7 @@ const MAX_FRAMES: usize = 100_000;
 
 /// Arguments of `lod`.
 #[derive(Debug, Args)]
+#[command(group = ArgGroup::new("over_time").args(["camera_path", "schedule"]))]
 pub(crate) struct LodArgs {
     #[command(flatten)]
     character: CharacterArgs,
@@ -62,7 +63,8 @@ pub(crate) struct LodArgs {
           requires = "schedule")]
     finest_level: usize,
     /// Refresh rate of the display in hertz (with --camera-path or --schedule)
-    #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive)]
+    #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive,
+          requires = "over_time")]
     display_hz: f32,
     /// Write plots: FILE.svg receives updates saved and error, a folder all plots
     /// [default without a value: lod-plots]

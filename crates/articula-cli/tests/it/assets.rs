@@ -1,0 +1,139 @@
+//! Assets on the command line: what is stored is played, and what does not belong is told.
+
+use crate::program::{articula, fault, folder, human, json, word};
+use crate::real::file;
+use serde_json::Value;
+use std::path::Path;
+
+/// Fields that are times.
+const TIMES: &[&str] = &[
+    "ready_ms",
+    "ns_per_character",
+    "characters_per_ms",
+    "frame_ms",
+    "wall_ms",
+    "tick_ms",
+];
+
+/// A report without its times.
+fn timeless(mut report: Value) -> Value {
+    let fields = report.as_object_mut().unwrap();
+    for time in TIMES {
+        fields.remove(*time);
+    }
+    report
+}
+
+/// Builds an asset of a file and compares what commands say of both.
+fn same_reports(name: &str, source: &Path, runs: &[&[&str]]) {
+    let folders = ["source", "asset"].map(|of| folder(&format!("same-{name}-{of}")));
+    // The name of the file is in the reports.
+    std::fs::copy(source, folders[0].join("a.glb")).unwrap();
+    let asset = folders[1].join("a.glb");
+    let built = json(
+        &folders[0],
+        &["build", "a.glb", word(&asset), "--levels", "5"],
+    );
+    let parts = built["parts"].as_array().unwrap();
+    assert!(
+        parts.iter().all(|p| p["bytes"].as_u64() > Some(0)),
+        "{parts:?}"
+    );
+    for words in runs {
+        let [fresh, stored] = [&folders[0], &folders[1]].map(|at| timeless(json(at, words)));
+        assert!(fresh == stored, "{name} {words:?}:\n{fresh}\n{stored}");
+    }
+}
+
+const CROWD: &[&str] = &["crowd", "a.glb", "--count", "60", "--seconds", "0.1"];
+
+#[test]
+fn the_reference_human_plays_the_same_from_its_asset() {
+    let with = |more: &[&'static str]| [CROWD, more].concat();
+    let runs = [
+        with(&[]),
+        with(&["--mesh-levels", "5", "--cache", "cpu"]),
+        with(&["--level", "full", "--palette", "skin"]),
+        with(&["--level", "loa(Low)", "--storage", "short"]),
+        with(&["--clip", "walk", "--seed", "3", "--root-motion"]),
+        vec!["lod", "a.glb", "--method", "all", "--distances", "4,12"],
+        vec![
+            "lod",
+            "a.glb",
+            "--clip",
+            "wave",
+            "--variant",
+            "tables",
+            "--distances",
+            "9",
+        ],
+    ];
+    let runs: Vec<&[&str]> = runs.iter().map(Vec::as_slice).collect();
+    same_reports("human", human(), &runs);
+}
+
+#[test]
+fn six_characters_play_the_same_from_their_assets() {
+    let characters = [
+        "glb/CesiumMan.glb",
+        "glb/RiggedFigure.glb",
+        "glb/Fox.glb",
+        "glb/pab_arnaud.glb",
+        "glb/Quaternius_single_knight_pack__KnightCharacter.glb",
+        "glb/Quaternius_platformer_game_pack__Character.glb",
+    ];
+    for name in characters {
+        let Some(path) = file(name) else { continue };
+        let short = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let lod: &[&str] = &["lod", "a.glb", "--method", "thesis", "--distances", "9"];
+        same_reports(&short, &path, &[CROWD, lod]);
+    }
+}
+
+#[test]
+fn a_check_says_what_is_missing_or_stale() {
+    let here = folder("check");
+    let build = |words: &[&str]| articula(&here, &[&["build", word(human())], words].concat());
+    assert_eq!(build(&["whole.glb", "--levels", "3"]).status, 0);
+    let found = json(&here, &["build", "--check", "whole.glb"]);
+    assert_eq!(found["is_whole"], true, "{found}");
+    assert_eq!(found["warnings"], Value::Array(Vec::new()));
+
+    let out = ["part.glb", "--without", "pose-cache,contacts"];
+    assert_eq!(build(&out).status, 0);
+    let ran = articula(&here, &["build", "--check", "part.glb", "--json"]);
+    assert_eq!(ran.status, 1);
+    assert!(ran.err.contains("is not whole"), "{}", ran.err);
+    let found: Value = serde_json::from_str(&ran.out).unwrap();
+    let state = |name: &str| {
+        let mut parts = found["parts"].as_array().unwrap().iter();
+        parts.find(|p| p["part"] == name).unwrap()["state"].clone()
+    };
+    assert_eq!(state("pose-cache"), "missing");
+    assert_eq!(state("contacts"), "missing");
+    assert_eq!(state("paired-levels"), "not-needed");
+    assert_eq!(state("clips"), "current");
+
+    // One byte in the middle of the last part.
+    let mut glb = std::fs::read(here.join("whole.glb")).unwrap();
+    let at = glb.len() - 40;
+    glb[at] ^= 0x10;
+    std::fs::write(here.join("whole.glb"), glb).unwrap();
+    let ran = articula(&here, &["build", "--check", "whole.glb"]);
+    assert_eq!(ran.status, 1);
+    assert!(ran.out.contains("stale"), "{}", ran.out);
+    assert!(ran.out.contains("have changed"), "{}", ran.out);
+
+    let why = fault(&here, 1, &["build", "--check", "nothing.glb"]);
+    assert!(why.contains("nothing.glb"), "{why}");
+    let why = fault(&here, 2, &["build", "--check", "a.glb", "b.glb"]);
+    assert!(why.contains("one file"), "{why}");
+    let why = fault(&here, 2, &["build", "a.glb"]);
+    assert!(why.contains("OUT.glb"), "{why}");
+    let ran = articula(
+        &here,
+        &["build", "a.glb", "b.glb", "--without", "everything"],
+    );
+    assert_eq!(ran.status, 2);
+    assert!(ran.err.contains("joint-levels"), "{}", ran.err);
+}
