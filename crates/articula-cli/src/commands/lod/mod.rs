@@ -28,6 +28,17 @@ pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
 /// Maximum number of frames of a clip: the true poses of all frames are kept in memory.
 const MAX_FRAMES: usize = 100_000;
 
+/// Flags that a schedule of levels leaves no room for.
+const SCHEDULE_ALONE: [&str; 7] = [
+    "calibrate",
+    "parameter",
+    "method",
+    "variant",
+    "loa",
+    "loa_profile",
+    "contact_sheet",
+];
+
 /// Arguments of `lod`.
 #[derive(Debug, Args)]
 pub(crate) struct LodArgs {
@@ -51,11 +62,11 @@ pub(crate) struct LodArgs {
     #[arg(long, value_name = "P", value_parser = not_negative)]
     parameter: Option<f32>,
     /// Play before a moving camera: a JSON list of key frames with t, eye and target
-    #[arg(long, value_name = "F.json")]
+    #[arg(long, value_name = "F.json", group = "moving")]
     camera_path: Option<PathBuf>,
     /// Play changes of the level of articulation over time: a JSON list with t and loa or level; at
     /// the first of --distances
-    #[arg(long, value_name = "F.json", conflicts_with_all = ["camera_path", "calibrate", "parameter", "method", "loa", "loa_profile", "contact_sheet"])]
+    #[arg(long, value_name = "F.json", group = "moving", conflicts_with_all = SCHEDULE_ALONE)]
     schedule: Option<PathBuf>,
     /// Finest named level that the device allows, 0 (all joints) to 6 (none); play starts there
     /// (with --schedule)
@@ -63,7 +74,8 @@ pub(crate) struct LodArgs {
           requires = "schedule")]
     finest_level: usize,
     /// Refresh rate of the display in hertz (with --camera-path or --schedule)
-    #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive)]
+    #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive,
+          requires = "moving")]
     display_hz: f32,
     /// Write plots: FILE.svg receives updates saved and error, a folder all plots
     /// [default without a value: lod-plots]
