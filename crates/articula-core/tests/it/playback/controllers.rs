@@ -352,6 +352,32 @@ fn the_thesis_looks_up_as_often_as_told_and_by_the_distance_of_the_frame() {
     assert_eq!(states(by_distance, 1, 16.0), [t, f, f, f, f, f, f, f]);
 }
 
+/// Between two frames the figure moves as the entry of the later one says.
+#[test]
+fn the_thesis_reads_the_entry_of_the_motion_under_way() {
+    let rig = chain(1);
+    let clips = [swinging(1)];
+    let model = FigureModel::new(&rig, &clips).unwrap();
+    // It moves into frame 2 only.
+    let values = (0..=60).map(|i| if i == 2 { 1.0 } else { 0.0 });
+    let matrix = ErrorMatrix::new(1, values.collect()).unwrap();
+    let at_once = TransitionOptions {
+        secs: 0.0,
+        ..TransitionOptions::default()
+    };
+    let threshold = Threshold::constant(0.5);
+    let mut control = ThesisController::new(&rig, vec![Some(&matrix)], threshold, 1, at_once);
+    let mut player = FigurePlayer::new(&model, &[]);
+    let moving = [0.0f32, 0.5, 1.0, 1.5, 2.0, 2.5].map(|frame| {
+        player.advance_to(f64::from(frame) / 30.0, frame / 30.0);
+        !player
+            .control(&mut control, seen_at(1.0))
+            .updated
+            .is_empty()
+    });
+    assert_eq!(moving, [true, false, false, true, true, false]);
+}
+
 #[test]
 fn the_threshold_is_renewed_before_a_moving_camera() {
     let rig = chain(2);
