@@ -180,7 +180,7 @@ fn morphs(stage: &ClipEvaluator<'_>, frame: usize) -> Vec<f32> {
     weights
 }
 
-/// Mark of each joint at a frame; the root always follows the clip.
+/// Mark of each joint at a frame; the root follows the clip except outside of a fixed level.
 fn marks(
     stage: &ClipEvaluator<'_>,
     line: &MotionLine<'_>,
@@ -193,10 +193,10 @@ fn marks(
         _ => None,
     };
     let mark = |joint: usize| {
-        let allowed = level.is_some_and(|l| l.contains(joint));
+        let allowed = level.map_or(joint == rig.root(), |l| l.contains(joint));
         if playback.in_transition[frame].contains(joint) {
             JointMark::InTransition
-        } else if allowed || joint == rig.root() || playback.updated[frame].contains(joint) {
+        } else if allowed || playback.updated[frame].contains(joint) {
             JointMark::Active
         } else {
             JointMark::Passive

@@ -14,9 +14,9 @@ use articula_core::playback::{
 };
 use articula_core::{
     Camera, DriftController, DriftOptions, JointErrorBounds, JointSet, LocalPose, ModelPose,
-    Viewport, Wrap, angle_between, frame_position, local_to_model, percentile, sample,
+    Viewport, Wrap, frame_position, local_to_model, percentile, sample,
 };
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 /// Minimum depth of a vertex in front of the camera for its error to be measured.
 const NEAR_METRES: f32 = 0.05;
@@ -53,7 +53,7 @@ pub struct PathFrame {
     /// projections, pixels.
     pub error_px: f32,
     /// Maximum over the joints of `lever * angle * pixels per metre`, the quantity that the
-    /// controller bounds, pixels.
+    /// controller bounds, pixels; for the view-dependent controller the part that the camera sees.
     pub joint_error_px: f32,
 }
 
@@ -135,68 +135,74 @@ pub fn play_camera_path(
         &levers_metres,
         stage.options.chain,
     );
+    let shot = Shot {
+        path,
+        display_hz,
+        in_view: matches!(method, PathMethod::DriftInView(_)),
+    };
     let all = stage.asset.rig.all();
     let shares = bounds.iter().map(|b| b.share).collect();
     let rest = stage.asset.rig.rest_pose();
     let drift =
         |bounds: Vec<JointErrorBounds>, options| DriftController::new(rest, bounds, options);
     match method {
-        PathMethod::Drift(options) => {
-            stage.along(path, display_hz, &mut drift(bounds, *options), &all)
-        }
+        PathMethod::Drift(options) => stage.along(&shot, &mut drift(bounds, *options), &all),
         PathMethod::DriftInView(options) => {
             let moments = stage.levers.iter().map(|l| l.second_moment).collect();
             let mut drift = drift(bounds, *options).with_second_moments(moments);
-            stage.along(path, display_hz, &mut drift, &all)
+            stage.along(&shot, &mut drift, &all)
         }
         PathMethod::Tables(epsilon_px) => {
             let keys = StoredKeys::new(&stage.clip, stage.key_table()).ok();
             let mut tables = TableController::new(vec![keys], shares, *epsilon_px);
-            stage.along(path, display_hz, &mut tables, &all)
+            stage.along(&shot, &mut tables, &all)
         }
         PathMethod::Thesis(threshold) => {
             let mut thesis = stage.thesis(*threshold);
-            stage.along(path, display_hz, &mut thesis, &stage.moving)
+            stage.along(&shot, &mut thesis, &stage.moving)
         }
         PathMethod::Loa(set) => {
             let mut full = FullDetail::default();
             let mut loa = stage.articulated(set, &mut full);
-            stage.moved(path, display_hz, &mut loa, &stage.loose(set))
+            stage.moved(&shot, &mut loa, &stage.loose(set))
         }
     }
+}
+
+/// A camera path, its display rate, and whether errors of joints are those that the camera sees.
+struct Shot<'p> {
+    path: &'p [CameraKey],
+    display_hz: f64,
+    in_view: bool,
 }
 
 impl ClipEvaluator<'_> {
     /// Plays a controller within the articulation of the options.
     fn along(
         &self,
-        path: &[CameraKey],
-        display_hz: f64,
+        shot: &Shot<'_>,
         control: &mut dyn MotionController,
         controlled: &JointSet,
     ) -> Option<PathRun> {
         match &self.options.articulation {
             Some(set) => {
                 let mut bounded = self.articulated(set, control);
-                self.moved(
-                    path,
-                    display_hz,
-                    &mut bounded,
-                    &controlled.union(&self.loose(set)),
-                )
+                self.moved(shot, &mut bounded, &controlled.union(&self.loose(set)))
             }
-            None => self.moved(path, display_hz, control, controlled),
+            None => self.moved(shot, control, controlled),
         }
     }
 
     /// Plays a controller of some joints; all others follow the clip.
     fn moved(
         &self,
-        path: &[CameraKey],
-        display_hz: f64,
+        shot: &Shot<'_>,
         control: &mut dyn MotionController,
         controlled: &JointSet,
     ) -> Option<PathRun> {
+        let Shot {
+            path, display_hz, ..
+        } = *shot;
         let (first, last) = (path.first()?, path.last()?);
         let (rig, clip) = (&self.asset.rig, &self.clip);
         let model = FigureModel::new(rig, std::slice::from_ref(clip))
@@ -221,10 +227,20 @@ impl ClipEvaluator<'_> {
             let shown = player.pose().clone();
             sample(clip, secs, Wrap::Loop, &rig.all(), &mut truth);
             local_to_model(rig, &truth, &mut joints);
+            let line_of_sight = camera.eye - joints.position(rig.root());
             let joint_errors = self.moving.iter().map(|j| {
-                let angle = angle_between(shown.rotations[j], truth.rotations[j]);
+                let (held, wanted) = (shown.rotations[j], truth.rotations[j]);
+                let lever = &self.levers[j];
+                let in_joint = player.joint(j).matrix3.transpose() * Vec3A::from(line_of_sight);
+                let view = Vec3::from(in_joint)
+                    .try_normalize()
+                    .filter(|_| shot.in_view);
+                let metres = match view {
+                    Some(view) => lever.projected_error(held, wanted, view),
+                    None => lever.held_error(held, wanted),
+                };
                 let depth = camera.view(joints.position(j)).z.abs();
-                self.levers[j].rest_metres * angle * camera.viewport.pixels_per_metre(depth)
+                metres * camera.viewport.pixels_per_metre(depth)
             });
             frames.push(PathFrame {
                 secs,

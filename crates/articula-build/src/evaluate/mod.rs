@@ -6,8 +6,10 @@
 //! distance, level cameras at several azimuths. Methods are calibrated before they are compared:
 //! each has one parameter, and gains are reported at the parameter that meets an error target.
 //!
-//! Methods act on rotations ("orientation updates", thesis 5.2); local translations, scales, the
-//! root and morph weights always follow the clip.
+//! A method is a controller of the live playback ([`articula_core::playback`]), so that what is
+//! measured is what an application shows. Methods act on rotations ("orientation updates", thesis
+//! 5.2); local translations, scales, the root and morph weights always follow the clip. A root
+//! outside of a fixed level keeps its way over the ground and its heading.
 
 mod baselines;
 mod calibrate;

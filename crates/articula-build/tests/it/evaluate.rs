@@ -655,15 +655,9 @@ fn the_thesis_renews_its_threshold_before_a_moving_camera() {
     ] {
         let run = play_camera_path(&stage, &path, 30.0, &method).unwrap();
         let bound = method.bound_px().unwrap();
-        // A key holds up to the next frame of the clip, 10 mm further.
-        let late = if method == PathMethod::Tables(1.0) {
-            0.01
-        } else {
-            1e-4
-        };
         for frame in &run.frames {
             let scale = stage.setup.viewport.pixels_per_metre(frame.distance_m);
-            let most = bound + late * scale;
+            let most = bound + 1e-4 * scale;
             assert!(
                 frame.joint_error_px <= most,
                 "{method:?}: {}",

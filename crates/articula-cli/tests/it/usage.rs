@@ -28,6 +28,16 @@ fn help_is_no_error_and_wrong_words_are_usage() {
         &["lod", "a.glb", "--distances", "1e30"],
         &["lod", "a.glb", "--display-hz", "30"],
         &["lod", "a.glb", "--chain", "split"],
+        &["lod", "a.glb", "--finest-level", "2"],
+        &[
+            "lod",
+            "a.glb",
+            "--schedule",
+            "s.json",
+            "--finest-level",
+            "7",
+        ],
+        &["lod", "a.glb", "--schedule", "s.json", "--variant", "view"],
         &["inspect", "a.bvh", "--unit-metres", "0"],
         &["build", "a.glb", "b.glb", "--levels", "0"],
         &[

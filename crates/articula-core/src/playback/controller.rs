@@ -41,8 +41,8 @@ pub struct FrameContext<'a> {
     pub clip: Option<ClipFrame<'a>>,
     /// Joints that a layer moves too, so that `clip` alone does not determine them.
     pub layered: JointSet,
-    /// Whether the motion may jump in this frame: the first frame, after a seek, and where a clip
-    /// starts again.
+    /// Whether the motion may jump in this frame: the first frame, after a seek, where a clip
+    /// starts again, and where a fade or a layer begins or ends.
     pub cut: bool,
     /// Local transforms written in the frame before.
     pub shown: &'a LocalPose,

@@ -48,6 +48,9 @@ pub struct FigurePlayer<'a> {
     now_secs: f64,
     dt_secs: f32,
     cut: bool,
+    /// Whether two clips were blended in the last frame, and the joints that layers moved: bounds
+    /// on the motion of a clip do not hold where these change.
+    mixed: (bool, JointSet),
     wanted: LocalPose,
     layer_pose: LocalPose,
     fade_pose: LocalPose,
@@ -84,6 +87,7 @@ impl<'a> FigurePlayer<'a> {
             now_secs: 0.0,
             dt_secs: 0.0,
             cut: true,
+            mixed: (false, JointSet::EMPTY),
             wanted: rest.clone(),
             layer_pose: rest.clone(),
             fade_pose: rest.clone(),
@@ -209,6 +213,10 @@ impl<'a> FigurePlayer<'a> {
         controller: &mut dyn MotionController,
         views: FigureViews<'_>,
     ) -> &FrameReport {
+        let fading = self.base.is_some_and(|base| base.is_fading());
+        let mixed = (fading, self.layered());
+        self.cut |= mixed != self.mixed;
+        self.mixed = mixed;
         let carriers = *self.model.carriers();
         let mut sampled = self.sample(&carriers);
         let (distance_metres, count) = self.look(views);

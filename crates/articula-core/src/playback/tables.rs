@@ -74,13 +74,15 @@ struct ShownKey {
     clip: usize,
     level: usize,
     key: u32,
+    /// Whether it is blended with the next key.
+    blended: bool,
 }
 
 /// Shows each joint by its stored keys, at the coarsest stored level within the tolerance of the
 /// joint. Joints without keys, of too small a tolerance, or in a blend are sampled.
 ///
-/// The bound holds at the clip's own frames; in between a held joint may lag by the motion of one
-/// frame.
+/// A held key is blended to the next one over the one frame of the clip before it, so that the
+/// tolerance holds between frames too.
 #[derive(Debug, Clone)]
 pub struct TableController<'a> {
     tables: Vec<Option<StoredKeys<'a>>>,
@@ -132,18 +134,25 @@ impl<'a> TableController<'a> {
         let keys = self.keys(&clip)?;
         let (key, next) = keys.table.span(joint, level, clip.at.before as u32)?;
         let from = keys.rotation(clip.clip, joint, key)?;
+        // A held key ends one frame before the next.
+        let start = match keys.table.mode {
+            KeyMode::Hold => next.map_or(key, |next| next - 1),
+            KeyMode::Linear => key,
+        };
+        let passed = clip.at.before as f32 - start as f32 + clip.at.blend;
+        let blended_to = next.filter(|_| keys.table.mode == KeyMode::Linear || passed > 0.0);
+        let rotation = match blended_to {
+            Some(next) => {
+                let to = keys.rotation(clip.clip, joint, next)?;
+                nlerp(from, to, passed / (next - start) as f32)
+            }
+            None => from,
+        };
         let shown = ShownKey {
             clip: clip.index,
             level,
             key,
-        };
-        let rotation = match (keys.table.mode, next) {
-            (KeyMode::Linear, Some(next)) => {
-                let to = keys.rotation(clip.clip, joint, next)?;
-                let passed = (clip.at.before - key as usize) as f32 + clip.at.blend;
-                nlerp(from, to, passed / (next - key) as f32)
-            }
-            _ => from,
+            blended: keys.table.mode == KeyMode::Hold && blended_to.is_some(),
         };
         Some((shown, rotation))
     }
@@ -180,7 +189,7 @@ impl MotionController for TableController<'_> {
             if let Some((key, rotation)) = keyed {
                 shown.rotations[joint] = rotation;
                 bound = bound.max(self.tolerance(frame, joint) * frame.pixels_per_metre[joint]);
-                if self.shown[joint] != Some(key) {
+                if key.blended || self.shown[joint] != Some(key) {
                     result.updated.insert(joint);
                     result.keys_read += 1;
                 }

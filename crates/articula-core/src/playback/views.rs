@@ -6,8 +6,7 @@ use glam::Vec3;
 /// The views that show a figure in a frame. All are in the figure's model space.
 #[derive(Debug, Clone, Copy)]
 pub enum FigureViews<'a> {
-    /// Perspective cameras; without any, every error counts as it would at the depth of a
-    /// millimetre.
+    /// Perspective cameras. Without any, no error is seen.
     Cameras(&'a [Camera]),
     /// Views with one scale for the whole figure: parallel projection, or weak perspective.
     Parallel {

@@ -17,7 +17,7 @@ use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, Paramet
 use articula_build::evaluate::{EvaluationSetup, Method};
 use articula_flat::Picture;
 use articula_report::{Plot, motion_sheet, rest_sheet, stacked};
-use clap::{ArgGroup, Args};
+use clap::Args;
 use report::LodReport;
 use std::path::{Path, PathBuf};
 
@@ -27,9 +27,19 @@ pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
 /// Maximum number of frames of a clip: the true poses of all frames are kept in memory.
 const MAX_FRAMES: usize = 100_000;
 
+/// Flags that a schedule of levels leaves no room for.
+const SCHEDULE_ALONE: [&str; 7] = [
+    "calibrate",
+    "parameter",
+    "method",
+    "variant",
+    "loa",
+    "loa_profile",
+    "contact_sheet",
+];
+
 /// Arguments of `lod`.
 #[derive(Debug, Args)]
-#[command(group = ArgGroup::new("over_time").args(["camera_path", "schedule"]))]
 pub(crate) struct LodArgs {
     #[command(flatten)]
     character: CharacterArgs,
@@ -51,11 +61,11 @@ pub(crate) struct LodArgs {
     #[arg(long, value_name = "P", value_parser = not_negative)]
     parameter: Option<f32>,
     /// Play before a moving camera: a JSON list of key frames with t, eye and target
-    #[arg(long, value_name = "F.json")]
+    #[arg(long, value_name = "F.json", group = "moving")]
     camera_path: Option<PathBuf>,
     /// Play changes of the level of articulation over time: a JSON list with t and loa or level; at
     /// the first of --distances
-    #[arg(long, value_name = "F.json", conflicts_with_all = ["camera_path", "calibrate", "parameter", "method", "loa", "loa_profile", "contact_sheet"])]
+    #[arg(long, value_name = "F.json", group = "moving", conflicts_with_all = SCHEDULE_ALONE)]
     schedule: Option<PathBuf>,
     /// Finest named level that the device allows, 0 (all joints) to 6 (none); play starts there
     /// (with --schedule)
@@ -64,7 +74,7 @@ pub(crate) struct LodArgs {
     finest_level: usize,
     /// Refresh rate of the display in hertz (with --camera-path or --schedule)
     #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive,
-          requires = "over_time")]
+          requires = "moving")]
     display_hz: f32,
     /// Write plots: FILE.svg receives updates saved and error, a folder all plots
     /// [default without a value: lod-plots]

@@ -8,8 +8,9 @@ use articula_core::playback::{
 };
 use articula_core::source::{Joint, MorphTarget, Primitive, RawMesh, Skeleton, Skin};
 use articula_core::{
-    Articulation, Clip, GroupedSkin, JointArticulation, JointSet, LocalPose, Mesh, PosedMesh,
-    Region, Rig, Track, Tracks, Transform, angle_between,
+    Articulation, Clip, DriftController, DriftOptions, GroupedSkin, JointArticulation,
+    JointErrorBounds, JointSet, LocalPose, Mesh, PosedMesh, Region, Rig, Track, Tracks, Transform,
+    angle_between,
 };
 use glam::{Affine3A, Quat, Vec3};
 
@@ -185,8 +186,21 @@ fn a_passive_root_travels_on_and_joints_below_stand_still() {
     };
     let range = LoaRange::new(vec![JointSet::EMPTY], 0).unwrap();
     let mut none = LoaController::new(&rig, range, opts, FullDetail::default());
+    // A metric that would hold everything does not hold the way either.
+    let bound = JointErrorBounds {
+        lever_metres: 0.01,
+        speed_metres_per_sec: 0.01,
+        share: 1.0,
+    };
+    let drift = DriftController::new(rig.rest_pose(), vec![bound; 2], DriftOptions::default());
+    let range = LoaRange::one(JointSet::EMPTY);
+    let mut bounded = LoaController::new(&rig, range, opts, drift);
+    let mut beside = FigurePlayer::new(&model, &[]);
     for i in 0..10 {
         player.control(&mut none, seen_at(1.0));
+        beside.control(&mut bounded, seen_at(1e-3));
+        assert_eq!(beside.pose(), player.pose(), "frame {i}");
+        beside.advance(0.1, &mut |_| {});
         let root = player.pose().get(0);
         assert!((root.translation - Vec3::X * i as f32).length() < 1e-4);
         assert!(angle_between(root.rotation, turn(i)) < 1e-3, "frame {i}");

@@ -107,6 +107,34 @@ fn drift_keeps_its_bound_at_every_rate_through_seeks_and_fades() {
 }
 
 #[test]
+fn drift_keeps_its_bound_when_a_fade_or_a_layer_is_over() {
+    let rig = chain(4);
+    let clips = [swinging(4)];
+    let model = FigureModel::new(&rig, &clips).unwrap();
+    let mut player = FigurePlayer::new(&model, &[]);
+    let mut control = drift(&rig, &clips[0]);
+    let over = CharacterState::from(ClipState::new(&model, 0).at_secs(&model, 0.5));
+    let layer = MotionLayer::new(over, vec![1.0; 4], LayerMode::Override).unwrap();
+    let top = player.add_layer(layer).unwrap();
+    let mut measured = 0;
+    for i in 0..400 {
+        player.advance(1.0 / 60.0, &mut |_| {});
+        player.layer_mut(top).unwrap().weight = f32::from(u8::from(i % 50 < 7));
+        if i % 80 == 20 {
+            let elsewhere = ClipState::new(&model, 0).at_secs(&model, 0.03 * i as f32);
+            player.fade_to(elsewhere, 0.1);
+        }
+        player.control(&mut control, seen_at(20.0));
+        if i % 50 >= 7 && player.state().unwrap().next().is_none() {
+            let error = error_px(&player, &rig, &clips, 20.0);
+            assert!(error <= 1.25 + 5e-3, "{error} px in frame {i}");
+            measured += 1;
+        }
+    }
+    assert!(measured > 250);
+}
+
+#[test]
 fn drift_ahead_of_a_camera_counts_what_the_view_sees() {
     let rig = chain(1);
     let clips = [swinging(1)];
@@ -208,9 +236,7 @@ fn tables_show_the_span_of_the_nearest_stored_tolerance() {
             let mut updates = 0;
             for frame in 0..60 {
                 let state = ClipState::new(&model, 0).at_secs(&model, frame as f32 / 30.0);
-                if frame > 0 {
-                    player.advance(1.0 / 30.0, &mut |_| {});
-                }
+                player.advance_to(f64::from(frame) / 30.0, frame as f32 / 30.0);
                 let report = *player.control(&mut control, seen_at(scale));
                 assert_eq!(report.held.union(&report.updated), rig.all());
                 updates += report.updated.difference(&JointSet::first(1)).len();
@@ -242,6 +268,43 @@ fn tables_show_the_span_of_the_nearest_stored_tolerance() {
             "keys[2]"
         );
     }
+}
+
+/// Between the last frame of a key and the next key there is no jump: the tolerance holds at any
+/// display rate.
+#[test]
+fn held_keys_keep_the_tolerance_between_frames() {
+    let rig = chain(3);
+    let clips = [swinging(3)];
+    let model = FigureModel::new(&rig, &clips).unwrap();
+    // Keys as preparation makes them: renewed as soon as the error exceeds 10 mm.
+    let held = |joint: usize| {
+        let values = &clips[0].tracks().rotations[joint].values;
+        let mut keys = vec![0u32];
+        for (frame, value) in values.iter().enumerate() {
+            let last = values[keys[keys.len() - 1] as usize];
+            if LEVER * angle_between(last, *value) > 0.01 {
+                keys.push(frame as u32);
+            }
+        }
+        vec![keys]
+    };
+    let stored = KeyTable {
+        keys: (0..3).map(held).collect(),
+        ..table(&clips[0], KeyMode::Hold, 5)
+    };
+    let keys = StoredKeys::new(&clips[0], &stored).unwrap();
+    let mut control = TableController::new(vec![Some(keys)], vec![1.0; 3], 1.0);
+    let mut player = FigurePlayer::new(&model, &[]);
+    let mut blended = 0;
+    for frame in 0..600 {
+        player.advance(1.0 / 144.0, &mut |_| {});
+        let report = *player.control(&mut control, seen_at(100.0));
+        blended += report.updated.len();
+        let error = error_px(&player, &rig, &clips, 100.0);
+        assert!(error <= 1.0 + 1e-2, "{error} px in frame {frame}");
+    }
+    assert!(blended < 3 * 600, "some frames show held keys alone");
 }
 
 #[test]
@@ -287,6 +350,32 @@ fn the_thesis_looks_up_as_often_as_told_and_by_the_distance_of_the_frame() {
     };
     assert_eq!(states(by_distance, 1, 0.1), [t; 8]);
     assert_eq!(states(by_distance, 1, 16.0), [t, f, f, f, f, f, f, f]);
+}
+
+/// Between two frames the figure moves as the entry of the later one says.
+#[test]
+fn the_thesis_reads_the_entry_of_the_motion_under_way() {
+    let rig = chain(1);
+    let clips = [swinging(1)];
+    let model = FigureModel::new(&rig, &clips).unwrap();
+    // It moves into frame 2 only.
+    let values = (0..=60).map(|i| if i == 2 { 1.0 } else { 0.0 });
+    let matrix = ErrorMatrix::new(1, values.collect()).unwrap();
+    let at_once = TransitionOptions {
+        secs: 0.0,
+        ..TransitionOptions::default()
+    };
+    let threshold = Threshold::constant(0.5);
+    let mut control = ThesisController::new(&rig, vec![Some(&matrix)], threshold, 1, at_once);
+    let mut player = FigurePlayer::new(&model, &[]);
+    let moving = [0.0f32, 0.5, 1.0, 1.5, 2.0, 2.5].map(|frame| {
+        player.advance_to(f64::from(frame) / 30.0, frame / 30.0);
+        !player
+            .control(&mut control, seen_at(1.0))
+            .updated
+            .is_empty()
+    });
+    assert_eq!(moving, [true, false, false, true, true, false]);
 }
 
 #[test]
