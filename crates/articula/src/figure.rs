@@ -2,7 +2,8 @@
 
 use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, GltfSource, choose};
-use crate::prepared::stored::{Stored, StoredState};
+use crate::prepared::state::StoredState;
+use crate::prepared::stored::Stored;
 use articula_build::{Asset, ClipOptions, character, rig_and_mesh};
 use articula_core::source::{Character, RawMesh};
 use articula_formats::Warning;

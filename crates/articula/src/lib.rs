@@ -49,6 +49,7 @@ pub mod flatten;
 #[cfg(not(target_family = "wasm"))]
 pub mod fs;
 pub mod inspect;
+mod keep_meshes;
 mod mesh_levels;
 mod motion_tables;
 mod open;
@@ -71,9 +72,9 @@ pub use open::{
     CharacterFile, Data, DataFile, DataFormat, Format, GltfSource, OpenOptions, WriteSupport,
     choose, conversions, open, open_data, readable, reference_human,
 };
-pub use prepare::{PrepareOptions, PreparedAsset, prepare};
+pub use prepare::{PreparedAsset, prepare};
 pub use prepared::{
-    CheckedPart, PartBytes, PartState, PreparedCheck, PreparedPart, check_prepared,
+    CheckedPart, PartBytes, PartState, PrepareOptions, PreparedCheck, PreparedPart, check_prepared,
 };
 pub use work::{Executor, Job, JobRunner, Step, StepCallback};
 

@@ -4,7 +4,7 @@
 //! is not used.
 
 use crate::figure::Figure;
-use crate::prepared::PreparedPart;
+use crate::prepared::part::{CONTACTS, ERROR_MATRIX, POSE_KEYS, PreparedPart, SEGS};
 use articula_build::evaluate::error_matrix_table;
 use articula_build::{
     Asset, JointLever, contact_table, key_table, levers, pose_keys, table_hashes,
@@ -18,11 +18,6 @@ use articula_formats::{
 };
 use serde::Serialize;
 
-/// Names of the tables in the file.
-pub(crate) const SEGS: &str = "segs";
-pub(crate) const POSE_KEYS: &str = "posekeys";
-pub(crate) const ERROR_MATRIX: &str = "errors";
-pub(crate) const CONTACTS: &str = "contacts";
 /// Number of vertices that whole-pose keys are computed from.
 const WATCHED: usize = 700;
 

@@ -2,35 +2,14 @@
 
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
-use crate::mesh_levels::{self, CodedMeshLevels, MeshLevelOptions};
+use crate::mesh_levels::{self, CodedMeshLevels};
 use crate::motion_tables::{ClipTables, TableMaker};
 use crate::open::{CharacterFile, GltfSource};
-use crate::prepared::write::{self, Parts};
-use crate::prepared::{PartBytes, PreparedPart};
+use crate::prepared::write::{self, DocumentLevels, Parts};
+use crate::prepared::{PartBytes, PrepareOptions, PreparedPart};
 use crate::work::Executor;
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document};
-
-/// Options of [`prepare`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct PrepareOptions {
-    /// Seed of the samples of vertices and frames.
-    pub seed: u64,
-    /// Options of the mesh levels. `None` makes none; those that the file has stay.
-    pub mesh_levels: Option<MeshLevelOptions>,
-    /// Parts that are left out.
-    pub without: Vec<PreparedPart>,
-}
-
-impl Default for PrepareOptions {
-    fn default() -> Self {
-        Self {
-            seed: 1,
-            mesh_levels: None,
-            without: Vec::new(),
-        }
-    }
-}
 
 /// A prepared asset and the data that was stored in it.
 #[derive(Debug)]
@@ -92,7 +71,7 @@ pub fn prepare(
         Ok(maker.tables(clip, &options.without))
     })?;
     let orders = orders.as_deref();
-    let parts = write::parts(&figure, (triangles, orders), options, work);
+    let parts = write::parts(&figure, DocumentLevels { triangles, orders }, options, work);
     let parts = parts.with_context(|| &name)?;
     let (glb, mesh_bytes) = written(&figure, gltf, &tables, &parts).with_context(|| &name)?;
     if let Some(levels) = &levels {

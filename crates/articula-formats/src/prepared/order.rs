@@ -99,7 +99,7 @@ pub fn restore_order(meshes: &[RawMesh], orders: &[SourceOrder]) -> Result<Vec<R
             skin: mesh.skin.clone(),
             morph_names: mesh.morph_names.clone(),
             morph_weights: mesh.morph_weights.clone(),
-            screen_coverage: mesh.screen_coverage.clone(),
+            screen_coverage: mesh.screen_coverage,
             levels: mesh.levels.clone(),
             clustered: Vec::new(),
             primitives,

@@ -2,7 +2,7 @@
 
 use super::{CharacterFile, Input};
 use crate::error::Result;
-use crate::prepared::stored::KeptMeshes;
+use crate::prepared::state::KeptMeshes;
 use articula_core::source::Character;
 use articula_formats::gltf::{self, Document, GltfFile, KhrCharacter, PassThrough};
 

@@ -8,9 +8,12 @@
 
 mod check;
 pub(crate) mod hash;
-mod part;
+mod options;
+pub(crate) mod part;
+pub(crate) mod state;
 pub(crate) mod stored;
 pub(crate) mod write;
 
 pub use check::{CheckedPart, PartState, PreparedCheck, check_prepared};
+pub use options::PrepareOptions;
 pub use part::{PartBytes, PreparedPart};

@@ -76,15 +76,22 @@ impl PreparedPart {
     /// Name of its table in `ARTICULA_articulation` of each animation, if it is one.
     pub(crate) fn table(self) -> Option<&'static str> {
         match self {
-            Self::JointKeys => Some(crate::motion_tables::SEGS),
-            Self::PoseKeys => Some(crate::motion_tables::POSE_KEYS),
-            Self::ErrorMatrix => Some(crate::motion_tables::ERROR_MATRIX),
-            Self::Contacts => Some(crate::motion_tables::CONTACTS),
+            Self::JointKeys => Some(SEGS),
+            Self::PoseKeys => Some(POSE_KEYS),
+            Self::ErrorMatrix => Some(ERROR_MATRIX),
+            Self::Contacts => Some(CONTACTS),
             _ => None,
         }
     }
 }
 
+/// Names of the tables of animations.
+pub(crate) const SEGS: &str = "segs";
+pub(crate) const POSE_KEYS: &str = "posekeys";
+pub(crate) const ERROR_MATRIX: &str = "errors";
+pub(crate) const CONTACTS: &str = "contacts";
+
+/// Names of the entries of `ARTICULA_prepared`.
 pub(crate) const VERTEX_ORDER: &str = "vertexOrder";
 pub(crate) const CLIPS: &str = "clips";
 pub(crate) const CLIPS_IN_PLACE: &str = "clipsInPlace";

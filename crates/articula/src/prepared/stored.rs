@@ -2,6 +2,7 @@
 
 use super::hash::{self, SourceHashes};
 use super::part;
+use super::state::{KeptMeshes, StoredState};
 use crate::open::CharacterFile;
 use articula_core::source::{RawClip, RawMesh};
 use articula_core::{Clip, JointLods, LevelSkins, Mesh, MotionBounds, Rig};
@@ -27,17 +28,6 @@ pub(crate) struct Stored<'a> {
     header: PreparedHeader,
     /// Warnings about parts that were asked for and could not be used.
     warnings: RefCell<Vec<String>>,
-}
-
-/// Which stored data of a file belongs to its character.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct StoredState {
-    /// All parts may be read.
-    pub(crate) is_current: bool,
-    /// The order of vertices may be read.
-    pub(crate) has_order: bool,
-    /// What is stale, as text for the user.
-    pub(crate) stale: Vec<String>,
 }
 
 impl StoredState {
@@ -83,14 +73,6 @@ impl StoredState {
         }
         state
     }
-}
-
-/// The state of a file's stored data before meshes were removed from the character.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct KeptMeshes {
-    pub(crate) state: StoredState,
-    /// Whether each primitive of all meshes is kept.
-    primitives: Vec<bool>,
 }
 
 impl KeptMeshes {

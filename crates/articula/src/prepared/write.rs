@@ -1,6 +1,7 @@
 //! Computation and storage of the parts of `ARTICULA_prepared`.
 
 use super::hash::{self, SourceHashes};
+use super::options::PrepareOptions;
 use super::part::{self, PreparedPart};
 use super::stored::PART_VERSION;
 use crate::crowd::RootMotionPolicy;
@@ -9,7 +10,6 @@ use crate::crowd::preparation::{CharacterInPlace, bounds, in_place, joint_levels
 use crate::crowd::{ClipStorage, JointLodMethod, PaletteForm};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
-use crate::prepare::PrepareOptions;
 use crate::work::Executor;
 use articula_build::{Asset, CacheOptions, JointLodOptions, MergedLevels, cached_poses};
 use articula_core::source::Character;
@@ -73,11 +73,18 @@ impl Parts {
     }
 }
 
-/// Computes the parts for a figure in the order of its source. `triangles` are those of its mesh
-/// levels, `orders` is the order of its vertices in the document.
+/// Mesh levels of the document that parts are stored in.
+pub(crate) struct DocumentLevels<'a> {
+    /// Triangles of each level over the vertices of the figure's mesh.
+    pub(crate) triangles: Option<Vec<Vec<[u32; 3]>>>,
+    /// Order of the figure's vertices in the document, if the levels have changed it.
+    pub(crate) orders: Option<&'a [SourceOrder]>,
+}
+
+/// Computes the parts for a figure in the order of its source.
 pub(crate) fn parts(
     figure: &Figure,
-    (triangles, orders): (Option<Vec<Vec<[u32; 3]>>>, Option<&[SourceOrder]>),
+    levels: DocumentLevels<'_>,
     options: &PrepareOptions,
     work: &Executor<'_>,
 ) -> Result<Parts> {
@@ -86,7 +93,7 @@ pub(crate) fn parts(
         ..Parts::default()
     };
     let is_wanted = |part: PreparedPart| !options.without.contains(&part);
-    if let Some(orders) = orders {
+    if let Some(orders) = levels.orders {
         parts
             .entries
             .push((part::VERTEX_ORDER, write_source_orders(orders)));
@@ -117,7 +124,7 @@ pub(crate) fn parts(
         PreparedPart::PoseCache,
     ];
     if !character.asset.mesh.is_empty() && of_levels.into_iter().any(is_wanted) {
-        parts.levels(&character, triangles, options, work)?;
+        parts.levels(&character, levels.triangles, options, work)?;
     }
     Ok(parts)
 }

@@ -55,8 +55,8 @@ pub(crate) struct CrowdArgs {
     /// these joints of all characters in view
     #[arg(long, value_name = "full|auto|EXPR", default_value = "auto")]
     level: String,
-    /// Number of mesh levels, with 100, 50, 25, 10 and 1.5 % of the triangles, chosen together
-    /// with the joint levels; 1: the original mesh only
+    /// Number of mesh levels, from all triangles down to 1.5 % of them as by build --levels, chosen
+    /// together with the joint levels; 1: the original mesh only
     #[arg(long, value_name = "N", default_value = "1", value_parser = mesh_levels)]
     mesh_levels: usize,
     /// Scene to play, with travelling clips kept in place: plaza, plaza-2 (moving camera, a fifth

@@ -135,6 +135,8 @@ impl Document {
             self.clear_level_nodes(mesh.node);
         }
         self.drop_level_table();
+        // Prepared data describes the whole mesh.
+        self.remove_prepared();
         Ok(())
     }
 

@@ -1,0 +1,25 @@
+//! Options of `prepare`.
+
+use super::part::PreparedPart;
+use crate::mesh_levels::MeshLevelOptions;
+
+/// Options of [`prepare`](crate::prepare()).
+#[derive(Debug, Clone, PartialEq)]
+pub struct PrepareOptions {
+    /// Seed of the samples of vertices and frames.
+    pub seed: u64,
+    /// Options of the mesh levels. `None` makes none; those that the file has stay.
+    pub mesh_levels: Option<MeshLevelOptions>,
+    /// Parts that are left out.
+    pub without: Vec<PreparedPart>,
+}
+
+impl Default for PrepareOptions {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            mesh_levels: None,
+            without: Vec::new(),
+        }
+    }
+}
