@@ -1,7 +1,7 @@
 // The skinned rest pose as three.js has it: `node skinned_positions.mjs FILE`.
-// Prints [{node, positions, normals}], one entry for each primitive that a node of the scene
+// Prints [{node, positions, normals, indices}], one entry for each primitive that a node of the scene
 // shows, in the order of the nodes: flat world positions and, unit and unskinned, the normals
-// as they are stored (null without).
+// as they are stored (null without); corners of the triangles as indices of vertices.
 
 import { Vector3 } from "three";
 import { openScene } from "./scene.mjs";
@@ -32,6 +32,11 @@ function normalsOf(mesh) {
   return normals ? Array.from({ length: normals.count }, all).flat() : null;
 }
 
+function indicesOf(mesh) {
+  const { index, attributes } = mesh.geometry;
+  return index ? Array.from(index.array) : Array.from({ length: attributes.position.count }, (_, i) => i);
+}
+
 const { gltf, nodes } = await openScene(file);
 gltf.scene.updateMatrixWorld(true);
 const shown = new Set();
@@ -39,7 +44,12 @@ gltf.scene.traverse((object) => shown.add(object));
 nodes.forEach((node) => (node.userData.isNode = true));
 const primitives = nodes.flatMap((node, index) =>
   shown.has(node)
-    ? meshesOf(node).map((mesh) => ({ node: index, positions: positionsOf(mesh), normals: normalsOf(mesh) }))
+    ? meshesOf(node).map((mesh) => ({
+        node: index,
+        positions: positionsOf(mesh),
+        normals: normalsOf(mesh),
+        indices: indicesOf(mesh),
+      }))
     : [],
 );
 console.log(JSON.stringify(primitives));

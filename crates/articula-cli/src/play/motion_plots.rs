@@ -180,7 +180,10 @@ pub(crate) fn schedule_plots(schedule: &[ScheduleReport], heading: &str) -> Vec<
             ..PlotOptions::default()
         };
         let line = |played: &ScheduleReport| Series {
-            name: format!("{} transition", played.transition),
+            name: match played.transition {
+                "none" => "no transition".to_owned(),
+                kind => format!("{kind} transition"),
+            },
             points: played.frames.iter().map(|f| (f.t, of(f))).collect(),
             dashed: played.transition == "none",
         };
