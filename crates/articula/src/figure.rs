@@ -46,6 +46,7 @@ impl Figure {
     pub(crate) fn computed(opened: CharacterFile) -> Result<Self> {
         let state = StoredState {
             is_current: false,
+            stale: Vec::new(),
             ..StoredState::of(&opened)
         };
         Self::with_stored(opened, state)
@@ -106,21 +107,22 @@ impl Figure {
     }
 
     /// The figure of a document whose vertices have another order than the mesh.
-    pub(crate) fn with_orders(self, orders: Option<&[SourceOrder]>) -> Self {
+    pub(crate) fn with_orders(self, orders: Option<&[SourceOrder]>, source: Vec<RawMesh>) -> Self {
         Self {
+            source_meshes: orders.map(|_| source),
             orders: orders.map(<[SourceOrder]>::to_vec),
             ..self
         }
     }
 
+    /// Order of the vertices in the source, for each primitive, if the document has another.
+    pub(crate) fn orders(&self) -> Option<&[SourceOrder]> {
+        self.orders.as_deref()
+    }
+
     /// The data that the file stores, if it belongs to the character.
     pub(crate) fn stored(&self) -> Option<Stored<'_>> {
         Stored::of(&self.opened).filter(|_| self.state.is_current)
-    }
-
-    /// Whether the vertices of the document are in another order than those of the mesh.
-    pub(crate) fn is_reordered(&self) -> bool {
-        self.orders.is_some()
     }
 
     /// The character with its meshes in the order of the source.

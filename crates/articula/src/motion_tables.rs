@@ -4,6 +4,7 @@
 //! is not used.
 
 use crate::figure::Figure;
+use crate::prepared::PrepareOptions;
 use crate::prepared::part::{CONTACTS, ERROR_MATRIX, POSE_KEYS, PreparedPart, SEGS};
 use articula_build::evaluate::error_matrix_table;
 use articula_build::{
@@ -74,9 +75,9 @@ impl<'a> TableMaker<'a> {
     }
 
     /// Computes the tables of one clip.
-    pub(crate) fn tables(&self, clip: usize, without: &[PreparedPart]) -> ClipTables {
+    pub(crate) fn tables(&self, clip: usize, options: &PrepareOptions) -> ClipTables {
         let clip = &self.asset.clips[clip];
-        let is_wanted = |part: PreparedPart| !without.contains(&part);
+        let is_wanted = |part| options.wants(part);
         let mut tables = ClipTables::default();
         if is_wanted(PreparedPart::JointKeys) {
             let table = key_table(self.asset, clip, &self.levers, KeyMode::Hold);

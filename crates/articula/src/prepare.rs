@@ -5,9 +5,11 @@ use crate::figure::Figure;
 use crate::mesh_levels::{self, CodedMeshLevels};
 use crate::motion_tables::{ClipTables, TableMaker};
 use crate::open::{CharacterFile, GltfSource};
+use crate::prepared::hash::SourceHashes;
 use crate::prepared::write::{self, DocumentLevels, Parts};
 use crate::prepared::{PartBytes, PrepareOptions, PreparedPart};
 use crate::work::Executor;
+use articula_core::Articulation;
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document};
 
@@ -55,6 +57,7 @@ pub fn prepare(
         return Err(Error::unsuited("the character has no document")).context(&name);
     };
     gltf.document.remove_prepared();
+    gltf.document.remove_motion_tables();
     let (mut figure, mut orders) = (source.figure, source.orders);
     let mut triangles = source.mesh_levels;
     let mut levels = None;
@@ -68,12 +71,13 @@ pub fn prepare(
     let maker = TableMaker::new(&figure.asset, options.seed);
     let clips: Vec<usize> = (0..figure.asset.clips.len()).collect();
     let tables = work.map("building motion tables", clips, |clip| {
-        Ok(maker.tables(clip, &options.without))
+        Ok(maker.tables(clip, options))
     })?;
     let orders = orders.as_deref();
     let parts = write::parts(&figure, DocumentLevels { triangles, orders }, options, work);
     let parts = parts.with_context(|| &name)?;
     let (glb, mesh_bytes) = written(&figure, gltf, &tables, &parts).with_context(|| &name)?;
+    let meshes = figure.opened.character.meshes.clone();
     if let Some(levels) = &levels {
         let character = levels.levels.character(&figure.opened.character);
         figure.opened.character = character.with_context(|| &name)?;
@@ -87,7 +91,7 @@ pub fn prepare(
         mesh_bytes,
         parts: sizes.collect(),
         pose_cache_bytes: parts.pose_cache_bytes,
-        figure: figure.with_orders(orders),
+        figure: figure.with_orders(orders, meshes),
         tables,
         mesh_levels: levels,
     })
@@ -101,6 +105,7 @@ fn with_document(mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource
         return shown_by(document, opened);
     };
     if !opened.clips_changed {
+        check_unchanged(&opened, &gltf)?;
         return Ok((opened, gltf));
     }
     let clips = &opened.character.clips;
@@ -115,6 +120,17 @@ fn with_document(mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource
     *joints = again.node_of_joint.iter().filter_map(was).collect();
     opened.clips_changed = false;
     Ok((opened, again))
+}
+
+/// Checks that a character is the one that its document shows, for which data will be stored.
+fn check_unchanged(opened: &CharacterFile, gltf: &GltfSource) -> Result<()> {
+    let shown = gltf::read_document(gltf.document.clone(), &Limits::default())?.value;
+    let of = |character| SourceHashes::of(character, &Articulation::default());
+    if of(&shown.character) == of(&opened.character) {
+        return Ok(());
+    }
+    let what = "the character differs from its document; write it to a file and open that";
+    Err(Error::unsuited(what))
 }
 
 /// Reads a document again, so that joints, meshes and clips are in its order.

@@ -47,8 +47,7 @@ impl Document {
             }
         }
         let known = named(self.json.get("animations").and_then(Value::as_array));
-        // Prepared data describes the old animations.
-        self.remove_prepared();
+        self.remove_prepared_motion();
         let mut old = self.take_animations();
         for clip in clips {
             let fits = |c: &&Channel| !c.times_secs.is_empty() && nodes.node(c).is_some();

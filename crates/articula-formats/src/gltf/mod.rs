@@ -64,7 +64,7 @@ mod write;
 pub use clustered::{MeshParts, PartLevels};
 pub use document::Document;
 pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
-pub use prepared::{PreparedHeader, PreparedPart, PreparedState};
+pub use prepared::{PreparedEntry, PreparedHeader, PreparedState};
 pub use vrm::PassThrough;
 
 use crate::error::{Parsed, ReadError};

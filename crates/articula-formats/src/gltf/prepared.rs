@@ -12,6 +12,12 @@ use std::collections::BTreeSet;
 /// Version of the extension that is written and read.
 const VERSION: u64 = 1;
 
+/// Name of the part with the order of vertices in the source, and of its hash.
+const VERTEX_ORDER: &str = "vertexOrder";
+
+/// Name of the hash of the meshes.
+const MESH: &str = "mesh";
+
 /// What a document's parts were computed from, and how.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct PreparedHeader {
@@ -27,7 +33,7 @@ pub struct PreparedHeader {
 
 /// A named part of the extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct PreparedPart<'a> {
+pub struct PreparedEntry<'a> {
     /// Name of the part.
     pub name: &'a str,
     /// Version of its layout.
@@ -51,7 +57,7 @@ pub enum PreparedState {
 
 impl Document {
     /// Stores prepared parts in the document and replaces those that it has.
-    pub fn set_prepared(&mut self, header: &PreparedHeader, parts: &[PreparedPart<'_>]) {
+    pub fn set_prepared(&mut self, header: &PreparedHeader, parts: &[PreparedEntry<'_>]) {
         self.remove_prepared();
         let mut stored = Map::new();
         for part in parts {
@@ -78,6 +84,38 @@ impl Document {
             set(&mut value, "meshLevels", header.mesh_levels);
         }
         self.extend(PREPARED, value);
+    }
+
+    /// Removes what was computed from clips. The order of vertices in the source belongs to the
+    /// meshes and stays.
+    pub(super) fn remove_prepared_motion(&mut self) {
+        let PreparedState::Present(header) = self.prepared() else {
+            return self.remove_prepared();
+        };
+        let Some(order) = self.prepared_part(VERTEX_ORDER) else {
+            return self.remove_prepared();
+        };
+        let (version, hash, bytes) = (order.version, order.hash, order.bytes.to_vec());
+        let hashes = header.hashes.into_iter();
+        let header = PreparedHeader {
+            hashes: hashes
+                .filter(|(name, _)| name == MESH || name == VERTEX_ORDER)
+                .collect(),
+            mesh_levels: 0,
+            ..header
+        };
+        let order = PreparedEntry {
+            name: VERTEX_ORDER,
+            version,
+            hash,
+            bytes: &bytes,
+        };
+        self.set_prepared(&header, &[order]);
+    }
+
+    /// Whether the document lists a part of a name, even if the part cannot be read.
+    pub fn lists_prepared_part(&self, name: &str) -> bool {
+        self.prepared_entries().any(|(listed, _)| listed == name)
     }
 
     /// Removes the extension and its bytes.
@@ -114,14 +152,14 @@ impl Document {
     }
 
     /// Returns the part of a name; `None` if it is absent or does not lie within the document.
-    pub fn prepared_part(&self, name: &str) -> Option<PreparedPart<'_>> {
+    pub fn prepared_part(&self, name: &str) -> Option<PreparedEntry<'_>> {
         self.prepared_parts().find(|part| part.name == name)
     }
 
     /// Returns all parts that lie within the document.
-    pub fn prepared_parts(&self) -> impl Iterator<Item = PreparedPart<'_>> {
+    pub fn prepared_parts(&self) -> impl Iterator<Item = PreparedEntry<'_>> {
         self.prepared_entries().filter_map(|(name, entry)| {
-            Some(PreparedPart {
+            Some(PreparedEntry {
                 name,
                 version: entry.get("version")?.as_u64()?,
                 hash: number(entry.get("hash")?)?,
@@ -195,8 +233,8 @@ mod tests {
         }
     }
 
-    fn part<'a>(name: &'a str, bytes: &'a [u8]) -> PreparedPart<'a> {
-        PreparedPart {
+    fn part<'a>(name: &'a str, bytes: &'a [u8]) -> PreparedEntry<'a> {
+        PreparedEntry {
             name,
             version: 3,
             hash: 0xfedc_ba98_7654_3210,

@@ -53,8 +53,9 @@ pub fn read_clips(
     let mut r = Numbers::new(bytes, limits)?;
     let count = r.count(1, "clips")?;
     let mut clips = Vec::with_capacity(count);
+    let mut spent = 0;
     for c in 0..count {
-        clips.push(clip(&mut r, limits, |frames| {
+        clips.push(clip(&mut r, (limits, &mut spent), |frames| {
             sources.get(c).map(|source| keys_of(source, frames))
         })?);
     }
@@ -97,12 +98,13 @@ pub fn read_clips_in_place(
     let mut r = Numbers::new(bytes, limits)?;
     let count = r.count(1, "clips")?;
     let mut found = ClipsInPlace::default();
+    let mut spent = 0;
     for c in 0..count {
         if r.byte()? == 0 {
             found.travelling.push(None);
             continue;
         }
-        let clip = clip(&mut r, limits, |frames| {
+        let clip = clip(&mut r, (limits, &mut spent), |frames| {
             let authored = authored.get(c).filter(|a| a.frames() == frames);
             authored.map(tracks_of)
         })?;
@@ -259,7 +261,7 @@ fn put_tracks<T: Copy, const N: usize>(
 
 fn clip<'a>(
     r: &mut Numbers<'_>,
-    limits: &Limits,
+    (limits, spent): (&Limits, &mut u64),
     known: impl FnOnce(usize) -> Option<Known<'a>>,
 ) -> Result<Clip, ReadError> {
     let name = r.text()?;
@@ -273,7 +275,7 @@ fn clip<'a>(
     let mut shape = Shape {
         frames,
         limits,
-        spent: 0,
+        spent,
     };
     let vector = |[x, y, z]: [f32; 3]| Vec3::new(x, y, z);
     let tracks = Tracks {
@@ -290,8 +292,8 @@ fn clip<'a>(
 struct Shape<'a> {
     frames: usize,
     limits: &'a Limits,
-    /// Values so far; constant tracks request memory without supplying bytes.
-    spent: u64,
+    /// Values of all clips so far; constant tracks request memory without supplying bytes.
+    spent: &'a mut u64,
 }
 
 impl Shape<'_> {
@@ -309,9 +311,9 @@ impl Shape<'_> {
         for _ in 0..count {
             let target = r.at_most(usize::from(u16::MAX), "a target")? as u16;
             let flags = r.byte()?;
-            self.spent += (self.frames * N) as u64;
+            *self.spent += (self.frames * N) as u64;
             let limit = self.limits.elements;
-            Limits::check("a track", "values of a clip", self.spent, limit)?;
+            Limits::check("a track", "values of all clips", *self.spent, limit)?;
             let step = flags & STEP != 0;
             if flags & !STEP == REFERENCE {
                 let Some(values) = known.and_then(|k| k.get(&target)) else {

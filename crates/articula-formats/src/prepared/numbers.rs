@@ -89,7 +89,8 @@ impl<'a> Numbers<'a> {
     }
 
     pub(super) fn index(&mut self) -> Result<usize> {
-        self.bytes.varint().map(|v| v as usize)
+        let value = self.bytes.varint()?;
+        usize::try_from(value).map_err(|_| self.bytes.bad(format!("{value} is too large")))
     }
 
     /// Reads an index or a number that is at most `most`; `what` names it in the error.
@@ -182,7 +183,7 @@ impl<'a> Numbers<'a> {
         let mut before = 0usize;
         for i in 0..count {
             let gap = self.index()?;
-            let value = before + gap;
+            let value = before.saturating_add(gap);
             if value >= end || (i > 0 && gap == 0) {
                 let what = format!("{what} {value}, expected rising numbers below {end}");
                 return Err(self.bytes.bad(what));

@@ -100,7 +100,11 @@ pub fn restore_order(meshes: &[RawMesh], orders: &[SourceOrder]) -> Result<Vec<R
             morph_names: mesh.morph_names.clone(),
             morph_weights: mesh.morph_weights.clone(),
             screen_coverage: mesh.screen_coverage,
-            levels: mesh.levels.clone(),
+            // Nodes of MSFT_lod that repeat stored levels are no levels of the source.
+            levels: match mesh.clustered.is_empty() {
+                true => mesh.levels.clone(),
+                false => Vec::new(),
+            },
             clustered: Vec::new(),
             primitives,
         });

@@ -7,9 +7,7 @@
 use super::numbers::{Numbers, Writer};
 use crate::error::ReadError;
 use crate::limits::Limits;
-use articula_core::{
-    Binding, JointLods, LevelSkin, LevelSkins, MAX_JOINTS, Mesh, Morph, PaletteMap,
-};
+use articula_core::{Binding, JointLods, LevelSkin, LevelSkins, Mesh, Morph, PaletteMap};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 
 const POSITION: u8 = 1;
@@ -109,8 +107,7 @@ pub fn write_level_skins(skins: &LevelSkins, full: &Mesh) -> Vec<u8> {
             .iter()
             .for_each(|c| out.vector(Vec3::from(*c)));
     }
-    let is_same = |a: &Binding, b: &Binding| a == b;
-    let place = |b: &Binding| skins.bindings.iter().position(|s| is_same(s, b));
+    let place = |b: &Binding| skins.bindings.iter().position(|s| s == b);
     let places: Vec<u16> = full
         .bindings
         .iter()
@@ -224,7 +221,7 @@ pub fn read_level_skins(
     let mut out = Vec::with_capacity(levels);
     for _ in 0..levels {
         let palette = r.at_most(bindings.len(), "a number of matrices")?;
-        apply_changes(&mut r, &mut skin)?;
+        apply_changes(&mut r, &mut skin, full.influences)?;
         let most = skin
             .influences
             .iter()
@@ -259,7 +256,8 @@ pub fn read_level_skins(
     })
 }
 
-fn apply_changes(r: &mut Numbers<'_>, skin: &mut Coded) -> Result<(), ReadError> {
+/// Applies the changes of a level; a vertex never has more influences than in the mesh.
+fn apply_changes(r: &mut Numbers<'_>, skin: &mut Coded, most: usize) -> Result<(), ReadError> {
     for v in r.ascending(skin.positions.len(), "vertex")? {
         let v = v as usize;
         let flags = r.byte()?;
@@ -270,8 +268,8 @@ fn apply_changes(r: &mut Numbers<'_>, skin: &mut Coded) -> Result<(), ReadError>
             skin.normals[v] = r.vector()?;
         }
         if flags & INFLUENCES != 0 {
-            let count = r.at_most(MAX_JOINTS, "a number of influences")?;
-            let mut list = Vec::with_capacity(count.min(16));
+            let count = r.at_most(most, "a number of influences")?;
+            let mut list = Vec::with_capacity(count);
             for _ in 0..count {
                 let binding = r.at_most(usize::from(u16::MAX), "a binding")? as u16;
                 list.push((binding, r.float()?));

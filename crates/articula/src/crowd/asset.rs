@@ -1,6 +1,6 @@
 //! The character of a crowd: its levels with their skins and errors, and its bounds.
 
-use super::mesh_lods::{MeshLods, mesh_level_triangles};
+use super::mesh_lods::{LevelledMeshes, MeshLods, mesh_level_triangles};
 use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 use super::preparation::{CharacterInPlace, PREPARING, bounds, in_place, joint_levels, pose_cache};
 use crate::error::{Context, Result};
@@ -130,21 +130,32 @@ impl CrowdAsset {
             seed: options.seed,
             ..JointLodOptions::default()
         };
-        let levels = joint_levels(&asset, &options.joints, &opts, stored, work)?;
-        let (mesh_lods, levels, meshes) = if options.mesh_levels > 1 && has_mesh {
+        let (levels, stored) = joint_levels(&asset, &options.joints, &opts, stored, work)?;
+        let levelled = if options.mesh_levels > 1 && has_mesh {
             let triangles = mesh_level_triangles(figure, &asset, options.mesh_levels)?;
             let stored = stored.filter(|s| s.mesh_levels() == options.mesh_levels);
-            let (lods, levels, meshes) = MeshLods::new(&asset, &levels, triangles, &opts, stored)?;
-            (Some(lods), levels, meshes)
+            MeshLods::paired(&asset, &levels, triangles, &opts, stored)?
         } else {
             let all = 0..levels.joint_lods.levels();
             let meshes = all.map(|l| levels.skins.mesh(l, &asset.mesh)).collect();
-            (None, levels, meshes)
+            LevelledMeshes {
+                mesh_lods: None,
+                is_stored: stored.is_some(),
+                levels,
+                meshes,
+            }
         };
+        let LevelledMeshes {
+            mesh_lods,
+            levels,
+            meshes,
+            is_stored,
+        } = levelled;
         let travels = paths.iter().map(Option::is_some).collect();
         if options.root_motion != RootMotionPolicy::Extracted {
             paths.fill(None);
         }
+        let stored = stored.filter(|_| is_stored);
         let stored = stored.map(|stored| (stored, mesh_lods.is_some()));
         let model = model(&asset, &levels, (bounds, paths), options, stored)?;
         work.step(PREPARING, 5, 5)?;

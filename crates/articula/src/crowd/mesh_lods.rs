@@ -23,6 +23,18 @@ pub(crate) struct MeshLods {
     poses: OnceLock<Vec<Vec<Vec3>>>,
 }
 
+/// Levels of a crowd with their meshes.
+pub(crate) struct LevelledMeshes {
+    /// The pairs of joint and mesh levels, if there are coarser meshes.
+    pub(crate) mesh_lods: Option<MeshLods>,
+    /// The levels.
+    pub(crate) levels: MergedLevels,
+    /// Mesh of each level.
+    pub(crate) meshes: Vec<Mesh>,
+    /// Whether they are those that the asset stores.
+    pub(crate) is_stored: bool,
+}
+
 /// Points on a level's mesh that correspond to vertices of the full mesh.
 #[derive(Debug)]
 pub(super) struct Watch {
@@ -53,38 +65,40 @@ impl Watch {
 
 impl MeshLods {
     /// Pairs joint levels with mesh levels, given as triangles over the vertices of the asset's
-    /// mesh. Also returns the levels of the crowd and their meshes.
-    pub(crate) fn new(
+    /// mesh. Stored pairs are used if they fit.
+    pub(crate) fn paired(
         asset: &Asset,
         merged: &MergedLevels,
         triangles: Vec<Vec<[u32; 3]>>,
         opts: &JointLodOptions,
         stored: Option<&Stored<'_>>,
-    ) -> Result<(Self, MergedLevels, Vec<Mesh>)> {
+    ) -> Result<LevelledMeshes> {
         let levels: Vec<&[[u32; 3]]> = triangles.iter().map(Vec::as_slice).collect();
-        let lods = |levels| Self {
-            levels,
+        let mut lods = Self {
+            levels: Vec::new(),
             seed: opts.seed,
             poses: OnceLock::new(),
         };
-        let (lods, found) = match stored.and_then(Stored::paired_levels) {
-            Some(known) if known.levels.iter().all(|l| l.mesh_level < levels.len()) => {
-                let found = paired_levels(asset, merged, known.levels, known.errors);
-                let found = found.context("levels")?;
-                (lods(found.levels.clone()), found)
-            }
-            _ => {
-                let lods = lods(Vec::new());
+        let (lods_of, clips) = (&merged.joint_lods, asset.clips.len());
+        let known = stored.and_then(|s| s.paired_levels(lods_of, clips, levels.len()));
+        let is_stored = known.is_some();
+        let found = match known {
+            Some(known) => paired_levels(asset, merged, known.levels, known.errors),
+            None => {
                 let poses = lods.poses(asset).context("poses")?;
-                let found = figure_levels(asset, merged, &levels, poses, opts);
-                let found = found.context("levels")?;
-                let levels = found.levels.clone();
-                (Self { levels, ..lods }, found)
+                figure_levels(asset, merged, &levels, poses, opts)
             }
         };
+        let found = found.context("levels")?;
         let all = 0..found.levels.len();
         let meshes = all.map(|l| found.mesh(l, &asset.mesh, &levels)).collect();
-        Ok((lods, found.merged, meshes))
+        lods.levels = found.levels;
+        Ok(LevelledMeshes {
+            mesh_lods: Some(lods),
+            levels: found.merged,
+            meshes,
+            is_stored,
+        })
     }
 
     /// Poses by which points of the levels correspond to vertices, the rest pose first.
@@ -134,7 +148,7 @@ pub(crate) fn mesh_level_triangles(
         Some(stored) => stored,
         None => match figure {
             Some(figure) => mesh_levels::triangles(figure, levels)?,
-            None => mesh_levels::triangles_of(asset, levels)?,
+            None => mesh_levels::triangles_of(asset, levels, Vec::new())?,
         },
     };
     Ok(canonical(triangles))

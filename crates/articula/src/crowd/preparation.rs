@@ -108,14 +108,15 @@ pub(crate) fn bounds(asset: &Asset, stored: Option<&Stored<'_>>) -> Result<Motio
     }
 }
 
-/// Joint LODs with their skins and errors.
-pub(crate) fn joint_levels(
+/// Joint LODs with their skins and errors, and the stored data that belongs to them: none where
+/// they were computed.
+pub(crate) fn joint_levels<'s, 'a>(
     asset: &Asset,
     wanted: &JointLodMethod,
     opts: &JointLodOptions,
-    stored: Option<&Stored<'_>>,
+    stored: Option<&'s Stored<'a>>,
     work: &Executor<'_>,
-) -> Result<MergedLevels> {
+) -> Result<(MergedLevels, Option<&'s Stored<'a>>)> {
     let known = match wanted {
         JointLodMethod::Named(_) => None,
         _ => stored.and_then(|s| s.joint_levels(&asset.rig, asset.clips.len())),
@@ -137,7 +138,8 @@ pub(crate) fn joint_levels(
         }
     };
     work.step(PREPARING, 2, 5)?;
-    let stored = stored.filter(|_| *wanted == JointLodMethod::Merged);
+    // Skins and everything that follows from levels are those of the stored levels.
+    let stored = stored.filter(|_| *wanted == JointLodMethod::Merged && errors.is_some());
     let skins = match stored.and_then(|s| s.skins(&asset.mesh, &joint_lods)) {
         Some(skins) => skins,
         None => level_skins(asset, &joint_lods, opts).context("skins")?,
@@ -148,12 +150,13 @@ pub(crate) fn joint_levels(
         None => lod_errors(asset, &joint_lods, &skins, opts).context("errors")?,
     };
     work.step(PREPARING, 4, 5)?;
-    Ok(MergedLevels {
+    let levels = MergedLevels {
         joint_lods,
         skins,
         far: None,
         errors,
-    })
+    };
+    Ok((levels, stored))
 }
 
 /// Errors of level 0 alone.
@@ -174,9 +177,14 @@ pub(crate) fn pose_cache(
     stored: Option<(&Stored<'_>, bool)>,
 ) -> Result<PoseCache> {
     // Keys are chosen for the errors of palettes in full precision.
-    let usable = stored.filter(|_| opts.form == PaletteForm::Matrix);
-    if let Some(keys) = usable.and_then(|(stored, is_paired)| stored.cache_keys(is_paired)) {
-        return cache_of_keys(clips, map, &keys, opts.form).context("cache");
+    if let Some((stored, is_paired)) = stored.filter(|_| opts.form == PaletteForm::Matrix) {
+        let counts = (clips.clips(), levels.joint_lods.levels());
+        let keys = stored.cache_keys(is_paired, counts);
+        match keys.map(|keys| cache_of_keys(clips, map, &keys, opts.form)) {
+            Some(Ok(cache)) => return Ok(cache),
+            Some(Err(error)) => stored.refuse("poseCache", &error.to_string()),
+            None => {}
+        }
     }
     let made = cached_poses(asset, levels, clips, opts).context("cache")?;
     Ok(made.cache)

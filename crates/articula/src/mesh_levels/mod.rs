@@ -98,26 +98,23 @@ pub(crate) fn add(
 /// Triangles of the levels that [`add`] makes with default options, over the vertices of the
 /// figure's mesh.
 pub(crate) fn triangles(figure: &Figure, levels: usize) -> Result<Vec<Vec<[u32; 3]>>> {
-    let asset = &figure.asset;
-    let wanted = MeshLevelOptions::levels(levels);
     let classes = match &figure.opened.gltf {
-        Some(gltf) if !figure.is_reordered() => vertex_classes(figure, gltf, None)?,
-        _ => Vec::new(),
+        Some(gltf) => vertex_classes(figure, gltf, figure.orders())?,
+        None => Vec::new(),
     };
-    let options = wanted.of(&asset.mesh, &asset.rig, classes)?;
-    let made = mesh_level_triangles(asset, &options).context("mesh levels")?;
-    Ok(made.into_iter().map(|level| level.triangles).collect())
+    triangles_of(&figure.asset, levels, classes)
 }
 
-/// Triangles of the levels of a character that is not in a file.
-pub(crate) fn triangles_of(asset: &Asset, levels: usize) -> Result<Vec<Vec<[u32; 3]>>> {
-    let wanted = MeshLevelOptions::levels(levels);
-    let options = wanted.of(&asset.mesh, &asset.rig, Vec::new())?;
+/// The same for a mesh whose vertices have the given classes.
+pub(crate) fn triangles_of(
+    asset: &Asset,
+    levels: usize,
+    classes: Vec<u32>,
+) -> Result<Vec<Vec<[u32; 3]>>> {
+    let options = MeshLevelOptions::levels(levels).of(&asset.mesh, &asset.rig, classes)?;
     let made = mesh_level_triangles(asset, &options).context("mesh levels")?;
-    Ok(made
-        .into_iter()
-        .map(|level: LevelTriangles| level.triangles)
-        .collect())
+    let triangles = |level: LevelTriangles| level.triangles;
+    Ok(made.into_iter().map(triangles).collect())
 }
 
 /// Radius of a mesh at rest: half the diagonal of its bounding box.

@@ -2,6 +2,7 @@
 
 use super::part::PreparedPart;
 use super::stored::Stored;
+use super::write::can_be_paired;
 use crate::error::Result;
 use crate::figure::Figure;
 use crate::motion_tables::MotionTables;
@@ -108,10 +109,13 @@ pub fn check_prepared(opened: CharacterFile) -> Result<PreparedCheck> {
 /// Whether a character has what a part describes.
 fn is_needed(figure: &Figure, part: PreparedPart) -> bool {
     let asset = &figure.asset;
-    let has_levels = figure.opened.character.mesh_levels.is_some();
+    let table = figure.opened.character.mesh_levels.as_ref();
+    let levels = table.and_then(|table| figure.stored_mesh_levels(table.levels.len()));
     match part {
         _ if asset.clips.is_empty() => false,
-        PreparedPart::PairedLevels => has_levels && !asset.mesh.is_empty(),
+        PreparedPart::PairedLevels => {
+            levels.is_some_and(|levels| can_be_paired(&levels)) && !asset.mesh.is_empty()
+        }
         PreparedPart::JointLevels | PreparedPart::Skins | PreparedPart::PoseCache => {
             !asset.mesh.is_empty()
         }
@@ -155,11 +159,19 @@ fn usable(figure: &Figure, stored: Option<&Stored<'_>>) -> Vec<PreparedPart> {
         found.push(PreparedPart::JointLevels);
         let skins = stored.skins(&asset.mesh, &levels.joint_lods);
         found.extend(skins.map(|_| PreparedPart::Skins));
+        let mesh_levels = stored.mesh_levels();
+        let paired = stored.paired_levels(&levels.joint_lods, clips, mesh_levels);
+        let paired_count = paired.as_ref().map(|paired| paired.levels.len());
+        found.extend(paired.map(|_| PreparedPart::PairedLevels));
+        let own = stored.cache_keys(false, (clips, levels.joint_lods.levels()));
+        let is_paired_cached = match paired_count {
+            Some(count) => stored.cache_keys(true, (clips, count)).is_some(),
+            None => mesh_levels == 0,
+        };
+        if own.is_some() && is_paired_cached {
+            found.push(PreparedPart::PoseCache);
+        }
     }
     found.extend(stored.bounds(&asset.clips).map(|_| PreparedPart::Bounds));
-    found.extend(stored.paired_levels().map(|_| PreparedPart::PairedLevels));
-    let is_cached = stored.cache_keys(false).is_some()
-        && (stored.mesh_levels() == 0 || stored.cache_keys(true).is_some());
-    found.extend(is_cached.then_some(PreparedPart::PoseCache));
     found
 }

@@ -144,6 +144,20 @@ fn meshes(meshes: &[RawMesh]) -> u64 {
     sum.done()
 }
 
+/// Hash of the coarser levels that meshes store.
+pub(crate) fn mesh_levels(meshes: &[RawMesh]) -> u64 {
+    let mut sum = Sum::default();
+    for object in meshes.iter().flat_map(|m| &m.clustered) {
+        sum.indices(object.triangles.as_flattened().iter().copied());
+        for cluster in object.clusters.clusters() {
+            sum.number(usize::from(cluster.finest_level));
+            sum.number(usize::from(cluster.coarsest_level));
+            sum.number(cluster.triangles.end as usize);
+        }
+    }
+    sum.done()
+}
+
 fn skin(sum: &mut Sum, skin: &Skin) {
     sum.indices(skin.joints.iter().map(|j| *j as u32));
     let columns = |m: &Affine3A| m.to_cols_array();

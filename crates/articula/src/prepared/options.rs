@@ -14,6 +14,13 @@ pub struct PrepareOptions {
     pub without: Vec<PreparedPart>,
 }
 
+impl PrepareOptions {
+    /// Whether a part is not left out.
+    pub(crate) fn wants(&self, part: PreparedPart) -> bool {
+        !self.without.contains(&part)
+    }
+}
+
 impl Default for PrepareOptions {
     fn default() -> Self {
         Self {

@@ -93,6 +93,7 @@ pub(crate) const CONTACTS: &str = "contacts";
 
 /// Names of the entries of `ARTICULA_prepared`.
 pub(crate) const VERTEX_ORDER: &str = "vertexOrder";
+pub(crate) const MESH_LEVELS: &str = "meshLevels";
 pub(crate) const CLIPS: &str = "clips";
 pub(crate) const CLIPS_IN_PLACE: &str = "clipsInPlace";
 pub(crate) const JOINT_LEVELS: &str = "jointLevels";

@@ -5,7 +5,7 @@ use super::part;
 use super::state::{KeptMeshes, StoredState};
 use crate::open::CharacterFile;
 use articula_core::source::{RawClip, RawMesh};
-use articula_core::{Clip, JointLods, LevelSkins, Mesh, MotionBounds, Rig};
+use articula_core::{Clip, FigureLevel, JointLods, LevelSkins, Mesh, MotionBounds, Rig};
 use articula_formats::gltf::{Document, PreparedHeader, PreparedState};
 use articula_formats::prepared::{
     CacheKeys, ClipsInPlace, JointLevels, PairedLevels, SourceOrder, read_cache_keys, read_clips,
@@ -18,13 +18,14 @@ use std::cell::RefCell;
 /// Version of the layout of every part.
 pub(crate) const PART_VERSION: u64 = 1;
 
-/// How to mend what is told about stored data.
+/// What follows from stored data that cannot be used, and how to renew it.
 const MEND: &str = "it is computed again; `articula build` renews it";
 
-/// Stored data that belongs to the character of its document.
+/// Data that a document stores; whether it belongs to the character is a [`StoredState`].
 #[derive(Debug)]
 pub(crate) struct Stored<'a> {
     document: &'a Document,
+    meshes: &'a [RawMesh],
     header: PreparedHeader,
     /// Warnings about parts that were asked for and could not be used.
     warnings: RefCell<Vec<String>>,
@@ -49,6 +50,11 @@ impl StoredState {
         };
         let found = SourceHashes::of(&opened.character, &opened.articulation());
         let stored = |name: &str| header.hashes.iter().find(|h| h.0 == name).map(|h| h.1);
+        if stored("clips").is_none() {
+            // The clips were replaced, and what was computed from them is gone.
+            state.has_order = stored("mesh") == Some(found.mesh);
+            return state;
+        }
         let differs = |(name, hash): &(&'static str, u64)| stored(name) != Some(*hash);
         let changed: Vec<&str> = found
             .named()
@@ -104,12 +110,13 @@ impl KeptMeshes {
 }
 
 impl<'a> Stored<'a> {
-    /// The stored data of a file whose [`StoredState`] is current.
+    /// The data that a file stores, if it can be read.
     pub(crate) fn of(opened: &'a CharacterFile) -> Option<Self> {
         let document = &opened.gltf.as_ref()?.document;
         match document.prepared() {
             PreparedState::Present(header) => Some(Self {
                 document,
+                meshes: &opened.character.meshes,
                 header,
                 warnings: RefCell::default(),
             }),
@@ -121,22 +128,59 @@ impl<'a> Stored<'a> {
         self.header.seed
     }
 
-    /// Number of mesh levels that joint levels were paired with, or 0.
+    /// Number of mesh levels that joint levels were paired with; 0 if there are none, or the meshes
+    /// have other levels now.
     pub(crate) fn mesh_levels(&self) -> usize {
+        if self.header.mesh_levels == 0 {
+            return 0;
+        }
+        if self.hash(part::MESH_LEVELS) != Some(hash::mesh_levels(self.meshes)) {
+            let what = format!(
+                "the prepared data does not belong to the mesh levels of this file; {MEND}"
+            );
+            self.warn(what);
+            return 0;
+        }
         self.header.mesh_levels
+    }
+
+    /// A hash of the source.
+    fn hash(&self, name: &str) -> Option<u64> {
+        let found = self.header.hashes.iter().find(|h| h.0 == name);
+        found.map(|h| h.1)
+    }
+
+    /// Adds a warning once.
+    fn warn(&self, what: String) {
+        let mut warnings = self.warnings.borrow_mut();
+        if !warnings.contains(&what) {
+            warnings.push(what);
+        }
+    }
+
+    /// Adds a warning that a part cannot be used.
+    pub(crate) fn refuse(&self, name: &str, why: &str) {
+        self.warn(format!(
+            "the prepared part {name} cannot be used ({why}); {MEND}"
+        ));
     }
 
     pub(crate) fn into_warnings(self) -> Vec<String> {
         self.warnings.into_inner()
     }
 
-    /// Decodes a part; a damaged one is told, an absent one is not.
+    /// Decodes a part; `None` with a warning if it is damaged, without one if it is not listed.
     fn read<T>(
         &self,
         name: &str,
         decode: impl FnOnce(&'a [u8], &Limits) -> Result<T, ReadError>,
     ) -> Option<T> {
-        let part = self.document.prepared_part(name)?;
+        let Some(part) = self.document.prepared_part(name) else {
+            if self.document.lists_prepared_part(name) {
+                self.refuse(name, "its entry is malformed, or its bytes are missing");
+            }
+            return None;
+        };
         let found = if part.version != PART_VERSION {
             Err(format!(
                 "version {}, this program reads {PART_VERSION}",
@@ -150,8 +194,7 @@ impl<'a> Stored<'a> {
         match found {
             Ok(value) => Some(value),
             Err(what) => {
-                let what = format!("the prepared part {name} cannot be used ({what}); {MEND}");
-                self.warnings.borrow_mut().push(what);
+                self.refuse(name, &what);
                 None
             }
         }
@@ -160,7 +203,7 @@ impl<'a> Stored<'a> {
     /// Whether mesh levels have reordered the vertices of the document. The hash of the order is
     /// among those of the source, so that its absence is noticed.
     pub(crate) fn is_reordered(&self) -> bool {
-        self.header.hashes.iter().any(|h| h.0 == part::VERTEX_ORDER)
+        self.hash(part::VERTEX_ORDER).is_some()
     }
 
     /// Meshes in the order of the source file, with that order for each primitive. `kept` tells for
@@ -170,6 +213,14 @@ impl<'a> Stored<'a> {
         meshes: &[RawMesh],
         kept: Option<&KeptMeshes>,
     ) -> Option<(Vec<SourceOrder>, Vec<RawMesh>)> {
+        let part = self.document.prepared_part(part::VERTEX_ORDER);
+        if part.map(|p| p.hash) != self.hash(part::VERTEX_ORDER) {
+            self.refuse(
+                part::VERTEX_ORDER,
+                "it is missing or belongs to another file",
+            );
+            return None;
+        }
         self.read(part::VERTEX_ORDER, |bytes, limits| {
             let mut orders = read_source_orders(bytes, limits)?;
             if let Some(kept) = kept {
@@ -228,18 +279,48 @@ impl<'a> Stored<'a> {
         })
     }
 
-    pub(crate) fn paired_levels(&self) -> Option<PairedLevels> {
-        self.read(part::PAIRED_LEVELS, read_paired_levels)
+    /// Pairs of these joint LODs with mesh levels.
+    pub(crate) fn paired_levels(
+        &self,
+        joint_lods: &JointLods,
+        clips: usize,
+        mesh_levels: usize,
+    ) -> Option<PairedLevels> {
+        self.read(part::PAIRED_LEVELS, |bytes, limits| {
+            let paired = read_paired_levels(bytes, limits)?;
+            same_count("errors.clips", paired.errors.clips.len(), clips)?;
+            let fits = |level: &FigureLevel| {
+                level.joint_level < joint_lods.levels()
+                    && level.joints == joint_lods.joint_count(level.joint_level)
+                    && level.mesh_level < mesh_levels
+                    && level.influences > 0
+            };
+            let is_full = |level: &FigureLevel| (level.joint_level, level.mesh_level) == (0, 0);
+            if !paired.levels.first().is_some_and(is_full) || !paired.levels.iter().all(fits) {
+                return Err(malformed("levels", "belong to other joint or mesh levels"));
+            }
+            Ok(paired)
+        })
     }
 
     /// Keys of the pose cache of joint LODs, or of their pairs with mesh levels.
-    pub(crate) fn cache_keys(&self, is_paired: bool) -> Option<CacheKeys> {
-        let name = if is_paired {
-            part::PAIRED_POSE_CACHE
-        } else {
-            part::POSE_CACHE
+    pub(crate) fn cache_keys(
+        &self,
+        is_paired: bool,
+        (clips, levels): (usize, usize),
+    ) -> Option<CacheKeys> {
+        let name = match is_paired {
+            true => part::PAIRED_POSE_CACHE,
+            false => part::POSE_CACHE,
         };
-        self.read(name, read_cache_keys)
+        self.read(name, |bytes, limits| {
+            let keys = read_cache_keys(bytes, limits)?;
+            same_count("clips", keys.len(), clips)?;
+            for of_clip in &keys {
+                same_count("levels", of_clip.len(), levels)?;
+            }
+            Ok(keys)
+        })
     }
 }
 

@@ -7,14 +7,14 @@ use super::stored::PART_VERSION;
 use crate::crowd::RootMotionPolicy;
 use crate::crowd::mesh_lods::{MeshLods, canonical};
 use crate::crowd::preparation::{CharacterInPlace, bounds, in_place, joint_levels};
-use crate::crowd::{ClipStorage, JointLodMethod, PaletteForm};
+use crate::crowd::{ClipStorage, JointLodMethod, MAX_MESH_LEVELS, PaletteForm};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::work::Executor;
 use articula_build::{Asset, CacheOptions, JointLodOptions, MergedLevels, cached_poses};
 use articula_core::source::Character;
 use articula_core::{Articulation, ClipSet};
-use articula_formats::gltf::{Document, PreparedHeader, PreparedPart as Entry};
+use articula_formats::gltf::{Document, PreparedEntry, PreparedHeader};
 use articula_formats::prepared::{
     JointLevels, PairedLevels, SourceOrder, write_cache_keys, write_clips, write_clips_in_place,
     write_joint_levels, write_level_skins, write_motion_bounds, write_paired_levels,
@@ -56,6 +56,10 @@ impl Parts {
         let sums: Vec<(&str, u64)> = self.entries.iter().map(entry).collect();
         let order = sums.iter().find(|(name, _)| *name == part::VERTEX_ORDER);
         hashes.extend(order.map(|(name, hash)| ((*name).to_owned(), *hash)));
+        if self.mesh_levels > 0 {
+            let levels = hash::mesh_levels(&character.meshes);
+            hashes.push((part::MESH_LEVELS.to_owned(), levels));
+        }
         let header = PreparedHeader {
             generator: concat!("Articula ", env!("CARGO_PKG_VERSION")).to_owned(),
             seed: self.seed,
@@ -63,7 +67,7 @@ impl Parts {
             mesh_levels: self.mesh_levels,
         };
         let entries = self.entries.iter().zip(&sums);
-        let entries = entries.map(|((name, bytes), (_, hash))| Entry {
+        let entries = entries.map(|((name, bytes), (_, hash))| PreparedEntry {
             name,
             version: PART_VERSION,
             hash: *hash,
@@ -81,6 +85,12 @@ pub(crate) struct DocumentLevels<'a> {
     pub(crate) orders: Option<&'a [SourceOrder]>,
 }
 
+/// Whether mesh levels are paired with joint levels: there are several, as many as a crowd takes at
+/// most, and each has triangles.
+pub(crate) fn can_be_paired(triangles: &[Vec<[u32; 3]>]) -> bool {
+    (2..=MAX_MESH_LEVELS).contains(&triangles.len()) && !triangles.iter().any(Vec::is_empty)
+}
+
 /// Computes the parts for a figure in the order of its source.
 pub(crate) fn parts(
     figure: &Figure,
@@ -92,7 +102,7 @@ pub(crate) fn parts(
         seed: options.seed,
         ..Parts::default()
     };
-    let is_wanted = |part: PreparedPart| !options.without.contains(&part);
+    let is_wanted = |part| options.wants(part);
     if let Some(orders) = levels.orders {
         parts
             .entries
@@ -138,13 +148,13 @@ impl Parts {
         options: &PrepareOptions,
         work: &Executor<'_>,
     ) -> Result<()> {
-        let is_wanted = |part: PreparedPart| !options.without.contains(&part);
+        let is_wanted = |part| options.wants(part);
         let asset = &character.asset;
         let opts = JointLodOptions {
             seed: options.seed,
             ..JointLodOptions::default()
         };
-        let levels = joint_levels(asset, &JointLodMethod::Merged, &opts, None, work)?;
+        let (levels, _) = joint_levels(asset, &JointLodMethod::Merged, &opts, None, work)?;
         if is_wanted(PreparedPart::JointLevels) {
             let stored = JointLevels {
                 joint_lods: levels.joint_lods.clone(),
@@ -164,15 +174,15 @@ impl Parts {
         let Some(triangles) = triangles.filter(|_| pairs.into_iter().any(is_wanted)) else {
             return Ok(());
         };
-        // A level without triangles cannot be paired.
-        if triangles.len() < 2 || triangles.iter().any(Vec::is_empty) {
+        if !can_be_paired(&triangles) {
             return Ok(());
         }
         self.mesh_levels = triangles.len();
-        let (lods, paired, _) = MeshLods::new(asset, &levels, canonical(triangles), &opts, None)?;
+        let made = MeshLods::paired(asset, &levels, canonical(triangles), &opts, None)?;
+        let (lods, paired) = (made.mesh_lods, made.levels);
         if is_wanted(PreparedPart::PairedLevels) {
             let stored = PairedLevels {
-                levels: lods.levels,
+                levels: lods.map(|lods| lods.levels).unwrap_or_default(),
                 errors: paired.errors.clone(),
             };
             self.entries

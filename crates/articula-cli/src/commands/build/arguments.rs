@@ -32,7 +32,7 @@ pub(crate) struct MeshLevelArgs {
     /// Factors by which errors in body regions count more, such as face=8,hands=4
     #[arg(long, value_name = "REGION=X,…", help_heading = HEADING, value_delimiter = ',', value_parser = region_factor)]
     region_weight: Vec<(String, f32)>,
-    /// Zones that can be shown at separate levels, such as upper; the rest is one more zone
+    /// Zones that can be shown at separate levels, such as face,hands; the rest is one more zone
     #[arg(long, value_name = "ZONE,…", help_heading = HEADING, value_delimiter = ',', value_parser = zone)]
     split: Vec<(String, Zone)>,
     /// Errors to minimise [default: poses]

@@ -50,6 +50,13 @@ fn options() -> Vec<CrowdOptions> {
         },
         CrowdOptions {
             joints: JointLodMethod::Whole,
+            pose_cache: true,
+            ..usual()
+        },
+        // Another number of mesh levels than the asset has.
+        CrowdOptions {
+            mesh_levels: 3,
+            pose_cache: true,
             ..usual()
         },
         CrowdOptions { seed: 2, ..usual() },
@@ -160,6 +167,62 @@ fn preparing_an_asset_again_gives_the_same_parts() {
     assert!(parts(&kept) == parts(asset()), "levels are kept");
     let check = check_prepared(opened(&kept)).unwrap();
     assert!(check.is_whole(), "{check:?}");
+}
+
+#[test]
+fn an_asset_with_another_clip_keeps_the_order_of_its_source() {
+    let with_clip = |mut file: CharacterFile| {
+        let mut clip = file.character.clips[0].clone();
+        clip.name = "again".into();
+        file.character.clips.push(clip);
+        file.clips_changed = true;
+        built(file, &levelled())
+    };
+    let (fresh, stored) = (with_clip(human()), with_clip(opened(asset())));
+    let [fresh, stored] = [&fresh, &stored].map(|glb| Figure::new(opened(glb)).unwrap());
+    same_asset(&stored, &fresh);
+    let usual = CrowdOptions::default();
+    assert_eq!(
+        played(&crowd_of(&stored, &usual)),
+        played(&crowd_of(&fresh, &usual))
+    );
+}
+
+#[test]
+fn a_character_that_is_not_its_document_is_refused() {
+    let mut file = human();
+    file.keep_meshes(&[], &["lips".into()]).unwrap();
+    let why = prepare(file, &PrepareOptions::default(), &Executor::default()).unwrap_err();
+    assert!(
+        why.to_string().contains("differs from its document"),
+        "{why}"
+    );
+}
+
+#[test]
+fn other_mesh_levels_than_the_stored_are_told() {
+    let mut document = opened(asset()).gltf.unwrap().document;
+    for mesh in document.json["meshes"].as_array_mut().unwrap() {
+        for primitive in mesh["primitives"].as_array_mut().unwrap() {
+            let levels = &mut primitive["extensions"]["ARTICULA_clustered_mesh"];
+            for cluster in levels["clusters"].as_array_mut().unwrap() {
+                // Every triangle is shown one level longer.
+                let last = cluster["last"].as_u64().unwrap();
+                cluster["last"] = json!((last + 1).min(4));
+            }
+        }
+    }
+    let figure = Figure::new(opened(&document.write_glb().unwrap())).unwrap();
+    let options = CrowdOptions {
+        mesh_levels: 5,
+        ..CrowdOptions::default()
+    };
+    let told = crowd_of(&figure, &options).warnings().to_vec();
+    let is_told = told.iter().any(|w| w.contains("mesh levels of this file"));
+    assert!(
+        is_told || figure.opened.character.mesh_levels.is_none(),
+        "{told:?}"
+    );
 }
 
 /// The asset with one bit of a buffer view changed.
@@ -291,8 +354,10 @@ fn what_is_left_out_is_missing_and_computed() {
         without: PreparedPart::ALL.to_vec(),
         ..PrepareOptions::default()
     };
-    let check = check_prepared(opened(&built(human(), &nothing))).unwrap();
-    assert!(check.parts.iter().all(|p| p.bytes == 0));
+    for source in [human(), opened(asset())] {
+        let check = check_prepared(opened(&built(source, &nothing))).unwrap();
+        assert!(check.parts.iter().all(|p| p.bytes == 0), "{check:?}");
+    }
 }
 
 #[test]
