@@ -356,7 +356,7 @@ fn a_schedule_of_levels_is_played_reported_and_drawn() {
     assert_eq!(played[0]["frames"].as_array().unwrap().len(), 163);
     for name in ["schedule-error", "schedule-joints", "schedule-jump"] {
         let svg = std::fs::read_to_string(here.join("plots").join(format!("{name}.svg"))).unwrap();
-        let lines = ["smooth transition", "linear transition", "none transition"];
+        let lines = ["smooth transition", "linear transition", "no transition"];
         assert!(lines.iter().all(|line| svg.contains(line)), "{name}");
     }
     // A device that allows level 4 at most starts there.
