@@ -10,7 +10,7 @@ impl CharacterFile {
     /// expressions of a removed mesh are removed too.
     ///
     /// # Errors
-    /// [`Error::Argument`] if no mesh has one of the names; the message lists the meshes.
+    /// [`Error::Argument`](crate::Error::Argument) if no mesh has one of the names; the message lists the meshes.
     pub fn keep_meshes(&mut self, only: &[String], hide: &[String]) -> Result<()> {
         let names = self.character.meshes.iter().map(|m| m.name.clone());
         let names: Vec<String> = names.collect();
