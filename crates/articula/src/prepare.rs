@@ -29,8 +29,8 @@ pub struct PreparedAsset {
     pub mesh_bytes: usize,
     /// Number of bytes of each stored part.
     pub parts: Vec<PartBytes>,
-    /// Palettes of the pose cache that its keys are evaluated to when the asset is opened, in
-    /// bytes.
+    /// Number of bytes of the palettes that the keys of the pose cache become when the asset is
+    /// opened; they are not in the file.
     pub pose_cache_bytes: usize,
 }
 

@@ -1,7 +1,7 @@
 //! Source meshes with their vertices in the order of the mesh levels.
 
 use crate::clusters::Clustered;
-use articula_core::source::{MorphTarget, Primitive, RawMesh};
+use articula_core::source::RawMesh;
 use articula_core::{ClusteredTriangles, Mismatch};
 
 /// Reorders the primitives of `meshes`, counted over all meshes, by the objects of their levels.
@@ -26,7 +26,10 @@ pub(super) fn meshes(meshes: &[RawMesh], objects: &[Clustered]) -> Result<Vec<Ra
                     format!("vertex {v} is out of range: the primitive has {count} vertices");
                 return Err(Mismatch::new(format!("meshes[{m}]"), what));
             }
-            primitives.push(reordered(primitive, object));
+            // The finest level comes first, in one range.
+            let finest = object.clusters.triangles(0) as usize;
+            let triangles = object.triangles[..finest].to_vec();
+            primitives.push(primitive.reordered(&object.vertices, triangles));
         }
         let stored = objects.iter().map(|object| ClusteredTriangles {
             clusters: object.clusters.clone(),
@@ -44,35 +47,4 @@ pub(super) fn meshes(meshes: &[RawMesh], objects: &[Clustered]) -> Result<Vec<Ra
         });
     }
     Ok(out)
-}
-
-fn reordered(primitive: &Primitive, object: &Clustered) -> Primitive {
-    let finest = object.clusters.triangles(0) as usize;
-    let order = &object.vertices;
-    let morph = |target: &MorphTarget| MorphTarget {
-        positions: picked(&target.positions, 1, order),
-        normals: picked(&target.normals, 1, order),
-    };
-    Primitive {
-        positions: picked(&primitive.positions, 1, order),
-        normals: picked(&primitive.normals, 1, order),
-        texcoords: picked(&primitive.texcoords, 1, order),
-        colors: picked(&primitive.colors, 1, order),
-        influences: primitive.influences,
-        joints: picked(&primitive.joints, primitive.influences, order),
-        weights: picked(&primitive.weights, primitive.influences, order),
-        morphs: primitive.morphs.iter().map(morph).collect(),
-        // The finest level comes first, in one range.
-        triangles: object.triangles[..finest].to_vec(),
-        material: primitive.material,
-    }
-}
-
-/// Selects elements of `each` values by index; empty for an absent attribute.
-fn picked<T: Copy>(values: &[T], each: usize, order: &[u32]) -> Vec<T> {
-    if values.is_empty() {
-        return Vec::new();
-    }
-    let of = |v: &u32| &values[*v as usize * each..(*v as usize + 1) * each];
-    order.iter().flat_map(of).copied().collect()
 }

@@ -49,6 +49,44 @@ pub struct Primitive {
     pub material: Option<usize>,
 }
 
+impl Primitive {
+    /// Returns the primitive with its vertices in another order, and the given triangles, which
+    /// index the new vertices. `order` has the present index of each new vertex; vertices that it
+    /// does not list are left out.
+    ///
+    /// # Panics
+    /// If `order` names a vertex that does not exist, or an attribute has fewer values than there
+    /// are vertices.
+    #[must_use]
+    pub fn reordered(&self, order: &[u32], triangles: Vec<[u32; 3]>) -> Self {
+        let morph = |target: &MorphTarget| MorphTarget {
+            positions: picked(&target.positions, 1, order),
+            normals: picked(&target.normals, 1, order),
+        };
+        Self {
+            positions: picked(&self.positions, 1, order),
+            normals: picked(&self.normals, 1, order),
+            texcoords: picked(&self.texcoords, 1, order),
+            colors: picked(&self.colors, 1, order),
+            influences: self.influences,
+            joints: picked(&self.joints, self.influences, order),
+            weights: picked(&self.weights, self.influences, order),
+            morphs: self.morphs.iter().map(morph).collect(),
+            triangles,
+            material: self.material,
+        }
+    }
+}
+
+/// Selects elements of `each` values by index; empty for an absent attribute.
+fn picked<T: Copy>(values: &[T], each: usize, order: &[u32]) -> Vec<T> {
+    if values.is_empty() {
+        return Vec::new();
+    }
+    let of = |v: &u32| &values[*v as usize * each..(*v as usize + 1) * each];
+    order.iter().flat_map(of).copied().collect()
+}
+
 /// A coarser replacement of a [`RawMesh`], drawn when the mesh is small on the screen.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RawMeshLevel {

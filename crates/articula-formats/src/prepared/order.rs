@@ -5,7 +5,7 @@ use super::numbers::{Numbers, Writer};
 use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::Mismatch;
-use articula_core::source::{MorphTarget, Primitive, RawMesh};
+use articula_core::source::{Primitive, RawMesh};
 
 /// Order of one primitive in the file that an asset was made from.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -17,13 +17,18 @@ pub struct SourceOrder {
 }
 
 impl SourceOrder {
-    /// Returns a primitive with vertices and triangles in the order of the source.
+    /// Returns the stored index of each vertex of the source.
     ///
     /// # Errors
-    /// A [`Mismatch`] if the primitive has another number of vertices, or the vertices are not a
-    /// permutation.
-    pub fn restore(&self, stored: &Primitive) -> Result<Primitive, Mismatch> {
-        let count = stored.positions.len();
+    /// A [`Mismatch`] if the vertices are not a permutation of `count` indices.
+    pub fn places(&self, count: usize) -> Result<Vec<u32>, Mismatch> {
+        if self.vertices.len() != count {
+            let what = format!(
+                "{} vertices, the primitive has {count}",
+                self.vertices.len()
+            );
+            return Err(Mismatch::new("vertices", what));
+        }
         let mut places = vec![u32::MAX; count];
         for (place, source) in self.vertices.iter().enumerate() {
             let free = places.get_mut(*source as usize).filter(|p| **p == u32::MAX);
@@ -33,44 +38,24 @@ impl SourceOrder {
             };
             *free = place as u32;
         }
-        if self.vertices.len() != count {
-            let what = format!(
-                "{} vertices, the primitive has {count}",
-                self.vertices.len()
-            );
-            return Err(Mismatch::new("vertices", what));
-        }
+        Ok(places)
+    }
+
+    /// Returns a primitive with vertices and triangles in the order of the source.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if the primitive has another number of vertices, the vertices are not a
+    /// permutation, or a triangle names a vertex that does not exist.
+    pub fn restore(&self, stored: &Primitive) -> Result<Primitive, Mismatch> {
+        let count = stored.positions.len();
+        let places = self.places(count)?;
         let is_outside = |t: &[u32; 3]| t.iter().any(|v| *v as usize >= count);
         if let Some(t) = self.triangles.iter().position(is_outside) {
             let what = format!("a vertex is not below {count}");
             return Err(Mismatch::new(format!("triangles[{t}]"), what));
         }
-        let morph = |target: &MorphTarget| MorphTarget {
-            positions: picked(&target.positions, 1, &places),
-            normals: picked(&target.normals, 1, &places),
-        };
-        Ok(Primitive {
-            positions: picked(&stored.positions, 1, &places),
-            normals: picked(&stored.normals, 1, &places),
-            texcoords: picked(&stored.texcoords, 1, &places),
-            colors: picked(&stored.colors, 1, &places),
-            influences: stored.influences,
-            joints: picked(&stored.joints, stored.influences, &places),
-            weights: picked(&stored.weights, stored.influences, &places),
-            morphs: stored.morphs.iter().map(morph).collect(),
-            triangles: self.triangles.clone(),
-            material: stored.material,
-        })
+        Ok(stored.reordered(&places, self.triangles.clone()))
     }
-}
-
-/// Selects elements of `each` values by index; empty for an absent attribute.
-fn picked<T: Copy>(values: &[T], each: usize, order: &[u32]) -> Vec<T> {
-    if values.is_empty() {
-        return Vec::new();
-    }
-    let of = |v: &u32| &values[*v as usize * each..(*v as usize + 1) * each];
-    order.iter().flat_map(of).copied().collect()
 }
 
 /// Returns meshes with the vertices and triangles of the source, without mesh levels. `orders` has

@@ -181,23 +181,16 @@ fn store(
     node_of_mesh: &[usize],
 ) -> Result<()> {
     // Vertices of the document in the order of each object.
-    let places: Vec<Vec<u32>> = made
-        .objects
-        .iter()
-        .enumerate()
-        .map(
-            |(part, object)| match orders.and_then(|orders| orders.get(part)) {
-                None => object.vertices.clone(),
-                Some(order) => {
-                    let mut place = vec![0; order.vertices.len()];
-                    for (p, source) in order.vertices.iter().enumerate() {
-                        place[*source as usize] = p as u32;
-                    }
-                    object.vertices.iter().map(|v| place[*v as usize]).collect()
-                }
-            },
-        )
-        .collect();
+    let mut places = Vec::with_capacity(made.objects.len());
+    for (part, object) in made.objects.iter().enumerate() {
+        places.push(match orders.and_then(|orders| orders.get(part)) {
+            None => object.vertices.clone(),
+            Some(order) => {
+                let place = order.places(object.vertices.len())?;
+                object.vertices.iter().map(|v| place[*v as usize]).collect()
+            }
+        });
+    }
     let object = |part: usize| PartLevels {
         vertices: &places[part],
         triangles: &made.objects[part].triangles,
