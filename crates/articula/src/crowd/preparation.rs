@@ -51,16 +51,22 @@ impl CharacterInPlace {
     }
 
     fn of_stored(asset: &Asset, stored: ClipsInPlace) -> Self {
-        let mut own = Self::authored(asset.clone());
-        own.warnings = stored.warnings;
-        let places = own.asset.clips.iter_mut().zip(&mut own.paths);
-        for ((clip, path), travelling) in places.zip(stored.travelling) {
-            if let Some((in_place, root_motion)) = travelling {
-                *clip = in_place;
-                *path = Some(root_motion);
-            }
+        let each = asset.clips.iter().zip(stored.travelling);
+        let (clips, paths) = each
+            .map(|(clip, travelling)| match travelling {
+                Some((in_place, root_motion)) => (in_place, Some(root_motion)),
+                None => (clip.clone(), None),
+            })
+            .unzip();
+        Self {
+            asset: Asset {
+                rig: asset.rig.clone(),
+                mesh: asset.mesh.clone(),
+                clips,
+            },
+            paths,
+            warnings: stored.warnings,
         }
-        own
     }
 }
 
