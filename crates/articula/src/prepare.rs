@@ -158,6 +158,7 @@ fn written(
     // Hashes are of what a reader will find, which may differ from what was read before.
     let file = gltf::read_document(document, &Limits::default())?.value;
     let (character, mut gltf) = GltfSource::split(file);
+    gltf.document.pack_samplers();
     parts.store(
         &mut gltf.document,
         &character,

@@ -17,7 +17,7 @@
 //! - `articulation`: the extension `ARTICULA_articulation`
 //! - `clustered`: the extension `ARTICULA_clustered_mesh`, and levels as `MSFT_lod`
 //! - `prepared`: the extension `ARTICULA_prepared`
-//! - `append`, `arrays`, `clips`, `bounds`, `prune`: changes to a document
+//! - `append`, `arrays`, `clips`, `bounds`, `prune`, `samplers`: changes to a document
 //! - `fresh`, `geometry`: a new document from a character
 //! - `weight`: size of meshes in bytes
 //! - `write`: back to bytes
@@ -54,6 +54,7 @@ mod prepared;
 mod primitive;
 mod prune;
 mod reader;
+mod samplers;
 mod skeleton;
 mod skin;
 mod texcoord;

@@ -79,7 +79,11 @@ impl Document {
         self.drop_arrays(BTreeSet::new(), views);
     }
 
-    fn drop_arrays(&mut self, mut accessors: BTreeSet<usize>, mut views: BTreeSet<usize>) {
+    pub(super) fn drop_arrays(
+        &mut self,
+        mut accessors: BTreeSet<usize>,
+        mut views: BTreeSet<usize>,
+    ) {
         each_accessor_reference(&mut self.json, &mut |i| {
             accessors.remove(&i);
             i
@@ -167,7 +171,7 @@ impl Document {
     }
 }
 
-fn has_unknown_extension(value: &Value) -> bool {
+pub(super) fn has_unknown_extension(value: &Value) -> bool {
     let is_unknown = |name: &String| {
         !HARMLESS.contains(&name.as_str()) && !HARMLESS_FAMILIES.iter().any(|f| name.starts_with(f))
     };
@@ -181,7 +185,7 @@ fn has_unknown_extension(value: &Value) -> bool {
     }
 }
 
-fn sampler_accessors(animation: &Value) -> Vec<usize> {
+pub(super) fn sampler_accessors(animation: &Value) -> Vec<usize> {
     let samplers = animation.get("samplers").and_then(Value::as_array);
     samplers
         .into_iter()
@@ -227,7 +231,7 @@ pub(super) fn each_accessor_reference(json: &mut Value, visit: &mut dyn FnMut(us
 }
 
 /// Calls `visit` with every buffer view index, and replaces it by the result.
-fn each_view_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usize) {
+pub(super) fn each_view_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usize) {
     for accessor in entries_mut(json, "accessors") {
         change(accessor, "bufferView", visit);
         for part in ["indices", "values"] {
