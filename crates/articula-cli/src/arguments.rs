@@ -4,7 +4,7 @@ use articula_core::Viewport;
 use articula_formats::UpAxis;
 use articula_formats::mpeg4::fap::AbsentPolicy;
 use clap::{Args, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A character file and the meshes of it that are used.
 #[derive(Debug, Clone, Args)]
@@ -22,6 +22,11 @@ pub(crate) struct CharacterArgs {
 }
 
 impl CharacterArgs {
+    /// The files that are read.
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
+        [self.file.as_path()].into_iter().chain(self.names.inputs())
+    }
+
     /// Whether some meshes are left out.
     pub(crate) fn leaves_out(&self) -> bool {
         !self.hide.is_empty() || !self.only.is_empty()
@@ -72,6 +77,12 @@ pub(crate) struct ReadArgs {
 }
 
 impl ReadArgs {
+    /// The files that tell how others are read.
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
+        let all = self.joint_map.iter().chain(&self.skeleton);
+        all.map(PathBuf::as_path)
+    }
+
     /// Up axis of a file that does not state it.
     pub(crate) fn up(&self) -> UpAxis {
         match self.up {

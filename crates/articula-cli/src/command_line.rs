@@ -2,6 +2,7 @@
 
 use crate::commands::{build, completions, convert, crowd, demo, flatten, human, inspect, lod};
 use crate::console::{Answer, Console, Progress};
+use articula::fs::Existing;
 use clap::{Parser, Subcommand};
 
 /// Animates virtual humans at the level of detail that the viewer can see.
@@ -20,6 +21,9 @@ pub(crate) struct CommandLine {
     /// Print the result as JSON; units are part of the field names
     #[arg(long, global = true, display_order = 900)]
     pub(crate) json: bool,
+    /// Replace output files that exist; inputs are never replaced
+    #[arg(long, global = true, display_order = 899)]
+    pub(crate) force: bool,
     /// Hide progress bars, which otherwise show on a terminal
     #[arg(long, short, global = true, display_order = 901)]
     pub(crate) quiet: bool,
@@ -38,7 +42,12 @@ impl CommandLine {
         } else {
             Progress::Shown
         };
-        Console::new(answer, progress)
+        let existing = if self.force {
+            Existing::Replaced
+        } else {
+            Existing::Kept
+        };
+        Console::new(answer, progress, existing)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::fault;
 use anyhow::Context;
+use articula::fs::{Existing, Files};
 use articula::{Executor, Job, Step};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
@@ -29,17 +30,23 @@ pub(crate) enum Progress {
     Hidden,
 }
 
-/// Output settings of one run of the program.
-#[derive(Debug, Clone, Copy)]
+/// Output settings and files of one run of the program.
+#[derive(Debug)]
 pub(crate) struct Console {
     answer: Answer,
     progress: Progress,
+    /// The files of this run.
+    pub(crate) files: Files,
 }
 
 impl Console {
-    /// A console with this result format and progress setting.
-    pub(crate) fn new(answer: Answer, progress: Progress) -> Self {
-        Self { answer, progress }
+    /// A console with this result format and progress setting, and a treatment of existing files.
+    pub(crate) fn new(answer: Answer, progress: Progress, existing: Existing) -> Self {
+        Self {
+            answer,
+            progress,
+            files: Files::new(existing),
+        }
     }
 
     /// Prints a result as JSON, or as the text that `text` makes of it.

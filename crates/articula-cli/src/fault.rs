@@ -52,6 +52,7 @@ pub(crate) fn text(fault: &anyhow::Error) -> String {
             };
             format!("{text}{or} with --skeleton F.asf")
         }
+        Some(articula::Error::Exists(_)) => format!("{text}, or replace it with --force"),
         _ => text,
     }
 }

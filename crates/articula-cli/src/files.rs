@@ -1,10 +1,9 @@
-//! Paths of the command line. Reading and writing are done by the library; the functions here
-//! convert its errors.
+//! Paths of the command line, and small files that it names.
 
 use articula::{DataFormat, Format};
 use std::path::Path;
 
-pub(crate) use articula::fs::{in_folder, shown};
+pub(crate) use articula::fs::{Files, in_folder, shown};
 
 /// The character format that a file name implies.
 pub(crate) fn format(path: &Path) -> Option<Format> {
@@ -21,15 +20,16 @@ pub(crate) fn read(path: &Path, limit: u64) -> anyhow::Result<Vec<u8>> {
     Ok(articula::fs::read(path, limit)?)
 }
 
-/// Writes a file atomically and creates its parent folders.
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    Ok(articula::fs::write(path, bytes)?)
-}
-
 /// Whether two paths name the same existing file.
 pub(crate) fn same(a: &Path, b: &Path) -> bool {
     let (a, b) = (a.canonicalize(), b.canonicalize());
     matches!((a, b), (Ok(a), Ok(b)) if a == b)
+}
+
+/// Whether something other than a folder has this name.
+pub(crate) fn is_no_folder(path: &Path) -> bool {
+    // A file with a separator after its name does not exist as such.
+    path.components().as_path().exists() && !path.is_dir()
 }
 
 /// Whether a path ends with a separator and thus can only name a folder.

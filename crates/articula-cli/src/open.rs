@@ -2,7 +2,7 @@
 //! rest is done by the library.
 
 use crate::arguments::{CharacterArgs, ReadArgs};
-use crate::files;
+use crate::files::{self, Files};
 use anyhow::Context;
 use articula::{CharacterFile, DataFile, DataFormat, Figure, OpenOptions, open_data};
 use articula_core::joint_names::JointMap;
@@ -11,13 +11,17 @@ use articula_formats::{Assumption, Limits, Warning};
 use std::path::{Path, PathBuf};
 
 /// Opens a character; joint maps of the user are tried before the built-in ones.
-pub(crate) fn character(path: &Path, args: &ReadArgs) -> anyhow::Result<CharacterFile> {
-    Ok(articula::fs::open_with(path, &options(args)?)?)
+pub(crate) fn character(
+    files: &Files,
+    path: &Path,
+    args: &ReadArgs,
+) -> anyhow::Result<CharacterFile> {
+    Ok(files.open(path, &options(args)?)?)
 }
 
 /// Opens a character, leaves out unwanted meshes and builds the figure.
-pub(crate) fn figure(args: &CharacterArgs) -> anyhow::Result<Figure> {
-    let mut opened = character(&args.file, &args.names)?;
+pub(crate) fn figure(files: &Files, args: &CharacterArgs) -> anyhow::Result<Figure> {
+    let mut opened = character(files, &args.file, &args.names)?;
     opened.keep_meshes(&args.only, &args.hide)?;
     Ok(Figure::new(opened)?)
 }

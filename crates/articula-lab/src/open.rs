@@ -112,7 +112,8 @@ pub(crate) fn figure(
         ..OpenOptions::default()
     };
     let name = format!("written.{}", format.name());
-    let mut beside = fs::beside(path, options.limits.bytes);
+    let files = fs::Files::new(fs::Existing::Kept);
+    let mut beside = files.beside(path, options.limits.bytes);
     articula::open(bytes, &name, &options, &mut beside).map_err(|e| cause(&e))
 }
 

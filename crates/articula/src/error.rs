@@ -55,6 +55,9 @@ pub enum Error {
     /// A file could not be read or written.
     #[error("{0}")]
     Io(String),
+    /// A file to be written exists, and existing files are kept.
+    #[error("{0}")]
+    Exists(String),
     /// The caller's progress callback stopped the work.
     #[error("cancelled")]
     Cancelled,

@@ -37,10 +37,11 @@ pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
         let what = "the reference human is written as GLB; name the file .glb";
         return Err(fault::usage(format!("{}: {what}", files::shown(&args.out))));
     }
+    console.files.plan([], [args.out.as_path()])?;
     let character = made(args.triangles, console)?;
     let document = Document::from_character(&character).context("the reference human")?;
     let bytes = document.write_glb().context("the reference human")?;
-    files::write(&args.out, &bytes)?;
+    console.files.write(&args.out, &bytes)?;
     let primitives = || character.meshes.iter().flat_map(|m| &m.primitives);
     let written = Written {
         out: files::shown(&args.out),

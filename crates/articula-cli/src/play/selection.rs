@@ -1,13 +1,14 @@
 //! The joints of a fixed level of articulation: given as an expression or as a saved selection,
 //! and written as one.
 
-use crate::{fault, files, selection};
+use crate::files::{self, Files};
+use crate::{fault, selection};
 use anyhow::Context;
 use articula_core::loa::{self, Selection};
 use articula_core::{JointSet, Rig, Zone};
 use articula_formats::loa_profile::{self, LoaProfile};
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The joints that may move.
 #[derive(Debug, Clone, Default, Args)]
@@ -27,6 +28,16 @@ pub(crate) struct SelectionArgs {
 }
 
 impl SelectionArgs {
+    /// The file that is read.
+    pub(crate) fn input(&self) -> &Option<PathBuf> {
+        &self.loa_profile
+    }
+
+    /// The file that is written.
+    pub(crate) fn output(&self) -> Option<&Path> {
+        self.save_loa_profile.as_deref()
+    }
+
     /// Whether joints are selected.
     pub(crate) fn is_given(&self) -> bool {
         self.loa.is_some() || self.loa_profile.is_some()
@@ -73,7 +84,7 @@ impl SelectionArgs {
     }
 
     /// Writes the selected joints, if asked to; returns the path for the report.
-    pub(crate) fn save(&self, rig: &Rig) -> anyhow::Result<Option<String>> {
+    pub(crate) fn save(&self, rig: &Rig, files: &Files) -> anyhow::Result<Option<String>> {
         let (Some(path), Some((_, set))) = (&self.save_loa_profile, self.joints(rig)?) else {
             return Ok(None);
         };
@@ -81,7 +92,7 @@ impl SelectionArgs {
             manual: true,
             selection: named(rig, &set)?,
         };
-        files::write(path, &loa_profile::write(&profile))?;
+        files.write(path, &loa_profile::write(&profile))?;
         Ok(Some(files::shown(path)))
     }
 }

@@ -24,6 +24,7 @@ mod folders;
 mod hostile;
 mod joint_levels;
 mod judges;
+mod kept_files;
 mod levels_oracle;
 mod mesh_levels;
 mod meshopt_oracle;

@@ -214,6 +214,7 @@ fn the_same_words_give_the_same_bytes() {
             "--plot",
             "p.svg",
             "--json",
+            "--force",
         ]
     };
     let (a, b) = (
@@ -274,6 +275,7 @@ fn a_moving_camera_stays_within_the_bound() {
         "p.json",
         "--contact-sheet",
         "s.png",
+        "--force",
     ];
     let report = json(&here, &words);
     let camera = &report["camera_path"];

@@ -12,6 +12,7 @@ use std::path::Path;
 /// The reference human's own walk and wave as motion files, and a broken one among them.
 fn motions(here: &Path) {
     let human = word(human());
+    std::fs::create_dir_all(here.join("clips")).unwrap();
     for clip in ["walk", "wave"] {
         let out = format!("clips/{clip}.bvh");
         json(here, &["convert", human, &out, "--clip", clip]);
@@ -153,7 +154,7 @@ fn the_clips_of_the_character_are_kept_when_asked() {
     assert_eq!(report["clips"], names);
     assert_eq!(report["onto"]["clips_kept"], 3);
     assert_eq!(report["onto"]["motions"][1]["clips"][0]["name"], "wave 2");
-    let ran = articula(&here, &words);
+    let ran = articula(&here, &[&words[..], &["--force"]].concat());
     assert!(ran.out.contains("keeps 3 clips of its own"), "{}", ran.out);
 }
 

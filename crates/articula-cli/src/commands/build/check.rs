@@ -24,7 +24,7 @@ pub(super) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     let [path] = &args.paths[..] else {
         return Err(fault::usage("--check takes one file, the asset"));
     };
-    let opened = open::character(path, &args.names)?;
+    let opened = open::character(&console.files, path, &args.names)?;
     let bytes = opened.bytes;
     let found = check_prepared(opened)?;
     let report = CheckReport {

@@ -115,7 +115,10 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         mesh_levels,
         without: args.without.clone(),
     };
-    let mut files = inputs.iter().map(|p| open::character(p, &args.names));
+    console.files.plan(args.inputs(inputs), args.outputs(out))?;
+    let mut files = inputs
+        .iter()
+        .map(|p| open::character(&console.files, p, &args.names));
     let mut opened = files.next().context("no character was named")??;
     let motions: Vec<CharacterFile> = files.collect::<Result<_, _>>()?;
     let added = added(&mut opened, &motions, console)?;
@@ -126,10 +129,11 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         }
         _ => error.into(),
     })?;
-    files::write(out, &built.glb)?;
+    let mut written = vec![(out.as_path(), built.glb.as_slice())];
     if let (Some(path), Some(levels)) = (&args.mesh_levels.mesh_stream, &built.mesh_levels) {
-        files::write(path, &levels.stream.bytes)?;
+        written.push((path, &levels.stream.bytes));
     }
+    console.files.write_all(&written)?;
     let mut report = BuildReport::new(args, out, &built);
     report.added = added;
     for motion in &motions {
@@ -138,6 +142,21 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         report.warnings.extend(warnings);
     }
     console.result(&report, BuildReport::text)
+}
+
+impl BuildArgs {
+    /// The files that are read.
+    fn inputs<'a>(&'a self, characters: &'a [PathBuf]) -> impl Iterator<Item = &'a Path> {
+        let named = characters.iter().chain(&self.mesh_levels.lock);
+        named.map(PathBuf::as_path).chain(self.names.inputs())
+    }
+
+    /// The files that are written.
+    fn outputs<'a>(&'a self, asset: &'a Path) -> impl Iterator<Item = &'a Path> {
+        [asset]
+            .into_iter()
+            .chain(self.mesh_levels.mesh_stream.as_deref())
+    }
 }
 
 /// Adds the clips of other files to the character.

@@ -18,9 +18,10 @@ pub(super) fn is_meant(args: &ConvertArgs) -> bool {
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let format = check(args)?;
     let input = &args.inputs[0];
+    console.files.plan(args.inputs(), [args.out.as_path()])?;
     let opened = open::data(input, format, &args.names)?;
     let written = write_data(&opened.data)?;
-    files::write(&args.out, &written.bytes)?;
+    console.files.write(&args.out, &written.bytes)?;
     let clips = match &opened.data {
         Data::Fap(clip) => vec![clip.name.clone()],
         _ => Vec::new(),

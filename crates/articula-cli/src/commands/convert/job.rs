@@ -6,13 +6,14 @@ use super::plan::{Input, Job};
 use super::reduction::{Reduction, Selected};
 use super::report::{self, ConvertReport, Onto};
 use crate::console::on_all_processors;
-use crate::{files, open};
+use crate::files::{self, Files};
+use crate::open;
 use anyhow::bail;
 use articula::CharacterFile;
 use articula::convert::ConvertOptions;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Result of one job.
 #[derive(Debug)]
@@ -28,6 +29,9 @@ pub(super) struct Recipe<'a> {
     pub(super) args: &'a ConvertArgs,
     pub(super) hero: Option<Hero>,
     pub(super) selected: Option<Selected>,
+    pub(super) files: &'a Files,
+    /// The output folder, if there is one.
+    pub(super) folder: Option<&'a Path>,
     /// Progress bar; advances with every file read.
     pub(super) bar: ProgressBar,
 }
@@ -56,13 +60,9 @@ impl Recipe<'_> {
     /// Reads one file without changes.
     fn read(&self, job: &Job) -> anyhow::Result<(CharacterFile, ConvertReport)> {
         let input = &job.inputs[0];
-        let opened = open::character(&input.path, &self.args.names)?;
+        let opened = open::character(self.files, &input.path, &self.args.names)?;
         self.options(self.args.clip.clone())
             .check(opened.format, job.format)?;
-        let place = &opened.name;
-        if input.found && files::same(&input.path, &job.out) {
-            bail!("{place}: the output would overwrite this input; name another folder");
-        }
         let mut report = ConvertReport::new(job, opened.name.clone());
         report.format_in = opened.format.name().to_owned();
         report.bytes_in = opened.bytes;
@@ -81,7 +81,7 @@ impl Recipe<'_> {
         let mut report = ConvertReport::new(job, job.named.clone());
         report.warnings = open::warnings(&hero.opened);
         let motions = |input: &Input| {
-            let motions = hero.motions(input, self.args);
+            let motions = hero.motions(input, self.args, self.files);
             self.bar.inc(1);
             motions
         };
@@ -149,9 +149,10 @@ impl Recipe<'_> {
         if let Some((format, bytes)) = &made.written.beside {
             files.push((job.out.with_extension(format.name()), bytes));
         }
-        for (path, bytes) in &files {
-            files::write(path, bytes)?;
+        if let Some(folder) = self.folder {
+            self.files.make_folder(folder)?;
         }
+        self.files.write_all(&files)?;
         let left_out = made.written.left_out.iter();
         report
             .left_out
@@ -163,7 +164,9 @@ impl Recipe<'_> {
             ));
         }
         if let Some(shown) = made.mesh {
-            report.written.extend(self.args.mesh.draw(&shown)?);
+            report
+                .written
+                .extend(self.args.mesh.draw(&shown, self.files)?);
             report.mesh = Some(shown.report);
         }
         report.edits = made.edits;

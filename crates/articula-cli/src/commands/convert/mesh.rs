@@ -2,15 +2,16 @@
 //! report about them.
 
 use crate::arguments::{ViewArgs, positive};
+use crate::fault;
+use crate::files::{self, Files};
 use crate::table::{Table, millimetres};
-use crate::{fault, files};
 use anyhow::Context;
 use articula::{LevelChoice, MeshView, ShownLevelOptions, ShownLevels, ShownLevelsReport, facing};
 use articula_core::{ModelPose, Wrap, local_to_model, sample};
 use articula_flat::Picture;
 use articula_report::{FacetRow, facet_sheet};
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Choice of mesh levels.
 #[derive(Debug, Clone, Args)]
@@ -59,6 +60,11 @@ impl MeshArgs {
         Ok(())
     }
 
+    /// The file that is written besides the result.
+    pub(super) fn output(&self) -> Option<&Path> {
+        self.mesh_picture.as_deref()
+    }
+
     /// The choice, if there is one.
     pub(super) fn options(&self) -> Option<ShownLevelOptions> {
         let view = self.mesh_distance.map(|distance_m| MeshView {
@@ -76,14 +82,18 @@ impl MeshArgs {
     }
 
     /// Writes the picture, if one was asked for; returns its path.
-    pub(super) fn draw(&self, shown: &ShownLevels) -> anyhow::Result<Option<String>> {
+    pub(super) fn draw(
+        &self,
+        shown: &ShownLevels,
+        files: &Files,
+    ) -> anyhow::Result<Option<String>> {
         let Some(path) = &self.mesh_picture else {
             return Ok(None);
         };
         let bytes = picture(shown)?
             .to_png()
             .with_context(|| files::shown(path))?;
-        files::write(path, &bytes)?;
+        files.write(path, &bytes)?;
         Ok(Some(files::shown(path)))
     }
 }

@@ -23,7 +23,7 @@ use plan::Plan;
 use rayon::prelude::*;
 use reduction::Selected;
 use report::{Batch, Failure};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `convert`.
 #[derive(Debug, Args)]
@@ -93,9 +93,12 @@ pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         args.hygiene.check(job.format)?;
         args.check_khr_character(job.format)?;
     }
+    plan.check_files(args, &console.files)?;
     let recipe = Recipe {
         args,
-        hero: Hero::new(args)?,
+        hero: Hero::new(args, &console.files)?,
+        files: &console.files,
+        folder: plan.folder.as_deref(),
         selected: Selected::of(args)?,
         bar: console.progress("converting", plan.inputs()),
     };
@@ -181,6 +184,13 @@ fn format(name: &str) -> Result<Format, String> {
 }
 
 impl ConvertArgs {
+    /// The named files that are read.
+    fn inputs(&self) -> impl Iterator<Item = &Path> {
+        let named = self.inputs.iter().filter(|path| !path.is_dir());
+        let named = named.chain(&self.onto).chain(&self.loa_profile);
+        named.map(PathBuf::as_path).chain(self.names.inputs())
+    }
+
     fn check(&self) -> anyhow::Result<()> {
         let reduces = self.loa.is_some() || self.loa_profile.is_some();
         if (self.passive.is_some() || self.with_ancestors) && !reduces {

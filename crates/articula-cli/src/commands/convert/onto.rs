@@ -4,6 +4,7 @@
 use super::ConvertArgs;
 use super::plan::{Input, reads_many};
 use crate::fault::clean;
+use crate::files::Files;
 use crate::open;
 use crate::table::Table;
 use anyhow::Context;
@@ -53,11 +54,11 @@ pub(super) struct Motions {
 
 impl Hero {
     /// Reads the character; it must be a human figure.
-    pub(super) fn new(args: &ConvertArgs) -> anyhow::Result<Option<Self>> {
+    pub(super) fn new(args: &ConvertArgs, files: &Files) -> anyhow::Result<Option<Self>> {
         let Some(path) = &args.onto else {
             return Ok(None);
         };
-        let opened = open::character(path, &args.names)?;
+        let opened = open::character(files, path, &args.names)?;
         opened.check_human()?;
         let options = AddClipsOptions {
             clip: args.clip.clone(),
@@ -79,8 +80,9 @@ impl Hero {
         &self,
         input: &Input,
         args: &ConvertArgs,
+        files: &Files,
     ) -> anyhow::Result<Option<Motions>> {
-        let source = open::character(&input.path, &args.names)?;
+        let source = open::character(files, &input.path, &args.names)?;
         if input.found && source.character.clips.is_empty() {
             return Ok(None);
         }

@@ -1,7 +1,8 @@
 //! The files that a conversion reads, and the files that it writes.
 
 use super::ConvertArgs;
-use crate::{fault, files};
+use crate::fault;
+use crate::files::{self, Files};
 use anyhow::{Context, bail};
 use articula::Format;
 use std::collections::HashMap;
@@ -41,6 +42,23 @@ impl Plan {
             Some(format) => into_one(args, format),
             None => into_folder(args),
         }
+    }
+
+    /// Declares all inputs and checks all outputs, before anything is read.
+    pub(super) fn check_files(&self, args: &ConvertArgs, files: &Files) -> anyhow::Result<()> {
+        let found = self.jobs.iter().flat_map(|job| &job.inputs);
+        let found = found.filter(|input| input.found);
+        let inputs = found.map(|input| input.path.as_path()).chain(args.inputs());
+        if let Some(folder) = self.folder.as_ref().filter(|f| files::is_no_folder(f)) {
+            let what = format!("{}: this is a file; name a folder", files::shown(folder));
+            return Err(fault::usage(what));
+        }
+        // A folder that does not exist is made for the first file that is written.
+        let is_made = |folder: &PathBuf| folder.is_dir();
+        let is_there = self.folder.as_ref().is_none_or(is_made);
+        let outputs = self.jobs.iter().filter(|_| is_there);
+        let outputs = outputs.map(|job| job.out.as_path());
+        Ok(files.plan(inputs, outputs.chain(args.mesh.output()))?)
     }
 
     /// Total number of files to read.

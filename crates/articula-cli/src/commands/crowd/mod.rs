@@ -7,9 +7,10 @@ use crate::console::Console;
 use crate::crowd::picture;
 use crate::crowd::run::{self, Run};
 use crate::crowd::stage::{DISPLAY_HZ, Settings};
+use crate::files::{self, Files};
 use crate::open;
 use crate::play::read_camera_path;
-use crate::{fault, files, selection};
+use crate::{fault, selection};
 use anyhow::Context;
 use articula::crowd::{
     Backend, CacheUse, ClipStorage, CrowdAsset, CrowdOptions, DetailGoal, ErrorSummary,
@@ -194,8 +195,9 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     args.check_outputs()?;
     args.check_cache()?;
     args.check_mesh_levels()?;
+    console.files.plan(args.inputs(), args.outputs())?;
     let start = Instant::now();
-    let figure = open::figure(&args.character)?;
+    let figure = open::figure(&console.files, &args.character)?;
     let place = figure.opened.name.clone();
     let mut warnings = open::warnings(&figure.opened);
     let options = args.options(&figure.asset.clips)?;
@@ -226,7 +228,7 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     let mut report = CrowdRunReport::new(args, &piece, &found, place);
     report.ready_ms = ready_ms;
     report.warnings.extend(warnings);
-    args.write(&piece, &found, &mut report)?;
+    args.write(&piece, &found, &mut report, &console.files)?;
     console.result(&report, CrowdRunReport::text)
 }
 
@@ -246,6 +248,19 @@ impl CrowdArgs {
             // Level 0 keeps every joint; the named level comes after it.
             (_, None) => Ok(DetailGoal::Level(1)),
         }
+    }
+
+    /// The files that are read.
+    fn inputs(&self) -> impl Iterator<Item = &Path> {
+        let scene = [Path::new(&self.scene)].into_iter();
+        let path = self.camera_path.as_deref();
+        self.character.inputs().chain(scene).chain(path)
+    }
+
+    /// The files that are written.
+    fn outputs(&self) -> impl Iterator<Item = &Path> {
+        let all = [&self.save_scene, &self.plot, &self.picture];
+        all.into_iter().flatten().map(PathBuf::as_path)
     }
 
     fn check_outputs(&self) -> anyhow::Result<()> {
@@ -408,20 +423,26 @@ impl CrowdArgs {
     }
 
     /// Writes the scene, plot and picture that were asked for.
-    fn write(&self, piece: &Piece, found: &Run, report: &mut CrowdRunReport) -> anyhow::Result<()> {
+    fn write(
+        &self,
+        piece: &Piece,
+        found: &Run,
+        report: &mut CrowdRunReport,
+        files: &Files,
+    ) -> anyhow::Result<()> {
         if let Some(path) = &self.save_scene {
-            files::write(path, &write_scene(&piece.scene, piece.asset.clips()))?;
+            files.write(path, &write_scene(&piece.scene, piece.asset.clips()))?;
             report.written.push(files::shown(path));
         }
         if let Some(path) = &self.plot {
             let svg = stacked(&plots(found, self.budget_ms));
-            files::write(path, svg.as_bytes())?;
+            files.write(path, svg.as_bytes())?;
             report.written.push(files::shown(path));
         }
         if let Some(path) = &self.picture {
             let picture = picture::draw(&piece.asset, &piece.scene, piece.settings, PICTURE_PX)?;
             let png = picture.to_png().with_context(|| files::shown(path))?;
-            files::write(path, &png)?;
+            files.write(path, &png)?;
             report.written.push(files::shown(path));
         }
         Ok(())

@@ -46,7 +46,7 @@ pub(super) struct CrowdVariant {
 pub(super) fn of(
     figure: &Figure,
     epsilon_px: f32,
-    folder: &Folder,
+    folder: &Folder<'_>,
     console: &Console,
 ) -> anyhow::Result<Crowd> {
     let scene = plaza(COUNT, figure.asset.clips.len(), SEED, Plaza::Still);

@@ -16,7 +16,7 @@ const SIDE: u32 = 360;
 
 /// Converts the clip to the thesis' form, then to the others.
 pub(super) fn of(
-    folder: &Folder,
+    folder: &Folder<'_>,
     scene: &EvaluatedClip<'_>,
     console: &Console,
 ) -> anyhow::Result<Vec<FlattenReport>> {

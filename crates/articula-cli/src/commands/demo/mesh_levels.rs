@@ -33,7 +33,7 @@ impl MeshLevels {
 }
 
 /// Draws every level at one time of the clip: the whole figure, its face and a hand.
-pub(super) fn draw(folder: &Folder, scene: &EvaluatedClip<'_>) -> anyhow::Result<()> {
+pub(super) fn draw(folder: &Folder<'_>, scene: &EvaluatedClip<'_>) -> anyhow::Result<()> {
     let meshes = &scene.figure.opened.character.meshes;
     let count = meshes.iter().flat_map(|m| m.clustered.first());
     let count = count.map(|c| c.clusters.levels()).max().unwrap_or(0);

@@ -14,10 +14,11 @@ use crate::arguments::ReadArgs;
 use crate::commands::human;
 use crate::commands::lod::DISTANCES_M;
 use crate::console::Console;
+use crate::fault;
+use crate::files::{self, Files};
 use crate::open;
 use crate::play::motion_plots::{error_plot, gain_plot, updates_plot};
 use crate::play::{drawn, nanoseconds};
-use crate::{fault, files};
 use anyhow::Context;
 use articula::crowd::put_in_place;
 use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
@@ -59,9 +60,13 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
             "--serve: the server comes with the studio, which is not available yet; leave --serve out",
         ));
     }
-    let folder = Folder::new(&args.out);
+    let folder = Folder::new(&args.out, &args.files, &console.files)?;
     let (asset, mesh_levels) = make_asset(&folder, &args.files, console)?;
-    let figure = Figure::new(open::character(&asset, &ReadArgs::default())?)?;
+    let figure = Figure::new(open::character(
+        &console.files,
+        &asset,
+        &ReadArgs::default(),
+    )?)?;
     let scene = scene_of(&figure, clip_of(&figure)?)?;
     let chosen = NamedMethod::all(&figure.asset.rig);
     let tuning = ParameterChoice::Calibrated(TARGET_PX);
@@ -93,19 +98,32 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
 }
 
 /// The output folder.
-pub(super) struct Folder(PathBuf);
+pub(super) struct Folder<'a> {
+    path: PathBuf,
+    files: &'a Files,
+}
 
-impl Folder {
-    fn new(path: &Path) -> Self {
-        Self(path.to_owned())
+impl<'a> Folder<'a> {
+    /// Refuses a folder with the report of an earlier run, before the work.
+    fn new(path: &Path, inputs: &[PathBuf], files: &'a Files) -> anyhow::Result<Self> {
+        let folder = Self {
+            path: path.to_owned(),
+            files,
+        };
+        let (first, last) = (folder.file("asset.glb"), folder.file("index.html"));
+        let inputs = inputs.iter().map(PathBuf::as_path);
+        let outputs = [first.as_path(), last.as_path()].into_iter();
+        files.plan(inputs, outputs.filter(|_| path.is_dir()))?;
+        Ok(folder)
     }
 
     fn file(&self, name: &str) -> PathBuf {
-        self.0.join(name)
+        self.path.join(name)
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> anyhow::Result<()> {
-        files::write(&self.file(name), bytes)
+        self.files.make_folder(&self.path)?;
+        Ok(self.files.write(&self.file(name), bytes)?)
     }
 }
 
@@ -125,13 +143,13 @@ fn clip_of(figure: &Figure) -> anyhow::Result<&str> {
 
 /// Writes the asset; returns its path. The reference human is written as well.
 fn make_asset(
-    folder: &Folder,
+    folder: &Folder<'_>,
     files: &[PathBuf],
     console: &Console,
 ) -> anyhow::Result<(PathBuf, MeshLevels)> {
     let opened = match files.split_first() {
         Some((character, motions)) => {
-            let open = |path: &PathBuf| open::character(path, &ReadArgs::default());
+            let open = |path: &PathBuf| open::character(&console.files, path, &ReadArgs::default());
             let mut opened = open(character)?;
             let motions = motions.iter().map(open).collect::<Result<Vec<_>, _>>()?;
             let options = AddClipsOptions::default();
@@ -149,7 +167,11 @@ fn make_asset(
             let character = human::made(HumanOptions::default().triangles, console)?;
             let document = Document::from_character(&character).context("the reference human")?;
             folder.write("human.glb", &document.write_glb()?)?;
-            open::character(&folder.file("human.glb"), &ReadArgs::default())?
+            open::character(
+                &console.files,
+                &folder.file("human.glb"),
+                &ReadArgs::default(),
+            )?
         }
     };
     let options = PrepareOptions {
@@ -210,7 +232,7 @@ fn levels_of(figure: &Figure) -> Vec<Level> {
 }
 
 fn draw(
-    folder: &Folder,
+    folder: &Folder<'_>,
     scene: &EvaluatedClip<'_>,
     tables: &[MethodTable],
     console: &Console,
@@ -231,7 +253,7 @@ fn draw(
 }
 
 fn plot(
-    folder: &Folder,
+    folder: &Folder<'_>,
     scene: &EvaluatedClip<'_>,
     tables: &[MethodTable],
     costs: &Costs,

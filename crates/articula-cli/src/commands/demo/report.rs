@@ -100,7 +100,7 @@ impl Level {
 impl DemoReport {
     /// Gathers what was found.
     pub(super) fn new(
-        folder: &Folder,
+        folder: &Folder<'_>,
         name: String,
         scene: &EvaluatedClip<'_>,
         tables: &[MethodTable],

@@ -240,6 +240,13 @@ pub(crate) struct MovieArgs {
 }
 
 impl ConvertArgs {
+    /// The files that are read.
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
+        let special = self.special.background.iter().chain(&self.special.audio);
+        let all = self.file.iter().chain(&self.joint_map).chain(special);
+        all.map(PathBuf::as_path)
+    }
+
     /// The file to write.
     pub(crate) fn out(&self) -> &Path {
         self.out.as_deref().unwrap_or(Path::new(""))

@@ -33,6 +33,8 @@ pub(super) fn run(args: &FrameArgs, console: &Console) -> anyhow::Result<()> {
         let out = files::shown(&args.out);
         return Err(fault::usage(format!("{out}: name the file .png or .svg")));
     }
+    let files = &console.files;
+    files.plan([args.file.as_path()], [args.out.as_path()])?;
     let moving = read(&args.file)?;
     let place = || files::shown(&args.file);
     let at = f64::from(args.at);
@@ -43,7 +45,7 @@ pub(super) fn run(args: &FrameArgs, console: &Console) -> anyhow::Result<()> {
         let picture = raster(&text, args.background.unwrap_or([0; 4])).with_context(place)?;
         picture.to_png().with_context(place)?
     };
-    files::write(&args.out, &bytes)?;
+    files.write(&args.out, &bytes)?;
     let rendered = Rendered {
         out: files::shown(&args.out),
         at_secs: at,

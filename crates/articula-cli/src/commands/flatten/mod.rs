@@ -34,16 +34,11 @@ pub(crate) fn run(args: &FlattenArgs, console: &Console) -> anyhow::Result<()> {
 fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let profile = args.profile()?;
     args.check(profile)?;
-    if files::same(&args.character().file, args.out()) {
-        let out = files::shown(args.out());
-        return Err(fault::usage(format!(
-            "{out}: the output would overwrite the character; name another file"
-        )));
-    }
+    console.files.plan(args.inputs(), [args.out()])?;
     if profile == ProfileName::Portrait {
         return portrait::run(args, console);
     }
-    let figure = open::figure(&args.character())?;
+    let figure = open::figure(&console.files, &args.character())?;
     let clip = figure.clip(args.motion.clip.as_deref())?;
     let shot = args.shot(profile, clip);
     let framed = console.work(|work| FramedCharacter::new(&figure, shot, work))?;
@@ -54,7 +49,7 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     } else {
         console.work(|work| flatten(&framed, options, &settings, work))?
     };
-    files::write(args.out(), &flat.bytes)?;
+    console.files.write(args.out(), &flat.bytes)?;
     let made = Made {
         triangles_of_character: figure.asset.mesh.triangles.len(),
         triangles: framed.triangles.len(),

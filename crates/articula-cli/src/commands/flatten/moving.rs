@@ -4,12 +4,14 @@
 use super::arguments::MovieArgs;
 use super::frame;
 use crate::console::Console;
-use crate::{fault, files};
+use crate::fault;
+use crate::files::{self, Files};
 use anyhow::Context;
 use articula_flat::Picture;
 use articula_flat::vector;
 use articula_flat::vector::raster;
 use serde::Serialize;
+use std::path::PathBuf;
 
 /// Maximum number of frames of a movie.
 const MAX_FRAMES: f64 = 5000.0;
@@ -28,6 +30,8 @@ struct Movie {
 /// Renders all frames and prints what was written.
 pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
     check_ending(args)?;
+    let single = (!is_folder(args)).then_some(args.out.as_path());
+    console.files.plan([args.file.as_path()], single)?;
     let moving = frame::read(&args.file)?;
     let place = || files::shown(&args.file);
     let duration = moving.duration_secs;
@@ -60,7 +64,7 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let bytes = write(args, &moments)?;
+    let bytes = write(args, &moments, &console.files)?;
     let movie = Movie {
         out: files::shown(&args.out),
         frames: moments.len(),
@@ -91,8 +95,13 @@ fn check_ending(args: &MovieArgs) -> anyhow::Result<()> {
     Err(fault::usage(format!("{out}: {what}")))
 }
 
+/// Whether the output is a folder of pictures.
+fn is_folder(args: &MovieArgs) -> bool {
+    args.out.extension().is_none()
+}
+
 /// Writes the pictures in the format of the name; returns the total number of bytes.
-fn write(args: &MovieArgs, moments: &[(Picture, f64)]) -> anyhow::Result<usize> {
+fn write(args: &MovieArgs, moments: &[(Picture, f64)], files: &Files) -> anyhow::Result<usize> {
     let place = || files::shown(&args.out);
     let ending = args
         .out
@@ -103,15 +112,25 @@ fn write(args: &MovieArgs, moments: &[(Picture, f64)]) -> anyhow::Result<usize> 
         "gif" => vector::gif(moments).with_context(place)?,
         "webp" => vector::webp(moments).with_context(place)?,
         _ => {
+            files.make_folder(&args.out)?;
+            let name = |f: usize| args.out.join(format!("{f:04}.png"));
+            files.plan(
+                [],
+                (0..moments.len())
+                    .map(name)
+                    .collect::<Vec<_>>()
+                    .iter()
+                    .map(PathBuf::as_path),
+            )?;
             let mut all = 0;
             for (f, (picture, _)) in moments.iter().enumerate() {
                 let bytes = picture.to_png().with_context(place)?;
-                files::write(&args.out.join(format!("{f:04}.png")), &bytes)?;
+                files.write(&name(f), &bytes)?;
                 all += bytes.len();
             }
             return Ok(all);
         }
     };
-    files::write(&args.out, &bytes)?;
+    files.write(&args.out, &bytes)?;
     Ok(bytes.len())
 }

@@ -3,8 +3,9 @@
 use super::arguments::ConvertArgs;
 use super::report::{BytesReport, RepresentationReport};
 use crate::console::Console;
+use crate::fault;
+use crate::files::{self, Files};
 use crate::open;
-use crate::{fault, files};
 use anyhow::Context;
 use articula::flatten::FramedHead;
 use articula_core::Progress;
@@ -46,7 +47,7 @@ struct YawError {
 
 /// Makes the portrait, writes it and reports its error.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
-    let figure = open::figure(&args.character())?;
+    let figure = open::figure(&console.files, &args.character())?;
     let place = || figure.opened.name.clone();
     let clip = figure.clip(args.motion.clip.as_deref())?;
     let options = options(args)?;
@@ -65,7 +66,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     bar.set_position(30);
     let portrait = build(&shot.source(), &options, &mut Progress::none()).with_context(place)?;
     bar.set_position(70);
-    let written = write(args, &portrait)?;
+    let written = write(args, &portrait, &console.files)?;
     let mut error = Vec::with_capacity(YAWS_DEG.len());
     for yaw_deg in YAWS_DEG {
         let pose = HeadPose {
@@ -134,7 +135,11 @@ fn options(args: &ConvertArgs) -> anyhow::Result<PortraitOptions> {
 }
 
 /// Writes one page, or the document with its pictures; returns names and bytes.
-fn write(args: &ConvertArgs, portrait: &Portrait) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+fn write(
+    args: &ConvertArgs,
+    portrait: &Portrait,
+    files: &Files,
+) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let place = || files::shown(args.out());
     let is_page = args
         .out()
@@ -163,9 +168,8 @@ fn write(args: &ConvertArgs, portrait: &Portrait) -> anyhow::Result<Vec<(String,
             all.push((files::shown(&path), path, bytes));
         }
     }
-    for (_, path, bytes) in &all {
-        files::write(path, bytes)?;
-    }
+    let named: Vec<_> = all.iter().map(|(_, path, bytes)| (path, bytes)).collect();
+    files.write_all(&named)?;
     Ok(all
         .into_iter()
         .map(|(shown, _, bytes)| (shown, bytes))

@@ -56,7 +56,7 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
     if is_stream {
         return stream::run(&args.character, console);
     }
-    let figure = open::figure(&args.character)?;
+    let figure = open::figure(&console.files, &args.character)?;
     let clips: Vec<usize> = match &args.clip {
         Some(name) => figure.clip(Some(name))?.into_iter().collect(),
         None => (0..figure.asset.clips.len()).collect(),

@@ -6,11 +6,12 @@ mod schedule;
 
 use crate::arguments::{CharacterArgs, ViewArgs, not_negative, positive};
 use crate::console::Console;
+use crate::fault;
+use crate::files::{self, Files};
 use crate::open;
 use crate::play::methods::MethodArgs;
 use crate::play::motion_plots::{error_plot, gain_plot, updates_plot};
 use crate::play::{drawn, nanoseconds};
-use crate::{fault, files};
 use anyhow::Context;
 use articula::Figure;
 use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
@@ -94,7 +95,8 @@ pub(crate) struct LodArgs {
 /// Plays the clip and prints the report.
 pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     args.check()?;
-    let figure = open::figure(&args.character)?;
+    console.files.plan(args.inputs(), args.outputs())?;
+    let figure = open::figure(&console.files, &args.character)?;
     let Some(clip) = figure.clip(args.clip.as_deref())? else {
         return at_rest(args, &figure, console);
     };
@@ -121,23 +123,45 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     let methods = args.method.chosen(&figure.asset.rig);
     let methods = methods.with_context(|| figure.opened.name.clone())?;
     args.check_parameter(&methods)?;
-    let saved = args.save_selection(&figure)?;
+    let saved = args.save_selection(&figure, console)?;
     let tables =
         console.work(|work| scene.tables(&methods, &args.distances, args.tuning(), work))?;
     let mut report = LodReport::new(&scene, args, &tables);
     report.written.extend(saved);
     if let Some(path) = &args.plot {
-        write_plots(&scene, &tables, path, &mut report)?;
+        write_plots(&scene, &tables, path, &mut report, &console.files)?;
     }
     if let Some(path) = &args.contact_sheet {
         let notes = report.notes();
         let sheet = draw_sheet(&scene, &tables, &report.heading(), notes)?;
-        report.written.push(write_png(&sheet, path)?);
+        report
+            .written
+            .push(write_png(&sheet, path, &console.files)?);
     }
     console.result(&report, LodReport::text)
 }
 
 impl LodArgs {
+    /// The files that are read.
+    fn inputs(&self) -> impl Iterator<Item = &Path> {
+        let own = [
+            &self.camera_path,
+            &self.schedule,
+            self.method.selection.input(),
+        ];
+        let own = own.into_iter().flatten().map(PathBuf::as_path);
+        self.character.inputs().chain(own)
+    }
+
+    /// The files that are written; those of a folder are checked when their names are known.
+    fn outputs(&self) -> impl Iterator<Item = &Path> {
+        let plot = self.plot.as_deref().filter(|path| is_svg(path));
+        let sheet = self.contact_sheet.as_deref();
+        plot.into_iter()
+            .chain(sheet)
+            .chain(self.method.selection.output())
+    }
+
     fn check(&self) -> anyhow::Result<()> {
         use crate::play::methods::MethodName;
         if self.parameter.is_some() && self.method.method() == MethodName::All {
@@ -192,8 +216,9 @@ impl LodArgs {
     }
 
     /// Writes the selected joints, if asked to; returns the path.
-    fn save_selection(&self, figure: &Figure) -> anyhow::Result<Option<String>> {
-        let saved = self.method.selection.save(&figure.asset.rig);
+    fn save_selection(&self, figure: &Figure, console: &Console) -> anyhow::Result<Option<String>> {
+        let rig = &figure.asset.rig;
+        let saved = self.method.selection.save(rig, &console.files);
         saved.with_context(|| figure.opened.name.clone())
     }
 
@@ -229,7 +254,7 @@ fn named_level(text: &str) -> Result<usize, String> {
 
 fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result<()> {
     let mut report = LodReport::at_rest(figure, args);
-    report.written.extend(args.save_selection(figure)?);
+    report.written.extend(args.save_selection(figure, console)?);
     if args.plot.is_some() {
         let what = "no clip, so there is nothing to plot; leave --plot out";
         anyhow::bail!("{}: {what}", figure.opened.name.clone());
@@ -238,7 +263,9 @@ fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result
         let mut artist = drawn::artist(figure, drawn::LARGE);
         let sheet = rest_sheet(&figure.asset, &mut artist, &report.heading());
         let sheet = sheet.context("the contact sheet")?;
-        report.written.push(write_png(&sheet, path)?);
+        report
+            .written
+            .push(write_png(&sheet, path, &console.files)?);
     }
     console.result(&report, LodReport::text)
 }
@@ -269,6 +296,7 @@ fn write_plots(
     tables: &[MethodTable],
     path: &Path,
     report: &mut LodReport,
+    files: &Files,
 ) -> anyhow::Result<()> {
     let clip = &scene.figure.asset.clips[scene.clip].name;
     let heading = format!("clip {clip}");
@@ -277,12 +305,8 @@ fn write_plots(
         gain_plot(&drawn::series(tables, |r| r.joint_update_gain), &heading),
         error_plot(&errors, &heading, report.calibrate_px),
     ];
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
-    {
-        files::write(path, stacked(&all).as_bytes())?;
-        report.written.push(files::shown(path));
+    if is_svg(path) {
+        report.written.extend(write_plot_files(&all, path, files)?);
         return Ok(());
     }
     let rows = tables.first().map_or(&[][..], |t| &t.rows);
@@ -294,34 +318,30 @@ fn write_plots(
     let costs = Costs::new(&stage, &nanoseconds);
     all.extend(drawn::cost_plots(&costs, &heading));
     report.costs = Some(costs);
-    for plot in all {
-        let file = path.join(plot.name);
-        files::write(&file, plot.svg.as_bytes())?;
-        report.written.push(files::shown(&file));
-    }
+    report.written.extend(write_plot_files(&all, path, files)?);
     Ok(())
 }
 
-fn write_png(picture: &Picture, path: &Path) -> anyhow::Result<String> {
+fn write_png(picture: &Picture, path: &Path, files: &Files) -> anyhow::Result<String> {
     let bytes = picture.to_png().with_context(|| files::shown(path))?;
-    files::write(path, &bytes)?;
+    files.write(path, &bytes)?;
     Ok(files::shown(path))
 }
 
 /// Writes plots into one file, or each into its own of a folder; returns the paths.
-fn write_plot_files(plots: &[Plot], target: &Path) -> anyhow::Result<Vec<String>> {
-    if target
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
-    {
-        files::write(target, stacked(plots).as_bytes())?;
+fn write_plot_files(plots: &[Plot], target: &Path, files: &Files) -> anyhow::Result<Vec<String>> {
+    if is_svg(target) {
+        files.write(target, stacked(plots).as_bytes())?;
         return Ok(vec![files::shown(target)]);
     }
-    let mut written = Vec::new();
-    for plot in plots {
-        let file = target.join(plot.name);
-        files::write(&file, plot.svg.as_bytes())?;
-        written.push(files::shown(&file));
-    }
-    Ok(written)
+    files.make_folder(target)?;
+    let named = plots.iter().map(|plot| (target.join(plot.name), &plot.svg));
+    let named: Vec<_> = named.collect();
+    files.write_all(&named)?;
+    Ok(named.iter().map(|(path, _)| files::shown(path)).collect())
+}
+
+fn is_svg(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
 }

@@ -39,6 +39,9 @@ pub(super) fn run(
     bar.finish_and_clear();
     let mut report = LodReport::new(scene, args, &[]);
     report.rows.push(played.row);
+    report
+        .written
+        .extend(args.save_selection(scene.figure, console)?);
     if let Some(target) = &args.plot {
         let clip = &scene.figure.asset.clips[scene.clip].name;
         let plots = path_plots(
@@ -46,7 +49,9 @@ pub(super) fn run(
             played.summary.bound_px,
             &format!("clip {clip}"),
         );
-        report.written.extend(write_plot_files(&plots, target)?);
+        report
+            .written
+            .extend(write_plot_files(&plots, target, &console.files)?);
     }
     if let Some(target) = &args.contact_sheet {
         let notes = vec![
@@ -57,7 +62,9 @@ pub(super) fn run(
         let heading = report.heading();
         let picture = camera_path_sheet(&stage, &mut artist, &played.run, &heading, notes);
         let picture = picture.context("the contact sheet")?;
-        report.written.push(write_png(&picture, target)?);
+        report
+            .written
+            .push(write_png(&picture, target, &console.files)?);
     }
     report.camera_path = Some(played.summary);
     console.result(&report, LodReport::text)

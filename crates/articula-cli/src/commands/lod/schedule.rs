@@ -39,7 +39,9 @@ pub(super) fn run(
         let clip = &scene.figure.asset.clips[scene.clip].name;
         let heading = format!("clip {clip}, {} m", options.distance_m);
         let plots = schedule_plots(&played, &heading);
-        report.written.extend(write_plot_files(&plots, target)?);
+        report
+            .written
+            .extend(write_plot_files(&plots, target, &console.files)?);
     }
     report.schedule = Some(played);
     console.result(&report, LodReport::text)

@@ -38,10 +38,14 @@ pub(crate) fn articula(folder: &Path, words: &[&str]) -> Ran {
     }
 }
 
-/// Runs it with `--json`, expects success, and parses the result.
+/// Runs it with `--json`, expects success, and parses the result. Outputs of earlier runs of a test
+/// are replaced.
 pub(crate) fn json(folder: &Path, words: &[&str]) -> Value {
     let mut words = words.to_vec();
     words.push("--json");
+    if !words.contains(&"--force") {
+        words.push("--force");
+    }
     let ran = articula(folder, &words);
     assert_eq!(ran.status, 0, "{words:?}: {}", ran.err);
     serde_json::from_str(&ran.out).unwrap()
