@@ -24,7 +24,10 @@ pub(crate) const MAX_NUMBERS: usize = 1 << 27;
 /// millimetres. A joint that turns by 60 degrees in a frame stays below it under a normalised
 /// linear blend; splines with few keys do not.
 const CHORD_RADIANS: f32 = 5e-3;
-const CHORD_METRES: f32 = 1e-3;
+/// As a share of the figure's extent; a millimetre on an adult.
+const CHORD_SHARE: f32 = 6e-4;
+/// Of scales.
+const CHORD_SCALE: f32 = 1e-3;
 
 /// Options of resampling a clip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -33,8 +36,9 @@ pub struct ClipOptions {
     pub rate_hz: Option<f32>,
 }
 
-/// Differences from rest below which a property gets no track.
-const STILL_METRES: f32 = 1e-7;
+/// Differences from rest below which a property gets no track; of translations, as a share of the
+/// figure's extent.
+const STILL_SHARE: f32 = 1e-7;
 const STILL_RADIANS: f32 = 1e-6;
 
 /// Returns the rate in hertz at which a clip was keyed: that of its most densely keyed channel, or
@@ -86,9 +90,10 @@ pub(crate) fn resample(
     let keyed = opts.rate_hz.unwrap_or_else(|| source_rate_hz(clip));
     let numbers = clip.channels.iter().map(|c| width(c, morph_counts)).sum();
     steps_at(clip, duration, keyed, numbers)?;
+    let extents = skeleton.local_extents();
     let frames_per_key = match opts.rate_hz {
         Some(_) => 1,
-        None => oversampling(clip),
+        None => oversampling(clip, &extents),
     };
     let wanted = keyed * frames_per_key as f32;
     let steps = steps_at(clip, duration, wanted, numbers)?;
@@ -114,7 +119,13 @@ pub(crate) fn resample(
             let (slot, count) = (morph_slots[target], morph_counts[target]);
             weight_tracks(channel, slot, count, &times, &mut tracks);
         } else {
-            joint_track(channel, &skeleton.joints[target], &times, &mut tracks);
+            let still = STILL_SHARE * extents[target];
+            joint_track(
+                channel,
+                (&skeleton.joints[target], still),
+                &times,
+                &mut tracks,
+            );
         }
     }
     let built = Clip::new(&clip.name, rate, times.len(), skeleton.joints.len(), tracks)?;
@@ -201,10 +212,16 @@ fn exact_rate(steps: usize, duration: f32, wanted: f32) -> f32 {
     }
 }
 
-fn joint_track(channel: &Channel, joint: &source::Joint, times: &[f32], tracks: &mut Tracks) {
+/// Adds the track of a channel; `still` is the difference below which a translation is at rest.
+fn joint_track(
+    channel: &Channel,
+    (joint, still): (&source::Joint, f32),
+    times: &[f32],
+    tracks: &mut Tracks,
+) {
     let target = channel.target as u16;
     let step = channel.interpolation == Interpolation::Step;
-    let vectors = |rest: Vec3| -> Option<Track<Vec3>> {
+    let vectors = |rest: Vec3, still: f32| -> Option<Track<Vec3>> {
         let values: Vec<Vec3> = times
             .iter()
             .map(|t| {
@@ -214,11 +231,11 @@ fn joint_track(channel: &Channel, joint: &source::Joint, times: &[f32], tracks: 
             })
             .collect();
         let spread = |from: Vec3| values.iter().map(|v| v.distance(from)).fold(0.0, f32::max);
-        if spread(rest) <= STILL_METRES {
+        if spread(rest) <= still {
             return None;
         }
-        let still = spread(values[0]) <= STILL_METRES;
-        let values = if still { vec![values[0]] } else { values };
+        let holds = spread(values[0]) <= still;
+        let values = if holds { vec![values[0]] } else { values };
         Some(Track {
             target,
             step,
@@ -226,8 +243,10 @@ fn joint_track(channel: &Channel, joint: &source::Joint, times: &[f32], tracks: 
         })
     };
     match channel.property {
-        Property::Translation => tracks.translations.extend(vectors(joint.rest.translation)),
-        Property::Scale => tracks.scales.extend(vectors(joint.rest.scale)),
+        Property::Translation => tracks
+            .translations
+            .extend(vectors(joint.rest.translation, still)),
+        Property::Scale => tracks.scales.extend(vectors(joint.rest.scale, STILL_SHARE)),
         Property::Rotation => tracks.rotations.extend(rotations(channel, joint, times)),
         Property::Weights | Property::Expression => {}
     }
@@ -284,13 +303,13 @@ fn weight_tracks(channel: &Channel, slot: usize, count: usize, times: &[f32], tr
 }
 
 /// Number of frames per key interval with which straight lines (and normalised linear blends)
-/// follow the source within [`CHORD_METRES`] and [`CHORD_RADIANS`].
-fn oversampling(clip: &source::RawClip) -> usize {
+/// follow the source within [`CHORD_SHARE`] and [`CHORD_RADIANS`].
+fn oversampling(clip: &source::RawClip, extents: &[f32]) -> usize {
     let rate = source_rate_hz(clip);
     let mut factor = 1;
     while factor < 8
         && rate * (factor * 2) as f32 <= MAX_RATE_HZ
-        && curves(clip, rate * factor as f32)
+        && curves(clip, extents, rate * factor as f32)
     {
         factor *= 2;
     }
@@ -298,15 +317,23 @@ fn oversampling(clip: &source::RawClip) -> usize {
 }
 
 /// Whether any channel leaves the chord between neighbouring frames by more than the bounds.
-fn curves(clip: &source::RawClip, rate: f32) -> bool {
+fn curves(clip: &source::RawClip, extents: &[f32], rate: f32) -> bool {
     let frames = (clip.duration_secs * rate).ceil().clamp(0.0, 1e5) as usize;
     clip.channels
         .iter()
         .filter(|c| c.interpolation != Interpolation::Step && c.property.is_of_joint())
-        .any(|c| (0..frames).any(|i| leaves_chord(c, i as f32 / rate, (i + 1) as f32 / rate)))
+        .any(|c| {
+            let bound = match c.property {
+                Property::Rotation => CHORD_RADIANS,
+                Property::Scale => CHORD_SCALE,
+                _ => CHORD_SHARE * extents[c.target],
+            };
+            let time = |i: usize| i as f32 / rate;
+            (0..frames).any(|i| leaves_chord(c, time(i), time(i + 1), bound))
+        })
 }
 
-fn leaves_chord(c: &Channel, from: f32, to: f32) -> bool {
+fn leaves_chord(c: &Channel, from: f32, to: f32, bound: f32) -> bool {
     let width = width(c, &[]);
     let value = |t: f32| {
         let mut v = [0.0; 4];
@@ -320,10 +347,10 @@ fn leaves_chord(c: &Channel, from: f32, to: f32) -> bool {
         let m = value(from + (to - from) * u);
         if c.property == Property::Rotation {
             let chord = nlerp(Quat::from_array(a), Quat::from_array(b), u);
-            return angle_between(chord, Quat::from_array(m)) > CHORD_RADIANS;
+            return angle_between(chord, Quat::from_array(m)) > bound;
         }
         let [a, m, b] = [a, m, b].map(|v| Vec3::from_slice(&v));
-        (a.lerp(b, u) - m).length() > CHORD_METRES
+        (a.lerp(b, u) - m).length() > bound
     })
 }
 
@@ -392,6 +419,52 @@ mod tests {
             );
             let err = angle_between(pose.rotations[0], Quat::from_rotation_y(1.3 * t));
             assert!(err < 2e-3, "{err} rad at {t} s");
+        }
+    }
+
+    #[test]
+    fn curves_are_followed_alike_in_figures_of_any_unit() {
+        use articula_core::Transform;
+        // The head of a figure of 1.7 m sways by 0.1 m along a spline with two keys in a second;
+        // its numbers are metres, or units below a joint that scales them to metres.
+        let frames = |unit_metres: f32| {
+            let joint = |parent, y: f32, scale| source::Joint {
+                name: String::new(),
+                parent,
+                rest: Transform {
+                    translation: Vec3::Y * y,
+                    scale: Vec3::splat(scale),
+                    ..Transform::IDENTITY
+                },
+                in_skin: true,
+            };
+            let length = |metres: f32| metres / unit_metres;
+            let skeleton = source::Skeleton {
+                joints: vec![
+                    joint(None, 0.0, unit_metres),
+                    joint(Some(0), length(0.9), 1.0),
+                    joint(Some(1), length(0.8), 1.0),
+                ],
+            };
+            let key = |x: f32| [0.0, 0.0, 0.0, length(x), length(0.8), 0.0, 0.0, 0.0, 0.0];
+            let clip = source::RawClip {
+                name: "sway".into(),
+                duration_secs: 0.2,
+                channels: vec![Channel {
+                    target: 2,
+                    property: Property::Translation,
+                    interpolation: Interpolation::CubicSpline,
+                    times_secs: vec![0.0, 0.1, 0.2],
+                    values: [key(0.0), key(0.1), key(0.0)].concat(),
+                }],
+            };
+            let built = resample(&clip, &skeleton, &[], &[], &ClipOptions::default());
+            built.unwrap().frames()
+        };
+        let in_metres = frames(1.0);
+        assert!(in_metres > 3, "the spline leaves its chords: {in_metres}");
+        for unit_metres in [1e-3, 0.01, 0.0254, 100.0] {
+            assert_eq!(frames(unit_metres), in_metres, "{unit_metres}");
         }
     }
 

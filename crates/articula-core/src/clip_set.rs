@@ -17,7 +17,8 @@ use crate::simd::Row;
 use glam::{Quat, Vec3, Vec4};
 
 /// Tolerance for the noise of constant channels in files: a channel whose numbers stay within this
-/// of their first ones is a constant, and a scale this near to one is one.
+/// of their first ones is a constant, and a scale this near to one is one. For translations, a share
+/// of the figure's extent.
 const STILL: f32 = 2e-6;
 
 /// Storage format of the numbers of a [`ClipSet`].
@@ -132,7 +133,7 @@ impl ClipSet {
                 first
             })
             .collect();
-        let (sources, slots) = layout(&joint_lods, &constants, &frames);
+        let (sources, slots) = layout(rig, &joint_lods, &constants, &frames);
         let all: usize = frames.iter().map(Frames::len).sum();
         if all.saturating_mul(slots) > u32::MAX as usize {
             let what = format!("{all} frames of {slots} slots each exceed 2^32 values");
@@ -404,18 +405,21 @@ impl<'a> Frames<'a> {
 /// Assigns a slot to every channel that some frame moves away from its constant: rotations first,
 /// then translations, then scales.
 fn layout(
+    rig: &Rig,
     joint_lods: &JointLods,
     constants: &[Transform],
     clips: &[Frames<'_>],
 ) -> (Vec<TrackSlots>, usize) {
+    let extents = rig.local_extents();
     let mut moves = vec![[false; 3]; joint_lods.joints().len()];
     for (place, moves) in moves.iter_mut().enumerate() {
         let (joint, constant) = (usize::from(joint_lods.joints()[place]), constants[place]);
+        let still = STILL * extents[joint];
         for (clip, frame) in clips.iter().flat_map(|c| (0..c.len()).map(move |f| (c, f))) {
             let now = clip.at(joint, frame);
             let turned = now.rotation - constant.rotation;
             moves[0] |= turned.to_array().iter().any(|c| c.abs() > STILL);
-            moves[1] |= !now.translation.abs_diff_eq(constant.translation, STILL);
+            moves[1] |= !now.translation.abs_diff_eq(constant.translation, still);
             moves[2] |= !now.scale.abs_diff_eq(constant.scale, STILL);
         }
     }

@@ -3,6 +3,7 @@
 use crate::Mismatch;
 use crate::articulation::Articulation;
 use crate::joint_set::{JointSet, MAX_JOINTS};
+use crate::local_extent::{RestJoint, local_extents};
 use crate::pose::LocalPose;
 use crate::source::Skeleton;
 
@@ -100,6 +101,17 @@ impl Rig {
     /// Returns the local transforms of the rest pose.
     pub fn rest_pose(&self) -> &LocalPose {
         &self.rest
+    }
+
+    /// Returns the extent of the figure at rest in the units of each joint's translation; see
+    /// [`local_extents`].
+    pub fn local_extents(&self) -> Vec<f32> {
+        let joint = |j| RestJoint {
+            parent: self.parent(j),
+            rest: self.rest.get(j),
+            in_skin: self.in_skin.contains(j),
+        };
+        local_extents(&(0..self.len()).map(joint).collect::<Vec<_>>())
     }
 
     /// Returns the H-Anim name, level and region of each joint.

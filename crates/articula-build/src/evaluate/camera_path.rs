@@ -3,6 +3,7 @@
 //! Source: `docs/methods/motion-lod.md` 4.5 and 12. The frames are those of a live playback: depths
 //! are those of the pose shown before, moved as the root moves.
 
+use super::skin_sample::SkinSample;
 use super::stage::{ClipEvaluator, FrameErrors};
 use crate::motion_error::bounds::joint_bounds;
 use crate::motion_error::contacts::attention;
@@ -52,6 +53,8 @@ pub struct PathFrame {
     /// 95th percentile over the sampled vertices of the distance between shown and true
     /// projections, pixels.
     pub error_px: f32,
+    /// Maximum over all vertices, pixels.
+    pub worst_vertex_px: f32,
     /// Maximum over the joints of `lever * angle * pixels per metre`, the quantity that the
     /// controller bounds, pixels; for the view-dependent controller the part that the camera sees.
     pub joint_error_px: f32,
@@ -66,6 +69,8 @@ pub struct PathRun {
     pub joint_update_gain: f32,
     /// Share of frames after the first at which no joint changed.
     pub evaluations_saved: f32,
+    /// Maximum over all vertices and frames, pixels.
+    pub worst_vertex_px: f32,
     /// Percentiles over frames of [`PathFrame::error_px`].
     pub error_px: FrameErrors,
 }
@@ -213,6 +218,7 @@ impl ClipEvaluator<'_> {
         let mut truth = rig.rest_pose().clone();
         let mut joints = ModelPose::new(rig.len());
         let count = ((last.secs - first.secs).max(0.0) * display_hz).floor() as usize;
+        let whole = SkinSample::whole(self.asset);
         let mut frames: Vec<PathFrame> = Vec::with_capacity(count + 1);
         for i in 0..=count {
             let secs = i as f64 / display_hz;
@@ -242,6 +248,13 @@ impl ClipEvaluator<'_> {
                 let depth = camera.view(joints.position(j)).z.abs();
                 metres * camera.viewport.pixels_per_metre(depth)
             });
+            let poses = (
+                &shown,
+                &truth,
+                f64::from(looped(clip.duration_secs(), secs)),
+            );
+            let mut errors_px = self.projected_errors(self.sample(), &camera, poses);
+            let whole_px = self.projected_errors(&whole, &camera, poses);
             frames.push(PathFrame {
                 secs,
                 camera,
@@ -256,7 +269,8 @@ impl ClipEvaluator<'_> {
                     })
                     .collect(),
                 joint_error_px: joint_errors.fold(0.0, f32::max),
-                error_px: self.projected_error(&camera, &shown, &truth),
+                error_px: percentile(&mut errors_px, 0.95),
+                worst_vertex_px: whole_px.into_iter().fold(0.0, f32::max),
                 shown,
             });
         }
@@ -293,6 +307,7 @@ fn summary(stage: &ClipEvaluator<'_>, frames: Vec<PathFrame>) -> PathRun {
         .skip(1)
         .filter(|f| f.updated.is_empty())
         .count();
+    let worst = frames.iter().map(|f| f.worst_vertex_px);
     let mut errors: Vec<f32> = frames.iter().map(|f| f.error_px).collect();
     let mut at = |fraction| percentile(&mut errors, fraction);
     let error_px = FrameErrors {
@@ -304,6 +319,7 @@ fn summary(stage: &ClipEvaluator<'_>, frames: Vec<PathFrame>) -> PathRun {
         joint_update_gain: 1.0 - updates as f32 / (stage.moving.len().max(1) as f32 * after),
         evaluations_saved: free as f32 / after,
         error_px,
+        worst_vertex_px: worst.fold(0.0, f32::max),
         frames,
     }
 }
@@ -328,19 +344,21 @@ pub(crate) fn camera_at(path: &[CameraKey], secs: f64, viewport: Viewport) -> Op
 }
 
 impl ClipEvaluator<'_> {
-    /// 95th percentile over the sampled vertices of the distance between the projections of two
-    /// poses, pixels. Vertices at or behind the camera are excluded.
-    fn projected_error(&self, camera: &Camera, shown: &LocalPose, truth: &LocalPose) -> f32 {
-        let shown = self.points().posed(self.asset, shown);
-        let truth = self.points().posed(self.asset, truth);
-        let mut distances: Vec<f32> = shown
-            .iter()
-            .zip(&truth)
-            .filter_map(|(s, t)| {
-                let ((s, sz), (t, tz)) = (camera.project(*s), camera.project(*t));
-                (sz > NEAR_METRES && tz > NEAR_METRES).then(|| s.distance(t))
-            })
-            .collect();
-        percentile(&mut distances, 0.95)
+    /// Distances between the projections of two poses of a skin, pixels. Vertices at or behind the
+    /// camera are excluded.
+    fn projected_errors(
+        &self,
+        skin: &SkinSample<'_>,
+        camera: &Camera,
+        (shown, truth, secs): (&LocalPose, &LocalPose, f64),
+    ) -> Vec<f32> {
+        let shown = self.posed(skin, shown, secs);
+        let truth = self.posed(skin, truth, secs);
+        let pairs = shown.iter().zip(&truth);
+        let distances = pairs.filter_map(|(s, t)| {
+            let ((s, sz), (t, tz)) = (camera.project(*s), camera.project(*t));
+            (sz > NEAR_METRES && tz > NEAR_METRES).then(|| s.distance(t))
+        });
+        distances.collect()
     }
 }

@@ -19,6 +19,8 @@ mod method;
 mod playbacks;
 mod pose_keys;
 mod schedule;
+mod skin_errors;
+mod skin_sample;
 mod stage;
 
 pub use baselines::thesis::{
@@ -31,4 +33,5 @@ pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use playbacks::play;
 pub use pose_keys::{pose_key_frames, uniform_key_frames};
 pub use schedule::{LevelSchedule, RequestedLevel, ScheduleFrame, ScheduledLevel, play_schedule};
+pub use skin_errors::{PartErrors, SkinErrors};
 pub use stage::{ClipEvaluator, DistanceRow, EvaluationSetup, FrameErrors, MethodRun};

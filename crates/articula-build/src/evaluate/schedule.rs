@@ -3,6 +3,7 @@
 //! Source: thesis 5.1 (Refine and Simplify below the cap of the device) and 5.2 (transitions);
 //! `docs/methods/motion-lod.md` part 2.
 
+use super::skin_errors::across;
 use super::stage::ClipEvaluator;
 use articula_core::crowd::ClipState;
 use articula_core::joint_state::{LoaRange, TransitionOptions};
@@ -128,7 +129,7 @@ pub fn play_schedule(
             articulation: *control.articulation(),
             sampled: report.sampled.intersection(&stage.moving).len(),
             in_transition: report.in_transition.len(),
-            error_px: scale * stage.worst_view_metres(shown, &truth),
+            error_px: scale * stage.worst_view_metres(shown, &truth, wrapped),
             jump_radians: if i > 0 { jump.fold(0.0, f32::max) } else { 0.0 },
             gap_radians: gaps.fold(0.0, f32::max),
         });
@@ -141,13 +142,12 @@ pub fn play_schedule(
 impl ClipEvaluator<'_> {
     /// 95th percentile over the sampled vertices of the distance between two poses projected along
     /// each view, at the worst of them, metres.
-    fn worst_view_metres(&self, shown: &LocalPose, truth: &LocalPose) -> f32 {
-        let shown = self.points().posed(self.asset, shown);
-        let truth = self.points().posed(self.asset, truth);
+    fn worst_view_metres(&self, shown: &LocalPose, truth: &LocalPose, secs: f64) -> f32 {
+        let shown = self.points_at(shown, secs);
+        let truth = self.points_at(truth, secs);
         let seen = self.view_directions().map(|view| {
             let offsets = shown.iter().zip(&truth).map(|(s, t)| *s - *t);
-            let mut lengths: Vec<f32> =
-                offsets.map(|d| (d - view * d.dot(view)).length()).collect();
+            let mut lengths: Vec<f32> = offsets.map(|d| across(d, view)).collect();
             percentile(&mut lengths, 0.95)
         });
         seen.fold(0.0, f32::max)

@@ -2,17 +2,18 @@
 
 use super::baselines::thesis::{ThesisMetricOptions, error_matrix};
 use super::method::{Method, MethodOptions, Playback};
+use super::skin_errors::{SkinErrors, across};
+use super::skin_sample::SkinSample;
 use crate::character::Asset;
 use crate::motion_error::bounds::moving_joints;
 use crate::motion_error::contacts::contacts;
 use crate::motion_error::joint_lever::JointLever;
 use crate::motion_error::levers::levers;
 use crate::motion_error::tables::key_table;
-use crate::points::Points;
 use articula_core::playback::{ErrorMatrix, StoredKeys};
 use articula_core::{
     Clip, Contact, JointSet, KeyMode, KeyTable, LocalPose, ModelPose, Viewport, Wrap,
-    local_to_model, percentile, sample,
+    local_to_model, percentile, sample, sample_morphs,
 };
 use glam::{Quat, Vec3};
 use std::cell::OnceCell;
@@ -60,7 +61,7 @@ pub struct ClipEvaluator<'a> {
     pub(crate) contacts: Vec<Contact>,
     /// Unreduced local poses of all frames.
     pub truth: Vec<LocalPose>,
-    points: Points,
+    sample: SkinSample<'static>,
     true_points: Vec<Vec<Vec3>>,
     matrix: OnceCell<ErrorMatrix>,
     key_table: OnceCell<KeyTable>,
@@ -107,6 +108,27 @@ pub struct DistanceRow {
     pub trial: MethodRun,
     /// Error of the run, pixels.
     pub error_px: FrameErrors,
+    /// Error of the run over the whole skin, pixels.
+    pub skin_px: SkinErrors,
+}
+
+impl FrameErrors {
+    /// Returns all errors times a factor, such as pixels per metre.
+    #[must_use]
+    pub fn scaled(self, factor: f32) -> Self {
+        Self {
+            p50: self.p50 * factor,
+            p95: self.p95 * factor,
+            max: self.max * factor,
+        }
+    }
+
+    /// Includes the errors of the frames of one more view.
+    pub(super) fn add(&mut self, frames: &mut [f32]) {
+        self.max = self.max.max(percentile(frames, 1.0));
+        self.p95 = self.p95.max(percentile(frames, 0.95));
+        self.p50 = self.p50.max(percentile(frames, 0.5));
+    }
 }
 
 impl<'a> ClipEvaluator<'a> {
@@ -126,21 +148,88 @@ impl<'a> ClipEvaluator<'a> {
                 pose.clone()
             })
             .collect();
-        let points = Points::draw(asset, setup.points, setup.seed);
-        Self {
+        let sample = SkinSample::draw(asset, setup.points, setup.seed);
+        let mut made = Self {
             moving: moving_joints(asset, &clip),
             levers: levers(&asset.rig, &asset.mesh),
             contacts: contacts(asset, &clip, false),
-            true_points: truth.iter().map(|p| points.posed(asset, p)).collect(),
+            true_points: Vec::new(),
             truth,
-            points,
+            sample,
             matrix: OnceCell::new(),
             key_table: OnceCell::new(),
             asset,
             clip,
             setup,
             options,
+        };
+        let frames = made.truth.iter().enumerate();
+        made.true_points = frames
+            .map(|(f, pose)| made.points_at(pose, made.secs(f)))
+            .collect();
+        made
+    }
+
+    /// Time of a frame, seconds.
+    fn secs(&self, frame: usize) -> f64 {
+        frame as f64 / f64::from(self.clip.rate_hz())
+    }
+
+    /// Weights of the morph targets at a time; `None` if the clip moves none.
+    fn morphs(&self, secs: f64) -> Option<Vec<f32>> {
+        if self.clip.tracks().morphs.is_empty() {
+            return None;
         }
+        let mut weights = self.asset.mesh.morph_weights.clone();
+        sample_morphs(&self.clip, secs, Wrap::Clamp, &mut weights);
+        Some(weights)
+    }
+
+    pub(super) fn sample(&self) -> &SkinSample<'static> {
+        &self.sample
+    }
+
+    /// Positions of the sampled skin under a pose, with the morph targets of a time.
+    pub(super) fn points_at(&self, pose: &LocalPose, secs: f64) -> Vec<Vec3> {
+        self.posed(&self.sample, pose, secs)
+    }
+
+    /// Positions of a skin under a pose, with the morph targets of a time.
+    pub(super) fn posed(&self, skin: &SkinSample<'_>, pose: &LocalPose, secs: f64) -> Vec<Vec3> {
+        let morphs = self.morphs(secs);
+        skin.posed(&self.asset.rig, pose, morphs.as_deref())
+    }
+
+    /// Offsets from the true to the shown positions of a skin at a frame.
+    pub(super) fn offsets(
+        &self,
+        skin: &SkinSample<'_>,
+        playback: &Playback,
+        frame: usize,
+    ) -> Vec<Vec3> {
+        let mut pose = self.truth[frame].clone();
+        pose.rotations.copy_from_slice(&playback.shown[frame]);
+        let shown = self.posed(skin, &pose, self.secs(frame));
+        let truth = self.posed(skin, &self.truth[frame], self.secs(frame));
+        shown.iter().zip(&truth).map(|(s, t)| *s - *t).collect()
+    }
+
+    /// Each playback with the views in which it is measured: a playback made for one view in that
+    /// view, a common one in all.
+    pub(super) fn seen<'p>(
+        &self,
+        playbacks: &'p [Playback],
+    ) -> impl Iterator<Item = (&'p Playback, Vec<Vec3>)> {
+        let views: Vec<Vec3> = self.view_directions().collect();
+        let is_each = playbacks.len() == views.len() && views.len() > 1;
+        playbacks.iter().enumerate().map(move |(p, playback)| {
+            let seen = if is_each {
+                vec![views[p]]
+            } else {
+                views.clone()
+            };
+            (playback, seen)
+        })
     }
 
     /// Unit directions from the figure to each camera.
@@ -164,23 +253,14 @@ impl<'a> ClipEvaluator<'a> {
             .collect()
     }
 
-    pub(super) fn points(&self) -> &Points {
-        &self.points
-    }
-
     /// Converts a run to a camera distance in metres.
-    pub fn row(&self, trial: MethodRun, distance_m: f32) -> DistanceRow {
+    pub fn row(&self, (trial, skin): (MethodRun, SkinErrors), distance_m: f32) -> DistanceRow {
         let ppm = self.setup.viewport.pixels_per_metre(distance_m);
-        let FrameErrors { p50, p95, max } = trial.error;
-        let error_px = FrameErrors {
-            p50: p50 * ppm,
-            p95: p95 * ppm,
-            max: max * ppm,
-        };
         DistanceRow {
             distance_m,
             trial,
-            error_px,
+            error_px: trial.error.scaled(ppm),
+            skin_px: skin.scaled(ppm),
         }
     }
 
@@ -306,19 +386,10 @@ impl<'a> ClipEvaluator<'a> {
     }
 
     fn error(&self, playbacks: &[Playback]) -> FrameErrors {
-        let views: Vec<Vec3> = self.view_directions().collect();
         let mut worst = FrameErrors::default();
-        for (p, playback) in playbacks.iter().enumerate() {
-            // A playback made for one view is measured in that view, a common one in all.
-            let seen = if playbacks.len() == views.len() && views.len() > 1 {
-                &views[p..=p]
-            } else {
-                &views
-            };
-            for frames in &mut self.displacements(playback, seen) {
-                worst.max = worst.max.max(percentile(frames, 1.0));
-                worst.p95 = worst.p95.max(percentile(frames, 0.95));
-                worst.p50 = worst.p50.max(percentile(frames, 0.5));
+        for (playback, views) in self.seen(playbacks) {
+            for frames in &mut self.displacements(playback, &views) {
+                worst.add(frames);
             }
         }
         worst
@@ -332,12 +403,10 @@ impl<'a> ClipEvaluator<'a> {
         for (f, truth) in self.truth.iter().enumerate() {
             pose.copy_from(truth);
             pose.rotations.copy_from_slice(&playback.shown[f]);
-            let shown = self.points.posed(self.asset, &pose);
+            let shown = self.points_at(&pose, self.secs(f));
             for (frames, view) in out.iter_mut().zip(views) {
                 let offsets = shown.iter().zip(&self.true_points[f]).map(|(s, t)| *s - *t);
-                let mut lengths: Vec<f32> = offsets
-                    .map(|d| (d - *view * d.dot(*view)).length())
-                    .collect();
+                let mut lengths: Vec<f32> = offsets.map(|d| across(d, *view)).collect();
                 frames.push(percentile(&mut lengths, 0.95));
             }
         }

@@ -12,6 +12,22 @@ use std::borrow::Cow;
 /// missed by chance.
 const MIN_FOR_A_JOINT: usize = 4;
 
+/// Directions in which the outermost vertices of each joint are watched: both ways along the axes
+/// and the diagonals of a cube. Where a joint alone moves its skin, the error of holding it is an
+/// affine function of the position, whose length is greatest at an outermost vertex.
+const OUTWARD: [Vec3; 7] = [
+    Vec3::X,
+    Vec3::Y,
+    Vec3::Z,
+    Vec3::new(1.0, 1.0, 1.0),
+    Vec3::new(1.0, 1.0, -1.0),
+    Vec3::new(1.0, -1.0, 1.0),
+    Vec3::new(-1.0, 1.0, 1.0),
+];
+
+/// Minimum weight with which a vertex counts as skin of a joint.
+const MIN_WEIGHT: f32 = 0.5;
+
 /// Minimum length of a bone that is used as skin, in metres.
 const MIN_BONE_METRES: f32 = 0.01;
 
@@ -25,12 +41,15 @@ pub(crate) struct Watched {
 }
 
 impl Watched {
-    /// Draws `count` random vertices and adds those of the largest weight for each joint.
+    /// Draws `count` random vertices and adds, for each joint, those of the largest weight and the
+    /// outermost ones of its skin.
     pub(crate) fn draw(mesh: &Mesh, joints: usize, count: usize, seed: u64) -> Self {
         let finite = |v: &u32| mesh.positions[*v as usize].is_finite();
         let mut drawn = draw_vertices(mesh.len(), count, seed);
         drawn.retain(finite);
         let mut heaviest = vec![Vec::<(f32, u32)>::new(); joints];
+        let nothing = [(f32::MIN, None); 2 * OUTWARD.len()];
+        let mut outermost: Vec<[(f32, Option<u32>); 2 * OUTWARD.len()]> = vec![nothing; joints];
         for v in (0..mesh.len() as u32).filter(finite) {
             for (joint, weight) in mesh.influences_of(v as usize) {
                 let top = &mut heaviest[joint];
@@ -39,10 +58,22 @@ impl Watched {
                     top.insert(at, (weight, v));
                     top.truncate(MIN_FOR_A_JOINT);
                 }
+                if weight >= MIN_WEIGHT {
+                    let position = mesh.positions[v as usize];
+                    let along = OUTWARD
+                        .iter()
+                        .flat_map(|d| [d.dot(position), -d.dot(position)]);
+                    for (farthest, along) in outermost[joint].iter_mut().zip(along) {
+                        if along > farthest.0 {
+                            *farthest = (along, Some(v));
+                        }
+                    }
+                }
             }
         }
         let mut vertices = drawn.clone();
         vertices.extend(heaviest.iter().flatten().map(|(_, v)| *v));
+        vertices.extend(outermost.iter().flatten().filter_map(|(_, v)| *v));
         vertices.sort_unstable();
         vertices.dedup();
         let is_drawn = |v: &u32| drawn.binary_search(v).is_ok();

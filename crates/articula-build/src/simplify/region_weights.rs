@@ -19,6 +19,22 @@ pub fn skin_regions(rig: &Rig) -> Vec<Region> {
     joints.iter().zip(&is_head).map(of).collect()
 }
 
+/// Returns the region of the skin ([`skin_regions`]) that the joint with the largest weight on each
+/// vertex moves.
+///
+/// # Panics
+/// If the mesh belongs to another rig.
+pub(crate) fn vertex_regions(mesh: &Mesh, rig: &Rig) -> Vec<Region> {
+    let regions = skin_regions(rig);
+    let region = |v: usize| {
+        let mut influences = mesh.influences_of(v);
+        let first = influences.next().unwrap_or((0, 0.0));
+        let heaviest = influences.fold(first, |best, i| if best.1 >= i.1 { best } else { i });
+        regions[heaviest.0]
+    };
+    (0..mesh.len()).map(region).collect()
+}
+
 /// Returns the weight of an error at each vertex, by the region of the skin ([`skin_regions`]) that
 /// the joint with the largest weight on it moves: `("hands", 4.0)` makes errors of hands count four
 /// times. The weight is 1 in regions that are not listed.
@@ -60,19 +76,11 @@ pub fn region_weights(
         );
         return Err(Mismatch::new("mesh.bindings", what));
     }
-    let regions = skin_regions(rig);
-    let weight = |v: usize| {
-        let heaviest =
-            mesh.influences_of(v)
-                .fold(None, |best: Option<(usize, f32)>, i| match best {
-                    Some(b) if b.1 >= i.1 => Some(b),
-                    _ => Some(i),
-                });
-        let region = heaviest.map(|(joint, _)| regions[joint]);
-        let at = region.and_then(|r| Region::ALL.iter().position(|known| *known == r));
+    let weight = |region: Region| {
+        let at = Region::ALL.iter().position(|known| *known == region);
         at.map_or(1.0, |at| of_region[at])
     };
-    Ok((0..mesh.len()).map(weight).collect())
+    Ok(vertex_regions(mesh, rig).into_iter().map(weight).collect())
 }
 
 #[cfg(test)]

@@ -3,7 +3,8 @@
 use articula_build::ClipOptions;
 use articula_build::evaluate::{
     CameraKey, ClipEvaluator, EvaluationSetup, Method, MethodOptions, MethodRun, PathMethod,
-    SkinPxVariant, calibrate, play, play_camera_path, pose_key_frames, sweep, uniform_key_frames,
+    SkinErrors, SkinPxVariant, calibrate, play, play_camera_path, pose_key_frames, sweep,
+    uniform_key_frames,
 };
 use articula_build::levers;
 use articula_build::pose_keys;
@@ -199,6 +200,81 @@ fn fixed_levels_hold_what_is_not_in_them() {
 }
 
 #[test]
+fn a_held_hand_is_seen_by_the_worst_vertex_and_by_its_part_alone() {
+    // The tip of the arm becomes a hand of three vertices on a body of three hundred, which also
+    // smiles: a morph target that opens by 0.2 m along the arm at its end.
+    let mut asset = asset();
+    let (mesh, rig) = (&mut asset.mesh, &asset.rig);
+    let mut joints = rig.articulation().joints.clone();
+    joints[0].region = Region::Torso;
+    joints[1].region = Region::Hands;
+    let articulation = Articulation {
+        joints,
+        ..rig.articulation().clone()
+    };
+    mesh.bindings.push(articula_core::Binding {
+        joint: 0,
+        inverse_bind: Affine3A::IDENTITY,
+    });
+    mesh.positions.extend([Vec3::Y; 300]);
+    mesh.normals.extend([Vec3::Z; 300]);
+    mesh.binding_indices.extend([1; 300]);
+    mesh.weights.extend([1.0; 300]);
+    mesh.morph_weights.push(0.0);
+    mesh.morphs.push(articula_core::Morph {
+        slot: 0,
+        vertices: vec![0],
+        positions: vec![0.2 * Vec3::X],
+        normals: vec![Vec3::ZERO],
+    });
+    let skeleton = Skeleton {
+        joints: (0..2)
+            .map(|j| Joint {
+                name: rig.name(j).to_owned(),
+                parent: rig.parent(j),
+                rest: rig.rest_pose().get(j),
+                in_skin: true,
+            })
+            .collect(),
+    };
+    asset.rig = articula_core::Rig::new(&skeleton, articulation).unwrap();
+    let clip = &asset.clips[0];
+    let tracks = Tracks {
+        morphs: vec![Track {
+            target: 0,
+            step: false,
+            values: (0..FRAMES)
+                .map(|i| i as f32 / (FRAMES - 1) as f32)
+                .collect(),
+        }],
+        ..clip.tracks().clone()
+    };
+    asset.clips[0] = articula_core::Clip::new("turn", RATE, FRAMES, 2, tracks).unwrap();
+    let setup = EvaluationSetup {
+        azimuths_deg: vec![0.0],
+        ..EvaluationSetup::default()
+    };
+    let stage = ClipEvaluator::new(&asset, &asset.clips[0], setup, MethodOptions::default());
+    // The whole figure is held in its key pose, half-way: thirty steps to the end, seen from the
+    // front, and the opened morph target is 1.2 m from the joint.
+    let method = Method::Loa(vec![JointSet::first(1)]);
+    let (run, playbacks) = play(&stage, &method, 0.0);
+    assert_eq!(
+        run.error.max, 0.0,
+        "three of three hundred are no percentile"
+    );
+    let found = stage.skin_errors(&playbacks);
+    let chord = |radius: f32| 2.0 * radius * (0.15f32).sin();
+    assert!(near(found.worst_vertex, chord(1.2)), "{found:?}");
+    let hands = found.hands.unwrap();
+    assert!(near(hands.worst_vertex, chord(1.2)));
+    // At the end two vertices at 1 m and one at 1.2 m: nine tenths of the way to the last.
+    let p95 = chord(1.0) + 0.9 * (chord(1.2) - chord(1.0));
+    assert!(near(hands.frames.max, p95), "{hands:?} {p95}");
+    assert!(found.face.is_none() && found.feet.is_none());
+}
+
+#[test]
 fn calibration_takes_the_greatest_gain_within_the_limit() {
     let asset = asset();
     let stage = ClipEvaluator::new(
@@ -211,10 +287,11 @@ fn calibration_takes_the_greatest_gain_within_the_limit() {
     // At 45 degrees and 720 px a centimetre is 1 px at 8.69 m: one skipped frame, no more.
     let trial = calibrate(&stage, &swept, 9.0, 1.0).unwrap();
     assert_eq!(trial.parameter, 2.0);
-    let row = stage.row(trial, 9.0);
+    let skin = SkinErrors::default();
+    let row = stage.row((trial, skin), 9.0);
     assert!(row.error_px.p95 <= 1.0 && row.error_px.p95 > 0.9);
     assert!(near(
-        stage.row(trial, 18.0).error_px.p95,
+        stage.row((trial, skin), 18.0).error_px.p95,
         0.5 * row.error_px.p95
     ));
     assert!(calibrate(&stage, &[], 9.0, 1.0).is_none());

@@ -38,6 +38,7 @@ mod readme;
 mod real;
 mod real_files;
 mod retargeting;
+mod sizes;
 mod skinned_files;
 #[path = "../../../articula-formats/tests/it/thinned/mod.rs"]
 mod thinned;

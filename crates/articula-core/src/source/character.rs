@@ -1,6 +1,6 @@
 //! The editable form of a whole character: everything that one file describes.
 
-use super::{Credits, Expression, RawClip, RawMesh, Skeleton};
+use super::{Credits, Expression, Property, RawClip, RawMesh, Skeleton};
 use crate::articulation::Articulation;
 use crate::level_table::LevelTable;
 use glam::Vec4;
@@ -67,4 +67,37 @@ pub struct Character {
     pub materials: Vec<Material>,
     /// Images that materials refer to by index.
     pub images: Vec<Image>,
+}
+
+impl Character {
+    /// Scales all lengths: rest translations, vertices, morph targets, inverse bind matrices, and
+    /// keys of translations. Scales of joints stay.
+    pub fn scale_lengths(&mut self, factor: f32) {
+        for joint in &mut self.skeleton.joints {
+            joint.rest.translation *= factor;
+        }
+        for mesh in &mut self.meshes {
+            let levels = mesh.levels.iter_mut();
+            let levels = levels.map(|level| (&mut level.skin, &mut level.primitives));
+            for (skin, primitives) in [(&mut mesh.skin, &mut mesh.primitives)]
+                .into_iter()
+                .chain(levels)
+            {
+                for bind in &mut skin.inverse_bind {
+                    bind.translation *= factor;
+                }
+                for primitive in primitives {
+                    primitive.positions.iter_mut().for_each(|p| *p *= factor);
+                    let offsets = primitive.morphs.iter_mut().flat_map(|m| &mut m.positions);
+                    offsets.for_each(|p| *p *= factor);
+                }
+            }
+        }
+        let channels = self.clips.iter_mut().flat_map(|clip| &mut clip.channels);
+        for channel in channels.filter(|c| c.property == Property::Translation) {
+            channel.values.iter_mut().for_each(|x| *x *= factor);
+        }
+        let bindings = self.expressions.iter_mut().flat_map(|e| &mut e.joints);
+        bindings.for_each(|binding| binding.full.translation *= factor);
+    }
 }

@@ -1,5 +1,6 @@
 //! The joint tree of a character in the rest pose.
 
+use crate::local_extent::{RestJoint, local_extents};
 use crate::math::Transform;
 
 /// One joint of a [`Skeleton`].
@@ -24,6 +25,17 @@ pub struct Skeleton {
 }
 
 impl Skeleton {
+    /// Returns the extent of the figure at rest in the units of each joint's translation; see
+    /// [`local_extents`].
+    pub fn local_extents(&self) -> Vec<f32> {
+        let joint = |joint: &Joint| RestJoint {
+            parent: joint.parent,
+            rest: joint.rest,
+            in_skin: joint.in_skin,
+        };
+        local_extents(&self.joints.iter().map(joint).collect::<Vec<_>>())
+    }
+
     /// Returns the index of the first joint with this name.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|j| j.name == name)

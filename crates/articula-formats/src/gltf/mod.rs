@@ -17,7 +17,7 @@
 //! - `articulation`: the extension `ARTICULA_articulation`
 //! - `clustered`: the extension `ARTICULA_clustered_mesh`, and levels as `MSFT_lod`
 //! - `prepared`: the extension `ARTICULA_prepared`
-//! - `append`, `arrays`, `clips`, `bounds`, `prune`, `samplers`: changes to a document
+//! - `append`, `arrays`, `clips`, `bounds`, `prune`, `samplers`, `unit`: changes to a document
 //! - `fresh`, `geometry`: a new document from a character
 //! - `weight`: size of meshes in bytes
 //! - `write`: back to bytes
@@ -58,6 +58,7 @@ mod samplers;
 mod skeleton;
 mod skin;
 mod texcoord;
+mod unit;
 mod vrm;
 mod weight;
 mod write;

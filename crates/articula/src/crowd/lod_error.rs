@@ -13,7 +13,7 @@ use articula_core::crowd::ClipState;
 use articula_core::percentile;
 use articula_core::visibility::{Bodies, CullResult, MIN_DEPTH_METRES, View, Visibility, cull};
 use articula_core::{Camera, LocalPose, PosedMesh, Sphere, Wrap, blend, sample, skin_points};
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use serde::Serialize;
 
 /// Distance within which all visible characters are measured, in metres.
@@ -201,14 +201,17 @@ impl ErrorMeter {
         sample(clip, secs, Wrap::Clamp, &asset.rig.all(), pose);
     }
 
-    /// Pixels between both skins at each vertex in front of the camera.
+    /// Pixels between both skins at each vertex that is in the picture in either.
     fn errors_px(&self, camera: &Camera, world: &Affine3A) -> Vec<f64> {
+        let (width, height) = (camera.viewport.width_px, camera.viewport.height_px);
+        let is_shown = |at: Vec2| (0.0..=width).contains(&at.x) && (0.0..=height).contains(&at.y);
         let pairs = self.truth.iter().zip(&self.shown);
         let pixels = pairs.filter_map(|(truth, shown)| {
             let (truth, depth) = camera.project(world.transform_point3(*truth));
             let (shown, other) = camera.project(world.transform_point3(*shown));
-            let ahead = depth.min(other) >= MIN_DEPTH_METRES;
-            ahead.then(|| f64::from(truth.distance(shown)))
+            let is_ahead = depth.min(other) >= MIN_DEPTH_METRES;
+            let is_seen = is_ahead && (is_shown(truth) || is_shown(shown));
+            is_seen.then(|| f64::from(truth.distance(shown)))
         });
         pixels.collect()
     }

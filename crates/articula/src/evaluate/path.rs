@@ -2,7 +2,7 @@
 //!
 //! Source: `docs/methods/motion-lod.md` part 4.5. The camera is in full perspective.
 
-use super::rows::MethodRow;
+use super::rows::{ErrorPx, MethodRow};
 use crate::error::{Error, Result};
 use articula_build::evaluate::{
     CameraKey, ClipEvaluator, PathFrame, PathMethod, PathRun, play_camera_path,
@@ -116,7 +116,10 @@ impl CameraPath {
                 evaluations_saved: run.evaluations_saved,
                 parameter,
                 level: self.level.clone(),
-                error_px: run.error_px.into(),
+                error_px: ErrorPx::new(run.error_px, run.worst_vertex_px),
+                hands_px: None,
+                face_px: None,
+                feet_px: None,
                 joints_sampled: mean(&|f| f.sampled.intersection(&stage.moving).len()),
                 fk_joints: mean(&|f| at_or_below(rig, &f.updated)),
                 foot_slide_mm: None,

@@ -4,7 +4,8 @@ use super::{EvaluatedClip, NamedMethod};
 use crate::error::Result;
 use crate::work::Executor;
 use articula_build::evaluate::{
-    self, ClipEvaluator, DistanceRow, Method, MethodRun, calibrate, play, sweep,
+    ClipEvaluator, DistanceRow, FrameErrors, Method, MethodRun, PartErrors, SkinErrors, calibrate,
+    play, sweep,
 };
 use serde::Serialize;
 
@@ -38,8 +39,14 @@ pub struct MethodRow {
     /// Name of the level of articulation that `parameter` selects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<String>,
-    /// Error in pixels.
+    /// Error in pixels: percentiles over a sample of the skin, the maximum over all of it.
     pub error_px: ErrorPx,
+    /// Error of all vertices of the hands; null without hands, and along a camera path.
+    pub hands_px: Option<ErrorPx>,
+    /// Error of all vertices of the head.
+    pub face_px: Option<ErrorPx>,
+    /// Error of all vertices of the feet.
+    pub feet_px: Option<ErrorPx>,
     /// Mean number of joints sampled per frame.
     pub joints_sampled: f32,
     /// Mean number of joints per frame whose model matrix changed.
@@ -61,15 +68,22 @@ pub struct ErrorPx {
     pub p95: f32,
     /// Maximum over frames.
     pub max: f32,
+    /// Maximum over all vertices and all frames.
+    pub worst_vertex: f32,
 }
 
-impl From<evaluate::FrameErrors> for ErrorPx {
-    fn from(error: evaluate::FrameErrors) -> Self {
+impl ErrorPx {
+    pub(super) fn new(error: FrameErrors, worst_vertex: f32) -> Self {
         Self {
             p50: error.p50,
             p95: error.p95,
             max: error.max,
+            worst_vertex,
         }
+    }
+
+    fn of_part(part: PartErrors) -> Self {
+        Self::new(part.frames, part.worst_vertex)
     }
 }
 
@@ -94,8 +108,20 @@ pub fn rows(
         ParameterChoice::Calibrated(_) => sweep(stage, method),
         _ => Vec::new(),
     };
-    let row =
-        |distance: &f32| stage.row(trial(stage, method, &swept, *distance, tuning), *distance);
+    let mut known: Vec<(MethodRun, SkinErrors)> = Vec::new();
+    let row = |distance_m: &f32| {
+        let run = trial(stage, method, &swept, *distance_m, tuning);
+        let same = known
+            .iter()
+            .find(|(known, _)| known.parameter == run.parameter);
+        let measured = same.copied().unwrap_or_else(|| {
+            // The search measures a sample; the whole skin is measured for its result alone.
+            let (run, playbacks) = play(stage, method, run.parameter);
+            (run, stage.skin_errors(&playbacks))
+        });
+        known.push(measured);
+        stage.row(measured, *distance_m)
+    };
     distances_m.iter().map(row).collect()
 }
 
@@ -152,7 +178,10 @@ fn named_row(named: &NamedMethod, row: &DistanceRow, tuning: ParameterChoice) ->
         evaluations_saved: trial.evaluations_saved,
         parameter: trial.parameter,
         level: named.levels.get(trial.parameter as usize).cloned(),
-        error_px: row.error_px.into(),
+        error_px: ErrorPx::new(row.error_px, row.skin_px.worst_vertex),
+        hands_px: row.skin_px.hands.map(ErrorPx::of_part),
+        face_px: row.skin_px.face.map(ErrorPx::of_part),
+        feet_px: row.skin_px.feet.map(ErrorPx::of_part),
         joints_sampled: trial.joints_sampled,
         fk_joints: trial.fk_joints,
         foot_slide_mm: Some(1000.0 * trial.foot_slide_metres),

@@ -35,6 +35,7 @@ use articula_core::loa::MAX_LEVEL;
 use articula_core::source;
 use articula_core::{Articulation, JointSet, Region};
 use articula_flat::Appearance;
+use articula_formats::Assumption;
 use extent::Measure;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -235,7 +236,7 @@ pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<
         map: joints_of(&asset.rig),
         warnings: warnings_of(figure),
     };
-    let odd = oddities(&findings);
+    let odd = oddities(&findings, figure);
     findings.warnings.extend(odd);
     Ok(findings)
 }
@@ -405,7 +406,7 @@ fn warnings_of(figure: &Figure) -> Vec<WarningInspection> {
 }
 
 /// Warnings about the character as a whole, in addition to those of the reader.
-fn oddities(found: &Inspection) -> Vec<WarningInspection> {
+fn oddities(found: &Inspection, figure: &Figure) -> Vec<WarningInspection> {
     let mut odd = Vec::new();
     let mut say = |at: &str, what: String| {
         odd.push(WarningInspection {
@@ -426,7 +427,10 @@ fn oddities(found: &Inspection) -> Vec<WarningInspection> {
             say("skeletons", what);
         }
     }
-    if let Some(height) = found.height_m.filter(|h| *h > 10.0 || *h < 0.1) {
+    let mut told = figure.opened.warnings.iter();
+    let is_told = told.any(|w| w.guess == Some(Assumption::Unit));
+    let unusual = found.height_m.filter(|h| *h > 10.0 || *h < 0.1);
+    if let Some(height) = unusual.filter(|_| !is_told) {
         let shown = match height {
             0.001..1e6 => format!("{height:.3}"),
             _ => format!("{height:e}"),

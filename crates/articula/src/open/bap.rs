@@ -11,5 +11,6 @@ pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let character = bap::character(&read.value);
     let mut opened = input.opened(character, read.warnings, None);
     opened.parameters = Some(read.value);
+    opened.scale_lengths(options.unit_metres);
     Ok(opened)
 }

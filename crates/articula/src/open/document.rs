@@ -47,7 +47,15 @@ impl GltfSource {
 
 /// Reads a glTF file and the files that it refers to.
 pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
-    let read = gltf::read(input.bytes, &input.options.limits, input.beside)?;
+    let limits = &input.options.limits;
+    let mut read = gltf::read(input.bytes, limits, input.beside)?;
+    if let Some(unit_metres) = input.options.unit_metres {
+        let mut document = read.value.document;
+        document.scale_scenes(unit_metres);
+        let told = read.warnings;
+        read = gltf::read_document(document, limits)?;
+        read.warnings = told;
+    }
     let (character, gltf) = GltfSource::split(read.value);
     let mut opened = input.opened(character, read.warnings, gltf.humanoid.as_deref());
     opened.gltf = Some(gltf);

@@ -9,6 +9,7 @@ mod document;
 mod format;
 mod human;
 mod options;
+mod size;
 mod x3d;
 
 pub use data::{Data, DataFile, DataFormat, open_data};
@@ -86,7 +87,12 @@ pub fn open(
         joint_maps: &joint_maps,
         beside,
     };
-    format.opener()(&mut input).context(name)
+    let mut opened = format.opener()(&mut input).context(name)?;
+    if options.unit_metres.is_none() {
+        let unusual = size::unusual(&opened);
+        opened.warnings.extend(unusual);
+    }
+    Ok(opened)
 }
 
 /// Arguments of an opener.
@@ -126,6 +132,17 @@ impl Input<'_, '_> {
 }
 
 impl CharacterFile {
+    /// Converts the lengths of a file whose reader takes them for metres.
+    fn scale_lengths(&mut self, unit_metres: Option<f32>) {
+        let Some(factor) = unit_metres else {
+            return;
+        };
+        self.character.scale_lengths(factor);
+        self.end_sites
+            .iter_mut()
+            .for_each(|(_, offset)| *offset *= factor);
+    }
+
     /// Wraps a character that was created by a program; its joints are identified by name.
     pub fn from_character(name: &str, character: Character) -> Self {
         Self {

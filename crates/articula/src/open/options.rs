@@ -11,7 +11,8 @@ use articula_formats::{Limits, UpAxis};
 pub struct OpenOptions {
     /// Joint maps that take precedence over the built-in ones.
     pub joint_maps: Vec<JointMap>,
-    /// BVH, ASF, BVA: metres per unit; estimated from the figure's height if `None`.
+    /// Metres per unit of the file, above 0; if `None`, estimated from the figure's height for BVH,
+    /// ASF and BVA, and as the format states it for the others: metres.
     pub unit_metres: Option<f32>,
     /// BVH, ASF, BVA: the up axis; by default estimated from the position of the head.
     pub up: UpAxis,

@@ -11,6 +11,7 @@ pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let file = read.value;
     let mut opened = input.opened(file.character, read.warnings, None);
     opened.end_sites = end_sites(&opened, &file.sites);
+    opened.scale_lengths(input.options.unit_metres);
     Ok(opened)
 }
 

@@ -5,7 +5,7 @@ use crate::fault::clean;
 use crate::open;
 use crate::table::Table;
 use articula::evaluate::{
-    Costs, EvaluatedClip, MethodRow, MethodTable, PathSummary, ScheduleReport,
+    Costs, ErrorPx, EvaluatedClip, MethodRow, MethodTable, PathSummary, ScheduleReport,
 };
 use articula::{Figure, MotionTables};
 use clap::ValueEnum;
@@ -190,6 +190,10 @@ impl LodReport {
             "p50 px",
             "p95 px",
             "max px",
+            "worst vertex",
+            "hands",
+            "face",
+            "feet",
             "joints sampled",
             "FK joints",
         ]);
@@ -199,6 +203,10 @@ impl LodReport {
                 .level
                 .clone()
                 .unwrap_or_else(|| significant(row.parameter));
+            let part = |part: Option<ErrorPx>| match part {
+                Some(part) => format!("{:.2}", part.p95),
+                None => "-".to_owned(),
+            };
             let missed = if row.meets_target == Some(false) {
                 " !"
             } else {
@@ -213,6 +221,10 @@ impl LodReport {
                 format!("{:.2}", row.error_px.p50),
                 format!("{:.2}{missed}", row.error_px.p95),
                 format!("{:.2}", row.error_px.max),
+                format!("{:.2}", row.error_px.worst_vertex),
+                part(row.hands_px),
+                part(row.face_px),
+                part(row.feet_px),
                 format!("{:.1}", row.joints_sampled),
                 format!("{:.1}", row.fk_joints),
             ]);
