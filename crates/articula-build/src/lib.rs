@@ -92,7 +92,7 @@ pub use reduce::{ClipSize, clip_size, hold_joints_in_clip};
 pub use scene::{ClipPlayback, CrossFade, PLAZA_COUNT, Plaza, Scene, SceneCharacter, plaza};
 pub use simplify::{
     ErrorWeighting, LevelTriangles, Simplified, SimplifyOptions, region_weights, simplify,
-    skin_regions,
+    skin_regions, vertex_regions,
 };
 pub use surface_distance::{
     DistanceOptions, LevelDistances, SkinPoint, attach, compact, surface_distances,

@@ -23,8 +23,7 @@ mod ring;
 mod topology;
 mod wedges;
 
-pub(crate) use region_weights::vertex_regions;
-pub use region_weights::{region_weights, skin_regions};
+pub use region_weights::{region_weights, skin_regions, vertex_regions};
 
 use articula_core::{Mesh, Mismatch};
 use glam::Vec3;

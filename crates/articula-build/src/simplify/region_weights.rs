@@ -24,7 +24,7 @@ pub fn skin_regions(rig: &Rig) -> Vec<Region> {
 ///
 /// # Panics
 /// If the mesh belongs to another rig.
-pub(crate) fn vertex_regions(mesh: &Mesh, rig: &Rig) -> Vec<Region> {
+pub fn vertex_regions(mesh: &Mesh, rig: &Rig) -> Vec<Region> {
     let regions = skin_regions(rig);
     let region = |v: usize| {
         let mut influences = mesh.influences_of(v);

@@ -9,10 +9,13 @@
 use super::asset::CrowdAsset;
 use super::mesh_lods::Watch;
 use super::player::CrowdPlayer;
+use articula_build::vertex_regions;
 use articula_core::crowd::ClipState;
 use articula_core::percentile;
 use articula_core::visibility::{Bodies, CullResult, MIN_DEPTH_METRES, View, Visibility, cull};
-use articula_core::{Camera, LocalPose, PosedMesh, Sphere, Wrap, blend, sample, skin_points};
+use articula_core::{
+    Camera, LocalPose, PosedMesh, Region, Sphere, Wrap, blend, sample, skin_points,
+};
 use glam::{Affine3A, Vec2, Vec3};
 use serde::Serialize;
 
@@ -22,8 +25,11 @@ pub const NEAR_METRES: f32 = 20.0;
 /// Number of visible characters sampled in each measured frame.
 const DRAWN: usize = 64;
 
-/// Maximum number of vertices compared per character.
-const MAX_VERTICES: usize = 4000;
+/// Maximum number of vertices compared per character: all of most characters.
+const MAX_VERTICES: usize = 20_000;
+
+/// The parts of the body that are reported apart, in the order of the fields of [`PartsError`].
+const PARTS: [Region; 3] = [Region::Hands, Region::Face, Region::Feet];
 
 /// LOD error of one character in one frame, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +42,9 @@ pub struct CharacterError {
     pub p95_px: f64,
     /// Maximum over vertices, in pixels.
     pub worst_px: f64,
+    /// Maximum over the vertices of hands, head and feet in the picture, in pixels; `None` if none
+    /// is.
+    pub parts_px: [Option<f64>; 3],
     /// Whether the character belongs to the even sample; if not, it was measured because it is
     /// near.
     pub is_sampled: bool,
@@ -50,6 +59,18 @@ pub struct ErrorSample {
     pub characters: Vec<CharacterError>,
 }
 
+/// Maximum error of a vertex of each part of the body, over all measured characters and frames, in
+/// pixels; `None` if the part has no skin or is never in a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct PartsError {
+    /// Below the wrists.
+    pub hands: Option<f64>,
+    /// The head, with the face.
+    pub face: Option<f64>,
+    /// Below the ankles.
+    pub feet: Option<f64>,
+}
+
 /// Errors over all measured frames, in pixels; the error of a character is its 95th percentile over
 /// vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -62,6 +83,8 @@ pub struct ErrorSummary {
     pub near_max: f64,
     /// Maximum over all vertices.
     pub worst_vertex: f64,
+    /// The same for small parts of the body.
+    pub parts: PartsError,
     /// Number of sampled characters over all frames.
     pub drawn: usize,
     /// Number of near characters over all frames.
@@ -73,12 +96,15 @@ impl ErrorSummary {
     pub fn of(samples: &[ErrorSample]) -> Self {
         let all = || samples.iter().flat_map(|l| &l.characters);
         let near = || all().filter(|c| c.distance_m < NEAR_METRES);
+        let part = |p: usize| all().filter_map(move |c| c.parts_px[p]).reduce(f64::max);
+        let [hands, face, feet] = std::array::from_fn(part);
         let mut drawn: Vec<f64> = all().filter(|c| c.is_sampled).map(|c| c.p95_px).collect();
         Self {
             p95: percentile(&mut drawn, 0.95),
             max: all().map(|c| c.p95_px).fold(0.0, f64::max),
             near_max: near().map(|c| c.p95_px).fold(0.0, f64::max),
             worst_vertex: all().map(|c| c.worst_px).fold(0.0, f64::max),
+            parts: PartsError { hands, face, feet },
             drawn: drawn.len(),
             near: near().count(),
         }
@@ -93,6 +119,8 @@ pub struct ErrorMeter {
     seed: u64,
     looks: u64,
     vertices: Vec<u32>,
+    /// Part of the body of each vertex, as an index into [`PARTS`].
+    parts: Vec<Option<usize>>,
     /// Points that are compared on each level.
     watches: Vec<Watch>,
     pose: LocalPose,
@@ -114,11 +142,18 @@ impl ErrorMeter {
         };
         let watches = (0..asset.levels()).map(watch).collect();
         let room = vec![Vec3::ZERO; vertices.len()];
+        let regions = vertex_regions(&asset.full().mesh, rig);
+        let part = |v: &u32| PARTS.iter().position(|part| *part == regions[*v as usize]);
+        let parts = match asset.has_mesh() {
+            true => vertices.iter().map(part).collect(),
+            false => vec![None; vertices.len()],
+        };
         Self {
             asset: asset.clone(),
             seed,
             looks: 0,
             vertices,
+            parts,
             watches,
             pose: rig.rest_pose().clone(),
             other: rig.rest_pose().clone(),
@@ -160,12 +195,18 @@ impl ErrorMeter {
             skin_points(mesh, &self.matrices, &watch.vertices, &mut self.shown);
             watch.place(&mut self.shown);
             let world = player.world_from_model(character);
-            let mut errors = self.errors_px(camera, &world);
+            let found = self.errors_px(camera, &world);
+            let mut parts_px = [None; PARTS.len()];
+            for (part, px) in found.iter().filter_map(|(part, px)| Some(((*part)?, *px))) {
+                parts_px[part] = Some(parts_px[part].map_or(px, |most: f64| most.max(px)));
+            }
+            let mut errors: Vec<f64> = found.into_iter().map(|(_, px)| px).collect();
             characters.push(CharacterError {
                 level,
                 distance_m,
                 p95_px: percentile(&mut errors, 0.95),
                 worst_px: percentile(&mut errors, 1.0),
+                parts_px,
                 is_sampled,
             });
         }
@@ -201,17 +242,18 @@ impl ErrorMeter {
         sample(clip, secs, Wrap::Clamp, &asset.rig.all(), pose);
     }
 
-    /// Pixels between both skins at each vertex that is in the picture in either.
-    fn errors_px(&self, camera: &Camera, world: &Affine3A) -> Vec<f64> {
+    /// Pixels between both skins at each vertex that is in the picture in either, with the part of
+    /// the body.
+    fn errors_px(&self, camera: &Camera, world: &Affine3A) -> Vec<(Option<usize>, f64)> {
         let (width, height) = (camera.viewport.width_px, camera.viewport.height_px);
         let is_shown = |at: Vec2| (0.0..=width).contains(&at.x) && (0.0..=height).contains(&at.y);
-        let pairs = self.truth.iter().zip(&self.shown);
-        let pixels = pairs.filter_map(|(truth, shown)| {
+        let pairs = self.truth.iter().zip(&self.shown).zip(&self.parts);
+        let pixels = pairs.filter_map(|((truth, shown), part)| {
             let (truth, depth) = camera.project(world.transform_point3(*truth));
             let (shown, other) = camera.project(world.transform_point3(*shown));
             let is_ahead = depth.min(other) >= MIN_DEPTH_METRES;
             let is_seen = is_ahead && (is_shown(truth) || is_shown(shown));
-            is_seen.then(|| f64::from(truth.distance(shown)))
+            is_seen.then(|| (*part, f64::from(truth.distance(shown))))
         });
         pixels.collect()
     }
@@ -291,6 +333,7 @@ mod tests {
             distance_m,
             p95_px,
             worst_px: 2.0 * p95_px,
+            parts_px: [Some(p95_px), None, None],
             is_sampled,
         };
         let look = ErrorSample {
@@ -304,6 +347,7 @@ mod tests {
         let found = ErrorSummary::of(&[look]);
         assert_eq!((found.p95, found.max, found.near_max), (0.5, 3.0, 3.0));
         assert_eq!(found.worst_vertex, 6.0);
+        assert_eq!((found.parts.hands, found.parts.face), (Some(3.0), None));
         assert_eq!((found.drawn, found.near), (2, 1));
     }
 }

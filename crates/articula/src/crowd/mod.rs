@@ -31,7 +31,9 @@ pub use asset::{CrowdAsset, CrowdLevel};
 pub use budget::{BudgetController, FrameBudget};
 pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelStatistics, LevelTally, MeasuredError};
-pub use lod_error::{CharacterError, ErrorMeter, ErrorSample, ErrorSummary, NEAR_METRES};
+pub use lod_error::{
+    CharacterError, ErrorMeter, ErrorSample, ErrorSummary, NEAR_METRES, PartsError,
+};
 pub use mesh_lods::MAX_MESH_LEVELS;
 pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 pub use palette_hash::PaletteHash;

@@ -234,6 +234,19 @@ impl CrowdRunReport {
             self.error_px.drawn,
             self.error_px.near
         ));
+        let parts = self.error_px.parts;
+        let parts = [
+            ("hands", parts.hands),
+            ("face", parts.face),
+            ("feet", parts.feet),
+        ];
+        let parts = parts
+            .into_iter()
+            .filter_map(|(name, px)| Some(format!("{name} {:.2} px", px?)));
+        let parts: Vec<String> = parts.collect();
+        if !parts.is_empty() {
+            text.push_str(&format!("       worst vertex of {}\n", parts.join(", ")));
+        }
         text.push_str(&format!(
             "poses  {:.0} per frame for one character ({:.0} blend two clips), {:.0} shared by {:.0} characters, {:.0} from the cache\n",
             self.poses.own,
