@@ -78,6 +78,13 @@ pub struct MethodOptions {
     pub protect_contacts: bool,
 }
 
+impl Method {
+    /// Whether the parameter is a real number, as opposed to a count of frames or a level.
+    pub(super) fn has_real_parameter(&self) -> bool {
+        matches!(self, Self::SkinPx(_) | Self::Thesis | Self::Ahn)
+    }
+}
+
 impl Default for MethodOptions {
     fn default() -> Self {
         Self {

@@ -285,7 +285,7 @@ fn calibration_takes_the_greatest_gain_within_the_limit() {
     );
     let swept = sweep(&stage, &Method::SkipHold);
     // At 45 degrees and 720 px a centimetre is 1 px at 8.69 m: one skipped frame, no more.
-    let trial = calibrate(&stage, &swept, 9.0, 1.0).unwrap();
+    let trial = calibrate(&stage, &Method::SkipHold, &swept, 9.0, 1.0).unwrap();
     assert_eq!(trial.parameter, 2.0);
     let skin = SkinErrors::default();
     let row = stage.row((trial, skin), 9.0);
@@ -294,7 +294,36 @@ fn calibration_takes_the_greatest_gain_within_the_limit() {
         stage.row((trial, skin), 18.0).error_px.p95,
         0.5 * row.error_px.p95
     ));
-    assert!(calibrate(&stage, &[], 9.0, 1.0).is_none());
+    assert!(calibrate(&stage, &Method::SkipHold, &[], 9.0, 1.0).is_none());
+}
+
+#[test]
+fn calibration_finds_the_parameter_between_the_steps_of_the_sweep() {
+    let asset = asset();
+    let setup = EvaluationSetup {
+        azimuths_deg: vec![0.0],
+        ..EvaluationSetup::default()
+    };
+    let stage = ClipEvaluator::new(&asset, &asset.clips[0], setup, MethodOptions::default());
+    let method = Method::SkinPx(SkinPxVariant::Hold);
+    let swept = sweep(&stage, &method);
+    // An arm of one metre turns by 10 mm per frame, so n frames are held with a tolerance of 10 n mm
+    // and more. The steps of the sweep are 36 % apart: 107 mm lies between two of them.
+    let metres = 0.107;
+    let limit_px = metres * stage.setup.viewport.pixels_per_metre(9.0);
+    let found = calibrate(&stage, &method, &swept, 9.0, limit_px).unwrap();
+    let best_step = swept.iter().filter(|run| run.error.p95 <= metres);
+    let best_step = best_step
+        .map(|run| run.joint_update_gain)
+        .fold(0.0, f32::max);
+    assert!(found.error.p95 <= metres);
+    assert!(found.joint_update_gain > best_step, "{found:?} {best_step}");
+    // No parameter does better: not one of a thousand up to twice the limit.
+    for i in 1..1000 {
+        let (run, _) = play(&stage, &method, 2.0 * metres * i as f32 / 1000.0);
+        let is_better = run.error.p95 <= metres && run.joint_update_gain > found.joint_update_gain;
+        assert!(!is_better, "{run:?} {found:?}");
+    }
 }
 
 #[test]

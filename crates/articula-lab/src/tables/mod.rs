@@ -48,5 +48,16 @@ impl Run {
 /// Distances of the thesis, and a fifth by the same factor, metres.
 pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
 
+/// More characters of the tables of motion level of detail: name, file, clips. A dance that moves
+/// every finger, and a game character.
+pub(crate) const MORE_CHARACTERS: [(&str, &str, &[&str]); 2] = [
+    ("dancer", "glb/mh_female_dance.glb", &["dance"]),
+    (
+        "KayKit Knight",
+        "glb/KayKit_Knight.glb",
+        &["Walking_A", "Running_A", "1H_Melee_Attack_Chop"],
+    ),
+];
+
 /// Clips of `pab_arnaud.glb` used for the published numbers.
 pub(crate) const CLIPS: [&str; 4] = ["walk", "jog", "run", "atlas"];

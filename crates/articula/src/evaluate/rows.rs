@@ -137,7 +137,7 @@ fn trial(
         ParameterChoice::Usual => usual(),
         ParameterChoice::Fixed(parameter) => play(stage, method, parameter).0,
         ParameterChoice::Calibrated(limit) => {
-            calibrate(stage, swept, distance_m, limit).unwrap_or_else(usual)
+            calibrate(stage, method, swept, distance_m, limit).unwrap_or_else(usual)
         }
     }
 }
