@@ -8,6 +8,7 @@
 )]
 
 mod chores;
+mod dependencies;
 mod node;
 mod outcome;
 mod pictures;
