@@ -8,6 +8,8 @@
 )]
 
 mod chores;
+mod dependencies;
+mod fuzz;
 mod node;
 mod outcome;
 mod pictures;
@@ -27,10 +29,16 @@ Chores:
   test     Run everything that CI runs, row by row, up to the first row with a failure
   tidy     Check what lints cannot: crate edges, file sizes, names, records
   golden   Rewrite the golden files, then list those that changed
+  fuzz     Run the fuzz targets and renew their table (docs/results/fuzz.md)
   pictures Rebuild the animated picture of the readme (docs/pictures/walk.svg)
 
 Options:
   -h, --help   Print this
+
+Fuzzing: cargo xtask fuzz [--minutes M] [TARGET…]
+  Runs each target (all without a name) for M minutes (default 1) on the nightly toolchain with
+  cargo-fuzz, from seeds of ARTICULA_DATA and of the repository. Findings are kept in fuzz/artifacts
+  and make the exit status 1.
 
 Environment:
   CHROMIUM                  The browser's program (else chromium, chromium-browser, google-chrome)
@@ -47,14 +55,15 @@ fn main() -> ExitCode {
         ["tidy"] => chores::tidy(),
         ["golden"] => chores::golden(),
         ["pictures"] => pictures::pictures(),
+        ["fuzz", ref rest @ ..] => match fuzz::FuzzOptions::parse(rest) {
+            Some(options) => fuzz::fuzz(&options),
+            None => return usage(),
+        },
         ["-h" | "--help" | "help"] => {
             print!("{HELP}");
             return ExitCode::SUCCESS;
         }
-        _ => {
-            eprint!("{HELP}");
-            return ExitCode::from(2);
-        }
+        _ => return usage(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -63,4 +72,9 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+fn usage() -> ExitCode {
+    eprint!("{HELP}");
+    ExitCode::from(2)
 }

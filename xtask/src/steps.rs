@@ -5,7 +5,7 @@
 
 use crate::chores::{cargo, root, run, tidy};
 use crate::outcome::Outcome;
-use crate::{node, wasm};
+use crate::{dependencies, node, wasm};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -21,6 +21,7 @@ const STEPS: &[&[Step]] = &[
     &[("format", format)],
     &[
         ("clippy", clippy),
+        ("dependencies", dependencies::check),
         ("oracle packages", node::install),
         ("oracle browser", node::browser),
     ],

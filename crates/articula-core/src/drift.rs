@@ -373,3 +373,293 @@ impl DriftController {
         self.last.set(joint, wanted.get(joint));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Transform;
+    use glam::{Affine3A, Quat};
+
+    /// The unit of these tests, exact in f32: with [`VIEW`], one pixel of tolerance is 4 units; with
+    /// the hysteresis of a quarter, a joint is corrected above 5 units and may rest below 3.
+    const UNIT: f32 = 1.0 / 256.0;
+
+    /// 64 pixels per metre; attention 2 and the share 0.5 cancel out.
+    const VIEW: JointViewScales<'_> = JointViewScales {
+        pixels_per_metre: &[64.0],
+        attention: &[2.0],
+    };
+
+    /// Two units per second at most, and a lever of 1 m.
+    const BOUNDS: JointErrorBounds = JointErrorBounds {
+        lever_metres: 1.0,
+        speed_metres_per_sec: 2.0 * UNIT,
+        share: 0.5,
+    };
+
+    fn options() -> DriftOptions {
+        DriftOptions {
+            epsilon_px: 1.0,
+            hysteresis: 0.25,
+            dwell_secs: 0.125,
+            pop_px: 1.5,
+            transition: TransitionOptions {
+                secs: 0.0,
+                ..TransitionOptions::default()
+            },
+        }
+    }
+
+    /// A joint moved by a number of units along x.
+    fn moved(units: f32) -> LocalPose {
+        turned(0.0, units * UNIT)
+    }
+
+    /// A joint rotated about z, in radians, and moved along x, in metres.
+    fn turned(radians: f32, metres: f32) -> LocalPose {
+        LocalPose::from_iter([Transform {
+            translation: Vec3::new(metres, 0.0, 0.0),
+            rotation: Quat::from_rotation_z(radians),
+            ..Transform::IDENTITY
+        }])
+    }
+
+    /// A controller of one joint, tested at 0 s; still for 2 s, so that it holds the rest pose
+    /// since 2 s.
+    fn held(opts: DriftOptions) -> DriftController {
+        let mut drift = DriftController::new(&moved(0.0), vec![BOUNDS], opts);
+        assert_eq!(frame(&mut drift, 0.0, &moved(0.0)), JointState::Active);
+        assert_eq!(frame(&mut drift, 2.0, &moved(0.0)), JointState::Passive);
+        drift
+    }
+
+    /// Steps with every joint due and returns the state of the first.
+    fn frame(drift: &mut DriftController, secs: f64, wanted: &LocalPose) -> JointState {
+        let shown = drift.step(secs, VIEW, &JointSet::first(1), wanted).clone();
+        assert_eq!(shown, *drift.states().shown());
+        assert_eq!(shown.rotations.len(), 1);
+        drift.states().state(0)
+    }
+
+    fn shown_units(drift: &DriftController) -> f32 {
+        drift.states().shown().translations[0].x / UNIT
+    }
+
+    #[test]
+    fn the_bound_is_the_tolerance_with_its_hysteresis() {
+        let opts = DriftOptions {
+            epsilon_px: 2.0,
+            ..options()
+        };
+        // 2 (1 + 0.25)
+        assert_eq!(opts.bound_px(), 2.5);
+        assert_eq!(*held(opts).options(), opts);
+    }
+
+    #[test]
+    fn a_joint_rests_if_it_would_stay_near_for_the_dwell_time() {
+        // At 24 units per second, 3 units last 0.125 s, the dwell time.
+        for (units, state) in [
+            (48.0, JointState::Passive),
+            (48.5, JointState::Active),
+            (-48.0, JointState::Passive),
+        ] {
+            let mut drift = DriftController::new(&moved(0.0), vec![BOUNDS], options());
+            frame(&mut drift, 0.0, &moved(0.0));
+            assert_eq!(frame(&mut drift, 2.0, &moved(units)), state, "{units}");
+            assert_eq!(shown_units(&drift), units);
+        }
+    }
+
+    #[test]
+    fn the_time_of_a_hold_follows_from_rotation_and_translation() {
+        let bounds = JointErrorBounds {
+            lever_metres: 0.1,
+            ..BOUNDS
+        };
+        let mut drift = DriftController::new(&moved(0.0), vec![bounds], options());
+        let predicted = |drift: &DriftController, now, pose: &LocalPose| {
+            drift.predicted_hold_secs(0, now, 0.02, pose)
+        };
+        // Never tested before.
+        assert_eq!(predicted(&drift, 1.0, &moved(0.0)), 0.0);
+        frame(&mut drift, 1.0, &moved(0.0));
+        // (0.1 m * 0.5 + 0.03 m) in 2 s are 0.04 m/s.
+        let secs = predicted(&drift, 3.0, &turned(0.5, 0.03));
+        assert!((secs - 0.5).abs() < 1e-4, "{secs} s");
+        assert_eq!(predicted(&drift, 3.0, &moved(0.0)), f32::INFINITY);
+        // No time has passed, or it went backwards.
+        assert_eq!(predicted(&drift, 1.0, &moved(0.0)), 0.0);
+        assert_eq!(predicted(&drift, 0.5, &moved(0.0)), 0.0);
+    }
+
+    #[test]
+    fn a_held_joint_is_shown_anew_above_the_bound_only() {
+        for (units, shown, updates) in [(4.5, 0.0, 0), (5.0, 0.0, 0), (5.5, 5.5, 1)] {
+            let mut drift = held(options());
+            let before = drift.updates();
+            // 5.5 units are 1.375 pixels, less than a pop, so that there is no transition.
+            let state = frame(&mut drift, 3.0, &moved(units));
+            assert_eq!(state, JointState::Passive, "{units}");
+            assert_eq!(shown_units(&drift), shown);
+            assert_eq!(drift.updates() - before, updates);
+            assert_eq!(drift.updated().contains(0), updates > 0);
+        }
+    }
+
+    #[test]
+    fn an_active_joint_is_an_update_in_each_frame() {
+        let mut drift = DriftController::new(&moved(0.0), vec![BOUNDS], options());
+        assert_eq!((drift.updates(), drift.updated().contains(0)), (0, false));
+        for i in 1..=4u8 {
+            // 64 units per second: too fast to rest.
+            frame(&mut drift, f64::from(i), &moved(64.0 * f32::from(i)));
+            assert_eq!(drift.updates(), u64::from(i));
+            assert!(drift.updated().contains(0));
+        }
+    }
+
+    #[test]
+    fn a_pop_changes_the_state_if_the_last_change_is_a_dwell_time_ago() {
+        let opts = |pop_px| DriftOptions {
+            pop_px,
+            ..options()
+        };
+        // 6 units are 1.5 pixels. The joint rests since 2 s; the dwell time is 0.125 s.
+        for (pop_px, secs, state) in [
+            (1.5, 2.5, JointState::Passive),
+            (1.25, 2.5, JointState::Active),
+            (1.25, 2.125, JointState::Active),
+            (1.25, 2.0625, JointState::Passive),
+        ] {
+            let mut drift = held(opts(pop_px));
+            assert_eq!(
+                frame(&mut drift, secs, &moved(6.0)),
+                state,
+                "{pop_px} {secs}"
+            );
+            assert_eq!(shown_units(&drift), 6.0);
+        }
+        // Back to rest, a dwell time after the change and not before, although it stands still.
+        let mut drift = held(opts(1.25));
+        for (secs, state) in [
+            (2.125, JointState::Active),
+            (2.1875, JointState::Active),
+            (2.25, JointState::Passive),
+        ] {
+            assert_eq!(frame(&mut drift, secs, &moved(6.0)), state, "{secs}");
+        }
+    }
+
+    #[test]
+    fn a_transition_is_cut_short_above_the_bound_only() {
+        let opts = DriftOptions {
+            transition: TransitionOptions {
+                secs: 1.0,
+                ..TransitionOptions::default()
+            },
+            ..options()
+        };
+        for (units, state, shown) in [
+            (4.5, JointState::ToActive, 0.0),
+            (5.0, JointState::ToActive, 0.0),
+            (5.5, JointState::Passive, 5.5),
+        ] {
+            let mut drift = held(opts);
+            drift.states.activate(0, 3.0);
+            let state_then = frame(&mut drift, 3.0, &moved(units));
+            assert_eq!((state_then, shown_units(&drift)), (state, shown), "{units}");
+        }
+    }
+
+    #[test]
+    fn the_next_test_is_when_the_joint_could_have_left_the_tolerance() {
+        let mut drift = held(options());
+        let is_due = |drift: &DriftController, secs| drift.due(secs, VIEW).contains(0);
+        // The shown transform is the wanted one: 4 units at 2 units per second, from 2 s on.
+        assert!(!is_due(&drift, 3.999) && is_due(&drift, 4.0));
+        // At 3 s it is 2 units away: 2 more take one second.
+        frame(&mut drift, 3.0, &moved(2.0));
+        assert!(!is_due(&drift, 3.999) && is_due(&drift, 4.0));
+        // At 3.5 s it is 4.5 units away, more than the tolerance.
+        frame(&mut drift, 3.5, &moved(4.5));
+        assert!(is_due(&drift, 3.5));
+    }
+
+    #[test]
+    fn all_joints_are_due_after_a_cut() {
+        let mut drift = held(options());
+        assert!(!drift.due(2.5, VIEW).contains(0));
+        drift.invalidate();
+        assert!(drift.due(2.5, VIEW).contains(0));
+    }
+
+    #[test]
+    fn a_joint_is_due_if_its_tolerance_shrinks_beyond_the_hysteresis() {
+        let opts = DriftOptions {
+            hysteresis: 1.0,
+            ..options()
+        };
+        let drift = held(opts);
+        for (pixels_per_metre, is_due) in [
+            (32.0, false),
+            (64.0, false),
+            (100.0, false),
+            (128.0, false),
+            (129.0, true),
+        ] {
+            let views = JointViewScales {
+                pixels_per_metre: &[pixels_per_metre],
+                ..VIEW
+            };
+            assert_eq!(
+                drift.due(2.5, views).contains(0),
+                is_due,
+                "{pixels_per_metre}"
+            );
+        }
+        // An active joint is always due.
+        let mut drift = DriftController::new(&moved(0.0), vec![BOUNDS], opts);
+        frame(&mut drift, 0.0, &moved(0.0));
+        assert!(drift.due(0.0, VIEW).contains(0));
+    }
+
+    /// A joint whose skin lies along x is moved along y by a rotation about z; from directions at
+    /// 53 degrees to y, sine 0.8 of the angle to x and z, 0.6 of that is seen.
+    #[test]
+    fn of_a_rotation_the_part_seen_counts_and_of_a_translation_all() {
+        let oblique = Vec3::new(0.0, 0.8, 0.6);
+        // In the joint's frame; the joint is rotated by a quarter about x.
+        let matrix = Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2);
+        let oblique_in_model = matrix.transform_vector3(oblique);
+        // 0.1 rad at a lever of 1 m, of which 0.06 m are seen, and 0.02 m: 0.08 m of 0.12 m.
+        let wanted = turned(0.1, 0.02);
+        let shows = |bound_metres: f32, views: &[Vec3]| {
+            let opts = DriftOptions {
+                epsilon_px: bound_metres / 1.25 * 64.0,
+                pop_px: f32::INFINITY,
+                ..options()
+            };
+            let moment = SecondMoment::of([(Vec3::X, 1.0), (-Vec3::X, 1.0)]);
+            let mut drift = held(opts).with_second_moments(vec![moment]);
+            if !views.is_empty() {
+                let model = ModelPose {
+                    matrices: vec![matrix],
+                };
+                drift.look_from(views, &model);
+            }
+            frame(&mut drift, 3.0, &wanted);
+            drift.states().shown() == &wanted
+        };
+        assert!(!shows(0.09, &[oblique_in_model]));
+        assert!(shows(0.07, &[oblique_in_model]));
+        // The view that sees most counts.
+        let along_z = matrix.transform_vector3(Vec3::Z);
+        assert!(shows(0.09, &[oblique_in_model, along_z]));
+        // Without views, or with more than are told apart, the error counts whole.
+        assert!(shows(0.09, &[]));
+        assert!(!shows(0.13, &[]));
+        assert!(!shows(0.09, &[oblique_in_model; MAX_VIEWS]));
+        assert!(shows(0.09, &[oblique_in_model; MAX_VIEWS + 1]));
+    }
+}

@@ -4,6 +4,7 @@
 //! (logistic mixing). Integer arithmetic; logarithm and logistic function are tables; a model that
 //! has seen few decisions has less weight.
 
+use super::contexts::Contexts;
 use super::range_coder::{Bit, Coder};
 
 /// Weights of `N` models.
@@ -146,8 +147,19 @@ const FIRST_RATE: i64 = 64;
 /// Model of a number from 0 to 2^32 - 2 in `N` contexts at once.
 #[derive(Debug, Clone)]
 pub(super) struct MixedNatural<const N: usize> {
-    contexts: [Vec<[Bit; NODES]>; N],
+    /// A kilobyte for each context that occurs.
+    contexts: [Contexts<Nodes, 1>; N],
     weights: [Weights<N>; NODES],
+}
+
+/// Models of the decisions of a number in one context.
+#[derive(Debug, Clone, Copy)]
+struct Nodes([Bit; NODES]);
+
+impl Default for Nodes {
+    fn default() -> Self {
+        Self([Bit::default(); NODES])
+    }
 }
 
 /// Number of modelled decisions: 32 for the length, then the two bits below the highest one for
@@ -158,26 +170,27 @@ impl<const N: usize> MixedNatural<N> {
     /// Creates models; `contexts` is the number of contexts of each kind.
     pub(super) fn new(contexts: [usize; N]) -> Self {
         Self {
-            contexts: contexts.map(|count| vec![[Bit::default(); NODES]; count]),
+            contexts: contexts.map(Contexts::new),
             weights: [Weights::default(); NODES],
         }
     }
 
-    fn decide(&mut self, coder: &mut impl Coder, at: [usize; N], node: usize, bit: bool) -> bool {
-        let mut i = 0;
-        let models = self.contexts.each_mut().map(|kind| {
-            i += 1;
-            &mut kind[at[i - 1]][node]
-        });
-        decide(coder, models, &mut self.weights[node], bit)
-    }
-
     /// Codes a number in one context of each kind.
     pub(super) fn code(&mut self, coder: &mut impl Coder, at: [usize; N], value: u32) -> u32 {
+        let mut i = 0;
+        let mut models = self.contexts.each_mut().map(|kind| {
+            i += 1;
+            &mut kind.model(at[i - 1]).0
+        });
+        let weights = &mut self.weights;
+        let mut decide_node = |coder: &mut _, node: usize, bit| {
+            let models = models.each_mut().map(|nodes| &mut nodes[node]);
+            decide(coder, models, &mut weights[node], bit)
+        };
         let given = value.saturating_add(1);
         let bits = 31 - given.leading_zeros();
         let mut length = 0;
-        while length < 31 && self.decide(coder, at, length as usize, length < bits) {
+        while length < 31 && decide_node(coder, length as usize, length < bits) {
             length += 1;
         }
         let mut out = 1u32;
@@ -195,7 +208,7 @@ impl<const N: usize> MixedNatural<N> {
                 } else {
                     1 + (out & 1) as usize
                 };
-            out = out << 1 | u32::from(self.decide(coder, at, node, given >> i & 1 == 1));
+            out = out << 1 | u32::from(decide_node(coder, node, given >> i & 1 == 1));
         }
         out - 1
     }

@@ -16,12 +16,13 @@
 //! - `seams`: wedges of the faces
 //! - `positions`: positions of new points
 //! - `attributes`: all values but positions, over a known surface
-//! - `mixing`, `number`, `range_coder`: entropy coding of decisions and numbers
+//! - `mixing`, `number`, `contexts`, `range_coder`: entropy coding of decisions and numbers
 
 mod attributes;
 mod canonical;
 mod check;
 mod connectivity;
+mod contexts;
 mod half_edges;
 mod matching;
 mod mesh;

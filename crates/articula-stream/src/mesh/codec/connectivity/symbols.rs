@@ -4,6 +4,7 @@
 //! contexts are the last symbols, the visited faces of nearby corners, and the prediction from the
 //! coarser level.
 
+use super::super::contexts::Contexts;
 use super::super::matching::Hint;
 use super::super::mixing::{Weights, decide};
 use super::super::number::Natural;
@@ -45,7 +46,7 @@ pub(super) struct Context {
 #[derive(Debug)]
 pub(super) struct Symbols {
     /// Models of four kinds of context for each of the first four decisions.
-    decisions: Vec<[Vec<Bit>; KINDS]>,
+    decisions: Vec<[Contexts<Bit, BLOCK>; KINDS]>,
     weights: Vec<Vec<Weights<KINDS>>>,
     rare: [Bit; 3],
     steps: [Natural; 2],
@@ -56,10 +57,12 @@ pub(super) struct Symbols {
 const KINDS: usize = 5;
 /// Number of contexts of each kind.
 const SIZE: usize = 1 << 14;
+/// Number of contexts allocated at once: those that differ in the last parts of a context.
+const BLOCK: usize = 64;
 
 impl Default for Symbols {
     fn default() -> Self {
-        let decision = || std::array::from_fn(|_| vec![Bit::default(); SIZE]);
+        let decision = || std::array::from_fn(|_| Contexts::new(SIZE));
         Self {
             decisions: (0..4).map(|_| decision()).collect(),
             weights: vec![vec![Weights::default(); Hint::COUNT]; 4],
@@ -141,7 +144,7 @@ impl Symbols {
         let mut i = 0;
         let models = self.decisions[decision].each_mut().map(|kind| {
             i += 1;
-            &mut kind[at[i - 1]]
+            kind.model(at[i - 1])
         });
         decide(coder, models, &mut self.weights[decision][hint], bit)
     }
