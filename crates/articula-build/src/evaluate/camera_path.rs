@@ -4,7 +4,8 @@
 //! are those of the pose shown before, moved as the root moves.
 
 use super::skin_sample::SkinSample;
-use super::stage::{ClipEvaluator, FrameErrors};
+use super::stage::ClipEvaluator;
+use super::statistics::FrameErrors;
 use crate::motion_error::bounds::joint_bounds;
 use crate::motion_error::contacts::attention;
 use articula_core::crowd::ClipState;

@@ -22,6 +22,7 @@ mod schedule;
 mod skin_errors;
 mod skin_sample;
 mod stage;
+mod statistics;
 
 pub use baselines::thesis::{
     BoneDirection, SegmentRadius, ThesisMetricOptions, error_matrix_table,
@@ -33,5 +34,5 @@ pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use playbacks::play;
 pub use pose_keys::{pose_key_frames, uniform_key_frames};
 pub use schedule::{LevelSchedule, RequestedLevel, ScheduleFrame, ScheduledLevel, play_schedule};
-pub use skin_errors::{PartErrors, SkinErrors};
-pub use stage::{ClipEvaluator, DistanceRow, EvaluationSetup, FrameErrors, MethodRun};
+pub use stage::{ClipEvaluator, DistanceRow, EvaluationSetup, MethodRun};
+pub use statistics::{FrameErrors, PartErrors, SkinErrors};

@@ -3,8 +3,8 @@
 //! Source: thesis 5.1 (Refine and Simplify below the cap of the device) and 5.2 (transitions);
 //! `docs/methods/motion-lod.md` part 2.
 
-use super::skin_errors::across;
 use super::stage::ClipEvaluator;
+use super::statistics::across;
 use articula_core::crowd::ClipState;
 use articula_core::joint_state::{LoaRange, TransitionOptions};
 use articula_core::playback::{FigureModel, FigurePlayer, FigureViews, FullDetail, LoaController};

@@ -6,56 +6,10 @@
 
 use super::method::Playback;
 use super::skin_sample::SkinSample;
-use super::stage::{ClipEvaluator, FrameErrors};
+use super::stage::ClipEvaluator;
+use super::statistics::{PartErrors, SkinErrors, across};
 use crate::simplify::vertex_regions;
 use articula_core::{Region, percentile};
-use glam::Vec3;
-
-/// Errors of one part of the body, in metres or for a given distance in pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct PartErrors {
-    /// Percentiles over frames of the 95th percentile over the vertices of the part.
-    pub frames: FrameErrors,
-    /// Maximum over all vertices of the part and all frames.
-    pub worst_vertex: f32,
-}
-
-/// Errors over all vertices and all frames, at the worst azimuth; in metres or for a given distance
-/// in pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SkinErrors {
-    /// Maximum over all vertices and frames.
-    pub worst_vertex: f32,
-    /// The hands, below the wrists; `None` if they have no skin.
-    pub hands: Option<PartErrors>,
-    /// The head, with the face.
-    pub face: Option<PartErrors>,
-    /// The feet, below the ankles.
-    pub feet: Option<PartErrors>,
-}
-
-impl PartErrors {
-    fn scaled(self, factor: f32) -> Self {
-        Self {
-            frames: self.frames.scaled(factor),
-            worst_vertex: self.worst_vertex * factor,
-        }
-    }
-}
-
-impl SkinErrors {
-    /// Returns all errors times a factor, such as pixels per metre.
-    #[must_use]
-    pub fn scaled(self, factor: f32) -> Self {
-        let part = |part: Option<PartErrors>| part.map(|part| part.scaled(factor));
-        Self {
-            worst_vertex: self.worst_vertex * factor,
-            hands: part(self.hands),
-            face: part(self.face),
-            feet: part(self.feet),
-        }
-    }
-}
 
 /// The parts in the order of the fields of [`SkinErrors`].
 const PARTS: [Region; 3] = [Region::Hands, Region::Face, Region::Feet];
@@ -107,9 +61,4 @@ impl ClipEvaluator<'_> {
             ..found
         }
     }
-}
-
-/// Length of an offset as a viewer in a direction sees it.
-pub(super) fn across(offset: Vec3, view: Vec3) -> f32 {
-    (offset - view * offset.dot(view)).length()
 }

@@ -2,8 +2,8 @@
 
 use super::baselines::thesis::{ThesisMetricOptions, error_matrix};
 use super::method::{Method, MethodOptions, Playback};
-use super::skin_errors::{SkinErrors, across};
 use super::skin_sample::SkinSample;
+use super::statistics::{FrameErrors, SkinErrors, across};
 use crate::character::Asset;
 use crate::motion_error::bounds::moving_joints;
 use crate::motion_error::contacts::contacts;
@@ -67,18 +67,6 @@ pub struct ClipEvaluator<'a> {
     key_table: OnceCell<KeyTable>,
 }
 
-/// Projected displacement of the skin: percentiles over frames of the 95th percentile over
-/// vertices, at the worst azimuth. In metres, or for a given distance in pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FrameErrors {
-    /// Median over frames.
-    pub p50: f32,
-    /// 95th percentile over frames.
-    pub p95: f32,
-    /// Maximum over frames.
-    pub max: f32,
-}
-
 /// Statistics of a method at one parameter. Under weak perspective they are the same from every
 /// distance, except for the scale of the error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,25 +98,6 @@ pub struct DistanceRow {
     pub error_px: FrameErrors,
     /// Error of the run over the whole skin, pixels.
     pub skin_px: SkinErrors,
-}
-
-impl FrameErrors {
-    /// Returns all errors times a factor, such as pixels per metre.
-    #[must_use]
-    pub fn scaled(self, factor: f32) -> Self {
-        Self {
-            p50: self.p50 * factor,
-            p95: self.p95 * factor,
-            max: self.max * factor,
-        }
-    }
-
-    /// Includes the errors of the frames of one more view.
-    pub(super) fn add(&mut self, frames: &mut [f32]) {
-        self.max = self.max.max(percentile(frames, 1.0));
-        self.p95 = self.p95.max(percentile(frames, 0.95));
-        self.p50 = self.p50.max(percentile(frames, 0.5));
-    }
 }
 
 impl<'a> ClipEvaluator<'a> {
