@@ -4,10 +4,11 @@
 //! fixed, so the error compares the clip inside the file with the original one.
 
 use super::prepared::PreparedClip;
-use super::reference_frames::{BACKGROUND, ReferenceFrames};
+use super::reference_frames::ReferenceFrames;
 use super::report::{FileErrors, FileSize};
 use super::search::{Flattened, TriedQuality};
 use super::settings::{Profile, Settings};
+use super::source_frames::BACKGROUND;
 use crate::item_buffer::Supersampling;
 use crate::planar::PlanarError;
 use crate::planar::reference::reference;

@@ -3,17 +3,15 @@
 //! Source: `docs/methods/vector.md` 9 and 11: every tenth frame and times halfway between frames,
 //! against the 8 x 8 supersampled picture, over the pixels that show the character.
 
-use super::source_frames::SourceFrames;
+use super::source_frames::{BACKGROUND, SourceFrames};
 use crate::compare::{masked_rmse, share_off, ssim};
 use crate::item_buffer::Supersampling;
 use crate::local_difference::LocalDifferences;
-use crate::picture::{Picture, Rgba};
+use crate::picture::Picture;
 use crate::planar::reference::reference_with_mask;
 use crate::planar::{PlanarClip, PlanarError};
 use articula_core::Progress;
 
-/// Background of the compared pictures.
-pub(super) const BACKGROUND: Rgba = [255; 4];
 /// Difference above which a pixel counts as off, levels.
 const OFF: f32 = 16.0;
 /// Frames between two sampled times.

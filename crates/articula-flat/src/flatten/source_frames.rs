@@ -4,18 +4,19 @@
 //! Source: `docs/methods/vector.md` 9. The reference pictures of [`super::ReferenceFrames`] show
 //! the simplified character, so they do not show what simplification and vertex colours lost.
 
-use super::reference_frames::BACKGROUND;
 use crate::compare::same_size;
 use crate::item_buffer::Supersampling;
 use crate::local_difference::{
     JudgedRegion, LocalDifferences, WorstDifference, extended, local_differences, reach_px,
     sigma_px,
 };
-use crate::picture::Picture;
+use crate::picture::{Picture, Rgba};
 use crate::planar::reference::reference;
 use crate::planar::source_picture::SourcePainter;
 use crate::planar::{BakeOptions, PlanarClip, PlanarError, PlanarSubject, Shading};
 
+/// Background of the compared pictures.
+pub(super) const BACKGROUND: Rgba = [255; 4];
 /// Samples per pixel of the pictures of a clip.
 const SAMPLES: Supersampling = Supersampling::Four;
 

@@ -6,8 +6,8 @@
 
 use super::pages::pages;
 use super::prepared::PreparedClip;
-use super::reference_frames::BACKGROUND;
 use super::settings::{Profile, Quality};
+use super::source_frames::BACKGROUND;
 use crate::item_buffer::Supersampling;
 use crate::picture::Picture;
 use crate::planar::PlanarError;

@@ -16,8 +16,6 @@ use glam::Vec3;
 const AROUND: f32 = 0.12;
 /// A vertex belongs to the head if its weights of head joints exceed this sum.
 const OF_HEAD: f32 = 0.5;
-/// Weight of errors on the head when a figure is simplified.
-pub(super) const HEAD_WEIGHT: f32 = 3.0;
 /// H-Anim joints from the neck to the skull, vertebrae included.
 const NECK: [&str; 9] = [
     "vc7",

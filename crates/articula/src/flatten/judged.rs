@@ -4,7 +4,6 @@
 //! Source: `docs/methods/vector.md` 9. Similarity of the whole picture hides a lost mouth or finger,
 //! which are few pixels.
 
-use super::head::HEAD_WEIGHT;
 use articula_flat::flatten::{JudgedRegion, LocalDifferences, WorstDifference};
 
 /// Largest local difference of the face that a triangle count may have, units of CIELAB.
@@ -16,6 +15,8 @@ pub const REST_DELTA_E: f64 = 36.0;
 pub const DETAIL_DELTA_E: f64 = 15.0;
 /// Triangle counts, as multiples of the least.
 pub(super) const COUNTS: [f64; 5] = [1.0, 1.5, 2.0, 3.0, 4.0];
+/// Least weight of errors on the face.
+const FACE_WEIGHT: f32 = 3.0;
 /// Factor by which the weight of a region is raised.
 const RAISE: f32 = 2.0;
 /// Maximum number of raises of one region.
@@ -36,7 +37,7 @@ impl Default for RegionWeights {
     /// Three for the face, since viewers look at faces.
     fn default() -> Self {
         Self {
-            face: HEAD_WEIGHT,
+            face: FACE_WEIGHT,
             hands: 1.0,
         }
     }
