@@ -142,7 +142,11 @@ fn masked<'a>(
     Ok(pairs.zip(mask).filter(|(_, m)| **m).map(|(pair, _)| pair))
 }
 
-fn same_size(a: &Picture, b: &Picture) -> Result<(), PictureError> {
+/// Checks that two pictures have the same size.
+///
+/// # Errors
+/// [`PictureError::Mismatch`] if they differ.
+pub(crate) fn same_size(a: &Picture, b: &Picture) -> Result<(), PictureError> {
     if (a.width(), a.height()) == (b.width(), b.height()) {
         return Ok(());
     }

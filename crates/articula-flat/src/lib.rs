@@ -76,6 +76,7 @@ pub mod flatten;
 mod frame;
 mod ground;
 mod item_buffer;
+mod local_difference;
 mod low_rank;
 mod markup;
 mod picture;

@@ -20,6 +20,7 @@ mod conversion;
 mod crowd;
 mod flatten;
 mod flatten_browser;
+mod flatten_judged;
 mod folders;
 mod hostile;
 mod joint_levels;

@@ -4,10 +4,11 @@
 //! fixed, so the error compares the clip inside the file with the original one.
 
 use super::prepared::PreparedClip;
-use super::reference_frames::{BACKGROUND, ReferenceFrames};
+use super::reference_frames::ReferenceFrames;
 use super::report::{FileErrors, FileSize};
 use super::search::{Flattened, TriedQuality};
 use super::settings::{Profile, Settings};
+use super::source_frames::BACKGROUND;
 use crate::item_buffer::Supersampling;
 use crate::planar::PlanarError;
 use crate::planar::reference::reference;
@@ -18,7 +19,7 @@ use articula_core::Progress;
 /// `source`, `truth` from its clip.
 ///
 /// # Errors
-/// Errors of the writer; [`PlanarError::BudgetTooSmall`]; [`PlanarError::Cancelled`].
+/// Errors of the writer; [`PlanarError::Cancelled`].
 pub fn flatten_live(
     source: &LiveSource,
     prepared: &PreparedClip,
@@ -50,11 +51,11 @@ pub fn flatten_live(
     let image = truth.compare(shown, &mut progress.part(0.5, 1.0))?;
     let bytes = file.text.into_bytes();
     let raw = bytes.len() as u64;
-    if let Some(budget) = settings.max_bytes.filter(|most| raw > *most) {
-        let least = raw;
-        return Err(PlanarError::BudgetTooSmall { least, budget });
-    }
+    let bytes_over = settings
+        .max_bytes
+        .map_or(0, |most| raw.saturating_sub(most));
     Ok(Flattened {
+        bytes_over: (bytes_over > 0).then_some(bytes_over),
         sizes: FileSize::of(&bytes)?,
         errors: FileErrors {
             position_rmse_px: file.stats.position_rmse_px,
@@ -76,5 +77,6 @@ pub fn flatten_live(
             image: Some(image),
         }],
         bytes,
+        dropped_detail: Vec::new(),
     })
 }

@@ -6,7 +6,8 @@
 //! - [`PreparedClip`]: visibility, painting order and its wrong pixels, computed once for all
 //!   settings
 //! - [`Settings`]: a [`Profile`] and its tolerances ([`Quality`])
-//! - [`ReferenceFrames`]: reference pictures of the character
+//! - [`ReferenceFrames`]: reference pictures of the simplified character; [`SourceFrames`]:
+//!   pictures of the character itself, from which the largest local difference is measured
 //! - [`flatten()`]: writes a file, under a byte budget at the best of the quality steps;
 //!   [`flatten_live`]: writes a file that a host drives
 //! - [`Flattened`]: bytes, [`FileSize`], [`FileErrors`], and the [`Representation`] that a decision
@@ -21,11 +22,14 @@ mod reference_frames;
 mod report;
 mod search;
 mod settings;
+mod source_frames;
 mod written;
 
+pub use crate::local_difference::{JudgedRegion, LocalDifferences, WorstDifference};
 pub use live::flatten_live;
 pub use prepared::{PrepareClipOptions, PreparedClip};
 pub use reference_frames::{ImageError, ReferenceFrames, sampled_frames};
 pub use report::{FileErrors, FileSize, Representation};
 pub use search::{Flattened, TriedQuality, flatten};
 pub use settings::{Profile, Quality, Settings};
+pub use source_frames::{DroppedDetail, SourceFrames, SourceTime, dropped_detail};

@@ -3,15 +3,15 @@
 //! Source: `docs/methods/vector.md` 9 and 11: every tenth frame and times halfway between frames,
 //! against the 8 x 8 supersampled picture, over the pixels that show the character.
 
+use super::source_frames::{BACKGROUND, SourceFrames};
 use crate::compare::{masked_rmse, share_off, ssim};
 use crate::item_buffer::Supersampling;
-use crate::picture::{Picture, Rgba};
+use crate::local_difference::LocalDifferences;
+use crate::picture::Picture;
 use crate::planar::reference::reference_with_mask;
 use crate::planar::{PlanarClip, PlanarError};
 use articula_core::Progress;
 
-/// Background of the compared pictures.
-pub(super) const BACKGROUND: Rgba = [255; 4];
 /// Difference above which a pixel counts as off, levels.
 const OFF: f32 = 16.0;
 /// Frames between two sampled times.
@@ -36,6 +36,7 @@ pub fn sampled_frames(frames: usize) -> Vec<f64> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceFrames {
     moments: Vec<Moment>,
+    source: Option<SourceFrames>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -60,6 +61,9 @@ pub struct ImageError {
     pub off_percent: f64,
     /// Number of sampled times.
     pub moments: usize,
+    /// Largest local differences from the character itself, if its pictures are known
+    /// ([`ReferenceFrames::with_source`]).
+    pub local: Option<LocalDifferences>,
 }
 
 impl ReferenceFrames {
@@ -86,7 +90,20 @@ impl ReferenceFrames {
             })
         };
         let moments: Result<_, PlanarError> = frames.iter().enumerate().map(moment).collect();
-        Ok(Self { moments: moments? })
+        Ok(Self {
+            moments: moments?,
+            source: None,
+        })
+    }
+
+    /// Adds pictures of the character itself, from which local differences are measured at those of
+    /// the sampled times that both have.
+    #[must_use]
+    pub fn with_source(self, source: SourceFrames) -> Self {
+        Self {
+            source: Some(source),
+            ..self
+        }
     }
 
     /// Compares with the pictures that `shown` returns for a time in frames.
@@ -114,6 +131,15 @@ impl ReferenceFrames {
             all.ssim += alike / count;
             all.ssim_min = all.ssim_min.min(alike);
             all.off_percent += 100.0 * off / count;
+            if let Some(source) = &self.source {
+                let known = source.at(moment.frame);
+                let local = known
+                    .map(|index| source.compare(index, &picture))
+                    .transpose()?;
+                all.local
+                    .get_or_insert_default()
+                    .add(&local.unwrap_or_default());
+            }
             progress.step((m + 1) as f32 / count as f32)?;
         }
         Ok(all)

@@ -2,12 +2,14 @@
 //!
 //! Source: `docs/methods/vector.md` 1 and 9. Within one kind of filling, each quality step is
 //! smaller and worse than the one before, so the first that fits is the best of its kind; among
-//! kinds the least image error wins. The same clip and budget give the same file.
+//! kinds the least image error wins. If none fits, the smallest file is the result. The same clip
+//! and budget give the same file.
 
 use super::prepared::PreparedClip;
 use super::reference_frames::{ImageError, ReferenceFrames};
 use super::report::{FileErrors, FileSize, Representation};
 use super::settings::{Profile, Quality, Settings};
+use super::source_frames::DroppedDetail;
 use super::written::{Written, write};
 use crate::planar::PlanarError;
 use crate::planar::shading::Shading;
@@ -38,8 +40,13 @@ pub struct Flattened {
     pub shapes: usize,
     /// Number of painting orders, one after the other.
     pub orders: usize,
+    /// Bytes by which the smallest file misses the budget; `None` if the budget is kept.
+    pub bytes_over: Option<u64>,
     /// Settings that the search tried; one without a budget.
     pub tried: Vec<TriedQuality>,
+    /// Painted detail that vertex colours do not show, the largest of each region; filled where the
+    /// textures are known ([`super::dropped_detail`]).
+    pub dropped_detail: Vec<DroppedDetail>,
 }
 
 /// A quality that the search tried, with its size and error.
@@ -70,11 +77,11 @@ impl Flattened {
     }
 }
 
-/// Writes a prepared clip; with a byte budget, at the best quality that fits.
+/// Writes a prepared clip; with a byte budget, at the best quality that fits, or the smallest file
+/// if none fits ([`Flattened::bytes_over`]).
 ///
 /// # Errors
-/// Errors of the writer; [`PlanarError::BudgetTooSmall`] if no quality fits;
-/// [`PlanarError::Cancelled`].
+/// Errors of the writer; [`PlanarError::Cancelled`].
 pub fn flatten(
     prepared: &PreparedClip,
     settings: &Settings,
@@ -85,7 +92,7 @@ pub fn flatten(
     let most = settings.max_bytes.unwrap_or(u64::MAX);
     let mut tried: Vec<TriedQuality> = Vec::new();
     let mut best: Option<(Written, Quality, ImageError)> = None;
-    let mut least = u64::MAX;
+    let mut smallest: Option<(Written, Quality)> = None;
     let share = 1.0 / candidates.len() as f32;
     for (c, quality) in candidates.iter().enumerate() {
         let mut progress = progress.part(c as f32 * share, (c + 1) as f32 * share);
@@ -94,7 +101,6 @@ pub fn flatten(
             let written = write(prepared, settings.profile, quality, &settings.name)?;
             progress.step(0.5)?;
             let bytes = written.bytes.len() as u64;
-            least = least.min(bytes);
             let fits = bytes <= most;
             let shown = |f| written.picture(prepared, f);
             let image = fits.then(|| truth.compare(shown, &mut progress.part(0.5, 1.0)));
@@ -110,15 +116,33 @@ pub fn flatten(
             };
             if let Some(image) = image.filter(is_better) {
                 best = Some((written, *quality, image));
+            } else if !fits {
+                let held = smallest.as_ref().map(|(held, _)| held.bytes.len() as u64);
+                if held.is_none_or(|held| bytes < held) {
+                    smallest = Some((written, *quality));
+                }
             }
         }
         progress.step(1.0)?;
     }
-    let (written, quality, image) = best.ok_or(PlanarError::BudgetTooSmall {
-        least,
-        budget: most,
-    })?;
+    let (written, quality, image) = match (best, smallest) {
+        (Some(best), _) => best,
+        (None, Some((written, quality))) => {
+            let shown = |f| written.picture(prepared, f);
+            let image = truth.compare(shown, &mut Progress::none())?;
+            (written, quality, image)
+        }
+        // Without a candidate nothing was asked for; there is always one.
+        (None, None) => {
+            return Err(PlanarError::Mismatch {
+                at: "settings",
+                what: "no quality to try".into(),
+            });
+        }
+    };
+    let bytes_over = (written.bytes.len() as u64).saturating_sub(most);
     Ok(Flattened {
+        bytes_over: (bytes_over > 0).then_some(bytes_over),
         sizes: FileSize::of(&written.bytes)?,
         errors: FileErrors {
             position_rmse_px: written.position_rmse_px,
@@ -136,6 +160,7 @@ pub fn flatten(
         orders: prepared.painting.epochs.len(),
         bytes: written.bytes,
         tried,
+        dropped_detail: Vec::new(),
     })
 }
 

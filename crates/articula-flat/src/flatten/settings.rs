@@ -78,7 +78,7 @@ impl Quality {
         let is_player = matches!(profile, Profile::Player(_));
         Self {
             shading: match profile {
-                Profile::Thesis(_) => Shading::Flat,
+                Profile::Thesis(options) if !options.form.is_gouraud() => Shading::Flat,
                 _ => Shading::Gouraud,
             },
             pos_tol_px: if is_player { 0.1 } else { 0.35 },

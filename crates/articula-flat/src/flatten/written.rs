@@ -6,8 +6,8 @@
 
 use super::pages::pages;
 use super::prepared::PreparedClip;
-use super::reference_frames::BACKGROUND;
 use super::settings::{Profile, Quality};
+use super::source_frames::BACKGROUND;
 use crate::item_buffer::Supersampling;
 use crate::picture::Picture;
 use crate::planar::PlanarError;
@@ -22,7 +22,9 @@ use crate::vector::player::{PlayerClip, PlayerOptions, decode, player};
 use crate::vector::raster;
 use crate::vector::smil;
 use crate::vector::still::{StillOptions, still};
-use crate::vector::thesis::{ThesisSvgOptions, thesis, thesis_frame};
+use crate::vector::thesis::{
+    ThesisForm, ThesisSvgOptions, thesis, thesis_frame, thesis_gouraud_picture,
+};
 
 /// A written file with its statistics.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,6 +104,12 @@ impl Written {
             ReadBack::Player(clip) => {
                 reference(&clip.painted(frame), 0, Supersampling::Four, BACKGROUND)?
             }
+            ReadBack::Naive(
+                options @ ThesisSvgOptions {
+                    form: ThesisForm::GouraudStill { frame },
+                    ..
+                },
+            ) => thesis_gouraud_picture(&prepared.clip, *frame, options, BACKGROUND)?,
             ReadBack::Naive(options) => {
                 let still = thesis_frame(&prepared.clip, options, frame)?;
                 raster(&still, BACKGROUND)?
@@ -237,7 +245,11 @@ fn naive(prepared: &PreparedClip, options: ThesisSvgOptions) -> Result<Written, 
         position_rmse_px: 0.0,
         keys: 0,
         shapes: file.elements,
-        frames: clip.frames.len(),
+        frames: if options.form.is_gouraud() {
+            1
+        } else {
+            clip.frames.len()
+        },
         triangles_drawn: prepared.triangles_drawn(),
         shown: ReadBack::Naive(options),
     })

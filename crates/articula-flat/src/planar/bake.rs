@@ -215,14 +215,14 @@ fn still_parts(
 }
 
 /// Computes colours of vertices and materials of parts.
-struct Painter<'a> {
+pub(super) struct Painter<'a> {
     subject: PlanarSubject<'a>,
     part_of: Vec<usize>,
     materials: Vec<Material>,
 }
 
 impl<'a> Painter<'a> {
-    fn new(subject: &PlanarSubject<'a>) -> Self {
+    pub(super) fn new(subject: &PlanarSubject<'a>) -> Self {
         let mesh = subject.mesh;
         let mut part_of = vec![0; mesh.len()];
         for (p, part) in mesh.parts.iter().enumerate() {
@@ -247,6 +247,27 @@ impl<'a> Painter<'a> {
 
     fn material(&self, part: usize) -> &Material {
         &self.materials[part]
+    }
+
+    /// Material of a triangle.
+    pub(super) fn material_of(&self, triangle: &[u32; 3]) -> &Material {
+        self.material(self.part_of[triangle[0] as usize])
+    }
+
+    /// Material and texture of a triangle.
+    pub(super) fn appearance_of(&self, triangle: &[u32; 3]) -> SurfaceColor<'_> {
+        self.appearance(self.part_of[triangle[0] as usize])
+    }
+
+    /// sRGB levels and opacity of a triangle at barycentric weights, without light.
+    pub(super) fn color(&self, triangle: &[u32; 3], weights: Vec3, level: usize) -> (Vec3, f32) {
+        let mesh = self.subject.mesh;
+        let [a, b, c] = triangle.map(|v| v as usize);
+        let colors = &mesh.colors;
+        let vertex = colors[a] * weights.x + colors[b] * weights.y + colors[c] * weights.z;
+        let uv = &mesh.texcoords;
+        let at = uv[a] * weights.x + uv[b] * weights.y + uv[c] * weights.z;
+        self.appearance_of(triangle).color(vertex, at, level)
     }
 
     /// One material for each part of the mesh.
@@ -378,13 +399,18 @@ fn project(
         if corner.w < NEAREST_M {
             return Err(PlanarError::BehindCamera { frame, vertex });
         }
-        let facing = normal.dot(toward) * if source.is_back { -1.0 } else { 1.0 };
         out.xy.push(glam::Vec2::new(corner.x, corner.y) / corner.w);
         out.nearness.push(corner.z / corner.w);
-        let light = lighting.ambient + lighting.diffuse * facing.max(0.0);
-        out.light.push(light.clamp(0.0, 1.0));
+        out.light
+            .push(vertex_light(&lighting, normal.dot(toward), source.is_back));
     }
     Ok(out)
+}
+
+/// Light on a vertex, 0 to 1, from the cosine between its normal and the direction to the light.
+pub(super) fn vertex_light(lighting: &Lighting, cosine: f32, is_back: bool) -> f32 {
+    let facing = cosine * if is_back { -1.0 } else { 1.0 };
+    (lighting.ambient + lighting.diffuse * facing.max(0.0)).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]

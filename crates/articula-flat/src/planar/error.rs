@@ -62,17 +62,6 @@ pub enum PlanarError {
     /// No triangle is visible in any frame.
     #[error("no triangle is visible in any frame; turn the camera or show other meshes")]
     NothingVisible,
-    /// No setting makes a file as small as the budget.
-    #[error(
-        "the smallest file has {least} bytes, the budget is {budget}; choose fewer triangles, \
-         fewer frames per second or the player profile"
-    )]
-    BudgetTooSmall {
-        /// Size of the smallest file that was made, bytes.
-        least: u64,
-        /// The budget, bytes.
-        budget: u64,
-    },
     /// Arguments that do not belong together.
     #[error("{at}: {what}")]
     Mismatch {

@@ -31,6 +31,7 @@ mod moving_gradient;
 pub(crate) mod order;
 pub(crate) mod reference;
 pub(crate) mod shading;
+pub(crate) mod source_picture;
 pub(crate) mod split;
 mod stage;
 mod subject;

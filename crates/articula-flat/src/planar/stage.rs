@@ -143,7 +143,7 @@ fn used_vertices(subject: &PlanarSubject<'_>) -> Vec<usize> {
 }
 
 /// Sides of each triangle that are drawn.
-fn faces(subject: &PlanarSubject<'_>) -> Vec<Faces> {
+pub(super) fn faces(subject: &PlanarSubject<'_>) -> Vec<Faces> {
     let mut two_sided = vec![false; subject.mesh.len()];
     for part in &subject.mesh.parts {
         let material = part

@@ -27,7 +27,7 @@ pub(super) struct SurfaceColor<'a> {
 
 impl SurfaceColor<'_> {
     /// sRGB levels and opacity at a texture coordinate, without light.
-    fn color(&self, vertex_color: Vec4, at: Vec2, level: usize) -> (Vec3, f32) {
+    pub(super) fn color(&self, vertex_color: Vec4, at: Vec2, level: usize) -> (Vec3, f32) {
         let mut color = self.material.base_color * vertex_color;
         if let Some(texture) = self.texture {
             color *= texture.sample(at, level);

@@ -1,12 +1,14 @@
 //! A character with clip and camera, and the triangles that are visible.
 
-use super::head::head_weights;
+use super::head::{judged_regions, vertex_weights};
+use super::judged::{COUNTS, RegionWeights, TriedTriangles, chosen};
 use crate::error::{Context, Error, Result};
 use crate::facing::facing;
 use crate::figure::Figure;
 use crate::work::Executor;
 use articula_build::decimate;
 use articula_core::{ModelPose, Viewport, local_to_model};
+use articula_flat::flatten::{JudgedRegion, SourceFrames, SourceTime};
 use articula_flat::planar::{BakeOptions, Lighting, PlanarSubject, Turntable, bake};
 use articula_flat::planar::{MAX_FRAMES, MAX_TRIANGLES};
 use articula_flat::planar::{PlanarClip, PlanarError};
@@ -15,8 +17,30 @@ use articula_flat::{Appearance, Projection};
 /// Name of the first step in progress reports.
 const LOOKING: &str = "looking";
 
+/// Name of the step that chooses the triangle count.
+const JUDGING: &str = "choosing the triangle count";
+
 /// Maximum number of frames at which bounds and hidden layers are computed.
 const LOOKS: usize = 40;
+
+/// Maximum number of frames at which triangle counts are judged.
+const JUDGED_FRAMES: usize = 6;
+
+/// Number of triangles of a conversion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TriangleCount {
+    /// All of the character, hidden ones included.
+    All,
+    /// About this many, all if there are fewer.
+    About(usize),
+    /// The fewest, from this number to four times as many, whose largest local differences are
+    /// within [`super::FACE_DELTA_E`] and [`super::REST_DELTA_E`]; the weights of face and hands
+    /// are raised first.
+    Judged {
+        /// The least number.
+        least: usize,
+    },
+}
 
 /// Clip, camera and level of detail of a 2D rendering.
 #[derive(Debug, Clone, Copy)]
@@ -37,8 +61,8 @@ pub struct Shot {
     pub turn_deg: f32,
     /// Size and field of view of the picture.
     pub viewport: Viewport,
-    /// Target number of triangles; `None` keeps all.
-    pub triangles: Option<usize>,
+    /// Number of triangles.
+    pub triangles: TriangleCount,
 }
 
 /// Parts of a [`FramedCharacter`] that [`FramedCharacter::new`] computes.
@@ -64,6 +88,10 @@ pub struct FramedCharacter<'a> {
     pub triangles: Vec<[u32; 3]>,
     /// Times of the frames, in seconds of the clip.
     pub frame_times_secs: Vec<f64>,
+    regions: Vec<JudgedRegion>,
+    tried: Vec<TriedTriangles>,
+    count: Option<usize>,
+    weights: RegionWeights,
 }
 
 impl<'a> FramedCharacter<'a> {
@@ -107,13 +135,60 @@ impl<'a> FramedCharacter<'a> {
             options,
             triangles: figure.asset.mesh.triangles.clone(),
             frame_times_secs,
+            regions: judged_regions(figure),
+            tried: Vec::new(),
+            count: None,
+            weights: RegionWeights::default(),
         };
         work.step(LOOKING, 0, 2)?;
         framed.put_up_camera()?;
         work.step(LOOKING, 1, 2)?;
-        framed.thin_out()?;
+        let seen = framed.seen()?;
         work.step(LOOKING, 2, 2)?;
+        framed.thin_out(&seen, work)?;
         Ok(framed)
+    }
+
+    /// Returns the same view with about this many triangles, simplified by the same weights.
+    ///
+    /// # Errors
+    /// An [`Error`] that names the file, as [`Self::new`].
+    pub fn with_triangles(&self, count: usize) -> Result<Self> {
+        let mut framed = Self {
+            figure: self.figure,
+            shot: self.shot,
+            appearance: self.appearance.clone(),
+            options: self.options.clone(),
+            triangles: self.figure.asset.mesh.triangles.clone(),
+            frame_times_secs: self.frame_times_secs.clone(),
+            regions: self.regions.clone(),
+            tried: self.tried.clone(),
+            count: Some(count),
+            weights: self.weights,
+        };
+        let seen = framed.seen()?;
+        framed.triangles = framed.simplified(&seen, count, self.weights)?;
+        Ok(framed)
+    }
+
+    /// Returns the triangle counts and weights that were tried; none for a count that was given.
+    pub fn tried(&self) -> &[TriedTriangles] {
+        &self.tried
+    }
+
+    /// Whether fewer triangles may be taken to keep a byte budget.
+    pub(super) fn may_coarsen(&self) -> bool {
+        matches!(self.shot.triangles, TriangleCount::Judged { .. })
+    }
+
+    /// Returns the target number of triangles; `None` if all are kept.
+    pub fn count(&self) -> Option<usize> {
+        self.count
+    }
+
+    /// Returns the weights of face and hands by which the triangles were simplified.
+    pub fn weights(&self) -> RegionWeights {
+        self.weights
     }
 
     /// Creates a framed character from given camera, frame times and triangles, for experiments
@@ -128,6 +203,10 @@ impl<'a> FramedCharacter<'a> {
             options: parts.options,
             triangles: parts.triangles,
             frame_times_secs: parts.frame_times_secs,
+            regions: judged_regions(figure),
+            tried: Vec::new(),
+            count: None,
+            weights: RegionWeights::default(),
         }
     }
 
@@ -159,6 +238,43 @@ impl<'a> FramedCharacter<'a> {
         }
     }
 
+    /// Region of each vertex of the character.
+    pub(super) fn regions(&self) -> &[JudgedRegion] {
+        &self.regions
+    }
+
+    /// The subject with all triangles of the character.
+    fn whole(&self) -> PlanarSubject<'_> {
+        PlanarSubject {
+            triangles: &self.figure.asset.mesh.triangles,
+            ..self.subject()
+        }
+    }
+
+    /// Pictures of the character itself at fractional frame numbers.
+    pub(super) fn source_frames(&self, times: &[SourceTime]) -> Result<SourceFrames> {
+        SourceFrames::new(&self.whole(), &self.regions, times, &self.options)
+            .context(&self.figure.opened.name)
+    }
+
+    /// Times of fractional frame numbers.
+    pub(super) fn times(&self, frames: &[f64]) -> Vec<SourceTime> {
+        let first = self.frame_times_secs.first().copied().unwrap_or_default();
+        let time = |frame: &f64| SourceTime {
+            frame: *frame,
+            secs: first + frame / f64::from(self.options.fps),
+        };
+        frames.iter().map(time).collect()
+    }
+
+    /// Times at which triangle counts are judged, evenly spaced.
+    pub(super) fn judged_times(&self) -> Vec<SourceTime> {
+        let last = self.frame_times_secs.len().saturating_sub(1);
+        let step = last.div_ceil(JUDGED_FRAMES).max(1);
+        let frames: Vec<f64> = (0..last.max(1)).step_by(step).map(|f| f as f64).collect();
+        self.times(&frames)
+    }
+
     /// Projects the clip at its frames.
     ///
     /// # Errors
@@ -172,9 +288,7 @@ impl<'a> FramedCharacter<'a> {
     /// # Errors
     /// An [`Error`] that names the file, if it has more triangles or frames than can be converted.
     pub fn at_frames(&self, frames: &[f64]) -> Result<PlanarClip> {
-        let first = self.frame_times_secs.first().copied().unwrap_or_default();
-        let secs = |f: &f64| first + f / f64::from(self.options.fps);
-        let moments: Vec<f64> = frames.iter().map(secs).collect();
+        let moments: Vec<f64> = self.times(frames).iter().map(|t| t.secs).collect();
         self.at(&moments)
     }
 
@@ -222,38 +336,124 @@ impl<'a> FramedCharacter<'a> {
         Ok(())
     }
 
-    /// Removes triangles that are never visible, then simplifies to the target number; repeated
-    /// once with a higher number if more than a tenth of the result is hidden.
-    fn thin_out(&mut self) -> Result<()> {
-        let Some(count) = self.shot.triangles else {
-            return Ok(());
-        };
-        if self.triangles.len() <= count {
-            return Ok(());
+    /// Whether each triangle of the character is visible in some frame.
+    fn seen(&self) -> Result<Vec<bool>> {
+        if self.shot.triangles == TriangleCount::All {
+            return Ok(Vec::new());
         }
-        let looks = self.looks();
+        self.whole()
+            .seen(&self.looks(), &self.options)
+            .context(&self.figure.opened.name)
+    }
+
+    /// Removes triangles that are never visible, and simplifies to the target number.
+    fn thin_out(&mut self, seen: &[bool], work: &Executor<'_>) -> Result<()> {
+        match self.shot.triangles {
+            TriangleCount::All => {}
+            TriangleCount::About(count) => {
+                self.count = Some(count);
+                if self.triangles.len() > count {
+                    self.triangles = self.simplified(seen, count, self.weights)?;
+                }
+            }
+            TriangleCount::Judged { least } => {
+                if self.triangles.len() > least {
+                    self.judge(seen, least, work)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The visible triangles, simplified to a target number; repeated once with a higher number if
+    /// more than a tenth of the result is hidden.
+    fn simplified(
+        &self,
+        seen: &[bool],
+        count: usize,
+        weights: RegionWeights,
+    ) -> Result<Vec<[u32; 3]>> {
         let place = || &self.figure.opened.name;
-        let seen = self
-            .subject()
-            .seen(&looks, &self.options)
-            .with_context(place)?;
         let asset = &self.figure.asset;
         let clip = self.shot.clip;
-        let weights = head_weights(self.figure);
-        let mut triangles = decimate(asset, &seen, clip, count, &weights).with_context(place)?;
+        let weights = vertex_weights(&self.regions, weights);
+        let triangles = decimate(asset, seen, clip, count, &weights).with_context(place)?;
         let shown = PlanarSubject {
             triangles: &triangles,
             ..self.subject()
         };
-        let few = bake(&shown, &looks, &self.options).with_context(place)?;
+        let few = bake(&shown, &self.looks(), &self.options).with_context(place)?;
         let drawn = few.triangles_seen().with_context(place)?;
         let share = drawn as f64 / triangles.len().max(1) as f64;
         if share < 0.9 && share > 0.0 {
             let more = ((count as f64 / share) as usize).min(MAX_TRIANGLES);
-            triangles = decimate(asset, &seen, clip, more, &weights).with_context(place)?;
+            return decimate(asset, seen, clip, more, &weights).with_context(place);
         }
-        self.triangles = triangles;
+        Ok(triangles)
+    }
+
+    /// Simplifies to the fewest triangles whose largest local differences are within the bounds.
+    /// The weight of the worst region is raised as long as that helps, then the count.
+    fn judge(&mut self, seen: &[bool], least: usize, work: &Executor<'_>) -> Result<()> {
+        let times = self.judged_times();
+        let source = self.source_frames(&times)?;
+        let mut results = Vec::new();
+        let mut weights = self.weights;
+        for (step, multiple) in COUNTS.into_iter().enumerate() {
+            work.step(JUDGING, step, COUNTS.len())?;
+            let count = ((multiple * least as f64).round() as usize).min(MAX_TRIANGLES);
+            let mut held = self.attempt(seen, count, weights, &source, &mut results)?;
+            while held.excess().1 > 1.0 {
+                let Some(raised) = weights.raised(held.excess().0) else {
+                    break;
+                };
+                let next = self.attempt(seen, count, raised, &source, &mut results)?;
+                if next.excess().1 >= held.excess().1 {
+                    break;
+                }
+                (weights, held) = (raised, next);
+            }
+            // Further counts change nothing if all visible triangles are left.
+            if held.excess().1 <= 1.0 || held.triangles >= seen.iter().filter(|s| **s).count() {
+                break;
+            }
+        }
+        work.step(JUDGING, COUNTS.len(), COUNTS.len())?;
+        self.tried = results.iter().map(|(tried, _)| *tried).collect();
+        if let Some(best) = chosen(&self.tried) {
+            let (tried, triangles) = results.swap_remove(best);
+            self.triangles = triangles;
+            self.count = Some(tried.count);
+            self.weights = tried.weights;
+        }
         Ok(())
+    }
+
+    /// Simplifies and compares with the character itself; adds the result to `results`.
+    fn attempt(
+        &self,
+        seen: &[bool],
+        count: usize,
+        weights: RegionWeights,
+        source: &SourceFrames,
+        results: &mut Vec<(TriedTriangles, Vec<[u32; 3]>)>,
+    ) -> Result<TriedTriangles> {
+        let place = || &self.figure.opened.name;
+        let triangles = self.simplified(seen, count, weights)?;
+        let shown = PlanarSubject {
+            triangles: &triangles,
+            ..self.subject()
+        };
+        let times: Vec<f64> = self.judged_times().iter().map(|t| t.secs).collect();
+        let clip = bake(&shown, &times, &self.options).with_context(place)?;
+        let tried = TriedTriangles {
+            count,
+            triangles: triangles.len(),
+            weights,
+            local: source.judge(&clip).with_context(place)?,
+        };
+        results.push((tried, triangles));
+        Ok(tried)
     }
 }
 

@@ -1,11 +1,13 @@
 //! The head of a character with a camera, as source of a portrait.
 
 use super::expressions::expressions;
+use super::judged::RegionWeights;
 use crate::error::{Error, Result};
 use crate::facing::facing;
 use crate::figure::Figure;
 use articula_build::decimate;
-use articula_core::{Camera, ModelPose, PosedMesh, Viewport, local_to_model};
+use articula_core::{Camera, ModelPose, PosedMesh, Region, Viewport, local_to_model};
+use articula_flat::flatten::JudgedRegion;
 use articula_flat::portrait::{Head, PortraitClip, PortraitExpression, PortraitSource};
 use articula_flat::{Appearance, Bounds, tight_view};
 use glam::Vec3;
@@ -14,8 +16,6 @@ use glam::Vec3;
 const AROUND: f32 = 0.12;
 /// A vertex belongs to the head if its weights of head joints exceed this sum.
 const OF_HEAD: f32 = 0.5;
-/// Weight of errors on the head when a figure is simplified.
-const HEAD_WEIGHT: f32 = 3.0;
 /// H-Anim joints from the neck to the skull, vertebrae included.
 const NECK: [&str; 9] = [
     "vc7",
@@ -135,18 +135,48 @@ fn head_joints(figure: &Figure) -> Vec<usize> {
     found
 }
 
-/// Weight of the error at each vertex, higher on the head, since viewers look at faces; empty if no
-/// head is known.
-pub(super) fn head_weights(figure: &Figure) -> Vec<f32> {
-    let joints = head_joints(figure);
-    if joints.is_empty() {
-        return Vec::new();
+/// Region of each vertex: the face is what the head's last joint moves or, in a file without one,
+/// what morph targets move; hands are what joints below the wrists move.
+pub(super) fn judged_regions(figure: &Figure) -> Vec<JudgedRegion> {
+    let asset = &figure.asset;
+    let mut regions = vec![JudgedRegion::Body; asset.mesh.len()];
+    let joints = &asset.rig.articulation().joints;
+    let is_hand = |joint: usize| joints.get(joint).is_some_and(|j| j.region == Region::Hands);
+    for (v, region) in regions.iter_mut().enumerate() {
+        let influences = asset.mesh.influences_of(v);
+        let of_hands: f32 = influences
+            .filter(|(j, _)| is_hand(*j))
+            .map(|(_, w)| w)
+            .sum();
+        if of_hands > OF_HEAD {
+            *region = JudgedRegion::Hands;
+        }
     }
-    let of_head = vertices_of(figure, &joints);
-    of_head
-        .into_iter()
-        .map(|is| if is { HEAD_WEIGHT } else { 1.0 })
-        .collect()
+    let head = head_joints(figure);
+    if head.is_empty() {
+        for morph in &asset.mesh.morphs {
+            for v in &morph.vertices {
+                regions[*v as usize] = JudgedRegion::Face;
+            }
+        }
+    } else {
+        for (region, of_head) in regions.iter_mut().zip(vertices_of(figure, &head)) {
+            if of_head {
+                *region = JudgedRegion::Face;
+            }
+        }
+    }
+    regions
+}
+
+/// Weight of the error at each vertex.
+pub(super) fn vertex_weights(regions: &[JudgedRegion], weights: RegionWeights) -> Vec<f32> {
+    let of = |region: &JudgedRegion| match region {
+        JudgedRegion::Face => weights.face,
+        JudgedRegion::Hands => weights.hands,
+        JudgedRegion::Body => 1.0,
+    };
+    regions.iter().map(of).collect()
 }
 
 /// Marks the vertices moved by the head's last joint and its descendants; all vertices without such

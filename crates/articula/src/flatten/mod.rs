@@ -6,20 +6,28 @@
 mod expressions;
 mod framed;
 mod head;
+mod judged;
 mod live;
 
-pub use framed::{FramedCharacter, FramedParts, Shot};
+pub use framed::{FramedCharacter, FramedParts, Shot, TriangleCount};
 pub use head::FramedHead;
+pub use judged::{
+    DETAIL_DELTA_E, FACE_DELTA_E, REST_DELTA_E, RegionWeights, TriedTriangles, bound_delta_e,
+    excess,
+};
 
 use crate::error::{Context, Result};
 use crate::work::Executor;
 use articula_core::Progress;
 use articula_flat::flatten::{
-    Flattened, PrepareClipOptions, PreparedClip, ReferenceFrames, Settings, flatten as write,
-    flatten_live, sampled_frames,
+    Flattened, PrepareClipOptions, PreparedClip, ReferenceFrames, Settings, SourceTime,
+    dropped_detail, flatten as write, flatten_live, sampled_frames,
 };
 use articula_flat::planar::OrderOptions;
 use articula_flat::vector::player::LiveSource;
+
+/// Fewest triangles that a byte budget leads to.
+const FEWEST: usize = 50;
 
 /// Converts a framed character to vector graphics: projects, sorts by painting order, and writes
 /// the file.
@@ -37,14 +45,61 @@ pub fn flatten(
     work.step("projecting", 0, 1)?;
     let clip = framed.clip()?;
     let frames = sampled_frames(clip.frames.len());
-    let truth = ReferenceFrames::new(&framed.at_frames(&frames)?, &frames).with_context(name)?;
+    // Shapes are switched halfway between frames, where either state is right.
+    let whole: Vec<f64> = frames
+        .iter()
+        .copied()
+        .filter(|f| f.fract() == 0.0)
+        .collect();
+    let source = framed.source_frames(&framed.times(&whole))?;
+    let truth = ReferenceFrames::new(&framed.at_frames(&frames)?, &frames)
+        .with_context(name)?
+        .with_source(source);
     let prepared = work
         .with_progress("computing the painting order", |p| {
             PreparedClip::new(clip, &options, p)
         })
         .with_context(name)?;
-    work.with_progress("writing", |p| write(&prepared, settings, &truth, p))
-        .with_context(name)
+    let flat = work
+        .with_progress("writing", |p| write(&prepared, settings, &truth, p))
+        .with_context(name)?;
+    detailed(framed, flat)
+}
+
+/// Adds the painted detail that the vertex colours do not show.
+fn detailed(framed: &FramedCharacter<'_>, mut flat: Flattened) -> Result<Flattened> {
+    let (times, shading) = (framed.judged_times(), flat.quality.shading);
+    let subject = framed.subject();
+    flat.dropped_detail =
+        dropped_detail(&subject, framed.regions(), &times, &framed.options, shading)
+            .with_context(|| framed.name())?;
+    Ok(flat)
+}
+
+/// As [`flatten()`], and if not even the coarsest quality keeps the byte budget, again with half as
+/// many triangles, down to 50, unless the number was given ([`TriangleCount::About`]).
+///
+/// # Errors
+/// As [`flatten()`].
+pub fn flatten_within<'a>(
+    mut framed: FramedCharacter<'a>,
+    options: &PrepareClipOptions,
+    settings: &Settings,
+    work: &Executor<'_>,
+) -> Result<(FramedCharacter<'a>, Flattened)> {
+    let mut flat = flatten(&framed, options.clone(), settings, work)?;
+    while flat.bytes_over.is_some() && framed.may_coarsen() {
+        let fewer = framed.with_triangles((framed.triangles.len() / 2).max(FEWEST))?;
+        if fewer.triangles.len() >= framed.triangles.len() {
+            break;
+        }
+        let next = flatten(&fewer, options.clone(), settings, work)?;
+        if next.sizes.raw >= flat.sizes.raw {
+            break;
+        }
+        (framed, flat) = (fewer, next);
+    }
+    Ok((framed, flat))
 }
 
 /// Converts a framed character to a file whose morph targets the host page drives while the clip
@@ -62,8 +117,19 @@ pub fn flatten_driven(
     let frames = sampled_frames(source.weights.len().max(1));
     let fps = f64::from(source.shapes.fps);
     let moments: Vec<f64> = frames.iter().map(|f| f / fps).collect();
-    let truth =
-        ReferenceFrames::new(&framed.at(&moments)?, &frames).with_context(|| framed.name())?;
+    let times: Vec<SourceTime> = frames
+        .iter()
+        .zip(&moments)
+        .filter(|(frame, _)| frame.fract() == 0.0)
+        .map(|(frame, secs)| SourceTime {
+            frame: *frame,
+            secs: *secs,
+        })
+        .collect();
+    let pictures = framed.source_frames(&times)?;
+    let truth = ReferenceFrames::new(&framed.at(&moments)?, &frames)
+        .with_context(|| framed.name())?
+        .with_source(pictures);
     // Driven shapes share one painting order.
     let options = PrepareClipOptions {
         order: OrderOptions {
@@ -78,8 +144,10 @@ pub fn flatten_driven(
         shapes: shapes.clip.clone(),
         ..source
     };
-    work.with_progress("writing", |p| {
-        flatten_live(&source, &shapes, settings, &truth, p)
-    })
-    .with_context(|| framed.name())
+    let flat = work
+        .with_progress("writing", |p| {
+            flatten_live(&source, &shapes, settings, &truth, p)
+        })
+        .with_context(|| framed.name())?;
+    detailed(framed, flat)
 }

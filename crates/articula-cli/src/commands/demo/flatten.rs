@@ -4,7 +4,7 @@ use super::Folder;
 use crate::commands::flatten::report::{FlattenReport, Made};
 use crate::console::Console;
 use articula::evaluate::EvaluatedClip;
-use articula::flatten::{FramedCharacter, Shot, flatten};
+use articula::flatten::{FramedCharacter, Shot, TriangleCount, flatten};
 use articula_core::Viewport;
 use articula_flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
 use articula_flat::planar::Shading;
@@ -33,7 +33,7 @@ pub(super) fn of(
             height_px: SIDE as f32,
             fov_y_radians: 25.0f32.to_radians(),
         },
-        triangles: Some(1000),
+        triangles: TriangleCount::About(1000),
     };
     let framed = console.work(|work| FramedCharacter::new(scene.figure, shot, work))?;
     let mut reports = Vec::new();
@@ -66,7 +66,7 @@ pub(super) fn of(
         folder.write(file, &flat.bytes)?;
         let made = Made {
             triangles_of_character: scene.figure.asset.mesh.triangles.len(),
-            triangles: framed.triangles.len(),
+            framed: &framed,
             size_px: (SIDE, SIDE),
             max_bytes: None,
         };

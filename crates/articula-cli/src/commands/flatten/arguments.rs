@@ -13,6 +13,7 @@ Examples:
   articula flatten knight.glb walk.svg --clip Walking_A
   articula flatten knight.glb turn.svg --clip Walking_A --turn-deg 360 --profile player
   articula flatten head.glb head.json --clip talk --profile lottie --max-bytes 400000
+  articula flatten knight.glb pose.svg --profile thesis --form gouraud --at 0.4
   articula flatten frame walk.svg walk.png --at 0.4
   articula flatten movie walk.svg walk.gif")]
 pub(crate) struct FlattenArgs {
@@ -80,7 +81,8 @@ pub(crate) struct MotionArgs {
     #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = finite,
           allow_negative_numbers = true)]
     pub(crate) turn_deg: f32,
-    /// Time of a still, or of the painting order of the thesis' form, in seconds
+    /// Time of a still or of the thesis' Gouraud form, or of the painting order of the thesis' other
+    /// forms, in seconds
     #[arg(long, value_name = "SECS", default_value_t = 0.0, value_parser = not_negative)]
     pub(crate) at: f32,
 }
@@ -102,8 +104,9 @@ pub(crate) struct ShotArgs {
     /// Vertical field of view in degrees
     #[arg(long, value_name = "DEG", default_value = "25", value_parser = field_of_view)]
     pub(crate) fov_deg: f32,
-    /// Approximate number of triangles after removing those that are never visible [default: 600;
-    /// player 1500, portrait 1000]
+    /// Approximate number of triangles after removing those that are never visible [default: 600,
+    /// player 1500, or up to four times as many if face, hands or body differ visibly; portrait
+    /// 1000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=20_000))]
     pub(crate) triangles: Option<u32>,
 }
@@ -111,7 +114,8 @@ pub(crate) struct ShotArgs {
 /// File size and accuracy.
 #[derive(Debug, Args)]
 pub(crate) struct QualityArgs {
-    /// Maximum size of the output in bytes; the best setting that fits is searched
+    /// Maximum size of the output in bytes; the best setting that fits is searched; if none fits,
+    /// the smallest file is written, with a warning
     #[arg(long, value_name = "B")]
     pub(crate) max_bytes: Option<u64>,
     /// Maximum position error of a corner in pixels [default: 0.35; player 0.1]
@@ -207,6 +211,8 @@ pub(crate) enum FormName {
     Polygon,
     /// One path per triangle with the positions of all frames
     Path,
+    /// The frame at --at, with three gradients per triangle
+    Gouraud,
 }
 
 /// Arguments of `flatten frame`.

@@ -12,7 +12,7 @@ use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName, Switch};
-use articula::flatten::{FramedCharacter, Shot, flatten, flatten_driven};
+use articula::flatten::{FramedCharacter, Shot, TriangleCount, flatten_driven, flatten_within};
 use articula_core::Viewport;
 use articula_flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
 use articula_flat::planar::OrderOptions;
@@ -44,15 +44,16 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let framed = console.work(|work| FramedCharacter::new(&figure, shot, work))?;
     let settings = args.settings(profile, &framed)?;
     let options = args.prepare_options();
-    let flat = if args.special.live {
-        console.work(|work| flatten_driven(&framed, options, &settings, work))?
+    let (framed, flat) = if args.special.live {
+        let flat = console.work(|work| flatten_driven(&framed, options, &settings, work))?;
+        (framed, flat)
     } else {
-        console.work(|work| flatten(&framed, options, &settings, work))?
+        console.work(|work| flatten_within(framed, &options, &settings, work))?
     };
     console.files.write(args.out(), &flat.bytes)?;
     let made = Made {
         triangles_of_character: figure.asset.mesh.triangles.len(),
-        triangles: framed.triangles.len(),
+        framed: &framed,
         size_px: args.shot.size,
         max_bytes: settings.max_bytes,
     };
@@ -67,6 +68,7 @@ impl ConvertArgs {
         let (quality, special) = (&self.quality, &self.special);
         let keyed = [P::Smil, P::Flipbook, P::Lottie];
         let moving = [P::Smil, P::Flipbook, P::Lottie, P::Player, P::Thesis];
+        let is_gouraud_form = special.form == FormName::Gouraud;
         let ours = [P::Smil, P::Flipbook, P::Lottie, P::Player, P::Still];
         let vector = [moving.as_slice(), &[P::Still]].concat();
         let turned = motion.turn_deg != 0.0 || motion.cycles != 1;
@@ -79,6 +81,7 @@ impl ConvertArgs {
             (special.audio.is_some(), "--audio", &[P::Portrait]),
             (special.views != 3, "--views", &[P::Portrait]),
             (special.optimise, "--optimise", &[P::Thesis]),
+            (is_gouraud_form, "--form", &[P::Thesis]),
             (motion.at != 0.0, "--at", &[P::Still, P::Thesis]),
             (turned, "--turn-deg or --cycles", &moving),
             (aside, "--yaw-deg or --pitch-deg", &vector),
@@ -92,6 +95,10 @@ impl ConvertArgs {
                 return Err(fault::usage(format!("{flag} {what}")));
             }
         }
+        if is_gouraud_form && special.optimise {
+            let what = "--optimise is for a clip; --form gouraud is one frame";
+            return Err(fault::usage(what));
+        }
         if special.live && (turned || quality.max_bytes.is_some()) {
             let what =
                 "--live plays the clip as it is; leave out --turn-deg, --cycles, --max-bytes";
@@ -104,14 +111,20 @@ impl ConvertArgs {
     }
 
     fn shot(&self, profile: ProfileName, clip: Option<usize>) -> Shot {
-        let triangles = match profile {
+        let least = match profile {
             ProfileName::Player => 1500,
-            ProfileName::Portrait => 1000,
             _ => 600,
         };
+        let triangles = match self.shot.triangles {
+            Some(count) => TriangleCount::About(count as usize),
+            None => TriangleCount::Judged { least },
+        };
+        let is_gouraud_form =
+            profile == ProfileName::Thesis && self.special.form == FormName::Gouraud;
+        let is_still = profile == ProfileName::Still || is_gouraud_form;
         Shot {
             clip,
-            still_at: (profile == ProfileName::Still).then_some(self.motion.at),
+            still_at: is_still.then_some(self.motion.at),
             cycles: self.motion.cycles,
             fps: self.motion.fps,
             yaw_deg: self.shot.yaw_deg,
@@ -122,7 +135,7 @@ impl ConvertArgs {
                 height_px: self.shot.size.1 as f32,
                 fov_y_radians: self.shot.fov_deg.to_radians(),
             },
-            triangles: Some(self.shot.triangles.unwrap_or(triangles) as usize),
+            triangles,
         }
     }
 
@@ -167,10 +180,14 @@ impl ConvertArgs {
                 form: match self.special.form {
                     FormName::Polygon => ThesisForm::Polygon,
                     FormName::Path => ThesisForm::Path,
+                    FormName::Gouraud => ThesisForm::GouraudStill { frame: 0 },
                 },
                 optimise_hidden: self.special.optimise,
                 optimise_static: self.special.optimise,
-                neutral_frame: (at * f64::from(framed.options.fps)).round() as usize,
+                neutral_frame: match self.special.form {
+                    FormName::Gouraud => 0,
+                    _ => (at * f64::from(framed.options.fps)).round() as usize,
+                },
             }),
         };
         let mut quality = Quality::of(profile);

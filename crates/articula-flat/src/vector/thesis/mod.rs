@@ -17,7 +17,10 @@ mod gouraud;
 mod path;
 mod polygon;
 
-use crate::planar::{PlanarClip, PlanarError};
+use crate::item_buffer::Supersampling;
+use crate::picture::{Picture, Rgba};
+use crate::planar::reference::reference;
+use crate::planar::{PlanarClip, PlanarError, PlanarFrame};
 use document::{Clock, Document};
 use faces::Faces;
 
@@ -36,6 +39,13 @@ pub enum ThesisForm {
         /// Index of the frame.
         frame: usize,
     },
+}
+
+impl ThesisForm {
+    /// Whether colours vary inside a face.
+    pub(crate) fn is_gouraud(self) -> bool {
+        matches!(self, Self::GouraudStill { .. })
+    }
 }
 
 /// Form, and the optimisations of thesis 4.2.3 for [`ThesisForm::Path`].
@@ -165,6 +175,47 @@ pub(crate) fn thesis_frame(
         polygon::write_still(*face, corners, color, document.text());
     }
     Ok(document.end().0)
+}
+
+/// Returns what a Gouraud still shows: faces in the thesis' order, coloured by barycentric weights.
+/// Computed from the clip, since not every reader of SVG supports the filters of the file.
+///
+/// # Errors
+/// As [`thesis`], and [`PlanarError::Picture`] if the picture is too large.
+pub(crate) fn thesis_gouraud_picture(
+    clip: &PlanarClip,
+    frame: usize,
+    options: &ThesisSvgOptions,
+    background: Rgba,
+) -> Result<Picture, PlanarError> {
+    clip.check()?;
+    has_frame(clip, "form.frame", frame)?;
+    let faces = Faces::of(clip, frame..frame + 1, options.neutral_frame)?;
+    let from = &clip.frames[frame];
+    let mut only = PlanarFrame::default();
+    let mut painted = PlanarClip {
+        frames: Vec::new(),
+        triangles: Vec::new(),
+        surface: Vec::new(),
+        part: Vec::new(),
+        albedo: Vec::new(),
+        ..clip.clone()
+    };
+    // Later faces are nearer, so that the depth buffer shows the painting order.
+    for (rank, face) in (1..).zip(&faces.order) {
+        let first = only.xy.len() as u32;
+        for v in clip.triangles[*face as usize].map(|v| v as usize) {
+            only.xy.push(from.xy[v]);
+            only.nearness.push(rank as f32);
+            only.light.push(from.light[v]);
+            painted.albedo.push(clip.albedo[v]);
+        }
+        painted.triangles.push([first, first + 1, first + 2]);
+        painted.surface.push(clip.surface[*face as usize]);
+        painted.part.push(clip.part[*face as usize]);
+    }
+    painted.frames.push(only);
+    Ok(reference(&painted, 0, Supersampling::Four, background)?)
 }
 
 fn has_frame(clip: &PlanarClip, at: &'static str, frame: usize) -> Result<(), PlanarError> {

@@ -1,7 +1,7 @@
 //! Characters in motion before a camera, set up as by the command `flatten`.
 
 use anyhow::{Context, Result};
-use articula::flatten::{FramedCharacter, FramedParts, Shot};
+use articula::flatten::{FramedCharacter, FramedParts, Shot, TriangleCount};
 use articula::{CharacterFile, Figure};
 use articula_build::decimate;
 use articula_core::source::{Character, Property, RawClip as SourceClip};
@@ -170,7 +170,7 @@ impl Case {
             pitch_deg: 0.0,
             turn_deg: self.turn_degrees,
             viewport: viewport(),
-            triangles: None,
+            triangles: TriangleCount::All,
         };
         let framed = FramedCharacter::from_parts(figure, shot, parts.clone());
         let looks: Vec<f64> = parts.frame_times_secs.iter().copied().step_by(3).collect();
