@@ -363,7 +363,7 @@ towards new coverage by libFuzzer from the files of the test data and of the rep
 to 256 KiB), in one process with AddressSanitizer, debug assertions and overflow checks. *Edges* and *features*: what
 the inputs of the corpus reach, as counted by libFuzzer; *findings*: inputs that panic, take more than 20 s or more
 than 2 GiB, or break an invariant that the target states. The corpus of earlier runs on the same machine is used again,
-so a second run reaches more.
+so a second run reaches more. Executions depend on the machine and on what else runs on it.
 
 | target | seconds | executions | per second | edges | features | corpus | findings |
 | --- | --- | --- | --- | --- | --- | --- | --- |

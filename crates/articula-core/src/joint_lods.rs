@@ -244,6 +244,25 @@ mod tests {
     }
 
     #[test]
+    fn the_mean_pose_is_by_place_and_joints_of_no_rig_are_left_out() {
+        let rig = rig();
+        let mut mean = rig.rest_pose().clone();
+        mean.translations[4] = Vec3::Z;
+        let sets = [JointSet::from_iter([4, 5])];
+        let joint_lods = JointLods::of_sets(&rig, &sets, &mean).unwrap();
+        // Those of the coarser level first: 4 with its ancestors.
+        assert_eq!(joint_lods.joints(), [0, 1, 4, 2, 3]);
+        let translations = joint_lods.mean().iter().map(|t| t.translation);
+        let expected = [Vec3::ZERO, Vec3::Y, Vec3::Z, Vec3::Y, Vec3::Y];
+        assert_eq!(translations.collect::<Vec<_>>(), expected);
+        let whole = JointLods::whole(&rig).unwrap();
+        assert_eq!((whole.levels(), whole.joint_count(0)), (1, 5));
+        assert_eq!(whole.joints(), [0, 1, 2, 4, 3]);
+        assert_eq!(whole.place(3), 4);
+        assert_eq!(whole.parents(), [None, Some(0), Some(1), Some(1), Some(2)]);
+    }
+
+    #[test]
     fn refuses_what_is_no_order_or_no_ladder() {
         let rig = rig();
         let rest = rig.rest_pose();

@@ -84,6 +84,44 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_error_is_the_percentile_or_half_the_maximum() {
+        assert_eq!(lod_error_metres(0.25, 0.25), 0.25);
+        assert_eq!(lod_error_metres(0.25, 1.0), 0.5);
+        let clip = ClipLodErrors {
+            levels_metres: vec![0.0, 0.25, 0.5],
+            worst_metres: vec![0.0, 1.0, 1.0],
+            ..ClipLodErrors::default()
+        };
+        assert_eq!(clip.judged().collect::<Vec<_>>(), [0.0, 0.5, 0.5]);
+    }
+
+    #[test]
+    fn each_list_and_number_of_a_clip_is_checked() {
+        let right = ClipLodErrors {
+            levels_metres: vec![0.0, 0.1, 0.1],
+            worst_metres: vec![0.0, 0.0, 0.2],
+            speed_metres_per_sec: 0.0,
+            seam_metres: 0.0,
+        };
+        let at = |change: fn(&mut ClipLodErrors)| {
+            let mut clip = right.clone();
+            change(&mut clip);
+            let clips = vec![right.clone(), clip];
+            LodErrors { clips }.check(2, 3).err().map(|e| e.at)
+        };
+        assert_eq!(at(|_| ()), None);
+        let levels = Some("clips[1].levels_metres".to_owned());
+        assert_eq!(at(|c| c.levels_metres.truncate(2)), levels);
+        assert_eq!(at(|c| c.levels_metres[0] = 0.01), levels);
+        assert_eq!(at(|c| c.levels_metres[2] = 0.09), levels);
+        let worst = Some("clips[1].worst_metres".to_owned());
+        assert_eq!(at(|c| c.worst_metres.push(0.3)), worst);
+        let rest = Some("clips[1]".to_owned());
+        assert_eq!(at(|c| c.speed_metres_per_sec = -0.1), rest);
+        assert_eq!(at(|c| c.seam_metres = f32::NAN), rest);
+    }
+
+    #[test]
     fn validity_table() {
         let table = |levels: &[f32], speed| LodErrors {
             clips: vec![ClipLodErrors {
