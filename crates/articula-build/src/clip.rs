@@ -425,7 +425,7 @@ mod tests {
     #[test]
     fn curves_are_followed_alike_in_figures_of_any_unit() {
         use articula_core::Transform;
-        // The head of a figure of 1.7 m sways by 0.1 m along a spline with two keys in a second;
+        // The head of a figure of 1.7 m sways by 0.1 m along a spline with keys 0.1 s apart;
         // its numbers are metres, or units below a joint that scales them to metres.
         let frames = |unit_metres: f32| {
             let joint = |parent, y: f32, scale| source::Joint {

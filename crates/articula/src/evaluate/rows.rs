@@ -110,34 +110,34 @@ pub fn rows(
     };
     let mut known: Vec<(MethodRun, SkinErrors)> = Vec::new();
     let row = |distance_m: &f32| {
-        let run = trial(stage, method, &swept, *distance_m, tuning);
-        let same = known
-            .iter()
-            .find(|(known, _)| known.parameter == run.parameter);
+        let parameter = parameter(stage, method, &swept, *distance_m, tuning);
+        let same = known.iter().find(|(run, _)| run.parameter == parameter);
         let measured = same.copied().unwrap_or_else(|| {
             // The search measures a sample; the whole skin is measured for its result alone.
-            let (run, playbacks) = play(stage, method, run.parameter);
-            (run, stage.skin_errors(&playbacks))
+            let (run, playbacks) = play(stage, method, parameter);
+            let measured = (run, stage.skin_errors(&playbacks));
+            known.push(measured);
+            measured
         });
-        known.push(measured);
         stage.row(measured, *distance_m)
     };
     distances_m.iter().map(row).collect()
 }
 
-fn trial(
+fn parameter(
     stage: &ClipEvaluator<'_>,
     method: &Method,
     swept: &[MethodRun],
     distance_m: f32,
     tuning: ParameterChoice,
-) -> MethodRun {
-    let usual = || play(stage, method, stage.default_parameter(method, distance_m)).0;
+) -> f32 {
+    let usual = stage.default_parameter(method, distance_m);
     match tuning {
-        ParameterChoice::Usual => usual(),
-        ParameterChoice::Fixed(parameter) => play(stage, method, parameter).0,
+        ParameterChoice::Usual => usual,
+        ParameterChoice::Fixed(parameter) => parameter,
         ParameterChoice::Calibrated(limit) => {
-            calibrate(stage, method, swept, distance_m, limit).unwrap_or_else(usual)
+            let best = calibrate(stage, method, swept, distance_m, limit);
+            best.map_or(usual, |run| run.parameter)
         }
     }
 }

@@ -11,7 +11,6 @@ use articula_flat::Picture;
 use articula_flat::vector;
 use articula_flat::vector::raster;
 use serde::Serialize;
-use std::path::PathBuf;
 
 /// Maximum number of frames of a movie.
 const MAX_FRAMES: f64 = 5000.0;
@@ -114,14 +113,7 @@ fn write(args: &MovieArgs, moments: &[(Picture, f64)], files: &Files) -> anyhow:
         _ => {
             files.make_folder(&args.out)?;
             let name = |f: usize| args.out.join(format!("{f:04}.png"));
-            files.plan(
-                [],
-                (0..moments.len())
-                    .map(name)
-                    .collect::<Vec<_>>()
-                    .iter()
-                    .map(PathBuf::as_path),
-            )?;
+            (0..moments.len()).try_for_each(|f| files.check_output(&name(f)))?;
             let mut all = 0;
             for (f, (picture, _)) in moments.iter().enumerate() {
                 let bytes = picture.to_png().with_context(place)?;
