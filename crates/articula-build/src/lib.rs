@@ -74,8 +74,8 @@ pub use joint_lods::{
     levels_of, lod_errors, mean_pose, merged_levels, named_joint_lods, skin_of,
 };
 pub use mesh_levels::{
-    MeasurementPoses, MeshLevelOptions, MeshLevels, RegionMix, measure_levels,
-    mesh_level_triangles, mesh_levels,
+    LeftOutLevel, LeftOutReason, MeasurementPoses, MeshLevelOptions, MeshLevels, RegionMix,
+    measure_levels, mesh_level_triangles, mesh_levels,
 };
 pub use motion_bounds::motion_bounds;
 pub use motion_error::{

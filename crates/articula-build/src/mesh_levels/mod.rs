@@ -5,9 +5,11 @@
 //! character (`simplify`), each part is clustered as one object (`clusters`), and each level of the
 //! whole character has one error (`surface_distance`).
 
+mod kept;
 mod mix;
 mod reordered;
 
+pub use kept::{LeftOutLevel, LeftOutReason};
 pub use mix::{RegionMix, measure_levels};
 
 use crate::character::Asset;
@@ -21,6 +23,9 @@ use articula_core::{LevelRow, LevelTable, Mesh, Mismatch, Part};
 /// Options of [`mesh_levels`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshLevelOptions {
+    /// Maximum error in motion of a level, relative to the longest side of the bounding box at
+    /// rest; a level above it and all coarser ones are not made. `None` makes them all.
+    pub max_error: Option<f32>,
     /// Simplification: targets, weights and constraints.
     pub simplify: SimplifyOptions,
     /// Selection of the poses for simplification and for measurement.
@@ -40,6 +45,8 @@ pub struct MeshLevels {
     /// Triangles of each part at each level, as `parts[part][level]`; vertices are numbered within
     /// the part.
     pub parts: Vec<Vec<Vec<[u32; 3]>>>,
+    /// Levels that were wanted and are not made, finest first.
+    pub left_out: Vec<LeftOutLevel>,
     /// Number of poses of each kind that errors in motion were measured on.
     pub measured: MeasurementPoses,
 }
@@ -108,14 +115,20 @@ impl MeshLevels {
 
 /// Computes and measures all mesh levels of a character.
 ///
+/// A level without triangles, one equal to the next finer level and one above
+/// [`MeshLevelOptions::max_error`] are left out ([`MeshLevels::left_out`]).
+///
 /// # Errors
 /// A [`Mismatch`] if the options do not fit the mesh, or the asset's parts belong to another
 /// character.
 pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels, Mismatch> {
     let mesh = &asset.mesh;
     let (simplified, poses) = simplified(asset, opts)?;
-    let lists: Vec<&[[u32; 3]]> = simplified.levels.iter().map(|l| &l.triangles[..]).collect();
-    let distances = mix::measured(asset, &lists, &poses, &opts.distance)?;
+    let kept::Kept {
+        levels: simplified,
+        distances,
+        left_out,
+    } = kept::kept(asset, simplified, &poses, opts, true)?;
     let mut objects = Vec::with_capacity(mesh.parts.len());
     let mut parts = Vec::with_capacity(mesh.parts.len());
     for (p, part) in mesh.parts.iter().enumerate() {
@@ -129,7 +142,7 @@ pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels,
         parts.push(levels);
     }
     let row = |(l, distances): (usize, &LevelDistances)| LevelRow {
-        triangles: simplified.levels[l].triangles.len() as u64,
+        triangles: simplified[l].triangles.len() as u64,
         vertices: objects
             .iter()
             .map(|o: &Clustered| u64::from(o.clusters.vertices(l)))
@@ -146,6 +159,7 @@ pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels,
         table,
         objects,
         parts,
+        left_out,
         measured: MeasurementPoses::new(&poses.measuring),
     })
 }
@@ -159,7 +173,9 @@ pub fn mesh_level_triangles(
     asset: &Asset,
     opts: &MeshLevelOptions,
 ) -> Result<Vec<LevelTriangles>, Mismatch> {
-    Ok(simplified(asset, opts)?.0.levels)
+    let (simplified, poses) = simplified(asset, opts)?;
+    let is_limited = opts.max_error.is_some();
+    Ok(kept::kept(asset, simplified, &poses, opts, is_limited)?.levels)
 }
 
 fn simplified(asset: &Asset, opts: &MeshLevelOptions) -> Result<(Simplified, Poses), Mismatch> {
@@ -180,10 +196,10 @@ fn keep_unused(vertices: &mut Vec<u32>, count: usize) {
 }
 
 /// Triangles of one part at each level, vertices numbered within the part.
-fn part_levels(simplified: &Simplified, p: usize, part: &Part) -> Vec<Vec<[u32; 3]>> {
+fn part_levels(simplified: &[LevelTriangles], p: usize, part: &Part) -> Vec<Vec<[u32; 3]>> {
     let first = part.vertices.start as u32;
     let local = |t: &[u32; 3]| t.map(|v| v - first);
-    let of_level = simplified.levels.iter().map(|level| {
+    let of_level = simplified.iter().map(|level| {
         let triangles = &level.triangles[level.parts[p].clone()];
         triangles.iter().map(local).collect()
     });

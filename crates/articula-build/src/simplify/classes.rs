@@ -1,8 +1,10 @@
 //! Vertices that the simplifier treats as one: position classes, and wedges within them.
 //!
-//! A position class holds vertices that stay together: equal in rest position, skin influences and
-//! morph deltas, over all parts. A wedge holds vertices that agree in all attributes, in the part
-//! that draws them and in the classes given by the caller. Source: `docs/methods/clustered-mesh.md`
+//! A position class holds vertices that stay together: equal in rest position and near each other in
+//! every pose, over all parts. Skins and morph deltas may differ, as where a head and a torso with
+//! weights of their own meet; both sides are then simplified together and no gap opens. A wedge
+//! holds vertices that agree in all attributes, in the part that draws them and in the classes given
+//! by the caller. Source: `docs/methods/clustered-mesh.md`
 //! part 5.
 
 use articula_core::{Mesh, Morph};
@@ -12,8 +14,7 @@ use std::collections::HashMap;
 /// Maximum distance between members of a class in any pose, relative to the extent.
 const TOGETHER: f32 = 1e-5;
 
-/// Maximum number of existing classes with the same position, skin and morphs that a vertex is
-/// compared with.
+/// Maximum number of existing classes with the same position that a vertex is compared with.
 const MAX_ALIKE: usize = 8;
 
 /// Classes and wedges of a mesh.
@@ -25,8 +26,8 @@ pub(super) struct Classes {
     pub(super) first: Vec<u32>,
     /// First vertex that equals each vertex in all attributes.
     pub(super) wedge: Vec<u32>,
-    /// First vertex of the class that equals it in part, texture coordinates and colour: all but
-    /// the normal.
+    /// First vertex of the class that equals it in part, skin influences, morph deltas, texture
+    /// coordinates and colour: all but the normal.
     pub(super) chart: Vec<u32>,
     /// Part of each vertex.
     pub(super) part: Vec<u32>,
@@ -46,10 +47,9 @@ impl Classes {
         let parts = part_ids(mesh);
         let tolerance = TOGETHER * extent(&poses[0]);
         let mut classes = Self::default();
-        let mut at_place = HashMap::<([u32; 3], u32, u32), Vec<u32>>::new();
+        let mut at_place = HashMap::<[u32; 3], Vec<u32>>::new();
         for v in 0..mesh.len() {
-            let place = (bits(poses[0][v]), skins[v], morphs[v]);
-            let known = at_place.entry(place).or_default();
+            let known = at_place.entry(bits(poses[0][v])).or_default();
             let together = |class: &&u32| {
                 let first = classes.first[**class as usize] as usize;
                 poses.iter().all(|p| near(p[v], p[first], tolerance))
@@ -68,7 +68,7 @@ impl Classes {
             let finer = finer.get(v).copied().unwrap_or(0);
             (
                 classes.of_vertex[v],
-                parts[v],
+                (parts[v], skins[v], morphs[v]),
                 uv.to_array().map(flat_bits),
                 color.map(flat_bits),
                 finer,
@@ -95,7 +95,7 @@ fn near(a: Vec3, b: Vec3, tolerance: f32) -> bool {
 }
 
 /// Largest extent of the finite points along an axis.
-pub(super) fn extent(points: &[Vec3]) -> f32 {
+pub(crate) fn extent(points: &[Vec3]) -> f32 {
     let mut finite = points.iter().filter(|p| p.is_finite());
     let Some(first) = finite.next() else {
         return 0.0;

@@ -4,8 +4,9 @@ use super::cost::Costs;
 use super::topology::Surface;
 use glam::Vec3;
 
-/// Diagonal, relative to the extent of the mesh, above which a component is never removed.
-const TINY: f32 = 0.5;
+/// Diagonal, relative to the extent of the mesh, above which a component is never removed: a head, a
+/// leg or a hand keeps a closed form of a few triangles.
+const TINY: f32 = 0.05;
 
 /// Components connected by position classes.
 #[derive(Debug, Default)]

@@ -1,6 +1,6 @@
 //! Cost of moving a position class onto another one, over all poses.
 
-use super::classes::Classes;
+use super::classes::{Classes, extent};
 use super::quadric::Quadric;
 use super::ring::Ring;
 use super::topology::Surface;
@@ -12,6 +12,10 @@ use glam::{DVec3, Vec3};
 const BORDER: f64 = 1.0;
 /// Weight of the plane of an edge at which texture coordinates, colours or parts differ.
 const SEAM: f64 = 0.3;
+/// Additional weight of an error at the vertex that a morph target moves furthest.
+const MORPH: f32 = 3.0;
+/// Largest displacement of a morph target, relative to the extent, below which it has no weight.
+const STILL: f32 = 1e-4;
 /// Number of faces around a class above which its edges get no planes and it is not collapsed.
 pub(super) const MAX_FACES: usize = 64;
 
@@ -60,7 +64,7 @@ impl Costs {
         costs.add_faces(surface);
         costs.scale();
         costs.hold_edges(surface, classes);
-        costs.weigh(mesh, options, classes);
+        costs.weigh(mesh, options, classes, STILL * extent(&poses[0]));
         costs
     }
 
@@ -114,7 +118,9 @@ impl Costs {
         }
     }
 
-    fn weigh(&mut self, mesh: &Mesh, options: &SimplifyOptions, classes: &Classes) {
+    /// `still` is the displacement below which a morph target has no weight.
+    fn weigh(&mut self, mesh: &Mesh, options: &SimplifyOptions, classes: &Classes, still: f32) {
+        let moved = moved_by_morphs(mesh, still);
         let mut factors = vec![0.0f32; classes.len()];
         for (v, class) in classes.of_vertex.iter().enumerate() {
             let mut factor = options.vertex_weights.get(v).copied().unwrap_or(1.0);
@@ -122,6 +128,7 @@ impl Costs {
                 let most = mesh.influences_of(v).map(|i| i.1).fold(0.0, f32::max);
                 factor *= 1.0 + strength * (1.0 - most);
             }
+            factor *= 1.0 + MORPH * moved[v];
             let known = &mut factors[*class as usize];
             *known = known.max(factor);
         }
@@ -188,6 +195,29 @@ impl Costs {
         }
         self.areas[to as usize] += self.areas[from as usize];
     }
+}
+
+/// How far morph targets move each vertex, 0 to 1: the largest displacement over the targets, each
+/// relative to the vertex that the target moves furthest. Targets that move no vertex by more than
+/// `still` are left out.
+///
+/// Source: the level of animation of thesis 3.1.2, which states no formula.
+fn moved_by_morphs(mesh: &Mesh, still: f32) -> Vec<f32> {
+    let mut moved = vec![0.0f32; mesh.len()];
+    for morph in &mesh.morphs {
+        let lengths = || morph.positions.iter().map(|d| d.length());
+        let most = lengths().filter(|l| l.is_finite()).fold(0.0, f32::max);
+        if most <= still {
+            continue;
+        }
+        for (v, length) in morph.vertices.iter().zip(lengths()) {
+            let share = length / most;
+            if share <= 1.0 {
+                moved[*v as usize] = moved[*v as usize].max(share);
+            }
+        }
+    }
+    moved
 }
 
 /// Normal of a triangle with twice its area as length.

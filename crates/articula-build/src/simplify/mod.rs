@@ -4,7 +4,7 @@
 //! and the vertices of a level are a subset of those of every finer level. The cost of a collapse
 //! is the quadric error summed over poses plus the maximum distance, over all poses, of removed
 //! vertices. Collapses act on position classes over all parts of a character, and attributes are
-//! kept by wedges.
+//! kept by wedges. Vertices that morph targets move weigh more.
 //!
 //! Source: Garland and Heckbert (1997) for quadrics; Mohr and Gleicher, *Deformation Sensitive
 //! Decimation* (2003), and DeCoro and Rusinkiewicz, *Pose-independent Simplification of Articulated
@@ -23,6 +23,7 @@ mod ring;
 mod topology;
 mod wedges;
 
+pub(crate) use classes::extent;
 pub use region_weights::{region_weights, skin_regions, vertex_regions};
 
 use articula_core::{Mesh, Mismatch};
@@ -105,7 +106,8 @@ pub struct Simplified {
     /// without those that use a vertex twice; of vertices that are equal in all attributes it uses
     /// the first.
     pub levels: Vec<LevelTriangles>,
-    /// Position class of each vertex: vertices of one class stay together in all poses.
+    /// Position class of each vertex: vertices of one class stay together in all poses, even where
+    /// their skins differ.
     pub position_classes: Vec<u32>,
 }
 

@@ -2,7 +2,8 @@
 
 use crate::reference_human::of_2000;
 use articula_build::{
-    ClipOptions, MeshLevelOptions, MeshLevels, SimplifyOptions, character, mesh_levels,
+    ClipOptions, LeftOutReason, MeshLevelOptions, MeshLevels, SimplifyOptions, character,
+    mesh_level_triangles, mesh_levels,
 };
 use articula_core::source::Character;
 use articula_formats::Limits;
@@ -115,4 +116,41 @@ fn levels_of_another_character_are_refused() {
     let mut smaller = source;
     smaller.meshes[1].primitives[0].positions.truncate(3);
     assert!(made.character(&smaller).is_err());
+}
+
+#[test]
+fn levels_that_show_nothing_new_or_too_little_are_left_out() {
+    let asset = character(&source(), None, &ClipOptions::default()).unwrap();
+    let mut options = MeshLevelOptions {
+        simplify: SimplifyOptions {
+            targets: vec![1.0, 0.4, 0.01, 1e-6, 1e-7, 1e-8],
+            ..SimplifyOptions::default()
+        },
+        ..MeshLevelOptions::default()
+    };
+    let all = mesh_levels(&asset, &options).unwrap();
+    let count = |made: &MeshLevels| made.table.levels.len() + made.left_out.len();
+    let falls = |made: &MeshLevels| {
+        let mut rows = made.table.levels.windows(2);
+        rows.all(|w| w[0].triangles > w[1].triangles && w[1].triangles > 0)
+    };
+    assert_eq!(count(&all), 6);
+    // The last three targets ask for less than one triangle.
+    assert!(all.left_out.len() >= 2 && falls(&all));
+    let finest = all.table.levels[1].motion.max_metres;
+    let coarsest = all.table.levels[2].motion.max_metres;
+    assert!(finest < coarsest);
+    let size = |axis: fn(Vec3) -> f32| {
+        let all = || asset.mesh.positions.iter().map(|p| axis(*p));
+        all().fold(f32::MIN, f32::max) - all().fold(f32::MAX, f32::min)
+    };
+    let size = size(|p| p.x).max(size(|p| p.y)).max(size(|p| p.z));
+    options.max_error = Some(0.5 * (finest + coarsest) / size);
+    let some = mesh_levels(&asset, &options).unwrap();
+    assert_eq!((some.table.levels.len(), count(&some)), (2, 6));
+    let reasons = some.left_out.iter().map(|l| l.reason);
+    let is_coarse = |r: &LeftOutReason| matches!(r, LeftOutReason::TooCoarse(_));
+    assert!(reasons.clone().next().is_some_and(|r| is_coarse(&r)));
+    let triangles = mesh_level_triangles(&asset, &options).unwrap();
+    assert_eq!(triangles.len(), 2);
 }

@@ -138,7 +138,7 @@ impl MeshLods {
 }
 
 /// Triangles of each mesh level of a character: those that its file stores if it has as many, or
-/// those that `prepare` would make.
+/// those that `prepare` would make, which may be fewer than wanted.
 pub(crate) fn mesh_level_triangles(
     figure: Option<&Figure>,
     asset: &Asset,

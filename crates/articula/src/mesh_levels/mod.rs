@@ -17,9 +17,10 @@ use crate::figure::Figure;
 use crate::open::GltfSource;
 use crate::work::Executor;
 use articula_build::{
-    Asset, Clustered, LevelTriangles, MeshLevels, mesh_level_triangles, mesh_levels,
+    Asset, Clustered, LeftOutLevel, LeftOutReason, LevelTriangles, MeshLevels,
+    mesh_level_triangles, mesh_levels,
 };
-use articula_core::{Part, PosedMesh};
+use articula_core::{LevelRow, Mesh, Part, PosedMesh};
 use articula_flat::Bounds;
 use articula_formats::gltf::Document;
 use articula_formats::gltf::{MeshParts, PartLevels};
@@ -88,11 +89,53 @@ pub(crate) fn add(
             m.name
         )
     };
+    let mut warnings: Vec<String> = meshes.iter().filter(replaced).map(warning).collect();
+    warnings.extend(left_out(&levels, wanted.targets.len()));
+    if wanted.max_error.is_none() {
+        warnings.extend(coarse(&levels, &asset.mesh));
+    }
     Ok(CodedMeshLevels {
-        warnings: meshes.iter().filter(replaced).map(warning).collect(),
+        warnings,
         levels,
         stream,
     })
+}
+
+/// Describes the levels that are not made.
+fn left_out(made: &MeshLevels, wanted: usize) -> Vec<String> {
+    let count = made.table.levels.len();
+    let text = |level: &LeftOutLevel| {
+        let why = match level.reason {
+            LeftOutReason::Empty => "it has no triangles".to_owned(),
+            LeftOutReason::Equal => "it equals the next finer level".to_owned(),
+            LeftOutReason::TooCoarse(share) => format!(
+                "its error in motion is {:.1} % of the size of the figure, at most {:.0} % is allowed",
+                100.0 * share,
+                100.0 * options::MAX_ERROR
+            ),
+        };
+        format!(
+            "{count} of {wanted} mesh levels are made: the level of {} triangles ({} %) is left out, since {why}",
+            level.triangles,
+            (1e4 * level.target).round() / 100.0
+        )
+    };
+    made.left_out.iter().map(text).collect()
+}
+
+/// Describes the levels that are made as wanted, though their errors are large.
+fn coarse(made: &MeshLevels, mesh: &Mesh) -> Vec<String> {
+    let bounds = Bounds::around(mesh.positions.iter().map(|p| (*p, *p)));
+    let size = bounds.map_or(0.0, |b| (b.high - b.low).max_element());
+    let rows = made.table.levels.iter().enumerate();
+    let coarse = rows.filter(|(_, row)| row.motion.max_metres > options::MAX_ERROR * size);
+    let text = |(l, row): (usize, &LevelRow)| {
+        format!(
+            "mesh level {l}: its error in motion is {:.1} % of the size of the figure; parts may come apart",
+            100.0 * row.motion.max_metres / size
+        )
+    };
+    coarse.map(text).collect()
 }
 
 /// Triangles of the levels that [`add`] makes with default options, over the vertices of the

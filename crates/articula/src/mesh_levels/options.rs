@@ -9,11 +9,19 @@ use std::collections::BTreeMap;
 /// Triangle fractions of five levels; other numbers of levels are interpolated.
 const FIVE_LEVELS: [f64; 5] = [1.0, 0.5, 0.25, 0.1, 0.015];
 
+/// Maximum error in motion of a level, relative to the longest side of the bounding box at rest,
+/// unless the fractions of the triangles are given one by one. Above it figures of several parts
+/// come apart at neck and shins and lose hands and feet.
+pub(crate) const MAX_ERROR: f32 = 0.05;
+
 /// Options for making the mesh levels of a character.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshLevelOptions {
     /// Fraction of the triangles at each level, 0 to 1, decreasing from 1.
     pub targets: Vec<f64>,
+    /// Maximum error in motion of a level, relative to the longest side of the bounding box at
+    /// rest; a level above it and all coarser ones are not made. `None` makes them all.
+    pub max_error: Option<f32>,
     /// Factors on errors by body region name; 1 for regions without an entry.
     pub region_weights: Vec<(String, f32)>,
     /// Named zones that may be shown at independent levels; the remaining vertices form one more.
@@ -27,10 +35,12 @@ pub struct MeshLevelOptions {
 }
 
 impl MeshLevelOptions {
-    /// Options for `count` levels, from all triangles down to 1.5 % of them.
+    /// Options for at most `count` levels, from all triangles down to 1.5 % of them, with errors of
+    /// at most 5 % of the longest side of the bounding box.
     pub fn levels(count: usize) -> Self {
         Self {
             targets: default_targets(count),
+            max_error: Some(MAX_ERROR),
             region_weights: Vec::new(),
             split: Vec::new(),
             weighting: ErrorWeighting::PoseSummed,
@@ -59,6 +69,7 @@ impl MeshLevelOptions {
         };
         Ok(BuildOptions {
             simplify,
+            max_error: self.max_error,
             ..BuildOptions::default()
         })
     }

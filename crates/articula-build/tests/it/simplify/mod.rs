@@ -55,6 +55,58 @@ fn a_flat_sheet_keeps_its_outline() {
     assert_eq!(area(&two.levels[1]), 64.0);
 }
 
+/// A ball beside another one of a given radius.
+fn two_balls(radius: f32) -> (articula_core::Mesh, usize) {
+    let (large, small) = (ball(24), ball(6));
+    let mut positions = large.positions.clone();
+    let beside = |p: &Vec3| *p * radius + Vec3::X * 1.5;
+    positions.extend(small.positions.iter().map(beside));
+    let first = large.len() as u32;
+    let mut triangles = large.triangles.clone();
+    triangles.extend(small.triangles.iter().map(|t| t.map(|v| v + first)));
+    (shapes::mesh(positions, triangles), large.len())
+}
+
+#[test]
+fn a_piece_stays_closed_unless_it_is_tiny() {
+    let options = SimplifyOptions {
+        targets: vec![1.0, 0.005],
+        ..SimplifyOptions::default()
+    };
+    for (radius, stays) in [(0.2, true), (0.01, false)] {
+        let (mesh, first) = two_balls(radius);
+        let found = of(&mesh, &options);
+        let is_small = |t: &&[u32; 3]| t[0] as usize >= first;
+        let left = found.levels[1].triangles.iter().filter(is_small).count();
+        assert!(is_closed(&found, &found.levels[1]));
+        assert_eq!(left >= 4, stays, "{left} triangles of radius {radius}");
+    }
+}
+
+#[test]
+fn vertices_that_morphs_move_keep_more_triangles() {
+    let mut mesh = ball(24);
+    let is_above = |v: &u32| mesh.positions[*v as usize].y > 0.0;
+    let vertices: Vec<u32> = (0..mesh.len() as u32).filter(is_above).collect();
+    mesh.morphs = vec![articula_core::Morph {
+        slot: 0,
+        positions: vec![Vec3::Y * 0.1; vertices.len()],
+        normals: vec![Vec3::ZERO; vertices.len()],
+        vertices,
+    }];
+    let options = SimplifyOptions {
+        targets: vec![1.0, 0.1],
+        ..SimplifyOptions::default()
+    };
+    // The rest pose alone, so that the displacement itself shapes nothing.
+    let found = of(&mesh, &options);
+    let height = |t: &[u32; 3]| t.iter().map(|v| mesh.positions[*v as usize].y).sum::<f32>();
+    let levels = &found.levels[1].triangles;
+    let above = levels.iter().filter(|t| height(t) > 0.0).count();
+    let below = levels.len() - above;
+    assert!(above * 4 > below * 5, "{above} above, {below} below");
+}
+
 #[test]
 fn locked_vertices_stay() {
     let mesh = ball(12);

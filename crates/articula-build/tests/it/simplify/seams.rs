@@ -55,6 +55,26 @@ fn parts_that_touch_stay_closed() {
     assert!(count < 60, "{count} triangles");
 }
 
+#[test]
+fn parts_that_touch_stay_closed_where_their_skins_differ() {
+    let mut mesh = halves();
+    mesh.bindings.push(mesh.bindings[0]);
+    let lower = mesh.parts[1].vertices.clone();
+    mesh.binding_indices[lower].fill(1);
+    let mut found = of(&mesh, &SimplifyOptions::default());
+    // Closed by position, whatever the simplifier holds to be one vertex.
+    let bits = |p: &Vec3| p.to_array().map(f32::to_bits);
+    let first = |p: &Vec3| mesh.positions.iter().position(|q| bits(q) == bits(p));
+    let classes = mesh.positions.iter().map(|p| first(p).unwrap() as u32);
+    found.position_classes = classes.collect();
+    for level in &found.levels {
+        assert!(is_closed(&found, level));
+        assert!(level.parts.iter().all(|p| !p.is_empty()));
+    }
+    let count = found.levels[4].triangles.len();
+    assert!(count < 60, "{count} triangles");
+}
+
 /// A sheet of two texture charts left and right of x = 4, with a vertex for each side.
 fn charted() -> Mesh {
     let mut mesh = sheet(8);

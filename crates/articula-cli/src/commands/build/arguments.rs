@@ -23,10 +23,11 @@ const HEADING: &str = "Mesh levels";
 /// Mesh levels to make, and how to write them.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct MeshLevelArgs {
-    /// Number of mesh levels, from all triangles down to 1.5 % of them
+    /// Maximum number of mesh levels, from all triangles down to 1.5 % of them; levels with an error
+    /// in motion above 5 % of the size of the figure are left out
     #[arg(long, value_name = "N", help_heading = HEADING, value_parser = clap::value_parser!(u16).range(1..=16))]
     levels: Option<u16>,
-    /// Triangles of each level in percent, finest first
+    /// Triangles of each level in percent, finest first; made whatever their errors are
     #[arg(long, value_name = "100,50,…", help_heading = HEADING, value_delimiter = ',', value_parser = percent)]
     targets: Vec<f64>,
     /// Factors by which errors in body regions count more, such as face=8,hands=4
@@ -102,8 +103,11 @@ impl MeshLevelArgs {
                 given.iter().map(|p| p / 100.0).collect()
             }
         };
+        let base = MeshLevelOptions::levels(targets.len());
         Ok(Some(MeshLevelOptions {
             targets,
+            // Levels that are named one by one are made whatever their errors are.
+            max_error: base.max_error.filter(|_| self.targets.is_empty()),
             region_weights: self.region_weight.clone(),
             split: self.split.clone(),
             weighting: match self.weighting {
