@@ -92,9 +92,7 @@ impl Figure {
     /// The figure with the meshes of its character in the order of the source too, and what its
     /// document is made of.
     pub(crate) fn into_source(mut self) -> SourceFigure {
-        let table = self.opened.character.mesh_levels.as_ref();
-        let levels = table.map_or(0, |table| table.levels.len());
-        let mesh_levels = self.stored_mesh_levels(levels);
+        let mesh_levels = self.stored_mesh_levels();
         if let Some(meshes) = self.source_meshes.take() {
             self.opened.character.meshes = meshes;
         }
@@ -134,11 +132,17 @@ impl Figure {
         character
     }
 
-    /// Triangles of each mesh level of the file over the vertices of the mesh; `None` unless the
-    /// file has exactly this number of levels.
-    pub(crate) fn stored_mesh_levels(&self, levels: usize) -> Option<Vec<Vec<[u32; 3]>>> {
-        let table = self.opened.character.mesh_levels.as_ref()?;
-        if table.levels.len() != levels {
+    /// Number of mesh levels of the file, 0 without levels.
+    pub(crate) fn stored_mesh_level_count(&self) -> usize {
+        let table = self.opened.character.mesh_levels.as_ref();
+        table.map_or(0, |table| table.levels.len())
+    }
+
+    /// Triangles of each mesh level of the file over the vertices of the mesh; `None` without
+    /// levels, or if they do not cover the mesh.
+    pub(crate) fn stored_mesh_levels(&self) -> Option<Vec<Vec<[u32; 3]>>> {
+        let levels = self.stored_mesh_level_count();
+        if levels == 0 {
             return None;
         }
         let mut out = vec![Vec::new(); levels];

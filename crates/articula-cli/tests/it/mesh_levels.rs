@@ -3,6 +3,9 @@
 use crate::program::{BVH, articula, fault, folder, human, json, word};
 use serde_json::Value;
 
+/// Shares of five levels that are made whatever their errors are.
+const FIVE: &str = "100,50,25,10,1.5";
+
 fn numbers(list: &Value, name: &str) -> Vec<f64> {
     let all = list.as_array().unwrap().iter();
     all.map(|v| v[name].as_f64().unwrap()).collect()
@@ -11,7 +14,7 @@ fn numbers(list: &Value, name: &str) -> Vec<f64> {
 #[test]
 fn what_build_says_is_in_the_file_and_in_the_stream() {
     let here = folder("mesh-levels");
-    let words = ["--levels", "5", "--mesh-stream", "h.ams", "--msft-lod"];
+    let words = ["--targets", FIVE, "--mesh-stream", "h.ams", "--msft-lod"];
     let built = json(
         &here,
         &[&["build", word(human()), "h.glb"], &words[..]].concat(),
@@ -68,9 +71,41 @@ fn what_build_says_is_in_the_file_and_in_the_stream() {
 }
 
 #[test]
+fn levels_that_are_too_coarse_are_left_out_and_told() {
+    let here = folder("mesh-levels-coarse");
+    let words = ["build", word(human()), "h.glb"];
+    let named = json(&here, &[&words[..], &["--targets", FIVE]].concat());
+    let height = 1.8;
+    let errors = numbers(&named["levels"], "error_motion_m");
+    let within = errors.iter().filter(|e| **e <= 0.05 * height).count();
+    assert_eq!((errors.len(), within), (5, 4), "{errors:?}");
+    let said = |built: &Value| {
+        let all = built["warnings"].as_array().unwrap().iter();
+        let all = all.filter_map(|w| w.as_str().filter(|w| w.contains("level")));
+        all.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let [line] = &said(&named)[..] else {
+        panic!("{:?}", said(&named));
+    };
+    assert!(
+        line.starts_with("mesh level 4: its error in motion is"),
+        "{line}"
+    );
+
+    let made = json(&here, &[&words[..], &["--levels", "5"]].concat());
+    assert_eq!(numbers(&made["levels"], "error_motion_m"), errors[..4]);
+    let [line] = &said(&made)[..] else {
+        panic!("{:?}", said(&made));
+    };
+    let triangles = numbers(&named["levels"], "triangles")[4];
+    let start = format!("4 of 5 mesh levels are made: the level of {triangles} triangles (1.5 %)");
+    assert!(line.starts_with(&start), "{line}");
+}
+
+#[test]
 fn a_stream_tells_what_is_in_it_whole_cut_or_altered() {
     let here = folder("mesh-stream");
-    let words = ["--levels", "5", "--mesh-stream", "h.ams"];
+    let words = ["--targets", FIVE, "--mesh-stream", "h.ams"];
     let built = json(
         &here,
         &[&["build", word(human()), "h.glb"], &words[..]].concat(),
@@ -155,7 +190,7 @@ fn zones_and_locked_vertices_are_kept_apart() {
 #[test]
 fn convert_writes_a_mix_of_levels_and_draws_it() {
     let here = folder("mesh-levels-mix");
-    let words = ["--levels", "4", "--split", "face,hands"];
+    let words = ["--targets", "100,50,20,3", "--split", "face,hands"];
     let human = word(human());
     json(&here, &[&["build", human, "b.glb"], &words[..]].concat());
     let words = [

@@ -1,6 +1,6 @@
 //! The character of a crowd: its levels with their skins and errors, and its bounds.
 
-use super::mesh_lods::{LevelledMeshes, MeshLods, canonical, mesh_level_triangles};
+use super::mesh_lods::{LevelledMeshes, MeshLods, mesh_level_triangles};
 use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 use super::preparation::{CharacterInPlace, PREPARING, bounds, in_place, joint_levels, pose_cache};
 use crate::error::{Context, Result};
@@ -131,22 +131,17 @@ impl CrowdAsset {
             ..JointLodOptions::default()
         };
         let (levels, stored) = joint_levels(&asset, &options.joints, &opts, stored, work)?;
-        let triangles = match has_mesh && options.mesh_levels > 1 {
-            true => mesh_level_triangles(figure, &asset, options.mesh_levels)?,
-            false => Vec::new(),
-        };
-        if has_mesh && triangles.len().max(1) < options.mesh_levels {
-            let (made, wanted) = (triangles.len(), options.mesh_levels);
+        let wanted = if has_mesh { options.mesh_levels } else { 1 };
+        let triangles = mesh_level_triangles(figure, &asset, wanted)?;
+        let found = triangles.levels.len();
+        if found < wanted {
             warnings.push(format!(
-                "{made} of {wanted} mesh levels are made: the coarser ones are empty, equal to finer ones or too far from the original"
+                "{found} mesh levels are used instead of {wanted}: coarser ones are not stored, or they are empty, equal to finer ones or too far from the original"
             ));
         }
-        let levelled = if triangles.len() > 1 {
-            let stored = stored.filter(|s| {
-                let of_file = figure.and_then(|f| f.stored_mesh_levels(s.mesh_levels()));
-                of_file.is_some_and(|levels| canonical(levels) == triangles)
-            });
-            MeshLods::paired(&asset, &levels, triangles, &opts, stored)?
+        let levelled = if found > 1 {
+            let stored = stored.filter(|s| triangles.are_stored && s.mesh_levels() == found);
+            MeshLods::paired(&asset, &levels, triangles.levels, &opts, stored)?
         } else {
             let all = 0..levels.joint_lods.levels();
             let meshes = all.map(|l| levels.skins.mesh(l, &asset.mesh)).collect();

@@ -137,21 +137,39 @@ impl MeshLods {
     }
 }
 
-/// Triangles of each mesh level of a character: those that its file stores if it has as many, or
-/// those that `prepare` would make, which may be fewer than wanted.
-pub(crate) fn mesh_level_triangles(
+/// Triangles of each mesh level of a character, of which there may be fewer than wanted.
+pub(super) struct MeshLevelTriangles {
+    /// The finest level first, as [`canonical`] returns them.
+    pub(super) levels: Vec<Vec<[u32; 3]>>,
+    /// Whether they are those of the file.
+    pub(super) are_stored: bool,
+}
+
+/// Triangles of at most `levels` mesh levels: those of the file, unless it has none or more, or
+/// those that `prepare` would make. A single level is the original mesh and is not simplified.
+pub(super) fn mesh_level_triangles(
     figure: Option<&Figure>,
     asset: &Asset,
     levels: usize,
-) -> Result<Vec<Vec<[u32; 3]>>> {
-    let triangles = match figure.and_then(|f| f.stored_mesh_levels(levels)) {
-        Some(stored) => stored,
-        None => match figure {
-            Some(figure) => mesh_levels::triangles(figure, levels)?,
-            None => mesh_levels::triangles_of(asset, levels, Vec::new())?,
-        },
+) -> Result<MeshLevelTriangles> {
+    if levels <= 1 {
+        return Ok(MeshLevelTriangles {
+            levels: vec![asset.mesh.triangles.clone()],
+            are_stored: false,
+        });
+    }
+    let stored = figure.filter(|f| f.stored_mesh_level_count() <= levels);
+    let stored = stored.and_then(Figure::stored_mesh_levels);
+    let are_stored = stored.is_some();
+    let triangles = match (stored, figure) {
+        (Some(stored), _) => stored,
+        (None, Some(figure)) => mesh_levels::triangles(figure, levels)?,
+        (None, None) => mesh_levels::triangles_of(asset, levels, Vec::new())?,
     };
-    Ok(canonical(triangles))
+    Ok(MeshLevelTriangles {
+        levels: canonical(triangles),
+        are_stored,
+    })
 }
 
 /// Triangles of levels in one order, since simplification and storage order them differently.

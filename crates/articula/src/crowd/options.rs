@@ -58,9 +58,10 @@ pub struct CrowdOptions {
     pub root_motion: RootMotionPolicy,
     /// Method by which joint LODs are made.
     pub joints: JointLodMethod,
-    /// Number of mesh levels, the original included, at most
+    /// Maximum number of mesh levels, the original included, at most
     /// [`MAX_MESH_LEVELS`](super::MAX_MESH_LEVELS); they are chosen together with the joint LODs.
-    /// With 1 all levels use the original mesh.
+    /// They are those of the file unless it has none or more. With 1 all levels use the original
+    /// mesh.
     pub mesh_levels: usize,
     /// Kind of matrices in a palette.
     pub matrices: PaletteMatrices,

@@ -109,8 +109,7 @@ pub fn check_prepared(opened: CharacterFile) -> Result<PreparedCheck> {
 /// Whether a character has what a part describes.
 fn is_needed(figure: &Figure, part: PreparedPart) -> bool {
     let asset = &figure.asset;
-    let table = figure.opened.character.mesh_levels.as_ref();
-    let levels = table.and_then(|table| figure.stored_mesh_levels(table.levels.len()));
+    let levels = figure.stored_mesh_levels();
     match part {
         _ if asset.clips.is_empty() => false,
         PreparedPart::PairedLevels => {

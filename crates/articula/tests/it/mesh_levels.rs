@@ -33,6 +33,7 @@ fn asset() -> CharacterFile {
                     ("face".to_owned(), Zone::from(Region::Face)),
                     ("hands".to_owned(), Zone::from(Region::Hands)),
                 ],
+                max_error: None,
                 ..MeshLevelOptions::levels(usize::from(LEVELS))
             }),
             ..PrepareOptions::default()

@@ -56,8 +56,8 @@ pub(crate) struct CrowdArgs {
     /// these joints of all characters in view
     #[arg(long, value_name = "full|auto|EXPR", default_value = "auto")]
     level: String,
-    /// Number of mesh levels, from all triangles down to 1.5 % of them as by build --levels, chosen
-    /// together with the joint levels; 1: the original mesh only
+    /// Maximum number of mesh levels, chosen together with the joint levels: those of the file, or,
+    /// if it has none or more, new ones as by build --levels; 1: the original mesh only
     #[arg(long, value_name = "N", default_value = "1", value_parser = mesh_levels)]
     mesh_levels: usize,
     /// Scene to play, with travelling clips kept in place: plaza, plaza-2 (moving camera, a fifth
