@@ -4,9 +4,10 @@ use super::cost::Costs;
 use super::topology::Surface;
 use glam::Vec3;
 
-/// Diagonal, relative to the extent of the mesh, above which a component is never removed: a head, a
-/// leg or a hand keeps a closed form of a few triangles.
-const TINY: f32 = 0.05;
+/// Diagonal, relative to the extent of the mesh, above which a component is never removed: a leg or
+/// a torso keeps a closed form of a few triangles. A lower value leaves too few triangles for the
+/// large components of faces with eyes and teeth.
+const TINY: f32 = 0.3;
 
 /// Components connected by position classes.
 #[derive(Debug, Default)]

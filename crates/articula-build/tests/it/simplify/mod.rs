@@ -73,7 +73,7 @@ fn a_piece_stays_closed_unless_it_is_tiny() {
         targets: vec![1.0, 0.005],
         ..SimplifyOptions::default()
     };
-    for (radius, stays) in [(0.2, true), (0.01, false)] {
+    for (radius, stays) in [(0.4, true), (0.01, false)] {
         let (mesh, first) = two_balls(radius);
         let found = of(&mesh, &options);
         let is_small = |t: &&[u32; 3]| t[0] as usize >= first;

@@ -7,6 +7,7 @@ mod characters;
 mod contestants;
 mod errors;
 mod page;
+mod progressive;
 mod sheet;
 mod sizes;
 mod targets;

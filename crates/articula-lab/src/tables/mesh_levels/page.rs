@@ -186,7 +186,8 @@ fn sizes(page: &mut String, all: &[Found]) -> Result<()> {
             )?;
         }
     }
-    wholes(page, all)
+    wholes(page, all)?;
+    progressive(page, all)
 }
 
 const BYTES: &str = "
@@ -254,6 +255,62 @@ morph targets*: Articula, all levels and the finest alone.
     Ok(())
 }
 
+/// The thesis' table 6.1, with operations.
+fn progressive(page: &mut String, all: &[Found]) -> Result<()> {
+    page.push_str(PROGRESSIVE);
+    for found in all {
+        let sizes = &found.sizes;
+        let ends = [sizes.levels.first(), sizes.levels.last()];
+        let [Some(coarsest), Some(finest)] = ends else {
+            continue;
+        };
+        let plain: usize = sizes.levels.iter().map(|l| l.plain).sum();
+        let direct: usize = sizes.levels.iter().map(|l| l.direct).sum();
+        let finer_first = sizes.levels.windows(2).rev();
+        let splits: Vec<String> = finer_first
+            .map(|pair| (pair[1].points - pair[0].points).to_string())
+            .collect();
+        let ranges: Vec<String> = sizes
+            .levels
+            .iter()
+            .rev()
+            .map(|l| l.ranges.to_string())
+            .collect();
+        writeln!(
+            page,
+            "| {} | {} / {} | {} / {} | {} / {} | {plain} / {direct} | {} | {} ({}) |",
+            found.name,
+            finest.plain,
+            finest.direct,
+            sizes.store,
+            sizes.whole(),
+            sizes.progressive.plain,
+            sizes.progressive.coded,
+            ranges.join(", "),
+            splits.join(", "),
+            finest.points - coarsest.points,
+        )?;
+    }
+    Ok(())
+}
+
+const PROGRESSIVE: &str = "
+## Beside a progressive mesh
+
+The thesis' table 6.1 for these levels: bytes uncoded / coded, without morph targets. *Clustered* is STORE
+/ TRANSPORT, *discrete* every level by itself (plain / direct). The *progressive mesh* (Hoppe 1996) is the
+coarsest level and one vertex split for each position that the next coarser level does not have: uncoded
+with 6 bytes for a split and the plain bytes of the vertices that it adds; coded not less than the finest
+level alone and the bits by which Hoppe names the vertex and the edges of a split (log2 of the vertices so
+far, and 5), which assumes that the attributes cost no more in that order. *Operations* to show a level: for
+clustered levels the ranges of the level (100, 50, 25, 10, 1.5 %), whatever was shown before; for the
+progressive mesh the splits from the next coarser level to each finer one (to 100, 50, 25, 10 %), in
+brackets from the coarsest to the finest.
+
+| character | finest alone | clustered | progressive mesh | discrete | clustered: ranges | progressive mesh: splits (all) |
+| --- | --- | --- | --- | --- | --- | --- |
+";
+
 /// One line for each character, simplifier and level.
 pub(super) fn errors_csv(all: &[Found]) -> Result<String> {
     let mut csv = String::from(
@@ -285,7 +342,7 @@ pub(super) fn errors_csv(all: &[Found]) -> Result<String> {
 /// One line for each character and level.
 pub(super) fn bytes_csv(all: &[Found]) -> Result<String> {
     let mut csv = String::from(
-        "character,level,triangles,vertices,direct,chunk,draco,meshopt,plain,ranges,store,draco_kinds\n",
+        "character,level,triangles,vertices,positions,direct,chunk,draco,meshopt,plain,ranges,store,progressive_plain,progressive_coded,draco_kinds\n",
     );
     for found in all {
         let kinds: Vec<String> = found
@@ -297,23 +354,29 @@ pub(super) fn bytes_csv(all: &[Found]) -> Result<String> {
         for (l, level) in found.sizes.levels.iter().enumerate() {
             let number = found.sizes.levels.len() - 1 - l;
             let top = number == 0;
+            let of_whole = |bytes: usize| {
+                if top {
+                    bytes.to_string()
+                } else {
+                    String::new()
+                }
+            };
             writeln!(
                 csv,
-                "{},{number},{},{},{},{},{},{},{},{},{},{}",
+                "{},{number},{},{},{},{},{},{},{},{},{},{},{},{},{}",
                 found.name.replace(',', ";"),
                 level.triangles,
                 level.vertices,
+                level.points,
                 level.direct,
                 level.chunk,
                 level.draco.map_or(String::new(), |d| d.to_string()),
                 level.meshopt,
                 level.plain,
                 level.ranges,
-                if top {
-                    found.sizes.store.to_string()
-                } else {
-                    String::new()
-                },
+                of_whole(found.sizes.store),
+                of_whole(found.sizes.progressive.plain),
+                of_whole(found.sizes.progressive.coded),
                 if top { kinds.join(" ") } else { String::new() },
             )?;
         }

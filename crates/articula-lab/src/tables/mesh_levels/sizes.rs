@@ -1,6 +1,7 @@
 //! Bytes of levels: Articula and other codecs on the same meshes.
 
 use super::characters::Subject;
+use super::progressive::Progressive;
 use crate::measure::thread_ns;
 use crate::peers::{draco, meshopt};
 use crate::wire_mesh::{PRECISION, WireMesh};
@@ -17,6 +18,8 @@ pub(super) struct Level {
     pub(super) triangles: usize,
     /// Number of vertices on a GPU.
     pub(super) vertices: usize,
+    /// Number of positions: a split of a progressive mesh adds one.
+    pub(super) points: usize,
     /// Articula, the level alone.
     pub(super) direct: usize,
     /// Articula, the addition of the level to the next coarser one; the coarsest alone.
@@ -38,6 +41,7 @@ pub(super) struct Sizes {
     pub(super) levels: Vec<Level>,
     /// All levels in the written form, uncoded in a buffer.
     pub(super) store: usize,
+    pub(super) progressive: Progressive,
     /// Articula with morph targets: all chunks, and the finest level alone. `None` without any.
     pub(super) with_morphs: Option<(usize, usize)>,
     /// Draco's finest level by kind of value: position, normal, ...
@@ -140,8 +144,6 @@ fn add_ours(objects: &[Object], rounds: usize, sizes: &mut Sizes) -> Result<()> 
         let chunks = chunks(&object.bare)?;
         for (l, chunk) in chunks.iter().enumerate() {
             sizes.levels[l].chunk += chunk.len();
-            sizes.levels[l].direct +=
-                encode_level(None, &object.bare.levels[l], &object.bare.layout)?.len();
         }
         let full = object.full.as_ref().unwrap_or(&object.bare);
         let finest = full.levels.last().context("no level")?;
@@ -210,11 +212,26 @@ fn race(objects: &[Object]) -> Result<[f64; 2]> {
 
 /// Adds the bytes of the other codecs but Draco, which takes all meshes at once.
 fn add_object(object: &Object, wire: &[WireMesh], sizes: &mut Sizes) -> Result<()> {
-    for (mesh, level) in wire.iter().zip(&mut sizes.levels) {
-        level.triangles += mesh.triangles.len();
-        level.vertices += mesh.vertices();
-        level.meshopt += meshopt::coded_bytes(mesh)?;
-        level.plain += plain(mesh, mesh.vertices(), mesh.triangles.len());
+    let layout = &object.bare.layout;
+    let mut own = Vec::with_capacity(wire.len());
+    for (mesh, coded) in wire.iter().zip(&object.bare.levels) {
+        own.push(Level {
+            triangles: mesh.triangles.len(),
+            vertices: mesh.vertices(),
+            points: coded.positions.len(),
+            direct: encode_level(None, coded, layout)?.len(),
+            meshopt: meshopt::coded_bytes(mesh)?,
+            plain: plain(mesh, mesh.vertices(), mesh.triangles.len()),
+            ..Level::default()
+        });
+    }
+    for (own, level) in own.iter().zip(&mut sizes.levels) {
+        level.triangles += own.triangles;
+        level.vertices += own.vertices;
+        level.points += own.points;
+        level.direct += own.direct;
+        level.meshopt += own.meshopt;
+        level.plain += own.plain;
     }
     let finest_first: Vec<_> = object.levels.iter().rev().collect();
     let stored = cluster(&finest_first, object.vertices, &[], ClusterOrder::Store)?;
@@ -224,6 +241,10 @@ fn add_object(object: &Object, wire: &[WireMesh], sizes: &mut Sizes) -> Result<(
     }
     if let Some(finest) = wire.last() {
         sizes.store += plain(finest, finest.vertices(), stored.triangles.len());
+        if finest.vertices() > 0 {
+            let vertex_bytes = meshopt::record(finest, 0).len();
+            sizes.progressive.add(&own, vertex_bytes);
+        }
     }
     Ok(())
 }
