@@ -2,12 +2,14 @@
 
 pub(crate) mod crowd;
 pub(crate) mod flat;
+pub(crate) mod loa_cost;
 pub(crate) mod merged_levels;
 pub(crate) mod mesh_levels;
 pub(crate) mod motion_lod;
 mod pose_keys;
 pub(crate) mod retargets;
 pub(crate) mod round_trips;
+mod targets;
 pub(crate) mod thesis_grid;
 
 use anyhow::{Context, Result};
