@@ -57,6 +57,8 @@ enum Table {
     LoaCost,
     /// Cost of a crowd beside the floor and other evaluators (docs/methods/runtime.md).
     Crowd,
+    /// Error of a crowd at one pixel, for every character of the data.
+    CrowdErrors,
     /// Contents of every data file, and round trips through every writer.
     RoundTrips,
     /// Quality of retargeted motions of every kind on characters of every kind.
@@ -98,6 +100,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::ThesisGrid => tables::thesis_grid::write(run),
         Table::LoaCost => tables::loa_cost::write(run),
         Table::Crowd => tables::crowd::write(run),
+        Table::CrowdErrors => tables::crowd_errors::write(run),
         Table::MergedLevels(sheets) => tables::merged_levels::write(run, sheets),
         Table::MeshLevels(choice) => tables::mesh_levels::write(run, choice),
         Table::Flat(choice) => flat::write(run, choice),

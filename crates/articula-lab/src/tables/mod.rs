@@ -1,6 +1,7 @@
 //! The published tables, one module each.
 
 pub(crate) mod crowd;
+pub(crate) mod crowd_errors;
 pub(crate) mod flat;
 pub(crate) mod loa_cost;
 pub(crate) mod merged_levels;
