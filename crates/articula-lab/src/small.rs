@@ -30,6 +30,7 @@ macro_rules! tables {
 
 tables! {
     crowd: "crowd" writes "crowd.md";
+    crowd_errors: "crowd-errors" writes "crowd-errors.md";
     round_trips: "round-trips" writes "round-trips.md";
     loa_cost: "loa-cost" writes "loa-cost.md";
     merged_levels: "merged-levels" writes "merged-levels.md";

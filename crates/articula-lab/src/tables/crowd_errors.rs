@@ -30,7 +30,7 @@ const HEIGHTS: std::ops::RangeInclusive<f32> = 0.4..=3.2;
 /// Height of a scaled figure, metres.
 const SCALED_TO: f32 = 1.8;
 /// The character of a small run.
-const SMALL: &str = "CesiumMan.glb";
+const SMALL: &str = "Quaternius_single_knight_pack__KnightCharacter.glb";
 
 /// Result of one character.
 struct Found {

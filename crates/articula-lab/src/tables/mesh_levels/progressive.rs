@@ -4,14 +4,25 @@
 //! vertex split. The splits are those that undo the collapses of Articula's simplifier, one for each
 //! position that the next coarser level does not have.
 
-use super::sizes::Level;
-
 /// Bytes of an uncoded split without its vertices: the index of the vertex that is split, and two of
 /// its edges among those around it.
 const RECORD: usize = 4 + 2;
 
 /// Bits by which Hoppe codes the two edges of a split.
 const EDGE_BITS: u32 = 5;
+
+/// One level of a part.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PartLevel {
+    /// Number of positions.
+    pub(super) points: usize,
+    /// Number of vertices on a GPU.
+    pub(super) vertices: usize,
+    /// Bytes of the uncoded level.
+    pub(super) plain: usize,
+    /// Bytes of the coded level.
+    pub(super) direct: usize,
+}
 
 /// Bytes of a progressive mesh.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -25,7 +36,7 @@ pub(super) struct Progressive {
 
 impl Progressive {
     /// Adds a part by its levels, coarsest first. `vertex_bytes` is the size of an uncoded vertex.
-    pub(super) fn add(&mut self, levels: &[Level], vertex_bytes: usize) {
+    pub(super) fn add(&mut self, levels: &[PartLevel], vertex_bytes: usize) {
         let [Some(coarsest), Some(finest)] = [levels.first(), levels.last()] else {
             return;
         };
@@ -51,12 +62,11 @@ mod tests {
     #[test]
     fn a_part_costs_its_coarsest_mesh_its_vertices_and_a_record_for_each_split() {
         assert_eq!([0, 1, 2, 3, 4, 5].map(index_bits), [0, 0, 1, 2, 2, 3]);
-        let level = |points, vertices, plain, direct| Level {
+        let level = |points, vertices, plain, direct| PartLevel {
             points,
             vertices,
             plain,
             direct,
-            ..Level::default()
         };
         let levels = [
             level(4, 5, 100, 30),

@@ -1,7 +1,7 @@
 //! Bytes of levels: Articula and other codecs on the same meshes.
 
 use super::characters::Subject;
-use super::progressive::Progressive;
+use super::progressive::{PartLevel, Progressive};
 use crate::measure::thread_ns;
 use crate::peers::{draco, meshopt};
 use crate::wire_mesh::{PRECISION, WireMesh};
@@ -215,22 +215,19 @@ fn add_object(object: &Object, wire: &[WireMesh], sizes: &mut Sizes) -> Result<(
     let layout = &object.bare.layout;
     let mut own = Vec::with_capacity(wire.len());
     for (mesh, coded) in wire.iter().zip(&object.bare.levels) {
-        own.push(Level {
-            triangles: mesh.triangles.len(),
-            vertices: mesh.vertices(),
+        own.push(PartLevel {
             points: coded.positions.len(),
-            direct: encode_level(None, coded, layout)?.len(),
-            meshopt: meshopt::coded_bytes(mesh)?,
+            vertices: mesh.vertices(),
             plain: plain(mesh, mesh.vertices(), mesh.triangles.len()),
-            ..Level::default()
+            direct: encode_level(None, coded, layout)?.len(),
         });
     }
-    for (own, level) in own.iter().zip(&mut sizes.levels) {
-        level.triangles += own.triangles;
+    for ((mesh, own), level) in wire.iter().zip(&own).zip(&mut sizes.levels) {
+        level.triangles += mesh.triangles.len();
         level.vertices += own.vertices;
         level.points += own.points;
         level.direct += own.direct;
-        level.meshopt += own.meshopt;
+        level.meshopt += meshopt::coded_bytes(mesh)?;
         level.plain += own.plain;
     }
     let finest_first: Vec<_> = object.levels.iter().rev().collect();
