@@ -8,6 +8,7 @@ use articula::crowd::{
     CacheUse, CrowdAsset, CrowdOptions, DetailGoal, ErrorMeter, ErrorSummary, SceneOptions,
     ScenePlayer,
 };
+use articula::inspect::inspect;
 use articula::{Executor, Figure};
 use articula_build::{Plaza, plaza};
 use std::fmt::Write as _;
@@ -46,10 +47,15 @@ struct Found {
 
 /// Runs the table and writes it.
 pub(crate) fn write(run: &Run) -> Result<()> {
-    let mut found = Vec::new();
+    let (mut found, mut unread) = (Vec::new(), Vec::new());
     for path in files(&run.data.join("glb"))? {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         if !run.small || name == SMALL {
+            if let Err(why) = articula::fs::open(&path) {
+                eprintln!("{why}");
+                unread.push(name.into_owned());
+                continue;
+            }
             let of = of(
                 &path,
                 if run.small {
@@ -61,7 +67,7 @@ pub(crate) fn write(run: &Run) -> Result<()> {
             found.extend(of.with_context(|| path.display().to_string())?);
         }
     }
-    run.save("crowd-errors", &page(&found)?, &csv(&found)?)
+    run.save("crowd-errors", &page(&found, &unread)?, &csv(&found)?)
 }
 
 /// GLB files of a folder, by name.
@@ -80,8 +86,8 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
 /// Plays the crowd of a file; `None` without joints, skin or motion.
 fn of(path: &Path, frames: usize) -> Result<Option<Found>> {
     let mut figure = Figure::new(articula::fs::open(path)?)?;
-    let ys = || figure.asset.mesh.positions.iter().map(|p| p.y);
-    let height = ys().fold(f32::MIN, f32::max) - ys().fold(f32::MAX, f32::min);
+    let height = inspect(&figure, &[], &Executor::default())?.height_m;
+    let height = height.context("no height")?;
     let clips = figure.asset.clips.len();
     if figure.asset.mesh.is_empty() || clips == 0 || figure.asset.rig.len() < 2 {
         return Ok(None);
@@ -136,7 +142,7 @@ fn of(path: &Path, frames: usize) -> Result<Option<Found>> {
     }))
 }
 
-fn page(all: &[Found]) -> Result<String> {
+fn page(all: &[Found], unread: &[String]) -> Result<String> {
     let mut page = HEAD.to_owned();
     let limit = WORST_VERTEX * f64::from(TOLERANCE_PX);
     let mut targets = Vec::new();
@@ -175,6 +181,9 @@ fn page(all: &[Found]) -> Result<String> {
             px(error.parts.feet),
         )?;
     }
+    if !unread.is_empty() {
+        writeln!(page, "\nNot read: {}.", unread.join(", "))?;
+    }
     Ok(page)
 }
 
@@ -193,11 +202,12 @@ from the axis of the picture, by the secant of that angle at most (docs/metrics.
 const TABLE: &str = "
 ## Errors
 
-*Joints*: matrices written per visible character, of all joints. *Near*: maximum over characters within 20 m
+*Matrices*: those written per visible character, one for each joint or binding of its level, relative to
+the number of joints. *Near*: maximum over characters within 20 m
 of their 95th percentile. *Hands*, *face* and *feet*: the worst vertex of that part. In brackets the height
 of a file whose unit is not the metre; it was scaled to 1.8 m.
 
-| character | joints | clips | joints used | p95, px | near, px | worst vertex, px | hands | face | feet |
+| character | joints | clips | matrices | p95, px | near, px | worst vertex, px | hands | face | feet |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
 
