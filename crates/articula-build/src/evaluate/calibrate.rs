@@ -19,6 +19,7 @@ fn parameters(method: &Method) -> Vec<f32> {
         Method::SkinPx(_) => geometric(2e-4, 0.4, 26),
         Method::Thesis => geometric(1e-4, 0.3, 24),
         Method::Ahn => geometric(2e-4, 0.4, 26),
+        Method::PrincipalComponents => geometric(1e-3, 10.0, 26),
         Method::SkipHold | Method::SkipLerp => (1..=26).map(|n| n as f32).collect(),
         Method::Loa(levels) => (0..levels.len()).map(|i| i as f32).collect(),
     }

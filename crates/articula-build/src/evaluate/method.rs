@@ -17,6 +17,9 @@ pub enum SkinPxVariant {
     Hold,
     /// Like `Hold`, with the error projected to each camera (4.1); one playback per azimuth.
     View,
+    /// Like `View`, with the distance between outlines of the skin in place of the lever (4.1): a
+    /// slow reference.
+    Hull,
     /// Shows one central rotation for each run of frames.
     KeyPose,
     /// Holds keys and lets children cancel the error of their ancestors (4.4).
@@ -37,6 +40,9 @@ pub enum Method {
     /// Posture clusters of each joint, after Ahn and Wohn; the parameter is the threshold in
     /// metres.
     Ahn,
+    /// Holds the whole posture until its distance in the space of principal components exceeds the
+    /// parameter, in radians.
+    PrincipalComponents,
     /// Updates all joints every n-th frame and holds; the parameter is n.
     SkipHold,
     /// Updates all joints every n-th frame and interpolates ideally; the parameter is n.
@@ -52,11 +58,22 @@ impl Method {
             Self::SkinPx(_) => "skin-px",
             Self::Thesis => "thesis",
             Self::Ahn => "ahn",
+            Self::PrincipalComponents => "pc",
             Self::SkipHold => "skip-hold",
             Self::SkipLerp => "skip-lerp",
             Self::Loa(_) => "loa",
         }
     }
+}
+
+/// The frame of a run whose rotation Ahn's method shows for the whole run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ClusterKey {
+    /// The middle frame.
+    #[default]
+    Middle,
+    /// The frame with the least sum of errors to all frames of the run, as the thesis defines it.
+    LeastSum,
 }
 
 /// Options of the methods besides their parameter.
@@ -68,6 +85,8 @@ pub struct MethodOptions {
     pub threshold: Threshold,
     /// Transitions of joints under the thesis' metric, and the passive policy of a fixed level.
     pub transition: TransitionOptions,
+    /// Key of a run in Ahn's method.
+    pub cluster_key: ClusterKey,
     /// Distribution of the drift controller's tolerance along a chain of joints (4.4).
     pub chain: ChainTolerance,
     /// Every how many frames the thesis' matrix is consulted, at least 1.
@@ -81,7 +100,7 @@ pub struct MethodOptions {
 impl Method {
     /// Whether the parameter is a real number, as opposed to a count of frames or a level.
     pub(super) fn has_real_parameter(&self) -> bool {
-        matches!(self, Self::SkinPx(_) | Self::Thesis | Self::Ahn)
+        !matches!(self, Self::SkipHold | Self::SkipLerp | Self::Loa(_))
     }
 }
 
@@ -95,6 +114,7 @@ impl Default for MethodOptions {
                 policy: PassivePolicy::KeyPose,
                 ..TransitionOptions::default()
             },
+            cluster_key: ClusterKey::Middle,
             chain: ChainTolerance::Root,
             lookup_every: 1,
             articulation: None,

@@ -30,7 +30,7 @@ pub use baselines::thesis::{
 pub use calibrate::{calibrate, sweep};
 pub(crate) use camera_path::camera_at;
 pub use camera_path::{CameraKey, PathFrame, PathMethod, PathRun, play_camera_path};
-pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
+pub use method::{ClusterKey, Method, MethodOptions, Playback, SkinPxVariant};
 pub use playbacks::play;
 pub use pose_keys::{pose_key_frames, uniform_key_frames};
 pub use schedule::{LevelSchedule, RequestedLevel, ScheduleFrame, ScheduledLevel, play_schedule};

@@ -6,9 +6,10 @@
 use super::baselines::ahn;
 use super::baselines::thesis::radii;
 use super::controllers::{ClosedLoop, Held, HeldView, Segments, Skipped};
-use super::method::{Method, Playback, SkinPxVariant};
+use super::method::{ClusterKey, Method, Playback, SkinPxVariant};
 use super::stage::{ClipEvaluator, MethodRun};
 use crate::motion_error::contacts::attention;
+use crate::motion_error::hull::nearest_view;
 use crate::motion_error::keys::{Segment, central_rotation, linear_keys, pose_segments};
 use articula_core::crowd::ClipState;
 use articula_core::joint_state::{LoaRange, PassivePolicy, TransitionOptions};
@@ -36,9 +37,16 @@ fn playbacks(stage: &ClipEvaluator<'_>, method: &Method, parameter: f32) -> Vec<
     let levers = stage.levers.as_slice();
     let one = |control: &mut dyn MotionController| vec![stage.bounded(control)];
     match method {
-        Method::SkinPx(SkinPxVariant::View) => {
+        Method::SkinPx(variant @ (SkinPxVariant::View | SkinPxVariant::Hull)) => {
+            let hulls = (*variant == SkinPxVariant::Hull).then(|| stage.hulls());
             let held = |direction| {
-                let view = HeldView { rig, direction };
+                // Hulls are projected from a half-sphere of cameras, not from the camera itself.
+                let direction = hulls.map_or(direction, |_| nearest_view(direction));
+                let view = HeldView {
+                    rig,
+                    direction,
+                    hulls,
+                };
                 stage.bounded(&mut Held::new(levers, parameter, Some(view)))
             };
             stage.view_directions().map(held).collect()
@@ -60,8 +68,23 @@ fn playbacks(stage: &ClipEvaluator<'_>, method: &Method, parameter: f32) -> Vec<
         Method::Ahn => {
             let radii = radii(rig, stage.options.thesis.radius);
             let alpha = stage.options.thesis.alpha;
-            one(&mut stage
-                .segments(|joint, values| ahn::clusters(values, alpha, radii[joint], parameter)))
+            let cut = match stage.options.cluster_key {
+                ClusterKey::Middle => ahn::clusters,
+                ClusterKey::LeastSum => ahn::least_sum_clusters,
+            };
+            one(&mut stage.segments(|joint, values| {
+                cut(values, parameter / (alpha + radii[joint]).max(1e-9))
+            }))
+        }
+        Method::PrincipalComponents => {
+            let starts = stage.postures().held(f64::from(parameter));
+            one(&mut stage.segments(|_, values| {
+                let run = |start: &usize| Segment {
+                    start: *start,
+                    key: values[*start],
+                };
+                starts.iter().map(run).collect()
+            }))
         }
         Method::SkipHold => one(&mut Skipped::new(stage.every(parameter), None)),
         Method::SkipLerp => {

@@ -1,5 +1,6 @@
 //! The set-up of an evaluation, the reference motion of a clip, and the statistics of one run.
 
+use super::baselines::postures::PostureSpace;
 use super::baselines::thesis::{ThesisMetricOptions, error_matrix};
 use super::method::{Method, MethodOptions, Playback};
 use super::skin_sample::SkinSample;
@@ -7,13 +8,14 @@ use super::statistics::{FrameErrors, SkinErrors, across};
 use crate::character::Asset;
 use crate::motion_error::bounds::moving_joints;
 use crate::motion_error::contacts::contacts;
+use crate::motion_error::hull::JointHull;
 use crate::motion_error::joint_lever::JointLever;
-use crate::motion_error::levers::levers;
+use crate::motion_error::levers::{hulls, levers};
 use crate::motion_error::tables::key_table;
 use articula_core::playback::{ErrorMatrix, StoredKeys};
 use articula_core::{
     Clip, Contact, JointSet, KeyMode, KeyTable, LocalPose, ModelPose, Viewport, Wrap,
-    local_to_model, percentile, sample, sample_morphs,
+    local_to_model, percentile, rotation_vector, sample, sample_morphs,
 };
 use glam::{Quat, Vec3};
 use std::cell::OnceCell;
@@ -65,6 +67,8 @@ pub struct ClipEvaluator<'a> {
     true_points: Vec<Vec<Vec3>>,
     matrix: OnceCell<ErrorMatrix>,
     key_table: OnceCell<KeyTable>,
+    hulls: OnceCell<Vec<JointHull>>,
+    postures: OnceCell<PostureSpace>,
 }
 
 /// Statistics of a method at one parameter. Under weak perspective they are the same from every
@@ -127,6 +131,8 @@ impl<'a> ClipEvaluator<'a> {
             sample,
             matrix: OnceCell::new(),
             key_table: OnceCell::new(),
+            hulls: OnceCell::new(),
+            postures: OnceCell::new(),
             asset,
             clip,
             setup,
@@ -234,12 +240,13 @@ impl<'a> ClipEvaluator<'a> {
     }
 
     /// Returns the default parameter of a method at a distance, without calibration: a tolerance of
-    /// one pixel for `skin-px` and Ahn's method, the threshold of [`MethodOptions`] for the thesis,
+    /// one pixel for `skin-px`, Ahn's method and principal components, the threshold of [`MethodOptions`] for the thesis,
     /// every second frame for skipping, level 0 for fixed levels.
     pub fn default_parameter(&self, method: &Method, distance_m: f32) -> f32 {
         let pixel_metres = 1.0 / self.setup.viewport.pixels_per_metre(distance_m);
         match method {
-            Method::SkinPx(_) | Method::Ahn => pixel_metres,
+            // Of principal components the angle that moves a lever of one metre by a pixel.
+            Method::SkinPx(_) | Method::Ahn | Method::PrincipalComponents => pixel_metres,
             Method::Thesis => self.options.threshold.at(distance_m),
             Method::SkipHold | Method::SkipLerp => 2.0,
             Method::Loa(_) => 0.0,
@@ -290,6 +297,28 @@ impl<'a> ClipEvaluator<'a> {
     pub(super) fn key_table(&self) -> &KeyTable {
         let made = || key_table(self.asset, &self.clip, &self.levers, KeyMode::Hold);
         self.key_table.get_or_init(made)
+    }
+
+    /// Hulls of the skin of all joints.
+    pub(super) fn hulls(&self) -> &[JointHull] {
+        let made = || hulls(&self.asset.rig, &self.asset.mesh);
+        self.hulls.get_or_init(made)
+    }
+
+    /// The postures of all frames by their principal components: rotation vectors of the moving
+    /// joints, from the middle of each joint's range.
+    pub(super) fn postures(&self) -> &PostureSpace {
+        self.postures.get_or_init(|| {
+            let middle = self.key_pose();
+            let posture = |pose: &LocalPose| -> Vec<f64> {
+                let joints = self.moving.iter();
+                let vectors =
+                    joints.map(|j| rotation_vector(middle.rotations[j], pose.rotations[j]));
+                vectors.flat_map(|v| v.as_dvec3().to_array()).collect()
+            };
+            let postures: Vec<Vec<f64>> = self.truth.iter().map(posture).collect();
+            PostureSpace::of(&postures)
+        })
     }
 
     pub(super) fn trial(&self, parameter: f32, playbacks: &[Playback]) -> MethodRun {

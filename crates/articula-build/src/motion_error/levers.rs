@@ -3,6 +3,7 @@
 //! Source: `docs/methods/motion-lod.md` 4.1. Besides the lever at rest there is a reach that bounds
 //! every pose: the lever at rest is too small for a chain that is bent at rest.
 
+use super::hull::JointHull;
 use super::joint_lever::JointLever;
 use articula_core::{Mesh, PosedMesh, Rig, SecondMoment};
 use glam::{Quat, Vec3};
@@ -14,20 +15,7 @@ const MIN_WEIGHT: f32 = 0.3;
 /// bones.
 pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
     let rest = Rest::of(rig, mesh);
-    let mut gathered = vec![Gathered::default(); rig.len()];
-    let mut below = Below::new(rig.len());
-    for v in 0..mesh.len() {
-        below.gather(rig, mesh, &rest, v);
-        for &j in &below.joints {
-            let g = &mut gathered[j];
-            g.reach = g.reach.max(below.reach[j]);
-            if below.weight[j] >= MIN_WEIGHT {
-                g.rest = g.rest.max(rest.skin[v].distance(rest.joints[j]));
-                g.area += rest.areas[v];
-                g.vertices.push(v as u32);
-            }
-        }
-    }
+    let gathered = gathered(rig, mesh, &rest);
     let area: f32 = rest.areas.iter().sum::<f32>().max(1e-12);
     let bones = if mesh.is_empty() {
         bone_levers(rig, &rest)
@@ -40,13 +28,45 @@ pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
         .map(|(j, g)| JointLever {
             rest_metres: g.rest.max(bones[j].rest).max(JointLever::FLOOR_METRES),
             reach_metres: g.reach.max(bones[j].reach).max(JointLever::FLOOR_METRES),
-            second_moment: SecondMoment::of(g.vertices.iter().map(|v| {
-                let offset = rest.skin[*v as usize] - rest.joints[j];
-                (rest.rotations[j].conjugate() * offset, 1.0)
-            })),
+            second_moment: SecondMoment::of(rest.offsets(j, g).map(|x| (x, 1.0))),
             skin_share: (g.area / area).min(1.0),
         })
         .collect()
+}
+
+/// Computes the hulls of the skin of all joints, the same skin whose farthest vertex is the lever.
+/// Without a mesh they are those of the joints below.
+pub(crate) fn hulls(rig: &Rig, mesh: &Mesh) -> Vec<JointHull> {
+    let rest = Rest::of(rig, mesh);
+    let gathered = gathered(rig, mesh, &rest);
+    let hull = |j: usize| {
+        if mesh.is_empty() {
+            let below = (j + 1..rig.len()).filter(|c| rig.is_at_or_below(*c, j));
+            let bones = below.map(|c| rest.joints[c] - rest.joints[j]);
+            return JointHull::of(bones.map(|x| rest.rotations[j].conjugate() * x));
+        }
+        JointHull::of(rest.offsets(j, &gathered[j]))
+    };
+    (0..rig.len()).map(hull).collect()
+}
+
+/// What belongs to each joint, of every vertex.
+fn gathered(rig: &Rig, mesh: &Mesh, rest: &Rest) -> Vec<Gathered> {
+    let mut gathered = vec![Gathered::default(); rig.len()];
+    let mut below = Below::new(rig.len());
+    for v in 0..mesh.len() {
+        below.gather(rig, mesh, rest, v);
+        for &j in &below.joints {
+            let g = &mut gathered[j];
+            g.reach = g.reach.max(below.reach[j]);
+            if below.weight[j] >= MIN_WEIGHT {
+                g.rest = g.rest.max(rest.skin[v].distance(rest.joints[j]));
+                g.area += rest.areas[v];
+                g.vertices.push(v as u32);
+            }
+        }
+    }
+    gathered
 }
 
 /// For each joint, the maximum number of moving joints on the paths from the root to any vertex
@@ -116,6 +136,13 @@ impl Rest {
             skin: skinned.positions,
             areas,
         }
+    }
+
+    /// Offsets of the skin of a joint from the joint, in the joint's own frame.
+    fn offsets(&self, joint: usize, of: &Gathered) -> impl Iterator<Item = Vec3> {
+        let skin = of.vertices.iter().map(|v| self.skin[*v as usize]);
+        let (origin, to_joint) = (self.joints[joint], self.rotations[joint].conjugate());
+        skin.map(move |v| to_joint * (v - origin))
     }
 }
 

@@ -9,6 +9,7 @@
 
 pub(crate) mod bounds;
 pub(crate) mod contacts;
+pub(crate) mod hull;
 pub(crate) mod joint_lever;
 pub(crate) mod keys;
 pub(crate) mod levers;

@@ -4,7 +4,7 @@ use super::selection::SelectionArgs;
 use crate::fault;
 use articula::evaluate::NamedMethod;
 use articula_build::ChainTolerance;
-use articula_build::evaluate::{BoneDirection, SegmentRadius};
+use articula_build::evaluate::{BoneDirection, ClusterKey, SegmentRadius};
 use articula_build::evaluate::{Method, MethodOptions, PathMethod, SkinPxVariant};
 use articula_core::joint_state::{Ease, PassivePolicy, TransitionOptions};
 use articula_core::playback::{Threshold, ThresholdCurve};
@@ -25,6 +25,8 @@ pub(crate) enum MethodName {
     Thesis,
     /// Clusters of similar postures of each joint (after Ahn)
     Ahn,
+    /// Whole postures, held while they are near in the space of their principal components
+    Pc,
     /// Every n-th frame, held until the next
     SkipHold,
     /// Every n-th frame, interpolated to the next
@@ -42,6 +44,8 @@ pub(crate) enum Variant {
     Hold,
     /// As hold, with the error as seen by each camera
     View,
+    /// As view, with the distance between outlines of the skin (slow; a reference)
+    Hull,
     /// One central rotation per run of frames
     KeyPose,
     /// As hold; children cancel the error of their ancestors
@@ -57,12 +61,22 @@ impl Variant {
         match self {
             Self::Hold => SkinPxVariant::Hold,
             Self::View => SkinPxVariant::View,
+            Self::Hull => SkinPxVariant::Hull,
             Self::KeyPose => SkinPxVariant::KeyPose,
             Self::ClosedLoop => SkinPxVariant::ClosedLoop,
             Self::Linear => SkinPxVariant::Linear,
             Self::Tables => SkinPxVariant::Tables,
         }
     }
+}
+
+/// Frame of a run whose rotation Ahn's method shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum KeyFrame {
+    /// Middle frame
+    Middle,
+    /// Frame with the least sum of errors to all frames of the run, as in the thesis
+    LeastSum,
 }
 
 /// Course of a transition between held and sampled joints.
@@ -165,6 +179,9 @@ pub(crate) struct MethodArgs {
     /// Reduce the tolerance of joints between the root and a planted foot to a quarter (skin-px)
     #[arg(long)]
     protect_contacts: bool,
+    /// Frame whose rotation is shown for a whole run (with --method ahn or all) [default: middle]
+    #[arg(long, value_enum, value_name = "FRAME")]
+    cluster_key: Option<KeyFrame>,
     /// Weight of the angle terms against the position term in metres per radian
     #[arg(long, help_heading = THESIS, default_value_t = 1.0, value_parser = not_negative, value_name = "A")]
     alpha: f32,
@@ -247,7 +264,11 @@ impl MethodArgs {
             )));
         }
         let method = self.method();
+        let is_clustered = matches!(method, MethodName::Ahn | MethodName::All);
         let what = match method {
+            _ if self.cluster_key.is_some() && !is_clustered => {
+                "--cluster-key applies to ahn; leave it out, or play --method ahn"
+            }
             MethodName::SkinPx if self.passive.is_some() && !scheduled && !self.is_bound() => {
                 "--passive sets the pose of joints outside a fixed level; add --loa EXPR or --method loa"
             }
@@ -279,6 +300,7 @@ impl MethodArgs {
             MethodName::SkinPx => Method::SkinPx(self.variant().of_metric()).into(),
             MethodName::Thesis => Method::Thesis.into(),
             MethodName::Ahn => Method::Ahn.into(),
+            MethodName::Pc => Method::PrincipalComponents.into(),
             MethodName::SkipHold => Method::SkipHold.into(),
             MethodName::SkipLerp => Method::SkipLerp.into(),
             MethodName::Loa => self.level(rig)?,
@@ -330,6 +352,10 @@ impl MethodArgs {
         options.threshold.curve = match self.curve {
             Curve::Literal => ThresholdCurve::Literal,
             Curve::Fixed => ThresholdCurve::Fixed,
+        };
+        options.cluster_key = match self.cluster_key {
+            None | Some(KeyFrame::Middle) => ClusterKey::Middle,
+            Some(KeyFrame::LeastSum) => ClusterKey::LeastSum,
         };
         options.transition.secs = self.transition_ms.unwrap_or(0.0) / 1000.0;
         options.transition.ease = self.transition.ease();

@@ -182,7 +182,15 @@ fn every_method_plays_and_parameters_reach_it() {
         &["lod", human, "--method", "all", "--distances", "9"],
     );
     let rows = all["rows"].as_array().unwrap();
-    for method in ["skin-px", "thesis", "ahn", "skip-hold", "skip-lerp", "loa"] {
+    for method in [
+        "skin-px",
+        "thesis",
+        "ahn",
+        "pc",
+        "skip-hold",
+        "skip-lerp",
+        "loa",
+    ] {
         assert!(rows.iter().any(|r| r["method"] == method), "{method}");
     }
     let gain = |words: &[&str]| {
@@ -193,6 +201,23 @@ fn every_method_plays_and_parameters_reach_it() {
     assert!((gain(&["--method", "skip-hold", "--parameter", "2"]) - 0.5).abs() < 1e-6);
     assert_eq!(gain(&["--method", "loa", "--loa", "loa(None)"]), 1.0);
     assert_eq!(gain(&["--method", "loa", "--loa", "loa(VeryHigh)"]), 0.0);
+    // Postures as far apart as a radian are held for longer than those of a hundredth.
+    let pc = |radians: &str| gain(&["--method", "pc", "--parameter", radians]);
+    assert!(pc("1") > pc("0.01"));
+    // Either key of a run is within the tolerance of all its frames.
+    let ahn = |key: &str| {
+        let words = [
+            "--method",
+            "ahn",
+            "--parameter",
+            "0.05",
+            "--cluster-key",
+            key,
+        ];
+        gain(&words)
+    };
+    assert!(ahn("middle") > 0.0 && ahn("least-sum") > 0.0);
+    assert!(gain(&["--variant", "hull", "--parameter", "0.02"]) > 0.0);
     let thesis = |thr: &str| gain(&["--method", "thesis", "--thr-init", thr]);
     assert!(
         thesis("0.1") > thesis("0.0001"),

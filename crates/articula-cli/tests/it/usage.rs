@@ -127,6 +127,10 @@ fn wrong_usage_says_what_would_be_right() {
             &["lod", human, "--method", "thesis", "--variant", "view"],
             "skin-px",
         ),
+        (
+            &["lod", human, "--cluster-key", "least-sum"],
+            "--method ahn",
+        ),
         (&["lod", human, "--passive", "rest"], "--loa"),
         (&["lod", human, "--plot", "a.png"], ".svg"),
         (&["lod", human, "--contact-sheet", "a.jpg"], ".png"),

@@ -287,7 +287,10 @@ mod tests {
             let both_sides = match entry.method {
                 Method::Ahn => continue,
                 // The reference took the best of 24 steps; bisection finds more between them.
-                Method::SkinPx(_) | Method::Loa(_) | Method::Thesis => false,
+                Method::SkinPx(_)
+                | Method::Loa(_)
+                | Method::Thesis
+                | Method::PrincipalComponents => false,
                 Method::SkipHold | Method::SkipLerp => true,
             };
             let Some(published) = entry.published else {

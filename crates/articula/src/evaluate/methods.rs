@@ -20,6 +20,7 @@ impl From<Method> for NamedMethod {
         let variant = match method {
             Method::SkinPx(SkinPxVariant::Hold) => Some("hold"),
             Method::SkinPx(SkinPxVariant::View) => Some("view"),
+            Method::SkinPx(SkinPxVariant::Hull) => Some("hull"),
             Method::SkinPx(SkinPxVariant::KeyPose) => Some("key-pose"),
             Method::SkinPx(SkinPxVariant::ClosedLoop) => Some("closed-loop"),
             Method::SkinPx(SkinPxVariant::Linear) => Some("linear"),
@@ -73,6 +74,7 @@ impl NamedMethod {
             Method::SkinPx(SkinPxVariant::Linear),
             Method::Thesis,
             Method::Ahn,
+            Method::PrincipalComponents,
             Method::SkipHold,
             Method::SkipLerp,
         ];

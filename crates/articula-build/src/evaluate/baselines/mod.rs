@@ -1,4 +1,5 @@
-//! Published per-joint metrics, used as baselines.
+//! Published metrics, used as baselines.
 
 pub(crate) mod ahn;
+pub(crate) mod postures;
 pub(crate) mod thesis;

@@ -3,6 +3,7 @@
 //! Source: `docs/methods/motion-lod.md` 4.2; the drift controller without hysteresis, dwell time and
 //! transitions.
 
+use crate::motion_error::hull::JointHull;
 use crate::motion_error::joint_lever::JointLever;
 use articula_core::playback::{ControlResult, FrameContext, MotionController};
 use articula_core::{JointSet, LocalPose, Rig};
@@ -14,6 +15,8 @@ pub(in crate::evaluate) struct HeldView<'a> {
     pub(in crate::evaluate) rig: &'a Rig,
     /// Unit direction to the view in model space.
     pub(in crate::evaluate) direction: Vec3,
+    /// Hulls whose outlines are compared; `None` for the part of the lever's error that is seen.
+    pub(in crate::evaluate) hulls: Option<&'a [JointHull]>,
 }
 
 /// Tests every joint against its lever at every frame.
@@ -45,7 +48,10 @@ impl<'a> Held<'a> {
         match &self.view {
             Some(view) => {
                 let in_joint = self.models[joint].conjugate() * view.direction;
-                lever.projected_error(shown, wanted, in_joint)
+                match view.hulls {
+                    Some(hulls) => hulls[joint].outline_error(shown, wanted, in_joint),
+                    None => lever.projected_error(shown, wanted, in_joint),
+                }
             }
             None => lever.held_error(shown, wanted),
         }

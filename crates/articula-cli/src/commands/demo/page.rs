@@ -185,6 +185,10 @@ fn legend() -> String {
             "similar poses of a joint are replaced by one of them",
         ),
         (
+            "pc",
+            "the whole pose is held while it is near in the space of its principal components",
+        ),
+        (
             "skip-hold, skip-lerp",
             "only every n-th frame is sampled, then held or interpolated",
         ),

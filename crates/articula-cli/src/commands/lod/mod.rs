@@ -57,8 +57,8 @@ pub(crate) struct LodArgs {
     /// pixels
     #[arg(long, value_name = "PX", value_parser = positive, conflicts_with = "parameter")]
     calibrate: Option<f32>,
-    /// Parameter of the method: metres (skin-px, ahn), threshold (thesis), every n-th frame
-    /// (skip-hold, skip-lerp), index of the level (loa), pixels (with --camera-path)
+    /// Parameter of the method: metres (skin-px, ahn), threshold (thesis), radians (pc), every n-th
+    /// frame (skip-hold, skip-lerp), index of the level (loa), pixels (with --camera-path)
     #[arg(long, value_name = "P", value_parser = not_negative)]
     parameter: Option<f32>,
     /// Play before a moving camera: a JSON list of key frames with t, eye and target
