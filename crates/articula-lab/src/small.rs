@@ -43,7 +43,7 @@ tables! {
 fn a_speaking_face_holds_the_targets() {
     let page = small("flat", "flat.md");
     let mut rows = page.lines();
-    rows.find(|l| l.starts_with("## Acceptance bounds"));
+    rows.find(|l| l.starts_with("## Targets"));
     let targets: Vec<&str> = rows
         .take_while(|l| !l.starts_with("## "))
         .filter(|l| l.starts_with("| ") && !l.starts_with("| bound") && !l.starts_with("| ---"))

@@ -8,6 +8,7 @@ pub(crate) mod motion_lod;
 mod pose_keys;
 pub(crate) mod retargets;
 pub(crate) mod round_trips;
+mod targets;
 pub(crate) mod thesis_grid;
 
 use anyhow::{Context, Result};

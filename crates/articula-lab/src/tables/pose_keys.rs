@@ -4,6 +4,7 @@
 //! of 700: these clips are short, and the random choice of vertices changes a count by one span,
 //! which is up to five points.
 
+use super::targets::Target;
 use super::{CLIPS, Run};
 use anyhow::{Context, Result};
 use articula_build::Asset;
@@ -57,7 +58,8 @@ fn measure(asset: &Asset, clip: usize, setup: &EvaluationSetup) -> Result<Vec<Sa
     let found = found.with_context(|| format!("no clip \"{name}\""))?;
     let stage = ClipEvaluator::new(asset, found, setup.clone(), MethodOptions::default());
     let steps = (stage.clip.frames() - 1) as f32;
-    let percent = |keys: Vec<usize>| 100.0 * (1.0 - (keys.len() - 1) as f32 / steps);
+    // Whole percents, such as 8 of 20 frames, are exact in this order.
+    let percent = |keys: Vec<usize>| 100.0 * (steps - (keys.len() - 1) as f32) / steps;
     let mut saved = Vec::new();
     for (limit_px, published) in PUBLISHED {
         for (distance_m, published_percent) in DISTANCES_M.into_iter().zip(published[clip]) {
@@ -84,8 +86,10 @@ fn whole_skin(asset: &Asset) -> EvaluationSetup {
     }
 }
 
-/// Appends the table to the page of motion levels of detail, and writes its CSV file.
-pub(crate) fn write(run: &Run, asset: &Asset, page: &mut String) -> Result<()> {
+/// Appends the table to the page of motion levels of detail, and writes its CSV file; returns the
+/// targets of the table.
+pub(crate) fn write(run: &Run, asset: &Asset, page: &mut String) -> Result<Vec<Target>> {
+    let mut targets = Vec::new();
     page.push_str(HEAD);
     let mut csv = String::from(
         "clip,limit_px,distance_m,evaluations_saved,uniform_evaluations_saved,published,one_span\n",
@@ -102,6 +106,9 @@ pub(crate) fn write(run: &Run, asset: &Asset, page: &mut String) -> Result<()> {
             writeln!(page, "| {name} | {limit_px:.0} | {cells} | {uniform} |")?;
         }
         for s in saved {
+            let what = format!("{} at {} px and {} m, %", s.clip, s.limit_px, s.distance_m);
+            let (least, found) = (f64::from(s.published_percent), f64::from(s.percent));
+            targets.push(Target::at_least(["whole-pose keys", &what], least, found));
             writeln!(
                 csv,
                 "{},{},{},{:.4},{:.4},{:.2},{:.4}",
@@ -115,7 +122,8 @@ pub(crate) fn write(run: &Run, asset: &Asset, page: &mut String) -> Result<()> {
             )?;
         }
     }
-    run.save_csv("motion-lod-pose-keys", &csv)
+    run.save_csv("motion-lod-pose-keys", &csv)?;
+    Ok(targets)
 }
 
 const HEAD: &str = "

@@ -3,6 +3,8 @@
 //! The numbers in the thesis are illegible in the scan. Each cell here also has the error in
 //! pixels, which the thesis judged by eye.
 
+use super::motion_lod::{entries, measure};
+use super::targets::{self, Target};
 use super::{CLIPS, DISTANCES_M, MORE_CHARACTERS, Run};
 use crate::data;
 use anyhow::{Context, Result};
@@ -31,22 +33,50 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     let mut csv = String::from(
         "character,setting,curve,clip,distance_m,threshold,joint_update_gain,error_px_p50,error_px_p95,error_px_max,worst_vertex_px\n",
     );
-    grid(&asset, ("pab", clips), (&mut page, &mut csv))?;
+    let mut targets = at_one_pixel(&asset, clips, &mut page)?;
+    page.push_str(GRID);
+    targets.extend(grid(&asset, ("pab", clips), (&mut page, &mut csv))?);
     writeln!(page, "\n{TAIL}")?;
     for (name, file, clips) in MORE_CHARACTERS.iter().filter(|_| !run.small) {
         let asset = data::asset_on_the_spot(&run.data, file)?;
         writeln!(page, "\n## {name}: {}\n\n{COLUMNS}", clips.join(", "))?;
-        grid(&asset, (name, clips), (&mut page, &mut csv))?;
+        targets.extend(grid(&asset, (name, clips), (&mut page, &mut csv))?);
     }
+    let section = targets::section(TARGETS, &["row", "quantity"], &targets);
+    let at = page.find("\n## ").unwrap_or(page.len());
+    page.insert_str(at, &section);
     run.save("thesis-grid", &page, &csv)
 }
 
-/// Writes the rows of one character.
+/// Writes the gains of the thesis' metric at one pixel of error, beside the values of an independent
+/// implementation, which are the targets.
+fn at_one_pixel(asset: &Asset, clips: &[&str], page: &mut String) -> Result<Vec<Target>> {
+    let mut targets = Vec::new();
+    for entry in entries(asset) {
+        if entry.method != Method::Thesis {
+            continue;
+        }
+        let measured = measure(asset, &entry, clips, LIMIT_PX)?;
+        let mut cells = String::new();
+        for (d, gain) in measured.mean_gain_percent().iter().enumerate() {
+            match measured.published {
+                Some(published) => write!(cells, " {gain:.1} ({:.0}) |", published[d])?,
+                None => write!(cells, " {gain:.1} |")?,
+            }
+        }
+        writeln!(page, "| {} |{cells}", measured.title)?;
+        targets.extend(measured.targets(LIMIT_PX));
+    }
+    Ok(targets)
+}
+
+/// Writes the rows of one character; returns their targets.
 fn grid(
     asset: &Asset,
     (character, clips): (&str, &[&str]),
     (page, csv): (&mut String, &mut String),
-) -> Result<()> {
+) -> Result<Vec<Target>> {
+    let mut targets = Vec::new();
     for curve in [ThresholdCurve::Literal, ThresholdCurve::Fixed] {
         for (name, thr_init, beta) in SETTINGS {
             let threshold = Threshold {
@@ -61,6 +91,7 @@ fn grid(
                 .collect::<Result<Vec<_>>>()?;
             let label = format!("{curve:?}").to_lowercase();
             let mut cells = String::new();
+            let mut gains = Vec::new();
             for d in 0..DISTANCES_M.len() {
                 let mean = |of: &dyn Fn(&DistanceRow) -> f32| {
                     rows.iter().map(|r| of(&r[d])).sum::<f32>() / rows.len() as f32
@@ -68,6 +99,14 @@ fn grid(
                 let gain = 100.0 * mean(&|r| r.trial.joint_update_gain);
                 let worst = rows.iter().map(|r| r[d].error_px.p95).fold(0.0, f32::max);
                 write!(cells, " {gain:.1} % / {worst:.1} px |")?;
+                gains.push(gain);
+            }
+            if curve == ThresholdCurve::Fixed {
+                let steps = gains.windows(2).map(|g| f64::from(g[1] - g[0]));
+                let least = steps.fold(f64::INFINITY, f64::min);
+                let row = format!("{character}: {name}, fixed");
+                let what = "least change of the gain with distance, points";
+                targets.push(Target::at_least([&row, what], 0.0, least));
             }
             writeln!(page, "| {name} | {label} |{cells}")?;
             for (clip, rows) in clips.iter().zip(&rows) {
@@ -89,7 +128,7 @@ fn grid(
             }
         }
     }
-    Ok(())
+    Ok(targets)
 }
 
 fn play_clip(
@@ -121,16 +160,38 @@ fn play_clip(
     ))
 }
 
+/// Error limit of the first table, pixels.
+const LIMIT_PX: f32 = 1.0;
+
 const HEAD: &str = "# The thesis' metric over distance, threshold and beta
 
-Made by `cargo run --release -p articula-lab -- thesis-grid`. The grid of the thesis' table 6.8 on the
-clips walk, jog, run and atlas of `pab_arnaud.glb`: mean joint-update gain, and the worst clip's error
+Made by `cargo run --release -p articula-lab -- thesis-grid`.
+
+## At one pixel
+
+Joint-update gain in percent, mean over the clips walk, jog, run and atlas of `pab_arnaud.glb`, at the
+threshold with the largest gain whose error is at most one pixel (as on the page of motion level of
+detail), beta 0.5. In brackets the values of an independent implementation in Python.
+
+| method | 3.5 m | 5.65 m | 9.05 m | 16 m | 25.6 m |
+| --- | --- | --- | --- | --- | --- |
+";
+
+const GRID: &str = "
+## The grid
+
+The grid of the thesis' table 6.8 on the same clips: mean joint-update gain, and the worst clip's error
 (95th percentile over frames of the 95th over vertices, worst azimuth). `thr_max` is ten times
-`thr_init`, `d_max` 16 m, `d_min` 3.5 m.
+`thr_init`, `d_max` 16 m, `d_min` 3.5 m. The thresholds are those of the thesis, so the error is not
+limited.
 
 | setting | curve | 3.5 m | 5.65 m | 9.05 m | 16 m | 25.6 m |
 | --- | --- | --- | --- | --- | --- | --- |
 ";
+
+const TARGETS: &str =
+    "Gains at one pixel not lower than the values in brackets, an error of at most one
+pixel there, and gains that never fall with distance under the fixed curve.";
 
 const COLUMNS: &str = "| setting | curve | 3.5 m | 5.65 m | 9.05 m | 16 m | 25.6 m |
 | --- | --- | --- | --- | --- | --- | --- |";

@@ -47,7 +47,12 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
         let mut cells = vec![contestant.name.clone(), format!("{forward:.0}")];
         for (access, timings) in Access::ALL.iter().zip(&timings) {
             if *access != Access::Forward {
-                cells.push(format!("{:.2}", timings[who].median_ns / forward));
+                let ratio = timings[who].median_ns / forward;
+                cells.push(format!("{ratio:.2}"));
+                if contestant.name.starts_with("ours") {
+                    let what = format!("{} access / forward", access.name());
+                    report.at_most(&contestant.name, &what, 1.15, ratio);
+                }
             }
             report.line(&Line {
                 section: "access",

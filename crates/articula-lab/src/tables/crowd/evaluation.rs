@@ -13,6 +13,10 @@ use articula_core::{ClipSet, ClipStorage, JointLods, PaletteForm, PaletteMap};
 use articula_report::{BarSeries, PlotOptions, bar_plot};
 use std::hint::black_box;
 
+/// Names of the rows to which bounds apply.
+const STORED: &str = "ours, 3x4 f32";
+const TILES: &str = "ours, in tiles";
+
 /// Floor with which a row is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Against {
@@ -54,6 +58,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
             let timing = row.timings[i];
             cells.push(format!("{:.0} ({:.0})", timing.median_ns, timing.least_ns));
             cells.push(format!("{:.2}", timing.median_ns / floor_ns));
+            targets(report, row, *count, (timing.median_ns, floor_ns));
             report.line(&Line {
                 section: "evaluation",
                 who: &row.who,
@@ -74,6 +79,22 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
         .plots
         .push(("crowd-evaluation", plot(&rows, &counts)));
     Ok(())
+}
+
+/// Bounds on the two forms of output in full precision: against the floor with any number of
+/// characters, and with a thousand of them.
+fn targets(report: &mut CrowdTables, row: &Row, count: usize, (ns, floor_ns): (f64, f64)) {
+    let tight = match row.who.as_str() {
+        STORED => 1.5,
+        TILES => 1.15,
+        _ => return,
+    };
+    let who = format!("{}, {count} characters", row.who);
+    report.at_most(&who, "time / floor", 1.8, ns / floor_ns);
+    if count == 1000 {
+        report.at_most(&who, "time / floor, with 1000", tight, ns / floor_ns);
+        report.at_most(&who, "ns per character", 303.0, ns);
+    }
 }
 
 fn floor_of(rows: &[Row], against: Against) -> &[Timing] {
@@ -203,7 +224,7 @@ fn candidates<'a>(bench: &'a Bench, ours: &'a Ours, count: usize) -> Result<Vec<
     let (float, short) = (ours.played(&ours.floats), ours.played(&ours.shorts));
     let bytes = Some(ours.floats.bytes());
     for (name, form) in [
-        ("ours, 3x4 f32", PaletteForm::Matrix),
+        (STORED, PaletteForm::Matrix),
         ("ours, 3x4 half", PaletteForm::HalfMatrix),
         ("ours, rigid f32", PaletteForm::Rigid),
         ("ours, rigid half", PaletteForm::HalfRigid),
@@ -218,7 +239,7 @@ fn candidates<'a>(bench: &'a Bench, ours: &'a Ours, count: usize) -> Result<Vec<
     let contestant = short.stored("ours, 3x4 f32, 16-bit clip", form, count)?;
     let bytes_short = Some(ours.shorts.bytes());
     all.push(of(contestant, Against::Stored, form.bytes(), bytes_short));
-    all.push(of(float.tiles("ours, in tiles")?, Against::Tiles, 0, bytes));
+    all.push(of(float.tiles(TILES)?, Against::Tiles, 0, bytes));
     all.push(of(plain(bench, count), Against::Stored, 64, None));
     all.push(of(structs(bench, count)?, Against::Stored, 64, None));
     Ok(all)

@@ -4,6 +4,7 @@ use super::frame_order::Access;
 use super::ours::Batched;
 use super::{Bench, CrowdTables, Line, evaluation};
 use crate::measure::race;
+use crate::tables::targets::Target;
 use anyhow::Result;
 use articula_build::{JointLodOptions, joint_lods, mean_pose};
 use articula_core::{ClipSet, ClipStorage, JointLods, PaletteForm, PaletteMap};
@@ -52,6 +53,10 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
             cells.push(if level == 0 {
                 "–".to_owned()
             } else {
+                let who = format!("{}, {kept} joints", contestants[1 + form].name);
+                let what = "time saved / joints saved";
+                let target = Target::at_least([&who, what], 0.85, gain);
+                report.targets.push(target);
                 format!("{gain:.2}")
             });
             shares[form].push((joints, time));

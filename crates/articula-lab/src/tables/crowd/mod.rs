@@ -14,13 +14,14 @@ mod skinning;
 mod stage;
 
 use super::Run;
+use super::targets::{self, Target};
 use crate::data;
 use crate::measure::Timing;
 use anyhow::{Context, Result};
 use articula_build::Asset;
 use articula_build::{Plaza, plaza};
+use articula_core::crowd::Crowd;
 use articula_core::{Backend, Clip};
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 const FILE: &str = "glb/pab_arnaud.glb";
@@ -74,6 +75,7 @@ struct CrowdTables {
     page: String,
     csv: String,
     plots: Vec<(&'static str, String)>,
+    targets: Vec<Target>,
 }
 
 /// One row of the CSV file.
@@ -101,6 +103,10 @@ impl CrowdTables {
         let cells: Vec<String> = cells.iter().map(|c| (*c).to_owned()).collect();
         self.row(&cells);
         self.row(&vec!["---".to_owned(); cells.len()]);
+    }
+
+    fn at_most(&mut self, who: &str, what: &str, most: f64, found: f64) {
+        self.targets.push(Target::at_most([who, what], most, found));
     }
 
     fn line(&mut self, line: &Line<'_>) {
@@ -133,14 +139,8 @@ pub(crate) fn write(run: &Run) -> Result<()> {
         csv: "section,who,characters,variant,median_ns,least_ns,ratio_to_floor\n".to_owned(),
         ..CrowdTables::default()
     };
-    write!(
-        report.page,
-        "# Cost of a crowd\n\n{HEAD} {} joints, {} frames at {} Hz; Articula's batches run on {}.\n",
-        bench.asset.rig.len(),
-        bench.clip().frames(),
-        bench.clip().rate_hz(),
-        Backend::best(),
-    )?;
+    let state_bytes = Crowd::BYTES_PER_CHARACTER as f64;
+    report.at_most("state", "bytes per character", 64.0, state_bytes);
     evaluation::add(&bench, &mut report)?;
     access::add(&bench, &mut report)?;
     joints::add(&bench, &mut report)?;
@@ -150,8 +150,19 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     for (name, svg) in &report.plots {
         run.save_text(name, "svg", svg)?;
     }
-    run.save("crowd", &report.page, &report.csv)
+    let head = format!(
+        "# Cost of a crowd\n\n{HEAD} {} joints, {} frames at {} Hz; Articula's batches run on {}.\n",
+        bench.asset.rig.len(),
+        bench.clip().frames(),
+        bench.clip().rate_hz(),
+        Backend::best(),
+    );
+    let targets = targets::section(TARGETS, &["what", "quantity"], &report.targets);
+    run.save("crowd", &(head + &targets + &report.page), &report.csv)
 }
+
+const TARGETS: &str = "The bounds of docs/methods/runtime.md, part 4; those in milliseconds and nanoseconds are for the
+class of machine named there.";
 
 const HEAD: &str = "Made by `cargo run --release -p articula-lab -- crowd`. Nanoseconds of processor time of one thread
 per character and frame: the median over rounds in which all evaluators take turns, in brackets the

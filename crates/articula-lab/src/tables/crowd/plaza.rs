@@ -10,6 +10,21 @@ use articula_core::percentile_at_or_above;
 /// Percentile over frames by which overruns of a budget are reported.
 const OVERRUN: f64 = 0.95;
 
+/// Columns of the section on scenes.
+const SCENE_COLUMNS: [&str; 11] = [
+    "scene and levels",
+    "median, ms",
+    "p95, ms",
+    "selection",
+    "visible",
+    "hidden",
+    "poses",
+    "MB written",
+    "MB resident",
+    "p95, px",
+    "max within 20 m, px",
+];
+
 /// Frame time and errors at one pixel, the reference for other policies.
 pub(super) struct AtOnePixel {
     pub(super) ms: f64,
@@ -35,19 +50,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
             kept.join(", ")
         ),
     );
-    report.head(&[
-        "scene and levels",
-        "median, ms",
-        "p95, ms",
-        "selection",
-        "visible",
-        "hidden",
-        "poses",
-        "MB written",
-        "MB resident",
-        "p95, px",
-        "max within 20 m, px",
-    ]);
+    report.head(&SCENE_COLUMNS);
     let at = |detail, share| Play {
         detail,
         share,
@@ -57,17 +60,24 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
     };
     let one = Detail::Tolerance { px: 1.0 };
     let merged = stage.play(&still, at(one, false))?;
-    for (name, detail, share) in [
-        ("every joint of who is seen", Detail::Full, false),
-        ("merged levels within 1 px", one, false),
-        ("merged levels and shared poses within 1 px", one, true),
+    for (name, detail, share, most_ms) in [
+        ("every joint of who is seen", Detail::Full, false, None),
+        ("merged levels within 1 px", one, false, Some(0.8)),
+        (
+            "merged levels and shared poses within 1 px",
+            one,
+            true,
+            Some(0.4),
+        ),
     ] {
         let outcome = stage.play(&still, at(detail, share))?;
-        row(report, count, &format!("plaza, {name}"), &outcome);
+        let name = format!("plaza, {name}");
+        row(report, count, &name, &outcome);
+        targets(report, &name, &outcome, most_ms);
     }
-    for (name, cache) in [
-        ("blended by the CPU", CacheUse::Cpu),
-        ("blended by the GPU from records", CacheUse::Gpu),
+    for (name, cache, most_ms) in [
+        ("blended by the CPU", CacheUse::Cpu, 0.8),
+        ("blended by the GPU from records", CacheUse::Gpu, 0.25),
     ] {
         let play = Play {
             cache,
@@ -76,6 +86,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
         let outcome = stage.play(&still, play)?;
         let name = format!("plaza, merged levels and cached poses within 1 px, {name}");
         row(report, count, &name, &outcome);
+        targets(report, &name, &outcome, Some(most_ms));
     }
     for (name, kind) in [("distinct", Plaza::Moving), ("equal", Plaza::InPhase)] {
         let moving = plaza(count, clips, SEED, kind);
@@ -86,6 +97,9 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
         let outcome = stage.play(&moving, play)?;
         let name = format!("plaza-2, merged levels within 1 px, {name} phases");
         row(report, count, &name, &outcome);
+        targets(report, &name, &outcome, Some(1.5));
+        let ratio = outcome.frame_ms(0.95) / outcome.frame_ms(0.5);
+        report.at_most(&name, "p95 of frames / median", 1.5, ratio);
     }
     budget(bench, report, &stage, &still, &merged)?;
     Ok(AtOnePixel {
@@ -102,6 +116,25 @@ fn lap_frames(bench: &Bench, scene: &Scene) -> usize {
     } else {
         (60.0 * scene.loop_secs()) as usize
     }
+}
+
+/// Bounds on a scene; `most_ms` bounds the median time of a frame.
+fn targets(report: &mut CrowdTables, name: &str, outcome: &Outcome, most_ms: Option<f64>) {
+    if let Some(most_ms) = most_ms {
+        report.at_most(name, "median frame, ms", most_ms, outcome.frame_ms(0.5));
+    }
+    let select_ms = percentile_at_or_above(&mut outcome.select_ms.clone(), 0.5);
+    report.at_most(name, "selection, ms", 0.1, select_ms);
+    let share = 100.0 * outcome.selection_share();
+    report.at_most(name, "selection / evaluation, %", 10.0, share);
+    errors(report, name, outcome);
+}
+
+/// Bounds on the error at a tolerance of one pixel.
+fn errors(report: &mut CrowdTables, name: &str, outcome: &Outcome) {
+    let (p95, near) = (f64::from(outcome.p95_px), f64::from(outcome.near_px));
+    report.at_most(name, "p95 error, px", 1.0, p95);
+    report.at_most(name, "max error within 20 m, px", 2.0, near);
 }
 
 fn row(report: &mut CrowdTables, count: usize, name: &str, outcome: &Outcome) {
@@ -168,6 +201,9 @@ fn budget(
         let over =
             percentile_at_or_above(&mut outcome.evaluate_ms.clone(), OVERRUN) / budget_ms - 1.0;
         let used_ms = percentile_at_or_above(&mut outcome.evaluate_ms.clone(), 0.5);
+        let name = format!("budget of {share:.2}");
+        report.at_most(&name, "p95 overrun, %", 5.0, 100.0 * over);
+        errors(report, &name, &outcome);
         report.row(&[
             format!("{share:.2}"),
             format!("{budget_ms:.3}"),

@@ -15,6 +15,9 @@ use std::path::Path;
 /// Side of the picture in pixels.
 pub(super) const SIDE_PX: f32 = 400.0;
 
+/// Frames per second, the default of `articula flatten`.
+const FPS: f64 = 25.0;
+
 /// Placement of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Framing {
@@ -33,8 +36,6 @@ pub(super) struct Case {
     pub(super) name: &'static str,
     pub(super) file: &'static str,
     pub(super) clip: &'static str,
-    /// Number of frames, spread over the clip.
-    pub(super) frames: usize,
     /// Fraction of the clip that is used; 1 is the whole clip.
     pub(super) share: f64,
     pub(super) framing: Framing,
@@ -63,7 +64,6 @@ const fn knight(name: &'static str, clip: &'static str, yaw: f32, turn: f32, kin
         name,
         file: KNIGHT,
         clip,
-        frames: 50,
         share: 1.0,
         framing: Framing::Tight(yaw),
         turn_degrees: turn,
@@ -77,7 +77,6 @@ const fn face(name: &'static str, clip: &'static str, kind: Kind) -> Case {
         name,
         file: HEAD,
         clip,
-        frames: 125,
         share: 1.0,
         framing: Framing::Face,
         turn_degrees: 0.0,
@@ -110,7 +109,6 @@ pub(super) const CASES: [Case; 8] = [
         name: "woman, dance",
         file: WOMAN,
         clip: "dance",
-        frames: 151,
         share: 0.25,
         framing: Framing::Tight(0.0),
         turn_degrees: 0.0,
@@ -121,7 +119,6 @@ pub(super) const CASES: [Case; 8] = [
         name: "woman, talk",
         file: WOMAN,
         clip: "talk",
-        frames: 125,
         share: 1.0,
         framing: Framing::Above(0.86),
         turn_degrees: 0.0,
@@ -131,9 +128,10 @@ pub(super) const CASES: [Case; 8] = [
 ];
 
 impl Case {
-    /// Reads the character.
-    pub(super) fn figure(&self, data: &Path) -> Result<Figure> {
-        Ok(Figure::new(self.open(data)?)?)
+    /// Reads the character; also returns the names of the meshes that are hidden.
+    pub(super) fn figure(&self, data: &Path) -> Result<(Figure, Vec<String>)> {
+        let (opened, hidden) = self.open(data)?;
+        Ok((Figure::new(opened)?, hidden))
     }
 
     /// Sets up the camera and simplifies the visible triangles.
@@ -142,11 +140,7 @@ impl Case {
         let clip = figure.clip(Some(self.clip))?;
         let clip = clip.with_context(|| format!("{}: no clip {}", self.file, self.clip))?;
         let length = f64::from(asset.clips[clip].duration_secs()) * self.share;
-        let steps = (self.frames - 1) as f64;
-        let frame_times_secs: Vec<f64> = (0..self.frames)
-            .map(|f| length * f as f64 / steps)
-            .collect();
-        let fps = (steps / length) as f32;
+        let (frame_times_secs, fps) = frame_times(length);
         let mut parts = FramedParts {
             triangles: asset.mesh.triangles.clone(),
             options: BakeOptions {
@@ -212,25 +206,33 @@ impl Case {
         Ok((camera, turn))
     }
 
-    fn open(&self, data: &Path) -> Result<CharacterFile> {
+    fn open(&self, data: &Path) -> Result<(CharacterFile, Vec<String>)> {
         let mut opened = articula::fs::open(data.join(self.file))?;
-        let source = &mut opened.character;
+        let mut hidden = Vec::new();
         if self.file == KNIGHT {
             // Keep one sword and no shield.
             let is_worn = |name: &str| name.starts_with("Knight_") || name == "1H_Sword";
-            source.meshes.retain(|m| is_worn(&m.name));
-            source
-                .clips
-                .iter_mut()
-                .for_each(|c| c.channels.retain(|ch| ch.property != Property::Weights));
+            let names = opened.character.meshes.iter().map(|m| m.name.clone());
+            hidden = names.filter(|name| !is_worn(name)).collect();
+            opened.keep_meshes(&[], &hidden)?;
         }
+        let source = &mut opened.character;
         if self.file == WOMAN && self.clip == "talk" {
             let speech = articula::fs::open(data.join(HEAD))?.character;
             let clip = speech_onto(&speech, source)?;
             source.clips.push(clip);
         }
-        Ok(opened)
+        Ok((opened, hidden))
     }
+}
+
+/// Frame times in seconds and the frame rate, as `articula flatten` chooses them: the rate nearest
+/// to its default for which the last frame falls on the end of the clip.
+fn frame_times(length_secs: f64) -> (Vec<f64>, f32) {
+    let steps = (length_secs * FPS).round().max(1.0);
+    let time = |f: u32| length_secs * f64::from(f) / steps;
+    let times = (0..=steps as u32).map(time).collect();
+    (times, (steps / length_secs) as f32)
 }
 
 /// The speech of one head on the morph targets with the same names of another.
@@ -286,4 +288,18 @@ pub(super) fn before(bounds: &Bounds) -> Camera {
     let half = 1.15 * 0.5 * (bounds.high.y - bounds.low.y);
     let middle = bounds.middle();
     Camera::looking_at(middle + Vec3::Z * 4.5 * half, middle, viewport())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_frame_falls_on_the_end_of_the_clip() {
+        // 1.05 s at 25 Hz are 26.25 steps, so 26 of them at 24.76 Hz.
+        let (times, fps) = frame_times(1.05);
+        assert_eq!((times.len(), times[0], times[26]), (27, 0.0, 1.05));
+        assert!((fps - 26.0 / 1.05).abs() < 1e-5);
+        assert_eq!(frame_times(5.0).0.len(), 126);
+    }
 }

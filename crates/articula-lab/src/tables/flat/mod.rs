@@ -28,6 +28,9 @@ pub(crate) struct Choice {
 /// Results of one case.
 struct Found {
     case: Case,
+    /// Names of the meshes of the file that are not drawn.
+    hidden: Vec<String>,
+    frames: usize,
     triangles: usize,
     orders: orders::Orders,
     profiles: Vec<profiles::Row>,
@@ -51,7 +54,7 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
 }
 
 fn found(run: &Run, case: &Case, choice: &Choice) -> Result<Found> {
-    let figure = case.figure(&run.data)?;
+    let (figure, hidden) = case.figure(&run.data)?;
     let framed = case.framed(&figure)?;
     let clip = framed.clip()?;
     let prepared = orders::Orders::prepare(&clip)?;
@@ -61,6 +64,8 @@ fn found(run: &Run, case: &Case, choice: &Choice) -> Result<Found> {
         .map(|f| f.join(case.name.replace([' ', ',', '°'], "_")));
     Ok(Found {
         case: *case,
+        hidden,
+        frames: framed.frame_times_secs.len(),
         triangles: framed.triangles.len(),
         orders: orders::Orders::of(&clip, &prepared)?,
         profiles: profiles::rows(&framed, &prepared, run.small, files.as_deref())?,

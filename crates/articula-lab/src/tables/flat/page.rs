@@ -3,7 +3,7 @@
 use super::Found;
 use super::portraits::{Row as Portrait, YAWS_DEGREES};
 use super::profiles::THESIS;
-use super::targets::{self, Bound};
+use super::targets;
 use anyhow::Result;
 use std::fmt::Write as _;
 
@@ -12,7 +12,8 @@ const HEAD: &str = "# Conversion to 2D
 Made by `cargo run --release -p articula-lab -- flat`. Pictures of 400 x 400 pixels. Faces
 are seen by the camera of docs/methods/vector.md, part 9 (4.5 half heights away); all other cases are
 framed as by `articula flatten` and have its default number of triangles (the dancing woman 1500; heads
-have no extra weight here). Only triangles that are visible in some frame are counted.
+have no extra weight here). Only triangles that are visible in some frame are counted. Frames are those
+of the command's default of 25 a second, adjusted so that the last one falls on the end of the clip.
 
 Errors are measured on the file, read back: corners in pixels; the picture against an 8 x 8 supersampled
 one without a painting order, over the character's pixels, at every tenth frame and halfway between
@@ -65,7 +66,7 @@ thesis' portrait.
 /// The whole page.
 pub(super) fn page(all: &[Found], portraits: &[Portrait]) -> Result<String> {
     let mut page = HEAD.to_owned();
-    bounds(&mut page, all)?;
+    page.push_str(&targets::section(all));
     page.push_str(ORDERS);
     for found in all {
         let o = &found.orders;
@@ -106,39 +107,17 @@ pub(super) fn page(all: &[Found], portraits: &[Portrait]) -> Result<String> {
     Ok(page)
 }
 
-fn bounds(page: &mut String, all: &[Found]) -> Result<()> {
-    page.push_str("\n## Acceptance bounds (docs/methods/vector.md, part 9)\n\n| bound | case | quantity | limit | found | |\n| --- | --- | --- | --- | --- | --- |\n");
-    for found in all {
-        for target in targets::of(found) {
-            let bound = match target.bound {
-                Bound::AtMost(b) => format!("≤ {b}"),
-                Bound::AtLeast(b) => format!("≥ {b}"),
-            };
-            writeln!(
-                page,
-                "| {} | {} | {} | {bound} | {:.3} | {} |",
-                target.number,
-                found.case.name,
-                target.what,
-                target.found,
-                if target.holds() {
-                    "holds"
-                } else {
-                    "**missed**"
-                }
-            )?;
-        }
-    }
-    Ok(())
-}
-
 fn profiles(page: &mut String, found: &Found) -> Result<()> {
     let first = found.profiles.first().map(|r| &r.flat);
     let drawn = first.map_or(0, |f| f.triangles_drawn);
+    let hidden = match found.hidden.as_slice() {
+        [] => "No mesh is hidden.".to_owned(),
+        names => format!("Hidden meshes: {}.", names.join(", ")),
+    };
     writeln!(
         page,
-        "\n## {}\n\n{}, clip {}: {} triangles, {drawn} drawn, {} frames.",
-        found.case.name, found.case.file, found.case.clip, found.triangles, found.case.frames
+        "\n## {}\n\n{}, clip {}: {} triangles, {drawn} drawn, {} frames. {hidden}",
+        found.case.name, found.case.file, found.case.clip, found.triangles, found.frames
     )?;
     page.push_str(PROFILES);
     let naive = found.row(THESIS).map(|r| r.flat.sizes.raw);

@@ -5,6 +5,7 @@
 mod sheet;
 
 use super::Run;
+use super::targets::{self, Target};
 use crate::data;
 use anyhow::{Context, Result};
 use articula_build::Asset;
@@ -30,6 +31,14 @@ const CHARACTERS: [&str; 7] = [
 
 /// Numbers of joints kept, as far as a character has more.
 const COUNTS: [u16; 7] = [96, 64, 48, 32, 24, 16, 10];
+
+/// Joints kept and errors in millimetres of an independent prototype on the first character
+/// (`docs/methods/motion-lod.md`, part 8).
+const PROTOTYPE_MM: [(usize, f64); 3] = [(48, 0.8), (24, 73.0), (16, 86.0)];
+
+const TARGETS: &str = "Of docs/methods/motion-lod.md, part 8, for near and far levels alike: errors not larger
+than those of an independent prototype with 48, 24 and 16 joints of `pab_arnaud`, learned levels not worse
+than named ones of the same size, and the rules for default levels.";
 
 /// Levels of articulation that a user would name.
 const NAMED: [&str; 4] = ["loa(High)", "loa(Medium)", "loa(Low)", "loa(VeryLow)"];
@@ -64,14 +73,20 @@ pub(crate) fn write(run: &Run, sheets: &Sheets) -> Result<()> {
     let shown = if run.small { 1 } else { CHARACTERS.len() };
     let mut rows = Vec::new();
     let mut chosen = String::new();
+    let mut defaults = Vec::new();
     for name in &CHARACTERS[..shown] {
         let asset = data::asset(&run.data, &format!("glb/{name}.glb"))?;
-        rows.extend(near_rows(name, &asset)?);
-        rows.extend(far_rows(name, &asset)?);
-        if *name == CHARACTERS[0] {
-            rows.extend(named_rows(name, &asset)?);
-        }
-        writeln!(chosen, "{}", default_levels(name, &asset)?)?;
+        let named = match *name == CHARACTERS[0] {
+            true => named_rows(name, &asset)?,
+            false => Vec::new(),
+        };
+        let counts = counts(&asset, &named);
+        rows.extend(near_rows(name, &asset, &counts)?);
+        rows.extend(far_rows(name, &asset, &counts)?);
+        rows.extend(named);
+        let (line, kept) = default_levels(name, &asset)?;
+        writeln!(chosen, "{line}")?;
+        defaults.extend(default_targets(name, &kept));
         if let Some(folder) = &sheets.sheets {
             std::fs::create_dir_all(folder)?;
             sheet::write(
@@ -82,24 +97,76 @@ pub(crate) fn write(run: &Run, sheets: &Sheets) -> Result<()> {
             )?;
         }
     }
-    run.save("merged-levels", &page(&rows, &chosen)?, &csv(&rows)?)
+    let mut targets = row_targets(&rows);
+    targets.extend(defaults);
+    run.save(
+        "merged-levels",
+        &page(&rows, &chosen, &targets)?,
+        &csv(&rows)?,
+    )
 }
 
-/// The number of all joints, then the smaller counts.
-fn counts(asset: &Asset) -> Vec<u16> {
+/// The number of all joints, then the smaller counts, those of named levels among them.
+fn counts(asset: &Asset, named: &[Row]) -> Vec<u16> {
     let all = asset.rig.len() as u16;
-    let fewer = COUNTS.into_iter().filter(|n| *n < all);
-    std::iter::once(all).chain(fewer).collect()
+    let named = named.iter().map(|row| row.kept as u16);
+    let fewer = COUNTS.into_iter().chain(named);
+    let mut counts: Vec<u16> = fewer.filter(|n| *n < all).chain([all]).collect();
+    counts.sort_unstable_by(|a, b| b.cmp(a));
+    counts.dedup();
+    counts
 }
 
-fn near_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
+/// The errors of the prototype on the first character, and named levels beside learned ones of the
+/// same size.
+fn row_targets(rows: &[Row]) -> Vec<Target> {
+    let mut targets = Vec::new();
+    let learned = |row: &&Row| row.character == CHARACTERS[0] && row.kind != "named";
+    for row in rows.iter().filter(learned) {
+        let what = format!("{} {} joints: error, mm", row.kind, row.kept);
+        let found = f64::from(row.error_mm);
+        if let Some((_, most)) = PROTOTYPE_MM.iter().find(|(kept, _)| *kept == row.kept) {
+            targets.push(Target::at_most([row.character, &what], *most, found));
+        }
+        let named = rows
+            .iter()
+            .find(|n| n.kind == "named" && n.kept == row.kept);
+        if let Some(named) = named {
+            let what = format!("{what} / that of the named level");
+            let ratio = found / f64::from(named.error_mm);
+            targets.push(Target::at_most([row.character, &what], 1.0, ratio));
+        }
+    }
+    targets
+}
+
+/// The rules of docs/methods/motion-lod.md, part 8, on the levels that are chosen by default; `kept`
+/// are the joints of the near and of the far levels.
+fn default_targets(character: &str, kept: &[Vec<usize>; 2]) -> Vec<Target> {
+    let all = || kept.iter().flatten();
+    let drop = |pair: &[usize]| 100.0 * (1.0 - pair[1] as f64 / pair[0] as f64);
+    let drops = kept.iter().flat_map(|levels| levels.windows(2)).map(drop);
+    let least = drops.fold(f64::INFINITY, f64::min);
+    let fewest = all().copied().min().unwrap_or(0) as f64;
+    let count = all().count() as f64;
+    let mut targets = vec![
+        Target::at_least([character, "default levels: fewest joints"], 8.0, fewest),
+        Target::at_most([character, "default levels: number"], 8.0, count),
+    ];
+    if least.is_finite() {
+        let what = "default levels: least drop of joints within near or far, %";
+        targets.push(Target::at_least([character, what], 12.0, least));
+    }
+    targets
+}
+
+fn near_rows(character: &'static str, asset: &Asset, counts: &[u16]) -> Result<Vec<Row>> {
     let opts = JointLodOptions::default();
-    let counts = counts(asset);
     let judged = |learned: &Asset, judged: &Asset| {
         let mean = mean_pose(learned);
         let order = joint_lods(learned, &mean, &opts)?;
         let joint_lods =
-            JointLods::new(&asset.rig, order.joints().to_vec(), counts.clone(), &mean)?;
+            JointLods::new(&asset.rig, order.joints().to_vec(), counts.to_vec(), &mean)?;
         levels_of(judged, joint_lods, &opts)
     };
     let all = judged(asset, asset)?;
@@ -126,9 +193,9 @@ fn near_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
     Ok((1..counts.len()).map(row).collect())
 }
 
-fn far_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
+fn far_rows(character: &'static str, asset: &Asset, counts: &[u16]) -> Result<Vec<Row>> {
     let opts = JointLodOptions::default();
-    let counts = &counts(asset)[1..];
+    let counts = &counts[1..];
     let judged = |learned: &Asset, judged: &Asset| {
         let mean = mean_pose(learned);
         let order = far_order(learned, &mean, &opts)?;
@@ -213,8 +280,9 @@ fn worst(errors: &LodErrors, level: usize) -> (f32, f32) {
     )
 }
 
-/// A line about the levels that are chosen by default.
-fn default_levels(name: &str, asset: &Asset) -> Result<String> {
+/// A line about the levels that are chosen by default, and the joints that the near and the far ones
+/// keep.
+fn default_levels(name: &str, asset: &Asset) -> Result<(String, [Vec<usize>; 2])> {
     let opts = JointLodOptions {
         far_from_metres: 4e-3,
         ..JointLodOptions::default()
@@ -222,18 +290,21 @@ fn default_levels(name: &str, asset: &Asset) -> Result<String> {
     let levels = merged_levels(asset, &opts)?;
     let near = levels.joint_lods.levels();
     let at = |l: usize, kept: usize| format!("{kept} ({:.1})", worst(&levels.errors, l).0);
-    let mut all: Vec<String> = (0..near)
-        .map(|l| at(l, levels.joint_lods.joint_count(l)))
-        .collect();
+    let kept = |of: &JointLods| (0..of.levels()).map(|l| of.joint_count(l)).collect();
+    let near_kept: Vec<usize> = kept(&levels.joint_lods);
+    let mut far_kept: Vec<usize> = Vec::new();
+    let mut all: Vec<String> = (0..near).map(|l| at(l, near_kept[l])).collect();
     if let Some(far) = &levels.far {
         all.push("far:".into());
-        let joint_lods = &far.joint_lods;
-        all.extend((0..joint_lods.levels()).map(|l| at(near + l, joint_lods.joint_count(l))));
+        far_kept = kept(&far.joint_lods);
+        let far = far_kept.iter().enumerate();
+        all.extend(far.map(|(l, joints)| at(near + l, *joints)));
     }
-    Ok(format!("| {name} | {} |", all.join(" ")))
+    let line = format!("| {name} | {} |", all.join(" "));
+    Ok((line, [near_kept, far_kept]))
 }
 
-fn page(rows: &[Row], chosen: &str) -> Result<String> {
+fn page(rows: &[Row], chosen: &str, targets: &[Target]) -> Result<String> {
     let mut page = String::from(
         "# Merged levels
 
@@ -244,6 +315,16 @@ vertices. *Near* levels keep the ancestors of every kept joint; *far* levels may
 a separate rig. *Held out*: joint order and mean pose were computed without the measured clips (one clip
 at a time, an eighth of them where there are more than eight). *Named*: levels of articulation from the
 name map, with the ancestors of their joints.
+",
+    );
+    page.push_str(&targets::section(
+        TARGETS,
+        &["character", "quantity"],
+        targets,
+    ));
+    page.push_str(
+        "
+## Every level
 
 | character | levels | joints | influences | error | worst | held out |
 | --- | --- | --- | --- | --- | --- | --- |
@@ -260,6 +341,8 @@ name map, with the ancestors of their joints.
     write!(
         page,
         "
+## Levels by default
+
 The levels that are chosen automatically, far ones from 4 mm on: joints kept, and in brackets the
 error in millimetres.
 

@@ -22,6 +22,9 @@ const SMALL_BYTES: u64 = 200_000;
 /// Folders of third-party texts and test files of unsupported formats, which are not read.
 const NOT_READ: [&str; 2] = ["licences", "lottie_spec"];
 
+/// Files that must be refused, and a word of the reason.
+const REFUSED: [(&str, &str); 1] = [("glb/Quaternius_Astronaut_Barbara_draco.glb", "Draco")];
+
 /// One file.
 struct RoundTrip {
     path: PathBuf,
@@ -182,9 +185,6 @@ pub(crate) fn write(run: &Run) -> Result<()> {
 mod tests {
     use super::*;
     use crate::data;
-
-    /// Files that must be refused, and a word of the reason.
-    const REFUSED: [(&str, &str); 1] = [("glb/Quaternius_Astronaut_Barbara_draco.glb", "Draco")];
 
     /// Every file of the folder opens or is refused for the right reason; the output of each writer
     /// opens again within its bound; and the counts are those that another parser measured.

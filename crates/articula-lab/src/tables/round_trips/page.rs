@@ -2,8 +2,9 @@
 
 use super::judge::Errors;
 use super::written::{Trip, Writer};
-use super::{Found, RoundTrip};
+use super::{Found, REFUSED, RoundTrip};
 use crate::open::Parameters;
+use crate::tables::targets::{self, Target};
 use anyhow::Result;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -22,6 +23,9 @@ pub(super) fn judged(round_trips: &[RoundTrip]) -> Vec<PathBuf> {
 /// The Markdown page.
 pub(super) fn page(round_trips: &[RoundTrip], errors: Option<&Errors>) -> Result<String> {
     let mut page = String::from(HEAD);
+    let all = all_targets(round_trips, errors);
+    page.push_str(&targets::section(TARGETS, &["files", "quantity"], &all));
+    page.push_str(CONTENTS);
     for RoundTrip {
         name, kind, found, ..
     } in round_trips
@@ -63,6 +67,51 @@ pub(super) fn page(round_trips: &[RoundTrip], errors: Option<&Errors>) -> Result
         writeln!(page, "| {name} | {} | {verdict} |", cells.join(" | "))?;
     }
     Ok(page)
+}
+
+/// The bounds of reading and writing. A writer's distance is the maximum over its files.
+fn all_targets(round_trips: &[RoundTrip], errors: Option<&Errors>) -> Vec<Target> {
+    let count = |of: &dyn Fn(&RoundTrip) -> bool| round_trips.iter().filter(|r| of(r)).count();
+    let is_known = |r: &RoundTrip| REFUSED.iter().any(|(name, _)| *name == r.name);
+    let refused = count(&|r| r.found.is_err() && !is_known(r));
+    let changed =
+        count(&|r| matches!(&r.found, Ok(Found::Data(data)) if data.comes_back == Some(false)));
+    let number = |label: [&str; 2], found: usize| Target::at_most(label, 0.0, found as f64);
+    let mut all = vec![
+        number(["all", "refused, other than Draco's"], refused),
+        number(["parameters", "changed when read again"], changed),
+    ];
+    for writer in Writer::ALL {
+        let trips = || {
+            let trips = round_trips.iter().flat_map(|r| &r.trips);
+            trips.filter(move |t| t.writer == writer)
+        };
+        let label = format!("{} ({} files)", writer.name(), trips().count());
+        let incomplete = trips().filter(|t| !t.is_complete()).count();
+        let read = trips().filter(|t| t.apart.is_ok());
+        let worst = read.map(Trip::worst_mm).fold(0.0, f32::max);
+        all.push(number(
+            [&label, "unreadable, or joints or clips missing"],
+            incomplete,
+        ));
+        // The bound is the nearest decimal number, not the 32-bit float.
+        let bound_mm: f64 = writer.bound_mm().to_string().parse().unwrap_or(0.0);
+        all.push(Target::at_most(
+            [&label, "maximum distance, mm"],
+            bound_mm,
+            f64::from(worst),
+        ));
+    }
+    if let Some(errors) = errors {
+        let of = |path: &Path| errors.get(path).copied().unwrap_or(0);
+        let more = |r: &RoundTrip| {
+            let written = r.trips.iter().filter_map(|t| t.path.as_deref());
+            written.map(of).max().is_some_and(|most| most > of(&r.path))
+        };
+        let what = "more validator errors than the source";
+        all.push(number(["GLB", what], count(&more)));
+    }
+    all
 }
 
 /// The writers of text formats, in the order of the columns.
@@ -167,7 +216,14 @@ const HEAD: &str = "# Format round trips
 
 Made by `cargo run --release -p articula-lab -- round-trips` over every file of the data folder in a
 format that is read.
+";
 
+const TARGETS: &str =
+    "Every file opens, except one that needs Draco; what is written is read again with all
+joints and clips that the format holds, within the stated distance, and has no errors of the Khronos
+validator that the source does not have.";
+
+const CONTENTS: &str = "
 ## What is in each file
 
 Joints are the distinct ones of the skins (all joints where there is no skin); mapped ones correspond

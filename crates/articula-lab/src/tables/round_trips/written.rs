@@ -53,14 +53,15 @@ impl Trip {
         self.apart.as_ref().map_or(f32::INFINITY, worst)
     }
 
+    /// Whether all joints and clips were read again.
+    pub(super) fn is_complete(&self) -> bool {
+        let found = |apart: &Apart| (apart.joints, apart.clips) == (self.joints, self.clips);
+        self.apart.as_ref().is_ok_and(found)
+    }
+
     /// Whether all joints and clips were read again within the bound.
     pub(super) fn holds(&self) -> bool {
-        let bound = self.writer.bound_mm();
-        self.apart.as_ref().is_ok_and(|apart| {
-            (apart.joints, apart.clips) == (self.joints, self.clips)
-                && apart.joints_mm <= bound
-                && apart.skin_mm.is_none_or(|mm| mm <= bound)
-        })
+        self.is_complete() && self.worst_mm() <= self.writer.bound_mm()
     }
 }
 
