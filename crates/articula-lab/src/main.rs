@@ -4,6 +4,7 @@
 //! come from one run of the command named at the head of the page.
 
 #![allow(
+    clippy::print_stderr,
     clippy::print_stdout,
     clippy::disallowed_methods,
     reason = "a program that reads files, writes files and reports"
@@ -19,9 +20,10 @@ mod subdivide;
 mod tables;
 mod wire_mesh;
 
-use anyhow::Result;
-use clap::{Parser, Subcommand};
+use anyhow::{Context, Result};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::path::PathBuf;
+use std::time::Instant;
 use tables::flat;
 use tables::merged_levels::Sheets;
 use tables::mesh_levels::Choice;
@@ -51,6 +53,8 @@ enum Table {
     MotionLod,
     /// Gain over distance, threshold and beta (the thesis' table 6.8).
     ThesisGrid,
+    /// Bytes and time of levels of articulation, by zone, depth and complexity (the thesis' 6.3.1).
+    LoaCost,
     /// Cost of a crowd beside the floor and other evaluators (docs/methods/runtime.md).
     Crowd,
     /// Contents of every data file, and round trips through every writer.
@@ -63,7 +67,7 @@ enum Table {
     MeshLevels(Choice),
     /// Conversion to 2D: bytes and errors of every profile, beside the thesis' form.
     Flat(flat::Choice),
-    /// All tables.
+    /// All tables, one after the other; names and times go to standard error.
     All,
 }
 
@@ -82,23 +86,81 @@ fn run(arguments: Arguments) -> Result<()> {
         small: arguments.small,
     };
     match arguments.table {
-        Table::MotionLod => tables::motion_lod::write(&run),
-        Table::ThesisGrid => tables::thesis_grid::write(&run),
-        Table::Crowd => tables::crowd::write(&run),
-        Table::MergedLevels(sheets) => tables::merged_levels::write(&run, &sheets),
-        Table::MeshLevels(choice) => tables::mesh_levels::write(&run, &choice),
-        Table::Flat(choice) => flat::write(&run, &choice),
-        Table::RoundTrips => tables::round_trips::write(&run),
-        Table::Retargets(pictures) => tables::retargets::write(&run, &pictures),
-        Table::All => {
-            tables::crowd::write(&run)?;
-            tables::round_trips::write(&run)?;
-            tables::retargets::write(&run, &Pictures::default())?;
-            tables::motion_lod::write(&run)?;
-            tables::thesis_grid::write(&run)?;
-            tables::merged_levels::write(&run, &Sheets::default())?;
-            tables::mesh_levels::write(&run, &Choice::default())?;
-            flat::write(&run, &flat::Choice::default())
+        Table::All => all(&run),
+        table => one(&run, &table),
+    }
+}
+
+/// Runs one table.
+fn one(run: &tables::Run, table: &Table) -> Result<()> {
+    match table {
+        Table::MotionLod => tables::motion_lod::write(run),
+        Table::ThesisGrid => tables::thesis_grid::write(run),
+        Table::LoaCost => tables::loa_cost::write(run),
+        Table::Crowd => tables::crowd::write(run),
+        Table::MergedLevels(sheets) => tables::merged_levels::write(run, sheets),
+        Table::MeshLevels(choice) => tables::mesh_levels::write(run, choice),
+        Table::Flat(choice) => flat::write(run, choice),
+        Table::RoundTrips => tables::round_trips::write(run),
+        Table::Retargets(pictures) => tables::retargets::write(run, pictures),
+        Table::All => all(run),
+    }
+}
+
+/// Runs every table, and reports each one's name and time.
+fn all(run: &tables::Run) -> Result<()> {
+    let names = every_table();
+    let (count, start) = (names.len(), Instant::now());
+    for (i, name) in names.iter().enumerate() {
+        let begun = Instant::now();
+        eprintln!("{} of {count}: {name}", i + 1);
+        let table = Arguments::try_parse_from(["articula-lab", name])?.table;
+        one(run, &table).with_context(|| name.clone())?;
+        let (secs, since) = (begun.elapsed().as_secs(), start.elapsed().as_secs());
+        eprintln!(
+            "{} of {count}: {name} took {secs} s, {since} s so far",
+            i + 1
+        );
+    }
+    Ok(())
+}
+
+/// Names of all subcommands that make a table, in the order in which they are declared.
+fn every_table() -> Vec<String> {
+    let command = Arguments::command();
+    let names = command.get_subcommands().map(|c| c.get_name().to_owned());
+    names.filter(|name| name != ALL).collect()
+}
+
+/// Name of the subcommand that runs all others.
+const ALL: &str = "all";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_runs_every_table_that_has_a_page() {
+        let results = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/results");
+        let names = every_table();
+        assert!(!names.iter().any(|name| name == ALL));
+        for page in std::fs::read_dir(results).unwrap() {
+            let path = page.unwrap().path();
+            let stem = path.file_stem().unwrap().to_str().unwrap();
+            if path.extension().is_none_or(|e| e != "md") || NOT_OF_THE_LAB.contains(&stem) {
+                continue;
+            }
+            assert!(
+                names.iter().any(|n| n == stem),
+                "{stem} is not in {names:?}"
+            );
+        }
+        for name in &names {
+            let words = ["articula-lab", name];
+            assert!(Arguments::try_parse_from(words).is_ok(), "{name}");
         }
     }
+
+    /// Pages made by `cargo xtask fuzz` and `cargo xtask mutants`, and the list of pages.
+    const NOT_OF_THE_LAB: [&str; 3] = ["fuzz", "mutants", "README"];
 }

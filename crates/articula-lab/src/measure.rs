@@ -51,18 +51,23 @@ pub(crate) fn race(
 
 /// Median and minimum of some times; zeros if there are none.
 fn timing(ns: &mut [f64]) -> Timing {
-    ns.sort_by(f64::total_cmp);
-    let at = |i: usize| ns.get(i).copied().unwrap_or(0.0);
-    let middle = ns.len() / 2;
-    let below = if ns.len().is_multiple_of(2) {
+    Timing {
+        median_ns: median(ns),
+        least_ns: ns.first().copied().unwrap_or(0.0),
+    }
+}
+
+/// Median, the mean of the middle two of an even number; 0 of none. Sorts the values.
+pub(crate) fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let at = |i: usize| values.get(i).copied().unwrap_or(0.0);
+    let middle = values.len() / 2;
+    let below = if values.len().is_multiple_of(2) {
         middle.saturating_sub(1)
     } else {
         middle
     };
-    Timing {
-        median_ns: 0.5 * (at(below) + at(middle)),
-        least_ns: at(0),
-    }
+    0.5 * (at(below) + at(middle))
 }
 
 /// Processor time of this thread, nanoseconds.

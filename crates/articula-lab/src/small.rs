@@ -31,6 +31,7 @@ macro_rules! tables {
 tables! {
     crowd: "crowd" writes "crowd.md";
     round_trips: "round-trips" writes "round-trips.md";
+    loa_cost: "loa-cost" writes "loa-cost.md";
     merged_levels: "merged-levels" writes "merged-levels.md";
     mesh_levels: "mesh-levels" writes "mesh-levels.md";
     motion_lod: "motion-lod" writes "motion-lod.md";

@@ -2,6 +2,7 @@
 
 pub(crate) mod crowd;
 pub(crate) mod flat;
+pub(crate) mod loa_cost;
 pub(crate) mod merged_levels;
 pub(crate) mod mesh_levels;
 pub(crate) mod motion_lod;

@@ -170,6 +170,9 @@ pub(crate) fn write(run: &Run) -> Result<()> {
         judge::errors(&page::judged(&round_trips))?
     };
     std::fs::remove_dir_all(&folder)?;
+    if errors.is_none() && !run.small {
+        println!("skipped: the validator (no node, or `npm ci` was not run in oracle)");
+    }
     run.save(
         "round-trips",
         &page::page(&round_trips, errors.as_ref())?,
