@@ -294,7 +294,7 @@ pub(super) fn plots(all: &[Found], crowd: &[Figures]) -> Vec<(&'static str, Stri
     let bars = |selector: Selector, title: &str| {
         let names: Vec<String> = found
             .of(selector)
-            .map(|l| format!("{}: {}", l.name, l.joints))
+            .map(|l| format!("{}/{}", l.name, l.joints))
             .collect();
         let series = |name: &str, of: fn(StageNs) -> f64| BarSeries {
             name: name.to_owned(),
@@ -331,20 +331,14 @@ pub(super) fn plots(all: &[Found], crowd: &[Figures]) -> Vec<(&'static str, Stri
         ..options("Several figures at the same time", "figures")
     };
     vec![
-        (
-            "loa-cost-zones",
-            bars(Selector::Zone, "Zones, with their joints"),
-        ),
+        ("loa-cost-zones", bars(Selector::Zone, "Zone / its joints")),
         (
             "loa-cost-complexity",
-            bars(
-                Selector::Complexity,
-                "Levels of complexity, with their joints",
-            ),
+            bars(Selector::Complexity, "Level of complexity / its joints"),
         ),
         (
             "loa-cost-depths",
-            bars(Selector::Depth, "Depths, with their joints"),
+            bars(Selector::Depth, "Depth / its joints"),
         ),
         (
             "loa-cost-frames",
