@@ -3,7 +3,7 @@
 //!
 //! The mutants run in a copy of the tree, so that the working tree stays as it is. In the copy,
 //! `articula-core` is without the crates that depend on it and that only its benches and examples
-//! use, as each mutant would build those as well. The mutated crate is compiled unoptimised.
+//! use, as each mutant would build those as well.
 
 use crate::chores::{answer, root};
 use anyhow::{Context, Result, ensure};
@@ -30,7 +30,10 @@ const MODULES: &[&str] = &[
     "articula_stream::mesh::codec",
 ];
 
-/// Crates that depend on `articula-core`, and the crate of its benches.
+/// The crate that depends on no other; in its copy the crates above it are left out.
+const CORE: &str = "articula-core";
+
+/// Crates that depend on [`CORE`], and the crate of its benches.
 const LEFT_OUT: &[&str] = &["articula-build", "articula-human", "divan"];
 
 /// Minimum seconds after which the tests of one mutant count as a hang.
@@ -80,7 +83,7 @@ pub(crate) fn mutants(options: &MutantOptions) -> Result<()> {
         .join("mutants");
     let tree = work.join("tree");
     copy_tree(&root(), &tree)?;
-    let manifest = tree.join("crates/articula-core/Cargo.toml");
+    let manifest = tree.join("crates").join(CORE).join("Cargo.toml");
     write_changed(
         &manifest,
         without(&fs::read_to_string(&manifest)?).as_bytes(),
@@ -90,63 +93,100 @@ pub(crate) fn mutants(options: &MutantOptions) -> Result<()> {
     let mut rows = Vec::new();
     let mut missed = Vec::new();
     for module in modules {
-        let (package, files) = place(module).with_context(|| format!("no module {module}"))?;
-        let call = |words: &[&str]| {
-            let mut call = Command::new("cargo");
-            call.args(["mutants", "--package", &package]).args(words);
-            for file in &files {
-                call.args(["--file", file]);
-            }
-            call.current_dir(&tree);
-            call.env("CARGO_TARGET_DIR", work.join("target"));
-            call.env_remove("CARGO").env_remove("ARTICULA_DATA");
-            call
-        };
-        let list = call(&["--list"]).output()?;
+        let place = Place::of(module, &work).with_context(|| format!("no module {module}"))?;
+        let list = place.call(&["--list"]).output()?;
         let all = String::from_utf8_lossy(&list.stdout).into_owned();
         let all: Vec<&str> = all.lines().collect();
         ensure!(!all.is_empty(), "no mutants of {module}");
         let chosen = sample(&all, options.sample, options.seed);
         println!("== {module}: {} of {} mutants", chosen.len(), all.len());
-        let out = work.join(module.replace("::", "-"));
-        fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
-        let mut run = call(&["--in-place", "--colors", "never"]);
-        run.arg("--output").arg(&out);
+        // Most are noticed by the tests of the module, which are few; the rest is left to all tests.
+        let own = place.run(&chosen, Some(place.filter))?;
+        let (left, mut ended): (Vec<_>, Vec<_>) = own.into_iter().partition(Ended::is_missed);
+        let left: Vec<&str> = left.iter().map(|mutant| mutant.name.as_str()).collect();
+        println!("== {module}: {} of them with all tests", left.len());
+        ended.extend(place.run(&left, None)?);
+        rows.push(row(module, all.len(), &ended));
+        missed.extend(ended.into_iter().filter(Ended::is_missed));
+    }
+    println!("{}\nmissed:", rows.join("\n"));
+    for mutant in missed {
+        println!("{}", mutant.name);
+    }
+    Ok(())
+}
+
+/// Where a module is, and its mutants are run.
+struct Place<'a> {
+    package: String,
+    /// Globs of its files.
+    files: [String; 2],
+    /// What the paths of its own tests have in them.
+    filter: &'a str,
+    /// Folder of the copy and of what is built and printed.
+    work: &'a Path,
+}
+
+impl<'a> Place<'a> {
+    /// Finds a module such as `articula_core::budget`.
+    fn of(module: &'a str, work: &'a Path) -> Option<Self> {
+        let (name, path) = module.split_once("::")?;
+        let package = name.replace('_', "-");
+        let stem = format!("crates/{package}/src/{}", path.replace("::", "/"));
+        Some(Self {
+            package,
+            files: [format!("{stem}.rs"), format!("{stem}/**")],
+            filter: path,
+            work,
+        })
+    }
+
+    /// Returns a call of cargo-mutants for the files of the module in the copy.
+    fn call(&self, words: &[&str]) -> Command {
+        let mut call = Command::new("cargo");
+        call.args(["mutants", "--package", &self.package])
+            .args(words);
+        for file in &self.files {
+            call.args(["--file", file]);
+        }
+        call.current_dir(self.work.join("tree"));
+        call.env("CARGO_TARGET_DIR", self.work.join("target"));
+        call.env_remove("CARGO").env_remove("ARTICULA_DATA");
+        call
+    }
+
+    /// Runs some mutants with the tests whose paths have `filter` in them.
+    fn run(&self, mutants: &[&str], filter: Option<&str>) -> Result<Vec<Ended>> {
+        if mutants.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut run = self.call(&["--in-place", "--colors", "never"]);
+        run.arg("--output").arg(self.work);
         run.args(["--minimum-test-timeout", HANG_SECS]);
-        run.args(["--re", &pattern(&chosen)]);
-        let unoptimised = format!("--config=profile.test.package.{package}.opt-level=0");
+        run.args(["--re", &pattern(mutants)]);
+        // The tests of most crates take minutes unoptimised, those of one module seconds.
+        let level = u8::from(self.package != CORE && filter.is_none());
         for word in [
-            &unoptimised,
+            &format!(
+                "--config=profile.test.package.{}.opt-level={level}",
+                self.package
+            ),
             "--config=profile.test.debug=false",
             "--lib",
             "--test=it",
         ] {
             run.arg(format!("--cargo-arg={word}"));
         }
-        let status = run.status()?;
+        let status = run.arg("--").args(filter).status()?;
         // 2: a mutant was missed; 3: the tests of one hang.
         let ended = matches!(status.code(), Some(0 | 2 | 3));
         ensure!(ended, "cargo-mutants failed: {status}");
-        let outcomes = out.join("mutants.out/outcomes.json");
+        let outcomes = self.work.join("mutants.out/outcomes.json");
         let text = fs::read_to_string(&outcomes).with_context(|| outcomes.display().to_string())?;
-        let outcomes = serde_json::from_str(&text)?;
-        let ended = read_outcomes(&outcomes).filter(|(name, _)| chosen.contains(name));
-        let ended: Vec<_> = ended.collect();
-        rows.push(row(module, all.len(), &ended));
-        let names = ended.iter().filter(|(_, how)| *how == MISSED);
-        missed.extend(names.map(|(name, _)| (*name).to_owned()));
+        let mut ended = read_outcomes(&serde_json::from_str(&text)?);
+        ended.retain(|mutant| mutants.contains(&mutant.name.as_str()));
+        Ok(ended)
     }
-    println!("{}", rows.join("\n"));
-    println!("missed:\n{}", missed.join("\n"));
-    Ok(())
-}
-
-/// Returns the package of a module such as `articula_core::budget`, and globs of its files.
-fn place(module: &str) -> Option<(String, [String; 2])> {
-    let (name, path) = module.split_once("::")?;
-    let package = name.replace('_', "-");
-    let stem = format!("crates/{package}/src/{}", path.replace("::", "/"));
-    Some((package, [format!("{stem}.rs"), format!("{stem}/**")]))
 }
 
 /// Copies the files that git knows or does not ignore; a file with the same content keeps its time,
@@ -217,23 +257,38 @@ fn pattern(names: &[&str]) -> String {
     out + ")$"
 }
 
-/// What cargo-mutants calls a mutant that no test noticed.
-const MISSED: &str = "MissedMutant";
+/// A mutant that was run.
+#[derive(Debug, PartialEq)]
+struct Ended {
+    name: String,
+    /// What cargo-mutants calls the way it ended.
+    summary: String,
+}
 
-/// Reads the names of the mutants that were run and how they ended. There may be more than those
-/// asked for, as a pattern does not keep out deletions of fields.
-fn read_outcomes(outcomes: &Value) -> impl Iterator<Item = (&str, &str)> {
+impl Ended {
+    /// Whether no test noticed it.
+    fn is_missed(&self) -> bool {
+        self.summary == "MissedMutant"
+    }
+}
+
+/// Reads how mutants ended. There may be more than those asked for, as a pattern does not keep out
+/// deletions of fields.
+fn read_outcomes(outcomes: &Value) -> Vec<Ended> {
     let outcomes = outcomes["outcomes"].as_array().into_iter().flatten();
-    outcomes.filter_map(|outcome| {
-        let name = outcome["scenario"]["Mutant"]["name"].as_str()?;
-        Some((name, outcome["summary"].as_str()?))
-    })
+    let ended = outcomes.filter_map(|outcome| {
+        Some(Ended {
+            name: outcome["scenario"]["Mutant"]["name"].as_str()?.to_owned(),
+            summary: outcome["summary"].as_str()?.to_owned(),
+        })
+    });
+    ended.collect()
 }
 
 /// The row of the table; the share is that of the mutants that compile.
-fn row(module: &str, all: usize, ended: &[(&str, &str)]) -> String {
-    let count = |summary| ended.iter().filter(|(_, how)| *how == summary).count();
-    let (caught, missed) = (count("CaughtMutant"), count(MISSED));
+fn row(module: &str, all: usize, ended: &[Ended]) -> String {
+    let count = |summary: &str| ended.iter().filter(|m| m.summary == summary).count();
+    let (caught, missed) = (count("CaughtMutant"), count("MissedMutant"));
     let (unviable, timeouts) = (count("Unviable"), count("Timeout"));
     let found = caught + timeouts;
     let share = 100.0 * found as f64 / (found + missed).max(1) as f64;
@@ -261,13 +316,14 @@ mod tests {
     #[test]
     fn modules_of_the_page_have_files() {
         for module in MODULES {
-            let (package, [file, folder]) = place(module).unwrap();
-            assert!(root().join("crates").join(package).is_dir());
+            let place = Place::of(module, Path::new("")).unwrap();
+            assert!(root().join("crates").join(place.package).is_dir());
+            let [file, folder] = place.files;
             let folder = folder.trim_end_matches("/**");
             let exists = root().join(file).is_file() || root().join(folder).is_dir();
             assert!(exists, "{module}");
         }
-        assert_eq!(place("articula_core"), None);
+        assert!(Place::of("articula_core", Path::new("")).is_none());
     }
 
     #[test]
@@ -309,10 +365,10 @@ mod tests {
             outcome("d", "Unviable"),
             outcome("e", "MissedMutant"),
         ] });
-        let ended: Vec<_> = read_outcomes(&outcomes).collect();
-        assert_eq!(ended[4], ("e", MISSED));
+        let ended = read_outcomes(&outcomes);
+        assert_eq!(ended.iter().position(Ended::is_missed), Some(4));
         let expected = "| `m` | 50 | 5 | 2 | 1 | 1 | 1 | 75.0 % |";
         assert_eq!(row("m", 50, &ended), expected);
-        assert_eq!(read_outcomes(&serde_json::json!({})).count(), 0);
+        assert!(read_outcomes(&serde_json::json!({})).is_empty());
     }
 }

@@ -522,7 +522,8 @@ fn what_does_not_belong_together_is_refused() {
     other.cache.clone_from(&cached.parts().cache);
     other.form = PaletteForm::HalfMatrix;
     assert_eq!(at(other), "cache");
-    const { assert!(Crowd::BYTES_PER_CHARACTER <= 64) }
+    // Playback state, level, range in which it is kept, bound and its time.
+    assert_eq!(Crowd::BYTES_PER_CHARACTER, 32 + 1 + 8 + 16 + 4);
 }
 
 /// A cache of the first and last pose of each clip at every level but the finest, with a stated
