@@ -586,6 +586,43 @@ fn new_costs_move_everyone_and_keep_their_names() {
 }
 
 #[test]
+fn the_same_costs_again_change_nothing_and_no_patience_forgets_who_waited() {
+    let crowd = equals(10);
+    let policy = BudgetPolicy {
+        cap_px: 1.0,
+        patience_frames: 4,
+        hold_frames: 6,
+        ..PLAIN
+    };
+    let ((mut plain, _), (mut renewed, _)) = (crowd.budget(policy), crowd.budget(policy));
+    // The cheapest options and three upgrades, which go around.
+    let mut served = vec![false; 10];
+    for frame in 0..60 {
+        match frame % 3 {
+            0 => renewed.reprice(|_, option| [10.0, 110.0][option]),
+            1 => renewed.set_policy(policy),
+            _ => {}
+        }
+        plain.solve(400.0);
+        renewed.solve(400.0);
+        for (c, served) in served.iter_mut().enumerate() {
+            assert_eq!(renewed.choice(c), plain.choice(c), "frame {frame}");
+            *served |= plain.choice(c) == Some(1);
+        }
+    }
+    assert_eq!(served, [true; 10]);
+    let impatient = BudgetPolicy {
+        patience_frames: 0,
+        ..policy
+    };
+    plain.set_policy(impatient);
+    for _ in 0..20 {
+        plain.solve(400.0);
+        assert_eq!(fine(&plain, 10), [0, 1, 2]);
+    }
+}
+
+#[test]
 fn a_frame_allocates_nothing() {
     let crowd = equals(1000);
     let (mut budget, ids) = crowd.budget(BudgetPolicy::default());

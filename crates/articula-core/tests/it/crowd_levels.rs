@@ -144,7 +144,7 @@ fn work_and_bounds_are_those_of_evaluated_poses() {
             (work.characters, work.fk_joints, work.matrices),
             (30, 30 * joints, 30 * joints)
         );
-        assert!(work.sampled_joints <= work.fk_joints && work.sampled_joints % 30 == 0);
+        assert!(work.sampled_joints <= work.fk_joints && work.sampled_joints.is_multiple_of(30));
         assert_eq!(crowd.draw_list().matrices as u64, work.matrices);
         assert_eq!(report.blended, 0);
     }
@@ -335,49 +335,173 @@ fn aside(x: f32) -> Bound {
 fn bounds_are_those_of_the_time_shown() {
     let (rig, clips, sets) = fixed_figure();
     let long = || Clip::new("long", 0.1, 2, rig.len(), Tracks::default()).unwrap();
-    let mut parts = parts(&rig, &[clips[0].clone(), long()], &sets);
-    // The second clip is in view in its fourth second of ten only.
+    // The long clip is in view in its fourth second of ten only, the other one always.
     let away = |second: usize| aside(if second == 3 { 0.0 } else { 500.0 });
     let ten = (0..10).map(away).collect();
     let secs = clips[0].duration_secs();
     let near = vec![aside(0.0); ClipBounds::count(secs)];
-    parts.bounds = MotionBounds {
-        clips: vec![
-            ClipBounds::new(secs, near, aside(0.0).sphere).unwrap(),
-            ClipBounds::new(10.0, ten, aside(500.0).sphere).unwrap(),
-        ],
-        reach_metres: 0.1,
-    };
-    let model = CrowdModel::new(parts).unwrap();
+    let near = ClipBounds::new(secs, near, aside(0.0).sphere).unwrap();
+    let far = ClipBounds::new(10.0, ten, aside(500.0).sphere).unwrap();
     let count = 40;
     let places = row(count);
     let camera = camera();
     let views = [View::of(&camera)];
-    let mut crowd = Crowd::new(&model, count);
     let frame = Frame {
         dt_secs: 0.125,
         ..frame(&places, &views, Detail::Full)
     };
-    let tick = |crowd: &mut Crowd| crowd.tick(&model, &frame, &mut |_| {}).visible;
-    assert_eq!(tick(&mut crowd), count);
-    for c in 0..count {
-        crowd.play(c, ClipState::new(&model.parts().clips, 1).into());
-    }
-    let mut secs = 0.0;
-    for _ in 0..160 {
-        let visible = tick(&mut crowd);
-        secs = (secs + 0.125_f32) % 10.0;
-        // A bound holds for the second after it was looked up.
-        if (3.0..4.0).contains(&secs) {
-            assert_eq!(visible, count, "{secs} s");
-        } else if !(1.9..5.1).contains(&secs) {
-            assert_eq!(visible, 0, "{secs} s");
+    for long_first in [false, true] {
+        let mut both = [clips[0].clone(), long()];
+        let mut bounds = vec![near.clone(), far.clone()];
+        if long_first {
+            both.reverse();
+            bounds.reverse();
         }
+        let mut parts = parts(&rig, &both, &sets);
+        parts.bounds = MotionBounds {
+            clips: bounds,
+            reach_metres: 0.1,
+        };
+        let model = CrowdModel::new(parts).unwrap();
+        let mut crowd = Crowd::new(&model, count);
+        assert_eq!(crowd.level(0), None, "before the first frame");
+        let tick = |crowd: &mut Crowd| crowd.tick(&model, &frame, &mut |_| {}).visible;
+        let mut secs = 0.0;
+        if !long_first {
+            assert_eq!(tick(&mut crowd), count);
+            for c in 0..count {
+                crowd.play(c, ClipState::new(&model.parts().clips, 1).into());
+            }
+        }
+        for _ in 0..160 {
+            let visible = tick(&mut crowd);
+            secs = (secs + 0.125_f32) % 10.0;
+            // A bound holds for the second after it was looked up.
+            if (3.0..4.0).contains(&secs) {
+                assert_eq!(visible, count, "{secs} s");
+            } else if !(1.9..5.1).contains(&secs) {
+                assert_eq!(visible, 0, "{secs} s");
+            }
+        }
+        // To the other clip, at once or in a fade.
+        let other = ClipState::new(&model.parts().clips, usize::from(long_first));
+        crowd.play(0, other.into());
+        crowd.fade_to(1, other, 10.0);
+        assert_eq!(tick(&mut crowd), 2);
     }
-    // Back to the first clip, at once or in a fade.
-    crowd.play(0, ClipState::new(&model.parts().clips, 0).into());
-    crowd.fade_to(1, ClipState::new(&model.parts().clips, 0), 10.0);
-    assert_eq!(tick(&mut crowd), 2);
+}
+
+#[test]
+fn levels_follow_importance_and_scale_while_nobody_moves() {
+    let (rig, clips, sets) = fixed_figure();
+    let model = model(&rig, &clips, &sets);
+    let places = row(30);
+    let camera = camera();
+    let views = [View::of(&camera)];
+    let (none, all): (&[f32], _) = (&[], [8.0; 30]);
+    for (importance, scales) in [(&all[..], none), (none, &all[..])] {
+        let mut crowd = Crowd::new(&model, 30);
+        let plain = frame(&places, &views, Detail::Tolerance { px: 3.0 });
+        let changed = Frame {
+            importance,
+            scales,
+            ..plain
+        };
+        let levels = |frame: &Frame<'_>, crowd: &mut Crowd| -> Vec<_> {
+            crowd.tick(&model, frame, &mut |_| {});
+            (0..30).map(|c| crowd.level(c)).collect()
+        };
+        let fine = |factor| {
+            let part: Vec<f32> = all.iter().map(|v| v * factor).collect();
+            let frame = Frame {
+                importance: if importance.is_empty() { none } else { &part },
+                scales: if scales.is_empty() { none } else { &part },
+                ..plain
+            };
+            levels(&frame, &mut Crowd::new(&model, 30))
+        };
+        // Neutral, eight times that, and neutral again but stated.
+        levels(&plain, &mut crowd);
+        assert_eq!(levels(&changed, &mut crowd), fine(1.0));
+        assert_ne!(fine(1.0), fine(0.125));
+        let eighth = [1.0 / 64.0; 30];
+        let back = Frame {
+            importance: if importance.is_empty() { none } else { &eighth },
+            scales: if scales.is_empty() { none } else { &eighth },
+            ..plain
+        };
+        let coarsest = levels(&back, &mut crowd);
+        assert!(coarsest.iter().all(|l| *l == crowd.level(29)));
+        assert_eq!(levels(&changed, &mut crowd), fine(1.0));
+    }
+}
+
+#[test]
+fn only_loops_that_do_not_fade_share_poses() {
+    let (rig, clips, sets) = fixed_figure();
+    let model = model(&rig, &clips, &sets);
+    let places = row(40);
+    let camera = camera();
+    let views = [View::of(&camera)];
+    let frame = Frame {
+        share: true,
+        ..frame(&places, &views, Detail::Tolerance { px: 3.0 })
+    };
+    let plain = |clip| ClipState::new(&model.parts().clips, clip);
+    let shared = |state: CharacterState| {
+        let mut crowd = Crowd::new(&model, 40);
+        (0..40).for_each(|c| crowd.play(c, state));
+        let report = crowd.tick(&model, &frame, &mut |_| {});
+        (report.sharing_characters > 0, report.blended)
+    };
+    assert_eq!(shared(plain(0).into()), (true, 0));
+    assert_eq!(shared(plain(0).once().into()), (false, 0));
+    assert_eq!(
+        shared(CharacterState::blend(plain(0), plain(1), 0.5)),
+        (false, 40)
+    );
+    assert_eq!(
+        shared(CharacterState::fading(plain(0), plain(1), 0.0, 9.0)),
+        (false, 0)
+    );
+}
+
+/// Pixels of error count for each of the pixels that a character covers, so a nearer one counts with
+/// the third power of its size on screen.
+#[test]
+fn a_budget_weighs_error_by_the_area_covered() {
+    let (rig, clips, sets) = fixed_figure();
+    let model = model(&rig, &clips, &sets);
+    let camera = camera();
+    let views = [View::of(&camera)];
+    let places = Square {
+        // The spans are as 58.8 to 48.8, 1.205; the third power of that is 1.75.
+        positions: vec![Vec3::new(0.0, -1.0, -50.0), Vec3::new(0.0, -1.0, -60.0)],
+        rotations: vec![Quat::IDENTITY; 2],
+    };
+    let policy = BudgetPolicy {
+        cap_px: f32::INFINITY,
+        ..BudgetPolicy::default()
+    };
+    for (importance, first) in [(1.6, 0), (1.9, 1)] {
+        let mut crowd = Crowd::new(&model, 2);
+        crowd
+            .set_budget(&model, policy, &CostModel::default())
+            .unwrap();
+        let mut differed = false;
+        for step in 0..80 {
+            let cost = 10.0 * 1.15_f32.powi(step);
+            let frame = Frame {
+                importance: &[1.0, importance],
+                ..frame(&places, &views, Detail::Budget { cost })
+            };
+            crowd.tick(&model, &frame, &mut |_| {});
+            let level = |c| crowd.level(c).unwrap();
+            assert!(level(first) <= level(1 - first), "{importance}, {cost} ns");
+            differed |= level(first) < level(1 - first);
+        }
+        assert!(differed);
+    }
 }
 
 #[test]
