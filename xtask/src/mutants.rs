@@ -164,19 +164,18 @@ impl<'a> Place<'a> {
         run.arg("--output").arg(self.work);
         run.args(["--minimum-test-timeout", HANG_SECS]);
         run.args(["--re", &pattern(mutants)]);
-        // The tests of most crates take minutes unoptimised, those of one module seconds.
-        let level = u8::from(self.package != CORE && filter.is_none());
-        for word in [
-            &format!(
-                "--config=profile.test.package.{}.opt-level={level}",
-                self.package
-            ),
-            "--config=profile.test.debug=false",
-            "--lib",
-            "--test=it",
-        ] {
-            run.arg(format!("--cargo-arg={word}"));
+        // The other tests of most crates take minutes unoptimised.
+        let is_quick = self.package == CORE || filter.is_some();
+        let level = if is_quick { 0 } else { 1 };
+        let optimised = format!(
+            "--config=profile.test.package.{}.opt-level={level}",
+            self.package
+        );
+        let mut words = vec![&*optimised, "--config=profile.test.debug=false", "--lib"];
+        if self.package == CORE || filter.is_none() {
+            words.push("--test=it");
         }
+        run.args(words.iter().map(|word| format!("--cargo-arg={word}")));
         let status = run.arg("--").args(filter).status()?;
         // 2: a mutant was missed; 3: the tests of one hang.
         let ended = matches!(status.code(), Some(0 | 2 | 3));

@@ -219,6 +219,18 @@ mod tests {
         };
         assert_eq!(sharing.leader(other, WAY), Some(count));
         assert_eq!(leads(&mut sharing, 0.51, 0.1874), 0.53125);
+        // Nor those of one clip of another.
+        let mut many = Sharing::new(3, 2, 100);
+        many.begin(0.0, &[2.0; 3]);
+        for (clip, level) in (0..6).map(|i| (i / 2, i % 2)) {
+            let other = Follower {
+                clip,
+                level,
+                ..follower(0.1, 1e9)
+            };
+            assert_eq!(many.leader(other, WAY), Some(2 * clip + level));
+            assert_eq!(many.leaders()[2 * clip + level].clip, clip as u16);
+        }
         // 512 buckets are the most: 6 m / (2 · 512).
         assert!(sharing.leader(follower(0.51, 0.00586), WAY).is_some());
         assert!(sharing.leader(follower(0.51, 0.00585), WAY).is_none());

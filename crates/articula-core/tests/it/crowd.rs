@@ -163,6 +163,9 @@ fn draws_name_the_palette_of_their_character() {
         let rows = palettes(&crowd, &model);
         assert_eq!(crowd.draw_list().draws.len(), report.visible);
         assert_eq!(report.own + report.sharing_characters, report.visible);
+        let evaluated = report.own + report.shared_poses;
+        assert_eq!(evaluated as u64, report.work.characters);
+        assert!(report.shared_poses <= report.sharing_characters);
         assert!(
             report.visible < square.positions.len(),
             "some stand behind the camera"
@@ -186,6 +189,11 @@ fn draws_name_the_palette_of_their_character() {
                 others += usize::from(off > 4e-5);
             }
         }
+        // Every visible character once, the levels in order.
+        let drawn = drawn.iter().filter(|d| **d).count();
+        assert_eq!(drawn, report.visible);
+        let levels = crowd.draw_list().groups.iter().map(|group| group.level);
+        assert!(levels.is_sorted_by(|a, b| a < b));
         // Only characters that share a pose may show one other than their own.
         assert!(
             others <= report.sharing_characters,

@@ -173,21 +173,25 @@ fn work_and_bounds_are_those_of_evaluated_poses() {
             |c: usize| cache == CacheUse::Cpu || records.iter().all(|r| r.character as usize != c);
         let all = (0..30).filter(|c| drawn(*c)).count();
         assert_eq!(crowd.draw_list().draws.len(), all);
-        let mut worst = 0.0_f32;
+        let (mut worst, mut cached) = (0.0_f32, 0);
         for c in 0..30 {
-            let level = crowd.level(c).unwrap();
             let span = pixels_per_metre(places.positions[c], 1.0);
-            let error_px = 0.01 * level as f32 * span;
-            let cached_px = error_px + 0.005 * span;
-            let is_cached = level > 0 && cached_px <= 3.0;
-            worst = worst.max(if is_cached { cached_px } else { error_px });
+            let within = |level: usize, more: f32| (0.01 * level as f32 + more) * span <= 3.0;
+            let evaluated = (0..levels(&model)).rev().find(|l| within(*l, 0.0)).unwrap();
+            // The finest level is not cached. On the CPU a cached palette may be twice as long.
+            let found = (1..=evaluated).rev().find(|l| within(*l, 0.005));
+            let joints = |level| joint_lods.joint_count(level);
+            let pays = |l: &usize| cache == CacheUse::Gpu || joints(*l) <= 2 * joints(evaluated);
+            let (level, more) = match found.filter(pays) {
+                Some(level) => (level, 0.005),
+                None => (evaluated, 0.0),
+            };
+            assert_eq!(crowd.level(c), Some(level), "character {c}, {cache:?}");
+            cached += usize::from(more > 0.0);
+            worst = worst.max((0.01 * level as f32 + more) * span);
         }
-        assert!(
-            report.bound_px <= worst * 1.0001,
-            "{} > {worst}",
-            report.bound_px
-        );
-        assert!(report.bound_px > 0.8 * worst);
+        assert_eq!(report.cached, cached);
+        assert!((report.bound_px / worst - 1.0).abs() < 1e-4);
     }
 }
 
@@ -339,11 +343,16 @@ fn bounds_are_those_of_the_time_shown() {
     let away = |second: usize| aside(if second == 3 { 0.0 } else { 500.0 });
     let ten = (0..10).map(away).collect();
     let secs = clips[0].duration_secs();
-    let near = vec![aside(0.0); ClipBounds::count(secs)];
-    let near = ClipBounds::new(secs, near, aside(0.0).sphere).unwrap();
+    let ahead = vec![aside(0.0); ClipBounds::count(secs)];
+    let ahead = ClipBounds::new(secs, ahead, aside(0.0).sphere).unwrap();
     let far = ClipBounds::new(10.0, ten, aside(500.0).sphere).unwrap();
-    let count = 40;
-    let places = row(count);
+    // So many that the look-ups of the first frame are spread more than once over a second.
+    let count = 1200;
+    let near = row(40);
+    let places = Square {
+        positions: near.positions.into_iter().cycle().take(count).collect(),
+        rotations: vec![Quat::IDENTITY; count],
+    };
     let camera = camera();
     let views = [View::of(&camera)];
     let frame = Frame {
@@ -352,7 +361,7 @@ fn bounds_are_those_of_the_time_shown() {
     };
     for long_first in [false, true] {
         let mut both = [clips[0].clone(), long()];
-        let mut bounds = vec![near.clone(), far.clone()];
+        let mut bounds = vec![ahead.clone(), far.clone()];
         if long_first {
             both.reverse();
             bounds.reverse();
@@ -447,7 +456,7 @@ fn only_loops_that_do_not_fade_share_poses() {
         share: true,
         ..frame(&places, &views, Detail::Tolerance { px: 3.0 })
     };
-    let plain = |clip| ClipState::new(&model.parts().clips, clip);
+    let plain = |clip| ClipState::new(&model, clip);
     let shared = |state: CharacterState| {
         let mut crowd = Crowd::new(&model, 40);
         (0..40).for_each(|c| crowd.play(c, state));
