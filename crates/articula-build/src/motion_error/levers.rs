@@ -203,8 +203,8 @@ mod tests {
         // Rings of four vertices at 0.1414 m from the axis: at each joint, shared with its parent,
         // and half a metre above it.
         let mut asset = arm(3);
-        // Half of the surface is on the top joint, half on the lowest.
-        asset.mesh.triangles = vec![[20, 21, 22], [4, 5, 6]];
+        // 0.02 m² on the top joint, 0.05 m² on the lowest.
+        asset.mesh.triangles = vec![[20, 21, 22], [0, 4, 5]];
         let found = levers(&asset.rig, &asset.mesh);
         let aside = 0.02_f32;
         let last = (0.25 + aside).sqrt();
@@ -212,7 +212,7 @@ mod tests {
             near(lever.rest_metres, (up * up + aside).sqrt());
             near(lever.reach_metres, last + bones);
         }
-        for (lever, share) in found.iter().zip([1.0, 0.5, 0.5]) {
+        for (lever, share) in found.iter().zip([1.0, 2.0 / 7.0, 2.0 / 7.0]) {
             near(lever.skin_share, share);
         }
         // The skin of the top joint: both of its rings.

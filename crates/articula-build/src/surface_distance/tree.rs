@@ -254,26 +254,28 @@ mod tests {
 
     #[test]
     fn boxes_are_tight_and_split_the_longest_side_in_half() {
-        // A ribbon of 64 triangles along x, far longer than wide.
+        // A ribbon of 64 triangles along x, far longer than wide, wherever it lies.
         let at = |i: u32| Vec3::new(i as f32, (i % 2) as f32, 0.1 * (i % 3) as f32);
-        let points: Vec<Vec3> = (0..66).map(at).collect();
         // Not in order.
         let triangles: Vec<[u32; 3]> = (0..64)
             .map(|i| (i * 37) % 64)
             .map(|i| [i, i + 1, i + 2])
             .collect();
-        let mut tree = SurfaceTree::new(&triangles, &points);
-        for shift in [Vec3::ZERO, Vec3::new(3.0, -2.0, 1.0)] {
-            let moved: Vec<Vec3> = points.iter().map(|p| *p + shift).collect();
-            tree.refit(&moved);
-            let (count, depth, _) = below(&tree, 0);
-            // Leaves of two triangles, at the sixth level.
-            assert_eq!((count, depth, tree.nodes.len()), (64, 6, 63));
-            let halves = [1, tree.nodes[0].at as usize].map(|n| &tree.nodes[n]);
-            assert!(halves[0].hi.x < halves[1].lo.x + 3.0, "halves along x");
-        }
-        for (t, triangle) in triangles.iter().enumerate() {
-            assert_eq!(tree.triangles[tree.place(t) as usize], *triangle);
+        for offset in [Vec3::ZERO, Vec3::Y * 1000.0, Vec3::X * 1000.0] {
+            let points: Vec<Vec3> = (0..66).map(|i| at(i) + offset).collect();
+            let mut tree = SurfaceTree::new(&triangles, &points);
+            for shift in [Vec3::ZERO, Vec3::new(3.0, -2.0, 1.0)] {
+                let moved: Vec<Vec3> = points.iter().map(|p| *p + shift).collect();
+                tree.refit(&moved);
+                let (count, depth, _) = below(&tree, 0);
+                // Leaves of two triangles, at the sixth level.
+                assert_eq!((count, depth, tree.nodes.len()), (64, 6, 63));
+                let halves = [1, tree.nodes[0].at as usize].map(|n| &tree.nodes[n]);
+                assert!(halves[0].hi.x < halves[1].lo.x + 3.0, "halves along x");
+            }
+            for (t, triangle) in triangles.iter().enumerate() {
+                assert_eq!(tree.triangles[tree.place(t) as usize], *triangle);
+            }
         }
     }
 

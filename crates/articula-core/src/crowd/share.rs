@@ -241,6 +241,24 @@ mod tests {
     }
 
     #[test]
+    fn a_shared_pose_does_not_depend_on_those_before_it() {
+        let fresh = || {
+            let mut sharing = Sharing::new(1, 2, 1000);
+            sharing.begin(0.7, &[2.0]);
+            sharing
+        };
+        let mut sharing = fresh();
+        for slack in [1e9, 0.37, 0.18, 0.09, 0.02] {
+            for secs in (0..100).map(|i| 0.02 * i as f32) {
+                let mut alone = fresh();
+                let expected = alone.leader(follower(secs, slack), WAY).unwrap();
+                let found = sharing.leader(follower(secs, slack), WAY).unwrap();
+                assert_eq!(sharing.leaders()[found], alone.leaders()[expected]);
+            }
+        }
+    }
+
+    #[test]
     fn clocks_go_around() {
         let mut sharing = Sharing::new(3, 1, 1);
         sharing.begin(1.5, &[2.0, 1.0, 0.0]);

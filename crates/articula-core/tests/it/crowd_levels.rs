@@ -9,7 +9,8 @@ use articula_core::crowd::{
 };
 use articula_core::visibility::{View, Visibility};
 use articula_core::{
-    Bound, Clip, ClipBounds, ClipLodErrors, MotionBounds, Sphere, Tracks, Viewport,
+    Attention, AttentionInterval, Bound, Clip, ClipBounds, ClipLodErrors, MotionBounds, Sphere,
+    Tracks, Viewport,
 };
 use glam::{Quat, Vec3};
 
@@ -401,6 +402,29 @@ fn bounds_are_those_of_the_time_shown() {
 }
 
 #[test]
+fn a_clip_of_two_seconds_has_one_bound_a_longer_one_has_not() {
+    let (rig, _, sets) = fixed_figure();
+    let places = row(1);
+    let camera = camera();
+    let views = [View::of(&camera)];
+    for (secs, rate_hz, always) in [(2.0, 0.5, true), (2.5, 0.4, false)] {
+        let clip = Clip::new("still", rate_hz, 2, rig.len(), Tracks::default()).unwrap();
+        let mut parts = parts(&rig, &[clip.clone(), clip], &sets);
+        // In view in the first second only.
+        let bounds = (0..ClipBounds::count(secs)).map(|s| aside([0.0, 500.0, 500.0][s]));
+        let bounds = ClipBounds::new(secs, bounds.collect(), aside(0.0).sphere).unwrap();
+        parts.bounds.clips = vec![bounds; 2];
+        let model = CrowdModel::new(parts).unwrap();
+        let mut crowd = Crowd::new(&model, 1);
+        let state = ClipState::new(&model, 0).at_secs(&model, 1.125);
+        crowd.play(0, state.once().into());
+        let frame = frame(&places, &views, Detail::Full);
+        let seen = crowd.tick(&model, &frame, &mut |_| {}).visible == 1;
+        assert_eq!(seen, always, "{secs} s");
+    }
+}
+
+#[test]
 fn levels_follow_importance_and_scale_while_nobody_moves() {
     let (rig, clips, sets) = fixed_figure();
     let model = model(&rig, &clips, &sets);
@@ -443,6 +467,37 @@ fn levels_follow_importance_and_scale_while_nobody_moves() {
         assert!(coarsest.iter().all(|l| *l == crowd.level(29)));
         assert_eq!(levels(&changed, &mut crowd), fine(1.0));
     }
+}
+
+#[test]
+fn attention_needs_finer_levels_while_it_lasts() {
+    let (rig, clips, sets) = fixed_figure();
+    let secs = clips[0].duration_secs();
+    let interval = AttentionInterval {
+        start_secs: 0.5 * secs,
+        end_secs: secs,
+        factor: 0.25,
+    };
+    let mut parts = parts(&rig, &clips, &sets);
+    let plain = CrowdModel::new(parts.clone()).unwrap();
+    parts.attention = vec![Attention::new(secs, &[interval]).ok(), None];
+    let marked = CrowdModel::new(parts).unwrap();
+    let places = row(40);
+    let camera = camera();
+    let views = [View::of(&camera)];
+    let levels = |crowd: &mut Crowd, model: &CrowdModel, px, dt_secs| -> Vec<_> {
+        let frame = Frame {
+            dt_secs,
+            ..frame(&places, &views, Detail::Tolerance { px })
+        };
+        crowd.tick(model, &frame, &mut |_| {});
+        (0..40).map(|c| crowd.level(c)).collect()
+    };
+    let fresh = |px| levels(&mut Crowd::new(&plain, 40), &plain, px, 0.0);
+    let mut crowd = Crowd::new(&marked, 40);
+    assert_eq!(levels(&mut crowd, &marked, 3.0, 0.2 * secs), fresh(3.0));
+    assert_eq!(levels(&mut crowd, &marked, 3.0, 0.4 * secs), fresh(0.75));
+    assert_ne!(fresh(3.0), fresh(0.75));
 }
 
 #[test]
