@@ -10,6 +10,7 @@
 mod chores;
 mod dependencies;
 mod fuzz;
+mod mutants;
 mod node;
 mod outcome;
 mod pictures;
@@ -30,6 +31,7 @@ Chores:
   tidy     Check what lints cannot: crate edges, file sizes, names, records
   golden   Rewrite the golden files, then list those that changed
   fuzz     Run the fuzz targets and renew their table (docs/results/fuzz.md)
+  mutants  Count the changes of the code that no test notices (docs/results/mutants.md)
   pictures Rebuild the animated picture of the readme (docs/pictures/walk.svg)
 
 Options:
@@ -39,6 +41,10 @@ Fuzzing: cargo xtask fuzz [--minutes M] [TARGET…]
   Runs each target (all without a name) for M minutes (default 1) on the nightly toolchain with
   cargo-fuzz, from seeds of ARTICULA_DATA and of the repository. Findings are kept in fuzz/artifacts
   and make the exit status 1.
+
+Mutants: cargo xtask mutants [--module M]… [--sample N] [--seed S]
+  Runs N random mutants (default 80) of each module, such as articula_core::budget (all of the page
+  without a name), with cargo-mutants in a copy of the tree. The seed (default 1) draws the sample.
 
 Environment:
   CHROMIUM                  The browser's program (else chromium, chromium-browser, google-chrome)
@@ -57,6 +63,10 @@ fn main() -> ExitCode {
         ["pictures"] => pictures::pictures(),
         ["fuzz", ref rest @ ..] => match fuzz::FuzzOptions::parse(rest) {
             Some(options) => fuzz::fuzz(&options),
+            None => return usage(),
+        },
+        ["mutants", ref rest @ ..] => match mutants::MutantOptions::parse(rest) {
+            Some(options) => mutants::mutants(&options),
             None => return usage(),
         },
         ["-h" | "--help" | "help"] => {

@@ -84,6 +84,8 @@ mod tests {
                 );
             }
         }
-        assert_eq!(level_range(&errors, 1, f32::NAN), [f32::INFINITY, 0.0]);
+        for none in [f32::NAN, 0.0, -1.0] {
+            assert_eq!(level_range(&errors, 1, none), [f32::INFINITY, 0.0]);
+        }
     }
 }

@@ -70,3 +70,71 @@ impl LevelSkins {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::JointLods;
+    use crate::rig::tests::rig_of;
+    use glam::{Affine3A, Vec2, Vec4};
+
+    #[test]
+    fn a_level_has_its_own_skin_and_the_surface_of_the_full_mesh() {
+        let binding = |joint| Binding {
+            joint,
+            inverse_bind: Affine3A::IDENTITY,
+        };
+        let morph = |x| Morph {
+            slot: 0,
+            vertices: vec![1],
+            positions: vec![Vec3::splat(x)],
+            normals: vec![Vec3::ZERO],
+        };
+        let full = Mesh {
+            positions: vec![Vec3::ZERO; 2],
+            normals: vec![Vec3::X; 2],
+            texcoords: vec![Vec2::X, Vec2::Y],
+            colors: vec![Vec4::X, Vec4::ONE],
+            influences: 2,
+            binding_indices: vec![0, 1, 2, 0],
+            weights: vec![0.5, 0.5, 0.25, 0.75],
+            bindings: [0, 1, 2].map(binding).to_vec(),
+            triangles: vec![[0, 1, 1]],
+            morphs: vec![morph(1.0)],
+            morph_weights: vec![0.5],
+            morph_slots: vec![0],
+            ..Mesh::default()
+        };
+        let coarse = LevelSkin {
+            positions: vec![Vec3::Y, Vec3::Z],
+            normals: vec![Vec3::Y; 2],
+            influences: 1,
+            binding_indices: vec![0, 1],
+            weights: vec![1.0; 2],
+            morphs: vec![morph(2.0)],
+            palette: 2,
+        };
+        let rig = rig_of(&[
+            (None, Vec3::ZERO, 0),
+            (Some(0), Vec3::Y, 0),
+            (Some(1), Vec3::Y, 0),
+        ]);
+        let bindings = full.bindings.clone();
+        let skins = LevelSkins {
+            palette: PaletteMap::joints(&JointLods::whole(&rig).unwrap()),
+            bindings,
+            levels: vec![LevelSkin::default(), coarse],
+        };
+        let expected = Mesh {
+            positions: vec![Vec3::Y, Vec3::Z],
+            normals: vec![Vec3::Y; 2],
+            influences: 1,
+            binding_indices: vec![0, 1],
+            weights: vec![1.0; 2],
+            bindings: [0, 1].map(binding).to_vec(),
+            morphs: vec![morph(2.0)],
+            ..full.clone()
+        };
+        assert_eq!(skins.mesh(1, &full), expected);
+    }
+}

@@ -154,3 +154,69 @@ fn seam(asset: &Asset, clip: &Clip, poser: &mut Poser<'_>) -> f32 {
     let last = points(asset, clip, clip.frames() - 1, poser);
     apart(&first, &last)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_figures::arm;
+    use super::*;
+    use articula_core::{Track, Tracks};
+
+    fn errors(levels: &[f32], worst: &[f32]) -> LodErrors {
+        LodErrors {
+            clips: vec![ClipLodErrors {
+                levels_metres: levels.to_vec(),
+                worst_metres: worst.to_vec(),
+                speed_metres_per_sec: 3.0,
+                seam_metres: 0.5,
+            }],
+        }
+    }
+
+    #[test]
+    fn coarser_levels_never_err_less() {
+        assert_eq!(
+            rising([0.25, 0.125, 0.5].into_iter()),
+            [0.0, 0.25, 0.25, 0.5]
+        );
+        assert_eq!(rising([].into_iter()), [0.0]);
+        let near = errors(&[0.0, 0.25], &[0.0, 0.5]);
+        let far = errors(&[0.0, 0.125, 1.0], &[0.0, 0.75, 2.0]);
+        let expected = errors(&[0.0, 0.25, 0.25, 1.0], &[0.0, 0.5, 0.75, 2.0]);
+        assert_eq!(joined(near, &far), expected);
+    }
+
+    #[test]
+    fn an_extra_error_counts_for_all_but_the_full_level() {
+        let mut found = errors(&[0.0, 0.25, 0.5], &[0.0, 0.5, 1.0]);
+        add(&mut found, &[0.125]);
+        assert_eq!(found, errors(&[0.0, 0.375, 0.625], &[0.0, 0.625, 1.125]));
+    }
+
+    #[test]
+    fn speed_is_that_of_neighbouring_frames_and_the_seam_that_of_the_ends() {
+        let asset = arm(2);
+        let tracks = Tracks {
+            translations: vec![Track {
+                target: 0,
+                step: false,
+                values: [0.0, 0.1, 0.4, 0.3, 0.25].map(|x| Vec3::X * x).to_vec(),
+            }],
+            ..Tracks::default()
+        };
+        let clip = Clip::new("c", 30.0, 5, 2, tracks).unwrap();
+        let mut poser = Poser::new(&asset.mesh, (0..16).collect());
+        let mut of = |count| speed(&asset, &clip, &mut poser, count);
+        assert!((of(5) - 9.0).abs() < 1e-3, "0.3 m in a frame");
+        // The first, middle and last frames, each to the next one.
+        assert!((of(3) - 3.0).abs() < 1e-3);
+        assert!((seam(&asset, &clip, &mut poser) - 0.25).abs() < 1e-5);
+        let watched = Watched {
+            vertices: vec![2, 5, 9],
+            drawn: vec![true, false, true],
+        };
+        assert_eq!(drawn(&watched), [2, 9]);
+        // A point that is lost does not count.
+        let far = [Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::NAN];
+        assert_eq!(apart(&[Vec3::ZERO; 3], &far), 2.0);
+    }
+}

@@ -119,3 +119,33 @@ fn cofactor(m: DMat3) -> DMat3 {
         cross(m.x_axis, m.y_axis) * sign,
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normals_stay_upright_where_the_surface_is_stretched_or_mirrored() {
+        let diagonal = |x, y, z| DMat3::from_diagonal(DVec3::new(x, y, z));
+        assert_eq!(cofactor(diagonal(2.0, 3.0, 4.0)), diagonal(12.0, 8.0, 6.0));
+        assert_eq!(
+            cofactor(diagonal(-2.0, 3.0, 4.0)),
+            diagonal(-12.0, 8.0, 6.0)
+        );
+        // Stretched to twice its length along X.
+        let stretch = diagonal(2.0, 1.0, 1.0);
+        let correction = Correction {
+            position: DAffine3::from_mat3_translation(stretch, DVec3::Y),
+            normal: cofactor(stretch),
+        };
+        assert_eq!(correction.position(Vec3::ONE), Vec3::new(2.0, 2.0, 1.0));
+        assert_eq!(correction.offset(Vec3::ONE), Vec3::new(2.0, 1.0, 1.0));
+        // The plane x + y = 0 becomes x / 2 + y = 0.
+        let (normal, scale) = correction.normal(Vec3::new(1.0, 1.0, 0.0).normalize());
+        assert!((normal - Vec3::new(1.0, 2.0, 0.0).normalize()).length() < 1e-6);
+        // An offset is scaled as the normal was.
+        let whole = Vec3::new(1.0, 1.0, 0.0).normalize();
+        assert!((correction.normal_offset(whole, scale) - normal).length() < 1e-6);
+        assert_eq!(correction.normal(Vec3::ZERO), (Vec3::ZERO, 0.0));
+    }
+}

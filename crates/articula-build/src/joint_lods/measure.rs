@@ -102,3 +102,29 @@ pub(crate) fn compare(
         worst_metres,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_of_the_sample_the_maximum_of_all() {
+        let watched = Watched {
+            vertices: (0..22).collect(),
+            drawn: (0..22).map(|v| v < 21).collect(),
+        };
+        // 0 to 20 mm, then 1 m outside the sample; one that is lost counts as 0.
+        let truth = vec![Vec3::ZERO; 22];
+        let mut shown: Vec<Vec3> = (0..21).map(|v| Vec3::Y * 0.001 * v as f32).collect();
+        shown.push(Vec3::X);
+        let mut lengths = Vec::new();
+        let found = compare(&truth, &shown, &watched, &mut lengths);
+        assert!((found.percentile_metres - 0.019).abs() < 1e-6);
+        assert_eq!(found.worst_metres, 1.0);
+        shown[21] = Vec3::NAN;
+        let other = compare(&truth, &shown, &watched, &mut lengths);
+        assert!((other.worst_metres - 0.020).abs() < 1e-6);
+        assert_eq!(other.worst_of(found), found);
+        assert_eq!(found.worst_of(other), found);
+    }
+}

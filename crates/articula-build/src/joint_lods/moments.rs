@@ -65,6 +65,8 @@ mod tests {
         let clip = |frames| Clip::new("c", 30.0, frames, 1, Tracks::default()).unwrap();
         let clips = [clip(1000), clip(1), clip(10)];
         assert_eq!(share_frames(&clips, 60), [49, 1, 10]);
+        let clips_alike = [clip(1000), clip(4), clip(900)];
+        assert_eq!(share_frames(&clips_alike, 64), [30, 4, 30]);
         assert_eq!(share_frames(&clips, 0), [1, 1, 1], "every clip is seen");
         assert!(share_frames(&[], 60).is_empty());
     }

@@ -91,3 +91,35 @@ impl<'a> Prefixes<'a> {
         at
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_figures::rig;
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn skin_goes_to_the_nearest_kept_ancestor() {
+        // 0 ─ 1 ─ 2 and 0 ─ 3.
+        let rig = rig(&[None, Some(0), Some(1), Some(0)]);
+        let near = Prefixes::new(&rig, &[0, 3, 1, 2], &[4, 3, 2], rig.rest_pose());
+        let targets =
+            |prefixes: &Prefixes<'_>, level| [0, 1, 2, 3].map(|j| prefixes.target(j, level));
+        assert_eq!(targets(&near, 0), [0, 1, 2, 3]);
+        assert_eq!(targets(&near, 1), [0, 1, 1, 3]);
+        assert_eq!(targets(&near, 2), [0, 0, 0, 3]);
+        assert_eq!(
+            (near.levels(), near.joint_count(1), near.place(3)),
+            (3, 3, 1)
+        );
+        assert_eq!([0, 1, 2].map(|l| near.is_whole(l)), [true, false, false]);
+        let heights: Vec<DVec3> = near.mean.iter().map(|m| m.translation).collect();
+        assert_eq!(heights, [0.0, 1.0, 2.0, 1.0].map(|y| DVec3::Y * y));
+        // A far level may keep a joint without those above it; the rest goes to the first one.
+        let far = Prefixes::new(&rig, &[2, 0, 1, 3], &[4, 2, 1], rig.rest_pose());
+        assert_eq!(targets(&far, 1), [0, 0, 2, 0]);
+        assert_eq!(targets(&far, 2), [2, 2, 2, 2]);
+        let parents = [0, 1, 2, 3].map(|j| far.far_parent(j));
+        assert_eq!(parents, [None, Some(0), None, Some(0)]);
+    }
+}

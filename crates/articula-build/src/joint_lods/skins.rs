@@ -249,3 +249,25 @@ fn assemble(plan: &Plan<'_>, mut levels: Vec<LevelSkin>) -> PlacedSkins {
         levels,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn a_part_of_a_skin_has_the_influences_of_its_vertices() {
+        let skin = LevelSkin {
+            positions: [0.0, 1.0, 2.0].map(|x| Vec3::X * x).to_vec(),
+            influences: 2,
+            binding_indices: vec![0, 1, 2, 3, 4, 5],
+            weights: vec![0.5, 0.5, 0.25, 0.75, 1.0, 0.0],
+            ..LevelSkin::default()
+        };
+        let found = skin_part(&skin, &[], &[2, 0]);
+        assert_eq!(found.positions, [Vec3::X * 2.0, Vec3::ZERO]);
+        assert_eq!(found.influences, 2);
+        assert_eq!(found.binding_indices, [4, 5, 0, 1]);
+        assert_eq!(found.weights, [1.0, 0.0, 0.5, 0.5]);
+    }
+}

@@ -1,4 +1,4 @@
-//! Small figures for the tests of this module.
+//! Small figures for tests.
 
 use crate::character::Asset;
 use articula_core::source::{Joint, Skeleton};
@@ -9,6 +9,11 @@ use glam::{Affine3A, Quat, Vec3};
 
 /// A rig of joints, each 1 m above its parent.
 pub(crate) fn rig(parents: &[Option<usize>]) -> Rig {
+    rig_with(parents, &vec![None; parents.len()])
+}
+
+/// A rig of joints, each 1 m above its parent, with H-Anim names.
+pub(crate) fn rig_with(parents: &[Option<usize>], names: &[Option<&str>]) -> Rig {
     let joint = |(j, parent): (usize, &Option<usize>)| Joint {
         name: format!("j{j}"),
         parent: *parent,
@@ -19,14 +24,14 @@ pub(crate) fn rig(parents: &[Option<usize>]) -> Rig {
         }),
         in_skin: true,
     };
-    let entry = JointArticulation {
-        hanim: None,
+    let entry = |name: &Option<&str>| JointArticulation {
+        hanim: name.map(str::to_owned),
         level: 0,
         region: Region::Torso,
     };
     let articulation = Articulation {
         profile: String::new(),
-        joints: vec![entry; parents.len()],
+        joints: names.iter().map(entry).collect(),
     };
     let joints = parents.iter().enumerate().map(joint).collect();
     Rig::new(&Skeleton { joints }, articulation).unwrap()

@@ -106,3 +106,117 @@ fn jumps(step: bool, fastest: f32) -> f32 {
         fastest
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::joint_lods::test_figures::arm;
+    use articula_core::{Track, Tracks};
+    use glam::{Quat, Vec3};
+    use std::f32::consts::PI;
+
+    fn clip(joints: usize, tracks: Tracks) -> Clip {
+        let rotations = tracks.rotations.iter().map(|t| t.values.len());
+        let translations = tracks.translations.iter().map(|t| t.values.len());
+        let frames = rotations.chain(translations).max().unwrap();
+        Clip::new("c", 30.0, frames, joints, tracks).unwrap()
+    }
+
+    fn track<T>(joint: usize, values: Vec<T>) -> Track<T> {
+        Track {
+            target: joint as u16,
+            step: false,
+            values,
+        }
+    }
+
+    #[test]
+    fn a_joint_moves_if_any_component_does() {
+        let asset = arm(7);
+        let turned = |joint, from: Quat, to: Quat| track(joint, vec![from, to]);
+        let still = Quat::IDENTITY;
+        let tracks = Tracks {
+            rotations: vec![
+                turned(0, still, Quat::from_rotation_x(1.0)),
+                // A component is half of a small angle, the real part near half a turn.
+                turned(1, still, Quat::from_rotation_x(4e-4)),
+                turned(2, still, Quat::from_rotation_y(4e-4)),
+                turned(3, still, Quat::from_rotation_z(4e-4)),
+                turned(
+                    4,
+                    Quat::from_rotation_x(PI - 3e-4),
+                    Quat::from_rotation_x(PI),
+                ),
+                turned(5, still, Quat::from_rotation_x(1e-4)),
+                track(6, vec![Quat::from_rotation_x(1.0)]),
+            ],
+            ..Tracks::default()
+        };
+        let moving = moving_joints(&asset, &clip(7, tracks));
+        assert_eq!(moving.iter().collect::<Vec<_>>(), [1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn speeds_are_those_of_the_fastest_frame() {
+        let asset = arm(4);
+        let z = Quat::from_rotation_z;
+        let step = |joint, values| Track {
+            step: true,
+            ..track(joint, values)
+        };
+        let tracks = Tracks {
+            rotations: vec![
+                track(1, vec![z(0.0), z(0.2), z(0.5)]),
+                step(2, vec![z(0.0), z(0.0), z(0.1)]),
+                step(3, vec![z(0.3); 3]),
+            ],
+            translations: vec![
+                track(0, vec![Vec3::ZERO, Vec3::X * 0.1, Vec3::X * 0.3]),
+                track(1, vec![Vec3::ZERO, Vec3::Y * 0.02, Vec3::Y * 0.03]),
+            ],
+            ..Tracks::default()
+        };
+        let levers = [3.5, 2.5, 1.5, 0.5];
+        let found = joint_bounds(&asset, &clip(4, tracks), &levers, ChainTolerance::Whole);
+        // 0.3 rad in a frame of 1/30 s are 9 rad/s at the ends; a blend is faster in its middle.
+        let speeds = found.iter().map(|b| b.speed_metres_per_sec);
+        let speeds: Vec<f32> = speeds.collect();
+        assert!((speeds[0] - 6.0).abs() < 1e-4);
+        let turning = speeds[1] - 0.6;
+        assert!(
+            turning > 2.5 * 9.0 && turning < 2.5 * 9.0 * 1.002,
+            "{turning}"
+        );
+        assert_eq!(speeds[2], f32::INFINITY);
+        assert_eq!(speeds[3], 0.0);
+        for (bounds, lever) in found.iter().zip(levers) {
+            assert_eq!((bounds.lever_metres, bounds.share), (lever, 1.0));
+        }
+    }
+
+    #[test]
+    fn a_chain_divides_its_tolerance() {
+        let asset = arm(4);
+        let turning = |joint| track(joint, vec![Quat::IDENTITY, Quat::from_rotation_z(0.1)]);
+        let tracks = Tracks {
+            rotations: vec![
+                turning(0),
+                turning(1),
+                track(2, vec![Quat::from_rotation_z(0.1)]),
+                turning(3),
+            ],
+            ..Tracks::default()
+        };
+        let clip = clip(4, tracks);
+        let shares = |share| -> Vec<f32> {
+            let found = joint_bounds(&asset, &clip, &[1.0; 4], share);
+            found.iter().map(|b| b.share).collect()
+        };
+        // Three of the four turn.
+        assert_eq!(shares(ChainTolerance::Whole), [1.0; 4]);
+        let third = 1.0 / 3.0;
+        assert_eq!(shares(ChainTolerance::Split), [third, third, 1.0, third]);
+        let root = 1.0 / 3.0_f32.sqrt();
+        assert_eq!(shares(ChainTolerance::Root), [root, root, 1.0, root]);
+    }
+}

@@ -141,7 +141,92 @@ fn paths(asset: &Asset, clip: &Clip, joints: &[usize]) -> Vec<Vec<Vec3>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::{Attention, Tracks};
+    use crate::joint_lods::test_figures::rig_with;
+    use articula_core::{Attention, Mesh, Track, Tracks};
+
+    #[test]
+    fn a_foot_stands_low_and_still_a_hand_anywhere() {
+        let names = [None, Some("l_ankle"), Some("r_wrist"), Some("skullbase")];
+        let asset = Asset {
+            rig: rig_with(&[None, Some(0), Some(0), Some(1)], &names),
+            mesh: Mesh::default(),
+            clips: Vec::new(),
+        };
+        // Still, half a metre per second ahead, still but 10 cm up, still but 4 cm up.
+        let path: Vec<Vec3> = (0..=40)
+            .map(|f| match f {
+                0..=10 => Vec3::ZERO,
+                11..=20 => Vec3::X * 0.01 * (f - 10) as f32,
+                21..=30 => Vec3::new(0.1, 0.1, 0.0),
+                _ => Vec3::new(0.1, 0.04, 0.0),
+            })
+            .collect();
+        let tracks = Tracks {
+            translations: (1..=3)
+                .map(|target| Track {
+                    target,
+                    step: false,
+                    values: path.clone(),
+                })
+                .collect(),
+            ..Tracks::default()
+        };
+        let clip = Clip::new("c", 50.0, path.len(), 4, tracks).unwrap();
+        let contact = |joint, frames| Contact { joint, frames };
+        // A frame beside one that moves moves itself.
+        let feet = [contact(1, 0..10), contact(1, 32..41)];
+        assert_eq!(contacts(&asset, &clip, false), feet);
+        let hands = [contact(2, 0..10), contact(2, 22..30), contact(2, 32..41)];
+        assert_eq!(
+            contacts(&asset, &clip, true),
+            [&feet[..], &hands[..]].concat()
+        );
+        let intervals = contact_intervals(&asset, &clip, false);
+        let secs: Vec<_> = intervals
+            .iter()
+            .map(|i| [i.start_secs, i.end_secs])
+            .collect();
+        assert_eq!(secs, [[0.0, 0.2], [0.64, 0.8]]);
+        let mut attention_at = [0.0; 4];
+        for (frame, expected) in [
+            (9, [0.25, 0.25, 1.0, 1.0]),
+            (10, [1.0; 4]),
+            (25, [0.25, 1.0, 0.25, 1.0]),
+        ] {
+            let found = contacts(&asset, &clip, true);
+            let found: Vec<Contact> = if frame == 9 { feet.to_vec() } else { found };
+            attention(&asset, &found, frame, &mut attention_at);
+            assert_eq!(attention_at, expected, "frame {frame}");
+        }
+    }
+
+    #[test]
+    fn slow_is_less_than_fifteen_centimetres_a_second() {
+        let asset = Asset {
+            rig: rig_with(&[None, Some(0)], &[None, Some("r_metatarsal")]),
+            mesh: Mesh::default(),
+            clips: Vec::new(),
+        };
+        for (metres_per_sec, stands) in [(0.14, true), (0.16, false)] {
+            let ahead = |f: usize| Vec3::X * (f as f32 / 50.0 * metres_per_sec);
+            let tracks = Tracks {
+                translations: vec![Track {
+                    target: 1,
+                    step: false,
+                    values: (0..20).map(ahead).collect(),
+                }],
+                ..Tracks::default()
+            };
+            let clip = Clip::new("c", 50.0, 20, 2, tracks).unwrap();
+            let found = contacts(&asset, &clip, false);
+            let expected = Contact {
+                joint: 1,
+                frames: 0..20,
+            };
+            let expected = if stands { vec![expected] } else { Vec::new() };
+            assert_eq!(found, expected, "{metres_per_sec} m/s");
+        }
+    }
 
     #[test]
     fn contacts_become_intervals_of_the_clip() {

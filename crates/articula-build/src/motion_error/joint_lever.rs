@@ -42,3 +42,28 @@ impl JointLever {
         self.held_error(shown, wanted) * part
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_held_rotation_moves_the_skin_by_angle_times_lever() {
+        let lever = JointLever {
+            rest_metres: 2.0,
+            reach_metres: 3.0,
+            // One point ahead of the joint along X.
+            second_moment: SecondMoment::of([(Vec3::X, 1.0)]),
+            skin_share: 1.0,
+        };
+        let turned = Quat::from_rotation_z(0.3);
+        assert!((lever.held_error(Quat::IDENTITY, turned) - 0.6).abs() < 1e-5);
+        assert_eq!(lever.held_error(turned, turned), 0.0);
+        // The point moves along Y: seen in full along Z, not at all along Y.
+        let small = Quat::from_rotation_z(1e-3);
+        let along_z = lever.projected_error(Quat::IDENTITY, small, Vec3::Z);
+        assert!((along_z / lever.held_error(Quat::IDENTITY, small) - 1.0).abs() < 1e-2);
+        let along_y = lever.projected_error(Quat::IDENTITY, small, Vec3::Y);
+        assert!(along_y < 0.05 * along_z);
+    }
+}

@@ -210,3 +210,117 @@ fn bone_levers(rig: &Rig, rest: &Rest) -> Vec<BoneLever> {
     }
     levers
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::joint_lods::test_figures::{arm, figure};
+    use articula_core::source::{Joint, Skeleton};
+    use articula_core::{Articulation, JointArticulation, JointSet, Region, Transform};
+
+    fn near(found: f32, expected: f32) {
+        assert!(
+            (found - expected).abs() < 1e-5,
+            "{found}, expected {expected}"
+        );
+    }
+
+    #[test]
+    fn levers_of_an_arm_by_hand() {
+        // Rings of four vertices at 0.1414 m from the axis: at each joint, shared with its parent,
+        // and half a metre above it.
+        let mut asset = arm(3);
+        // 0.02 m² on the top joint, 0.05 m² on the lowest.
+        asset.mesh.triangles = vec![[20, 21, 22], [0, 4, 5]];
+        let found = levers(&asset.rig, &asset.mesh);
+        let aside = 0.02_f32;
+        let last = (0.25 + aside).sqrt();
+        for (lever, (up, bones)) in found.iter().zip([(2.5, 2.0), (1.5, 1.0), (0.5, 0.0)]) {
+            near(lever.rest_metres, (up * up + aside).sqrt());
+            near(lever.reach_metres, last + bones);
+        }
+        for (lever, share) in found.iter().zip([1.0, 2.0 / 7.0, 2.0 / 7.0]) {
+            near(lever.skin_share, share);
+        }
+        // The skin of the top joint: both of its rings.
+        let offsets = [0.0, 0.5].into_iter().flat_map(|up| {
+            let sides = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+            sides.map(|(x, z)| (Vec3::new(0.1 * x, up, 0.1 * z), 1.0))
+        });
+        let expected = SecondMoment::of(offsets);
+        for (a, b, view) in [
+            (Quat::from_rotation_x(0.1), Quat::IDENTITY, Vec3::X),
+            (Quat::from_rotation_y(0.1), Quat::IDENTITY, Vec3::X),
+            (Quat::from_rotation_z(0.1), Quat::IDENTITY, Vec3::Y),
+        ] {
+            let part = found[2].second_moment.seen_fraction(a, b, view);
+            near(part, expected.seen_fraction(a, b, view));
+        }
+    }
+
+    #[test]
+    fn skin_of_little_weight_counts_for_the_reach_only() {
+        let mut asset = arm(2);
+        // The upper ring of the upper joint moves by a quarter with it, the rest with the root.
+        for v in 12..16 {
+            asset.mesh.binding_indices[2 * v + 1] = 0;
+            asset.mesh.weights[2 * v..2 * v + 2].copy_from_slice(&[0.25, 0.75]);
+        }
+        let found = levers(&asset.rig, &asset.mesh);
+        near(found[1].rest_metres, 0.02_f32.sqrt());
+        near(found[1].reach_metres, 0.25 * 0.27_f32.sqrt());
+        near(found[0].rest_metres, 2.27_f32.sqrt());
+        // 0.75 of the way straight from the root, 0.25 by the joint.
+        let straight = 2.27_f32.sqrt();
+        near(
+            found[0].reach_metres,
+            0.75 * straight + 0.25 * (1.0 + 0.27_f32.sqrt()),
+        );
+    }
+
+    #[test]
+    fn bones_stand_in_for_skin() {
+        // Up, then to the side.
+        let joint = |(j, offset): (usize, Vec3)| Joint {
+            name: format!("j{j}"),
+            parent: j.checked_sub(1),
+            rest: Transform::from_translation(offset),
+            in_skin: true,
+        };
+        let offsets = [Vec3::ZERO, Vec3::Y, Vec3::X * 2.0];
+        let joints = offsets.into_iter().enumerate().map(joint).collect();
+        let entry = JointArticulation {
+            hanim: None,
+            level: 0,
+            region: Region::Torso,
+        };
+        let articulation = Articulation {
+            profile: String::new(),
+            joints: vec![entry; 3],
+        };
+        let rig = Rig::new(&Skeleton { joints }, articulation).unwrap();
+        let found = levers(&rig, &Mesh::default());
+        // Half of the last bone, of 2 m, is beyond its joint.
+        near(found[0].rest_metres, 5.0_f32.sqrt() + 1.0);
+        near(found[0].reach_metres, 1.0 + 2.0 + 1.0);
+        near(found[1].rest_metres, 3.0);
+        near(found[1].reach_metres, 3.0);
+        near(found[2].rest_metres, JointLever::FLOOR_METRES);
+        near(found[2].reach_metres, JointLever::FLOOR_METRES);
+    }
+
+    #[test]
+    fn chains_count_what_moves_on_them() {
+        // 0 ─ 1 ─ 3 and 0 ─ 2.
+        let asset = figure(&[None, Some(0), Some(0), Some(1)]);
+        for mesh in [&asset.mesh, &Mesh::default()] {
+            let count = |joints: &[usize]| {
+                let moving: JointSet = joints.iter().copied().collect();
+                chain_counts(&asset.rig, mesh, &moving)
+            };
+            assert_eq!(count(&[0, 1, 2, 3]), [3, 3, 2, 3]);
+            assert_eq!(count(&[1, 2, 3]), [1, 2, 1, 2]);
+            assert_eq!(count(&[]), [1; 4]);
+        }
+    }
+}

@@ -78,6 +78,62 @@ fn is_straight(skins: &[Vec<Vec3>], from: usize, to: usize, tolerance: f32) -> b
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::joint_lods::test_figures::arm;
+    use articula_core::{Track, Tracks};
+
+    /// A clip whose root is that far along x at each frame.
+    fn along(rate_hz: f32, metres: &[f32]) -> Clip {
+        let tracks = Tracks {
+            translations: vec![Track {
+                target: 0,
+                step: false,
+                values: metres.iter().map(|x| Vec3::X * *x).collect(),
+            }],
+            ..Tracks::default()
+        };
+        Clip::new("along", rate_hz, metres.len(), 2, tracks).unwrap()
+    }
+
+    #[test]
+    fn a_stop_gets_a_key_unless_the_tolerance_hides_it() {
+        let asset = arm(2);
+        // 4.1 mm ahead in the first four ticks, then still. A run up to tick `e` is 4.1 · (1 - 4 / e)
+        // mm off at the fourth: 0.5 mm up to 4.55, 1 mm up to 5.29, 2 mm up to 7.81, and 2.73 mm at
+        // 12.
+        let keys = pose_keys(&asset, &along(30.0, &[0.0, 0.0041, 0.0041, 0.0041]), 4, 1);
+        assert_eq!((keys.tick_hz, keys.ticks), (120.0, 12));
+        assert_eq!(keys.base_metres, 0.0005);
+        for (level, keys) in keys.levels.iter().enumerate() {
+            let expected: &[u32] = match level {
+                0 => &[0, 4, 12],
+                1 => &[0, 5, 12],
+                2 => &[0, 7, 12],
+                _ => &[0, 12],
+            };
+            assert_eq!(keys.as_deref(), Some(expected), "level {level}");
+        }
+        // Spans of 1/30 s on average do not pay.
+        let keys = pose_keys(&asset, &along(30.0, &[0.0, 1.0, 1.0]), 4, 1);
+        assert!(keys.levels.iter().all(Option::is_none));
+        // The least whole number of ticks to a frame that gives 120 Hz.
+        for (rate_hz, tick_hz) in [(50.0, 150.0), (120.0, 120.0), (240.0, 240.0)] {
+            let keys = pose_keys(&asset, &along(rate_hz, &[0.0; 19]), 4, 1);
+            assert_eq!(keys.tick_hz, tick_hz);
+            assert_eq!(keys.levels[0], Some(vec![0, keys.ticks]));
+        }
+        let one = pose_keys(&asset, &along(30.0, &[0.0]), 4, 1);
+        assert_eq!((one.ticks, one.levels[0].clone()), (0, Some(vec![0])));
+    }
+
+    #[test]
+    fn blocks_end_at_keys_and_motion_goes_on_in_the_next() {
+        // Still for 1099 frames, then a metre ahead in one.
+        let mut metres = vec![0.0; 1101];
+        metres[1100] = 1.0;
+        let keys = pose_keys(&arm(2), &along(30.0, &metres), 2, 1);
+        assert_eq!(keys.ticks, 4400);
+        assert_eq!(keys.levels[0], Some(vec![0, 4096, 4396, 4400]));
+    }
 
     #[test]
     fn a_corner_gets_a_key_and_straight_ways_get_none() {

@@ -121,3 +121,75 @@ fn mesh_hash(mesh: &Mesh) -> u64 {
     h.floats(&mesh.weights);
     h.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::joint_lods::test_figures::{arm, moving};
+    use crate::motion_error::levers::levers;
+    use glam::{Quat, Vec3};
+
+    #[test]
+    fn tolerances_double_from_half_a_millimetre() {
+        let asset = arm(2);
+        let angles = [0.0, 0.0008, 0.0038, 0.1038];
+        let clip = moving(2, 1, &angles.map(Quat::from_rotation_z));
+        let mut levers = levers(&asset.rig, &asset.mesh);
+        for (rest_metres, finer) in [(1.0, 0), (2.0, 1)] {
+            levers[1].rest_metres = rest_metres;
+            let table = key_table(&asset, &clip, &levers, KeyMode::Hold);
+            assert_eq!((table.rate_hz, table.frames), (30.0, 4));
+            assert_eq!((table.base_metres, table.mode), (0.0005, KeyMode::Hold));
+            assert!(table.keys[0].iter().all(Vec::is_empty), "the root");
+            for (level, keys) in table.keys[1].iter().enumerate() {
+                // At a lever of one metre: 0.5, 1, 2, 4 … 128 and 256 mrad.
+                let expected: &[u32] = match level as i32 - finer {
+                    -1..=0 => &[0, 1, 2, 3],
+                    1..=2 => &[0, 2, 3],
+                    3..=7 => &[0, 3],
+                    _ => &[0],
+                };
+                assert_eq!(keys, expected, "level {level}");
+            }
+        }
+        // Between two keys a steady turn needs none.
+        let clip = moving(2, 1, &[0.0, 0.1, 0.2, 0.3].map(Quat::from_rotation_z));
+        let table = key_table(&asset, &clip, &levers, KeyMode::Linear);
+        assert!(table.keys[1].iter().all(|keys| keys == &[0, 3]));
+    }
+
+    #[test]
+    fn hashes_are_fnv_1a_and_change_with_the_data() {
+        // Published by its authors.
+        let hash = |bytes: &[u8]| {
+            let mut h = Fnv::new();
+            h.bytes(bytes);
+            h.0
+        };
+        assert_eq!(hash(b"a"), 0xaf63_dc4c_8601_ec8c);
+        assert_eq!(hash(b"foobar"), 0x8594_4171_f739_67e8);
+        let asset = arm(2);
+        let clip = moving(2, 1, &[Quat::IDENTITY; 2]);
+        let of = |asset: &Asset, clip: &Clip| table_hashes(&asset.rig, clip, &asset.mesh);
+        let first = of(&asset, &clip);
+        assert_eq!(first, of(&arm(2), &clip));
+        assert_ne!(first.rig, of(&arm(3), &clip).rig);
+        let turned = [Quat::IDENTITY, Quat::from_rotation_x(0.1)];
+        for other in [
+            moving(2, 1, &turned),
+            moving(2, 1, &[Quat::IDENTITY; 3]),
+            moving(2, 0, &[Quat::IDENTITY; 2]),
+        ] {
+            assert_ne!(first.clip, of(&asset, &other).clip);
+        }
+        for change in [
+            |mesh: &mut Mesh| mesh.positions[3] += Vec3::X,
+            |mesh: &mut Mesh| mesh.binding_indices[3] = 1,
+            |mesh: &mut Mesh| mesh.weights[3] = 0.125,
+        ] {
+            let mut other = arm(2);
+            change(&mut other.mesh);
+            assert_ne!(first.mesh, of(&other, &clip).mesh);
+        }
+    }
+}

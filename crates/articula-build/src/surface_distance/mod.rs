@@ -322,3 +322,63 @@ fn summary(distances: &mut [f32]) -> SurfaceError {
         mean_metres: (sum / count) as f32,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_is_that_of_the_poses_and_percentiles_are_those_of_all_points() {
+        let mut tally = Tally::default();
+        // Points that are not finite in a pose are left out there.
+        for distances in [vec![9.0, 9.0], vec![1.0, 2.0, 3.0], vec![6.0]] {
+            tally.add(distances);
+        }
+        let found = tally.level();
+        assert_eq!((found.rest.mean_metres, found.rest.max_metres), (9.0, 9.0));
+        assert_eq!(
+            (found.motion.mean_metres, found.motion.max_metres),
+            (4.0, 6.0)
+        );
+        let means: Vec<f32> = found.poses.iter().map(|p| p.mean_metres).collect();
+        assert_eq!(means, [2.0, 6.0]);
+        let mut tally = Tally::default();
+        tally.add(vec![1.0, 2.0]);
+        let found = tally.level();
+        assert_eq!(found.motion, found.rest, "without poses");
+        assert_eq!(found.rest.mean_metres, 1.5);
+    }
+
+    #[test]
+    fn points_are_the_vertices_in_use_and_the_centres() {
+        let pose = [0.0, 1.0, 2.0, 100.0, 5.0].map(|x| Vec3::X * x);
+        let triangles = [[0, 1, 4], [1, 2, 4]];
+        let opts = DistanceOptions::default();
+        let mut points = Points::of(&triangles, pose.len(), &opts);
+        let at = |points: &Points| -> Vec<f32> { points.posed(&pose).map(|p| p.x).collect() };
+        let near = |found: Vec<f32>, expected: &[f32]| {
+            assert_eq!(found.len(), expected.len());
+            let pairs = found.iter().zip(expected);
+            assert!(
+                pairs.clone().all(|(a, b)| (a - b).abs() < 1e-5),
+                "{found:?}"
+            );
+        };
+        assert_eq!(points.len(), 6);
+        near(at(&points), &[0.0, 1.0, 2.0, 5.0, 2.0, 8.0 / 3.0]);
+        points.add_triangles(&[[0, 2, 4]]);
+        assert_eq!(points.len(), 10);
+        let edges = [1.0, 3.5, 2.5];
+        let centres = [2.0, 8.0 / 3.0, 7.0 / 3.0];
+        near(
+            at(&points),
+            &[&[0.0, 1.0, 2.0, 5.0], &edges[..], &centres].concat(),
+        );
+        let few = DistanceOptions {
+            vertices: 2,
+            face_centres: 1,
+            ..opts
+        };
+        assert_eq!(Points::of(&triangles, pose.len(), &few).len(), 3);
+    }
+}

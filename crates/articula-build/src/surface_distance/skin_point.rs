@@ -62,3 +62,41 @@ pub(crate) fn corners(points: &[SkinPoint]) -> Vec<u32> {
     vertices.dedup();
     vertices
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_by_hand() {
+        let positions = [Vec3::X, Vec3::Y * 4.0, Vec3::Z * 8.0, Vec3::NAN];
+        let posed = |corners, weights| SkinPoint { corners, weights }.posed(&positions);
+        assert_eq!(
+            posed([0, 1, 2], [0.5, 0.25, 0.25]),
+            Vec3::new(0.5, 1.0, 2.0)
+        );
+        assert!(posed([0, 1, 3], [0.5, 0.5, 0.0]).is_nan());
+        assert_eq!(posed([0, 1, 2], [0.5, 0.5, 0.0]), Vec3::new(0.5, 2.0, 0.0));
+        assert_eq!(posed([0, 1, 2], [0.5, 0.0, 0.5]), Vec3::new(0.5, 0.0, 4.0));
+        // A vertex itself is exact, wherever the other corners are.
+        assert_eq!(posed([1, 3, 3], [1.0, 0.0, 0.0]), positions[1]);
+    }
+
+    #[test]
+    fn compact_points_are_the_same_on_fewer_vertices() {
+        let point = |corners, weights| SkinPoint { corners, weights };
+        let points = [
+            point([9, 2, 5], [0.5, 0.25, 0.25]),
+            point([2; 3], [1.0, 0.0, 0.0]),
+        ];
+        let (vertices, few) = compact(&points);
+        assert_eq!(vertices, [2, 5, 9]);
+        assert_eq!(
+            few,
+            [
+                point([2, 0, 1], [0.5, 0.25, 0.25]),
+                point([0; 3], [1.0, 0.0, 0.0])
+            ]
+        );
+    }
+}

@@ -214,6 +214,71 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    #[test]
+    fn the_distance_to_a_box_by_hand() {
+        let node = Node {
+            lo: Vec3::new(1.0, 2.0, 3.0),
+            hi: Vec3::new(2.0, 4.0, 6.0),
+            ..Node::EMPTY
+        };
+        for (point, squared) in [
+            ([1.5, 3.0, 4.0], 0.0),
+            ([2.0, 4.0, 6.0], 0.0),
+            ([-1.0, 3.0, 4.0], 4.0),
+            ([5.0, 8.0, 4.0], 25.0),
+            ([0.0, 0.0, 1.0], 9.0),
+        ] {
+            assert_eq!(node.squared_distance(Vec3::from_array(point)), squared);
+        }
+        assert_eq!(Node::EMPTY.squared_distance(Vec3::ONE), f32::INFINITY);
+    }
+
+    /// Returns the number of triangles and the depth below a node, and checks that its box is that of
+    /// their corners.
+    fn below(tree: &SurfaceTree, n: usize) -> (usize, usize, Vec<[Vec3; 3]>) {
+        let node = &tree.nodes[n];
+        let (count, depth, corners) = if node.count > 0 {
+            let there = node.at as usize..(node.at + node.count) as usize;
+            (there.len(), 1, tree.corners[there].to_vec())
+        } else {
+            let [a, b] = [n + 1, node.at as usize].map(|child| below(tree, child));
+            assert!(a.0.abs_diff(b.0) <= 1, "{} and {}", a.0, b.0);
+            (a.0 + b.0, 1 + a.1.max(b.1), [a.2, b.2].concat())
+        };
+        let all = corners.iter().flatten();
+        let lo = all.clone().fold(Vec3::INFINITY, |lo, c| lo.min(*c));
+        let hi = all.fold(Vec3::NEG_INFINITY, |hi, c| hi.max(*c));
+        assert_eq!((node.lo, node.hi), (lo, hi));
+        (count, depth, corners)
+    }
+
+    #[test]
+    fn boxes_are_tight_and_split_the_longest_side_in_half() {
+        // A ribbon of 64 triangles along x, far longer than wide, wherever it lies.
+        let at = |i: u32| Vec3::new(i as f32, (i % 2) as f32, 0.1 * (i % 3) as f32);
+        // Not in order.
+        let triangles: Vec<[u32; 3]> = (0..64)
+            .map(|i| (i * 37) % 64)
+            .map(|i| [i, i + 1, i + 2])
+            .collect();
+        for offset in [Vec3::ZERO, Vec3::Y * 1000.0, Vec3::X * 1000.0] {
+            let points: Vec<Vec3> = (0..66).map(|i| at(i) + offset).collect();
+            let mut tree = SurfaceTree::new(&triangles, &points);
+            for shift in [Vec3::ZERO, Vec3::new(3.0, -2.0, 1.0)] {
+                let moved: Vec<Vec3> = points.iter().map(|p| *p + shift).collect();
+                tree.refit(&moved);
+                let (count, depth, _) = below(&tree, 0);
+                // Leaves of two triangles, at the sixth level.
+                assert_eq!((count, depth, tree.nodes.len()), (64, 6, 63));
+                let halves = [1, tree.nodes[0].at as usize].map(|n| &tree.nodes[n]);
+                assert!(halves[0].hi.x < halves[1].lo.x + 3.0, "halves along x");
+            }
+            for (t, triangle) in triangles.iter().enumerate() {
+                assert_eq!(tree.triangles[tree.place(t) as usize], *triangle);
+            }
+        }
+    }
+
     proptest! {
         #[test]
         fn the_tree_finds_the_closest_triangle_also_after_it_moved(

@@ -394,6 +394,125 @@ mod tests {
         assert!((model.cost_ns(&all) - 52.0).abs() < 1e-3);
     }
 
+    /// A model of characters that take 1 ns each and of nothing else.
+    fn plain() -> CostModel {
+        CostModel::measured(UnitCosts {
+            character_ns: 1.0,
+            sampled_joint_ns: 0.0,
+            fk_joint_ns: 0.0,
+            matrix_ns: 0.0,
+        })
+    }
+
+    const HUNDRED: Workload = Workload {
+        characters: 100,
+        sampled_joints: 0,
+        fk_joints: 0,
+        matrices: 0,
+    };
+
+    /// Observes that many times what the model expects.
+    fn observe_times(model: &mut CostModel, factor: f64) -> bool {
+        let expected = model.cost_ns(&HUNDRED);
+        model.observe(&HUNDRED, factor * expected)
+    }
+
+    #[test]
+    fn work_adds_kind_by_kind() {
+        let work = |characters, sampled_joints, fk_joints, matrices| Workload {
+            characters,
+            sampled_joints,
+            fk_joints,
+            matrices,
+        };
+        let sum = work(1, 20, 300, 4000) + work(5, 60, 700, 8000);
+        assert_eq!(sum, work(6, 80, 1000, 12_000));
+        let mut grown = work(1, 20, 300, 4000);
+        grown += work(5, 60, 700, 8000);
+        assert_eq!(grown, sum);
+    }
+
+    #[test]
+    fn each_late_time_leaves_less_to_spend() {
+        let mut model = plain();
+        // As long as expected is not late.
+        observe_times(&mut model, 1.0);
+        assert_eq!(model.spendable_ns(1e6), 1e6);
+        // 0.01 · 0.95 up for a late time, 0.01 · 0.05 down for another one.
+        observe_times(&mut model, 1.2);
+        assert!((model.spendable_ns(1e6) - 1e6 / 1.0095).abs() < 1e-6);
+        observe_times(&mut model, 1.0);
+        assert!((model.spendable_ns(1e6) - 1e6 / 1.009).abs() < 1e-6);
+        // Late, but not later than is planned for.
+        observe_times(&mut model, 1.0089);
+        assert!((model.spendable_ns(1e6) - 1e6 / 1.0085).abs() < 1e-6);
+        for _ in 0..1000 {
+            observe_times(&mut model, 10.0);
+        }
+        assert_eq!(model.spendable_ns(1e6), 5e5);
+    }
+
+    #[test]
+    fn an_outlier_is_four_mean_deviations_off() {
+        let limit = |model: &CostModel, factor: f64| {
+            for (factor, taken) in [(factor - 0.01, true), (factor + 0.01, false)] {
+                let up = observe_times(&mut model.clone(), factor);
+                let down = observe_times(&mut model.clone(), 1.0 / factor);
+                assert_eq!([up, down], [taken; 2], "{factor}");
+            }
+        };
+        // Before the first time: 1 + 4 · 1.
+        let mut model = plain();
+        limit(&model, 5.0);
+        assert!(model.clone().observe(&HUNDRED, 500.0), "no more than that");
+        // The mean of 0.9, 0.3 and 0.6 is 0.6.
+        for factor in [1.9, 1.0 / 1.3, 1.6] {
+            assert!(observe_times(&mut model, factor));
+        }
+        limit(&model, 1.0 + 4.0 * 0.6);
+        // Of many, a new one counts for a twentieth: 0.95 · 0.6.
+        for _ in 0..200 {
+            assert!(observe_times(&mut model, 1.6));
+        }
+        limit(&model, 1.0 + 4.0 * 0.6);
+        assert!(observe_times(&mut model, 1.0));
+        limit(&model, 1.0 + 4.0 * 0.57);
+        // However steady: half as long again.
+        for _ in 0..200 {
+            assert!(observe_times(&mut model, 1.0));
+        }
+        limit(&model, 1.5);
+    }
+
+    #[test]
+    fn a_slower_machine_is_slower_at_what_was_not_seen_too() {
+        let mut model = CostModel::measured(TRUE);
+        let sampled = Workload {
+            sampled_joints: 1000,
+            ..Workload::default()
+        };
+        for i in 1..=8 {
+            assert_eq!(model.observe(&sampled, 6.0 * 2000.0), i == 8);
+        }
+        let found = model.unit_costs();
+        let expected = [180.0, 12.0, 30.0, 6.0];
+        let found = [
+            found.character_ns,
+            found.sampled_joint_ns,
+            found.fk_joint_ns,
+            found.matrix_ns,
+        ];
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-6, "{found} ns");
+        }
+        // Outliers that do not follow each other change nothing.
+        for _ in 0..20 {
+            assert!(!model.observe(&sampled, 1e6));
+            assert!(model.observe(&sampled, 12_000.0));
+        }
+        assert!((model.unit_costs().fk_joint_ns / 30.0 - 1.0).abs() < 1e-6);
+    }
+
     #[test]
     fn converges_through_noise_and_interrupted_frames() {
         let truth = CostModel::measured(TRUE);

@@ -292,6 +292,181 @@ impl CharacterState {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::crowd::RootTrajectory;
+    use glam::Vec3;
+
+    /// Clips of 2, 1 and 0 seconds; each lap of the first two leads 1 and 4 m ahead.
+    struct Clips {
+        events: Vec<Vec<ClipEvent>>,
+        paths: Vec<Option<RootTrajectory>>,
+    }
+
+    impl Clips {
+        fn new() -> Self {
+            let event = |secs, id| vec![ClipEvent { secs, id }];
+            let path = |rate_hz, z| {
+                let ahead = RootDelta {
+                    offset: Vec3::Z * z,
+                    yaw_radians: 0.0,
+                };
+                RootTrajectory::new(rate_hz, vec![RootDelta::default(), ahead]).ok()
+            };
+            Self {
+                events: vec![event(0.5, 7), event(0.75, 8), Vec::new()],
+                paths: vec![path(0.5, 1.0), path(1.0, 4.0), None],
+            }
+        }
+    }
+
+    impl ClipTimes for Clips {
+        fn clip_count(&self) -> usize {
+            3
+        }
+
+        fn clip_secs(&self, clip: usize) -> f32 {
+            [2.0, 1.0, 0.0][clip]
+        }
+
+        fn clip_events(&self, clip: usize) -> &[ClipEvent] {
+            &self.events[clip]
+        }
+
+        fn clip_path(&self, clip: usize) -> Option<&RootTrajectory> {
+            self.paths[clip].as_ref()
+        }
+    }
+
+    fn of_clip(clip: usize) -> ClipState {
+        ClipState::new(&Clips::new(), clip)
+    }
+
+    #[test]
+    fn speeds_are_clamped() {
+        for (speed, expected) in [
+            (2.5, 2.5),
+            (-0.5, -0.5),
+            (2000.0, 1000.0),
+            (-2000.0, -1000.0),
+            (f32::NAN, 0.0),
+        ] {
+            let state = of_clip(1).at_speed(speed);
+            assert_eq!(
+                state,
+                ClipState {
+                    speed: expected,
+                    ..of_clip(1)
+                }
+            );
+        }
+    }
+
+    #[test]
+    fn times_are_wrapped_in_a_loop_and_clamped_otherwise() {
+        let clips = Clips::new();
+        for (clip, secs, looped, once) in [
+            (0, 0.5, 0.5, 0.5),
+            (0, 5.0, 1.0, 2.0),
+            (0, -0.5, 1.5, 0.0),
+            (0, f32::NAN, 0.0, 0.0),
+            (0, f32::INFINITY, 0.0, 0.0),
+            (2, 3.0, 0.0, 0.0),
+        ] {
+            let state = of_clip(clip);
+            assert_eq!(state.at_secs(&clips, secs).secs(), looped);
+            let state = state.once();
+            assert_eq!(state.at_secs(&clips, secs).secs(), once);
+            assert_eq!((state.clip(), state.wrap()), (clip, Wrap::Clamp));
+        }
+        assert_eq!(of_clip(0).wrap(), Wrap::Loop);
+    }
+
+    #[test]
+    fn a_step_over_the_end_by_hand() {
+        let advanced = |mut state: ClipState, duration, dt| {
+            let laps = state.advance(duration, dt, &[], &mut |_| {});
+            (laps, state.secs)
+        };
+        let at = |secs, speed| ClipState {
+            secs,
+            ..of_clip(0).at_speed(speed)
+        };
+        assert_eq!(advanced(at(0.5, 2.0), 2.0, 0.5), (0, 1.5));
+        // The end is the start of the next lap.
+        assert_eq!(advanced(at(0.5, 1.0), 2.0, 1.5), (1, 0.0));
+        assert_eq!(advanced(at(1.5, 2.0), 2.0, 3.0), (3, 1.5));
+        assert_eq!(advanced(at(0.5, -1.0), 2.0, 1.0), (-1, 1.5));
+        assert_eq!(advanced(at(0.5, -1.0), 2.0, 4.75), (-3, 1.75));
+        assert_eq!(advanced(at(0.5, 1.0).once(), 2.0, 9.0), (0, 2.0));
+        assert_eq!(advanced(at(0.5, -1.0).once(), 2.0, 9.0), (0, 0.0));
+        // A single pose has no laps.
+        assert_eq!(advanced(at(0.0, 1.0), 0.0, 9.0), (0, 0.0));
+    }
+
+    #[test]
+    fn an_end_at_which_a_clip_stops_is_told_in_either_direction() {
+        let events = [0.0, 2.0].map(|secs| ClipEvent {
+            secs,
+            id: secs as u32,
+        });
+        for (speed, id) in [(1.0, 2), (-1.0, 0)] {
+            let mut state = ClipState {
+                secs: 1.0,
+                ..of_clip(0).at_speed(speed).once()
+            };
+            let mut told = Vec::new();
+            for _ in 0..4 {
+                state.advance(2.0, 0.5, &events, &mut |e| told.push(e.id));
+            }
+            assert_eq!(told, [id], "speed {speed}");
+        }
+    }
+
+    #[test]
+    fn a_blend_weighs_events_and_root_motion() {
+        let clips = Clips::new();
+        let mut told = Vec::new();
+        let mut state = CharacterState::blend(of_clip(0), of_clip(1), 0.25);
+        assert_eq!(state.next(), Some(&of_clip(1)));
+        let mut tell = |clip, event: &ClipEvent, weight| told.push((clip, event.id, weight));
+        // In 0.8 s the first clip leads 0.4 m ahead, the second 3.2 m.
+        let (way, lapped) = state.advance(&clips, 0.8, &mut tell);
+        assert!((way.offset.z - (0.75 * 0.4 + 0.25 * 3.2)).abs() < 1e-6);
+        assert!(!lapped);
+        // In 0.4 s more the second one begins again.
+        let (way, lapped) = state.advance(&clips, 0.4, &mut tell);
+        assert!((way.offset.z - (0.75 * 0.2 + 0.25 * 1.6)).abs() < 1e-6);
+        assert!(lapped);
+        assert_eq!(told, [(0, 7, 0.75), (1, 8, 0.25)]);
+        assert!((state.clip_state().secs() - 1.2).abs() < 1e-6);
+        assert!((state.to.secs - 0.2).abs() < 1e-6);
+        assert_eq!(state.fade(), 0.25, "the caller sets it");
+        // One clip alone.
+        let mut state = CharacterState::from(of_clip(0));
+        let (way, lapped) = state.advance(&clips, 3.0, &mut |_, _, _| {});
+        assert!((way.offset.z - 1.5).abs() < 1e-6 && lapped);
+        assert_eq!((state.next(), state.clips()), (None, (0, 0)));
+        assert_eq!(state.to.secs, 0.0, "not played");
+    }
+
+    #[test]
+    fn a_new_fade_starts_from_the_larger_weight() {
+        for (weight, from) in [(0.25, 0), (0.5, 1), (0.75, 1)] {
+            let mut state = CharacterState::blend(of_clip(0), of_clip(1), weight);
+            state.fade_to(of_clip(2), 2.0);
+            assert_eq!((state.clips(), state.fade()), ((from, 2), 0.0));
+            state.advance_fade(0.5);
+            assert_eq!(state.fade(), 0.25);
+        }
+        for (weight, expected) in [(-1.0, 0.0), (9.0, 1.0), (f32::NAN, 0.0)] {
+            let state = CharacterState::blend(of_clip(0), of_clip(1), weight);
+            assert_eq!(state.fade(), expected);
+        }
+        for secs in [0.0, -1.0, f32::NAN] {
+            let mut state = CharacterState::blend(of_clip(0), of_clip(1), 0.5);
+            state.fade_to(of_clip(2), secs);
+            assert_eq!(state, CharacterState::from(of_clip(2)));
+        }
+    }
 
     #[test]
     fn a_fade_under_way_arrives_when_its_time_is_over() {

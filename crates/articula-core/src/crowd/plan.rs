@@ -284,3 +284,72 @@ impl Batch {
         usize::from(self.jobs)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::joint_set::JointSet;
+    use crate::rig::tests::rig_of;
+    use glam::Vec3;
+
+    #[test]
+    fn a_plan_by_hand() {
+        let rig = rig_of(&[
+            (None, Vec3::ZERO, 0),
+            (Some(0), Vec3::Y, 0),
+            (Some(1), Vec3::Y, 0),
+        ]);
+        // Three matrices at the first level, one at the second.
+        let sets = [JointSet::first(1)];
+        let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let palette = PaletteMap::joints(&joint_lods);
+        let mut plan = Plan::new(30, 2);
+        for _ in 0..2 {
+            plan.clear();
+            for character in 10..19 {
+                plan.add(1, Kind::Clip, Poser::Character(character));
+            }
+            assert_eq!(plan.add(0, Kind::Clip, Poser::Character(5)), 0);
+            assert_eq!(plan.add(0, Kind::Blend, Poser::Character(7)), 0);
+            let job = plan.add(0, Kind::Clip, Poser::Leader(4));
+            assert_eq!(job, 1);
+            plan.follow(0, 8, job);
+            plan.follow(0, 9, job);
+            plan.add(1, Kind::Cached, Poser::Character(20));
+            let record = |character| BlendRecord {
+                character,
+                ..BlendRecord::default()
+            };
+            plan.record(1, record(21));
+            plan.record(0, record(22));
+            plan.record(1, record(23));
+            plan.finish(&palette);
+            let list = plan.draw_list();
+            // At the first level the matrices of clips, then of blends; shared poses are no draws.
+            let mut expected = vec![(5, 0), (7, 6), (8, 3), (9, 3)];
+            expected.extend((0..10).map(|i| (if i < 9 { 10 + i } else { 20 }, 9 + i)));
+            let draws = list.draws.iter().map(|d| (d.character, d.first_matrix));
+            assert_eq!(draws.collect::<Vec<_>>(), expected);
+            let groups = list.groups.iter();
+            let groups = groups.map(|g| (g.level, g.draws.clone(), g.matrices));
+            assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..4, 3), (1, 4..14, 1)]);
+            assert_eq!((list.batches, list.matrices), (5, 19));
+            let records: Vec<u32> = list.records.iter().map(|r| r.character).collect();
+            assert_eq!(records, [22, 21, 23]);
+            let groups = list.record_groups.iter();
+            let groups = groups.map(|g| (g.level, g.records.clone(), g.matrices));
+            assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..1, 3), (1, 1..3, 1)]);
+            let batches = plan.batches().iter();
+            let batches = batches.map(|b| (b.level(), b.poses(), b.is_cached()));
+            let expected = [(0, 2, false), (0, 1, false), (1, 8, false), (1, 1, false)];
+            let expected: Vec<_> = expected.into_iter().chain([(1, 1, true)]).collect();
+            assert_eq!(batches.collect::<Vec<_>>(), expected);
+            let first: Vec<usize> = (0..7).map(|b| plan.first_matrix(b)).collect();
+            assert_eq!(first, [0, 6, 9, 17, 18, 19, 19]);
+            let posers: Vec<Poser> = plan.posers(&plan.batches()[0]).collect();
+            assert_eq!(posers, [Poser::Character(5), Poser::Leader(4)]);
+            let posers: Vec<Poser> = plan.posers(&plan.batches()[3]).collect();
+            assert_eq!(posers, [Poser::Character(18)]);
+        }
+    }
+}

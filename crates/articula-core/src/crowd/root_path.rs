@@ -120,6 +120,8 @@ impl RootTrajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::{Affine3A, Quat};
+    use proptest::prelude::*;
     use std::f32::consts::FRAC_PI_2;
 
     #[test]
@@ -140,6 +142,63 @@ mod tests {
         let parts = path.step(0.2, 0.9, 0).then(path.step(0.9, 0.4, 1));
         let whole = path.step(0.2, 0.4, 1);
         assert!((parts.offset - whole.offset).length() < 1e-6);
+    }
+
+    #[test]
+    fn between_frames_by_hand() {
+        let place = |x, yaw_radians| RootDelta {
+            offset: Vec3::X * x,
+            yaw_radians,
+        };
+        let places = vec![place(0.0, 0.0), place(1.0, 0.5), place(5.0, 1.5)];
+        let path = RootTrajectory::new(2.0, places.clone()).unwrap();
+        assert_eq!((path.rate_hz(), path.places()), (2.0, &places[..]));
+        for (secs, x, yaw) in [
+            (-1.0, 0.0, 0.0),
+            (0.25, 0.5, 0.25),
+            (0.5, 1.0, 0.5),
+            (0.875, 4.0, 1.25),
+            (1.0, 5.0, 1.5),
+            (100.0, 5.0, 1.5),
+        ] {
+            assert_eq!(path.at(secs), place(x, yaw), "{secs} s");
+        }
+    }
+
+    fn matrix(delta: RootDelta) -> Affine3A {
+        let rotation = Quat::from_rotation_y(delta.yaw_radians);
+        Affine3A::from_rotation_translation(rotation, delta.offset)
+    }
+
+    fn delta() -> impl Strategy<Value = RootDelta> {
+        let axis = || -2.0_f32..2.0;
+        (axis(), axis(), axis(), -4.0_f32..4.0).prop_map(|(x, y, z, yaw_radians)| RootDelta {
+            offset: Vec3::new(x, y, z),
+            yaw_radians,
+        })
+    }
+
+    proptest! {
+        /// Deltas are rigid transforms, and a step over the end goes through the end and the start.
+        #[test]
+        fn steps_are_products_of_matrices(
+            places in prop::collection::vec(delta(), 1..4),
+            from in 0.0_f32..3.0,
+            to in 0.0_f32..3.0,
+            laps in -3_i32..4,
+        ) {
+            let (first, last) = (matrix(places[0]), matrix(places[places.len() - 1]));
+            let path = RootTrajectory::new(1.0, places).unwrap();
+            // To the far end, over the seam for each lap, and on from the near end.
+            let (far, near) = if laps < 0 { (first, last) } else { (last, first) };
+            let mut way = matrix(path.at(from)).inverse();
+            for _ in 0..laps.unsigned_abs() {
+                way = way * far * near.inverse();
+            }
+            way *= matrix(path.at(to));
+            let found = path.step(from, to, laps);
+            prop_assert!(matrix(found).abs_diff_eq(way, 1e-3), "{found:?}");
+        }
     }
 
     #[test]

@@ -194,6 +194,113 @@ mod tests {
     }
 
     #[test]
+    fn buckets_by_hand() {
+        // Half of a bucket of 2 s / 16 is 0.0625 s, in which the clip moves 0.1875 m.
+        let mut sharing = Sharing::new(1, 2, 100);
+        sharing.begin(0.5, &[2.0]);
+        let leads = |sharing: &mut Sharing, secs: f32, slack: f32| {
+            let leader = sharing.leader(follower(secs, slack), WAY).unwrap();
+            sharing.leaders()[leader].secs
+        };
+        for slack in [0.1876, 0.37] {
+            assert_eq!(leads(&mut sharing, 0.51, slack), 0.5625);
+            assert_eq!(leads(&mut sharing, 0.62, slack), 0.5625);
+            assert_eq!(leads(&mut sharing, 0.63, slack), 0.6875);
+            // Behind the clock, and over the end of the clip.
+            assert_eq!(leads(&mut sharing, 0.49, slack), 0.4375);
+            assert_eq!(leads(&mut sharing, 1.99, slack), 1.9375);
+            assert_eq!(leads(&mut sharing, 0.01, slack), 0.0625);
+        }
+        // One level's poses are not those of another.
+        let count = sharing.leaders().len();
+        let other = Follower {
+            level: 0,
+            ..follower(0.51, 0.37)
+        };
+        assert_eq!(sharing.leader(other, WAY), Some(count));
+        assert_eq!(leads(&mut sharing, 0.51, 0.1874), 0.53125);
+        // Nor those of one clip of another.
+        let mut many = Sharing::new(3, 2, 100);
+        many.begin(0.0, &[2.0; 3]);
+        for (clip, level) in (0..6).map(|i| (i / 2, i % 2)) {
+            let other = Follower {
+                clip,
+                level,
+                ..follower(0.1, 1e9)
+            };
+            assert_eq!(many.leader(other, WAY), Some(2 * clip + level));
+            assert_eq!(many.leaders()[2 * clip + level].clip, clip as u16);
+        }
+        // 512 buckets are the most: 6 m / (2 · 512).
+        assert!(sharing.leader(follower(0.51, 0.00586), WAY).is_some());
+        assert!(sharing.leader(follower(0.51, 0.00585), WAY).is_none());
+        // Just behind the clock: the phase rounds to 1, which is in the last bucket.
+        let mut sharing = Sharing::new(1, 2, 100);
+        sharing.begin(1e-9, &[2.0]);
+        assert_eq!(leads(&mut sharing, 0.0, 1e9), 1.875);
+    }
+
+    #[test]
+    fn a_shared_pose_does_not_depend_on_those_before_it() {
+        let fresh = || {
+            let mut sharing = Sharing::new(1, 2, 1000);
+            sharing.begin(0.7, &[2.0]);
+            sharing
+        };
+        let mut sharing = fresh();
+        for slack in [1e9, 0.37, 0.18, 0.09, 0.02] {
+            for secs in (0..100).map(|i| 0.02 * i as f32) {
+                let mut alone = fresh();
+                let expected = alone.leader(follower(secs, slack), WAY).unwrap();
+                let found = sharing.leader(follower(secs, slack), WAY).unwrap();
+                assert_eq!(sharing.leaders()[found], alone.leaders()[expected]);
+            }
+        }
+    }
+
+    #[test]
+    fn clocks_go_around() {
+        let mut sharing = Sharing::new(3, 1, 1);
+        sharing.begin(1.5, &[2.0, 1.0, 0.0]);
+        assert_eq!(sharing.clocks, [1.5, 0.5, 0.0]);
+        sharing.begin(0.5, &[2.0, 1.0, 0.0]);
+        assert_eq!(sharing.clocks, [0.0, 0.0, 0.0]);
+        // The poses of the frame before are gone.
+        let way = ClipWay {
+            duration_secs: 2.0,
+            ..WAY
+        };
+        let at = Follower {
+            level: 0,
+            ..follower(0.1, 1e9)
+        };
+        for _ in 0..2 {
+            sharing.begin(0.0, &[2.0, 1.0, 0.0]);
+            assert_eq!(sharing.leader(at, way), Some(0));
+            assert_eq!(sharing.leaders().len(), 1);
+        }
+        // A stamp of before the counter wrapped would be of this frame.
+        sharing.frame = u32::MAX;
+        sharing.buckets.fill((1, 99));
+        sharing.begin(0.0, &[2.0, 1.0, 0.0]);
+        assert_eq!(sharing.leader(at, way), Some(0));
+    }
+
+    #[test]
+    fn over_the_seam_only_within_the_slack() {
+        let way = |seam_metres| ClipWay { seam_metres, ..WAY };
+        // 8 buckets of 0.25 s; the one around the seam is led by 0 s, 1.95 s is 0.05 s before it:
+        // 0.15 m of motion and the seam.
+        for (seam, shares) in [(0.8, true), (0.9, false)] {
+            let mut sharing = Sharing::new(1, 2, 100);
+            sharing.begin(1.875, &[2.0]);
+            let leader = sharing.leader(follower(1.95, 1.0), way(seam));
+            assert_eq!(leader.is_some(), shares, "a seam of {seam} m");
+            assert!(sharing.leader(follower(1.8, 1.0), way(seam)).is_some());
+        }
+    }
+
+    #[test]
     fn a_few_leaders_remain_however_far_away_and_standing_clips_share_too() {
         let mut sharing = Sharing::new(1, 2, 100);
         sharing.begin(0.0, &[2.0]);

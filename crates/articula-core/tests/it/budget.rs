@@ -519,6 +519,34 @@ fn nobody_waits_for_ever() {
 }
 
 #[test]
+fn who_comes_late_has_not_waited() {
+    let crowd = equals(2);
+    let policy = BudgetPolicy {
+        cap_px: 1.0,
+        patience_frames: 4,
+        hold_frames: 8,
+        ..PLAIN
+    };
+    let (mut budget, ids) = crowd.budget(policy);
+    budget.hide(0);
+    for _ in 0..60 {
+        assert_eq!(budget.solve(20.0).above_cap, 1);
+    }
+    // The first of two equal characters appears; both wait until the budget allows one of them.
+    let request = LodRequest {
+        option_set: ids[0],
+        weight: 1.0,
+        pixels_per_metre: 100.0,
+    };
+    budget.request(0, request);
+    for _ in 0..8 {
+        assert_eq!(budget.solve(20.0).above_cap, 2);
+    }
+    budget.solve(120.0);
+    assert_eq!(fine(&budget, 2), [1]);
+}
+
+#[test]
 fn hostile_numbers_behave() {
     let crowd = equals(3);
     let (mut budget, ids) = crowd.budget(BudgetPolicy::default());
@@ -583,6 +611,43 @@ fn new_costs_move_everyone_and_keep_their_names() {
     // An option with a NaN cost is never chosen.
     budget.reprice(|_, option| [10.0, f32::NAN][option]);
     assert_eq!(budget.solve(1e6).used, 40.0);
+}
+
+#[test]
+fn the_same_costs_again_change_nothing_and_no_patience_forgets_who_waited() {
+    let crowd = equals(10);
+    let policy = BudgetPolicy {
+        cap_px: 1.0,
+        patience_frames: 4,
+        hold_frames: 6,
+        ..PLAIN
+    };
+    let ((mut plain, _), (mut renewed, _)) = (crowd.budget(policy), crowd.budget(policy));
+    // The cheapest options and three upgrades, which go around.
+    let mut served = vec![false; 10];
+    for frame in 0..60 {
+        match frame % 3 {
+            0 => renewed.reprice(|_, option| [10.0, 110.0][option]),
+            1 => renewed.set_policy(policy),
+            _ => {}
+        }
+        plain.solve(400.0);
+        renewed.solve(400.0);
+        for (c, served) in served.iter_mut().enumerate() {
+            assert_eq!(renewed.choice(c), plain.choice(c), "frame {frame}");
+            *served |= plain.choice(c) == Some(1);
+        }
+    }
+    assert_eq!(served, [true; 10]);
+    let impatient = BudgetPolicy {
+        patience_frames: 0,
+        ..policy
+    };
+    plain.set_policy(impatient);
+    for _ in 0..20 {
+        plain.solve(400.0);
+        assert_eq!(fine(&plain, 10), [0, 1, 2]);
+    }
 }
 
 #[test]

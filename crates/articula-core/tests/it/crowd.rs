@@ -24,7 +24,7 @@ const PLAIN: Options = Options {
 };
 
 /// A rig with two clips and up to four levels, with a stated error of 1 cm more for each.
-fn parts(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdParts {
+pub(crate) fn parts(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdParts {
     let joint_lods = JointLods::of_sets(rig, sets, rig.rest_pose()).unwrap();
     let levels: Vec<f32> = (0..joint_lods.levels()).map(|l| l as f32 * 0.01).collect();
     let errors = LodErrors {
@@ -68,11 +68,11 @@ fn parts(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdParts {
     }
 }
 
-fn model(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdModel {
+pub(crate) fn model(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdModel {
     CrowdModel::new(parts(rig, clips, sets)).unwrap()
 }
 
-fn fixed_figure() -> (Rig, Vec<Clip>, Vec<JointSet>) {
+pub(crate) fn fixed_figure() -> (Rig, Vec<Clip>, Vec<JointSet>) {
     let mut runner = proptest::test_runner::TestRunner::deterministic();
     loop {
         let tree = figure(PLAIN).new_tree(&mut runner).unwrap();
@@ -84,9 +84,9 @@ fn fixed_figure() -> (Rig, Vec<Clip>, Vec<JointSet>) {
 }
 
 /// Characters in rows in front of a camera at the origin, which faces -Z.
-struct Square {
-    positions: Vec<Vec3>,
-    rotations: Vec<Quat>,
+pub(crate) struct Square {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) rotations: Vec<Quat>,
 }
 
 impl Square {
@@ -100,7 +100,7 @@ impl Square {
         }
     }
 
-    fn frame<'a>(&'a self, views: &'a [View<'a>], px: f32, share: bool) -> Frame<'a> {
+    pub(crate) fn frame<'a>(&'a self, views: &'a [View<'a>], px: f32, share: bool) -> Frame<'a> {
         Frame {
             dt_secs: 1.0 / 60.0,
             positions: &self.positions,
@@ -116,7 +116,7 @@ impl Square {
     }
 }
 
-fn camera() -> Camera {
+pub(crate) fn camera() -> Camera {
     Camera::looking_at(Vec3::ZERO, Vec3::NEG_Z, Viewport::default())
 }
 
@@ -163,6 +163,9 @@ fn draws_name_the_palette_of_their_character() {
         let rows = palettes(&crowd, &model);
         assert_eq!(crowd.draw_list().draws.len(), report.visible);
         assert_eq!(report.own + report.sharing_characters, report.visible);
+        let evaluated = report.own + report.shared_poses;
+        assert_eq!(evaluated as u64, report.work.characters);
+        assert!(report.shared_poses <= report.sharing_characters);
         assert!(
             report.visible < square.positions.len(),
             "some stand behind the camera"
@@ -186,6 +189,11 @@ fn draws_name_the_palette_of_their_character() {
                 others += usize::from(off > 4e-5);
             }
         }
+        // Every visible character once, the levels in order.
+        let drawn = drawn.iter().filter(|d| **d).count();
+        assert_eq!(drawn, report.visible);
+        let levels = crowd.draw_list().groups.iter().map(|group| group.level);
+        assert!(levels.is_sorted_by(|a, b| a < b));
         // Only characters that share a pose may show one other than their own.
         assert!(
             others <= report.sharing_characters,
@@ -522,12 +530,13 @@ fn what_does_not_belong_together_is_refused() {
     other.cache.clone_from(&cached.parts().cache);
     other.form = PaletteForm::HalfMatrix;
     assert_eq!(at(other), "cache");
-    const { assert!(Crowd::BYTES_PER_CHARACTER <= 64) }
+    // Playback state, level, range in which it is kept, bound and its time.
+    assert_eq!(Crowd::BYTES_PER_CHARACTER, 32 + 1 + 8 + 16 + 4);
 }
 
 /// A cache of the first and last pose of each clip at every level but the finest, with a stated
 /// error of 5 mm.
-fn with_cache(model: CrowdModel) -> CrowdModel {
+pub(crate) fn with_cache(model: CrowdModel) -> CrowdModel {
     let evaluator = model.evaluator();
     let mut scratch = evaluator.scratch();
     let mut rows = Vec::new();

@@ -7,6 +7,7 @@ mod batch;
 mod budget;
 mod clustered;
 mod crowd;
+mod crowd_levels;
 mod drift;
 mod loa;
 mod occlusion;

@@ -288,6 +288,75 @@ mod tests {
     }
 
     #[test]
+    fn a_model_counts_what_it_saw() {
+        let share = |model: Bit| f64::from(model.zero()) / f64::from(1 << 24);
+        let mut model = Bit::default();
+        assert_eq!((share(model), model.seen()), (0.5, 0));
+        let (mut zeros, mut seen) = (0, 0);
+        for bit in [true, false, true, true, false, false, true, true, true] {
+            model.learn(bit);
+            seen += 1;
+            zeros += u8::from(!bit);
+            // Half an outcome of either kind was assumed: a quarter of a 0 in all.
+            let expected = (0.25 + f64::from(zeros)) / (0.5 + f64::from(seen));
+            assert!((share(model) - expected).abs() < 1e-3, "{seen} decisions");
+            assert_eq!(model.seen(), seen);
+        }
+        // Nothing is ever certain.
+        (0..5000).for_each(|_| model.learn(true));
+        assert!((share(model) - 24.0 / 65536.0).abs() < 1e-5);
+        assert_eq!(model.seen(), 95);
+        // From there on a decision has the weight 1 / 96.5.
+        model.learn(false);
+        assert!((share(model) - 24.0 / 65536.0 - 1.0 / 96.5).abs() < 1e-4);
+        (0..5000).for_each(|_| model.learn(false));
+        assert!((1.0 - share(model) - 24.0 / 65536.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn decisions_cost_their_entropy() {
+        let mut state = 1_u32;
+        let mut encoder = Encoder::new();
+        let mut bits = 0.0;
+        for _ in 0..40_000 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // One in eight is a 0, as is stated.
+            let bit = state >> 29 != 0;
+            encoder.decide(1 << 21, bit);
+            bits -= if bit { 0.875_f64 } else { 0.125 }.log2();
+        }
+        encoder.raw(13, 5);
+        let bytes = encoder.finish().len() as f64;
+        let expected = (bits + 13.0) / 8.0;
+        assert!((bytes - expected).abs() < 4.0, "{bytes} bytes, {expected}");
+    }
+
+    #[test]
+    fn ends_are_cut_and_read_as_zeros() {
+        assert!(Encoder::new().finish().len() <= 1);
+        for value in [1, 0x100, 0x1234_0000, u32::MAX] {
+            let mut encoder = Encoder::new();
+            encoder.raw(32, value);
+            let bytes = encoder.finish();
+            assert_ne!(bytes.last(), Some(&0), "{value:x}");
+            let mut decoder = Decoder::new(&bytes);
+            assert_eq!(decoder.raw(32, 0), value);
+            assert!(decoder.is_spent() && !decoder.is_exhausted());
+        }
+        // Four bytes are read ahead, then one for each eight bits.
+        let mut decoder = Decoder::new(&[0; 6]);
+        assert!(!decoder.is_spent());
+        decoder.raw(8, 0);
+        assert!(!decoder.is_spent());
+        decoder.raw(8, 0);
+        assert!(decoder.is_spent());
+        for zeros in 1..=20 {
+            decoder.raw(8, 0);
+            assert_eq!(decoder.is_exhausted(), zeros > 16, "{zeros} zeros");
+        }
+    }
+
+    #[test]
     fn a_carry_runs_through_full_bytes() {
         let mut encoder = Encoder::new();
         let values = [u32::MAX, u32::MAX, 0, u32::MAX, 1, 0x8000_0000];
