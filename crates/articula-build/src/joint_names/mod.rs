@@ -7,6 +7,7 @@
 //! Source: thesis 3.1.3; H-Anim 1.1 and 2 (ISO/IEC 19774); the mapping rules are described in
 //! `docs/formats/joint-map.md`.
 
+mod by_words;
 mod gap;
 mod hand;
 mod levels;
@@ -14,6 +15,7 @@ mod matching;
 mod rest;
 mod shape;
 mod spine;
+mod words;
 
 pub use gap::{UnmappedJoint, UnmappedReason};
 
@@ -49,8 +51,9 @@ pub struct JointMapping {
 /// that fit. On a tie the first in the list is used, so pass the user's own before built-in ones.
 ///
 /// `given` is a map from the file itself: joint index and VRM human bone. If it names hips, legs
-/// and arms it is used alone. A rig whose names match nothing is recognised by the shape of its
-/// tree at rest, if that is a plain human one; the name of the joint map is then `shape`.
+/// and arms it is used alone. A rig that no joint map fits is recognised by the words in its
+/// names; the name of the joint map is then `words`. A rig whose names tell nothing is recognised by
+/// the shape of its tree at rest, if that is a plain human one: `shape`.
 pub fn map(
     skeleton: &Skeleton,
     profiles: &[JointMap],
@@ -59,6 +62,7 @@ pub fn map(
     let candidate = given
         .and_then(|bones| by_humanoid_map(skeleton, profiles, bones))
         .or_else(|| best(skeleton, profiles, RigScope::Body))
+        .or_else(|| by_words(skeleton))
         .or_else(|| by_shape(skeleton));
     if let Some(candidate) = candidate {
         return mapping(skeleton, candidate, true);
@@ -131,6 +135,11 @@ fn profile_of(bones: &[(usize, String)]) -> &'static str {
         .iter()
         .any(|(_, bone)| bone.ends_with("ThumbIntermediate"));
     if old { "vrm-0" } else { "vrm-1" }
+}
+
+fn by_words(skeleton: &Skeleton) -> Option<Candidate> {
+    let found = by_words::human(skeleton, &matching::eligible(skeleton))?;
+    Candidate::new(skeleton, by_words::NAME, found, RigScope::Body)
 }
 
 fn by_shape(skeleton: &Skeleton) -> Option<Candidate> {
