@@ -242,6 +242,18 @@ impl Body<'_> {
         matching.map(|(joint, _)| joint).collect()
     }
 
+    /// The nearest joint above another one that is one of these parts on the same side.
+    fn nearest_above(
+        &self,
+        joint: usize,
+        side: Option<Side>,
+        is: impl Fn(Part) -> bool,
+    ) -> Option<usize> {
+        let parent = |j: &usize| self.skeleton.joints[*j].parent;
+        std::iter::successors(parent(&joint), parent)
+            .find(|j| self.meanings[*j].is_some_and(|(part, own)| own == side && is(part)))
+    }
+
     fn is_below(&self, joint: usize, above: usize) -> bool {
         let parent = |j: &usize| self.skeleton.joints[*j].parent;
         std::iter::successors(parent(&joint), parent).any(|j| j == above)
@@ -284,10 +296,11 @@ impl Body<'_> {
 
     fn leg(&mut self, side: Side, named: &dyn Fn(&str) -> String) -> Option<usize> {
         let own = Some(side);
-        let uppers = self.of(own, |p| matches!(p, Part::Thigh | Part::Leg));
-        let thigh = *uppers.first()?;
-        let shins = self.of(own, |p| matches!(p, Part::Shin | Part::Leg));
-        let shin = shins.into_iter().find(|j| self.is_below(*j, thigh))?;
+        let is_thigh = |p| matches!(p, Part::Thigh | Part::Leg);
+        let shins = self.of(own, |p| p == Part::Shin).into_iter();
+        let mut shins = shins.chain(self.of(own, |p| p == Part::Leg));
+        // A leg is a shin if it is below another one.
+        let (shin, thigh) = shins.find_map(|j| Some((j, self.nearest_above(j, own, is_thigh)?)))?;
         self.set(thigh, &named("hip"));
         self.set(shin, &named("knee"));
         let feet = self.of(own, |p| matches!(p, Part::Foot | Part::Toes));
@@ -304,25 +317,13 @@ impl Body<'_> {
 
     fn arm(&mut self, side: Side, named: &dyn Fn(&str) -> String) -> Option<usize> {
         let own = Some(side);
-        let chain = self.of(own, |p| {
-            let collar = matches!(p, Part::Collar | Part::Shoulder);
-            collar || matches!(p, Part::UpperArm | Part::Arm | Part::Forearm)
-        });
-        let part = |joint: usize| self.meanings[joint].map(|(part, _)| part);
-        let first =
-            |is: &dyn Fn(Part) -> bool| chain.iter().copied().find(|j| part(*j).is_some_and(is));
-        let upper = first(&|p| p == Part::UpperArm)
-            .or_else(|| first(&|p| p == Part::Arm))
-            .or_else(|| first(&|p| p == Part::Shoulder))?;
-        let is_lower = |j: &usize| {
-            let may_be = matches!(part(*j), Some(Part::Forearm | Part::Arm));
-            may_be && self.is_below(*j, upper)
-        };
-        let lower = chain.iter().copied().find(is_lower)?;
-        let collar = chain.iter().copied().find(|j| {
-            let may_be = matches!(part(*j), Some(Part::Collar | Part::Shoulder));
-            may_be && self.is_below(upper, *j)
-        });
+        let is_upper = |p| matches!(p, Part::UpperArm | Part::Arm | Part::Shoulder);
+        let is_collar = |p| matches!(p, Part::Collar | Part::Shoulder);
+        let lowers = self.of(own, |p| p == Part::Forearm).into_iter();
+        let mut lowers = lowers.chain(self.of(own, |p| p == Part::Arm));
+        let (lower, upper) =
+            lowers.find_map(|j| Some((j, self.nearest_above(j, own, is_upper)?)))?;
+        let collar = self.nearest_above(upper, own, is_collar);
         if let Some(collar) = collar {
             self.set(collar, &named("sternoclavicular"));
         }

@@ -51,8 +51,8 @@ pub struct JointMapping {
 /// that fit. On a tie the first in the list is used, so pass the user's own before built-in ones.
 ///
 /// `given` is a map from the file itself: joint index and VRM human bone. If it names hips, legs
-/// and arms it is used alone. A rig that no joint map fits is recognised by the words in its
-/// names; the name of the joint map is then `words`. A rig whose names tell nothing is recognised by
+/// and arms it is used alone. A rig of which the words in its names tell more joints than any
+/// joint map, or that no joint map fits, is recognised by these words; the name of the joint map is then `words`. A rig whose names tell nothing is recognised by
 /// the shape of its tree at rest, if that is a plain human one: `shape`.
 pub fn map(
     skeleton: &Skeleton,
@@ -61,8 +61,7 @@ pub fn map(
 ) -> JointMapping {
     let candidate = given
         .and_then(|bones| by_humanoid_map(skeleton, profiles, bones))
-        .or_else(|| best(skeleton, profiles, RigScope::Body))
-        .or_else(|| by_words(skeleton))
+        .or_else(|| by_names(skeleton, profiles))
         .or_else(|| by_shape(skeleton));
     if let Some(candidate) = candidate {
         return mapping(skeleton, candidate, true);
@@ -135,6 +134,18 @@ fn profile_of(bones: &[(usize, String)]) -> &'static str {
         .iter()
         .any(|(_, bone)| bone.ends_with("ThumbIntermediate"));
     if old { "vrm-0" } else { "vrm-1" }
+}
+
+/// The joint map that fits best, or the words of the names if they tell more joints, as those of two
+/// conventions in one rig do.
+fn by_names(skeleton: &Skeleton, profiles: &[JointMap]) -> Option<Candidate> {
+    let (map, words) = (best(skeleton, profiles, RigScope::Body), by_words(skeleton));
+    let joints = |candidate: &Candidate| candidate.score().0;
+    match (map, words) {
+        (Some(map), Some(words)) if joints(&words) > joints(&map) => Some(words),
+        (Some(map), _) => Some(map),
+        (None, words) => words,
+    }
 }
 
 fn by_words(skeleton: &Skeleton) -> Option<Candidate> {
