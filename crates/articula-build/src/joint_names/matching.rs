@@ -103,7 +103,7 @@ impl Candidate {
 
 /// Whether a name counts: mesh nodes outside the skeleton are often called `Head` or `Hand.L` as
 /// well, so in a file with a skin only nodes of its trees count.
-fn eligible(skeleton: &Skeleton) -> Vec<bool> {
+pub(super) fn eligible(skeleton: &Skeleton) -> Vec<bool> {
     let joints = &skeleton.joints;
     let any_skin = joints.iter().any(|j| j.in_skin);
     let mut eligible: Vec<bool> = joints.iter().map(|j| j.in_skin || !any_skin).collect();

@@ -7,6 +7,7 @@
 //! Source: thesis 3.1.3; H-Anim 1.1 and 2 (ISO/IEC 19774); the mapping rules are described in
 //! `docs/formats/joint-map.md`.
 
+mod by_words;
 mod gap;
 mod hand;
 mod levels;
@@ -14,6 +15,7 @@ mod matching;
 mod rest;
 mod shape;
 mod spine;
+mod words;
 
 pub use gap::{UnmappedJoint, UnmappedReason};
 
@@ -49,8 +51,9 @@ pub struct JointMapping {
 /// that fit. On a tie the first in the list is used, so pass the user's own before built-in ones.
 ///
 /// `given` is a map from the file itself: joint index and VRM human bone. If it names hips, legs
-/// and arms it is used alone. A rig whose names match nothing is recognised by the shape of its
-/// tree at rest, if that is a plain human one; the name of the joint map is then `shape`.
+/// and arms it is used alone. A rig of which the words in its names tell more joints than any
+/// joint map, or that no joint map fits, is recognised by these words; the name of the joint map is then `words`. A rig whose names tell nothing is recognised by
+/// the shape of its tree at rest, if that is a plain human one: `shape`.
 pub fn map(
     skeleton: &Skeleton,
     profiles: &[JointMap],
@@ -58,7 +61,7 @@ pub fn map(
 ) -> JointMapping {
     let candidate = given
         .and_then(|bones| by_humanoid_map(skeleton, profiles, bones))
-        .or_else(|| best(skeleton, profiles, RigScope::Body))
+        .or_else(|| by_names(skeleton, profiles))
         .or_else(|| by_shape(skeleton));
     if let Some(candidate) = candidate {
         return mapping(skeleton, candidate, true);
@@ -131,6 +134,23 @@ fn profile_of(bones: &[(usize, String)]) -> &'static str {
         .iter()
         .any(|(_, bone)| bone.ends_with("ThumbIntermediate"));
     if old { "vrm-0" } else { "vrm-1" }
+}
+
+/// The joint map that fits best, or the words of the names if they tell more joints, as those of two
+/// conventions in one rig do.
+fn by_names(skeleton: &Skeleton, profiles: &[JointMap]) -> Option<Candidate> {
+    let (map, words) = (best(skeleton, profiles, RigScope::Body), by_words(skeleton));
+    let joints = |candidate: &Candidate| candidate.score().0;
+    match (map, words) {
+        (Some(map), Some(words)) if joints(&words) > joints(&map) => Some(words),
+        (Some(map), _) => Some(map),
+        (None, words) => words,
+    }
+}
+
+fn by_words(skeleton: &Skeleton) -> Option<Candidate> {
+    let found = by_words::human(skeleton, &matching::eligible(skeleton))?;
+    Candidate::new(skeleton, by_words::NAME, found, RigScope::Body)
 }
 
 fn by_shape(skeleton: &Skeleton) -> Option<Candidate> {

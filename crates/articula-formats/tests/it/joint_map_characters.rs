@@ -358,3 +358,212 @@ fn what_is_no_human_is_said_to_be_none() {
         assert_eq!(mapping.gaps.len(), skeleton.joints.len());
     }
 }
+
+/// Names of one joint by several conventions: of Mixamo, of DAZ and Poser, of Biovision, and of
+/// riggers who put the part before its place. `{s}` is the side in the spelling of each.
+const CONVENTIONS: [(&str, [&str; 4]); 24] = [
+    ("humanoid_root", ["Hips", "hip", "Hips", "C_hips"]),
+    ("vc4", ["Neck", "neck", "Neck", "C_neck"]),
+    ("skullbase", ["Head", "head", "Head", "C_head"]),
+    (
+        "{s}_sternoclavicular",
+        ["{s}Shoulder", "{s}Collar", "{s}Collar", "{s}_clavicle"],
+    ),
+    (
+        "{s}_shoulder",
+        ["{s}Arm", "{s}Shldr", "{s}Shoulder", "{s}_armUpper"],
+    ),
+    (
+        "{s}_elbow",
+        ["{s}ForeArm", "{s}ForeArm", "{s}Elbow", "{s}_armLower"],
+    ),
+    ("{s}_wrist", ["{s}Hand", "{s}Hand", "{s}Wrist", "{s}_hand"]),
+    (
+        "{s}_hip",
+        ["{s}UpLeg", "{s}Thigh", "{s}Hip", "{s}_legUpper"],
+    ),
+    ("{s}_knee", ["{s}Leg", "{s}Shin", "{s}Knee", "{s}_legLower"]),
+    ("{s}_ankle", ["{s}Foot", "{s}Foot", "{s}Ankle", "{s}_foot"]),
+    (
+        "{s}_metatarsal",
+        ["{s}ToeBase", "{s}Toe", "{s}Toes", "{s}_ball"],
+    ),
+    (
+        "{s}_thumb1",
+        [
+            "{s}HandThumb1",
+            "{s}Thumb1",
+            "{s}FingerThumb1",
+            "{s}_thumb01",
+        ],
+    ),
+    (
+        "{s}_thumb2",
+        [
+            "{s}HandThumb2",
+            "{s}Thumb2",
+            "{s}FingerThumb2",
+            "{s}_thumb02",
+        ],
+    ),
+    (
+        "{s}_thumb3",
+        [
+            "{s}HandThumb3",
+            "{s}Thumb3",
+            "{s}FingerThumb3",
+            "{s}_thumb03",
+        ],
+    ),
+    (
+        "{s}_index1",
+        [
+            "{s}HandIndex1",
+            "{s}Index1",
+            "{s}FingerIndex1",
+            "{s}_index01",
+        ],
+    ),
+    (
+        "{s}_index2",
+        [
+            "{s}HandIndex2",
+            "{s}Index2",
+            "{s}FingerIndex2",
+            "{s}_index02",
+        ],
+    ),
+    (
+        "{s}_index3",
+        [
+            "{s}HandIndex3",
+            "{s}Index3",
+            "{s}FingerIndex3",
+            "{s}_index03",
+        ],
+    ),
+    (
+        "{s}_middle1",
+        [
+            "{s}HandMiddle1",
+            "{s}Mid1",
+            "{s}FingerMiddle1",
+            "{s}_middle01",
+        ],
+    ),
+    (
+        "{s}_middle2",
+        [
+            "{s}HandMiddle2",
+            "{s}Mid2",
+            "{s}FingerMiddle2",
+            "{s}_middle02",
+        ],
+    ),
+    (
+        "{s}_middle3",
+        [
+            "{s}HandMiddle3",
+            "{s}Mid3",
+            "{s}FingerMiddle3",
+            "{s}_middle03",
+        ],
+    ),
+    (
+        "{s}_ring1",
+        ["{s}HandRing1", "{s}Ring1", "{s}FingerRing1", "{s}_ring01"],
+    ),
+    (
+        "{s}_ring2",
+        ["{s}HandRing2", "{s}Ring2", "{s}FingerRing2", "{s}_ring02"],
+    ),
+    (
+        "{s}_pinky1",
+        [
+            "{s}HandPinky1",
+            "{s}Pinky1",
+            "{s}FingerPinky1",
+            "{s}_little01",
+        ],
+    ),
+    (
+        "{s}_pinky2",
+        [
+            "{s}HandPinky2",
+            "{s}Pinky2",
+            "{s}FingerPinky2",
+            "{s}_little02",
+        ],
+    ),
+];
+
+/// Characters with different rigs.
+const RENAMED: [&str; 5] = [
+    "glb/pab_arnaud.glb",
+    "glb/mannequiny.glb",
+    "glb/KayKit_Knight.glb",
+    "glb/mh_male_cmu31.glb",
+    "glb/CesiumMan.glb",
+];
+
+const LEFT_AND_RIGHT: [[&str; 2]; 4] =
+    [["Left", "Right"], ["l", "r"], ["Left", "Right"], ["L", "R"]];
+
+/// The name of a joint of the standard by a convention.
+fn name_by(convention: usize, hanim: &str) -> Option<String> {
+    let sides = ["l", "r"].iter().zip(LEFT_AND_RIGHT[convention]);
+    let named = |(side, spelled): (&&str, &str)| {
+        let row = CONVENTIONS
+            .iter()
+            .find(|(joint, _)| joint.replace("{s}", side) == hanim)?;
+        Some(row.1[convention].replace("{s}", spelled))
+    };
+    sides
+        .filter_map(|(side, spelled)| named((side, spelled)))
+        .next()
+}
+
+/// Renames the joints of a rig, with one convention for each joint, and compares the mappings.
+fn renamed_maps_alike(name: &str, convention: impl Fn(usize) -> usize, suffix: &str) {
+    let (mut skeleton, before) = mapped(name);
+    let joints = &before.articulation.joints;
+    let mut renamed = Vec::new();
+    for (index, joint) in skeleton.joints.iter_mut().enumerate() {
+        let hanim = joints[index].hanim.as_deref();
+        let own = hanim.and_then(|hanim| name_by(convention(index), hanim));
+        if own.is_some() {
+            renamed.push(index);
+        }
+        let own = own.unwrap_or_else(|| "prop".to_owned());
+        joint.name = suffix
+            .replace("{n}", &own)
+            .replace("{i}", &format!("{index:03}"));
+    }
+    let after = articula_build::joint_names::map(&skeleton, joint_map::builtin(), None);
+    assert!(renamed.len() > 12, "{name}: {}", renamed.len());
+    for index in renamed {
+        assert_eq!(
+            after.articulation.joints[index].hanim, joints[index].hanim,
+            "{name}: {}, by {}",
+            skeleton.joints[index].name, after.articulation.profile
+        );
+    }
+}
+
+#[test]
+fn rigs_renamed_by_a_convention_or_two_map_as_before() {
+    if !data_is_here() {
+        return;
+    }
+    for name in RENAMED {
+        for suffix in ["{n}", "Character1_{n}", "rig:{n}_{i}", "{n}{i}_bind_JNT"] {
+            for one in 0..4 {
+                renamed_maps_alike(name, |_| one, suffix);
+                for two in 0..one {
+                    // Mixed as an artist mixes: the limbs of one rig, the trunk of another.
+                    renamed_maps_alike(name, |j| if j % 3 == 0 { one } else { two }, suffix);
+                }
+            }
+        }
+    }
+}
