@@ -5,7 +5,7 @@
 //! name are not significant. Source: thesis 3.1.3; H-Anim 1.1 and 2 (ISO/IEC 19774).
 
 use crate::articulation::Region;
-use crate::hanim_table::HanimJoint;
+use crate::hanim_table::{self, HanimJoint};
 use std::collections::BTreeMap;
 
 /// The part of a human that the rigs of a joint map cover.
@@ -98,6 +98,14 @@ pub enum JointTarget {
     Helper(Region),
     /// A known joint that is not mapped: it takes level and region from its parent.
     Ignored,
+}
+
+impl JointTarget {
+    /// Returns the joint of the standard with an H-Anim name; `None` if there is none.
+    pub fn standard(hanim: &str) -> Option<Self> {
+        let row = hanim_table::find(hanim).map(|row| &hanim_table::JOINTS[row]);
+        row.map(|row| Self::Joint(StandardJoint::from(row)))
+    }
 }
 
 /// Mapping of the joint names of one kind of rig, such as VRM 1.0, to H-Anim joints.

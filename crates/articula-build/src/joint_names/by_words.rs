@@ -5,8 +5,7 @@
 //! unknown words are left out, unless most joints have these words.
 
 use super::{rest, words};
-use articula_core::hanim_table;
-use articula_core::joint_names::{JointTarget, Side, StandardJoint};
+use articula_core::joint_names::{JointTarget, Side};
 use articula_core::source::Skeleton;
 
 /// Name of the joint map of joints that are found by their words.
@@ -249,21 +248,28 @@ impl Body<'_> {
         side: Option<Side>,
         is: impl Fn(Part) -> bool,
     ) -> Option<usize> {
+        let fits = |j: &usize| self.meanings[*j].is_some_and(|(part, own)| own == side && is(part));
+        self.above(joint).find(fits)
+    }
+
+    /// The joints above one, from its parent to the root.
+    fn above(&self, joint: usize) -> impl Iterator<Item = usize> {
         let parent = |j: &usize| self.skeleton.joints[*j].parent;
         std::iter::successors(parent(&joint), parent)
-            .find(|j| self.meanings[*j].is_some_and(|(part, own)| own == side && is(part)))
     }
 
     fn is_below(&self, joint: usize, above: usize) -> bool {
-        let parent = |j: &usize| self.skeleton.joints[*j].parent;
-        std::iter::successors(parent(&joint), parent).any(|j| j == above)
+        self.above(joint).any(|j| j == above)
     }
 
     /// Whether the rest pose is that of an animal: feet below the hips, hands below the knees.
     fn stands_on_four(&self) -> bool {
         let places = rest::positions(self.skeleton);
         let height = |name: &str| {
-            let is_named = |target: &Option<JointTarget>| matches!(target, Some(JointTarget::Joint(joint)) if joint.name == name);
+            let is_named = |target: &Option<JointTarget>| match target {
+                Some(JointTarget::Joint(joint)) => joint.name == name,
+                _ => false,
+            };
             Some(places[self.found.iter().position(is_named)?].y)
         };
         let is_above = |a: &str, b: &str| {
@@ -277,8 +283,7 @@ impl Body<'_> {
     }
 
     fn set(&mut self, joint: usize, name: &str) {
-        let row = hanim_table::find(name).map(|row| StandardJoint::from(&hanim_table::JOINTS[row]));
-        self.found[joint] = row.map(JointTarget::Joint);
+        self.found[joint] = JointTarget::standard(name);
     }
 
     /// Names leg, arm and fingers of a side; returns thigh and upper arm if all of both limbs is

@@ -6,8 +6,7 @@
 //! above the knees, which excludes four-legged animals.
 
 use super::rest;
-use articula_core::hanim_table;
-use articula_core::joint_names::{JointTarget, StandardJoint};
+use articula_core::joint_names::JointTarget;
 use articula_core::source::Skeleton;
 use glam::Vec3;
 
@@ -155,6 +154,5 @@ impl Tree {
 }
 
 fn name(found: &mut [Option<JointTarget>], joint: usize, title: &str) {
-    let row = hanim_table::find(title).map(|row| &hanim_table::JOINTS[row]);
-    found[joint] = row.map(|row| JointTarget::Joint(StandardJoint::from(row)));
+    found[joint] = JointTarget::standard(title);
 }

@@ -4,6 +4,7 @@
 //! `L_armUpper0001_bind_JNT` is l, arm, upper, 0001, bind, jnt.
 
 use articula_core::joint_names::Side;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Share of the joints of a rig above which a word says nothing about one of them.
 const COMMON: f32 = 0.5;
@@ -49,9 +50,9 @@ pub(super) fn side(word: &str) -> Option<Side> {
 /// Removes the words that most joints of the rig have, such as the name of the character or
 /// `bind`. Those that `is_known` are kept.
 pub(super) fn without_common(names: &mut [Vec<String>], is_known: impl Fn(&str) -> bool) {
-    let mut counts = std::collections::BTreeMap::<String, usize>::new();
+    let mut counts = BTreeMap::<String, usize>::new();
     for words in names.iter() {
-        let distinct: std::collections::BTreeSet<&String> = words.iter().collect();
+        let distinct: BTreeSet<&String> = words.iter().collect();
         for word in distinct {
             *counts.entry(word.clone()).or_default() += 1;
         }

@@ -38,6 +38,8 @@ pub(super) struct Kept {
     /// Distances of each level; empty if not measured.
     pub(super) distances: Vec<LevelDistances>,
     pub(super) left_out: Vec<LeftOutLevel>,
+    /// Longest side of the bounding box at rest.
+    pub(super) size_metres: f32,
 }
 
 /// Selects the levels to be made, and measures them if `is_measured`. The limit of errors needs a
@@ -77,9 +79,10 @@ pub(super) fn kept(
         let lists: Vec<&[[u32; 3]]> = levels.iter().map(|l| &l.triangles[..]).collect();
         distances = mix::measured(asset, &lists, poses, &opts.distance)?;
     }
+    let size_metres = extent(&positions(asset, &poses.shaping[..1])[0]);
     if let Some(limit) = opts.max_error {
-        let size = extent(&positions(asset, &poses.shaping[..1])[0]);
-        let share = |d: &LevelDistances| d.motion.max_metres.max(d.rest.max_metres) / size;
+        let share =
+            |d: &LevelDistances| error_share(d.rest.max_metres, d.motion.max_metres, size_metres);
         let fine = distances.iter().position(|d| share(d) > limit);
         let fine = fine.unwrap_or(levels.len()).max(1);
         let coarse = levels.drain(fine..).zip(distances.drain(fine..));
@@ -95,5 +98,11 @@ pub(super) fn kept(
         levels,
         distances,
         left_out,
+        size_metres,
     })
+}
+
+/// The larger of the errors at rest and in motion, relative to the size of the figure.
+pub(super) fn error_share(rest_metres: f32, motion_metres: f32, size_metres: f32) -> f32 {
+    motion_metres.max(rest_metres) / size_metres
 }

@@ -23,8 +23,8 @@ use articula_core::{LevelRow, LevelTable, Mesh, Mismatch, Part};
 /// Options of [`mesh_levels`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshLevelOptions {
-    /// Maximum error in motion of a level, relative to the longest side of the bounding box at
-    /// rest; a level above it and all coarser ones are not made. `None` makes them all.
+    /// Maximum error of a level, at rest or in motion, relative to the longest side of the bounding
+    /// box at rest; a level above it and all coarser ones are not made. `None` makes them all.
     pub max_error: Option<f32>,
     /// Simplification: targets, weights and constraints.
     pub simplify: SimplifyOptions,
@@ -47,6 +47,8 @@ pub struct MeshLevels {
     pub parts: Vec<Vec<Vec<[u32; 3]>>>,
     /// Levels that were wanted and are not made, finest first.
     pub left_out: Vec<LeftOutLevel>,
+    /// Longest side of the figure's bounding box at rest, in metres.
+    pub size_metres: f32,
     /// Number of poses of each kind that errors in motion were measured on.
     pub measured: MeasurementPoses,
 }
@@ -78,6 +80,16 @@ impl MeasurementPoses {
 }
 
 impl MeshLevels {
+    /// Returns the larger of a level's maximum errors at rest and in motion, relative to
+    /// [`Self::size_metres`]: what [`MeshLevelOptions::max_error`] limits.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    pub fn error_share(&self, level: usize) -> f32 {
+        let row = &self.table.levels[level];
+        kept::error_share(row.rest.max_metres, row.motion.max_metres, self.size_metres)
+    }
+
     /// Returns the triangles of each level over the vertices of the mesh that the levels were made
     /// from.
     pub fn triangles(&self, mesh: &Mesh) -> Vec<Vec<[u32; 3]>> {
@@ -128,6 +140,7 @@ pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels,
         levels: simplified,
         distances,
         left_out,
+        size_metres,
     } = kept::kept(asset, simplified, &poses, opts, true)?;
     let mut objects = Vec::with_capacity(mesh.parts.len());
     let mut parts = Vec::with_capacity(mesh.parts.len());
@@ -160,6 +173,7 @@ pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels,
         objects,
         parts,
         left_out,
+        size_metres,
         measured: MeasurementPoses::new(&poses.measuring),
     })
 }

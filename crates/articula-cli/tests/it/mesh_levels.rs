@@ -103,6 +103,20 @@ fn levels_that_are_too_coarse_are_left_out_and_told() {
 }
 
 #[test]
+fn errors_are_told_relative_to_the_figure_whatever_the_unit_of_its_vertices() {
+    let here = folder("mesh-levels-unit");
+    // The scale is that of a node: the vertices stay in the unit of the file.
+    let scale = ["convert", word(human()), "big.glb", "--unit-metres", "100"];
+    json(&here, &scale);
+    for (targets, told) in [("100,50", 0), (FIVE, 1)] {
+        let built = json(&here, &["build", "big.glb", "b.glb", "--targets", targets]);
+        let warnings = built["warnings"].as_array().unwrap().iter();
+        let coarse = warnings.filter(|w| w.as_str().is_some_and(|w| w.contains("mesh level")));
+        assert_eq!(coarse.count(), told, "{}", built["warnings"]);
+    }
+}
+
+#[test]
 fn a_stream_tells_what_is_in_it_whole_cut_or_altered() {
     let here = folder("mesh-stream");
     let words = ["--targets", FIVE, "--mesh-stream", "h.ams"];

@@ -9,7 +9,7 @@ use articula::crowd::{
     ScenePlayer,
 };
 use articula::inspect::inspect;
-use articula::{Executor, Figure};
+use articula::{CharacterFile, Executor, Figure};
 use articula_build::{Plaza, plaza};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -19,8 +19,11 @@ const TOLERANCE_PX: f32 = 1.0;
 /// Limit of the worst vertex relative to the tolerance (docs/metrics.md).
 const WORST_VERTEX: f64 = 2.0;
 const CHARACTERS: usize = 300;
-const SECONDS: usize = 3;
 const DISPLAY_HZ: usize = 60;
+/// Three seconds.
+const FRAMES: usize = 3 * DISPLAY_HZ;
+/// Frames of a small run.
+const HALF_A_SECOND: usize = DISPLAY_HZ / 2;
 /// Frames between two measurements.
 const LOOK_EVERY: usize = 9;
 /// Warm-up frames in which levels settle.
@@ -40,8 +43,8 @@ struct Found {
     clips: usize,
     /// Height in the file, if the figure was scaled.
     scaled_from: Option<f32>,
-    /// Joints evaluated per visible character, of all joints.
-    joints_used: f64,
+    /// Matrices written per visible character, relative to the number of joints.
+    matrices: f64,
     error: ErrorSummary,
 }
 
@@ -51,18 +54,18 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     for path in files(&run.data.join("glb"))? {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         if !run.small || name == SMALL {
-            if let Err(why) = articula::fs::open(&path) {
-                eprintln!("{why}");
-                unread.push(name.into_owned());
-                continue;
-            }
+            let opened = match articula::fs::open(&path) {
+                Ok(opened) => opened,
+                Err(why) => {
+                    eprintln!("{why}");
+                    unread.push(name.into_owned());
+                    continue;
+                }
+            };
             let of = of(
                 &path,
-                if run.small {
-                    DISPLAY_HZ / 2
-                } else {
-                    SECONDS * DISPLAY_HZ
-                },
+                opened,
+                if run.small { HALF_A_SECOND } else { FRAMES },
             );
             found.extend(of.with_context(|| path.display().to_string())?);
         }
@@ -84,14 +87,14 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// Plays the crowd of a file; `None` without joints, skin or motion.
-fn of(path: &Path, frames: usize) -> Result<Option<Found>> {
-    let mut figure = Figure::new(articula::fs::open(path)?)?;
-    let height = inspect(&figure, &[], &Executor::default())?.height_m;
-    let height = height.context("no height")?;
+fn of(path: &Path, opened: CharacterFile, frames: usize) -> Result<Option<Found>> {
+    let mut figure = Figure::new(opened)?;
     let clips = figure.asset.clips.len();
     if figure.asset.mesh.is_empty() || clips == 0 || figure.asset.rig.len() < 2 {
         return Ok(None);
     }
+    let height = inspect(&figure, &[], &Executor::default())?.height_m;
+    let height = height.context("no height")?;
     let scaled_from = (!HEIGHTS.contains(&height)).then_some(height);
     if scaled_from.is_some() {
         let mut opened = articula::fs::open(path)?;
@@ -137,7 +140,7 @@ fn of(path: &Path, frames: usize) -> Result<Option<Found>> {
         joints,
         clips,
         scaled_from,
-        joints_used: used as f64 / (shown.max(1) * joints) as f64,
+        matrices: used as f64 / (shown.max(1) * joints) as f64,
         error: ErrorSummary::of(&samples),
     }))
 }
@@ -172,7 +175,7 @@ fn page(all: &[Found], unread: &[String]) -> Result<String> {
             found.name,
             found.joints,
             found.clips,
-            100.0 * found.joints_used,
+            100.0 * found.matrices,
             error.p95,
             error.near_max,
             error.worst_vertex,
@@ -213,7 +216,7 @@ of a file whose unit is not the metre; it was scaled to 1.8 m.
 
 fn csv(all: &[Found]) -> Result<String> {
     let mut csv = String::from(
-        "character,joints,clips,scaled_from_m,joints_used,p95_px,max_px,near_max_px,worst_vertex_px,hands_px,face_px,feet_px\n",
+        "character,joints,clips,scaled_from_m,matrices,p95_px,max_px,near_max_px,worst_vertex_px,hands_px,face_px,feet_px\n",
     );
     let cell = |value: Option<f64>| value.map_or(String::new(), |v| format!("{v:.4}"));
     for found in all {
@@ -225,7 +228,7 @@ fn csv(all: &[Found]) -> Result<String> {
             found.joints,
             found.clips,
             cell(found.scaled_from.map(f64::from)),
-            found.joints_used,
+            found.matrices,
             error.p95,
             error.max,
             error.near_max,

@@ -131,16 +131,21 @@ impl CrowdAsset {
             ..JointLodOptions::default()
         };
         let (levels, stored) = joint_levels(&asset, &options.joints, &opts, stored, work)?;
-        let wanted = if has_mesh { options.mesh_levels } else { 1 };
-        let triangles = mesh_level_triangles(figure, &asset, wanted)?;
-        let found = triangles.levels.len();
-        if found < wanted {
+        let wanted = options.mesh_levels;
+        let triangles = match has_mesh && wanted > 1 {
+            true => Some(mesh_level_triangles(figure, &asset, wanted)?),
+            false => None,
+        };
+        if let Some(found) = triangles.as_ref().map(|t| t.levels.len())
+            && found < wanted
+        {
             warnings.push(format!(
                 "{found} mesh levels are used instead of {wanted}: coarser ones are not stored, or they are empty, equal to finer ones or too far from the original"
             ));
         }
-        let levelled = if found > 1 {
-            let stored = stored.filter(|s| triangles.are_stored && s.mesh_levels() == found);
+        let levelled = if let Some(triangles) = triangles.filter(|t| t.levels.len() > 1) {
+            let count = triangles.levels.len();
+            let stored = stored.filter(|s| triangles.are_stored && s.mesh_levels() == count);
             MeshLods::paired(&asset, &levels, triangles.levels, &opts, stored)?
         } else {
             let all = 0..levels.joint_lods.levels();

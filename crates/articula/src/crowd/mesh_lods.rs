@@ -146,18 +146,12 @@ pub(super) struct MeshLevelTriangles {
 }
 
 /// Triangles of at most `levels` mesh levels: those of the file, unless it has none or more, or
-/// those that `prepare` would make. A single level is the original mesh and is not simplified.
+/// those that `prepare` would make.
 pub(super) fn mesh_level_triangles(
     figure: Option<&Figure>,
     asset: &Asset,
     levels: usize,
 ) -> Result<MeshLevelTriangles> {
-    if levels <= 1 {
-        return Ok(MeshLevelTriangles {
-            levels: vec![asset.mesh.triangles.clone()],
-            are_stored: false,
-        });
-    }
     let stored = figure.filter(|f| f.stored_mesh_level_count() <= levels);
     let stored = stored.and_then(Figure::stored_mesh_levels);
     let are_stored = stored.is_some();

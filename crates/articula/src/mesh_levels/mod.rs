@@ -20,7 +20,7 @@ use articula_build::{
     Asset, Clustered, LeftOutLevel, LeftOutReason, LevelTriangles, MeshLevels,
     mesh_level_triangles, mesh_levels,
 };
-use articula_core::{LevelRow, Mesh, Part, PosedMesh};
+use articula_core::{Part, PosedMesh};
 use articula_flat::Bounds;
 use articula_formats::gltf::Document;
 use articula_formats::gltf::{MeshParts, PartLevels};
@@ -92,7 +92,7 @@ pub(crate) fn add(
     let mut warnings: Vec<String> = meshes.iter().filter(replaced).map(warning).collect();
     warnings.extend(left_out(&levels, wanted.targets.len()));
     if wanted.max_error.is_none() {
-        warnings.extend(coarse(&levels, &asset.mesh));
+        warnings.extend(coarse(&levels));
     }
     Ok(CodedMeshLevels {
         warnings,
@@ -124,15 +124,13 @@ fn left_out(made: &MeshLevels, wanted: usize) -> Vec<String> {
 }
 
 /// Describes the levels that are made as wanted, though their errors are large.
-fn coarse(made: &MeshLevels, mesh: &Mesh) -> Vec<String> {
-    let bounds = Bounds::around(mesh.positions.iter().map(|p| (*p, *p)));
-    let size = bounds.map_or(0.0, |b| (b.high - b.low).max_element());
-    let rows = made.table.levels.iter().enumerate();
-    let coarse = rows.filter(|(_, row)| row.motion.max_metres > options::MAX_ERROR * size);
-    let text = |(l, row): (usize, &LevelRow)| {
+fn coarse(made: &MeshLevels) -> Vec<String> {
+    let levels = 0..made.table.levels.len();
+    let coarse = levels.filter(|l| made.error_share(*l) > options::MAX_ERROR);
+    let text = |l| {
         format!(
             "mesh level {l}: its error in motion is {:.1} % of the size of the figure; parts may come apart",
-            100.0 * row.motion.max_metres / size
+            100.0 * made.error_share(l)
         )
     };
     coarse.map(text).collect()

@@ -11,55 +11,49 @@ use glam::Quat;
 /// Cuts one joint's motion greedily into the longest runs, of at most [`LONGEST_RUN`] frames, whose
 /// angle to their middle frame stays below `radians`.
 pub(crate) fn clusters(values: &[Quat], radians: f32) -> Vec<Segment> {
-    let reach = Reach::new(radians);
-    let mut segments = Vec::new();
-    let mut start = 0;
-    while start < values.len() {
-        let mut key = values[start];
-        let mut end = start + 1;
-        while end < values.len().min(start + LONGEST_RUN) {
-            let middle = values[(start + end) / 2];
-            if !values[start..=end]
-                .iter()
-                .all(|q| reach.exceeds(middle, *q))
-            {
-                break;
-            }
-            key = middle;
-            end += 1;
-        }
-        segments.push(Segment { start, key });
-        start = end;
-    }
-    segments
+    runs(values, radians, |start, end| (start + end) / 2)
 }
 
 /// As [`clusters`], with the frame that has the least sum of angles to all frames of the run, the
 /// earliest of several.
 pub(crate) fn least_sum_clusters(values: &[Quat], radians: f32) -> Vec<Segment> {
+    // Sums of the angles from each frame of the run to all others.
+    let mut sums = Vec::new();
+    runs(values, radians, |start, end| {
+        if end == start + 1 {
+            sums = vec![0.0f64];
+        }
+        let mut own = 0.0;
+        for (sum, q) in sums.iter_mut().zip(&values[start..end]) {
+            let angle = f64::from(angle_between(*q, values[end]));
+            *sum += angle;
+            own += angle;
+        }
+        sums.push(own);
+        let least = sums.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+        start + least.map_or(0, |(frame, _)| frame)
+    })
+}
+
+/// Cuts greedily into the longest runs that stay near their key frame. `key_frame` is called for
+/// each frame that is tried as the end of a run, in order, with the first and that frame.
+fn runs(
+    values: &[Quat],
+    radians: f32,
+    mut key_frame: impl FnMut(usize, usize) -> usize,
+) -> Vec<Segment> {
     let reach = Reach::new(radians);
     let mut segments = Vec::new();
     let mut start = 0;
     while start < values.len() {
         let mut key = values[start];
         let mut end = start + 1;
-        // Sums of the angles from each frame of the run to all others.
-        let mut sums = vec![0.0f64];
         while end < values.len().min(start + LONGEST_RUN) {
-            let last = values[end];
-            let mut own = 0.0;
-            for (sum, q) in sums.iter_mut().zip(&values[start..end]) {
-                let angle = f64::from(angle_between(*q, last));
-                *sum += angle;
-                own += angle;
-            }
-            sums.push(own);
-            let least = sums.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-            let best = values[start + least.map_or(0, |(frame, _)| frame)];
-            if !values[start..=end].iter().all(|q| reach.exceeds(best, *q)) {
+            let tried = values[key_frame(start, end)];
+            if !values[start..=end].iter().all(|q| reach.exceeds(tried, *q)) {
                 break;
             }
-            key = best;
+            key = tried;
             end += 1;
         }
         segments.push(Segment { start, key });
