@@ -143,8 +143,7 @@ impl JointMap {
 pub struct Segments {
     /// Name of the joint map that matched the segments.
     pub profile: String,
-    /// Index in [`hanim_table::JOINTS`](crate::hanim_table::JOINTS) of the joint of each segment,
-    /// if any.
+    /// Index in [`hanim_table::JOINTS`] of the joint of each segment, if any.
     pub joints: Vec<Option<usize>>,
     /// Indices of the spine segments, which have no joint yet because their names do not give their
     /// order.
