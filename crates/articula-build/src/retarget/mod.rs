@@ -4,6 +4,7 @@
 //! figure. In the order of processing:
 //!
 //! - `rest`, `body`, `frames`: body measurements from joint positions at rest
+//! - `standing`, `reference`: the standing pose of a figure whose rest pose is none
 //! - `chain`, `plan`: which source joint drives which target joint
 //! - `motion`, `hinge`, `contacts`, `steps`: the source's poses, the bends of its limbs, its
 //!   contacts with the floor
@@ -27,9 +28,11 @@ mod plan;
 mod planted;
 mod pose;
 mod quality;
+mod reference;
 mod report;
 mod rest;
 mod side;
+mod standing;
 mod steps;
 mod tracks;
 mod transfer;
@@ -38,7 +41,8 @@ mod twist;
 pub use pair::Retargeter;
 pub use planted::ContactPinning;
 pub use quality::{EndEffectorError, FootSlide, RetargetQuality};
-pub use report::{JointReport, RetargetReport, RotationOrigin};
+pub use reference::Assumed;
+pub use report::{JointReport, RestPose, RetargetReport, RotationOrigin};
 
 use articula_core::Articulation;
 use articula_core::source::{RawClip, Skeleton};
@@ -50,6 +54,9 @@ pub struct RetargetFigure<'a> {
     pub skeleton: &'a Skeleton,
     /// Mapping to H-Anim, one entry per joint.
     pub articulation: &'a Articulation,
+    /// Motions of the figure, from which its standing pose is found if the rest pose is none. May
+    /// be empty.
+    pub clips: &'a [RawClip],
 }
 
 /// Options of retargeting a clip.

@@ -66,6 +66,41 @@ impl Motion {
         }
     }
 
+    /// The rest pose as a motion of one frame.
+    pub(super) fn still(rest: &Rest) -> Self {
+        Self {
+            rate_hz: 1.0,
+            times_secs: vec![0.0],
+            joints: rest.len(),
+            deltas: vec![Quat::IDENTITY; rest.len()],
+            positions: rest.positions.clone(),
+        }
+    }
+
+    /// Appends the frames of another motion of the same figure at the same rate.
+    pub(super) fn append(&mut self, next: Self) {
+        let start = self
+            .times_secs
+            .last()
+            .map_or(0.0, |t| t + 1.0 / self.rate_hz);
+        self.times_secs
+            .extend(next.times_secs.iter().map(|t| start + t));
+        self.deltas.extend(next.deltas);
+        self.positions.extend(next.positions);
+    }
+
+    /// The same motion with rotations from another pose of the figure, which is given by its
+    /// rotations from rest.
+    pub(super) fn relative_to(mut self, turns: &[Quat]) -> Self {
+        let inverse: Vec<Quat> = turns.iter().map(|turn| turn.inverse()).collect();
+        for frame in self.deltas.chunks_exact_mut(self.joints.max(1)) {
+            for (delta, turn) in frame.iter_mut().zip(&inverse) {
+                *delta = (*delta * *turn).normalize();
+            }
+        }
+        self
+    }
+
     pub(super) fn frames(&self) -> usize {
         self.times_secs.len()
     }

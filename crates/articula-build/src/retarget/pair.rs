@@ -9,6 +9,7 @@ use super::planted::{Goals, limbs};
 use super::pose::Pose;
 use super::quality::Gauge;
 use super::report::report;
+use super::rest::Rest;
 use super::side::Side;
 use super::steps::Steps;
 use super::tracks::Tracks;
@@ -22,24 +23,37 @@ use articula_core::source::RawClip;
 #[derive(Debug, Clone)]
 pub struct Retargeter<'a> {
     figure: RetargetFigure<'a>,
+    /// Rest pose of the source as in its file.
+    file_rest: Rest,
     source: Side,
     target: Side,
 }
 
 impl<'a> Retargeter<'a> {
-    /// Compares two figures.
+    /// Compares two figures. The rest pose of each counts if it is that of a standing figure;
+    /// otherwise a standing pose is found from the figure's clips, unless both are of one rig with
+    /// one rest pose.
     ///
     /// # Errors
     /// A [`Mismatch`] if an articulation does not fit its skeleton, if no joint is mapped to the
     /// root or a hip, or if a rest transform is not finite.
     pub fn new(source: RetargetFigure<'a>, target: RetargetFigure<'_>) -> Result<Self, Mismatch> {
-        let figure = source;
-        let source = Side::new(&source, "source")?;
-        let target = Side::new(&target, "target")?;
+        let mut from = Side::new(&source, "source")?;
+        let mut onto = Side::new(&target, "target")?;
+        let file_rest = from.rest.clone();
+        if !onto.is_of_rig(&from) {
+            if !from.stands() {
+                from = from.standing(&source, "source")?;
+            }
+            if !onto.stands() {
+                onto = onto.standing(&target, "target")?;
+            }
+        }
         Ok(Self {
-            figure,
-            source,
-            target,
+            figure: source,
+            file_rest,
+            source: from,
+            target: onto,
         })
     }
 
@@ -54,12 +68,11 @@ impl<'a> Retargeter<'a> {
         options: &RetargetOptions,
     ) -> Result<Retargeted, Mismatch> {
         let target = &self.target;
-        let motion = Motion::new(
-            clip,
-            self.figure.skeleton,
-            &self.source.rest,
-            options.rate_hz,
-        )?;
+        let skeleton = self.figure.skeleton;
+        let mut motion = Motion::new(clip, skeleton, &self.file_rest, options.rate_hz)?;
+        if let Some(found) = &self.source.found {
+            motion = motion.relative_to(&found.turns);
+        }
         let seen = self.seen(&motion);
         let source = &self.source.with_fronts(&seen);
         let plan = &Plan::new(source, target);
@@ -80,7 +93,9 @@ impl<'a> Retargeter<'a> {
         let goals = Goals::new(&transfer, &limbs, options.pinning);
         let mut gauge = Gauge::new(&transfer, &limbs);
         let mut twists = Twists::new(plan, target);
-        let mut tracks = Tracks::new(plan, target, &twists.joints(), motion.frames());
+        let mut more = twists.joints();
+        more.extend(target.reposed());
+        let mut tracks = Tracks::new(plan, target, &more, motion.frames());
         let mut pose = Pose::new(target);
         for frame in 0..motion.frames() {
             transfer.pose(frame, &mut pose);

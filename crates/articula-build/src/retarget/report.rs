@@ -2,6 +2,7 @@
 
 use super::plan::{Drive, Plan};
 use super::quality::RetargetQuality;
+use super::reference::Assumed;
 use super::side::Side;
 use super::twist::Twists;
 
@@ -23,6 +24,20 @@ pub enum RotationOrigin {
     Held,
 }
 
+/// The pose of a figure from which rotations are counted.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum RestPose {
+    /// The rest pose of the figure's file.
+    #[default]
+    OfFile,
+    /// A standing pose that was found from the figure's motions, because the rest pose is none.
+    Found {
+        /// Joints whose orientation in that pose is assumed in part: index in the skeleton, and
+        /// what is assumed.
+        assumed: Vec<(usize, Assumed)>,
+    },
+}
+
 /// Treatment of one target joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointReport {
@@ -41,6 +56,10 @@ pub struct RetargetReport {
     pub joints: Vec<JointReport>,
     /// Mapped source joints that no target joint follows.
     pub dropped: Vec<usize>,
+    /// The pose of the source from which its rotations are counted.
+    pub source_rest: RestPose,
+    /// The pose of the target that stands like that of the source.
+    pub target_rest: RestPose,
     /// Leg length of the target over that of the source.
     pub scale: f32,
     /// Maximum rotation speed of a target joint relative to its parent: joint, radians per second.
@@ -89,11 +108,21 @@ pub(super) fn report(source: &Side, target: &Side, plan: &Plan, twists: &Twists)
     RetargetReport {
         joints,
         dropped,
+        source_rest: rest_pose(source),
+        target_rest: rest_pose(target),
         scale: plan.scale,
         fastest: None,
         fastest_source: None,
         quality: RetargetQuality::default(),
     }
+}
+
+fn rest_pose(side: &Side) -> RestPose {
+    side.found
+        .as_ref()
+        .map_or(RestPose::OfFile, |found| RestPose::Found {
+            assumed: found.assumed.clone(),
+        })
 }
 
 /// Origin of a joint that the plan holds, to which twist may be distributed.

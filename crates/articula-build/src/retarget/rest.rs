@@ -2,7 +2,7 @@
 
 use super::RetargetFigure;
 use articula_core::Mismatch;
-use glam::{Affine3A, Mat3, Quat, Vec3};
+use glam::{Affine3A, Mat3, Mat3A, Quat, Vec3};
 use std::collections::BTreeMap;
 
 /// Positions and orientations at rest, and the mapping to H-Anim.
@@ -77,6 +77,25 @@ impl Rest {
             hanim,
             by_hanim,
         })
+    }
+
+    /// The same joints in another pose: rotations from this one, and positions, in model space.
+    pub(super) fn posed(&self, turns: &[Quat], positions: &[Vec3]) -> Self {
+        let mut posed = self.clone();
+        for (j, turn) in turns.iter().enumerate() {
+            let above = self.parents[j].map_or(Quat::IDENTITY, |p| turns[p]);
+            let around = self.parent_rotation(j);
+            let local = around.inverse() * above.inverse() * *turn * around;
+            posed.locals[j].0 = (local * self.locals[j].0).normalize();
+            posed.rotations[j] = (*turn * self.rotations[j]).normalize();
+            let linear = Mat3A::from_quat(*turn) * self.matrices[j].matrix3;
+            posed.matrices[j] = Affine3A {
+                matrix3: linear,
+                translation: positions[j].into(),
+            };
+        }
+        posed.positions = positions.to_vec();
+        posed
     }
 
     pub(super) fn len(&self) -> usize {

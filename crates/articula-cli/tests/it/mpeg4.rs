@@ -205,10 +205,12 @@ fn captured_hands_and_feet_come_to_their_places() {
         let from = RetargetFigure {
             skeleton: &source.skeleton,
             articulation: &names,
+            clips: &source.clips,
         };
         let onto = RetargetFigure {
             skeleton: &figure.skeleton,
             articulation: &standard,
+            clips: &[],
         };
         let clip = &source.clips[0];
         let moved = Retargeter::new(from, onto)

@@ -27,10 +27,12 @@ pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
     let source = RetargetFigure {
         skeleton: &opened.character.skeleton,
         articulation: &opened.mapping.articulation,
+        clips: &opened.character.clips,
     };
     let target = RetargetFigure {
         skeleton: &figure.skeleton,
         articulation: &standard.articulation,
+        clips: &[],
     };
     let moved = Retargeter::new(source, target)?.retarget(clip, &RetargetOptions::default())?;
     figure.clips.push(moved.clip);

@@ -173,10 +173,12 @@ pub fn fit_clips(
         let from = RetargetFigure {
             skeleton: from,
             articulation: &articulations.0,
+            clips: &file.character.clips,
         };
         let onto = RetargetFigure {
             skeleton: onto,
             articulation: &articulations.1,
+            clips: &character.character.clips,
         };
         let retargeter = Retargeter::new(from, onto).with_context(|| &file.name)?;
         Fitting::Map(Box::new(retargeter))

@@ -42,6 +42,7 @@ impl Human {
         RetargetFigure {
             skeleton: &self.skeleton,
             articulation: &self.articulation,
+            clips: &self.clips,
         }
     }
 
