@@ -29,4 +29,4 @@ pub use root_motion::{
     RootMotion, RootMotionMode, RootMotionOptions, TrajectoryKey, split_root_motion,
 };
 pub use subject::EditSubject;
-pub use trim::trim;
+pub use trim::{skip_first_frame, trim};

@@ -28,6 +28,23 @@ pub fn trim(clip: &RawClip, secs: RangeInclusive<f32>) -> Result<RawClip, Mismat
     Ok(out)
 }
 
+/// Returns a clip without its first frame: it begins at the earliest key after its start. Captures
+/// often begin with a frame of the rest pose. A clip without two later key times is unchanged.
+///
+/// # Errors
+/// A [`Mismatch`] if the clip is malformed.
+pub fn skip_first_frame(clip: &RawClip) -> Result<RawClip, Mismatch> {
+    channel::check(clip)?;
+    let keys = clip.channels.iter().flat_map(|c| &c.times_secs);
+    let later = keys.copied().filter(|t| *t > SAME_SECS);
+    let second = later.fold(f32::INFINITY, f32::min);
+    if second < clip.duration_secs - SAME_SECS {
+        trim(clip, second..=clip.duration_secs)
+    } else {
+        Ok(clip.clone())
+    }
+}
+
 fn part(whole: &Channel, from: f32, to: f32) -> Channel {
     let mut cut = whole.clone();
     if cut.times_secs.len() == 1 {
@@ -58,6 +75,22 @@ mod tests {
     use super::super::test_clips::{clips, greatest_difference, line};
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn the_first_frame_is_skipped_and_nothing_else() {
+        let clip = line(&[0.0, 0.1, 0.2, 0.3], &[5.0, 1.0, 2.0, 4.0]);
+        let cut = skip_first_frame(&clip).unwrap();
+        assert!((cut.duration_secs - 0.2).abs() < 1e-6);
+        let (whole, part) = (&clip.channels[0], &cut.channels[0]);
+        assert_eq!(part.times_secs.len(), 3);
+        assert_eq!(part.values[..], whole.values[whole.values.len() / 4..]);
+        let short = line(&[0.0, 0.1], &[5.0, 1.0]);
+        assert_eq!(
+            skip_first_frame(&short).unwrap(),
+            short,
+            "one frame would be left"
+        );
+    }
 
     #[test]
     fn a_line_is_cut_by_hand() {

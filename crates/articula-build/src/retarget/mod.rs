@@ -9,8 +9,9 @@
 //! - `motion`, `hinge`, `contacts`, `steps`: the source's poses, the bends of its limbs, its
 //!   contacts with the floor
 //! - `transfer`, `pose`: the target's poses
-//! - `limb`, `pin`, `planted`, `twist`: pinning of feet and hands, distribution of twist
-//! - `tracks`, `quality`, `report`: the keys, their quality, their origin
+//! - `limb`, `pin`, `planted`, `twist`, `pass`: pinning of feet and hands, distribution of twist
+//! - `tracks`, `quality`, `findings`, `report`: the keys, their quality, what of it is seen, their
+//!   origin
 //!
 //! Source: M. Gleicher, Retargetting Motion to New Characters, SIGGRAPH 1998, for the properties to
 //! preserve; the method differs: anatomical frames instead of constraints on one skeleton.
@@ -18,11 +19,13 @@
 mod body;
 mod chain;
 mod contacts;
+mod findings;
 mod frames;
 mod hinge;
 mod limb;
 mod motion;
 mod pair;
+mod pass;
 mod pin;
 mod plan;
 mod planted;
@@ -38,6 +41,7 @@ mod tracks;
 mod transfer;
 mod twist;
 
+pub use findings::{BodyEnd, NotDriven, RetargetFinding};
 pub use pair::Retargeter;
 pub use planted::ContactPinning;
 pub use quality::{EndEffectorError, FootSlide, RetargetQuality};

@@ -9,6 +9,12 @@ use glam::{Affine3A, Quat, Vec3};
 /// Maximum number of frames of one clip.
 const MAX_FRAMES: f64 = 1e6;
 
+/// Minimum number of steps of a motion whose first one is judged, and the least angle of a jump: a
+/// fixed one, and a multiple of the greatest step among 99 % of the others.
+const JUMP_STEPS: usize = 5;
+const JUMP_RADIANS: f32 = 0.2;
+const JUMP_FACTOR: f32 = 3.0;
+
 /// A motion in model space.
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
@@ -124,6 +130,36 @@ impl Motion {
             (j, self.rate_hz * steps.fold(0.0, f32::max))
         };
         mapped.map(speed).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The mapped joint that turns the farthest between the first two frames, if it turns much
+    /// farther than any joint does between others: captures often begin with a frame of the rest
+    /// pose. Joint, radians.
+    pub(super) fn first_frame_jump(&self, rest: &Rest) -> Option<(usize, f32)> {
+        let turn = |frame: usize, j: usize| {
+            let local = |frame: usize| {
+                let deltas = self.deltas(frame);
+                let above = rest.parents[j].map_or(Quat::IDENTITY, |p| deltas[p]);
+                above.inverse() * deltas[j]
+            };
+            (j, angle_between(local(frame), local(frame + 1)))
+        };
+        let mapped: Vec<usize> = (0..self.joints)
+            .filter(|j| rest.hanim[*j].is_some())
+            .collect();
+        let farthest = |frame: usize| {
+            let turns = mapped.iter().map(|j| turn(frame, *j));
+            turns.max_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let steps = self.frames().saturating_sub(1);
+        if steps < JUMP_STEPS {
+            return None;
+        }
+        let first = farthest(0)?;
+        let mut others: Vec<f32> = (1..steps).filter_map(farthest).map(|step| step.1).collect();
+        others.sort_by(f32::total_cmp);
+        let usual = others[(0.99 * others.len() as f32) as usize];
+        (first.1 > JUMP_RADIANS && first.1 > JUMP_FACTOR * usual).then_some(first)
     }
 
     /// Positions at a frame.

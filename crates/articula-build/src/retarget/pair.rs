@@ -1,21 +1,19 @@
 //! Retargeting of any number of clips between two figures that are compared once.
 
+use super::findings::{findings, not_driven};
 use super::frames::Fronts;
 use super::hinge;
 use super::limb::Limb;
 use super::motion::Motion;
+use super::pass::{Pass, pinned};
 use super::plan::Plan;
-use super::planted::{Goals, limbs};
-use super::pose::Pose;
-use super::quality::Gauge;
+use super::planted::limbs;
 use super::report::report;
 use super::rest::Rest;
 use super::side::Side;
 use super::steps::Steps;
-use super::tracks::Tracks;
 use super::transfer::Transfer;
-use super::twist::Twists;
-use super::{RetargetFigure, RetargetOptions, RetargetReport, Retargeted};
+use super::{NotDriven, RetargetFigure, RetargetOptions, RetargetReport, Retargeted};
 use articula_core::Mismatch;
 use articula_core::source::RawClip;
 
@@ -57,6 +55,13 @@ impl<'a> Retargeter<'a> {
         })
     }
 
+    /// The main joints of the target that the source does not drive: hips, spine, head, shoulders,
+    /// elbows, knees and ankles.
+    pub fn not_driven(&self) -> NotDriven {
+        let plan = Plan::new(&self.source, &self.target);
+        not_driven(&self.target, &plan)
+    }
+
     /// Retargets one clip of the source to the target.
     ///
     /// # Errors
@@ -90,27 +95,22 @@ impl<'a> Retargeter<'a> {
             limbs: &hinged,
         };
         let limbs = limbs(&transfer);
-        let goals = Goals::new(&transfer, &limbs, options.pinning);
-        let mut gauge = Gauge::new(&transfer, &limbs);
-        let mut twists = Twists::new(plan, target);
-        let mut more = twists.joints();
-        more.extend(target.reposed());
-        let mut tracks = Tracks::new(plan, target, &more, motion.frames());
-        let mut pose = Pose::new(target);
-        for frame in 0..motion.frames() {
-            transfer.pose(frame, &mut pose);
-            gauge.before(&transfer, frame, &pose);
-            goals.apply(&transfer, &limbs, frame, &mut pose);
-            twists.spread(plan, target, &mut pose);
-            gauge.after(&transfer, frame, &pose);
-            tracks.push(target, &pose);
-        }
-        let report = RetargetReport {
+        let Pass {
+            tracks,
+            twists,
+            quality,
+            contacts_left,
+            ..
+        } = pinned(&transfer, &limbs, options.pinning);
+        let mut report = RetargetReport {
             fastest: tracks.fastest(motion.rate_hz),
             fastest_source: motion.fastest(&source.rest),
-            quality: gauge.quality(plan.scale),
+            first_frame_jump: motion.first_frame_jump(&source.rest),
+            contacts_left,
+            quality,
             ..report(source, target, plan, &twists)
         };
+        report.findings = findings(&report, target.body.leg_metres);
         Ok(Retargeted {
             clip: tracks.clip(&clip.name, &motion.times_secs),
             report,

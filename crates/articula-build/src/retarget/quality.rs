@@ -187,6 +187,15 @@ impl<'a> Gauge<'a> {
         }
     }
 
+    /// For each contact of the feet, in the order of the limbs' points, whether its point slides
+    /// farther in the result than before, by more than `noise_metres`.
+    pub(super) fn slides_farther(&self, noise_metres: f32) -> Vec<bool> {
+        let pairs = self.before.slides.iter().zip(&self.after.slides);
+        pairs
+            .map(|(before, after)| *after > before + noise_metres)
+            .collect()
+    }
+
     /// Returns the accumulated measures.
     pub(super) fn quality(&self, scale: f32) -> RetargetQuality {
         let error = |e: &Error| EndEffectorError {

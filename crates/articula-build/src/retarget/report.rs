@@ -1,5 +1,6 @@
 //! Report of a retargeted motion: the origin of each joint's rotation, and quality measures.
 
+use super::findings::{RetargetFinding, not_driven};
 use super::plan::{Drive, Plan};
 use super::quality::RetargetQuality;
 use super::reference::Assumed;
@@ -69,6 +70,15 @@ pub struct RetargetReport {
     pub fastest_source: Option<(usize, f32)>,
     /// Quality measures of the clip.
     pub quality: RetargetQuality,
+    /// H-Anim names of the main joints of the target that no source joint drives.
+    pub not_driven: Vec<&'static str>,
+    /// The joint that the source turns between its first two frames as it does nowhere else: index
+    /// in the source skeleton, radians.
+    pub first_frame_jump: Option<(usize, f32)>,
+    /// Number of contacts of feet that are not pinned, since pinned they would slide more.
+    pub contacts_left: usize,
+    /// What a viewer would notice; empty if the motion is as good as others.
+    pub findings: Vec<RetargetFinding>,
 }
 
 /// The report without what is measured frame by frame.
@@ -114,6 +124,10 @@ pub(super) fn report(source: &Side, target: &Side, plan: &Plan, twists: &Twists)
         fastest: None,
         fastest_source: None,
         quality: RetargetQuality::default(),
+        not_driven: not_driven(target, plan).joints,
+        first_frame_jump: None,
+        contacts_left: 0,
+        findings: Vec::new(),
     }
 }
 

@@ -22,7 +22,15 @@ pub(super) struct Transfer<'a> {
     pub(super) limbs: &'a [Limb],
 }
 
+/// Distance in leg lengths by which a foot may move without sliding.
+const NOISE: f32 = 0.001;
+
 impl Transfer<'_> {
+    /// Distance by which a foot of the target may move without sliding, metres.
+    pub(super) fn noise_metres(&self) -> f32 {
+        NOISE * self.target.body.leg_metres
+    }
+
     /// Poses the target like the source at a frame, without pinning.
     pub(super) fn pose(&self, frame: usize, pose: &mut Pose) {
         self.turn(frame, pose);

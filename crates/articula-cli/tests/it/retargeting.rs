@@ -102,6 +102,47 @@ fn feet_are_pinned_unless_told_otherwise() {
     slide(&["--pin", "hands"]);
 }
 
+/// A capture that begins with a frame of the T-pose is told, with the flag that cuts it.
+#[test]
+fn a_first_frame_of_another_pose_is_told_and_cut() {
+    let Some(data) = real_data() else { return };
+    let here = folder("first-frame");
+    let (walk, man) = (
+        "bvh/cmu_12_01_walk.bvh",
+        "glb/Quaternius_modular_men__Casual2.glb",
+    );
+    let [walk, man] = [walk, man].map(|name| data.join(name));
+    let words = ["convert", word(&walk), "o.glb", "--onto", word(&man)];
+    let text = articula(&here, &words).out;
+    assert!(
+        text.contains("RightArm jumps by 83 degrees; --skip-first-frame leaves it out"),
+        "{text}"
+    );
+    assert!(text.contains("look at it"), "{text}");
+    let clip = |report: &Value| report["onto"]["motions"][0]["clips"][0].clone();
+    let whole = clip(&json(&here, &words));
+    assert_eq!(whole["good"], false);
+    assert_eq!(whole["findings"][0]["kind"], "first_frame");
+    let cut = clip(&json(
+        &here,
+        &[&words[..], &["--skip-first-frame"]].concat(),
+    ));
+    assert_eq!(
+        (&cut["good"], &cut["findings"]),
+        (&true.into(), &Value::Array(vec![]))
+    );
+    let secs = |clip: &Value| clip["duration_secs"].as_f64().unwrap();
+    assert!(
+        (secs(&whole) - secs(&cut) - 1.0 / 120.0).abs() < 1e-4,
+        "one frame less"
+    );
+    // Without --onto too.
+    let plain = ["convert", word(&walk), "p.glb", "--skip-first-frame"];
+    json(&here, &plain);
+    let kept = character(&here.join("p.glb")).clips[0].duration_secs;
+    assert!((f64::from(kept) - secs(&cut)).abs() < 1e-4);
+}
+
 #[test]
 fn a_folder_becomes_the_clips_of_one_file() {
     let here = folder("onto-one");

@@ -15,6 +15,9 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 use std::path::Path;
 
+/// Maximum share of a character's main joints that a motion may leave at rest.
+const MOST_NOT_DRIVEN: f32 = 0.4;
+
 /// Options for adding clips from other files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AddClipsOptions {
@@ -181,6 +184,7 @@ pub fn fit_clips(
             clips: &character.character.clips,
         };
         let retargeter = Retargeter::new(from, onto).with_context(|| &file.name)?;
+        check_driven(&retargeter).context(&file.name)?;
         Fitting::Map(Box::new(retargeter))
     };
     let fitted = clips.into_iter().map(|clip| {
@@ -259,6 +263,20 @@ fn check_mapped(file: &CharacterFile, character: &CharacterFile, by_names: bool)
         character.name, unknown.name
     );
     Err(Error::Unmapped(what)).context(&file.name)
+}
+
+/// Checks that the motion drives enough of the character.
+fn check_driven(retargeter: &Retargeter<'_>) -> Result<()> {
+    let missing = retargeter.not_driven();
+    if missing.share <= MOST_NOT_DRIVEN {
+        return Ok(());
+    }
+    let what = format!(
+        "joints: too few of the figure of the motion are known to move the character: nothing drives \
+         {}; give a joint map",
+        missing.joints.join(", ")
+    );
+    Err(Error::Unmapped(what))
 }
 
 /// The selected clips of a file.

@@ -3,6 +3,7 @@
 //! Field names are stable, since scripts read them as JSON (`docs/commands.md`).
 
 use super::fit_clips::FittedClip;
+use super::fit_finding::{FitFinding, in_words};
 use crate::open::CharacterFile;
 use articula_build::retarget::{self, RetargetReport, RotationOrigin};
 use articula_core::source::Skeleton;
@@ -50,6 +51,13 @@ pub struct TransferredClipReport {
     pub joint_speed_max_deg_per_s: Option<f32>,
     /// The joint with this speed.
     pub joint_fastest: Option<String>,
+    /// Maximum angular speed of a joint of the source relative to its parent, in degrees per second.
+    pub source_speed_max_deg_per_s: Option<f32>,
+    /// Whether nothing was found that a viewer would notice.
+    pub good: bool,
+    /// What was found; some of it, such as a rest pose that was found from the motion, explains the
+    /// numbers and is no fault.
+    pub findings: Vec<FitFinding>,
     /// Quality measures.
     pub quality: FitQuality,
 }
@@ -166,16 +174,24 @@ impl TransferReport {
             joints_mapped: count("mapped"),
             joints_shared: count("shared"),
             joints_held: count("held"),
-            clips: fitted.iter().filter_map(|f| clip(skeleton, f)).collect(),
+            clips: fitted
+                .iter()
+                .filter_map(|f| clip(skeleton, from, f))
+                .collect(),
             joints,
             dropped: report.dropped.iter().map(|j| name(from, *j)).collect(),
         })
     }
 }
 
-fn clip(skeleton: &Skeleton, fitted: &FittedClip) -> Option<TransferredClipReport> {
+fn clip(
+    skeleton: &Skeleton,
+    from: &Skeleton,
+    fitted: &FittedClip,
+) -> Option<TransferredClipReport> {
     let fit = &fitted.fit;
     let report = fit.retargeted.as_ref()?;
+    let findings = in_words(&report.findings, from, skeleton);
     Some(TransferredClipReport {
         name: fit.name.clone(),
         from: fit.from.clone(),
@@ -183,6 +199,9 @@ fn clip(skeleton: &Skeleton, fitted: &FittedClip) -> Option<TransferredClipRepor
         face: fit.morph_channels,
         joint_speed_max_deg_per_s: report.fastest.map(|(_, speed)| speed.to_degrees()),
         joint_fastest: report.fastest.map(|(joint, _)| name(skeleton, joint)),
+        source_speed_max_deg_per_s: report.fastest_source.map(|(_, speed)| speed.to_degrees()),
+        good: findings.iter().all(|finding| finding.kind.is_note()),
+        findings,
         quality: FitQuality::new(&report.quality),
     })
 }

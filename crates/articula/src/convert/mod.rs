@@ -5,14 +5,16 @@
 //!
 //! - `fit_clips`, `same_joints`, `morphs`: transfer of clips to the joints and morph targets of
 //!   another character
-//! - `fit_report`: quality of the transferred clips
+//! - `fit_report`, `fit_finding`: quality of the transferred clips, in numbers and in words
 //! - `clip_edits`: trimming, looping, root motion, resampling, key reduction
 //! - `reduction`: clips in which only a selection of joints moves
 //! - `written`, `body`, `khr_character`: the bytes of each format
 
 mod body;
 mod clip_edits;
+mod first_frame;
 mod fit_clips;
+mod fit_finding;
 mod fit_report;
 mod khr_character;
 mod left_out;
@@ -31,6 +33,7 @@ pub use clip_edits::{
     RootMotionEdited, TrajectoryPlace, Trimmed,
 };
 pub use fit_clips::{AddClipsOptions, ClipProvenance, FittedClip, fit_clips};
+pub use fit_finding::{FitFinding, FitFindingKind};
 pub use fit_report::{
     EndEffectorSummary, FitQuality, FootSlideSummary, JointShare, JointSourceReport,
     TransferReport, TransferredClipReport,

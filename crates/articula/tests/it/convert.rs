@@ -1,7 +1,7 @@
 //! Transfers clips of real files to other characters, and checks the errors where they do not fit.
 
 use crate::real::real_data;
-use articula::convert::{ClipEdits, ClipPart, ClipProvenance, ReduceOptions, write};
+use articula::convert::{ClipEdits, ClipPart, ClipProvenance, ReduceOptions, fit_clips, write};
 use articula::glam::Vec3;
 use articula::{
     AddClipsOptions, CharacterFile, ConvertOptions, Error, Executor, Figure, Format, OpenOptions,
@@ -246,4 +246,40 @@ fn without_a_clip_formats_of_motion_are_refused_and_pairs_come_as_two() {
     assert!(write(&still, Format::Asf).unwrap().beside.is_none());
     let made = CharacterFile::from_character("made", nod().character);
     assert_eq!(made.mapping.humanoid, nod().mapping.humanoid);
+}
+
+/// Feet that cannot reach their contacts are left where the transfer of rotations has them.
+#[test]
+fn pinning_never_makes_feet_slide_more() {
+    let Some(data) = real_data() else { return };
+    let (death, twist) = (
+        "glb/Quaternius_platformer_game_pack__Character.glb",
+        "vrm/hips_spine_twisting.vrma",
+    );
+    for (file, clip, onto) in [
+        (
+            death,
+            Some("CharacterArmature|Death"),
+            "glb/Quaternius_modular_men__Casual2.glb",
+        ),
+        (twist, None, "glb/pab_arnaud.glb"),
+        (twist, None, "glb/RobotExpressive.glb"),
+        (WALK, None, "glb/KayKit_Knight.glb"),
+    ] {
+        let onto = fs::open(data.join(onto)).unwrap();
+        let options = AddClipsOptions {
+            clip: clip.map(str::to_owned),
+            by_names: false,
+            ..AddClipsOptions::default()
+        };
+        let made = fit_clips(&fs::open(data.join(file)).unwrap(), &onto, &options).unwrap();
+        let report = made[0].fit.retargeted.as_ref().unwrap();
+        let (before, after) = (report.quality.slide_before, report.quality.slide);
+        assert!(before.contacts > 0, "{file}");
+        let [before, after] = [before, after].map(|slide| 1e3 * slide.mean_metres);
+        assert!(
+            after <= before + 1.0,
+            "{file}: {before} mm before, {after} mm after"
+        );
+    }
 }

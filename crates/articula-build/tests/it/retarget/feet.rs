@@ -8,7 +8,7 @@ use glam::{Quat, Vec3};
 use proptest::prelude::*;
 
 /// The reference walk, moving forward instead of on the spot: the root moves while a foot is down.
-fn walking() -> Human {
+pub(crate) fn walking() -> Human {
     let mut human = reference();
     let walk = human.clip("walk").clone();
     let ankles = [human.find("l_ankle"), human.find("r_ankle")];

@@ -3,5 +3,6 @@
 mod bodies;
 mod feet;
 mod figure;
+mod findings;
 mod hostile;
 mod rest_poses;

@@ -60,7 +60,10 @@ impl Recipe<'_> {
     /// Reads one file without changes.
     fn read(&self, job: &Job) -> anyhow::Result<(CharacterFile, ConvertReport)> {
         let input = &job.inputs[0];
-        let opened = open::character(self.files, &input.path, &self.args.names)?;
+        let mut opened = open::character(self.files, &input.path, &self.args.names)?;
+        if self.args.skip_first_frame {
+            opened.skip_first_frames()?;
+        }
         self.options(self.args.clip.clone())
             .check(opened.format, job.format)?;
         let mut report = ConvertReport::new(job, opened.name.clone());

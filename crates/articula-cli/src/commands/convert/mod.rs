@@ -57,6 +57,10 @@ pub(crate) struct ConvertArgs {
     /// Name of the only clip to keep [default: all clips; for .bvh the first]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
+    /// Leave out the first frame of each clip that is read; captures often begin with one of the
+    /// rest pose
+    #[arg(long)]
+    skip_first_frame: bool,
     /// Joints that may move, such as "loa(Low) + zone(hands)"; all others are held
     #[arg(long, value_name = "EXPR")]
     loa: Option<String>,

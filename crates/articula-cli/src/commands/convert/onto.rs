@@ -10,8 +10,8 @@ use crate::table::Table;
 use anyhow::Context;
 use articula::CharacterFile;
 use articula::convert::{
-    AddClipsOptions, ContactPinning, FittedClip, FootSlideSummary, JointShare, RetargetOptions,
-    TransferReport, TransferredClipReport, fit_clips,
+    AddClipsOptions, ContactPinning, FitFinding, FitFindingKind, FittedClip, FootSlideSummary,
+    JointShare, RetargetOptions, TransferReport, TransferredClipReport, fit_clips,
 };
 use clap::ValueEnum;
 use std::path::Path;
@@ -82,7 +82,10 @@ impl Hero {
         args: &ConvertArgs,
         files: &Files,
     ) -> anyhow::Result<Option<Motions>> {
-        let source = open::character(files, &input.path, &args.names)?;
+        let mut source = open::character(files, &input.path, &args.names)?;
+        if args.skip_first_frame {
+            source.skip_first_frames()?;
+        }
         if input.found && source.character.clips.is_empty() {
             return Ok(None);
         }
@@ -100,13 +103,36 @@ impl Hero {
     }
 }
 
+/// Columns of the table of clips.
+pub(super) const COLUMNS: [&str; 12] = [
+    "clip",
+    "from",
+    "seconds",
+    "scale",
+    "raw slide mm",
+    "foot slide mm",
+    "below floor mm",
+    "wrong hinges",
+    "hand error",
+    "head error",
+    "max deg/s (source)",
+    "verdict",
+];
+
 /// One row of the table of clips.
-pub(super) fn row(motion: &TransferReport, clip: &TransferredClipReport) -> [String; 9] {
+pub(super) fn row(motion: &TransferReport, clip: &TransferredClipReport) -> [String; 12] {
     let quality = &clip.quality;
     let slide = |s: &FootSlideSummary| match s.contacts {
         0 => "-".to_owned(),
         _ => format!("{:.0}", s.mean),
     };
+    let speed = |v: Option<f32>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.0}"));
+    let percent = |share: f32| format!("{:.0}%", 100.0 * share);
+    let [fastest, source] = [
+        clip.joint_speed_max_deg_per_s,
+        clip.source_speed_max_deg_per_s,
+    ]
+    .map(speed);
     [
         clip.name.clone(),
         file_name(motion),
@@ -115,10 +141,41 @@ pub(super) fn row(motion: &TransferReport, clip: &TransferredClipReport) -> [Str
         slide(&quality.foot_slide_before_mm),
         slide(&quality.foot_slide_mm),
         format!("{:.0}", quality.below_floor_mm),
-        format!("{:.0}%", 100.0 * quality.hands_error.mean),
-        clip.joint_speed_max_deg_per_s
-            .map_or_else(|| "-".to_owned(), |v| format!("{v:.0}")),
+        percent(quality.hinge_wrong_share),
+        percent(quality.hands_error.mean),
+        percent(quality.head_error.mean),
+        format!("{fastest} ({source})"),
+        if clip.good { "good" } else { "look at it" }.to_owned(),
     ]
+}
+
+/// What was found in a clip, each with what helps, on lines of their own.
+pub(super) fn findings(clip: &TransferredClipReport) -> String {
+    let name = clean(&clip.name);
+    let line = |finding: &FitFinding| {
+        let mend = mend(finding.kind).map_or_else(String::new, |mend| format!("; {mend}"));
+        format!("{name}: {}{mend}\n", clean(&finding.what))
+    };
+    clip.findings.iter().map(line).collect()
+}
+
+/// What a user can do about a finding.
+fn mend(kind: FitFindingKind) -> Option<&'static str> {
+    Some(match kind {
+        FitFindingKind::NotDriven => {
+            "if the motion has them, map their names with --joint-map F.json"
+        }
+        FitFindingKind::FirstFrame => "--skip-first-frame leaves it out",
+        FitFindingKind::Hinges | FitFindingKind::Speed => {
+            "check the joint map of both files (inspect, --map, --joint-map F.json)"
+        }
+        FitFindingKind::Ends => "check with --map which joint follows which",
+        FitFindingKind::Slide => "--pin feet keeps them in place, --floor-metres M sets the floor",
+        FitFindingKind::Floor => "--pin feet keeps them above, --floor-metres M sets the floor",
+        FitFindingKind::SourceRest | FitFindingKind::TargetRest | FitFindingKind::Contacts => {
+            return None;
+        }
+    })
 }
 
 /// The number of joints of each origin, on one line.

@@ -198,23 +198,16 @@ impl Onto {
             text.push_str(&format!(", which keeps {kept} of its own"));
         }
         text.push('\n');
-        let mut table = Table::new(&[
-            "clip",
-            "from",
-            "seconds",
-            "scale",
-            "raw slide mm",
-            "foot slide mm",
-            "below floor mm",
-            "hand error",
-            "max deg/s",
-        ]);
+        let mut table = Table::new(&onto::COLUMNS);
         for motion in &self.motions {
             for clip in &motion.clips {
                 table.row(onto::row(motion, clip));
             }
         }
         text.push_str(&table.text());
+        for clip in self.motions.iter().flat_map(|motion| &motion.clips) {
+            text.push_str(&onto::findings(clip));
+        }
         let mut last: Option<&TransferReport> = None;
         for motion in &self.motions {
             if !map && last.is_none_or(|other| !onto::is_like(motion, other)) {
