@@ -9,7 +9,8 @@
 //! - `motion`, `hinge`, `contacts`, `steps`: the source's poses, the bends of its limbs, its
 //!   contacts with the floor
 //! - `transfer`, `pose`: the target's poses
-//! - `limb`, `pin`, `planted`, `twist`, `pass`: pinning of feet and hands, distribution of twist
+//! - `limb`, `pin`, `planted`, `touch`, `twist`, `pass`: pinning of feet and hands, hands on the own
+//!   body, distribution of twist
 //! - `tracks`, `quality`, `findings`, `report`: the keys, their quality, what of it is seen, their
 //!   origin
 //!
@@ -37,6 +38,7 @@ mod rest;
 mod side;
 mod standing;
 mod steps;
+mod touch;
 mod tracks;
 mod transfer;
 mod twist;
@@ -72,6 +74,9 @@ pub struct RetargetOptions {
     pub pinning: ContactPinning,
     /// Height of the floor in the source's world, metres; `None` detects it.
     pub floor_metres: Option<f32>,
+    /// Whether hands that rest on the own body (hips, thighs, trunk, head) or meet each other do so
+    /// on a body of other proportions too.
+    pub self_contact: bool,
 }
 
 /// A motion of the target, with a report.

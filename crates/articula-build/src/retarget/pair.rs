@@ -101,7 +101,7 @@ impl<'a> Retargeter<'a> {
             quality,
             contacts_left,
             ..
-        } = pinned(&transfer, &limbs, options.pinning);
+        } = pinned(&transfer, &limbs, options);
         let mut report = RetargetReport {
             fastest: tracks.fastest(motion.rate_hz),
             fastest_source: motion.fastest(&source.rest),

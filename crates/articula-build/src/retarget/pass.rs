@@ -1,8 +1,10 @@
 //! One pass over the frames of a motion: transfer, pinning, twist, keys and quality.
 
+use super::RetargetOptions;
 use super::planted::{ContactPinning, Goals, Planted};
 use super::pose::Pose;
 use super::quality::{Gauge, RetargetQuality};
+use super::touch::Touches;
 use super::tracks::Tracks;
 use super::transfer::Transfer;
 use super::twist::Twists;
@@ -24,8 +26,15 @@ pub(super) struct Pass {
 
 /// Retargets all frames. Contacts that slide farther with pinning than without, because the limb
 /// does not reach them, are left as they are; so are all, if feet slide farther on average.
-pub(super) fn pinned(transfer: &Transfer<'_>, limbs: &[Planted], pinning: ContactPinning) -> Pass {
-    let mut pass = Pass::new(transfer, limbs, limbs, pinning);
+pub(super) fn pinned(
+    transfer: &Transfer<'_>,
+    limbs: &[Planted],
+    options: &RetargetOptions,
+) -> Pass {
+    let hands = options.self_contact.then(|| Touches::new(transfer));
+    let hands = hands.as_ref();
+    let pinning = options.pinning;
+    let mut pass = Pass::new(transfer, limbs, limbs, pinning, hands);
     let mut left = vec![false; pass.slides_farther.len()];
     for _ in 1..MOST_PASSES {
         let mut more = false;
@@ -37,12 +46,12 @@ pub(super) fn pinned(transfer: &Transfer<'_>, limbs: &[Planted], pinning: Contac
             break;
         }
         let kept = without(limbs, &left);
-        pass = Pass::new(transfer, limbs, &kept, pinning);
+        pass = Pass::new(transfer, limbs, &kept, pinning, hands);
     }
     pass.contacts_left = left.iter().filter(|left| **left).count();
     let quality = &pass.quality;
     if quality.slide.mean_metres > quality.slide_before.mean_metres + transfer.noise_metres() {
-        pass = Pass::new(transfer, limbs, limbs, ContactPinning::Nothing);
+        pass = Pass::new(transfer, limbs, limbs, ContactPinning::Nothing, hands);
         pass.contacts_left = pass.quality.slide.contacts;
     }
     pass
@@ -63,12 +72,14 @@ fn without(limbs: &[Planted], left: &[bool]) -> Vec<Planted> {
 }
 
 impl Pass {
-    /// Retargets all frames with the contacts of `kept` pinned; those of `limbs` are measured.
+    /// Retargets all frames with the contacts of `kept` pinned, and with `hands` on the body; the
+    /// contacts of `limbs` are measured.
     fn new(
         transfer: &Transfer<'_>,
         limbs: &[Planted],
         kept: &[Planted],
         pinning: ContactPinning,
+        hands: Option<&Touches>,
     ) -> Self {
         let (plan, target, frames) = (transfer.plan, transfer.target, transfer.motion.frames());
         let goals = Goals::new(transfer, kept, pinning);
@@ -82,6 +93,9 @@ impl Pass {
             transfer.pose(frame, &mut pose);
             gauge.before(transfer, frame, &pose);
             goals.apply(transfer, kept, frame, &mut pose);
+            if let Some(hands) = hands {
+                hands.apply(transfer, limbs, frame, &mut pose);
+            }
             twists.spread(plan, target, &mut pose);
             gauge.after(transfer, frame, &pose);
             tracks.push(target, &pose);

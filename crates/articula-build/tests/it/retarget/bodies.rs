@@ -11,6 +11,7 @@ const AS_IT_IS: RetargetOptions = RetargetOptions {
     rate_hz: None,
     pinning: ContactPinning::Nothing,
     floor_metres: None,
+    self_contact: false,
 };
 
 fn carried(source: &Human, target: &Human, clip: &str) -> Retargeted {

@@ -12,6 +12,7 @@ const EVERYTHING: RetargetOptions = RetargetOptions {
     rate_hz: None,
     pinning: ContactPinning::FeetAndHands,
     floor_metres: None,
+    self_contact: true,
 };
 
 fn finite(source: &Human, target: &Human, clip: &RawClip) {

@@ -6,3 +6,4 @@ mod figure;
 mod findings;
 mod hostile;
 mod rest_poses;
+mod self_contact;

@@ -51,6 +51,10 @@ pub(crate) struct ConvertArgs {
     /// feet]
     #[arg(long, value_name = "M", requires = "onto", allow_negative_numbers = true, value_parser = finite)]
     floor_metres: Option<f32>,
+    /// With --onto: hands that rest on hips, thighs, trunk or head, or meet each other, do so on the
+    /// character too
+    #[arg(long, requires = "onto")]
+    self_contact: bool,
     /// With --onto: list the source of every joint's motion
     #[arg(long, requires = "onto")]
     map: bool,

@@ -67,6 +67,7 @@ impl Hero {
             retarget: RetargetOptions {
                 pinning: args.pin.unwrap_or(Pin::Feet).pinning(),
                 floor_metres: args.floor_metres,
+                self_contact: args.self_contact,
                 ..RetargetOptions::default()
             },
             ..AddClipsOptions::default()
