@@ -11,6 +11,7 @@
 //! - `transfer`, `pose`: the target's poses
 //! - `limb`, `pin`, `planted`, `touch`, `twist`, `pass`: pinning of feet and hands, hands on the own
 //!   body, distribution of twist
+//! - `hands`: hands alone, onto a whole figure
 //! - `tracks`, `quality`, `findings`, `report`: the keys, their quality, what of it is seen, their
 //!   origin
 //!
@@ -22,6 +23,7 @@ mod chain;
 mod contacts;
 mod findings;
 mod frames;
+mod hands;
 mod hinge;
 mod limb;
 mod motion;
@@ -44,6 +46,7 @@ mod transfer;
 mod twist;
 
 pub use findings::{BodyEnd, NotDriven, RetargetFinding};
+pub use hands::{is_hands_alone, retarget_hands};
 pub use pair::Retargeter;
 pub use planted::ContactPinning;
 pub use quality::{EndEffectorError, FootSlide, RetargetQuality};

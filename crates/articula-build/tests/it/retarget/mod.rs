@@ -4,6 +4,7 @@ mod bodies;
 mod feet;
 mod figure;
 mod findings;
+mod hands;
 mod hostile;
 mod rest_poses;
 mod self_contact;

@@ -1,32 +1,9 @@
 //! Hands that rest on the own body, or meet, on a body of other proportions.
 
-use super::figure::{Human, reference, retarget};
+use super::figure::{Human, posed, reference, retarget};
 use articula_build::retarget::RetargetOptions;
-use articula_core::source::{Channel, Interpolation, Property, RawClip};
+use articula_core::source::RawClip;
 use glam::{Quat, Vec3};
-
-/// A motion of the reference human whose joints are turned from rest, in model space, by an amount
-/// that depends on time.
-fn posed(human: &Human, turns: &[(&str, fn(f32) -> Quat)]) -> RawClip {
-    let times: Vec<f32> = (0..=60).map(|f| f as f32 / 30.0).collect();
-    let channel = |(name, turn): &(&str, fn(f32) -> Quat)| {
-        let joint = human.find(name);
-        // The reference human's joints are not turned at rest.
-        assert_eq!(human.skeleton.joints[joint].rest.rotation, Quat::IDENTITY);
-        Channel {
-            target: joint,
-            property: Property::Rotation,
-            interpolation: Interpolation::Linear,
-            times_secs: times.clone(),
-            values: times.iter().flat_map(|t| turn(*t).to_array()).collect(),
-        }
-    };
-    RawClip {
-        name: "posed".to_owned(),
-        duration_secs: 2.0,
-        channels: turns.iter().map(channel).collect(),
-    }
-}
 
 /// A human with short arms and a broad trunk.
 fn stout(human: &Human) -> Human {
