@@ -14,3 +14,4 @@ mod mesh_levels;
 mod prepared;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
+mod round_trips;

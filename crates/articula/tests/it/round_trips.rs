@@ -1,0 +1,126 @@
+//! Files converted to another format and back keep scale, joint map and clips.
+
+use crate::real::real_data;
+use articula::convert::write;
+use articula::glam::Vec3;
+use articula::{AddClipsOptions, CharacterFile, Executor, Format, OpenOptions, fs, open};
+use articula_core::source::evaluate;
+use articula_core::{ModelPose, Rig, local_to_model};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Writes a file in another format and reads it again.
+fn through(opened: &CharacterFile, format: Format) -> CharacterFile {
+    let written = write(opened, format).unwrap();
+    let beside = written.beside.map(|(_, bytes)| bytes);
+    let resolve = &mut |_: &str| {
+        beside
+            .clone()
+            .ok_or_else(|| "nothing lies beside it".into())
+    };
+    let name = format!("written.{}", format.name());
+    open(&written.bytes, &name, &OpenOptions::default(), resolve).unwrap()
+}
+
+/// Joint positions at a time of the first clip, by name; at rest without one.
+fn positions(opened: &CharacterFile, secs: f32) -> BTreeMap<String, Vec3> {
+    let skeleton = &opened.character.skeleton;
+    let rig = Rig::new(skeleton, opened.articulation()).unwrap();
+    let mut local = rig.rest_pose().clone();
+    if let Some(clip) = opened.character.clips.first() {
+        evaluate::pose(clip, skeleton, secs, &mut local);
+    }
+    let mut model = ModelPose::new(rig.len());
+    local_to_model(&rig, &local, &mut model);
+    // Names as the writer of BVH files puts them.
+    let name = |j: usize| match skeleton.joints[j].name.as_str() {
+        "" => format!("joint_{j}"),
+        name => name.replace(' ', "_"),
+    };
+    let joints = 0..skeleton.joints.len();
+    joints.map(|j| (name(j), model.position(j))).collect()
+}
+
+fn size(places: &BTreeMap<String, Vec3>) -> f32 {
+    let places = || places.values().copied();
+    let (low, high) = (
+        places().fold(Vec3::MAX, Vec3::min),
+        places().fold(Vec3::MIN, Vec3::max),
+    );
+    low.distance(high)
+}
+
+#[test]
+fn any_rig_comes_back_from_bvh_at_its_scale() {
+    let Some(data) = real_data() else { return };
+    for name in ["Fox", "RobotExpressive", "RiggedSimple", "CesiumMan"] {
+        let source = fs::open(data.join(format!("glb/{name}.glb"))).unwrap();
+        let back = through(&through(&source, Format::Bvh), Format::Glb);
+        for secs in [0.0, 0.4] {
+            let (there, here) = (positions(&source, secs), positions(&back, secs));
+            let mut compared = 0;
+            for (joint, place) in &here {
+                let apart = there[joint].distance(*place) / size(&there);
+                assert!(apart < 1e-3, "{name}, {joint}: {apart} of the figure");
+                compared += 1;
+            }
+            assert!(compared > 1, "{name}: {compared} joints");
+        }
+    }
+}
+
+/// Clips of a VRM animation on an avatar.
+fn moved(data: &Path, avatar: &str) -> CharacterFile {
+    let mut opened = fs::open(data.join(avatar)).unwrap();
+    let files = [fs::open(data.join("vrm/idle_loop.vrma")).unwrap()];
+    let options = AddClipsOptions::default();
+    opened
+        .add_clips(&files, &options, &Executor::default())
+        .unwrap();
+    opened
+}
+
+/// H-Anim joints of a file, with their positions.
+fn humanoid(opened: &CharacterFile, secs: f32) -> BTreeMap<String, Vec3> {
+    let places = positions(opened, secs);
+    let joints = opened
+        .articulation()
+        .joints
+        .into_iter()
+        .zip(&opened.character.skeleton.joints);
+    let mapped = joints.filter_map(|(own, joint)| Some((own.hanim?, places[&joint.name])));
+    mapped.collect()
+}
+
+#[test]
+fn the_map_of_a_vrm_file_survives_in_formats_without_one() {
+    let Some(data) = real_data() else { return };
+    for avatar in [
+        "vrm/Godette_vrm_v4.vrm",
+        "vrm/VRMC_vrm_expressions_isBinary_Overridden.vrm",
+        "vrm/debug_robot.vrm",
+    ] {
+        let named = moved(&data, avatar);
+        let mut nameless = named.clone();
+        for (j, joint) in nameless.character.skeleton.joints.iter_mut().enumerate() {
+            joint.name = format!("J_{j}");
+        }
+        for source in [named, nameless] {
+            let there = humanoid(&source, 0.5);
+            assert!(there.len() > 20, "{avatar}");
+            for format in [Format::Amc, Format::Bvh] {
+                let here = humanoid(&through(&source, format), 0.5);
+                let joints = |all: &BTreeMap<String, Vec3>| all.keys().cloned().collect::<Vec<_>>();
+                assert_eq!(joints(&there), joints(&here), "{avatar}, {}", format.name());
+                for (joint, place) in &here {
+                    let apart = there[joint].distance(*place);
+                    assert!(
+                        apart < 1e-3,
+                        "{avatar}, {}, {joint}: {apart} m",
+                        format.name()
+                    );
+                }
+            }
+        }
+    }
+}
