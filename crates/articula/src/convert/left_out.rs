@@ -35,6 +35,9 @@ pub enum LossyPart {
     },
     /// A number of FAP parameters that the masks select but that never change.
     StillParameters(usize),
+    /// A number of joints whose own names were replaced by those of H-Anim, since the joint map of
+    /// the file, which the format cannot hold, is not found by the names.
+    JointNames(usize),
     /// A remark of the format's writer.
     Note(String),
 }

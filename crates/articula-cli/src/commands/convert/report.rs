@@ -115,6 +115,10 @@ pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
         LossyPart::StillParameters(count) => {
             format!("{count} of the parameters in its masks (they stay neutral)")
         }
+        LossyPart::JointNames(count) => {
+            let names = counted(*count, "joint name", "joint names");
+            format!("{names} (the joints have those of H-Anim, as .{format} holds no joint map)")
+        }
         LossyPart::Note(note) => note.clone(),
         other => format!("{other:?}"),
     }
