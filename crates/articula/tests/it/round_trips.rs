@@ -123,3 +123,30 @@ fn the_map_of_a_vrm_file_survives_in_formats_without_one() {
         }
     }
 }
+
+#[test]
+fn a_posed_figure_comes_back_from_x3d_in_its_pose_without_a_clip() {
+    let Some(data) = real_data() else { return };
+    let mut source = fs::open(data.join("glb/CesiumMan.glb")).unwrap();
+    // At rest as in the middle of its walk, while the skin stays bound in its T-pose.
+    let clip = source.character.clips.remove(0);
+    let rig = Rig::new(&source.character.skeleton, source.articulation()).unwrap();
+    let mut local = rig.rest_pose().clone();
+    evaluate::pose(&clip, &source.character.skeleton, 0.7, &mut local);
+    for (j, joint) in source.character.skeleton.joints.iter_mut().enumerate() {
+        joint.rest = local.get(j);
+    }
+    source.gltf = None;
+    let back = through(&through(&source, Format::X3d), Format::Glb);
+    assert!(
+        back.character.clips.is_empty(),
+        "{:?}",
+        back.character.clips
+    );
+    let (there, here) = (humanoid(&source, 0.0), humanoid(&back, 0.0));
+    assert!(there.len() > 12 && there.len() == here.len());
+    for (joint, place) in &here {
+        let apart = there[joint].distance(*place);
+        assert!(apart < 1e-3, "{joint}: {apart} m");
+    }
+}
