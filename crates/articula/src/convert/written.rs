@@ -2,7 +2,7 @@
 //!
 //! **A new format is one arm of [`written`] and one function below it.**
 
-use super::left_out::{EncodedFile, LossyPart, counted, meshes};
+use super::left_out::{EncodedFile, LossyPart, counted, mesh_levels, meshes};
 use super::{body, joint_names, khr_character};
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Data, DataFormat, Format};
@@ -125,7 +125,7 @@ fn humanoid(opened: &CharacterFile) -> Result<EncodedFile> {
     Ok(EncodedFile {
         bytes: written.bytes,
         beside: None,
-        left_out: notes.collect(),
+        left_out: mesh_levels(opened).into_iter().chain(notes).collect(),
     })
 }
 

@@ -1,7 +1,7 @@
 //! Files converted to another format and back keep scale, joint map and clips.
 
 use crate::real::real_data;
-use articula::convert::write;
+use articula::convert::{LossyPart, write};
 use articula::glam::Vec3;
 use articula::{AddClipsOptions, CharacterFile, Executor, Format, OpenOptions, fs, open};
 use articula_core::source::evaluate;
@@ -148,5 +148,24 @@ fn a_posed_figure_comes_back_from_x3d_in_its_pose_without_a_clip() {
     for (joint, place) in &here {
         let apart = there[joint].distance(*place);
         assert!(apart < 1e-3, "{joint}: {apart} m");
+    }
+}
+
+#[test]
+fn coarser_levels_are_kept_by_glb_and_told_by_x3d() {
+    let Some(data) = real_data() else { return };
+    for (name, coarser) in [("SimpleSkinLOD", 2), ("msft-lod", 2)] {
+        let source = fs::open(data.join(format!("fixtures/msft_lod/{name}.gltf"))).unwrap();
+        let levels = |file: &CharacterFile| file.character.meshes[0].levels.len();
+        assert_eq!(levels(&source), coarser);
+        assert_eq!(levels(&through(&source, Format::Glb)), coarser);
+        let mut anew = source.clone();
+        anew.gltf = None;
+        assert_eq!(levels(&through(&anew, Format::Glb)), coarser);
+        let written = write(&source, Format::X3d).unwrap();
+        assert!(
+            written.left_out.contains(&LossyPart::MeshLevels(coarser)),
+            "{name}"
+        );
     }
 }

@@ -95,6 +95,10 @@ pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
             };
             format!("{} ({why})", counted(*count, "mesh", "meshes"))
         }
+        LossyPart::MeshLevels(count) => {
+            let levels = counted(*count, "coarser mesh level", "coarser mesh levels");
+            format!("{levels} (.{format} holds the finest; .glb holds all)")
+        }
         LossyPart::EndSites(count) => {
             let sites = counted(*count, "end site", "end sites");
             format!("{sites} (GLB cannot store them)")
