@@ -89,18 +89,28 @@ fn times(clip: &RawClip) -> Vec<f32> {
     (0..=last).step_by(step).map(|f| f as f32 / rate).collect()
 }
 
-/// Pairs of joints with the same name, those with one name in their order, else those that are the
-/// same joint of the standard: joints whose names tell nothing are written under its names. Some
-/// formats call the first joint `root` whatever its name was.
+/// Pairs of joints with the same name, or that are the same joint of the standard, whichever are
+/// more: joints whose names tell nothing are written under the names of the standard.
 fn pairs(was: &Side<'_>, is: &Side<'_>, kept: JointFilter) -> Vec<(usize, usize)> {
+    let of_standard = twins(was, is);
     if kept == JointFilter::Twins {
-        return twins(was, is);
+        return of_standard;
     }
+    let named = of_one_name(was, is, kept);
+    if of_standard.len() > named.len() {
+        of_standard
+    } else {
+        named
+    }
+}
+
+/// Pairs of joints with the same name, those with one name in their order. Some formats call the
+/// first joint `root` whatever its name was.
+fn of_one_name(was: &Side<'_>, is: &Side<'_>, kept: JointFilter) -> Vec<(usize, usize)> {
     let mut known: HashMap<String, VecDeque<usize>> = HashMap::new();
     for (j, joint) in is.character.skeleton.joints.iter().enumerate() {
         known.entry(plain(&joint.name, j)).or_default().push_back(j);
     }
-    let of_standard: HashMap<usize, usize> = twins(was, is).into_iter().collect();
     let joints = &was.character.skeleton.joints;
     let any_skin = joints.iter().any(|j| j.in_skin);
     let counts = |j: &Joint| kept == JointFilter::All || j.in_skin || !any_skin;
@@ -109,8 +119,8 @@ fn pairs(was: &Side<'_>, is: &Side<'_>, kept: JointFilter) -> Vec<(usize, usize)
     let pair = |(j, joint): (usize, &Joint)| {
         let mut take = |name: &str| known.get_mut(name)?.pop_front();
         let root = || (first == Some(j)).then_some("root");
-        let by_name = take(&plain(&joint.name, j)).or_else(|| take(root()?));
-        Some((j, by_name.or_else(|| of_standard.get(&j).copied())?))
+        let twin = take(&plain(&joint.name, j)).or_else(|| take(root()?));
+        Some((j, twin?))
     };
     counted.filter_map(pair).collect()
 }
