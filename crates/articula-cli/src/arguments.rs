@@ -57,7 +57,7 @@ pub(crate) struct ReadArgs {
     /// JSON file with a custom joint map, tried before the built-in ones (repeatable)
     #[arg(long, value_name = "F.json")]
     pub(crate) joint_map: Vec<PathBuf>,
-    /// Length of one file unit in metres [default: estimated from the figure's height for BVH, ASF
+    /// Length of one file unit in metres [default: estimated from the figure's size for BVH, ASF
     /// and BVA, 1 for all others]
     #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) unit_metres: Option<f32>,

@@ -56,6 +56,7 @@ pub mod mpeg4;
 mod notes;
 pub mod prepared;
 mod sampled;
+mod stature;
 mod units;
 mod uri;
 mod words;

@@ -7,7 +7,7 @@ use crate::error::{Assumption, Parsed, ReadError, Warning};
 use crate::limits::Limits;
 use crate::motion_file::{MotionFile, ReadOptions};
 use crate::notes::Notes;
-use crate::units;
+use crate::units::{self, Size};
 use crate::words::FRAME_TIMES_SECS;
 use articula_core::source::{self, Character, Interpolation, Joint, Property, RawClip, Skeleton};
 use articula_core::{Transform, same_hemisphere};
@@ -81,20 +81,21 @@ fn rate_hz(
 
 /// Returns metres per unit, and how that was determined. `length` is the number of file units per
 /// inch where writers respect it: the writers of the CMU files state 0.45.
-fn scale(length: f32, height: f32) -> (f32, Option<String>) {
+fn scale(length: f32, size: Size) -> (f32, Option<String>) {
     const INCH: f32 = 0.0254;
     const VICON: f32 = 0.45;
     let declared = INCH / length;
+    let height = size.height();
     let known = (length - VICON).abs() < 1e-6;
     if known || (length != 1.0 && units::ADULT.contains(&(height * declared))) {
         let what = format!(
             "length {length} is read as inches / {length}: 1 unit = {declared} m, and the figure \
-             is {} m high at rest",
+             is {} m tall",
             height * declared
         );
         return (declared, Some(what));
     }
-    units::scale(height)
+    units::scale(size)
 }
 
 /// Conversion of file space to metres with +Y up: rotations of the root, at rest and in motion.
@@ -216,9 +217,9 @@ impl Figure {
         warnings: &mut Vec<Warning>,
     ) -> Result<Basis, ReadError> {
         let places = self.rest_places();
-        let turned = |way: &Vec3| self.root_orientation * *way;
-        let ends = places.iter().zip(&self.ways).map(|(p, w)| *p + turned(w));
-        let points: Vec<Vec3> = places.iter().copied().chain(ends).collect();
+        let leaves = self.leaves().into_iter();
+        let ends = leaves.map(|slot| (slot, self.root_orientation * self.ways[slot]));
+        let length = |parent: &Option<usize>| parent.map_or(0.0, |p| self.ways[p].length());
         let name = |bone: &Option<usize>| bone.map_or("root", |b| self.text.bones[b].name.as_str());
         let head_and_root = |frame: usize, chain: &[usize]| {
             let (mut point, mut root) = (Vec3::ZERO, Vec3::ZERO);
@@ -237,10 +238,11 @@ impl Figure {
             names: self.tree.bones.iter().map(name).collect(),
             parents: self.tree.parents.clone(),
             places,
+            lengths: self.tree.parents.iter().map(length).collect(),
+            ends: ends.collect(),
         };
         let (rest_z, motion_z) = figure.has_z_up(options.up, Some(motion), warnings);
-        let axis = if rest_z { 2 } else { 1 };
-        let guess = || scale(self.text.length, units::extent(points.into_iter(), axis));
+        let guess = || scale(self.text.length, figure.size(rest_z));
         let scale = units::scale_to_metres(options.scale_to_metres, guess, warnings)?;
         let z_up = |z: bool| if z { units::y_from_z() } else { Quat::IDENTITY };
         Ok(Basis {
@@ -284,14 +286,18 @@ impl Figure {
 
     /// Returns the ends of leaf bones, unless they have no length.
     fn end_sites(&self, scale: f32) -> Vec<(usize, Vec3)> {
+        let leaves = self.leaves().into_iter();
+        let ends = leaves.map(|s| (s, self.axes[s].inverse() * self.ways[s] * scale));
+        ends.filter(|(_, way)| *way != Vec3::ZERO).collect()
+    }
+
+    /// Returns the bones without children.
+    fn leaves(&self) -> Vec<usize> {
         let mut last = vec![true; self.axes.len()];
         for parent in self.tree.parents.iter().flatten() {
             last[*parent] = false;
         }
-        let ends = last.iter().enumerate().filter(|(_, last)| **last);
-        let ends =
-            ends.map(|(slot, _)| (slot, self.axes[slot].inverse() * self.ways[slot] * scale));
-        ends.filter(|(_, way)| *way != Vec3::ZERO).collect()
+        (0..last.len()).filter(|slot| last[*slot]).collect()
     }
 
     /// Returns the local translation in metres and the rotation of a joint, with +Y up; `up` turns

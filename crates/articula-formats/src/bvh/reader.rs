@@ -45,6 +45,10 @@ pub fn read(
     })
 }
 
+/// A joint whose distance from its parent changes by more than this factor is not at the end of a
+/// bone.
+const MOVES: f32 = 1.1;
+
 /// Conversion of file space to metres with +Y up.
 struct Basis {
     scale: f32,
@@ -98,6 +102,23 @@ impl Raw {
         positions
     }
 
+    /// Returns the length of the bone that leads to a joint; 0 if it is a root, or its position
+    /// channels move it away from its parent. Such channels replace the offset, which may be zero.
+    fn bone_length(&self, joint: usize) -> f32 {
+        let raw = &self.hierarchy.joints[joint];
+        let moves = |c: &Channel| matches!(c, Channel::Position(_));
+        if raw.parent.is_none() {
+            return 0.0;
+        }
+        if self.motion.frames == 0 || !raw.channels.iter().any(moves) {
+            return raw.offset.length();
+        }
+        let frames = units::frames_looked_at(self.motion.frames);
+        let lengths = frames.map(|frame| self.local(frame, joint).0.length());
+        let (short, long) = lengths.fold((f32::MAX, 0.0_f32), |(s, l), v| (s.min(v), l.max(v)));
+        if long > MOVES * short { 0.0 } else { short }
+    }
+
     fn basis(
         &self,
         options: &ReadOptions,
@@ -124,12 +145,11 @@ impl Raw {
             names: joints.iter().map(|j| j.name.as_str()).collect(),
             parents: joints.iter().map(|j| j.parent).collect(),
             places: rest,
+            lengths: (0..joints.len()).map(|j| self.bone_length(j)).collect(),
+            ends: self.hierarchy.end_sites.clone(),
         };
         let (figure_z, world_z) = figure.has_z_up(options.up, motion, warnings);
-        let sites = self.hierarchy.end_sites.iter();
-        let ends = sites.map(|(joint, offset)| figure.places[*joint] + *offset);
-        let points = figure.places.iter().copied().chain(ends);
-        let guess = || units::scale(units::extent(points, if figure_z { 2 } else { 1 }));
+        let guess = || units::scale(figure.size(figure_z));
         let scale = units::scale_to_metres(options.scale_to_metres, guess, warnings)?;
         let z_up = |z: bool| if z { units::y_from_z() } else { Quat::IDENTITY };
         Ok(Basis {

@@ -7,6 +7,7 @@ use super::node_meshes::NodeMeshes;
 use super::place::Place;
 use super::pointer::{self, Pointed};
 use super::reader::Reader;
+use super::single_weights::{SingleWeights, combined};
 use super::skeleton::Skeletal;
 use crate::error::ReadError;
 use crate::limits::Limits;
@@ -44,6 +45,61 @@ struct Target {
     target: usize,
     property: Property,
     width: usize,
+    /// The only morph target that the channel drives; `None` if it drives all, or no weights.
+    morph: Option<usize>,
+}
+
+impl Target {
+    /// All weights of a shown mesh.
+    fn weights(mesh: usize, shown: &NodeMeshes) -> Self {
+        Self {
+            target: mesh,
+            property: Property::Weights,
+            width: shown.meshes[mesh].morph_weights.len(),
+            morph: None,
+        }
+    }
+
+    /// Returns one of the weights, if there are that many.
+    fn single(self, morph: usize) -> Option<Self> {
+        (morph < self.width).then_some(Self {
+            width: 1,
+            morph: Some(morph),
+            ..self
+        })
+    }
+}
+
+/// The targets of the channels that were read.
+#[derive(Debug, Default)]
+struct Driven {
+    whole: HashSet<(usize, Property)>,
+    /// Mesh and morph target.
+    single: HashSet<(usize, usize)>,
+    /// Meshes of which a channel drives a single weight.
+    in_parts: HashSet<usize>,
+}
+
+impl Driven {
+    /// Adds a target; returns whether no other channel drives it, or a part of it.
+    fn insert(&mut self, target: Target) -> bool {
+        let whole = (target.target, target.property);
+        match target.morph {
+            Some(morph) => {
+                let is_free =
+                    !self.whole.contains(&whole) && self.single.insert((target.target, morph));
+                if is_free {
+                    self.in_parts.insert(target.target);
+                }
+                is_free
+            }
+            None => {
+                let in_parts =
+                    target.property == Property::Weights && self.in_parts.contains(&target.target);
+                !in_parts && self.whole.insert(whole)
+            }
+        }
+    }
 }
 
 fn read_channels<'a>(
@@ -53,18 +109,30 @@ fn read_channels<'a>(
     shown: &NodeMeshes,
 ) -> Result<Vec<Channel>, ReadError> {
     let mut channels = Vec::new();
-    let mut seen = HashSet::new();
+    let mut driven = Driven::default();
+    let mut singles = SingleWeights::new();
     for place in animation.entries("channels")? {
         for target in read_targets(reader, &place, skeletal, shown)? {
-            if !seen.insert((target.target, target.property)) {
+            if !driven.insert(target) {
                 reader.warn(&place, "a second channel for the same property; left out");
                 continue;
             }
             let sampler = animation.entry_of("samplers", &place, "sampler")?;
-            if let Some(channel) = read_sampler(reader, &sampler, target)? {
-                channels.push(channel);
+            let Some(channel) = read_sampler(reader, &sampler, target)? else {
+                continue;
+            };
+            match target.morph {
+                None => channels.push(channel),
+                Some(morph) => {
+                    let of_mesh = singles.entry(target.target).or_default();
+                    of_mesh.insert(morph, channel);
+                }
             }
         }
+    }
+    for (mesh, of_weight) in singles {
+        let rest = &shown.meshes[mesh].morph_weights;
+        channels.extend(combined(reader, animation, (mesh, rest), of_weight)?);
     }
     Ok(channels)
 }
@@ -98,6 +166,15 @@ fn read_targets(
             return Ok(found.into_iter().collect());
         }
         Some(Pointed::MeshWeights(mesh)) => mesh_targets(reader, mesh, shown),
+        Some(Pointed::MeshWeight(mesh, morph)) => {
+            let meshes = mesh_targets(reader, mesh, shown).into_iter();
+            meshes.filter_map(|all| all.single(morph)).collect()
+        }
+        Some(Pointed::NodeWeight(node, morph)) => {
+            let mesh = shown.node_of_mesh.binary_search(&node).ok();
+            let all = mesh.map(|mesh| Target::weights(mesh, shown));
+            all.and_then(|all| all.single(morph)).into_iter().collect()
+        }
         _ => Vec::new(),
     };
     if found.is_empty() {
@@ -116,11 +193,7 @@ fn mesh_targets(reader: &Reader<'_>, mesh: usize, shown: &NodeMeshes) -> Vec<Tar
     };
     let each = shown.node_of_mesh.iter().enumerate();
     each.filter(|(_, n)| takes_weights(**n).is_some())
-        .map(|(target, _)| Target {
-            target,
-            property: Property::Weights,
-            width: shown.meshes[target].morph_weights.len(),
-        })
+        .map(|(mesh, _)| Target::weights(mesh, shown))
         .filter(|target| target.width > 0)
         .collect()
 }
@@ -140,6 +213,7 @@ fn read_target(
             target,
             property: Property::Expression,
             width: 3,
+            morph: None,
         }));
     }
     let (property, width) = match path {
@@ -157,6 +231,7 @@ fn read_target(
         target: joint,
         property,
         width,
+        morph: None,
     }))
 }
 
@@ -168,15 +243,12 @@ fn weights_target(
 ) -> Option<Target> {
     // Meshes are in the order of their nodes.
     let mesh = shown.node_of_mesh.binary_search(&node).ok();
-    let width = mesh.map_or(0, |m| shown.meshes[m].morph_weights.len());
-    if width == 0 {
+    let all = mesh.map(|mesh| Target::weights(mesh, shown));
+    let all = all.filter(|all| all.width > 0);
+    if all.is_none() {
         reader.warn(target, "weights of a node without morph targets left out");
     }
-    mesh.filter(|_| width > 0).map(|mesh| Target {
-        target: mesh,
-        property: Property::Weights,
-        width,
-    })
+    all
 }
 
 fn read_sampler(

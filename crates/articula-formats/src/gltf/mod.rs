@@ -12,7 +12,7 @@
 //! - `material`, `texcoord`, `mesh`, `node_meshes`, `primitive`, `influences`, `lod`: geometry and
 //!   appearance
 //! - `origin`: from a part of a mesh back to the document
-//! - `animation`, `pointer`: animations
+//! - `animation`, `single_weights`, `pointer`: animations
 //! - `vrm`, `khr_character`, `credits`: human metadata and credits
 //! - `articulation`: the extension `ARTICULA_articulation`
 //! - `clustered`: the extension `ARTICULA_clustered_mesh`, and levels as `MSFT_lod`
@@ -55,6 +55,7 @@ mod primitive;
 mod prune;
 mod reader;
 mod samplers;
+mod single_weights;
 mod skeleton;
 mod skin;
 mod texcoord;

@@ -18,9 +18,6 @@ use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{Transform, angle_between};
 use std::collections::{BTreeMap, HashSet};
 
-/// Name of the clip with the pose of the file's fields.
-const STORED_POSE: &str = "stored pose";
-
 /// Reads all clips of a figure.
 pub(super) fn read_all(
     reader: &mut Reader<'_>,
@@ -31,16 +28,7 @@ pub(super) fn read_all(
     let stage = Stage::new(figure, frames, shown);
     let mut drafts = motion::read_all(reader, &stage)?;
     drafts.extend(routes::read_all(reader, &stage)?);
-    let nothing_moves = drafts.is_empty();
     drafts.extend(pose::read_all(reader, &stage)?);
-    if nothing_moves && stage.is_posed() {
-        drafts.push(Draft {
-            name: STORED_POSE.to_owned(),
-            duration_secs: 0.0,
-            channels: Vec::new(),
-            weights: Vec::new(),
-        });
-    }
     let mut clips = Vec::new();
     for (index, draft) in drafts.into_iter().enumerate() {
         clips.push(stage.finished(reader, draft, index)?);
@@ -53,15 +41,6 @@ impl Stage<'_> {
     fn rest_and_stored(&self, joint: usize) -> (Transform, Transform) {
         let rest = self.frames.skeleton.joints[joint + self.frames.first].rest;
         (rest, self.frames.stored[joint])
-    }
-
-    /// Returns whether the file's fields define a pose other than the rest pose.
-    fn is_posed(&self) -> bool {
-        let differs = |joint: usize| {
-            let (rest, stored) = self.rest_and_stored(joint);
-            differing(&rest, &stored).iter().any(|d| *d)
-        };
-        (0..self.figure.joints.len()).any(differs)
     }
 
     fn finished(

@@ -123,6 +123,16 @@ impl Frames {
         Ok(frames)
     }
 
+    /// Makes the pose of the file's fields the rest pose. Shapes stay bound as they are.
+    pub(super) fn rest_as_stored(&mut self) {
+        for (joint, stored) in self.skeleton.joints[self.first..]
+            .iter_mut()
+            .zip(&self.stored)
+        {
+            joint.rest = *stored;
+        }
+    }
+
     fn local(
         &self,
         reader: &mut Reader<'_>,

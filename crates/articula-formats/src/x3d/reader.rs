@@ -36,8 +36,7 @@ pub struct X3dFile {
 /// of a remote address; it alone decides what may be opened. Nothing else is ever fetched.
 ///
 /// - *Rest pose*: that of the standard, every joint at its center and unrotated. Where the file's
-///   fields define another pose, each clip holds it, and without a motion a clip `stored pose`
-///   shows it.
+///   fields define another pose, each clip holds it; without a clip it is the rest pose.
 /// - *Meshes*: one for each segment with triangles, then one for the skin.
 /// - *Clips*: `HAnimMotion`s, then time sensors that move the figure, then `HAnimPose`s.
 ///
@@ -75,11 +74,14 @@ pub fn read(
     };
     let mut reader = Reader::new(&scene, limits, notes);
     let figure = figure::find(&mut reader)?;
-    let frames = frames::Frames::new(&mut reader, &figure)?;
+    let mut frames = frames::Frames::new(&mut reader, &figure)?;
     let mut looks = Looks::new(resolver);
     let shown = meshes::read_all(&mut reader, &figure, &frames, &mut looks)?;
     let (materials, images) = (looks.materials, looks.images);
     let clips = clips::read_all(&mut reader, &figure, &frames, &shown)?;
+    if clips.is_empty() {
+        frames.rest_as_stored();
+    }
     let offset = |site: &figure::FigureSite| {
         let in_model = figure.world.transform_point3(site.position).as_vec3();
         frames.rigid[site.joint].transform_point3(in_model)

@@ -22,3 +22,4 @@ mod simplified_characters;
 mod thinned;
 mod world;
 mod x3d;
+mod zero_pose;

@@ -1,6 +1,7 @@
 //! An encoded file, and the data that its format cannot hold.
 
 use crate::open::{CharacterFile, Format};
+use articula_core::source::RawMesh;
 
 /// The bytes of a file, and the data that was left out.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +21,8 @@ pub struct EncodedFile {
 pub enum LossyPart {
     /// A number of meshes.
     Meshes(usize),
+    /// A number of coarser levels of meshes.
+    MeshLevels(usize),
     /// A number of end sites of joints.
     EndSites(usize),
     /// A number of clips after the first.
@@ -35,6 +38,9 @@ pub enum LossyPart {
     },
     /// A number of FAP parameters that the masks select but that never change.
     StillParameters(usize),
+    /// A number of joints whose own names were replaced by those of H-Anim, since the joint map of
+    /// the file, which the format cannot hold, is not found by the names.
+    JointNames(usize),
     /// A remark of the format's writer.
     Note(String),
 }
@@ -42,6 +48,16 @@ pub enum LossyPart {
 /// The number of meshes, which a skeleton format cannot hold.
 pub(super) fn meshes(opened: &CharacterFile) -> Option<LossyPart> {
     counted(opened.character.meshes.len(), LossyPart::Meshes)
+}
+
+/// The number of coarser levels of all meshes, for a format that holds meshes with one level each.
+pub(super) fn mesh_levels(opened: &CharacterFile) -> Option<LossyPart> {
+    let coarser = |mesh: &RawMesh| {
+        let of_primitive = mesh.clustered.iter().map(|c| c.clusters.levels() - 1);
+        mesh.levels.len().max(of_primitive.max().unwrap_or(0))
+    };
+    let meshes = opened.character.meshes.iter();
+    counted(meshes.map(coarser).sum(), LossyPart::MeshLevels)
 }
 
 pub(super) fn counted(count: usize, left_out: fn(usize) -> LossyPart) -> Option<LossyPart> {

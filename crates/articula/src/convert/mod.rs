@@ -9,6 +9,7 @@
 //! - `clip_edits`: trimming, looping, root motion, resampling, key reduction
 //! - `reduction`: clips in which only a selection of joints moves
 //! - `written`, `body`, `khr_character`: the bytes of each format
+//! - `joint_names`: names for formats without a joint map
 
 mod body;
 mod clip_edits;
@@ -16,6 +17,7 @@ mod first_frame;
 mod fit_clips;
 mod fit_finding;
 mod fit_report;
+mod joint_names;
 mod khr_character;
 mod left_out;
 mod morphs;

@@ -2,8 +2,8 @@
 //!
 //! **A new format is one arm of [`written`] and one function below it.**
 
-use super::left_out::{EncodedFile, LossyPart, counted, meshes};
-use super::{body, khr_character};
+use super::left_out::{EncodedFile, LossyPart, counted, mesh_levels, meshes};
+use super::{body, joint_names, khr_character};
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Data, DataFormat, Format};
 use articula_build::source_rate_hz;
@@ -78,7 +78,8 @@ fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
         end_sites: opened.end_sites.clone(),
     };
     let clip = (!clips.is_empty()).then_some(0);
-    let made = acclaim::write(&opened.character, clip, &options)?;
+    let (character, renamed) = joint_names::for_names_alone(opened);
+    let made = acclaim::write(&character, clip, &options)?;
     let (bytes, beside) = match (format, made.motion) {
         (Format::Amc, Some(motion)) => (motion, Some((Format::Asf, made.bytes))),
         (_, motion) => (made.bytes, motion.map(|motion| (Format::Amc, motion))),
@@ -87,7 +88,11 @@ fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     Ok(EncodedFile {
         bytes,
         beside,
-        left_out: meshes(opened).into_iter().chain(notes).collect(),
+        left_out: meshes(opened)
+            .into_iter()
+            .chain(renamed)
+            .chain(notes)
+            .collect(),
     })
 }
 
@@ -99,10 +104,11 @@ fn motion(opened: &CharacterFile) -> Result<EncodedFile> {
         end_sites: opened.end_sites.clone(),
         ..bvh::WriteOptions::default()
     };
+    let (character, renamed) = joint_names::for_names_alone(opened);
     Ok(EncodedFile {
-        bytes: bvh::write(&opened.character, 0, &options)?,
+        bytes: bvh::write(&character, 0, &options)?,
         beside: None,
-        left_out: meshes(opened).into_iter().collect(),
+        left_out: meshes(opened).into_iter().chain(renamed).collect(),
     })
 }
 
@@ -119,7 +125,7 @@ fn humanoid(opened: &CharacterFile) -> Result<EncodedFile> {
     Ok(EncodedFile {
         bytes: written.bytes,
         beside: None,
-        left_out: notes.collect(),
+        left_out: mesh_levels(opened).into_iter().chain(notes).collect(),
     })
 }
 

@@ -11,10 +11,11 @@ use articula_formats::{Limits, UpAxis};
 pub struct OpenOptions {
     /// Joint maps that take precedence over the built-in ones.
     pub joint_maps: Vec<JointMap>,
-    /// Metres per unit of the file, above 0; if `None`, estimated from the figure's height for BVH,
+    /// Metres per unit of the file, above 0; if `None`, estimated from the figure's size for BVH,
     /// ASF and BVA, and as the format states it for the others: metres.
     pub unit_metres: Option<f32>,
-    /// BVH, ASF, BVA: the up axis; by default estimated from the position of the head.
+    /// BVH, ASF, BVA: the up axis; by default estimated from the position of the head, at rest or in
+    /// motion.
     pub up: UpAxis,
     /// AMC: the bytes of the motion's skeleton file (`.asf`).
     pub skeleton: Option<Vec<u8>>,

@@ -14,4 +14,5 @@ mod mesh_levels;
 mod prepared;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
+mod round_trips;
 mod zero_poses;

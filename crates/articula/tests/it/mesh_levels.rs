@@ -1,5 +1,6 @@
 //! Each region of a body at a mesh level of its own, written as an ordinary GLB and read again.
 
+use articula::convert::{LossyPart, write};
 use articula::{
     CharacterFile, ConvertOptions, Converted, Executor, Format, LevelChoice, MeshLevelOptions,
     MeshView, OpenOptions, PrepareOptions, ShownLevelOptions, convert, open, prepare,
@@ -228,4 +229,12 @@ fn a_distance_chooses_the_coarsest_level_within_the_tolerance() {
         );
     }
     assert_eq!(last, table.levels.len() - 1);
+}
+
+#[test]
+fn x3d_holds_the_finest_level_and_tells_the_others() {
+    let asset = asset();
+    let told = write(&asset, Format::X3d).unwrap().left_out;
+    let coarser = usize::from(LEVELS - 1) * asset.character.meshes.len();
+    assert!(told.contains(&LossyPart::MeshLevels(coarser)), "{told:?}");
 }

@@ -95,6 +95,10 @@ pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
             };
             format!("{} ({why})", counted(*count, "mesh", "meshes"))
         }
+        LossyPart::MeshLevels(count) => {
+            let levels = counted(*count, "coarser mesh level", "coarser mesh levels");
+            format!("{levels} (.{format} holds the finest; .glb holds all)")
+        }
         LossyPart::EndSites(count) => {
             let sites = counted(*count, "end site", "end sites");
             format!("{sites} (GLB cannot store them)")
@@ -114,6 +118,10 @@ pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
         ),
         LossyPart::StillParameters(count) => {
             format!("{count} of the parameters in its masks (they stay neutral)")
+        }
+        LossyPart::JointNames(count) => {
+            let names = counted(*count, "joint name", "joint names");
+            format!("{names} (the joints have those of H-Anim, as .{format} holds no joint map)")
         }
         LossyPart::Note(note) => note.clone(),
         other => format!("{other:?}"),

@@ -213,7 +213,7 @@ fn the_rate_may_stand_in_the_file() {
     );
 }
 
-/// The unit is guessed from `length` and the height of the figure (12.0 units here).
+/// The unit is guessed from `length` and the size of the figure.
 #[test]
 fn the_unit_is_told_and_said() {
     let unit = |length: &str, asf: &str| {
@@ -231,12 +231,13 @@ fn the_unit_is_told_and_said() {
     };
     let (found, said) = unit("0.45", ASF);
     assert!((found - 0.0254 / 0.45).abs() < 1e-7 && said, "{found}");
-    // 11 units of 0.1397 m make 1.54 m: an adult, so `length` is accepted.
-    let (found, said) = unit("0.1818", ASF);
-    assert!((found - 0.0254 / 0.1818).abs() < 1e-6 && said, "{found}");
-    // 11 units: decimetres are too small for an adult, no known unit fits; 1.7 m.
+    // The longest path is 3 + 4 + 5 + 2 units, that of a human of 14 / 1.56 = 9.0 units. With
+    // 0.0254 / 0.16 m for a unit that is 1.42 m: an adult, so `length` is accepted.
+    let (found, said) = unit("0.16", ASF);
+    assert!((found - 0.0254 / 0.16).abs() < 1e-6 && said, "{found}");
+    // One leg and one arm are no human, whose height would tell the unit.
     let (found, said) = unit("1.0", ASF);
-    assert!((found - 1.7 / 11.0).abs() < 1e-6 && said, "{found}");
+    assert!((found - 0.01).abs() < 1e-6 && said, "{found}");
 }
 
 #[test]

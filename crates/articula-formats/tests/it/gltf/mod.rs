@@ -10,6 +10,7 @@ mod khr_character;
 mod levels;
 mod mutated;
 mod quantized;
+mod single_weights;
 mod tiny;
 mod vertex_classes;
 mod vrm;

@@ -2,7 +2,7 @@
 //! bounded size or an error, and a value that was read can be written.
 
 use super::tiny::Tiny;
-use super::{clustered, compressed, khr_character, levels, vrm};
+use super::{clustered, compressed, khr_character, levels, single_weights, vrm};
 use articula_core::source::{MorphBinding, Property};
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document, GltfFile};
@@ -101,7 +101,11 @@ fn fixtures() -> Vec<Vec<u8>> {
         vrm::animation(),
         khr_character::character(),
     ];
-    let views = [compressed::every_mode(), levels::skinned()];
+    let views = [
+        compressed::every_mode(),
+        levels::skinned(),
+        single_weights::every_mode(),
+    ];
     let plain = [moving, morphing, pictured];
     let tiny = plain.iter().chain(&views).chain(&human).map(Tiny::glb);
     tiny.chain([clustered::stored()]).collect()

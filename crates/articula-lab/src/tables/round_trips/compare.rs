@@ -89,12 +89,24 @@ fn times(clip: &RawClip) -> Vec<f32> {
     (0..=last).step_by(step).map(|f| f as f32 / rate).collect()
 }
 
+/// Pairs of joints with the same name, or that are the same joint of the standard, whichever are
+/// more: joints whose names tell nothing are written under the names of the standard.
+fn pairs(was: &Side<'_>, is: &Side<'_>, kept: JointFilter) -> Vec<(usize, usize)> {
+    let of_standard = twins(was, is);
+    if kept == JointFilter::Twins {
+        return of_standard;
+    }
+    let named = of_one_name(was, is, kept);
+    if of_standard.len() > named.len() {
+        of_standard
+    } else {
+        named
+    }
+}
+
 /// Pairs of joints with the same name, those with one name in their order. Some formats call the
 /// first joint `root` whatever its name was.
-fn pairs(was: &Side<'_>, is: &Side<'_>, kept: JointFilter) -> Vec<(usize, usize)> {
-    if kept == JointFilter::Twins {
-        return twins(was, is);
-    }
+fn of_one_name(was: &Side<'_>, is: &Side<'_>, kept: JointFilter) -> Vec<(usize, usize)> {
     let mut known: HashMap<String, VecDeque<usize>> = HashMap::new();
     for (j, joint) in is.character.skeleton.joints.iter().enumerate() {
         known.entry(plain(&joint.name, j)).or_default().push_back(j);
