@@ -53,13 +53,12 @@ pub(super) struct Motions {
 }
 
 impl Hero {
-    /// Reads the character; it must be a human figure.
+    /// Reads the character.
     pub(super) fn new(args: &ConvertArgs, files: &Files) -> anyhow::Result<Option<Self>> {
         let Some(path) = &args.onto else {
             return Ok(None);
         };
         let opened = open::character(files, path, &args.names)?;
-        opened.check_human()?;
         let options = AddClipsOptions {
             clip: args.clip.clone(),
             file_in_names: reads_many(args),
@@ -102,7 +101,23 @@ impl Hero {
 
 /// One row of the table of clips.
 pub(super) fn row(motion: &TransferReport, clip: &TransferredClipReport) -> [String; 9] {
-    let quality = &clip.quality;
+    let Some(quality) = &clip.quality else {
+        let scale = format!("{:.2}", motion.scale);
+        let seconds = format!("{:.2}", clip.duration_secs);
+        let none = || "-".to_owned();
+        let [name, file] = [clip.name.clone(), file_name(motion)];
+        return [
+            name,
+            file,
+            seconds,
+            scale,
+            none(),
+            none(),
+            none(),
+            none(),
+            none(),
+        ];
+    };
     let slide = |s: &FootSlideSummary| match s.contacts {
         0 => "-".to_owned(),
         _ => format!("{:.0}", s.mean),
@@ -123,6 +138,15 @@ pub(super) fn row(motion: &TransferReport, clip: &TransferredClipReport) -> [Str
 
 /// The number of joints of each origin, on one line.
 pub(super) fn joints_line(motion: &TransferReport) -> String {
+    if motion.by_name {
+        let (followed, dropped) = (motion.joints_mapped, motion.dropped.len());
+        return format!(
+            "{}: retargeted by joint names: {followed} of {} moving joints are followed, scale {:.2}\n",
+            clean(&file_name(motion)),
+            followed + dropped,
+            motion.scale
+        );
+    }
     format!(
         "{}: {} joints mapped, {} shared, {} held; {} dropped\n",
         clean(&file_name(motion)),
