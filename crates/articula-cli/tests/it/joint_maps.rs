@@ -64,7 +64,9 @@ fn comes_back(here: &Path, file: &Path) -> Value {
 #[test]
 fn a_written_joint_map_maps_the_rig_as_before() {
     let here = folder("joint-map-written");
-    comes_back(&here, human());
+    let plain = here.join("plain.glb");
+    renamed(human(), &plain, str::to_owned);
+    comes_back(&here, &plain);
     // Words of two conventions: limbs by DAZ, the rest by H-Anim, with numbers of an exporter.
     let words = here.join("words.glb");
     renamed(human(), &words, |name| {
@@ -78,7 +80,9 @@ fn a_written_joint_map_maps_the_rig_as_before() {
         ];
         let (side, part) = name.split_once('_').unwrap_or(("", name));
         let own = daz.iter().find(|(hanim, _)| *hanim == part);
-        own.map_or("cloth".to_owned(), |(_, own)| format!("{side}{own}_07"))
+        own.map_or(format!("cloth_{name}"), |(_, own)| {
+            format!("{side}{own}_07")
+        })
     });
     let found = comes_back(&here, &words);
     assert_eq!(found["skeletons"][0]["profile"], "words");
@@ -154,12 +158,31 @@ fn a_joint_map_of_the_user_wins_over_that_of_the_file() {
     };
     assert_eq!(told(&before).as_deref(), Some("file map"));
     assert_eq!(told(&after).as_deref(), Some("joint map"));
+    // A map that lacks a hip does not fit, and that is said.
+    let joints = map["joints"].as_object_mut().unwrap();
+    joints.retain(|_, hanim| hanim != "l_hip");
+    std::fs::write(here.join("map.json"), map.to_string()).unwrap();
+    let other = json(&here, &["inspect", word(&robot), "--joint-map", "map.json"]);
+    assert_eq!(mapped(&other), mapped(&before));
+    let warnings = other["warnings"].as_array().unwrap();
+    assert!(
+        warnings.iter().any(|w| w["at"] == "--joint-map"),
+        "{warnings:?}"
+    );
+    assert!(
+        before["warnings"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|w| w["at"] != "--joint-map")
+    );
 }
 
 #[test]
 fn doubtful_joints_are_listed_with_the_reason() {
     let here = folder("joint-map-doubts");
-    let good = articula(&here, &["inspect", word(human())]);
+    renamed(human(), &here.join("good.glb"), str::to_owned);
+    let good = articula(&here, &["inspect", "good.glb"]);
     assert!(!good.out.contains("doubt"), "{}", good.out);
     let odd = here.join("odd.glb");
     renamed(human(), &odd, |name| match name {

@@ -44,6 +44,8 @@ pub(super) struct Namesakes<'a> {
     from_rests: Rests,
     onto_rests: Rests,
     scale: f32,
+    /// Range of a translation below which it does not move.
+    still_metres: f32,
 }
 
 /// Rest pose in model space.
@@ -64,6 +66,14 @@ impl Rests {
             model: model(skeleton),
             rotations,
         }
+    }
+
+    /// Diagonal of the box around all joints.
+    fn size(&self) -> f32 {
+        let places = self.model.iter().map(|m| m.translation);
+        let low = places.clone().fold(Vec3A::INFINITY, Vec3A::min);
+        let high = places.fold(Vec3A::NEG_INFINITY, Vec3A::max);
+        (high - low).length()
     }
 
     fn place(&self, joint: usize) -> Vec3A {
@@ -117,6 +127,7 @@ impl<'a> Namesakes<'a> {
             from,
             onto,
             twins,
+            still_metres: STILL * from_rests.size(),
             from_rests,
             onto_rests,
             scale: if scale.is_finite() && scale > 0.0 {
@@ -178,13 +189,10 @@ impl<'a> Namesakes<'a> {
     }
 
     fn still(&self, property: Property) -> f32 {
-        if property != Property::Translation {
-            return STILL_NUMBERS;
+        match property {
+            Property::Translation => self.still_metres,
+            _ => STILL_NUMBERS,
         }
-        let places = (0..self.from.joints.len()).map(|j| self.from_rests.place(j));
-        let low = places.clone().fold(Vec3A::INFINITY, Vec3A::min);
-        let high = places.fold(Vec3A::NEG_INFINITY, Vec3A::max);
-        STILL * (high - low).length()
     }
 
     /// Transfers a clip; it has no name.

@@ -372,7 +372,14 @@ fn why(reason: UnmappedReason) -> &'static str {
 fn joints_of(figure: &Figure) -> Vec<JointInspection> {
     let (rig, mapping) = (&figure.asset.rig, &figure.opened.mapping);
     let is_stored = figure.opened.character.articulation.is_some();
-    let told = |joint: usize| mapping.evidence[joint].filter(|_| !is_stored);
+    let told = |joint: usize| {
+        mapping
+            .evidence
+            .get(joint)
+            .copied()
+            .flatten()
+            .filter(|_| !is_stored)
+    };
     let articulation = &rig.articulation().joints;
     (0..rig.len())
         .map(|j| JointInspection {

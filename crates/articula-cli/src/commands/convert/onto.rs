@@ -161,6 +161,7 @@ pub(super) fn joints_line(motion: &TransferReport) -> String {
 pub(super) fn is_like(motion: &TransferReport, other: &TransferReport) -> bool {
     let counts = |m: &TransferReport| {
         [
+            usize::from(m.by_name),
             m.joints_mapped,
             m.joints_shared,
             m.joints_held,

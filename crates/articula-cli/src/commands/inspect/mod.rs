@@ -12,7 +12,7 @@ use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use articula::inspect::{FAR_FROM_METRES, WarningInspection, inspect, joint_levels};
-use articula::{MotionTables, rig_joint_map};
+use articula::{Figure, MotionTables, rig_joint_map};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -94,6 +94,7 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         let found = console.work(|work| joint_levels(&figure, &clips, far_from_metres, work))?;
         findings.joint_levels = Some(found);
     }
+    findings.warnings.extend(unused_map(args, &figure)?);
     if let Some(path) = &args.write_joint_map {
         let made = rig_joint_map(&figure.opened)?;
         console.files.write(path, &made.bytes)?;
@@ -111,4 +112,25 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         findings.written.push(shown);
     }
     console.result(&findings, |found| text::of(found, args.map))
+}
+
+/// A warning if joint maps are given and none of them is used.
+fn unused_map(args: &InspectArgs, figure: &Figure) -> anyhow::Result<Option<WarningInspection>> {
+    let own = open::joint_maps(&args.character.names)?;
+    let is_stored = figure.opened.character.articulation.is_some();
+    let used = &figure.opened.mapping.articulation.profile;
+    if own.is_empty() || !is_stored && own.iter().any(|map| map.name == *used) {
+        return Ok(None);
+    }
+    let what = if is_stored {
+        "the file stores levels and regions of its joints, which are kept; no joint map is used"
+    } else {
+        "the joint map does not fit and is not used: it must have joints of the file for \
+         humanoid_root, l_hip, r_hip, l_shoulder and r_shoulder, or with the scope hand for a wrist \
+         and five finger joints"
+    };
+    Ok(Some(WarningInspection {
+        at: "--joint-map".to_owned(),
+        what: what.to_owned(),
+    }))
 }
