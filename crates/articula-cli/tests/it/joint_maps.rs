@@ -26,7 +26,7 @@ fn renamed(glb: &Path, out: &Path, name: impl Fn(&str) -> String) {
         node.as_object_mut().unwrap().remove("extensions");
     }
     let mut text = document.to_string().into_bytes();
-    while text.len() % 4 != 0 {
+    while !text.len().is_multiple_of(4) {
         text.push(b' ');
     }
     let rest = &bytes[20 + length..];
