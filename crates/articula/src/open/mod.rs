@@ -113,11 +113,10 @@ impl Input<'_, '_> {
     /// Creates the opened file; `given` is the map to VRM human bones, if the file has one.
     fn opened(
         &self,
-        mut character: Character,
+        character: Character,
         warnings: Vec<Warning>,
         given: Option<&[(usize, String)]>,
     ) -> CharacterFile {
-        motion::mark_skeleton(&mut character);
         let (skeleton, builtin) = (&character.skeleton, joint_map::builtin());
         CharacterFile {
             name: self.name.to_owned(),

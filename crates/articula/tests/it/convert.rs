@@ -223,6 +223,20 @@ fn a_skeleton_without_skin_and_mesh_is_a_motion() {
     assert_eq!(found.skeletons[0].joints, 45);
     assert!(found.clips[0].joints_animated <= 45);
     assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+    // It is prepared as any figure is, and what is stored is read again.
+    let prepared = prepare(
+        back.clone(),
+        &PrepareOptions::default(),
+        &Executor::default(),
+    )
+    .unwrap();
+    let asset = Figure::new(again(&prepared.glb)).unwrap();
+    assert_eq!(asset.asset.rig.skin_joints().len(), 45);
+    assert!(
+        asset.opened.warnings.is_empty(),
+        "{:?}",
+        asset.opened.warnings
+    );
     let mut hero = fs::open(data.join(WOMAN)).unwrap();
     let fits = hero.add_clips(&[back], &AddClipsOptions::default(), &Executor::default());
     assert!(fits.unwrap()[0].retargeted.is_some());
