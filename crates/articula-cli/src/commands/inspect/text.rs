@@ -105,10 +105,10 @@ fn head(found: &Inspection) -> String {
 }
 
 fn skeleton_text(skeleton: &SkeletonInspection) -> String {
-    let profile = if skeleton.profile.is_empty() {
-        "no joint map matches".to_owned()
-    } else {
-        format!("joint map {}", clean(&skeleton.profile))
+    let profile = match skeleton.profile.as_str() {
+        "" if skeleton.mapped > 0 => "as stored in the file".to_owned(),
+        "" => "no joint map matches".to_owned(),
+        name => format!("joint map {}", clean(name)),
     };
     let mut text = format!(
         "\nskeleton \"{}\": {} joints, {} mapped to H-Anim ({profile})\n",
