@@ -54,7 +54,7 @@ pub(crate) enum LeftOut {
 /// How a file is read: joint maps and, where the file does not state them, its unit and up axis.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ReadArgs {
-    /// JSON file with a custom joint map, tried before the built-in ones (repeatable)
+    /// JSON file with your joint map, used instead of all others if it fits (repeatable)
     #[arg(long, value_name = "F.json")]
     pub(crate) joint_map: Vec<PathBuf>,
     /// Length of one file unit in metres [default: estimated from the figure's size for BVH, ASF

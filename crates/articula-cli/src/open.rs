@@ -10,7 +10,7 @@ use articula_formats::joint_map;
 use articula_formats::{Assumption, Limits, Warning};
 use std::path::{Path, PathBuf};
 
-/// Opens a character; joint maps of the user are tried before the built-in ones.
+/// Opens a character; a joint map of the user is used instead of all others if it fits.
 pub(crate) fn character(
     files: &Files,
     path: &Path,
@@ -38,7 +38,7 @@ fn options(args: &ReadArgs) -> anyhow::Result<OpenOptions> {
     let limits = Limits::default();
     let skeleton = args.skeleton.as_ref();
     Ok(OpenOptions {
-        joint_maps: joint_maps(&args.joint_map, &limits)?,
+        joint_maps: joint_maps(args)?,
         unit_metres: args.unit_metres,
         up: args.up(),
         skeleton: skeleton.map(|p| files::read(p, limits.bytes)).transpose()?,
@@ -48,12 +48,14 @@ fn options(args: &ReadArgs) -> anyhow::Result<OpenOptions> {
     })
 }
 
-fn joint_maps(own: &[PathBuf], limits: &Limits) -> anyhow::Result<Vec<JointMap>> {
+/// The user's own joint maps.
+pub(crate) fn joint_maps(args: &ReadArgs) -> anyhow::Result<Vec<JointMap>> {
+    let limits = Limits::default();
     let profile = |path: &PathBuf| {
         let bytes = files::read(path, limits.bytes)?;
-        joint_map::parse(&bytes, limits).with_context(|| files::shown(path))
+        joint_map::parse(&bytes, &limits).with_context(|| files::shown(path))
     };
-    own.iter().map(profile).collect()
+    args.joint_map.iter().map(profile).collect()
 }
 
 /// The warnings of the reader, each with its place in the file.

@@ -29,7 +29,8 @@
 //! - [`convert()`]: converts between formats, edits clips, selects levels of articulation
 //! - [`flatten`]: a moving character as animated SVG, 2D player, Lottie or portrait
 //! - [`evaluate`]: error and cost of motion level-of-detail methods on a clip
-//! - [`inspect`]: contents of a file, and warnings about it
+//! - [`inspect`]: contents of a file, and warnings about it; [`rig_joint_map`]: the joint map of a rig
+//!   as it was recognised
 //!
 //! The library does not parse arguments, write to a console, read a clock or start threads, and it
 //! touches paths in [`fs`] alone. Long operations take an [`Executor`], which reports progress, can
@@ -49,6 +50,7 @@ pub mod flatten;
 #[cfg(not(target_family = "wasm"))]
 pub mod fs;
 pub mod inspect;
+mod joint_map;
 mod keep_meshes;
 mod mesh_levels;
 mod motion_tables;
@@ -62,6 +64,7 @@ pub use convert::{AddClipsOptions, ConvertOptions, Converted, convert};
 pub use error::{Error, Result};
 pub use facing::facing;
 pub use figure::Figure;
+pub use joint_map::{RigJointMap, rig_joint_map};
 pub use mesh_levels::{CodedMeshLevels, MeshLevelOptions, MeshLevelStream};
 pub use mesh_levels::{
     LevelChoice, MeshView, ShownInView, ShownLevelOptions, ShownLevels, ShownLevelsReport,

@@ -125,8 +125,9 @@ fn with_document(mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource
 /// Checks that a character is the one that its document shows, for which data will be stored.
 fn check_unchanged(opened: &CharacterFile, gltf: &GltfSource) -> Result<()> {
     let shown = gltf::read_document(gltf.document.clone(), &Limits::default())?.value;
+    let (shown, _) = GltfSource::split(shown);
     let of = |character| SourceHashes::of(character, &Articulation::default());
-    if of(&shown.character) == of(&opened.character) {
+    if of(&shown) == of(&opened.character) {
         return Ok(());
     }
     let what = "the character differs from its document; write it to a file and open that";

@@ -1,224 +1,26 @@
-//! Recognition of a human by the words in its joint names, where no joint map fits.
+//! Recognition of a human, or of hands alone, by the words in the joint names, where no joint map
+//! fits.
 //!
 //! A word tells the part of the body and its side; where it may mean two joints (`shoulder` is a
 //! collar bone or an upper arm, `leg` a thigh or a shin), the place in the tree decides. Names with
 //! unknown words are left out, unless most joints have these words.
 
-use super::{rest, words};
+use super::evidence::MappingEvidence;
+use super::part::{FINGERS, Part, is_known, meaning};
+use super::{hand, rest, words};
 use articula_core::joint_names::{JointTarget, Side};
 use articula_core::source::Skeleton;
 
 /// Name of the joint map of joints that are found by their words.
 pub(super) const NAME: &str = "words";
 
-const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "pinky"];
+/// The target of each joint with what told it.
+pub(super) type Found = Vec<Option<(JointTarget, MappingEvidence)>>;
 
-/// What the words of a name mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Part {
-    Hips,
-    Spine,
-    Neck,
-    Head,
-    Jaw,
-    Eye,
-    Collar,
-    /// A collar bone, or an upper arm.
-    Shoulder,
-    UpperArm,
-    /// An upper arm, or a forearm below one.
-    Arm,
-    Forearm,
-    Hand,
-    /// A finger, as an index into [`FINGERS`], and whether the joint is within the palm.
-    Finger(usize, bool),
-    Thigh,
-    /// A thigh, or a shin below one.
-    Leg,
-    Shin,
-    Foot,
-    Toes,
-    /// Something at or around a joint that is no joint of the standard.
-    Other,
-}
-
-/// Words about the place of a part.
-#[derive(Debug, Clone, Copy, Default)]
-struct Place {
-    upper: bool,
-    lower: bool,
-    palm: bool,
-    other: bool,
-}
-
-/// Words without a meaning of their own.
-const NOISE: [&str; 15] = [
-    "joint", "jnt", "bone", "bind", "def", "deform", "bend", "rig", "skin", "sk", "bn", "j", "c",
-    "center", "centre",
-];
-
-/// Words of what is no joint of the standard.
-const OTHER: [&str; 17] = [
-    "twist", "roll", "ik", "pole", "ctrl", "control", "target", "helper", "nub", "end", "tip",
-    "top", "site", "effector", "hold", "attach", "socket",
-];
-
-/// Words that consist of others without a sign of it.
-const COMPOUNDS: [(&str, &[&str]); 21] = [
-    ("upperarm", &["upper", "arm"]),
-    ("uparm", &["upper", "arm"]),
-    ("bicep", &["upper", "arm"]),
-    ("forearm", &["lower", "arm"]),
-    ("lowerarm", &["lower", "arm"]),
-    ("lowarm", &["lower", "arm"]),
-    ("elbow", &["lower", "arm"]),
-    ("wrist", &["hand"]),
-    ("upperleg", &["upper", "leg"]),
-    ("upleg", &["upper", "leg"]),
-    ("thigh", &["upper", "leg"]),
-    ("lowerleg", &["lower", "leg"]),
-    ("lowleg", &["lower", "leg"]),
-    ("knee", &["lower", "leg"]),
-    ("shin", &["lower", "leg"]),
-    ("calf", &["lower", "leg"]),
-    ("ankle", &["foot"]),
-    ("toebase", &["toes"]),
-    ("ball", &["toes"]),
-    ("upperchest", &["upper", "chest"]),
-    ("eyeball", &["eye"]),
-];
-
-fn part(word: &str) -> Option<Part> {
-    Some(match word {
-        "hips" | "hip" | "pelvis" => Part::Hips,
-        "spine" | "chest" | "torso" | "abdomen" | "waist" | "ribs" | "ribcage" | "back" => {
-            Part::Spine
-        }
-        "neck" => Part::Neck,
-        "head" => Part::Head,
-        "jaw" => Part::Jaw,
-        "eye" => Part::Eye,
-        "clavicle" | "clav" | "collar" | "scapula" => Part::Collar,
-        "shoulder" | "shldr" => Part::Shoulder,
-        "arm" => Part::Arm,
-        "hand" => Part::Hand,
-        "thumb" => Part::Finger(0, false),
-        "index" => Part::Finger(1, false),
-        "middle" | "mid" => Part::Finger(2, false),
-        "ring" => Part::Finger(3, false),
-        "pinky" | "pinkie" | "little" => Part::Finger(4, false),
-        "leg" => Part::Leg,
-        "foot" => Part::Foot,
-        "toes" | "toe" => Part::Toes,
-        _ => return None,
-    })
-}
-
-fn is_number(word: &str) -> bool {
-    word.chars().all(|c| c.is_ascii_digit())
-}
-
-fn is_known(word: &str) -> bool {
-    let is_compound = COMPOUNDS.iter().any(|(name, _)| *name == word);
-    words::side(word).is_some() || part(word).is_some() || is_compound || place(word).is_some()
-}
-
-/// What a word says about the place of a part; `None` if nothing.
-fn place(word: &str) -> Option<Place> {
-    let none = Place::default();
-    Some(match word {
-        "upper" | "up" | "uppr" => Place {
-            upper: true,
-            ..none
-        },
-        "lower" | "low" | "lwr" | "fore" => Place {
-            lower: true,
-            ..none
-        },
-        "metacarpal" | "meta" | "palm" => Place { palm: true, ..none },
-        "proximal" | "intermediate" | "medial" | "distal" | "base" | "finger" => none,
-        word if OTHER.contains(&word) => Place {
-            other: true,
-            ..none
-        },
-        word if NOISE.contains(&word) || is_number(word) => none,
-        _ => return None,
-    })
-}
-
-/// Meaning of the words of a name; `None` if one is unknown, or none is a part.
-fn meaning(words: &[String]) -> Option<(Part, Option<Side>)> {
-    let (mut found, mut side, mut place) = (None, None, Place::default());
-    for word in words {
-        let mut word = word.as_str();
-        if let Some(own) = words::side(word) {
-            side = Some(own);
-            continue;
-        }
-        if !is_known(word) {
-            // A side without a sign of its end: lthigh, leftarm.
-            let ends = ["left", "right", "l", "r"].into_iter();
-            let (own, rest) = ends
-                .filter_map(|s| Some((words::side(s)?, word.strip_prefix(s)?)))
-                .find(|(_, rest)| is_known(rest))?;
-            (side, word) = (Some(own), rest);
-        }
-        let compound = COMPOUNDS.iter().find(|(name, _)| *name == word);
-        let single = [word];
-        for word in compound.map_or(&single[..], |(_, words)| words) {
-            match (part(word), self::place(word)) {
-                // The finger of a hand, the toes of a foot: the finer part.
-                (Some(own), _) if finer(found, own) => found = Some(own),
-                (Some(_), _) => {}
-                (None, Some(own)) => {
-                    place.upper |= own.upper;
-                    place.lower |= own.lower;
-                    place.palm |= own.palm;
-                    place.other |= own.other;
-                }
-                (None, None) => return None,
-            }
-        }
-    }
-    let found = match found? {
-        _ if place.other => Part::Other,
-        Part::Arm if place.lower => Part::Forearm,
-        Part::Arm if place.upper => Part::UpperArm,
-        Part::Leg if place.lower => Part::Shin,
-        Part::Leg if place.upper => Part::Thigh,
-        Part::Hips if side.is_some() => Part::Thigh,
-        Part::Finger(finger, _) => Part::Finger(finger, place.palm),
-        part => part,
-    };
-    Some((found, side))
-}
-
-/// Whether a part takes precedence over one that the same name has too.
-fn finer(found: Option<Part>, own: Part) -> bool {
-    match found {
-        None => true,
-        Some(Part::Hand | Part::Foot) => !matches!(own, Part::Hand | Part::Foot),
-        Some(Part::Leg) => matches!(own, Part::Foot | Part::Toes),
-        Some(Part::Arm) => matches!(own, Part::Hand | Part::Finger(..) | Part::Collar),
-        Some(_) => false,
-    }
-}
-
-/// The target of each joint, if the words of the names are those of a human.
-pub(super) fn human(skeleton: &Skeleton, eligible: &[bool]) -> Option<Vec<Option<JointTarget>>> {
-    let mut names: Vec<Vec<String>> = Vec::with_capacity(skeleton.joints.len());
-    names.extend(skeleton.joints.iter().map(|j| words::split(&j.name)));
-    words::without_common(&mut names, is_known);
-    let meanings: Vec<Option<(Part, Option<Side>)>> = names
-        .iter()
-        .zip(eligible)
-        .map(|(words, eligible)| meaning(words).filter(|_| *eligible))
-        .collect();
-    let mut body = Body {
-        skeleton,
-        meanings,
-        found: vec![None; skeleton.joints.len()],
-    };
+/// The target of each joint, if the words of the names are those of a human. One joint of a limb may
+/// lack a known name.
+pub(super) fn human(skeleton: &Skeleton, eligible: &[bool]) -> Option<Found> {
+    let mut body = Body::new(skeleton, eligible);
     let limbs = Side::BOTH.map(|side| body.limbs(side));
     let [Some(left), Some(right)] = limbs else {
         return None;
@@ -227,13 +29,52 @@ pub(super) fn human(skeleton: &Skeleton, eligible: &[bool]) -> Option<Vec<Option
     (!body.stands_on_four()).then_some(body.found)
 }
 
+/// The target of each joint, if the words of the names are those of hands or arms, and none is of
+/// another part of the body.
+pub(super) fn hands(skeleton: &Skeleton, eligible: &[bool]) -> Option<Found> {
+    let mut body = Body::new(skeleton, eligible);
+    let is_of_body = |part: Part| {
+        use Part::{Foot, Head, Hips, Jaw, Leg, Neck, Shin, Spine, Thigh, Toes};
+        matches!(
+            part,
+            Hips | Spine | Neck | Head | Jaw | Thigh | Leg | Shin | Foot | Toes
+        )
+    };
+    let mut parts = body.meanings.iter().flatten();
+    if parts.any(|(part, _)| is_of_body(*part)) {
+        return None;
+    }
+    body.name_the_side_of_a_lone_hand();
+    for side in Side::BOTH {
+        let named = |part: &str| format!("{}_{part}", side.letter());
+        if body.arm(side, &named).is_none() {
+            body.hand(side, &named, None);
+        }
+    }
+    Some(body.found)
+}
+
 struct Body<'a> {
     skeleton: &'a Skeleton,
     meanings: Vec<Option<(Part, Option<Side>)>>,
-    found: Vec<Option<JointTarget>>,
+    found: Found,
 }
 
-impl Body<'_> {
+impl<'a> Body<'a> {
+    fn new(skeleton: &'a Skeleton, eligible: &[bool]) -> Self {
+        let mut names: Vec<Vec<String>> = Vec::with_capacity(skeleton.joints.len());
+        names.extend(skeleton.joints.iter().map(|j| words::split(&j.name)));
+        words::without_common(&mut names, is_known);
+        let meanings = names.iter().zip(eligible);
+        Self {
+            skeleton,
+            meanings: meanings
+                .map(|(words, eligible)| meaning(words).filter(|_| *eligible))
+                .collect(),
+            found: vec![None; skeleton.joints.len()],
+        }
+    }
+
     /// Joints of these parts on a side, parents first.
     fn of(&self, side: Option<Side>, is: impl Fn(Part) -> bool) -> Vec<usize> {
         let all = self.meanings.iter().enumerate();
@@ -241,20 +82,36 @@ impl Body<'_> {
         matching.map(|(joint, _)| joint).collect()
     }
 
-    /// The nearest joint above another one that is one of these parts on the same side.
+    fn is_part(&self, joint: usize, side: Option<Side>, is: impl Fn(Part) -> bool) -> bool {
+        self.meanings[joint].is_some_and(|(part, own)| own == side && is(part))
+    }
+
+    /// The nearest joint above another one that is one of these parts on the same side. Of a bone
+    /// that is stored in segments, such as `thigh` and `thigh.001`, the first one counts.
     fn nearest_above(
         &self,
         joint: usize,
         side: Option<Side>,
         is: impl Fn(Part) -> bool,
     ) -> Option<usize> {
-        let fits = |j: &usize| self.meanings[*j].is_some_and(|(part, own)| own == side && is(part));
-        self.above(joint).find(fits)
+        let mut found = self.above(joint).find(|j| self.is_part(*j, side, &is))?;
+        let whole = self.meanings[found].map(|(part, _)| part);
+        if let Some(part @ (Part::UpperArm | Part::Thigh)) = whole {
+            let mut above = self.above(found);
+            while let Some(next) = above
+                .next()
+                .filter(|j| self.is_part(*j, side, |p| p == part))
+            {
+                found = next;
+            }
+        }
+        Some(found)
     }
 
     /// The joints above one, from its parent to the root.
-    fn above(&self, joint: usize) -> impl Iterator<Item = usize> {
-        let parent = |j: &usize| self.skeleton.joints[*j].parent;
+    fn above(&self, joint: usize) -> impl Iterator<Item = usize> + use<'a> {
+        let skeleton = self.skeleton;
+        let parent = move |j: &usize| skeleton.joints[*j].parent;
         std::iter::successors(parent(&joint), parent)
     }
 
@@ -266,8 +123,8 @@ impl Body<'_> {
     fn stands_on_four(&self) -> bool {
         let places = rest::positions(self.skeleton);
         let height = |name: &str| {
-            let is_named = |target: &Option<JointTarget>| match target {
-                Some(JointTarget::Joint(joint)) => joint.name == name,
+            let is_named = |found: &Option<(JointTarget, MappingEvidence)>| match found {
+                Some((JointTarget::Joint(joint), _)) => joint.name == name,
                 _ => false,
             };
             Some(places[self.found.iter().position(is_named)?].y)
@@ -283,33 +140,50 @@ impl Body<'_> {
     }
 
     fn set(&mut self, joint: usize, name: &str) {
-        self.found[joint] = JointTarget::standard(name);
+        let is_ambiguous = self.meanings[joint].is_some_and(|(part, _)| part.is_ambiguous());
+        let told = if is_ambiguous {
+            MappingEvidence::WordsAndTree
+        } else if self.meanings[joint].is_some() {
+            MappingEvidence::Words
+        } else {
+            MappingEvidence::Tree
+        };
+        self.found[joint] = JointTarget::standard(name).map(|target| (target, told));
     }
 
-    /// Names leg, arm and fingers of a side; returns thigh and upper arm if all of both limbs is
-    /// found.
+    /// Names leg, arm, fingers and eye of a side; returns the highest joint of leg and arm, if at
+    /// least two of the three joints of both are found.
     fn limbs(&mut self, side: Side) -> Option<(usize, usize)> {
         let named = |part: &str| format!("{}_{part}", side.letter());
-        let thigh = self.leg(side, &named)?;
-        let upper = self.arm(side, &named)?;
+        let leg = self.leg(side, &named)?;
+        let arm = self.arm(side, &named)?;
         let eye = self.of(Some(side), |p| p == Part::Eye);
         if let Some(eye) = eye.first() {
             self.set(*eye, &named("eyeball_joint"));
         }
-        Some((thigh, upper))
+        Some((leg, arm))
     }
 
     fn leg(&mut self, side: Side, named: &dyn Fn(&str) -> String) -> Option<usize> {
         let own = Some(side);
         let is_thigh = |p| matches!(p, Part::Thigh | Part::Leg);
         let shins = self.of(own, |p| p == Part::Shin).into_iter();
-        let mut shins = shins.chain(self.of(own, |p| p == Part::Leg));
+        let shins = shins.chain(self.of(own, |p| p == Part::Leg));
         // A leg is a shin if it is below another one.
-        let (shin, thigh) = shins.find_map(|j| Some((j, self.nearest_above(j, own, is_thigh)?)))?;
-        self.set(thigh, &named("hip"));
-        self.set(shin, &named("knee"));
+        let both = |shin| Some((Some(self.nearest_above(shin, own, is_thigh)?), Some(shin)));
+        let (thigh, shin) = shins.clone().find_map(both).or_else(|| {
+            let ends = self.of(own, |p| p == Part::Foot);
+            self.alone(shins.collect(), &ends, own, Part::Shin, is_thigh)
+        })?;
+        let upper = thigh.or(shin)?;
+        for (joint, name) in [(thigh, "hip"), (shin, "knee")] {
+            if let Some(joint) = joint {
+                self.set(joint, &named(name));
+            }
+        }
+        let lower = shin.unwrap_or(upper);
         let feet = self.of(own, |p| matches!(p, Part::Foot | Part::Toes));
-        let mut feet = feet.into_iter().filter(|j| self.is_below(*j, shin));
+        let mut feet = feet.into_iter().filter(|j| self.is_below(*j, lower));
         let (ankle, ball) = (feet.next(), feet.next());
         if let Some(ankle) = ankle {
             self.set(ankle, &named("ankle"));
@@ -317,7 +191,34 @@ impl Body<'_> {
         if let Some(ball) = ball {
             self.set(ball, &named("metatarsal"));
         }
-        Some(thigh)
+        Some(upper)
+    }
+
+    /// Of a limb with one known joint above its end: that joint as the upper or the lower one. A
+    /// name with two meanings is the lower joint if the end is its child.
+    fn alone(
+        &self,
+        lowers: Vec<usize>,
+        ends: &[usize],
+        side: Option<Side>,
+        lower: Part,
+        is_upper: impl Fn(Part) -> bool,
+    ) -> Option<(Option<usize>, Option<usize>)> {
+        ends.iter().find_map(|end| {
+            let holds = |j: &usize| self.is_below(*end, *j);
+            if let Some(own) = lowers.iter().copied().find(holds) {
+                let is_lower = self.is_part(own, side, |p| p == lower);
+                let is_parent = self.skeleton.joints[*end].parent == Some(own);
+                let is_lower = is_lower || is_parent;
+                return Some(if is_lower {
+                    (None, Some(own))
+                } else {
+                    (Some(own), None)
+                });
+            }
+            let upper = self.nearest_above(*end, side, &is_upper)?;
+            Some((Some(upper), None))
+        })
     }
 
     fn arm(&mut self, side: Side, named: &dyn Fn(&str) -> String) -> Option<usize> {
@@ -325,17 +226,32 @@ impl Body<'_> {
         let is_upper = |p| matches!(p, Part::UpperArm | Part::Arm | Part::Shoulder);
         let is_collar = |p| matches!(p, Part::Collar | Part::Shoulder);
         let lowers = self.of(own, |p| p == Part::Forearm).into_iter();
-        let mut lowers = lowers.chain(self.of(own, |p| p == Part::Arm));
-        let (lower, upper) =
-            lowers.find_map(|j| Some((j, self.nearest_above(j, own, is_upper)?)))?;
-        let collar = self.nearest_above(upper, own, is_collar);
-        if let Some(collar) = collar {
+        let lowers = lowers.chain(self.of(own, |p| p == Part::Arm));
+        let both = |lower| Some((Some(self.nearest_above(lower, own, is_upper)?), Some(lower)));
+        let (upper, lower) = lowers.clone().find_map(both).or_else(|| {
+            let ends = self.of(own, |p| p == Part::Hand);
+            let is_upper = |p| matches!(p, Part::UpperArm | Part::Arm);
+            self.alone(lowers.collect(), &ends, own, Part::Forearm, is_upper)
+        })?;
+        let highest = upper.or(lower)?;
+        if let Some(collar) = self.nearest_above(highest, own, is_collar) {
             self.set(collar, &named("sternoclavicular"));
         }
-        self.set(upper, &named("shoulder"));
-        self.set(lower, &named("elbow"));
-        let hands = self.of(own, |p| p == Part::Hand);
-        if let Some(hand) = hands.into_iter().find(|j| self.is_below(*j, lower)) {
+        for (joint, name) in [(upper, "shoulder"), (lower, "elbow")] {
+            if let Some(joint) = joint {
+                self.set(joint, &named(name));
+            }
+        }
+        self.hand(side, named, lower.or(upper));
+        Some(highest)
+    }
+
+    /// Names the hand of a side, below a joint if one is given, and its fingers.
+    fn hand(&mut self, side: Side, named: &dyn Fn(&str) -> String, below: Option<usize>) {
+        let own = Some(side);
+        let is_there = |hand: &usize| below.is_none_or(|arm| self.is_below(*hand, arm));
+        let mut hands = self.of(own, |p| p == Part::Hand).into_iter();
+        if let Some(hand) = hands.find(is_there) {
             self.set(hand, &named("wrist"));
         }
         for (finger, name) in FINGERS.iter().enumerate() {
@@ -351,13 +267,40 @@ impl Body<'_> {
                 }
             }
         }
-        Some(upper)
     }
 
-    /// Names hips, spine, neck and head.
-    fn middle(&mut self, thighs: [usize; 2], arms: [usize; 2]) -> Option<()> {
+    /// In a rig without a side in any name of hands and fingers: gives all the side of the other
+    /// names, or that of the rest pose.
+    fn name_the_side_of_a_lone_hand(&mut self) {
+        if self
+            .meanings
+            .iter()
+            .flatten()
+            .any(|(_, side)| side.is_some())
+        {
+            return;
+        }
+        let said = |joint: &articula_core::source::Joint| {
+            words::split(&joint.name)
+                .iter()
+                .find_map(|w| words::side(w))
+        };
+        let mut said = self.skeleton.joints.iter().filter_map(said);
+        let wrist = self.of(None, |p| p == Part::Hand).first().copied();
+        let thumb = self.of(None, |p| matches!(p, Part::Finger(0, _)));
+        let side = said.next().unwrap_or_else(|| {
+            let thumb = thumb.get(1).or(thumb.first()).copied();
+            hand::side_of(self.skeleton, wrist, thumb)
+        });
+        for (_, own) in self.meanings.iter_mut().flatten() {
+            *own = Some(side);
+        }
+    }
+
+    /// Names hips, spine, neck and head; `legs` and `arms` are the highest joints of the limbs.
+    fn middle(&mut self, legs: [usize; 2], arms: [usize; 2]) -> Option<()> {
         let holds = |joint: usize, all: &[usize]| all.iter().all(|j| self.is_below(*j, joint));
-        let limbs = [thighs[0], thighs[1], arms[0], arms[1]];
+        let limbs = [legs[0], legs[1], arms[0], arms[1]];
         let named = self.of(None, |p| p == Part::Hips);
         let by_name = named.iter().copied().rfind(|j| holds(*j, &limbs));
         // The joint where legs and arms part, whatever its name is.
@@ -366,15 +309,20 @@ impl Body<'_> {
         let pelvis = named
             .iter()
             .copied()
-            .find(|j| *j != hips && holds(*j, &thighs));
+            .find(|j| *j != hips && holds(*j, &legs));
         let spine = self.of(None, |p| p == Part::Spine);
         let spine: Vec<usize> = spine.into_iter().filter(|j| *j != hips).collect();
         let head = self.of(None, |p| p == Part::Head).into_iter().next();
         let neck = self.of(None, |p| p == Part::Neck).into_iter().next();
         let jaw = self.of(None, |p| p == Part::Jaw).into_iter().next();
         self.set(hips, "humanoid_root");
+        if by_name.is_none()
+            && let Some((_, told)) = &mut self.found[hips]
+        {
+            *told = (*told).max(MappingEvidence::WordsAndTree);
+        }
         for joint in spine {
-            self.found[joint] = Some(JointTarget::Spine);
+            self.found[joint] = Some((JointTarget::Spine, MappingEvidence::Words));
         }
         let singles = [
             (pelvis, "sacroiliac"),
@@ -394,29 +342,9 @@ impl Body<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::Transform;
-    use articula_core::source::Joint;
-
-    /// A rig of joints with the depth in the tree by which they are indented, and what they are.
-    fn rig(text: &str) -> (Skeleton, Vec<&str>) {
-        let mut joints: Vec<Joint> = Vec::new();
-        let mut above: Vec<usize> = Vec::new();
-        let mut wanted = Vec::new();
-        for line in text.lines().filter(|l| !l.trim().is_empty()) {
-            let depth = line.len() - line.trim_start().len();
-            let (name, hanim) = line.trim().split_once(" = ").unwrap();
-            above.truncate(depth);
-            joints.push(Joint {
-                name: name.to_owned(),
-                parent: above.last().copied(),
-                rest: Transform::IDENTITY,
-                in_skin: true,
-            });
-            above.push(joints.len() - 1);
-            wanted.push(hanim);
-        }
-        (Skeleton { joints }, wanted)
-    }
+    use crate::joint_names::map;
+    use crate::joint_names::test_rigs::{check_map, rig};
+    use articula_formats::joint_map::builtin;
 
     fn check(text: &str) {
         let (skeleton, wanted) = rig(text);
@@ -424,8 +352,8 @@ mod tests {
         let found = human(&skeleton, &eligible).expect("a human");
         for ((joint, target), wanted) in skeleton.joints.iter().zip(&found).zip(wanted) {
             let found = match target {
-                Some(JointTarget::Joint(joint)) => joint.name.as_str(),
-                Some(JointTarget::Spine) => "spine",
+                Some((JointTarget::Joint(joint), _)) => joint.name.as_str(),
+                Some((JointTarget::Spine, _)) => "spine",
                 _ => "-",
             };
             assert_eq!(found, wanted, "{}", joint.name);
@@ -529,5 +457,84 @@ hips = -
  rightleg = -
 ");
         assert!(human(&skeleton, &vec![true; wanted.len()]).is_none());
+    }
+
+    /// Finger joints of a hand by a convention, below its wrist: `{s}` is the side.
+    fn hand(wrist: &str, finger: impl Fn(&str, usize) -> String, side: &str) -> String {
+        let mut text = format!("{wrist} = {side}_wrist\n");
+        for name in ["thumb", "index", "middle", "ring", "pinky"] {
+            for part in 1..=3 {
+                let indent = " ".repeat(part);
+                text += &format!("{indent}{} = {side}_{name}{part}\n", finger(name, part));
+            }
+        }
+        text
+    }
+
+    #[test]
+    fn hands_alone_are_mapped_as_hands() {
+        let capital = |name: &str| format!("{}{}", name[..1].to_uppercase(), &name[1..]);
+        let mixamo = |side: &str, letter: &str| {
+            let finger = |name: &str, part| format!("mixamorig:{side}Hand{}{part}", capital(name));
+            hand(&format!("mixamorig:{side}Hand"), finger, letter)
+        };
+        let vrm = |name: &str, part: usize| {
+            let parts = match name {
+                "thumb" => ["Metacarpal", "Proximal", "Distal"],
+                _ => ["Proximal", "Intermediate", "Distal"],
+            };
+            let name = if name == "pinky" { "little" } else { name };
+            format!("right{}{}", capital(name), parts[part - 1])
+        };
+        let glove = |name: &str, part| format!("glove_{name}_{part:02}_jnt");
+        for text in [
+            mixamo("Left", "l"),
+            mixamo("Left", "l") + &mixamo("Right", "r"),
+            hand("rightHand", vrm, "r"),
+            hand("glove_hand_jnt", glove, "l"),
+            // The side is that of a name above the hand.
+            format!(
+                "right_glove = -\n{}",
+                hand("glove_hand_jnt", glove, "r")
+                    .replace('\n', "\n ")
+                    .trim_end()
+                    .replacen("glove_hand", " glove_hand", 1)
+            ),
+        ] {
+            let mapping = check_map(&text);
+            assert!(mapping.is_hands_alone() && !mapping.humanoid, "{text}");
+            assert!(mapping.missing.is_empty() && mapping.doubts.is_empty());
+        }
+    }
+
+    #[test]
+    fn arms_in_the_first_person_are_hands_with_arms() {
+        let mapping = check_map(
+            "
+arms_root = -
+ upper_arm_l = l_shoulder
+  lower_arm_l = l_elbow
+   hand_l = l_wrist
+    thumb_01_l = l_thumb1
+    index_01_l = l_index1
+ upper_arm_r = r_shoulder
+  lower_arm_r = r_elbow
+   hand_r = r_wrist
+    thumb_01_r = r_thumb1
+    index_01_r = r_index1
+",
+        );
+        assert!(mapping.is_hands_alone());
+    }
+
+    #[test]
+    fn a_body_without_a_leg_is_no_rig_of_hands() {
+        let text = format!(
+            "Hips = -\n {}",
+            hand("LeftHand", |n, p| format!("Left_{n}_{p}"), "l")
+        );
+        let (skeleton, _) = rig(&text);
+        let mapping = map(&skeleton, builtin(), None);
+        assert!(!mapping.is_hands_alone() && mapping.articulation.mapped() == 0);
     }
 }

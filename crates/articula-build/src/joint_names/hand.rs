@@ -7,7 +7,8 @@ use super::rest;
 use articula_core::joint_names::{Side, folded};
 use articula_core::source::Skeleton;
 
-/// The side according to the rest pose; left if there is no wrist or no thumb.
+/// The side according to the rest pose of a hand with the joint names of WebXR; left if there is no
+/// wrist or no thumb.
 pub(super) fn side(skeleton: &Skeleton) -> Side {
     let find = |wanted: &str| {
         skeleton
@@ -15,7 +16,12 @@ pub(super) fn side(skeleton: &Skeleton) -> Side {
             .iter()
             .position(|j| folded(&j.name) == wanted)
     };
-    let (Some(wrist), Some(thumb)) = (find("wrist"), find("thumbphalanxproximal")) else {
+    side_of(skeleton, find("wrist"), find("thumbphalanxproximal"))
+}
+
+/// The side according to wrist and thumb at rest; left if one of them is unknown.
+pub(super) fn side_of(skeleton: &Skeleton, wrist: Option<usize>, thumb: Option<usize>) -> Side {
+    let (Some(wrist), Some(thumb)) = (wrist, thumb) else {
         return Side::Left;
     };
     let matrices = rest::matrices(skeleton);

@@ -4,9 +4,11 @@
 //! be found or the joint map does not fit. A joint whose name contradicts the side of the limb it
 //! hangs from is mapped with the limb (rigs with crossed thumbs exist).
 
+use super::evidence::MappingEvidence;
 use super::gap::UnmappedReason;
-use super::spine;
-use articula_core::joint_names::{JointMap, JointTarget, RigScope, Side};
+use super::{complete, hand, spine};
+use articula_core::Region;
+use articula_core::joint_names::{JointMap, JointTarget, RigScope, Side, StandardJoint};
 use articula_core::source::Skeleton;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,7 +20,7 @@ const BODY: [&str; 5] = [
     "r_shoulder",
 ];
 
-/// Minimum number of finger joints of a rig that is a single hand.
+/// Number of joints that a rig of hands alone must exceed.
 const HAND_FINGER_JOINTS: usize = 5;
 
 /// Result of one joint map for every joint of a skeleton.
@@ -27,17 +29,30 @@ pub(super) struct Candidate {
     pub(super) profile: String,
     /// One entry per joint: its target, or the reason why it has none.
     pub(super) meanings: Vec<Result<JointTarget, UnmappedReason>>,
+    /// What told the meaning of each joint; of those without a meaning it says nothing.
+    pub(super) evidence: Vec<MappingEvidence>,
     /// Joints whose name contradicts their side.
     pub(super) crossed: Vec<usize>,
 }
 
+/// Whether joints whose names tell nothing are found by their place in the tree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Completion {
+    /// The map was given for this rig: what it leaves out is left out.
+    AsGiven,
+    /// Limbs, neck and head are completed.
+    FromTree,
+}
+
 impl Candidate {
-    /// Matches a skeleton's names; `None` if the joint map does not fit.
+    /// Matches a skeleton's names, as a rig of the given scope; `None` if the joint map does not fit.
     pub(super) fn by_name(
         skeleton: &Skeleton,
         profile: &JointMap,
-        lone_hand: Side,
+        scope: RigScope,
+        completion: Completion,
     ) -> Option<Self> {
+        let lone_hand = hand::side(skeleton);
         let eligible = eligible(skeleton);
         let found = skeleton
             .joints
@@ -53,7 +68,8 @@ impl Candidate {
                     other => other.clone(),
                 })
             });
-        Self::new(skeleton, &profile.name, found.collect(), profile.scope)
+        let found = found.map(|target| Some((target?, MappingEvidence::JointMap)));
+        Self::new(skeleton, &profile.name, found.collect(), scope, completion)
     }
 
     /// Removes contradictions from the targets found for each joint; `None` if required joints are
@@ -61,16 +77,27 @@ impl Candidate {
     pub(super) fn new(
         skeleton: &Skeleton,
         profile: &str,
-        found: Vec<Option<JointTarget>>,
+        found: Vec<Option<(JointTarget, MappingEvidence)>>,
         scope: RigScope,
+        completion: Completion,
     ) -> Option<Self> {
-        let mut found = found;
+        let mut evidence: Vec<MappingEvidence> = Vec::with_capacity(found.len());
+        evidence.extend(
+            found
+                .iter()
+                .map(|f| f.as_ref().map_or(MappingEvidence::Tree, |f| f.1)),
+        );
+        let mut found: Vec<Option<JointTarget>> = found.into_iter().map(|f| Some(f?.0)).collect();
         let crossed = uncross(skeleton, &mut found);
         let mut meanings = without_duplicates(skeleton, found);
+        if completion == Completion::FromTree {
+            complete::complete(skeleton, &eligible(skeleton), &mut meanings, &mut evidence);
+        }
         spine::name_by_arc_length(skeleton, &mut meanings);
         let candidate = Self {
             profile: profile.to_owned(),
             meanings,
+            evidence,
             crossed,
         };
         candidate.fits(scope).then_some(candidate)
@@ -83,8 +110,12 @@ impl Candidate {
     }
 
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.joints().map(|joint| joint.name.as_str())
+    }
+
+    fn joints(&self) -> impl Iterator<Item = &StandardJoint> {
         self.meanings.iter().filter_map(|m| match m {
-            Ok(JointTarget::Joint(joint)) => Some(joint.name.as_str()),
+            Ok(JointTarget::Joint(joint)) => Some(joint),
             _ => None,
         })
     }
@@ -95,7 +126,9 @@ impl Candidate {
             RigScope::Body => BODY.iter().all(|b| names.contains(b)),
             RigScope::Hand => {
                 let wrist = names.iter().any(|n| n.ends_with("_wrist"));
-                wrist && names.len() > HAND_FINGER_JOINTS
+                let is_of_arm = |region| matches!(region, Region::Arms | Region::Hands);
+                let arms = self.joints().all(|j| is_of_arm(j.region));
+                wrist && arms && names.len() > HAND_FINGER_JOINTS
             }
         }
     }

@@ -1,29 +1,38 @@
 //! Mapping of a skeleton's joints to H-Anim, by their names, a map in the file or the shape of the
 //! tree.
 //!
-//! - [`map`]: applies the joint map that fits a skeleton best
+//! - [`map`], [`map_as_told`]: apply the joint map that fits a skeleton best, or the user's
+//! - [`JointMapping`]: the joints of the standard, what told each, and what is doubtful
 //! - [`segments`]: the same for segments without a hierarchy
 //!
 //! Source: thesis 3.1.3; H-Anim 1.1 and 2 (ISO/IEC 19774); the mapping rules are described in
 //! `docs/formats/joint-map.md`.
 
 mod by_words;
+mod complete;
+mod doubts;
+mod evidence;
 mod gap;
 mod hand;
 mod levels;
 mod matching;
+mod part;
 mod rest;
 mod shape;
 mod spine;
+#[cfg(test)]
+mod test_rigs;
 mod words;
 
+pub use doubts::{DoubtReason, JointDoubt};
+pub use evidence::{MappingConfidence, MappingEvidence};
 pub use gap::{UnmappedJoint, UnmappedReason};
 
 use articula_core::Articulation;
 use articula_core::hanim_table::{self, JOINTS};
 use articula_core::joint_names::{JointMap, JointTarget, RigScope, Segments};
 use articula_core::source::Skeleton;
-use matching::Candidate;
+use matching::{Candidate, Completion};
 use std::collections::BTreeSet;
 
 /// Maximum level of the joints listed in [`JointMapping::missing`]: finer levels contain fingers and
@@ -37,36 +46,75 @@ pub struct JointMapping {
     pub articulation: Articulation,
     /// Joints without a counterpart in H-Anim, in the skeleton's order.
     pub gaps: Vec<UnmappedJoint>,
-    /// H-Anim joints up to level 2 that the rig lacks.
+    /// H-Anim joints up to level 2 that the rig of a human lacks.
     pub missing: Vec<&'static str>,
     /// Joints whose name contradicts the side of the limb they hang from; they are mapped with the
     /// limb.
     pub crossed: Vec<usize>,
+    /// What told the joint of the standard, for every joint; `None` for joints without one.
+    pub evidence: Vec<Option<MappingEvidence>>,
+    /// Reasons to doubt mapped joints, in the order of the joints.
+    pub doubts: Vec<JointDoubt>,
     /// Whether hips, both legs and both arms were found. Otherwise levels are tree depths and every
-    /// joint belongs to the torso, unless the rig is a single hand.
+    /// joint belongs to the torso, unless the rig is one of hands alone.
     pub humanoid: bool,
 }
 
+impl JointMapping {
+    /// Returns whether the rig is one or two hands, perhaps with arms, without a body.
+    pub fn is_hands_alone(&self) -> bool {
+        !self.humanoid && self.articulation.mapped() > 0
+    }
+
+    /// Returns the confidence in a joint; `None` if it is not mapped.
+    pub fn confidence(&self, joint: usize) -> Option<MappingConfidence> {
+        let told = (*self.evidence.get(joint)?)?;
+        let against = self.doubts.iter();
+        let against = against.filter(|d| {
+            // An unknown name is the lowest confidence by itself.
+            d.joint == joint && d.reason != DoubtReason::UnknownName
+        });
+        Some(against.fold(told.confidence(), |own, _| own.lowered()))
+    }
+}
+
 /// Maps a skeleton by its joint names, with the joint map that matches the most joints among those
-/// that fit. On a tie the first in the list is used, so pass the user's own before built-in ones.
+/// that fit. On a tie the first in the list is used.
 ///
 /// `given` is a map from the file itself: joint index and VRM human bone. If it names hips, legs
 /// and arms it is used alone. A rig of which the words in its names tell more joints than any
-/// joint map, or that no joint map fits, is recognised by these words; the name of the joint map is then `words`. A rig whose names tell nothing is recognised by
-/// the shape of its tree at rest, if that is a plain human one: `shape`.
+/// joint map, or that no joint map fits, is recognised by these words; the name of the joint map is
+/// then `words`. A rig whose names tell nothing is recognised by the shape of its tree at rest, if
+/// that is a plain human one: `shape`.
 pub fn map(
     skeleton: &Skeleton,
     profiles: &[JointMap],
     given: Option<&[(usize, String)]>,
 ) -> JointMapping {
-    let candidate = given
-        .and_then(|bones| by_humanoid_map(skeleton, profiles, bones))
+    map_as_told(skeleton, &[], profiles, given)
+}
+
+/// Maps a skeleton as [`map`] does, except that a joint map in `told`, the user's own, is used alone
+/// if it fits, whatever other maps, the file's own one or the words of names tell.
+pub fn map_as_told(
+    skeleton: &Skeleton,
+    told: &[JointMap],
+    profiles: &[JointMap],
+    given: Option<&[(usize, String)]>,
+) -> JointMapping {
+    let by_told = |scope| {
+        let fitting = told.iter().filter(|p| p.scope == scope);
+        best(skeleton, fitting, scope, Completion::AsGiven)
+    };
+    let body = by_told(RigScope::Body)
+        .or_else(|| given.and_then(|bones| by_humanoid_map(skeleton, profiles, bones)))
         .or_else(|| by_names(skeleton, profiles))
         .or_else(|| by_shape(skeleton));
-    if let Some(candidate) = candidate {
+    if let Some(candidate) = body {
         return mapping(skeleton, candidate, true);
     }
-    match best(skeleton, profiles, RigScope::Hand) {
+    let hands = by_told(RigScope::Hand).or_else(|| hands_alone(skeleton, profiles));
+    match hands {
         Some(candidate) => mapping(skeleton, candidate, false),
         None => unmapped(skeleton),
     }
@@ -96,11 +144,16 @@ pub fn segments(skeleton: &Skeleton, profiles: &[JointMap]) -> Option<Segments> 
     })
 }
 
-fn best(skeleton: &Skeleton, profiles: &[JointMap], scope: RigScope) -> Option<Candidate> {
-    let side = hand::side(skeleton);
+/// The candidate of the joint map that fits best; on a tie the first.
+fn best<'a>(
+    skeleton: &Skeleton,
+    profiles: impl Iterator<Item = &'a JointMap>,
+    scope: RigScope,
+    completion: Completion,
+) -> Option<Candidate> {
     let mut best: Option<Candidate> = None;
-    for profile in profiles.iter().filter(|p| p.scope == scope) {
-        let Some(candidate) = Candidate::by_name(skeleton, profile, side) else {
+    for profile in profiles {
+        let Some(candidate) = Candidate::by_name(skeleton, profile, scope, completion) else {
             continue;
         };
         if best.as_ref().is_none_or(|b| b.score() < candidate.score()) {
@@ -116,15 +169,15 @@ fn by_humanoid_map(
     bones: &[(usize, String)],
 ) -> Option<Candidate> {
     let name = profile_of(bones);
-    // The last of that name: the user's own precede the built-in ones.
-    let profile = profiles.iter().rfind(|p| p.name == name)?;
+    let profile = profiles.iter().find(|p| p.name == name)?;
     let mut found = vec![None; skeleton.joints.len()];
     for (joint, bone) in bones {
         if let Some(slot) = found.get_mut(*joint) {
-            *slot = profile.target(bone).cloned();
+            let target = profile.target(bone).cloned();
+            *slot = target.map(|target| (target, MappingEvidence::FileMap));
         }
     }
-    Candidate::new(skeleton, name, found, RigScope::Body)
+    Candidate::new(skeleton, name, found, RigScope::Body, Completion::AsGiven)
 }
 
 /// Name of the joint map for the bones of a humanoid map: the two versions differ in the names of
@@ -139,7 +192,26 @@ fn profile_of(bones: &[(usize, String)]) -> &'static str {
 /// The joint map that fits best, or the words of the names if they tell more joints, as those of two
 /// conventions in one rig do.
 fn by_names(skeleton: &Skeleton, profiles: &[JointMap]) -> Option<Candidate> {
-    let (map, words) = (best(skeleton, profiles, RigScope::Body), by_words(skeleton));
+    let bodies = profiles.iter().filter(|p| p.scope == RigScope::Body);
+    let map = best(skeleton, bodies, RigScope::Body, Completion::FromTree);
+    let eligible = matching::eligible(skeleton);
+    let words = by_words::human(skeleton, &eligible);
+    let words = words.and_then(|found| by_found(skeleton, found, RigScope::Body));
+    or_words(map, words)
+}
+
+/// Hands by a joint map of hands, by the part of a joint map of bodies that is about hands, or by
+/// the words of the names.
+fn hands_alone(skeleton: &Skeleton, profiles: &[JointMap]) -> Option<Candidate> {
+    let all = profiles.iter();
+    let map = best(skeleton, all, RigScope::Hand, Completion::AsGiven);
+    let words = by_words::hands(skeleton, &matching::eligible(skeleton));
+    let words = words.and_then(|found| by_found(skeleton, found, RigScope::Hand));
+    or_words(map, words)
+}
+
+/// The candidate that maps more joints; that of the map if they are equal.
+fn or_words(map: Option<Candidate>, words: Option<Candidate>) -> Option<Candidate> {
     let joints = |candidate: &Candidate| candidate.score().0;
     match (map, words) {
         (Some(map), Some(words)) if joints(&words) > joints(&map) => Some(words),
@@ -148,19 +220,22 @@ fn by_names(skeleton: &Skeleton, profiles: &[JointMap]) -> Option<Candidate> {
     }
 }
 
-fn by_words(skeleton: &Skeleton) -> Option<Candidate> {
-    let found = by_words::human(skeleton, &matching::eligible(skeleton))?;
-    Candidate::new(skeleton, by_words::NAME, found, RigScope::Body)
+fn by_found(skeleton: &Skeleton, found: by_words::Found, scope: RigScope) -> Option<Candidate> {
+    Candidate::new(skeleton, by_words::NAME, found, scope, Completion::FromTree)
 }
 
 fn by_shape(skeleton: &Skeleton) -> Option<Candidate> {
-    let found = shape::human(skeleton)?;
-    Candidate::new(skeleton, "shape", found, RigScope::Body)
+    let found = shape::human(skeleton)?.into_iter();
+    let found = found.map(|target| Some((target?, MappingEvidence::Shape)));
+    let (found, scope) = (found.collect(), RigScope::Body);
+    Candidate::new(skeleton, "shape", found, scope, Completion::AsGiven)
 }
 
 fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> JointMapping {
     let present: BTreeSet<&str> = candidate.names().collect();
-    let expected = JOINTS.iter().filter(|j| j.level <= EXPECTED_LEVEL);
+    let expected = JOINTS
+        .iter()
+        .filter(|j| humanoid && j.level <= EXPECTED_LEVEL);
     let missing = expected.map(|j| j.name).filter(|n| !present.contains(n));
     let missing = missing.collect();
     let gap = |(joint, meaning): (usize, &Result<JointTarget, UnmappedReason>)| {
@@ -177,7 +252,12 @@ fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> JointMa
             reason,
         })
     };
+    let evidence = candidate.meanings.iter().zip(&candidate.evidence);
+    let evidence =
+        evidence.map(|(m, told)| matches!(m, Ok(JointTarget::Joint(_))).then_some(*told));
     JointMapping {
+        evidence: evidence.collect(),
+        doubts: doubts::doubts(skeleton, &candidate),
         gaps: candidate
             .meanings
             .iter()
@@ -208,6 +288,8 @@ fn unmapped(skeleton: &Skeleton) -> JointMapping {
         gaps: (0..skeleton.joints.len()).map(gap).collect(),
         missing: Vec::new(),
         crossed: Vec::new(),
+        evidence: vec![None; skeleton.joints.len()],
+        doubts: Vec::new(),
         humanoid: false,
     }
 }
@@ -267,13 +349,62 @@ mod tests {
     #[test]
     fn a_missing_limb_is_no_human() {
         let mut skeleton = standard();
-        let shoulder = hanim_table::find("r_shoulder").unwrap();
-        skeleton.joints[shoulder].name = "stump".to_owned();
+        for joint in ["r_shoulder", "r_elbow"] {
+            let joint = hanim_table::find(joint).unwrap();
+            skeleton.joints[joint].name = "stump".to_owned();
+        }
         let mapping = map(&skeleton, builtin(), None);
         assert!(!mapping.humanoid);
         assert_eq!(mapping.articulation.mapped(), 0);
         let none = map(&Skeleton::default(), builtin(), None);
         assert!(!none.humanoid && none.gaps.is_empty());
+    }
+
+    #[test]
+    fn a_map_of_the_user_wins_over_all_others() {
+        let skeleton = standard();
+        let at = |name: &str| hanim_table::find(name).unwrap();
+        let mut targets = std::collections::BTreeMap::new();
+        for (joint, name) in [
+            ("humanoid_root", "humanoid_root"),
+            ("l_hip", "l_hip"),
+            ("r_hip", "r_hip"),
+            // Not what the name says, to tell it from all other maps.
+            ("l_sternoclavicular", "l_shoulder"),
+            ("r_sternoclavicular", "r_shoulder"),
+        ] {
+            let target = JointTarget::standard(name).unwrap();
+            targets.insert(articula_core::joint_names::folded(joint), target);
+        }
+        let own = JointMap {
+            name: "own".to_owned(),
+            targets,
+            ..JointMap::default()
+        };
+        let bones = [
+            ("humanoid_root", "hips"),
+            ("l_hip", "leftUpperLeg"),
+            ("r_hip", "rightUpperLeg"),
+            ("l_shoulder", "leftUpperArm"),
+            ("r_shoulder", "rightUpperArm"),
+        ];
+        let given = bones.map(|(j, b)| (at(j), b.to_owned()));
+        for given in [None, Some(&given[..])] {
+            let mapping = map_as_told(&skeleton, std::slice::from_ref(&own), builtin(), given);
+            assert_eq!(mapping.articulation.profile, "own");
+            assert_eq!(
+                mapping.articulation.mapped(),
+                5,
+                "what it leaves out stays out"
+            );
+            let shoulder = &mapping.articulation.joints[at("l_sternoclavicular")];
+            assert_eq!(shoulder.hanim.as_deref(), Some("l_shoulder"));
+        }
+        // One that does not fit changes nothing.
+        let mut partial = own;
+        partial.targets.remove("lhip");
+        let mapping = map_as_told(&skeleton, &[partial], builtin(), None);
+        assert_eq!(mapping.articulation.profile, "hanim");
     }
 
     #[test]

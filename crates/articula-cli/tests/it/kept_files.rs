@@ -42,6 +42,8 @@ fn inputs(name: &str) -> PathBuf {
     std::fs::write(here.join("schedule.json"), "[{\"t\": 0.5, \"level\": 4}]").unwrap();
     std::fs::write(here.join("profile.json"), "{\"zones\": [\"torso\"]}").unwrap();
     std::fs::write(here.join("lock.json"), "[[0, [1, 2]]]").unwrap();
+    let names = "{\"name\": \"own\", \"joints\": {\"x\": \"vl5\"}}";
+    std::fs::write(here.join("names.json"), names).unwrap();
     let made: &[&[&str]] = &[
         &["convert", "a.glb", "w.bvh", "--clip", "walk"],
         &["build", "a.glb", "l.glb", "--levels", "2"],
@@ -177,6 +179,17 @@ const WAYS: &[(&[&str], &[&str])] = &[
     (&["flatten", "frame", "drawn.svg", "OUT"], &["drawn.svg"]),
     (&["flatten", "movie", "drawn.svg", "OUT"], &["link.gif"]),
     (&["human", "OUT"], &[]),
+    (
+        &[
+            "inspect",
+            "a.glb",
+            "--joint-map",
+            "names.json",
+            "--write-joint-map",
+            "OUT",
+        ],
+        &["names.json"],
+    ),
 ];
 
 #[cfg(unix)]

@@ -24,6 +24,7 @@ mod flatten_judged;
 mod folders;
 mod hostile;
 mod joint_levels;
+mod joint_maps;
 mod judges;
 mod kept_files;
 mod levels_oracle;

@@ -41,6 +41,9 @@ struct File {
     helpers: BTreeMap<String, Vec<String>>,
     #[serde(default)]
     ignored: Vec<String>,
+    /// Names without a meaning yet, listed for a person to edit.
+    #[serde(default)]
+    unmapped: Vec<String>,
 }
 
 /// Reads a joint map.
@@ -51,7 +54,8 @@ struct File {
 pub fn parse(json: &[u8], limits: &Limits) -> Result<JointMap, ReadError> {
     Limits::check("profile", "bytes", json.len() as u64, limits.bytes)?;
     let file: File = serde_json::from_slice(json).map_err(|e| ReadError::of_json(&e, FORM))?;
-    let lists = file.helpers.values().map(Vec::len).sum::<usize>() + file.ignored.len();
+    let helpers = file.helpers.values().map(Vec::len).sum::<usize>();
+    let lists = helpers + file.ignored.len() + file.unmapped.len();
     let patterns = (file.joints.len() + lists) as u64;
     Limits::check("profile", "joint name patterns", patterns, limits.nodes)?;
     let fold = |list: &[String]| list.iter().map(|s| folded(s)).collect();
@@ -193,6 +197,13 @@ mod tests {
             r#"{"name": "x", "joints": {"a": "vl5"}, "ignored": ["A"]}"#,
             "two meanings",
         );
+    }
+
+    #[test]
+    fn unmapped_names_are_skipped() {
+        let json = r#"{"name": "x", "joints": {"a": "vl5"}, "unmapped": ["b", "a"]}"#;
+        let map = parse(json.as_bytes(), &Limits::default()).unwrap();
+        assert!(map.target("b").is_none() && map.target("a").is_some());
     }
 
     #[test]

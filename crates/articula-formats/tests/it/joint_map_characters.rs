@@ -359,34 +359,68 @@ fn what_is_no_human_is_said_to_be_none() {
     }
 }
 
-/// Names of one joint by several conventions: of Mixamo, of DAZ and Poser, of Biovision, and of
-/// riggers who put the part before its place. `{s}` is the side in the spelling of each.
-const CONVENTIONS: [(&str, [&str; 4]); 24] = [
-    ("humanoid_root", ["Hips", "hip", "Hips", "C_hips"]),
-    ("vc4", ["Neck", "neck", "Neck", "C_neck"]),
-    ("skullbase", ["Head", "head", "Head", "C_head"]),
+/// Names of one joint by several conventions: of Mixamo, of DAZ and Poser, of Biovision, of riggers
+/// who put the part before its place, and of Blender and Godot's demo characters. `{s}` is the side
+/// in the spelling of each.
+const CONVENTIONS: [(&str, [&str; 5]); 24] = [
+    ("humanoid_root", ["Hips", "hip", "Hips", "C_hips", "hips"]),
+    ("vc4", ["Neck", "neck", "Neck", "C_neck", "neck.001"]),
+    ("skullbase", ["Head", "head", "Head", "C_head", "head"]),
     (
         "{s}_sternoclavicular",
-        ["{s}Shoulder", "{s}Collar", "{s}Collar", "{s}_clavicle"],
+        [
+            "{s}Shoulder",
+            "{s}Collar",
+            "{s}Collar",
+            "{s}_clavicle",
+            "shoulder.{s}",
+        ],
     ),
     (
         "{s}_shoulder",
-        ["{s}Arm", "{s}Shldr", "{s}Shoulder", "{s}_armUpper"],
+        [
+            "{s}Arm",
+            "{s}Shldr",
+            "{s}Shoulder",
+            "{s}_armUpper",
+            "upper_arm.{s}",
+        ],
     ),
     (
         "{s}_elbow",
-        ["{s}ForeArm", "{s}ForeArm", "{s}Elbow", "{s}_armLower"],
+        [
+            "{s}ForeArm",
+            "{s}ForeArm",
+            "{s}Elbow",
+            "{s}_armLower",
+            "forearm.{s}",
+        ],
     ),
-    ("{s}_wrist", ["{s}Hand", "{s}Hand", "{s}Wrist", "{s}_hand"]),
+    (
+        "{s}_wrist",
+        ["{s}Hand", "{s}Hand", "{s}Wrist", "{s}_hand", "hand.{s}"],
+    ),
     (
         "{s}_hip",
-        ["{s}UpLeg", "{s}Thigh", "{s}Hip", "{s}_legUpper"],
+        [
+            "{s}UpLeg",
+            "{s}Thigh",
+            "{s}Hip",
+            "{s}_legUpper",
+            "thigh.{s}",
+        ],
     ),
-    ("{s}_knee", ["{s}Leg", "{s}Shin", "{s}Knee", "{s}_legLower"]),
-    ("{s}_ankle", ["{s}Foot", "{s}Foot", "{s}Ankle", "{s}_foot"]),
+    (
+        "{s}_knee",
+        ["{s}Leg", "{s}Shin", "{s}Knee", "{s}_legLower", "shin.{s}"],
+    ),
+    (
+        "{s}_ankle",
+        ["{s}Foot", "{s}Foot", "{s}Ankle", "{s}_foot", "foot.{s}"],
+    ),
     (
         "{s}_metatarsal",
-        ["{s}ToeBase", "{s}Toe", "{s}Toes", "{s}_ball"],
+        ["{s}ToeBase", "{s}Toe", "{s}Toes", "{s}_ball", "toe.{s}"],
     ),
     (
         "{s}_thumb1",
@@ -395,6 +429,7 @@ const CONVENTIONS: [(&str, [&str; 4]); 24] = [
             "{s}Thumb1",
             "{s}FingerThumb1",
             "{s}_thumb01",
+            "thumb.01.{s}",
         ],
     ),
     (
@@ -404,6 +439,7 @@ const CONVENTIONS: [(&str, [&str; 4]); 24] = [
             "{s}Thumb2",
             "{s}FingerThumb2",
             "{s}_thumb02",
+            "thumb.02.{s}",
         ],
     ),
     (
@@ -413,6 +449,7 @@ const CONVENTIONS: [(&str, [&str; 4]); 24] = [
             "{s}Thumb3",
             "{s}FingerThumb3",
             "{s}_thumb03",
+            "thumb.03.{s}",
         ],
     ),
     (
@@ -422,6 +459,7 @@ const CONVENTIONS: [(&str, [&str; 4]); 24] = [
             "{s}Index1",
             "{s}FingerIndex1",
             "{s}_index01",
+            "f_index.01.{s}",
         ],
     ),
     (
@@ -431,6 +469,7 @@ const CONVENTIONS: [(&str, [&str; 4]); 24] = [
             "{s}Index2",
             "{s}FingerIndex2",
             "{s}_index02",
+            "f_index.02.{s}",
         ],
     ),
     (
@@ -440,6 +479,7 @@ const CONVENTIONS: [(&str, [&str; 4]); 24] = [
             "{s}Index3",
             "{s}FingerIndex3",
             "{s}_index03",
+            "f_index.03.{s}",
         ],
     ),
     (
@@ -449,6 +489,7 @@ const CONVENTIONS: [(&str, [&str; 4]); 24] = [
             "{s}Mid1",
             "{s}FingerMiddle1",
             "{s}_middle01",
+            "f_middle.01.{s}",
         ],
     ),
     (
@@ -458,6 +499,7 @@ const CONVENTIONS: [(&str, [&str; 4]); 24] = [
             "{s}Mid2",
             "{s}FingerMiddle2",
             "{s}_middle02",
+            "f_middle.02.{s}",
         ],
     ),
     (
@@ -467,15 +509,28 @@ const CONVENTIONS: [(&str, [&str; 4]); 24] = [
             "{s}Mid3",
             "{s}FingerMiddle3",
             "{s}_middle03",
+            "f_middle.03.{s}",
         ],
     ),
     (
         "{s}_ring1",
-        ["{s}HandRing1", "{s}Ring1", "{s}FingerRing1", "{s}_ring01"],
+        [
+            "{s}HandRing1",
+            "{s}Ring1",
+            "{s}FingerRing1",
+            "{s}_ring01",
+            "f_ring.01.{s}",
+        ],
     ),
     (
         "{s}_ring2",
-        ["{s}HandRing2", "{s}Ring2", "{s}FingerRing2", "{s}_ring02"],
+        [
+            "{s}HandRing2",
+            "{s}Ring2",
+            "{s}FingerRing2",
+            "{s}_ring02",
+            "f_ring.02.{s}",
+        ],
     ),
     (
         "{s}_pinky1",
@@ -484,6 +539,7 @@ const CONVENTIONS: [(&str, [&str; 4]); 24] = [
             "{s}Pinky1",
             "{s}FingerPinky1",
             "{s}_little01",
+            "f_pinky.01.{s}",
         ],
     ),
     (
@@ -493,6 +549,7 @@ const CONVENTIONS: [(&str, [&str; 4]); 24] = [
             "{s}Pinky2",
             "{s}FingerPinky2",
             "{s}_little02",
+            "f_pinky.02.{s}",
         ],
     ),
 ];
@@ -506,8 +563,13 @@ const RENAMED: [&str; 5] = [
     "glb/CesiumMan.glb",
 ];
 
-const LEFT_AND_RIGHT: [[&str; 2]; 4] =
-    [["Left", "Right"], ["l", "r"], ["Left", "Right"], ["L", "R"]];
+const LEFT_AND_RIGHT: [[&str; 2]; 5] = [
+    ["Left", "Right"],
+    ["l", "r"],
+    ["Left", "Right"],
+    ["L", "R"],
+    ["L", "R"],
+];
 
 /// The name of a joint of the standard by a convention.
 fn name_by(convention: usize, hanim: &str) -> Option<String> {
@@ -557,7 +619,7 @@ fn rigs_renamed_by_a_convention_or_two_map_as_before() {
     }
     for name in RENAMED {
         for suffix in ["{n}", "Character1_{n}", "rig:{n}_{i}", "{n}{i}_bind_JNT"] {
-            for one in 0..4 {
+            for one in 0..5 {
                 renamed_maps_alike(name, |_| one, suffix);
                 for two in 0..one {
                     // Mixed as an artist mixes: the limbs of one rig, the trunk of another.

@@ -1,15 +1,18 @@
 //! Transfer of clips from one file to the character of another.
 //!
-//! Joints are matched by name if the skeletons are the same, else by their H-Anim mapping. Morph
-//! targets and expressions are matched by name.
+//! Joints are matched by name if the skeletons are the same, by their H-Anim mapping if both are
+//! human, and else by name again, with the motion as change from the rest pose. Morph targets and
+//! expressions are matched by name.
 
 use super::morphs;
 use super::same_joints::Twins;
+use super::same_names::{NameTransfer, Namesakes};
 use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, choose};
 use crate::work::Executor;
 use articula_build::bake;
 use articula_build::retarget::{RetargetFigure, RetargetOptions, RetargetReport, Retargeter};
+use articula_core::JointArticulation;
 use articula_core::source::RawClip;
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -69,14 +72,18 @@ pub struct ClipProvenance {
     pub from: String,
     /// Number of channels of morph targets and expressions that were matched by name.
     pub morph_channels: usize,
-    /// Report of the retargeting; `None` if the skeleton is the same and the motion was copied.
+    /// Report of the retargeting by the H-Anim mapping.
     pub retargeted: Option<RetargetReport>,
+    /// Report of the retargeting by joint names, between rigs that are not both human. If this and
+    /// `retargeted` are `None`, the skeleton is the same and the motion was copied.
+    pub by_name: Option<NameTransfer>,
 }
 
 impl CharacterFile {
     /// Adds the clips of other files to this character, under unique names.
     ///
-    /// Clips of the same skeleton are copied; others are retargeted by the H-Anim mapping. Morph
+    /// Clips of the same skeleton are copied; others are retargeted by the H-Anim mapping if both
+    /// figures are human, else by the names of their joints. Morph
     /// targets and expressions that both characters have, by name, follow too. There is one job per
     /// file.
     ///
@@ -146,8 +153,34 @@ impl CharacterFile {
         if self.is_human() {
             return Ok(());
         }
-        let what = "joints: the joint names do not identify hips, legs and arms; give a joint map";
-        Err(Error::Unmapped(what.into())).context(&self.name)
+        let what = match self.hands() {
+            Some(hands) => hands,
+            None => "joints: the joint names do not identify hips, legs and arms; give a joint map"
+                .to_owned(),
+        };
+        Err(Error::Unmapped(what)).context(&self.name)
+    }
+
+    /// What a rig of hands alone has and lacks.
+    fn hands(&self) -> Option<String> {
+        let joints = &self.mapping.articulation.joints;
+        let of = |side: &str| {
+            let is_of_side =
+                |j: &&JointArticulation| j.hanim.as_deref().is_some_and(|n| n.starts_with(side));
+            joints.iter().filter(is_of_side).count()
+        };
+        let hands = match (of("l_"), of("r_")) {
+            (0, right) => format!("the right hand alone ({right} joints)"),
+            (left, 0) => format!("the left hand alone ({left} joints)"),
+            (left, right) => format!("two hands alone ({left} and {right} joints)"),
+        };
+        let is_it = self.mapping.is_hands_alone() && !self.is_human();
+        is_it.then(|| {
+            format!(
+                "joints: the rig is {hands}; hips, legs and the rest of a body are missing, so its \
+                 motion cannot be retargeted onto a body"
+            )
+        })
     }
 
     fn is_human(&self) -> bool {
@@ -171,8 +204,9 @@ pub fn fit_clips(
     let articulations = (file.articulation(), character.articulation());
     let way = if let Some(twins) = options.by_names.then(same).flatten() {
         Fitting::Names(twins)
+    } else if let Some(namesakes) = namesakes(file, character, &clips)? {
+        Fitting::Namesakes(namesakes)
     } else {
-        check_mapped(file, character, options.by_names)?;
         let from = RetargetFigure {
             skeleton: from,
             articulation: &articulations.0,
@@ -189,7 +223,11 @@ pub fn fit_clips(
     };
     let fitted = clips.into_iter().map(|clip| {
         let place = || format!("{}: clip \"{}\"", file.name, clip.name);
-        let (mut new, retargeted) = way.joints(clip, options).with_context(place)?;
+        let Moved {
+            clip: mut new,
+            retargeted,
+            by_name,
+        } = way.joints(clip, options).with_context(place)?;
         new.name = name(file, clip, options);
         let morphs = morphs::channels(&file.character, clip, &character.character);
         let morph_channels = morphs.len();
@@ -210,6 +248,7 @@ pub fn fit_clips(
                 from: clip.name.clone(),
                 morph_channels,
                 retargeted,
+                by_name,
             },
             clip: clip_there,
         })
@@ -220,49 +259,80 @@ pub fn fit_clips(
 /// Method by which joints of a file drive those of the character.
 enum Fitting<'a> {
     Names(Twins),
+    Namesakes(Namesakes<'a>),
     Map(Box<Retargeter<'a>>),
 }
 
+/// The joint motion of a clip on the character; the clip has no name.
+struct Moved {
+    clip: RawClip,
+    retargeted: Option<RetargetReport>,
+    by_name: Option<NameTransfer>,
+}
+
 impl Fitting<'_> {
-    /// Transfers the joint motion; the clip has no name.
-    fn joints(
-        &self,
-        clip: &RawClip,
-        options: &AddClipsOptions,
-    ) -> Result<(RawClip, Option<RetargetReport>)> {
-        match self {
+    /// Transfers the joint motion.
+    fn joints(&self, clip: &RawClip, options: &AddClipsOptions) -> Result<Moved> {
+        let moved = |clip| Moved {
+            clip,
+            retargeted: None,
+            by_name: None,
+        };
+        Ok(match self {
             Self::Names(twins) => {
                 let channels = clip.channels.iter().filter_map(|c| twins.channel(c));
-                let moved = RawClip {
+                moved(RawClip {
                     name: String::new(),
                     duration_secs: clip.duration_secs,
                     channels: channels.collect(),
-                };
-                Ok((moved, None))
+                })
+            }
+            Self::Namesakes(namesakes) => {
+                let (clip, report) = namesakes.transfer(clip);
+                Moved {
+                    by_name: Some(report),
+                    ..moved(clip)
+                }
             }
             Self::Map(retargeter) => {
                 let made = retargeter.retarget(clip, &options.retarget)?;
-                Ok((made.clip, Some(made.report)))
+                Moved {
+                    retargeted: Some(made.report),
+                    ..moved(made.clip)
+                }
             }
-        }
+        })
     }
 }
 
-/// Checks that retargeting is possible; `by_names` if matching by names was tried before.
-fn check_mapped(file: &CharacterFile, character: &CharacterFile, by_names: bool) -> Result<()> {
-    if !by_names {
-        file.check_human()?;
-        return character.check_human();
-    }
+/// The joints of the same names, if the figures are not both human; `None` if they are.
+///
+/// # Errors
+/// [`Error::Unmapped`] if too few of the moving joints have a joint of the same name.
+fn namesakes<'a>(
+    file: &'a CharacterFile,
+    character: &'a CharacterFile,
+    clips: &[&RawClip],
+) -> Result<Option<Namesakes<'a>>> {
     let Some(unknown) = [character, file].into_iter().find(|o| !o.is_human()) else {
-        return Ok(());
+        return Ok(None);
     };
+    // Hands have the names of a body's hands, but their wrists move freely.
+    if character.is_human() && file.hands().is_some() {
+        file.check_human()?;
+    }
+    let (from, onto) = (&file.character.skeleton, &character.character.skeleton);
+    let namesakes = Namesakes::of(from, onto);
+    if namesakes.are_useful(clips) {
+        return Ok(Some(namesakes));
+    }
+    let (there, moving) = namesakes.coverage(clips);
     let what = format!(
-        "joints: names and rest pose differ from those of {}, and the joint names of {} do not \
-         identify hips, legs and arms; give a joint map",
-        character.name, unknown.name
+        "joints: the joint names do not identify hips, legs and arms, and only {there} of the \
+         {moving} moving joints of {} have a joint of the same name in {}; give a joint map",
+        file.name, character.name
     );
-    Err(Error::Unmapped(what)).context(&file.name)
+    Err(Error::Unmapped(what)).context(&unknown.name)
 }
 
 /// Checks that the motion drives enough of the character.

@@ -2,12 +2,14 @@
 //!
 //! Field names are stable, since scripts read them as JSON (`docs/commands.md`).
 
-use super::fit_clips::FittedClip;
+use super::fit_clips::{ClipProvenance, FittedClip};
 use super::fit_finding::{FitFinding, in_words};
+use super::same_names::NameTransfer;
 use crate::open::CharacterFile;
 use articula_build::retarget::{self, RetargetReport, RotationOrigin};
 use articula_core::source::Skeleton;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// JSON report on the clips transferred from one file.
 #[derive(Debug, Serialize)]
@@ -20,8 +22,11 @@ pub struct TransferReport {
     /// Size of the file in bytes.
     #[serde(skip)]
     pub bytes: usize,
-    /// Scale from the source to the character, by the length of the legs.
+    /// Scale from the source to the character, by the length of the legs; by that of the skeletons
+    /// if joints were matched by their names.
     pub scale: f32,
+    /// Whether the joints were matched by their names rather than by the H-Anim mapping.
+    pub by_name: bool,
     /// Number of joints of the character that follow one source joint.
     pub joints_mapped: usize,
     /// Number of joints that share the rotation of several source joints.
@@ -32,7 +37,8 @@ pub struct TransferReport {
     pub clips: Vec<TransferredClipReport>,
     /// Origin of the motion of every joint, in the order of the character's joints.
     pub joints: Vec<JointSourceReport>,
-    /// Source joints with an H-Anim mapping that no joint of the character follows.
+    /// Source joints with an H-Anim mapping that no joint of the character follows; by name, those
+    /// that move.
     pub dropped: Vec<String>,
 }
 
@@ -53,13 +59,14 @@ pub struct TransferredClipReport {
     pub joint_fastest: Option<String>,
     /// Maximum angular speed of a joint of the source relative to its parent, in degrees per second.
     pub source_speed_max_deg_per_s: Option<f32>,
-    /// Whether nothing was found that a viewer would notice.
-    pub good: bool,
+    /// Whether nothing was found that a viewer would notice; null if joints were matched by their
+    /// names.
+    pub good: Option<bool>,
     /// What was found; some of it, such as a rest pose that was found from the motion, explains the
     /// numbers and is no fault.
     pub findings: Vec<FitFinding>,
-    /// Quality measures.
-    pub quality: FitQuality,
+    /// Quality measures; null if joints were matched by their names.
+    pub quality: Option<FitQuality>,
 }
 
 /// Quality of a transferred clip, measured at the character's size.
@@ -160,17 +167,29 @@ impl TransferReport {
         fitted: &[FittedClip],
     ) -> Option<Self> {
         let (skeleton, from) = (&character.character.skeleton, &file.character.skeleton);
-        let report = fitted
-            .iter()
-            .rev()
-            .find_map(|f| f.fit.retargeted.as_ref())?;
-        let joints = joints(skeleton, from, report);
+        let report = fitted.iter().rev().find_map(|f| Transfer::of(&f.fit))?;
+        let (joints, scale, dropped) = match report {
+            Transfer::ByMap(report) => (
+                joints(skeleton, from, report),
+                report.scale,
+                report.dropped.clone(),
+            ),
+            Transfer::ByName(report) => {
+                let all = fitted.iter().filter_map(|f| f.fit.by_name.as_ref());
+                let all: Vec<&NameTransfer> = all.collect();
+                let dropped: BTreeSet<usize> =
+                    all.iter().flat_map(|r| &r.dropped).copied().collect();
+                let joints = joints_by_name(skeleton, from, &all);
+                (joints, report.scale, dropped.into_iter().collect())
+            }
+        };
         let count = |origin| joints.iter().filter(|j| j.origin == origin).count();
         Some(Self {
             input: file.name.clone(),
             format: file.format.name(),
             bytes: file.bytes,
-            scale: report.scale,
+            scale,
+            by_name: matches!(report, Transfer::ByName(_)),
             joints_mapped: count("mapped"),
             joints_shared: count("shared"),
             joints_held: count("held"),
@@ -179,9 +198,45 @@ impl TransferReport {
                 .filter_map(|f| clip(skeleton, from, f))
                 .collect(),
             joints,
-            dropped: report.dropped.iter().map(|j| name(from, *j)).collect(),
+            dropped: dropped.iter().map(|j| name(from, *j)).collect(),
         })
     }
+}
+
+/// How a clip came to the character.
+#[derive(Clone, Copy)]
+enum Transfer<'a> {
+    ByMap(&'a RetargetReport),
+    ByName(&'a NameTransfer),
+}
+
+impl<'a> Transfer<'a> {
+    fn of(fit: &'a ClipProvenance) -> Option<Self> {
+        let by_map = fit.retargeted.as_ref().map(Self::ByMap);
+        by_map.or(fit.by_name.as_ref().map(Self::ByName))
+    }
+}
+
+/// The source of every joint that follows one of the same name in any clip.
+fn joints_by_name(
+    skeleton: &Skeleton,
+    from: &Skeleton,
+    reports: &[&NameTransfer],
+) -> Vec<JointSourceReport> {
+    let source = |joint: usize| reports.iter().find_map(|r| r.sources[joint]);
+    let joint = |joint: usize| {
+        let source = source(joint);
+        let share = |source| JointShare {
+            joint: name(from, source),
+            share: 1.0,
+        };
+        JointSourceReport {
+            joint: name(skeleton, joint),
+            origin: if source.is_some() { "mapped" } else { "held" },
+            from: source.map(share).into_iter().collect(),
+        }
+    };
+    (0..skeleton.joints.len()).map(joint).collect()
 }
 
 fn clip(
@@ -190,19 +245,23 @@ fn clip(
     fitted: &FittedClip,
 ) -> Option<TransferredClipReport> {
     let fit = &fitted.fit;
-    let report = fit.retargeted.as_ref()?;
-    let findings = in_words(&report.findings, from, skeleton);
+    Transfer::of(fit)?;
+    let report = fit.retargeted.as_ref();
+    let fastest = report.and_then(|report| report.fastest);
+    let findings = report.map(|report| in_words(&report.findings, from, skeleton));
+    let source = report.and_then(|report| report.fastest_source);
+    let is_good = |found: &Vec<FitFinding>| found.iter().all(|finding| finding.kind.is_note());
     Some(TransferredClipReport {
         name: fit.name.clone(),
         from: fit.from.clone(),
         duration_secs: fitted.clip.duration_secs,
         face: fit.morph_channels,
-        joint_speed_max_deg_per_s: report.fastest.map(|(_, speed)| speed.to_degrees()),
-        joint_fastest: report.fastest.map(|(joint, _)| name(skeleton, joint)),
-        source_speed_max_deg_per_s: report.fastest_source.map(|(_, speed)| speed.to_degrees()),
-        good: findings.iter().all(|finding| finding.kind.is_note()),
-        findings,
-        quality: FitQuality::new(&report.quality),
+        joint_speed_max_deg_per_s: fastest.map(|(_, speed)| speed.to_degrees()),
+        joint_fastest: fastest.map(|(joint, _)| name(skeleton, joint)),
+        source_speed_max_deg_per_s: source.map(|(_, speed)| speed.to_degrees()),
+        good: findings.as_ref().map(is_good),
+        findings: findings.unwrap_or_default(),
+        quality: report.map(|report| FitQuality::new(&report.quality)),
     })
 }
 

@@ -3,7 +3,7 @@
 //!
 //! In the order of the work:
 //!
-//! - `fit_clips`, `same_joints`, `morphs`: transfer of clips to the joints and morph targets of
+//! - `fit_clips`, `same_joints`, `same_names`, `morphs`: transfer of clips to the joints and morph targets of
 //!   another character
 //! - `fit_report`, `fit_finding`: quality of the transferred clips, in numbers and in words
 //! - `clip_edits`: trimming, looping, root motion, resampling, key reduction
@@ -24,6 +24,7 @@ mod morphs;
 mod pose_kind;
 mod reduction;
 mod same_joints;
+mod same_names;
 mod written;
 
 pub use articula_build::clip_edit::CloseOptions;
@@ -44,6 +45,7 @@ pub use left_out::{EncodedFile, LossyPart};
 pub use reduction::{
     AnimationSize, JointReduction, JointsHeld, JointsReduced, MovingJoints, hold_joints,
 };
+pub use same_names::NameTransfer;
 pub use written::{write, write_data};
 
 use crate::error::{Context, Error, Result};

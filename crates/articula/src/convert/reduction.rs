@@ -33,7 +33,7 @@ pub enum MovingJoints {
 /// Amount of joint animation; morph weights are not counted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct AnimationSize {
-    /// Number of joints with a channel of more than one key in any clip.
+    /// Number of joints of the skin with a channel of more than one key in any clip.
     pub joints_animated: usize,
     /// Number of channels that drive joints.
     pub channels: usize,
@@ -95,8 +95,9 @@ pub fn hold_joints(
         out
     });
     let reduced: Vec<RawClip> = reduced.collect();
-    before.joints_animated = animated(clips);
-    after.joints_animated = animated(&reduced);
+    let listed = rig.skin_joints();
+    before.joints_animated = animated(clips, listed);
+    after.joints_animated = animated(&reduced, listed);
     JointsHeld {
         clips: reduced,
         before,
@@ -112,10 +113,15 @@ impl JointsHeld {
     }
 }
 
-fn animated(clips: &[RawClip]) -> usize {
+/// Number of moving joints among those listed; of all if none is.
+fn animated(clips: &[RawClip], listed: &JointSet) -> usize {
     let channels = clips.iter().flat_map(|c| &c.channels);
     let moving = channels.filter(|c| c.property.is_of_joint() && c.times_secs.len() > 1);
-    moving.map(|c| c.target).collect::<JointSet>().len()
+    let moving = moving.map(|c| c.target).collect::<JointSet>();
+    if listed.is_empty() {
+        return moving.len();
+    }
+    moving.intersection(listed).len()
 }
 
 impl JointReduction {

@@ -55,7 +55,7 @@ impl Twins {
 }
 
 /// Matches joints by name, if the name is unique in both skeletons.
-fn named(from: &Skeleton, onto: &Skeleton) -> Vec<Option<usize>> {
+pub(super) fn named(from: &Skeleton, onto: &Skeleton) -> Vec<Option<usize>> {
     let (own, other) = (unique(from), unique(onto));
     let twin = |(j, name): (usize, &str)| {
         own.get(name).filter(|at| **at == Some(j))?;
@@ -131,7 +131,7 @@ impl<'a> Rests<'a> {
 }
 
 /// Rest transform of every joint in model space; parents come before children.
-fn model(skeleton: &Skeleton) -> Vec<Affine3A> {
+pub(super) fn model(skeleton: &Skeleton) -> Vec<Affine3A> {
     let mut model: Vec<Affine3A> = Vec::with_capacity(skeleton.joints.len());
     for joint in &skeleton.joints {
         let above = joint.parent.and_then(|p| model.get(p)).copied();

@@ -29,7 +29,9 @@ use crate::error::Result;
 use crate::figure::Figure;
 use crate::motion_tables::StoredTables;
 use crate::work::Executor;
-use articula_build::joint_names::UnmappedReason;
+use articula_build::joint_names::{
+    DoubtReason, JointDoubt, MappingConfidence, MappingEvidence, UnmappedReason,
+};
 use articula_build::source_rate_hz;
 use articula_core::loa::MAX_LEVEL;
 use articula_core::source;
@@ -80,6 +82,8 @@ pub struct Inspection {
     pub human: HumanoidInspection,
     /// All joints and nodes.
     pub map: Vec<JointInspection>,
+    /// Files that were written.
+    pub written: Vec<String>,
     /// Warnings.
     pub warnings: Vec<WarningInspection>,
 }
@@ -103,6 +107,21 @@ pub struct SkeletonInspection {
     pub missing: Vec<&'static str>,
     /// Joints without an H-Anim mapping.
     pub unmapped: Vec<Unmapped>,
+    /// Mapped joints that may be other joints than the mapping says.
+    pub doubtful: Vec<DoubtfulJoint>,
+}
+
+/// A mapped joint with a reason to doubt its mapping.
+#[derive(Debug, Serialize)]
+pub struct DoubtfulJoint {
+    /// Name of the joint.
+    pub joint: String,
+    /// H-Anim joint that it is mapped to.
+    pub hanim: String,
+    /// Confidence: `low`, `medium` or `high`.
+    pub confidence: &'static str,
+    /// The reason.
+    pub why: &'static str,
 }
 
 /// A joint without an H-Anim mapping.
@@ -125,6 +144,11 @@ pub struct JointInspection {
     pub in_skin: bool,
     /// H-Anim name.
     pub hanim: Option<String>,
+    /// What told the H-Anim joint: `file map`, `joint map`, `words`, `words and tree`, `shape` or
+    /// `tree`; null if it has none, or if it is stored in the file.
+    pub told_by: Option<&'static str>,
+    /// Confidence in the H-Anim joint, `low`, `medium` or `high`; null as `told_by`.
+    pub confidence: Option<&'static str>,
     /// H-Anim level of articulation.
     pub level: u8,
     /// Body region.
@@ -142,9 +166,9 @@ pub struct ClipInspection {
     pub fps: f32,
     /// Number of frames at that rate.
     pub frames: usize,
-    /// Number of joints that move.
+    /// Number of joints of the skeletons that move; of all nodes if there is no skeleton.
     pub joints_animated: usize,
-    /// Number of joints with keys, moving or not.
+    /// Number of these joints with keys, moving or not.
     pub joints_keyed: usize,
     /// Number of morph targets that move.
     pub morphs_animated: usize,
@@ -233,7 +257,8 @@ pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<
         bounds_of_joints: asset.mesh.is_empty(),
         articulation_stored: character.articulation.is_some(),
         human: human::of(opened),
-        map: joints_of(&asset.rig),
+        map: joints_of(figure),
+        written: Vec::new(),
         warnings: warnings_of(figure),
     };
     let odd = oddities(&findings, figure);
@@ -273,8 +298,55 @@ fn skeletons_of(figure: &Figure) -> Vec<SkeletonInspection> {
                 why: why(g.reason),
             })
             .collect(),
+        doubtful: doubtful(figure, joints),
     };
     groups.iter().map(skeleton).collect()
+}
+
+/// The doubts about joints; none about joints that the file stores.
+fn doubtful(figure: &Figure, joints: &JointSet) -> Vec<DoubtfulJoint> {
+    let mapping = &figure.opened.mapping;
+    if figure.opened.character.articulation.is_some() {
+        return Vec::new();
+    }
+    let own = mapping.doubts.iter().filter(|d| joints.contains(d.joint));
+    let doubt = |doubt: &JointDoubt| {
+        let hanim = &mapping.articulation.joints[doubt.joint].hanim;
+        Some(DoubtfulJoint {
+            joint: figure.asset.rig.name(doubt.joint).to_owned(),
+            hanim: hanim.clone()?,
+            confidence: confidence_name(mapping.confidence(doubt.joint)?),
+            why: match doubt.reason {
+                DoubtReason::UnknownName => "unknown name; found by its place in the tree",
+                DoubtReason::CrossedName => "its name says the other side; it goes with its limb",
+                DoubtReason::OtherSide => "it rests on the other side of the body",
+                DoubtReason::NotBelow => "it is not below the joint that carries it in a human",
+                DoubtReason::UnequalLengths => {
+                    "its segment and that of the other side differ in length by more than half"
+                }
+            },
+        })
+    };
+    own.filter_map(doubt).collect()
+}
+
+fn confidence_name(confidence: MappingConfidence) -> &'static str {
+    match confidence {
+        MappingConfidence::Low => "low",
+        MappingConfidence::Medium => "medium",
+        MappingConfidence::High => "high",
+    }
+}
+
+fn told_by(evidence: MappingEvidence) -> &'static str {
+    match evidence {
+        MappingEvidence::FileMap => "file map",
+        MappingEvidence::JointMap => "joint map",
+        MappingEvidence::Words => "words",
+        MappingEvidence::WordsAndTree => "words and tree",
+        MappingEvidence::Shape => "shape",
+        MappingEvidence::Tree => "tree",
+    }
 }
 
 fn count(
@@ -297,7 +369,17 @@ fn why(reason: UnmappedReason) -> &'static str {
     }
 }
 
-fn joints_of(rig: &articula_core::Rig) -> Vec<JointInspection> {
+fn joints_of(figure: &Figure) -> Vec<JointInspection> {
+    let (rig, mapping) = (&figure.asset.rig, &figure.opened.mapping);
+    let is_stored = figure.opened.character.articulation.is_some();
+    let told = |joint: usize| {
+        mapping
+            .evidence
+            .get(joint)
+            .copied()
+            .flatten()
+            .filter(|_| !is_stored)
+    };
     let articulation = &rig.articulation().joints;
     (0..rig.len())
         .map(|j| JointInspection {
@@ -305,6 +387,10 @@ fn joints_of(rig: &articula_core::Rig) -> Vec<JointInspection> {
             parent: rig.parent(j),
             in_skin: rig.skin_joints().contains(j),
             hanim: articulation[j].hanim.clone(),
+            told_by: told(j).map(told_by),
+            confidence: told(j)
+                .and_then(|_| mapping.confidence(j))
+                .map(confidence_name),
             level: articulation[j].level,
             region: articulation[j].region.to_string(),
         })
@@ -327,14 +413,19 @@ fn clip_of(
         channels.filter(|c| c.property.is_of_joint())
     };
     let keyed: BTreeSet<usize> = joint_channels().map(|c| c.target).collect();
+    let listed = figure.asset.rig.skin_joints();
+    let is_listed = |joint: usize| listed.is_empty() || listed.contains(joint);
     let fps = source_rate_hz(source);
     ClipInspection {
         name: source.name.clone(),
         duration_secs: source.duration_secs,
         fps,
         frames: (source.duration_secs * fps).round() as usize + 1,
-        joints_animated: moving.len(),
-        joints_keyed: keyed.len(),
+        joints_animated: moving
+            .iter()
+            .filter(|j| is_listed(usize::from(**j)))
+            .count(),
+        joints_keyed: keyed.iter().filter(|j| is_listed(**j)).count(),
         morphs_animated: moving_targets(&built.tracks().morphs).count(),
         expressions_keyed: source
             .channels

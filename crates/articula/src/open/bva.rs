@@ -2,7 +2,8 @@
 
 use super::{CharacterFile, Input};
 use crate::error::Result;
-use articula_formats::{ReadOptions, Warning, bva};
+use articula_build::joint_names;
+use articula_formats::{ReadOptions, Warning, bva, joint_map};
 
 /// Reads a BVA file.
 pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
@@ -14,10 +15,9 @@ pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let read = bva::read(input.bytes, &options, &input.options.limits)?;
     let mut warnings = read.warnings;
     let mut character = read.value.character.clone();
-    if let Some(tree) =
-        articula_build::joint_names::segments(&read.value.character.skeleton, input.joint_maps)
-            .and_then(|s| bva::tree(&read.value, &s))
-    {
+    let segments = |maps| joint_names::segments(&read.value.character.skeleton, maps);
+    let known = segments(input.joint_maps).or_else(|| segments(joint_map::builtin()));
+    if let Some(tree) = known.and_then(|s| bva::tree(&read.value, &s)) {
         character = tree.value;
         warnings.extend(tree.warnings);
     } else {

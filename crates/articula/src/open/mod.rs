@@ -8,6 +8,7 @@ mod data;
 mod document;
 mod format;
 mod human;
+mod motion;
 mod options;
 mod size;
 mod x3d;
@@ -19,7 +20,7 @@ pub use human::reference_human;
 pub use options::OpenOptions;
 
 use crate::error::{Context, Error, Result};
-use articula_build::joint_names::JointMapping;
+use articula_build::joint_names::{JointMapping, map_as_told};
 use articula_core::Articulation;
 use articula_core::joint_names::JointMap;
 use articula_core::source::Character;
@@ -78,13 +79,12 @@ pub fn open(
         );
         return Err(Error::unsuited(what)).context(name);
     };
-    let joint_maps: Vec<JointMap> = options.all_profiles();
     let mut input = Input {
         name,
         format,
         bytes,
         options,
-        joint_maps: &joint_maps,
+        joint_maps: &options.joint_maps,
         beside,
     };
     let mut opened = format.opener()(&mut input).context(name)?;
@@ -101,6 +101,7 @@ struct Input<'a, 'r> {
     format: Format,
     bytes: &'a [u8],
     options: &'a OpenOptions,
+    /// The caller's own joint maps.
     joint_maps: &'a [JointMap],
     beside: &'a mut Resolver<'r>,
 }
@@ -116,11 +117,12 @@ impl Input<'_, '_> {
         warnings: Vec<Warning>,
         given: Option<&[(usize, String)]>,
     ) -> CharacterFile {
+        let (skeleton, builtin) = (&character.skeleton, joint_map::builtin());
         CharacterFile {
             name: self.name.to_owned(),
             format: self.format,
             bytes: self.bytes.len(),
-            mapping: articula_build::joint_names::map(&character.skeleton, self.joint_maps, given),
+            mapping: map_as_told(skeleton, self.joint_maps, builtin, given),
             character,
             clips_changed: false,
             gltf: None,

@@ -1,7 +1,6 @@
 //! Options for opening files.
 
 use articula_core::joint_names::JointMap;
-use articula_formats::joint_map;
 use articula_formats::mpeg4::fap::AbsentPolicy;
 use articula_formats::{Limits, UpAxis};
 
@@ -9,7 +8,8 @@ use articula_formats::{Limits, UpAxis};
 /// them.
 #[derive(Debug, Clone, Default)]
 pub struct OpenOptions {
-    /// Joint maps that take precedence over the built-in ones.
+    /// Joint maps that take precedence over the file's own humanoid map and the built-in ones; the
+    /// one that fits best is used alone.
     pub joint_maps: Vec<JointMap>,
     /// Metres per unit of the file, above 0; if `None`, estimated from the figure's size for BVH,
     /// ASF and BVA, and as the format states it for the others: metres.
@@ -25,12 +25,4 @@ pub struct OpenOptions {
     pub absent: AbsentPolicy,
     /// Maximum memory and time that a file may require.
     pub limits: Limits,
-}
-
-impl OpenOptions {
-    /// Returns the caller's joint maps, then the built-in ones.
-    pub(super) fn all_profiles(&self) -> Vec<JointMap> {
-        let built_in = joint_map::builtin().iter();
-        self.joint_maps.iter().chain(built_in).cloned().collect()
-    }
 }

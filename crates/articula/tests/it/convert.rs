@@ -2,7 +2,8 @@
 
 use crate::real::real_data;
 use articula::convert::{ClipEdits, ClipPart, ClipProvenance, ReduceOptions, fit_clips, write};
-use articula::glam::Vec3;
+use articula::glam::{EulerRot, Quat, Vec3};
+use articula::inspect::inspect;
 use articula::{
     AddClipsOptions, CharacterFile, ConvertOptions, Error, Executor, Figure, Format, OpenOptions,
     PrepareOptions, convert, fs, open, prepare,
@@ -134,6 +135,111 @@ fn what_fits_neither_by_name_nor_by_map_says_the_mend() {
         why.contains("mh_male_cmu31.glb: clips: the file has no clip"),
         "{why}"
     );
+}
+
+/// The fox twice as large, with other axes of every joint, without a mesh.
+fn other_fox(data: &Path) -> CharacterFile {
+    let mut fox = fs::open(data.join(FOX)).unwrap();
+    fox.character.meshes.clear();
+    fox.character.clips.clear();
+    let joints = &mut fox.character.skeleton.joints;
+    let turned: Vec<Quat> = (0..joints.len())
+        .map(|j| Quat::from_euler(EulerRot::XYZ, j as f32, 0.7 * j as f32, 2.0 - j as f32))
+        .collect();
+    for joint in 0..joints.len() {
+        let above = joints[joint].parent.map_or(Quat::IDENTITY, |p| turned[p]);
+        let rest = &mut joints[joint].rest;
+        rest.translation = above.inverse() * (2.0 * rest.translation);
+        rest.rotation = above.inverse() * rest.rotation * turned[joint];
+    }
+    fox
+}
+
+#[test]
+fn rigs_with_the_same_names_that_are_no_humans_are_retargeted_by_name() {
+    let Some(data) = real_data() else { return };
+    let fox = fs::open(data.join(FOX)).unwrap();
+    let mut other = other_fox(&data);
+    let options = AddClipsOptions {
+        prefix: "new ".to_owned(),
+        ..AddClipsOptions::default()
+    };
+    let files = [fox.clone()];
+    let fits = other.add_clips(&files, &options, &Executor::default());
+    let fits = fits.unwrap();
+    for fit in &fits {
+        let report = fit.by_name.as_ref().unwrap();
+        assert!(fit.retargeted.is_none() && report.dropped.is_empty());
+        assert_eq!(report.followed, report.moving, "{}", fit.from);
+        assert!((report.scale - 2.0).abs() < 1e-4);
+        // Every joint is where the fox's is, twice as far from the origin.
+        for secs in [0.0, 0.3, 0.6] {
+            let there = positions(&fox, &fit.from, secs);
+            let here = positions(&other, &fit.name, secs);
+            for ((name, wanted), (_, found)) in there.iter().zip(&here) {
+                // The fox is 79 m high by its unit.
+                assert!(found.distance(2.0 * *wanted) < 0.02, "{name}");
+            }
+        }
+    }
+    // The same skeleton is still copied.
+    let (_, fits) = added(&data, FOX, FOX);
+    let is_copy = |fit: &ClipProvenance| fit.by_name.is_none() && fit.retargeted.is_none();
+    assert!(fits.iter().all(is_copy));
+}
+
+#[test]
+fn too_few_common_names_are_refused() {
+    let Some(data) = real_data() else { return };
+    let fox = fs::open(data.join(FOX)).unwrap();
+    let mut other = other_fox(&data);
+    // Hips, two spine joints, neck, head and an upper arm keep their names; what is above has no keys.
+    for joint in other.character.skeleton.joints.iter_mut().skip(9) {
+        joint.name.push_str("_x");
+    }
+    let why = other.add_clips(&[fox], &AddClipsOptions::default(), &Executor::default());
+    let said = why.unwrap_err().to_string();
+    assert!(said.contains("only 6 of the 20 moving joints"), "{said}");
+}
+
+#[test]
+fn a_skeleton_without_skin_and_mesh_is_a_motion() {
+    let Some(data) = real_data() else { return };
+    let mut motion = fs::open(data.join("glb/mannequiny.glb")).unwrap();
+    motion.character.meshes.clear();
+    motion
+        .character
+        .skeleton
+        .joints
+        .iter_mut()
+        .for_each(|j| j.in_skin = false);
+    motion.gltf = None;
+    let written = write(&motion, Format::Glb).unwrap();
+    let back = again(&written.bytes);
+    assert!(back.mapping.humanoid);
+    let figure = Figure::new(back.clone()).unwrap();
+    let found = inspect(&figure, &[0], &Executor::default()).unwrap();
+    assert_eq!(found.skeletons.len(), 1);
+    assert_eq!(found.skeletons[0].joints, 45);
+    assert!(found.clips[0].joints_animated <= 45);
+    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+    // It is prepared as any figure is, and what is stored is read again.
+    let prepared = prepare(
+        back.clone(),
+        &PrepareOptions::default(),
+        &Executor::default(),
+    )
+    .unwrap();
+    let asset = Figure::new(again(&prepared.glb)).unwrap();
+    assert_eq!(asset.asset.rig.skin_joints().len(), 45);
+    assert!(
+        asset.opened.warnings.is_empty(),
+        "{:?}",
+        asset.opened.warnings
+    );
+    let mut hero = fs::open(data.join(WOMAN)).unwrap();
+    let fits = hero.add_clips(&[back], &AddClipsOptions::default(), &Executor::default());
+    assert!(fits.unwrap()[0].retargeted.is_some());
 }
 
 #[test]

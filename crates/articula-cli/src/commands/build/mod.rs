@@ -93,6 +93,8 @@ struct Added {
     clips: Vec<String>,
     /// Whether they were retargeted by the H-Anim map.
     retargeted: bool,
+    /// Whether they were retargeted by the names of the joints.
+    by_name: bool,
 }
 
 /// Reads a character, computes its tables and writes the asset.
@@ -174,6 +176,7 @@ fn added(
         input: fits[0].file.clone(),
         clips: fits.iter().map(|fit| fit.name.clone()).collect(),
         retargeted: fits[0].retargeted.is_some(),
+        by_name: fits[0].by_name.is_some(),
     };
     Ok(fits.chunk_by(|a, b| a.file == b.file).map(of_one).collect())
 }
@@ -235,6 +238,8 @@ impl BuildReport {
         for added in &self.added {
             let how = if added.retargeted {
                 "retargeted by the H-Anim map"
+            } else if added.by_name {
+                "retargeted by joint names"
             } else {
                 "same joints"
             };

@@ -53,13 +53,12 @@ pub(super) struct Motions {
 }
 
 impl Hero {
-    /// Reads the character; it must be a human figure.
+    /// Reads the character.
     pub(super) fn new(args: &ConvertArgs, files: &Files) -> anyhow::Result<Option<Self>> {
         let Some(path) = &args.onto else {
             return Ok(None);
         };
         let opened = open::character(files, path, &args.names)?;
-        opened.check_human()?;
         let options = AddClipsOptions {
             clip: args.clip.clone(),
             file_in_names: reads_many(args),
@@ -122,7 +121,14 @@ pub(super) const COLUMNS: [&str; 12] = [
 
 /// One row of the table of clips.
 pub(super) fn row(motion: &TransferReport, clip: &TransferredClipReport) -> [String; 12] {
-    let quality = &clip.quality;
+    let [name, file] = [clip.name.clone(), file_name(motion)];
+    let seconds = format!("{:.2}", clip.duration_secs);
+    let scale = format!("{:.2}", motion.scale);
+    let Some(quality) = &clip.quality else {
+        let mut row = [const { String::new() }; 12].map(|_| "-".to_owned());
+        row[..4].clone_from_slice(&[name, file, seconds, scale]);
+        return row;
+    };
     let slide = |s: &FootSlideSummary| match s.contacts {
         0 => "-".to_owned(),
         _ => format!("{:.0}", s.mean),
@@ -135,10 +141,10 @@ pub(super) fn row(motion: &TransferReport, clip: &TransferredClipReport) -> [Str
     ]
     .map(speed);
     [
-        clip.name.clone(),
-        file_name(motion),
-        format!("{:.2}", clip.duration_secs),
-        format!("{:.2}", motion.scale),
+        name,
+        file,
+        seconds,
+        scale,
         slide(&quality.foot_slide_before_mm),
         slide(&quality.foot_slide_mm),
         format!("{:.0}", quality.below_floor_mm),
@@ -146,7 +152,12 @@ pub(super) fn row(motion: &TransferReport, clip: &TransferredClipReport) -> [Str
         percent(quality.hands_error.mean),
         percent(quality.head_error.mean),
         format!("{fastest} ({source})"),
-        if clip.good { "good" } else { "look at it" }.to_owned(),
+        match clip.good {
+            Some(true) => "good",
+            Some(false) => "look at it",
+            None => "-",
+        }
+        .to_owned(),
     ]
 }
 
@@ -181,6 +192,15 @@ fn mend(kind: FitFindingKind) -> Option<&'static str> {
 
 /// The number of joints of each origin, on one line.
 pub(super) fn joints_line(motion: &TransferReport) -> String {
+    if motion.by_name {
+        let (followed, dropped) = (motion.joints_mapped, motion.dropped.len());
+        return format!(
+            "{}: retargeted by joint names: {followed} of {} moving joints are followed, scale {:.2}\n",
+            clean(&file_name(motion)),
+            followed + dropped,
+            motion.scale
+        );
+    }
     format!(
         "{}: {} joints mapped, {} shared, {} held; {} dropped\n",
         clean(&file_name(motion)),
@@ -195,6 +215,7 @@ pub(super) fn joints_line(motion: &TransferReport) -> String {
 pub(super) fn is_like(motion: &TransferReport, other: &TransferReport) -> bool {
     let counts = |m: &TransferReport| {
         [
+            usize::from(m.by_name),
             m.joints_mapped,
             m.joints_shared,
             m.joints_held,

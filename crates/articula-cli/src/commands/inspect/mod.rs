@@ -11,9 +11,10 @@ use crate::arguments::{CharacterArgs, not_negative};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
-use articula::MotionTables;
 use articula::inspect::{FAR_FROM_METRES, WarningInspection, inspect, joint_levels};
+use articula::{Figure, MotionTables, rig_joint_map};
 use clap::Args;
+use std::path::PathBuf;
 
 /// Arguments of `inspect`.
 #[derive(Debug, Args)]
@@ -31,6 +32,10 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_name = "MM", default_value_t = 1e3 * FAR_FROM_METRES,
           value_parser = not_negative, requires = "joint_levels")]
     far_from_mm: f32,
+    /// Write the joint map of the character as it was recognised: a file to edit, and to give to
+    /// --joint-map
+    #[arg(long, value_name = "F.json")]
+    write_joint_map: Option<PathBuf>,
     /// Name of the only clip to report
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
@@ -38,10 +43,16 @@ pub(crate) struct InspectArgs {
 
 /// Reads the file and prints its contents.
 pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
+    let outputs = args.write_joint_map.iter().map(PathBuf::as_path);
+    console.files.plan(args.character.inputs(), outputs)?;
     let is_stream = stream::is_one(&args.character.file);
     let data_format = files::data_format(&args.character.file);
     if args.joint_levels && (is_stream || data_format.is_some()) {
         let what = "--joint-levels lists levels of a character; this file has no joints";
+        return Err(fault::usage(what));
+    }
+    if args.write_joint_map.is_some() && (is_stream || data_format.is_some()) {
+        let what = "--write-joint-map writes the joints of a character; this file has no joints";
         return Err(fault::usage(what));
     }
     if let Some(format) = data_format {
@@ -83,5 +94,43 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         let found = console.work(|work| joint_levels(&figure, &clips, far_from_metres, work))?;
         findings.joint_levels = Some(found);
     }
+    findings.warnings.extend(unused_map(args, &figure)?);
+    if let Some(path) = &args.write_joint_map {
+        let made = rig_joint_map(&figure.opened)?;
+        console.files.write(path, &made.bytes)?;
+        let shown = files::shown(path);
+        if !made.untold.is_empty() {
+            let what = format!(
+                "{} of the joints share their names with others, or have none, and are not told by \
+                 {shown}: {}",
+                made.untold.len(),
+                made.untold.join(", ")
+            );
+            let at = "joints".to_owned();
+            findings.warnings.push(WarningInspection { at, what });
+        }
+        findings.written.push(shown);
+    }
     console.result(&findings, |found| text::of(found, args.map))
+}
+
+/// A warning if joint maps are given and none of them is used.
+fn unused_map(args: &InspectArgs, figure: &Figure) -> anyhow::Result<Option<WarningInspection>> {
+    let own = open::joint_maps(&args.character.names)?;
+    let is_stored = figure.opened.character.articulation.is_some();
+    let used = &figure.opened.mapping.articulation.profile;
+    if own.is_empty() || !is_stored && own.iter().any(|map| map.name == *used) {
+        return Ok(None);
+    }
+    let what = if is_stored {
+        "the file stores levels and regions of its joints, which are kept; no joint map is used"
+    } else {
+        "the joint map does not fit and is not used: it must have joints of the file for \
+         humanoid_root, l_hip, r_hip, l_shoulder and r_shoulder, or with the scope hand for a wrist \
+         and five finger joints"
+    };
+    Ok(Some(WarningInspection {
+        at: "--joint-map".to_owned(),
+        what: what.to_owned(),
+    }))
 }

@@ -4,12 +4,14 @@ use super::{human, joint_levels, mesh_levels};
 use crate::fault::clean;
 use crate::table::Table;
 use articula::inspect::{
-    ClipInspection, Extent, Inspection, SkeletonInspection, WarningInspection,
+    ClipInspection, DoubtfulJoint, Extent, Inspection, SkeletonInspection, WarningInspection,
 };
 
 /// Maximum number of rows of a table of clips or meshes, and of names in a list.
 const MAX_ROWS: usize = 100;
 const MAX_NAMES: usize = 24;
+/// Maximum number of lines about doubtful joints.
+const MAX_DOUBTS: usize = 12;
 
 /// Formats all tables; with `map` every joint is listed.
 pub(super) fn of(found: &Inspection, map: bool) -> String {
@@ -45,6 +47,9 @@ pub(super) fn of(found: &Inspection, map: bool) -> String {
     if map {
         text.push_str("\njoints\n");
         text.push_str(&joints(found).text());
+    }
+    for written in &found.written {
+        text.push_str(&format!("\nwritten: {}\n", clean(written)));
     }
     text.push_str(&warnings_text(&found.warnings));
     text
@@ -100,10 +105,10 @@ fn head(found: &Inspection) -> String {
 }
 
 fn skeleton_text(skeleton: &SkeletonInspection) -> String {
-    let profile = if skeleton.profile.is_empty() {
-        "no joint map matches".to_owned()
-    } else {
-        format!("joint map {}", clean(&skeleton.profile))
+    let profile = match skeleton.profile.as_str() {
+        "" if skeleton.mapped > 0 => "as stored in the file".to_owned(),
+        "" => "no joint map matches".to_owned(),
+        name => format!("joint map {}", clean(name)),
     };
     let mut text = format!(
         "\nskeleton \"{}\": {} joints, {} mapped to H-Anim ({profile})\n",
@@ -135,6 +140,32 @@ fn skeleton_text(skeleton: &SkeletonInspection) -> String {
             skeleton.unmapped.len(),
             list(names)
         ));
+    }
+    text.push_str(&doubtful(&skeleton.doubtful));
+    text
+}
+
+/// The joints whose mapping is doubtful, one line each.
+fn doubtful(joints: &[DoubtfulJoint]) -> String {
+    if joints.is_empty() {
+        return String::new();
+    }
+    let mut text = format!(
+        "  {} (--write-joint-map F.json writes a joint map to edit)\n",
+        counted(joints.len(), "doubts about joints")
+    );
+    for doubt in joints.iter().take(MAX_DOUBTS) {
+        text.push_str(&format!(
+            "    \"{}\" as {}, {} confidence: {}\n",
+            clean(&doubt.joint),
+            doubt.hanim,
+            doubt.confidence,
+            doubt.why
+        ));
+    }
+    if joints.len() > MAX_DOUBTS {
+        let more = joints.len() - MAX_DOUBTS;
+        text.push_str(&format!("    … and {more} more (--json lists all)\n"));
     }
     text
 }
@@ -262,6 +293,7 @@ fn section(text: &mut String, what: &str, table: Table, count: usize) {
 fn counted(count: usize, what: &str) -> String {
     let one = match what {
         "meshes" => "mesh",
+        "doubts about joints" => "doubt about joints",
         other => other.trim_end_matches('s'),
     };
     format!("{count} {}", if count == 1 { one } else { what })
