@@ -51,6 +51,7 @@ pub fn retarget_hands(
     };
     made.clip.channels.retain(|channel| below(channel.target));
     made.clip.name.clone_from(&clip.name);
+    made.report.scale = graft.joints[0].scale;
     for report in &mut made.report.joints {
         report.moved &= below(report.joint);
         let origin = std::mem::replace(&mut report.origin, RotationOrigin::Held);

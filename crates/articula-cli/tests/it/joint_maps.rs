@@ -251,7 +251,7 @@ const FINGERS: [&[&str]; 5] = [
 ];
 
 #[test]
-fn a_hand_alone_is_mapped_and_says_what_is_missing() {
+fn a_hand_alone_is_mapped_and_moves_the_hand_of_a_figure() {
     let here = folder("hands-alone");
     std::fs::write(here.join("hand.bvh"), bvh("LeftHand", &FINGERS, 5.0)).unwrap();
     let found = json(&here, &["inspect", "hand.bvh", "--unit-metres", "0.01"]);
@@ -261,13 +261,21 @@ fn a_hand_alone_is_mapped_and_says_what_is_missing() {
         (Some(16), Some("mixamo"))
     );
     assert_eq!(skeleton["missing"].as_array().unwrap().len(), 0);
+    let words = ["convert", "hand.bvh", "o.glb", "--onto", word(human())];
+    let report = json(&here, &words);
+    let motion = &report["onto"]["motions"][0];
+    assert_eq!(motion["joints_mapped"], 15, "{motion}");
+    let followed = motion["joints"].as_array().unwrap().iter();
+    let mut followed = followed.filter(|joint| joint["origin"] == "mapped");
+    assert!(followed.all(|joint| joint["joint"].as_str().unwrap().starts_with("l_")));
+    // Of a character there is no hand alone to move.
     let line = fault(
         &here,
         1,
-        &["convert", "hand.bvh", "o.glb", "--onto", word(human())],
+        &["convert", word(human()), "p.glb", "--onto", "hand.bvh"],
     );
     assert!(
-        line.contains("hand.bvh: joints: the rig is the left hand alone (16 joints); hips, legs"),
+        line.contains("hand.bvh: joints: the rig is the left hand alone (16 joints)"),
         "{line}"
     );
     let words = ["inspect", "hand.bvh", "--write-joint-map", "hand.json"];

@@ -11,7 +11,9 @@ use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, choose};
 use crate::work::Executor;
 use articula_build::bake;
-use articula_build::retarget::{RetargetFigure, RetargetOptions, RetargetReport, Retargeter};
+use articula_build::retarget::{
+    RetargetFigure, RetargetOptions, RetargetReport, Retargeter, is_hands_alone, retarget_hands,
+};
 use articula_core::JointArticulation;
 use articula_core::source::RawClip;
 use std::borrow::Cow;
@@ -177,8 +179,8 @@ impl CharacterFile {
         let is_it = self.mapping.is_hands_alone() && !self.is_human();
         is_it.then(|| {
             format!(
-                "joints: the rig is {hands}; hips, legs and the rest of a body are missing, so its \
-                 motion cannot be retargeted onto a body"
+                "joints: the rig is {hands}; hips, legs and the rest of a body are missing, and without \
+                 two knuckles of a hand its motion cannot be retargeted onto a body"
             )
         })
     }
@@ -202,22 +204,25 @@ pub fn fit_clips(
     let (from, onto) = (&file.character.skeleton, &character.character.skeleton);
     let same = || Twins::of(from, &clips, onto);
     let articulations = (file.articulation(), character.articulation());
+    let from_figure = RetargetFigure {
+        skeleton: from,
+        articulation: &articulations.0,
+        clips: &file.character.clips,
+    };
+    let onto_figure = RetargetFigure {
+        skeleton: onto,
+        articulation: &articulations.1,
+        clips: &character.character.clips,
+    };
+    let is_hands = file.hands().is_some() && is_hands_alone(&from_figure);
     let way = if let Some(twins) = options.by_names.then(same).flatten() {
         Fitting::Names(twins)
+    } else if is_hands && character.is_human() {
+        Fitting::Hands(from_figure, onto_figure)
     } else if let Some(namesakes) = namesakes(file, character, &clips)? {
         Fitting::Namesakes(namesakes)
     } else {
-        let from = RetargetFigure {
-            skeleton: from,
-            articulation: &articulations.0,
-            clips: &file.character.clips,
-        };
-        let onto = RetargetFigure {
-            skeleton: onto,
-            articulation: &articulations.1,
-            clips: &character.character.clips,
-        };
-        let retargeter = Retargeter::new(from, onto).with_context(|| &file.name)?;
+        let retargeter = Retargeter::new(from_figure, onto_figure).with_context(|| &file.name)?;
         check_driven(&retargeter).context(&file.name)?;
         Fitting::Map(Box::new(retargeter))
     };
@@ -259,6 +264,7 @@ pub fn fit_clips(
 /// Method by which joints of a file drive those of the character.
 enum Fitting<'a> {
     Names(Twins),
+    Hands(RetargetFigure<'a>, RetargetFigure<'a>),
     Namesakes(Namesakes<'a>),
     Map(Box<Retargeter<'a>>),
 }
@@ -292,6 +298,13 @@ impl Fitting<'_> {
                 Moved {
                     by_name: Some(report),
                     ..moved(clip)
+                }
+            }
+            Self::Hands(hands, body) => {
+                let made = retarget_hands(hands, body, clip, &options.retarget)?;
+                Moved {
+                    retargeted: Some(made.report),
+                    ..moved(made.clip)
                 }
             }
             Self::Map(retargeter) => {
