@@ -1,7 +1,7 @@
 //! Joint maps: for each kind of rig, the H-Anim joint of each joint name.
 //!
 //! - [`builtin`], [`parse`]: the built-in maps, and maps from a user's file
-//! - [`write`]: writes a map to be edited
+//! - [`write()`]: writes a map to be edited
 //! - [`vrm_bones`]: joints by their VRM human bone names
 //!
 //! `articula-build` matches a skeleton against them. Source: thesis 3.1.3; H-Anim 1.1 and 2
