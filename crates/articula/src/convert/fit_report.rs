@@ -160,14 +160,14 @@ pub struct JointShare {
 }
 
 impl TransferReport {
-    /// Creates the report on the clips of a file; `None` if none of them was retargeted.
+    /// Creates the report on the clips of a file; `None` if there is none.
     pub fn new(
         file: &CharacterFile,
         character: &CharacterFile,
         fitted: &[FittedClip],
     ) -> Option<Self> {
         let (skeleton, from) = (&character.character.skeleton, &file.character.skeleton);
-        let report = fitted.iter().rev().find_map(|f| Transfer::of(&f.fit))?;
+        let report = fitted.last().map(|f| Transfer::of(&f.fit))?;
         let (joints, scale, dropped) = match report {
             Transfer::ByMap(report) => (
                 joints(skeleton, from, report),
@@ -182,6 +182,7 @@ impl TransferReport {
                 let joints = joints_by_name(skeleton, from, &all);
                 (joints, report.scale, dropped.into_iter().collect())
             }
+            Transfer::Copied => (copied_joints(skeleton, fitted), 1.0, Vec::new()),
         };
         let count = |origin| joints.iter().filter(|j| j.origin == origin).count();
         Some(Self {
@@ -189,14 +190,11 @@ impl TransferReport {
             format: file.format.name(),
             bytes: file.bytes,
             scale,
-            by_name: matches!(report, Transfer::ByName(_)),
+            by_name: !matches!(report, Transfer::ByMap(_)),
             joints_mapped: count("mapped"),
             joints_shared: count("shared"),
             joints_held: count("held"),
-            clips: fitted
-                .iter()
-                .filter_map(|f| clip(skeleton, from, f))
-                .collect(),
+            clips: fitted.iter().map(|f| clip(skeleton, from, f)).collect(),
             joints,
             dropped: dropped.iter().map(|j| name(from, *j)).collect(),
         })
@@ -208,13 +206,38 @@ impl TransferReport {
 enum Transfer<'a> {
     ByMap(&'a RetargetReport),
     ByName(&'a NameTransfer),
+    /// Unchanged, as both have the same skeleton.
+    Copied,
 }
 
 impl<'a> Transfer<'a> {
-    fn of(fit: &'a ClipProvenance) -> Option<Self> {
-        let by_map = fit.retargeted.as_ref().map(Self::ByMap);
-        by_map.or(fit.by_name.as_ref().map(Self::ByName))
+    fn of(fit: &'a ClipProvenance) -> Self {
+        match (&fit.retargeted, &fit.by_name) {
+            (Some(report), _) => Self::ByMap(report),
+            (None, Some(report)) => Self::ByName(report),
+            (None, None) => Self::Copied,
+        }
     }
+}
+
+/// The joints that copied clips move, each from the joint of its own name.
+fn copied_joints(skeleton: &Skeleton, fitted: &[FittedClip]) -> Vec<JointSourceReport> {
+    let channels = fitted.iter().flat_map(|f| &f.clip.channels);
+    let of_joints = channels.filter(|c| c.property.is_of_joint());
+    let moved: BTreeSet<usize> = of_joints.map(|c| c.target).collect();
+    let joint = |joint: usize| {
+        let is_moved = moved.contains(&joint);
+        let own = JointShare {
+            joint: name(skeleton, joint),
+            share: 1.0,
+        };
+        JointSourceReport {
+            joint: name(skeleton, joint),
+            origin: if is_moved { "mapped" } else { "held" },
+            from: is_moved.then_some(own).into_iter().collect(),
+        }
+    };
+    (0..skeleton.joints.len()).map(joint).collect()
 }
 
 /// The source of every joint that follows one of the same name in any clip.
@@ -239,19 +262,14 @@ fn joints_by_name(
     (0..skeleton.joints.len()).map(joint).collect()
 }
 
-fn clip(
-    skeleton: &Skeleton,
-    from: &Skeleton,
-    fitted: &FittedClip,
-) -> Option<TransferredClipReport> {
+fn clip(skeleton: &Skeleton, from: &Skeleton, fitted: &FittedClip) -> TransferredClipReport {
     let fit = &fitted.fit;
-    Transfer::of(fit)?;
     let report = fit.retargeted.as_ref();
     let fastest = report.and_then(|report| report.fastest);
     let findings = report.map(|report| in_words(&report.findings, from, skeleton));
     let source = report.and_then(|report| report.fastest_source);
     let is_good = |found: &Vec<FitFinding>| found.iter().all(|finding| finding.kind.is_note());
-    Some(TransferredClipReport {
+    TransferredClipReport {
         name: fit.name.clone(),
         from: fit.from.clone(),
         duration_secs: fitted.clip.duration_secs,
@@ -262,7 +280,7 @@ fn clip(
         good: findings.as_ref().map(is_good),
         findings: findings.unwrap_or_default(),
         quality: report.map(|report| FitQuality::new(&report.quality)),
-    })
+    }
 }
 
 fn joints(skeleton: &Skeleton, from: &Skeleton, report: &RetargetReport) -> Vec<JointSourceReport> {

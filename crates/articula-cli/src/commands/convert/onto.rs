@@ -62,7 +62,8 @@ impl Hero {
         let options = AddClipsOptions {
             clip: args.clip.clone(),
             file_in_names: reads_many(args),
-            by_names: false,
+            // Pinned feet and hands are of the retargeting between different figures.
+            by_names: args.pin.is_none() && args.floor_metres.is_none() && !args.self_contact,
             retarget: RetargetOptions {
                 pinning: args.pin.unwrap_or(Pin::Feet).pinning(),
                 floor_metres: args.floor_metres,
