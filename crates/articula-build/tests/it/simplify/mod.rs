@@ -3,7 +3,7 @@
 mod checks;
 mod hostile;
 mod seams;
-mod shapes;
+pub(crate) mod shapes;
 
 use articula_build::{ErrorWeighting, LevelTriangles, SimplifyOptions, simplify};
 use checks::{check, is_closed, of};
