@@ -275,6 +275,9 @@ fn a_component_between_regions_vanishes_once_seams_are_open() {
 fn changes_of_attributes_cost_by_the_area_that_shows_them() {
     let mut mesh = charted(2, 1.0);
     mesh.normals.fill(Vec3::Y);
+    for p in mesh.positions.iter_mut().filter(|p| p.x > 1.0) {
+        p.x = 4.0;
+    }
     let of = TestSurface::new(mesh.clone(), std::slice::from_ref(&mesh.positions));
     let options = SimplifyOptions {
         vertex_weights: vec![3.0; 18],
@@ -284,17 +287,45 @@ fn changes_of_attributes_cost_by_the_area_that_shows_them() {
     assert!(simplifier.is_allowed(4, 1));
     assert_eq!(simplifier.change_cost(4, 1), 0.0);
     assert!(simplifier.is_allowed(4, 3));
-    // Three faces of 0.5 m² beyond the seam get texture coordinates that are off by 0.25 and 0.5,
-    // a third of it for one corner of three. The extent is 2 m, the area around the vertex 3 m², and
-    // the mean 8 * 0.5 * 3 / 9 m².
+    // Three faces of 1.5 m² beyond the seam get texture coordinates that are off by 0.25 and 0.5,
+    // a third of it for one corner of three. The extent is 4 m, the area around the vertex
+    // 3 * 0.5 + 3 * 1.5 m², and the mean (4 * 0.5 + 4 * 1.5) * 3 / 9 m².
     let change = 2500.0 * (0.25f64.powi(2) + 0.5f64.powi(2));
-    let sum = 3.0 * 0.5 * change * (2.0f64 * 0.01).powi(2) / 3.0;
-    let expected = 3.0 * sum / (3.0f64 * 4.0 / 3.0).sqrt();
+    let sum = 3.0 * 1.5 * change * (4.0f64 * 0.01).powi(2) / 3.0;
+    let expected = 3.0 * sum / (6.0f64 * 8.0 / 3.0).sqrt();
     let found = simplifier.change_cost(4, 3);
     assert!(
         (found - expected).abs() < 1e-6 * expected,
         "{found}, {expected}"
     );
+}
+
+#[test]
+fn collapses_of_a_vertex_come_one_after_the_other_by_cost() {
+    let mut hills = sheet(3);
+    hills.positions = shaken(&hills.positions, 0.3);
+    let of = TestSurface::new(hills, &[]);
+    let mut simplifier = simplifier(&of, &SimplifyOptions::default());
+    let all = pairs(&of.surface);
+    for from in 0..16 {
+        let mut expected: Vec<(u64, u32)> = all
+            .iter()
+            .filter(|(a, _)| *a == from)
+            .map(|(_, to)| (simplifier.costs.of_move(from, *to).to_bits(), *to))
+            .collect();
+        expected.sort_unstable();
+        let mut found = Vec::new();
+        loop {
+            simplifier.queue.clear();
+            simplifier.push_next(from, found.last().copied());
+            let Some(Reverse((bits, vertex, to, version, priced))) = simplifier.queue.pop() else {
+                break;
+            };
+            assert_eq!((vertex, version, priced), (from, 1, false));
+            found.push((bits, to));
+        }
+        assert_eq!(found, expected);
+    }
 }
 
 #[test]
