@@ -263,6 +263,14 @@ mod tests {
         all.sort_by(|a, b| a.1.total_cmp(&b.1));
         let change = 2500.0 * (0.25 * 0.25 + 0.5 * 0.5);
         assert_eq!(all, [(3, 0.0), (3, change), (3, change), (3, change)]);
+        // A normal that looks away costs in addition: 2 off, and a cosine of -1 for one of 0.5.
+        let mut away = two_charts();
+        away.normals[3] = Vec3::NEG_Y;
+        let (_, mut all) = images(&TestSurface::new(away, &[]), 4, 3);
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let leaning = 8.0 * 1.5 * 1.5;
+        let both = change + 4.0 + leaning;
+        assert_eq!(all, [(3, leaning), (3, both), (3, both), (3, both)]);
     }
 
     #[test]
