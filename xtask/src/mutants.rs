@@ -327,6 +327,9 @@ mod tests {
             assert!(exists, "{module}");
         }
         assert!(Place::of("articula_core", Path::new("")).is_none());
+        let has_outer = |module| Place::of(module, Path::new("")).unwrap().has_outer_tests;
+        assert!(has_outer("articula_build::simplify") && has_outer("articula_core::budget"));
+        assert!(!has_outer("articula_stream::mesh::codec"));
     }
 
     #[test]
