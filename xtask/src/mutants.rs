@@ -123,6 +123,8 @@ struct Place<'a> {
     files: [String; 2],
     /// What the paths of its own tests have in them.
     filter: &'a str,
+    /// Whether some of them are in the integration program of the crate.
+    has_outer_tests: bool,
     /// Folder of the copy and of what is built and printed.
     work: &'a Path,
 }
@@ -133,7 +135,9 @@ impl<'a> Place<'a> {
         let (name, path) = module.split_once("::")?;
         let package = name.replace('_', "-");
         let stem = format!("crates/{package}/src/{}", path.replace("::", "/"));
+        let outer = root().join(format!("crates/{package}/tests/it/{path}"));
         Some(Self {
+            has_outer_tests: outer.is_dir() || outer.with_extension("rs").is_file(),
             package,
             files: [format!("{stem}.rs"), format!("{stem}/**")],
             filter: path,
@@ -172,7 +176,7 @@ impl<'a> Place<'a> {
             self.package
         );
         let mut words = vec![&*optimised, "--config=profile.test.debug=false", "--lib"];
-        if self.package == CORE || filter.is_none() {
+        if self.has_outer_tests || filter.is_none() {
             words.push("--test=it");
         }
         run.args(words.iter().map(|word| format!("--cargo-arg={word}")));
@@ -323,6 +327,9 @@ mod tests {
             assert!(exists, "{module}");
         }
         assert!(Place::of("articula_core", Path::new("")).is_none());
+        let has_outer = |module| Place::of(module, Path::new("")).unwrap().has_outer_tests;
+        assert!(has_outer("articula_build::simplify") && has_outer("articula_core::budget"));
+        assert!(!has_outer("articula_stream::mesh::codec"));
     }
 
     #[test]

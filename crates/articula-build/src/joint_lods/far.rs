@@ -425,4 +425,52 @@ mod tests {
         assert_eq!(more_frames(&track(false), 2).values, [0.0, 0.5, 1.0]);
         assert_eq!(more_frames(&track(true), 2).values, [0.0, 0.0, 1.0]);
     }
+
+    #[test]
+    fn far_clips_keep_their_morphs() {
+        let mut asset = arm(3);
+        let still = moving(3, 1, &[Quat::IDENTITY; 3]);
+        let mut tracks = still.tracks().clone();
+        tracks.morphs = vec![Track {
+            target: 0,
+            step: false,
+            values: vec![0.0, 0.5, 0.25],
+        }];
+        asset.clips = vec![Clip::new("face", 30.0, 3, 3, tracks.clone()).unwrap()];
+        let opts = JointLodOptions::default();
+        let found = far_levels(&asset, &[0, 2, 1], &[2], &mean_pose(&asset), &opts);
+        let (levels, _) = found.unwrap().unwrap();
+        assert_eq!(levels.clips[0].frames(), 3);
+        assert_eq!(levels.clips[0].tracks().morphs, tracks.morphs);
+    }
+
+    /// The product of two joints, each with a scale and a rotation about an axis.
+    fn product(scales: [Vec3; 2], angle: f32) -> Option<Transform> {
+        let axes = [Vec3::new(1.0, 2.0, 2.0) / 3.0, Vec3::Z];
+        let joint = |k: usize| Transform {
+            translation: Vec3::Y,
+            rotation: Quat::from_axis_angle(axes[k], angle),
+            scale: scales[k],
+        };
+        let links = vec![0, 1];
+        Chain { links }.local(&[joint(0), joint(1)].into_iter().collect())
+    }
+
+    #[test]
+    fn chains_keep_a_scale_of_one_exactly_and_no_shear() {
+        for i in 0..50 {
+            let angle = i as f32 * 0.13;
+            let plain = product([Vec3::ONE; 2], angle).unwrap();
+            assert_eq!(plain.scale, Vec3::ONE);
+            let expected =
+                Vec3::Y + Quat::from_axis_angle(Vec3::new(1.0, 2.0, 2.0) / 3.0, angle) * Vec3::Y;
+            assert!(plain.translation.distance(expected) < 1e-5);
+            let scaled = product([Vec3::splat(2.0), Vec3::splat(1.5)], angle).unwrap();
+            assert!((scaled.scale - Vec3::splat(3.0)).abs().max_element() < 1e-4);
+        }
+        let stretched = Vec3::new(1.0, 3.0, 1.0);
+        assert_eq!(product([stretched, Vec3::ONE], 0.8), None);
+        let along = product([stretched, Vec3::ONE], 0.0).unwrap();
+        assert!((along.scale - stretched).abs().max_element() < 1e-5);
+    }
 }

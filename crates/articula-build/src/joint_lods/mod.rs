@@ -265,3 +265,94 @@ pub(crate) fn check_tolerances(asset: &Asset, joint_lods: &JointLods) -> Result<
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::test_figures::{arm, figure, moving};
+    use super::*;
+    use articula_core::Mesh;
+    use glam::Quat;
+
+    #[test]
+    fn clips_and_bindings_of_other_rigs_are_refused() {
+        let mut asset = arm(3);
+        assert_eq!(check(&asset), Ok(()));
+        asset.clips = vec![
+            moving(3, 1, &[Quat::IDENTITY]),
+            moving(2, 1, &[Quat::IDENTITY]),
+        ];
+        assert_eq!(check(&asset).unwrap_err().at, "clips[1]");
+        asset.clips.pop();
+        asset.mesh.bindings[2].joint = 3;
+        assert_eq!(check(&asset).unwrap_err().at, "mesh.bindings[2].joint");
+    }
+
+    #[test]
+    fn joint_lods_of_other_rigs_are_refused() {
+        let of = |asset: &Asset| {
+            let order = (0..asset.rig.len() as u16).collect();
+            let kept = vec![asset.rig.len() as u16];
+            JointLods::new(&asset.rig, order, kept, &mean_pose(asset)).unwrap()
+        };
+        let (chain, star) = (arm(3), figure(&[None, Some(0), Some(0)]));
+        assert_eq!(check_tolerances(&chain, &of(&chain)), Ok(()));
+        assert!(check_tolerances(&chain, &of(&arm(2))).is_err());
+        assert!(check_tolerances(&chain, &of(&star)).is_err());
+    }
+
+    #[test]
+    fn far_levels_keep_the_root_and_protected_joints_longest() {
+        let mut asset = figure(&[None, Some(0), Some(1), Some(0)]);
+        let turn = |angle: f32| Quat::from_rotation_z(angle);
+        asset.clips = vec![moving(4, 3, &[turn(-0.5), turn(0.5)])];
+        let mean = mean_pose(&asset);
+        let order = |protected: &[usize]| {
+            let opts = JointLodOptions {
+                protected: protected.iter().copied().collect(),
+                ..JointLodOptions::default()
+            };
+            far_order(&asset, &mean, &opts).unwrap()
+        };
+        assert_eq!(order(&[])[..2], [0, 3]);
+        let mut first = order(&[2, 900])[..2].to_vec();
+        first.sort_unstable();
+        assert_eq!(first, [0, 2]);
+        // A root without skin moves no vertex, and stays nevertheless.
+        let mut bare = arm(3);
+        for index in &mut bare.mesh.binding_indices {
+            *index = (*index).max(1);
+        }
+        bare.clips = vec![moving(3, 1, &[turn(-0.5), turn(0.5)])];
+        let order = far_order(&bare, &mean_pose(&bare), &JointLodOptions::default());
+        assert_eq!(order.unwrap()[0], 0);
+    }
+
+    #[test]
+    fn no_more_levels_are_made_than_can_be_stored() {
+        let levels = |max_levels| {
+            let opts = JointLodOptions {
+                max_levels,
+                ..JointLodOptions::default()
+            };
+            capped(&opts).max_levels
+        };
+        assert_eq!(levels(usize::MAX), JointLods::MAX_LEVELS);
+        assert_eq!(levels(3), 3);
+    }
+
+    #[test]
+    fn without_a_mesh_bones_tell_the_error() {
+        let mut asset = arm(2);
+        asset.mesh = Mesh::default();
+        let turns = [-0.2, 0.0, 0.2].map(Quat::from_rotation_z);
+        asset.clips = vec![moving(2, 1, &turns)];
+        let mean = mean_pose(&asset);
+        let joint_lods = JointLods::new(&asset.rig, vec![0, 1], vec![2, 1], &mean).unwrap();
+        let found = levels_of(&asset, joint_lods, &JointLodOptions::default()).unwrap();
+        // The bone beyond the upper joint ends half a metre from it, and stays at the mean.
+        let chord = 2.0 * 0.1f32.sin() * 0.5;
+        let errors = &found.errors.clips[0].worst_metres;
+        assert_eq!(errors[0], 0.0);
+        assert!((errors[1] - chord).abs() < 1e-5, "{errors:?}");
+    }
+}

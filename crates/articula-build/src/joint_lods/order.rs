@@ -407,4 +407,76 @@ mod tests {
         let never = never_merged(&asset, &asset.mesh, &JointSet::from_iter([3, 900]));
         assert_eq!(never, JointSet::from_iter([0, 2, 3]));
     }
+
+    #[test]
+    fn skin_hangs_on_each_joint_by_its_weight_in_the_space_of_the_joint() {
+        let mut mesh = arm(2).mesh;
+        mesh.weights[2..4].copy_from_slice(&[f32::NAN, 1.0]);
+        let watched = Watched {
+            vertices: vec![0, 1, 5, 9],
+            drawn: vec![true; 4],
+        };
+        let hangs = hangs(&mesh, &watched, 2);
+        let corner = |x: f32, y: f32, z: f32| Vec3A::new(x, y, z);
+        // Vertices by their place among the watched ones, with weight and weighted point: both
+        // halves of vertex 0 are on the root, one of vertex 1 is not a number, and vertex 9 is
+        // shared by both joints, at the second of which it lies.
+        let expected = [
+            vec![
+                (0, 1.0, corner(0.1, 0.0, 0.1)),
+                (1, 1.0, corner(-0.1, 0.0, 0.1)),
+                (2, 1.0, corner(-0.1, 0.5, 0.1)),
+                (3, 0.5, corner(-0.05, 0.5, 0.05)),
+            ],
+            vec![(3, 0.5, corner(-0.05, 0.0, 0.05))],
+        ];
+        for (found, expected) in hangs.iter().zip(&expected) {
+            assert_eq!(found.len(), expected.len());
+            for (hang, (vertex, weight, point)) in found.iter().zip(expected) {
+                assert_eq!((hang.vertex, hang.weight), (*vertex, *weight));
+                assert!(hang.point.distance(*point) < 1e-6);
+            }
+        }
+        // Two lists of which vertex 3 is in both.
+        let both = joined(&hangs[1], hangs[0].clone());
+        let vertices: Vec<(u32, f32)> = both.iter().map(|h| (h.vertex, h.weight)).collect();
+        assert_eq!(vertices, [(0, 1.0), (1, 1.0), (2, 1.0), (3, 1.0)]);
+        assert!(both[3].point.distance(corner(-0.1, 0.5, 0.1)) < 1e-6);
+    }
+
+    #[test]
+    fn harm_is_the_fourth_power_of_the_length() {
+        assert_eq!(harm(Vec3A::new(1.0, 2.0, 2.0)), 81.0);
+        assert_eq!(harm(Vec3A::ZERO), 0.0);
+    }
+
+    #[test]
+    fn a_change_moves_the_skin_from_where_it_is_to_where_it_folds() {
+        let from = Affine3A::from_translation(glam::Vec3::new(1.0, 2.0, 3.0));
+        let to = Affine3A::from_scale_rotation_translation(
+            glam::Vec3::ONE,
+            Quat::from_rotation_z(std::f32::consts::FRAC_PI_2),
+            glam::Vec3::new(4.0, 6.0, 8.0),
+        );
+        let hang = Hang {
+            vertex: 0,
+            weight: 0.5,
+            point: Vec3A::new(1.0, 0.0, 2.0) * 0.5,
+        };
+        // (1, 0, 2) from (2, 2, 5) to (4, 7, 10), half of it.
+        let moved = Change::between(&from, &to).moved(&hang);
+        assert!(moved.distance(Vec3A::new(1.0, 2.5, 2.5)) < 1e-6);
+    }
+
+    #[test]
+    fn a_joint_above_others_is_folded_where_any_may_go() {
+        // Three joints; the middle one stays still, so that its fold costs nothing. Only where any
+        // joint may be folded does it go first.
+        let mut asset = arm(3);
+        asset.clips = vec![swing(3, 2, 0.5)];
+        let any = folded(&asset, JointSet::EMPTY, Folds::Any);
+        assert_eq!(any.joints, [0, 2, 1]);
+        assert!(any.errors_metres[2] < 1e-6 && any.errors_metres[1] > 0.1);
+        assert_eq!(order_of(&asset, JointSet::EMPTY).joints, [0, 1, 2]);
+    }
 }

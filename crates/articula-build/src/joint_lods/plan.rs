@@ -158,3 +158,79 @@ fn placed(joints: &[DAffine3], binding: &Binding) -> DAffine3 {
     );
     joints[usize::from(binding.joint)] * inverse_bind
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::mean_pose::mean_pose;
+    use super::super::test_figures::arm;
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn matrices_are_close_relative_to_their_largest_number() {
+        let one = Affine3A::from_translation(Vec3::new(0.0, -20.0, 0.0));
+        let moved = |by: f32| Affine3A::from_translation(Vec3::new(by, -20.0, 0.0));
+        assert!(close(&one, &one));
+        assert!(close(&one, &moved(0.0199)) && close(&one, &moved(-0.0199)));
+        assert!(!close(&one, &moved(0.0201)) && !close(&one, &moved(-0.0201)));
+    }
+
+    #[test]
+    fn a_binding_at_another_place_is_scaled_and_moved_with_its_joint() {
+        let joint = DAffine3::from_scale_rotation_translation(
+            glam::DVec3::splat(2.0),
+            glam::DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2),
+            glam::DVec3::new(5.0, 0.0, 0.0),
+        );
+        let binding = Binding {
+            joint: 1,
+            inverse_bind: Affine3A::from_translation(Vec3::new(1.0, 2.0, 3.0)),
+        };
+        let placed = placed(&[DAffine3::IDENTITY, joint], &binding);
+        // (1, 1, 1) moves to (2, 3, 4), then by a quarter turn and twice its size to (-6, 4, 8).
+        let point = placed.transform_point3(glam::DVec3::ONE);
+        assert!(point.distance(glam::DVec3::new(-1.0, 4.0, 8.0)) < 1e-9);
+    }
+
+    #[test]
+    fn the_skin_of_a_merged_joint_keeps_its_place_at_rest() {
+        let asset = arm(3);
+        // One level with all joints, one with the first alone, whose binding this mesh lacks.
+        let mut mesh = asset.mesh.clone();
+        mesh.bindings[0].inverse_bind = Affine3A::from_translation(Vec3::X * 7.0);
+        for index in &mut mesh.binding_indices {
+            *index = (*index).max(1);
+        }
+        let mean = mean_pose(&asset);
+        let prefixes = Prefixes::new(&asset.rig, &[0, 1, 2], &[3, 1], &mean);
+        let mut plan = Plan::new(&asset, &mesh, &prefixes);
+        assert_eq!(plan.target(0, 0, 2), 2);
+        let made = plan.target(1, 0, 2);
+        assert_eq!((made, plan.bindings().len()), (3, 4));
+        // Joint 2 is 2 m above joint 0, at the origin of the mesh.
+        let binding = plan.bindings()[3];
+        assert_eq!(binding.joint, 0);
+        assert!(binding.inverse_bind.abs_diff_eq(Affine3A::IDENTITY, 1e-6));
+        assert_eq!(plan.target(1, 5, 1), made, "made once");
+        // Nothing moves, so each matrix is the identity, and so is a blend of them.
+        let blend = plan.blend(&[(1, 0.25), (2, 0.5), (made, 0.25)]);
+        assert!(blend.abs_diff_eq(DAffine3::IDENTITY, 1e-6));
+        let half = plan.blend(&[(1, 0.5)]).matrix3.x_axis.x;
+        assert!((half - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn influences_without_weight_are_left_out_unless_there_is_no_other() {
+        let asset = arm(2);
+        let mut mesh = asset.mesh.clone();
+        mesh.weights[2..4].fill(0.0);
+        let mean = mean_pose(&asset);
+        let prefixes = Prefixes::new(&asset.rig, &[0, 1], &[2], &mean);
+        let plan = Plan::new(&asset, &mesh, &prefixes);
+        assert_eq!(plan.influences(0), [(0, 0.5), (0, 0.5)]);
+        assert_eq!(plan.influences(1), [(0, 0.0)]);
+        assert_eq!(plan.influences(4), [(0, 1.0)]);
+        // The lower vertices of the second joint are shared.
+        assert_eq!(plan.influences(8), [(1, 0.5), (0, 0.5)]);
+    }
+}

@@ -167,4 +167,50 @@ mod tests {
         assert_eq!(all.vertices.len(), asset.mesh.len());
         assert!(all.drawn.iter().all(|d| *d));
     }
+
+    #[test]
+    fn the_heaviest_and_the_outermost_vertices_of_each_joint_are_watched() {
+        let count = 400usize;
+        let part = |v: usize, k: usize| ((v * 7919 + k * 104_729) % 1009) as f32 / 1009.0;
+        let weight = |v: usize| part(v, 4);
+        let mut mesh = arm(2).mesh;
+        mesh.positions = (0..count)
+            .map(|v| Vec3::new(part(v, 1), part(v, 2), part(v, 3)) - Vec3::new(0.3, 0.6, 0.5))
+            .collect();
+        mesh.binding_indices = [0, 1].repeat(count);
+        mesh.weights = (0..count)
+            .flat_map(|v| [1.0 - weight(v), weight(v)])
+            .collect();
+        mesh.positions[17].y = f32::NAN;
+        mesh.positions[18].x = f32::INFINITY;
+        let mut expected: Vec<u32> = Vec::new();
+        for joint in 0..2 {
+            let of = |v: u32| [1.0 - weight(v as usize), weight(v as usize)][joint];
+            let mut all: Vec<u32> = (0..count as u32)
+                .filter(|v| ![17, 18].contains(v))
+                .collect();
+            all.sort_by(|a, b| of(*b).total_cmp(&of(*a)));
+            expected.extend(&all[..4]);
+            all.retain(|v| of(*v) >= 0.5);
+            // Both ways along the axes and the diagonals of a cube.
+            for x in [-1.0, 0.0, 1.0] {
+                for y in [-1.0, 0.0, 1.0] {
+                    for z in [-1.0, 0.0, 1.0] {
+                        let direction = Vec3::new(x, y, z);
+                        if [1.0, 3.0].contains(&direction.length_squared()) {
+                            let along = |v: &u32| direction.dot(mesh.positions[*v as usize]);
+                            let farthest = all.iter().max_by(|a, b| along(a).total_cmp(&along(b)));
+                            expected.extend(farthest);
+                        }
+                    }
+                }
+            }
+        }
+        expected.sort_unstable();
+        expected.dedup();
+        assert!(expected.len() > 12, "{} vertices", expected.len());
+        assert_eq!(Watched::draw(&mesh, 2, 0, 1).vertices, expected);
+        let drawn = Watched::draw(&mesh, 2, usize::MAX, 1);
+        assert_eq!(drawn.vertices.len(), count - 2);
+    }
 }

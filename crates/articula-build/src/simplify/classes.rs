@@ -158,3 +158,160 @@ fn part_ids(mesh: &Mesh) -> Vec<u32> {
     }
     ids
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::shapes::mesh;
+    use super::*;
+    use articula_core::Part;
+
+    /// Two vertices at one place, and a third one 10 m away.
+    fn doubled() -> Mesh {
+        mesh(
+            vec![Vec3::ONE, Vec3::ONE, Vec3::ONE + Vec3::X * 10.0],
+            vec![],
+        )
+    }
+
+    fn of(mesh: &Mesh) -> Classes {
+        Classes::new(mesh, std::slice::from_ref(&mesh.positions), &[])
+    }
+
+    #[test]
+    fn the_extent_is_the_longest_side_of_finite_points() {
+        let points = [
+            [1.0, 2.0, 3.0],
+            [4.0, -3.0, 3.0],
+            [f32::NAN, 90.0, 0.0],
+            [2.0, 0.0, 5.0],
+        ];
+        assert_eq!(extent(&points.map(Vec3::from_array)), 5.0);
+        assert_eq!(extent(&[Vec3::NAN]), 0.0);
+    }
+
+    #[test]
+    fn vertices_of_a_class_stay_near_each_other_in_all_poses() {
+        let mesh = doubled();
+        // The tolerance is 1e-5 of 10 m.
+        for (apart, classes) in [(0.0, [0, 0, 1]), (0.5e-4, [0, 0, 1]), (2e-4, [0, 1, 2])] {
+            let mut pose = mesh.positions.clone();
+            pose[1].z += apart;
+            let poses = [mesh.positions.clone(), pose];
+            let found = Classes::new(&mesh, &poses, &[]);
+            assert_eq!(found.of_vertex, classes);
+            assert_eq!(found.len(), classes[2] as usize + 1);
+            assert_eq!(found.first.last(), Some(&2));
+        }
+        // Equal positions that are not finite are one place.
+        let nowhere = [mesh.positions.clone(), vec![Vec3::INFINITY; 3]];
+        assert_eq!(Classes::new(&mesh, &nowhere, &[]).of_vertex, [0, 0, 1]);
+    }
+
+    #[test]
+    fn both_zeros_are_one_place() {
+        let mut mesh = doubled();
+        (mesh.positions[0], mesh.positions[1]) = (Vec3::ZERO, -Vec3::ZERO);
+        let classes = of(&mesh);
+        assert_eq!(classes.of_vertex, [0, 0, 1]);
+        assert_eq!(classes.wedge, [0, 0, 2]);
+    }
+
+    #[test]
+    fn charts_differ_in_skin_but_not_in_the_order_of_influences() {
+        let mut mesh = doubled();
+        mesh.influences = 2;
+        mesh.bindings.push(mesh.bindings[0]);
+        mesh.bindings[1].joint = 1;
+        mesh.binding_indices = vec![0, 1, 1, 0, 0, 1];
+        mesh.weights = vec![0.75, 0.25, 0.25, 0.75, 1.0, 0.0];
+        assert_eq!(of(&mesh).chart, [0, 0, 2]);
+        mesh.weights[2..4].copy_from_slice(&[0.75, 0.25]);
+        let classes = of(&mesh);
+        assert_eq!(classes.of_vertex, [0, 0, 1]);
+        assert_eq!(
+            (classes.chart, classes.wedge),
+            (vec![0, 1, 2], vec![0, 1, 2])
+        );
+    }
+
+    #[test]
+    fn charts_differ_in_the_deltas_of_any_morph() {
+        let morph = |slot, vertices: &[u32], deltas: &[f32]| Morph {
+            slot,
+            vertices: vertices.to_vec(),
+            positions: deltas.iter().map(|d| Vec3::X * *d).collect(),
+            normals: vec![Vec3::ZERO; deltas.len()],
+        };
+        let charts = |morphs: Vec<Morph>| {
+            of(&Mesh {
+                morphs,
+                ..doubled()
+            })
+            .chart
+        };
+        assert_eq!(charts(vec![morph(0, &[0, 1], &[1.0, 1.0])]), [0, 0, 2]);
+        assert_eq!(charts(vec![morph(0, &[0, 1], &[1.0, 2.0])]), [0, 1, 2]);
+        assert_eq!(charts(vec![morph(0, &[1], &[1.0])]), [0, 1, 2]);
+        assert_eq!(charts(vec![morph(0, &[1], &[0.0])]), [0, 0, 2]);
+        let (first, second) = (morph(0, &[0], &[1.0]), morph(1, &[1], &[1.0]));
+        assert_eq!(charts(vec![first.clone(), second]), [0, 1, 2]);
+        // The first is equal, the second is not.
+        let both = morph(0, &[0, 1], &[1.0, 1.0]);
+        assert_eq!(
+            charts(vec![both, morph(1, &[0, 1], &[1.0, 3.0])]),
+            [0, 1, 2]
+        );
+    }
+
+    #[test]
+    fn wedges_of_a_chart_differ_in_normals_at_rest_or_morphed() {
+        let mut mesh = doubled();
+        mesh.normals[1] = Vec3::X;
+        let classes = of(&mesh);
+        assert_eq!(
+            (classes.chart, classes.wedge),
+            (vec![0, 0, 2], vec![0, 1, 2])
+        );
+        mesh.normals[1] = mesh.normals[0];
+        mesh.morphs = vec![Morph {
+            slot: 0,
+            vertices: vec![1],
+            positions: vec![Vec3::ZERO],
+            normals: vec![Vec3::X],
+        }];
+        let classes = of(&mesh);
+        assert_eq!(
+            (classes.chart, classes.wedge),
+            (vec![0, 0, 2], vec![0, 1, 2])
+        );
+    }
+
+    #[test]
+    fn charts_differ_in_texcoords_colour_part_and_given_classes() {
+        let charts = |change: &dyn Fn(&mut Mesh)| {
+            let mut mesh = doubled();
+            change(&mut mesh);
+            of(&mesh).chart
+        };
+        assert_eq!(charts(&|_| {}), [0, 0, 2]);
+        assert_eq!(charts(&|m| m.texcoords[1].y = 0.5), [0, 1, 2]);
+        assert_eq!(charts(&|m| m.colors[1].w = 0.5), [0, 1, 2]);
+        let in_two = |m: &mut Mesh| {
+            let part = m.parts[0].clone();
+            m.parts = [0..1, 1..3]
+                .map(|vertices| Part {
+                    vertices,
+                    ..part.clone()
+                })
+                .to_vec();
+        };
+        assert_eq!(charts(&in_two), [0, 1, 2]);
+        let mesh = doubled();
+        let given = Classes::new(&mesh, std::slice::from_ref(&mesh.positions), &[4, 5, 5]);
+        assert_eq!(
+            (given.of_vertex, given.chart),
+            (vec![0, 0, 1], vec![0, 1, 2])
+        );
+        assert_eq!(given.part, [0; 3]);
+    }
+}

@@ -412,3 +412,6 @@ fn regions(options: &SimplifyOptions, classes: &Classes) -> Vec<u16> {
     }
     regions
 }
+
+#[cfg(test)]
+mod tests;

@@ -127,3 +127,86 @@ fn root(parent: &mut [u32], mut v: u32) -> u32 {
     }
     v
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::SimplifyOptions;
+    use super::super::shapes::mesh;
+    use super::super::test_surface::TestSurface;
+    use super::*;
+
+    /// Two triangles that share a vertex, a small one, and a larger one, in this order but for the
+    /// second triangle, which comes last. In the other pose the small one is twice as large.
+    fn pieces() -> TestSurface {
+        let corners = [
+            [0.0, 0.0, 0.0],
+            [3.0, 0.0, 0.0],
+            [3.0, 4.0, 0.0],
+            [9.0, 4.0, 8.0],
+            [4.0, 9.0, 8.0],
+        ];
+        let mut positions: Vec<Vec3> = corners.map(Vec3::from_array).to_vec();
+        let small = |p: &Vec3| *p * 0.2 + Vec3::new(20.0, 5.0, 1.0);
+        let large = |p: &Vec3| *p * 0.4 - Vec3::new(9.0, 3.0, 2.0);
+        let three: Vec<Vec3> = positions[..3].to_vec();
+        positions.extend(three.iter().map(small));
+        positions.extend(three.iter().map(large));
+        let mut pose = positions.clone();
+        for p in &mut pose[5..8] {
+            *p *= 2.0;
+        }
+        let triangles = vec![[0, 1, 2], [5, 6, 7], [8, 9, 10], [3, 4, 2]];
+        TestSurface::new(mesh(positions, triangles), &[pose])
+    }
+
+    #[test]
+    fn faces_that_share_a_vertex_are_one_component() {
+        let of = pieces();
+        let costs = of.costs(&SimplifyOptions::default());
+        let components = Components::new(&of.surface, &costs, &[false; 11], 1e9);
+        assert_eq!(components.faces(0), [0, 3]);
+        assert_eq!(components.faces(1), [1]);
+        assert_eq!(components.faces(2), [2]);
+        assert_eq!(components.tiny().count(), 3);
+    }
+
+    #[test]
+    fn removed_faces_are_no_component() {
+        let mut of = pieces();
+        of.surface.kill(1);
+        let costs = of.costs(&SimplifyOptions::default());
+        let components = Components::new(&of.surface, &costs, &[false; 11], 1e9);
+        assert_eq!(components.faces(0), [0, 3]);
+        assert_eq!(components.faces(1), [2]);
+        assert_eq!(components.tiny().count(), 2);
+    }
+
+    #[test]
+    fn a_component_is_as_large_as_in_its_largest_pose() {
+        let of = pieces();
+        let options = SimplifyOptions {
+            vertex_weights: (0..11).map(|v| if v == 6 { 3.0 } else { 1.0 }).collect(),
+            ..SimplifyOptions::default()
+        };
+        let costs = of.costs(&options);
+        let sizes = |kept: &[bool; 11], extent: f32| -> Vec<(u32, f64)> {
+            Components::new(&of.surface, &costs, kept, extent)
+                .tiny()
+                .collect()
+        };
+        // Diagonals: 15.4 m, 0.2 * 5 m in one pose and twice that in the other, and 0.4 * 5 m.
+        let found = sizes(&[false; 11], 7.0);
+        assert_eq!(found.iter().map(|s| s.0).collect::<Vec<_>>(), [1, 2]);
+        assert!((found[0].1 - 3.0 * 4.0).abs() < 1e-4 && (found[1].1 - 4.0).abs() < 1e-4);
+        assert!(
+            sizes(&[false; 11], 6.6).is_empty(),
+            "2 m are more than 0.3 * 6.6 m"
+        );
+        let mut kept = [false; 11];
+        kept[9] = true;
+        assert_eq!(
+            sizes(&kept, 1e9).iter().map(|s| s.0).collect::<Vec<_>>(),
+            [0, 1]
+        );
+    }
+}

@@ -20,6 +20,11 @@ mod quadric;
 mod region_weights;
 mod removed_vertices;
 mod ring;
+#[cfg(test)]
+#[path = "../../tests/it/simplify/shapes.rs"]
+mod shapes;
+#[cfg(test)]
+mod test_surface;
 mod topology;
 mod wedges;
 

@@ -71,4 +71,50 @@ mod tests {
         assert!((q.at(DVec3::new(7.0, 7.0, 3.0)) - 110.0).abs() < 1e-12);
         assert_eq!(q.at(DVec3::new(0.0, 0.0, 1.0)), 0.0);
     }
+
+    #[test]
+    fn a_sum_of_planes_is_the_sum_of_their_squared_distances() {
+        let planes = [
+            (
+                DVec3::new(2.0, 3.0, 6.0) / 7.0,
+                DVec3::new(1.0, -2.0, 4.0),
+                0.5,
+            ),
+            (
+                DVec3::new(-6.0, 2.0, 3.0) / 7.0,
+                DVec3::new(3.0, 5.0, -1.0),
+                2.0,
+            ),
+            (
+                DVec3::new(3.0, -6.0, 2.0) / 7.0,
+                DVec3::new(-4.0, 0.5, 2.5),
+                3.0,
+            ),
+        ];
+        let mut sum = Quadric::default();
+        for (normal, point, weight) in planes {
+            sum.add(&Quadric::plane(normal, point, weight));
+        }
+        assert_eq!(sum.weight, 5.5);
+        for p in [
+            [0.0, 0.0, 0.0],
+            [1.0, -2.0, 3.0],
+            [-5.0, 4.0, 2.0],
+            [2.5, 7.0, -6.0],
+        ] {
+            let p = DVec3::from_array(p);
+            let one = |(n, point, weight): &(DVec3, DVec3, f64)| weight * n.dot(p - point).powi(2);
+            let expected: f64 = planes.iter().map(one).sum();
+            assert!((sum.at(p) - expected).abs() < 1e-9 * expected.max(1.0));
+        }
+    }
+
+    #[test]
+    fn rounding_makes_no_value_negative() {
+        let normal = DVec3::new(0.1, 0.7, 0.3).normalize();
+        for i in 0..200 {
+            let point = DVec3::new(1e6 + f64::from(i), -3e5, 7e5 / f64::from(i + 1));
+            assert!(Quadric::plane(normal, point, 1.0).at(point) >= 0.0);
+        }
+    }
 }

@@ -159,3 +159,119 @@ fn squared_distance(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     }
     (ap - ab * (vb / sum) - ac * (vc / sum)).length_squared()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::SimplifyOptions;
+    use super::super::shapes::sheet;
+    use super::super::test_surface::{TestSurface, shaken};
+    use super::*;
+    use articula_core::triangle_distance_squared;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn distances_to_triangles_are_those_of_the_accurate_routine() {
+        let shift = Vec3::new(0.5, -1.0, 2.0);
+        let sharp = [
+            Vec3::ZERO,
+            Vec3::new(4.0, 0.0, 1.0),
+            Vec3::new(1.0, 3.0, -1.0),
+        ];
+        let blunt = [
+            Vec3::ZERO,
+            Vec3::new(2.0, 1.0, 0.0),
+            Vec3::new(5.0, -0.5, 1.0),
+        ];
+        for corners in [sharp, blunt].map(|t| t.map(|p| p + shift)) {
+            for i in 0..10 * 10 * 7 {
+                let [x, y, z] = [i % 10, i / 10 % 10, i / 100].map(|k| k as f32);
+                let point = Vec3::new(x - 3.25, y - 4.75, z - 1.0);
+                let expected = triangle_distance_squared(point, corners);
+                let found = squared_distance(point, corners);
+                assert!(
+                    (found - expected).abs() < 1e-4 * expected.max(1.0),
+                    "{point}"
+                );
+            }
+        }
+        // Three corners at one place.
+        let nowhere = squared_distance(shift + Vec3::X * 2.0, [shift; 3]);
+        assert_eq!(nowhere, 4.0);
+    }
+
+    /// Squared distance to the remaining faces over all poses, by trying all of them.
+    fn slow(costs: &Costs, ring: &Ring, vertices: &[u32], to: u32) -> f32 {
+        let stay = || ring.faces.iter().filter(|f| f.2 != to && f.3 != to);
+        let mut most = 0.0f32;
+        for v in vertices {
+            for (pose, point) in costs.points(*v).iter().enumerate() {
+                let at = |c: u32| costs.points(c)[pose];
+                let near = stay().map(|f| squared_distance(*point, [to, f.2, f.3].map(at)));
+                let near = near.reduce(f32::min);
+                let near = near.unwrap_or_else(|| point.distance_squared(at(to)));
+                most = most.max(near * costs.factor(*v));
+            }
+        }
+        most
+    }
+
+    fn attached(removed: &RemovedVertices, face: usize) -> Vec<u32> {
+        let start = Some(removed.head[face]).filter(|v| *v != NONE);
+        let next = |v: &u32| Some(removed.next[*v as usize]).filter(|v| *v != NONE);
+        std::iter::successors(start, next).collect()
+    }
+
+    #[test]
+    fn removed_vertices_stay_attached_to_the_faces_that_count_their_distance() {
+        let flat = sheet(6);
+        let mut mesh = flat.clone();
+        mesh.positions = shaken(&flat.positions, 0.3);
+        let pose = shaken(&mesh.positions, 0.4).into_iter().rev().collect();
+        let mut of = TestSurface::new(mesh, &[pose]);
+        let weights = (0..of.mesh.len()).map(|v| 1.0 + (v % 3) as f32);
+        let options = SimplifyOptions {
+            vertex_weights: weights.collect(),
+            ..SimplifyOptions::default()
+        };
+        let costs = of.costs(&options);
+        let mut removed = RemovedVertices::new(of.surface.faces.len(), of.classes.len());
+        let mut ring = Ring::default();
+        let mut gone = BTreeSet::new();
+        // Each vertex goes to the first of its neighbours that no other was moved to last.
+        for step in 0..of.classes.len() - 4 {
+            let from = (step * 31 % of.classes.len()) as u32;
+            ring.look(&of.surface, from);
+            let Some(to) = ring.neighbours.get(step % 2).copied() else {
+                continue;
+            };
+            let mut vertices = vec![from];
+            for (face, ..) in &ring.faces {
+                vertices.extend(attached(&removed, *face));
+            }
+            let found = removed.distance_squared(&costs, &ring, (from, to));
+            let expected = slow(&costs, &ring, &vertices, to);
+            assert!(
+                (found - expected).abs() <= 1e-6 * expected,
+                "{found}, {expected}"
+            );
+            let fans: Vec<usize> = ring
+                .faces
+                .iter()
+                .filter(|f| f.2 != to && f.3 != to)
+                .map(|f| f.0)
+                .collect();
+            removed.apply(&ring);
+            of.surface.collapse(from, to, &vec![0; fans.len()]);
+            gone.extend(vertices.iter().copied().filter(|_| !fans.is_empty()));
+            let mut now: Vec<u32> = fans.iter().flat_map(|f| attached(&removed, *f)).collect();
+            now.sort_unstable();
+            vertices.sort_unstable();
+            if fans.is_empty() {
+                assert!(now.is_empty());
+            } else {
+                assert_eq!(now, vertices, "each is attached to one remaining face");
+            }
+        }
+        assert!(gone.len() > 20);
+    }
+}

@@ -106,3 +106,61 @@ impl Ring {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_surface::tangle;
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::{BTreeMap, BTreeSet};
+
+    /// Classes opposite to the edge towards each neighbour.
+    fn opposite(triangles: &[[u32; 3]], class: u32) -> BTreeMap<u32, BTreeSet<u32>> {
+        let mut found = BTreeMap::<u32, BTreeSet<u32>>::new();
+        for t in triangles.iter().filter(|t| t.contains(&class)) {
+            let others: Vec<u32> = t.iter().copied().filter(|c| *c != class).collect();
+            found.entry(others[0]).or_default().insert(others[1]);
+            found.entry(others[1]).or_default().insert(others[0]);
+        }
+        found
+    }
+
+    proptest! {
+        #[test]
+        fn neighbours_and_their_opposites_are_those_of_all_triangles((classes, triangles) in tangle()) {
+            let surface = Surface::new(&triangles, &classes);
+            let mut ring = Ring::default();
+            for class in 0..9 {
+                ring.look(&surface, class);
+                let expected = opposite(&triangles, class);
+                let found = ring.neighbours.iter().copied().zip(ring.degrees.iter().copied());
+                let counts = expected.iter().map(|(n, o)| (*n, o.len() as u32));
+                prop_assert_eq!(found.collect::<BTreeMap<_, _>>(), counts.collect());
+                prop_assert_eq!(ring.neighbours.len(), expected.len());
+                for (face, at, a, b) in &ring.faces {
+                    let [x, y, z] = triangles[*face];
+                    let turned = [[x, y, z], [y, z, x], [z, x, y]][*at];
+                    prop_assert_eq!(turned, [class, *a, *b]);
+                }
+                // One fan: all neighbours are reached from any of them.
+                let mut reached: BTreeSet<u32> = expected.keys().take(1).copied().collect();
+                for _ in 0..9 {
+                    let more: Vec<u32> = reached.iter().flat_map(|n| &expected[n]).copied().collect();
+                    reached.extend(more);
+                }
+                prop_assert_eq!(ring.is_one_fan(), reached.len() == expected.len());
+                // Along a border of two ends with as many opposites, or inside.
+                let ends: Vec<usize> = expected.values().map(BTreeSet::len).filter(|n| *n != 2).collect();
+                for (place, n) in ring.neighbours.iter().enumerate() {
+                    let along = expected[n].len();
+                    let keeps = match ends[..] {
+                        [] => true,
+                        [one, other] => one == other && along == one,
+                        _ => false,
+                    };
+                    prop_assert_eq!(ring.keeps_border(place), keeps);
+                }
+            }
+        }
+    }
+}

@@ -149,3 +149,108 @@ impl Surface {
         self.listed[class as usize] = self.valence[class as usize];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_surface::tangle;
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Faces of a plain list around a class, as (face, corner).
+    fn around(faces: &[Option<[u32; 3]>], class: u32) -> Vec<(usize, usize)> {
+        let corners = faces.iter().enumerate().filter_map(|(f, t)| {
+            let at = (*t)?.iter().position(|c| *c == class)?;
+            Some((f, at))
+        });
+        corners.collect()
+    }
+
+    fn assert_same(surface: &Surface, faces: &[Option<[u32; 3]>]) {
+        assert_eq!(surface.live, faces.iter().flatten().count());
+        for (f, face) in faces.iter().enumerate() {
+            assert_eq!(surface.is_alive(f), face.is_some());
+            assert!(face.is_none_or(|face| surface.faces[f] == face));
+        }
+        for class in 0..9 {
+            let mut found: Vec<_> = surface.around(class).collect();
+            found.sort_unstable();
+            let expected = around(faces, class);
+            assert_eq!(found, expected);
+            assert_eq!(surface.valence(class), expected.len());
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn collapses_and_removals_are_those_of_a_plain_list(
+            (classes, triangles) in tangle(),
+            moves in prop::collection::vec((0u32..9, 0u32..9, any::<bool>()), 0..20),
+        ) {
+            let mut surface = Surface::new(&triangles, &classes);
+            let mut faces: Vec<_> = triangles.iter().map(|t| Some(*t)).collect();
+            assert_same(&surface, &faces);
+            for (step, (from, to, whole)) in moves.into_iter().enumerate() {
+                if !whole {
+                    let face = (from * 9 + to) as usize % faces.len().max(1);
+                    if faces.get(face).is_some_and(Option::is_some) {
+                        surface.kill(face);
+                        faces[face] = None;
+                    }
+                } else if from != to {
+                    let stay: Vec<_> = surface
+                        .around(from)
+                        .filter(|(f, _)| !surface.faces[*f].contains(&to))
+                        .collect();
+                    let image = |i: usize| (100 * (step + 1) + i) as u32;
+                    let images: Vec<u32> = (0..stay.len()).map(image).collect();
+                    surface.collapse(from, to, &images);
+                    for ((f, at), image) in stay.into_iter().zip(images) {
+                        prop_assert_eq!(surface.wedges[f][at], image);
+                    }
+                    for face in &mut faces {
+                        *face = face.filter(|t| !(t.contains(&from) && t.contains(&to)));
+                        *face = face.map(|t| t.map(|c| if c == from { to } else { c }));
+                    }
+                }
+                assert_same(&surface, &faces);
+            }
+        }
+    }
+
+    #[test]
+    fn faces_around_a_class_ascend() {
+        let classes = Classes {
+            of_vertex: (0..6).collect(),
+            first: (0..6).collect(),
+            ..Classes::default()
+        };
+        let triangles = [[0, 1, 2], [3, 0, 2], [4, 4, 0], [5, 4, 0]];
+        let surface = Surface::new(&triangles, &classes);
+        // The face that uses a class twice is none.
+        assert_eq!(
+            surface.around(0).collect::<Vec<_>>(),
+            [(0, 0), (1, 1), (3, 2)]
+        );
+        assert_eq!(surface.live, 3);
+    }
+
+    #[test]
+    fn lists_of_corners_stay_short() {
+        let classes = Classes {
+            of_vertex: (0..50).collect(),
+            first: (0..50).collect(),
+            ..Classes::default()
+        };
+        let fan: Vec<[u32; 3]> = (1..49).map(|v| [0, v, v + 1]).collect();
+        let mut surface = Surface::new(&fan, &classes);
+        // From both ends and from the middle of the list.
+        let order = (0..16).flat_map(|i| [i, 47 - i, 16 + i]);
+        for (gone, face) in order.enumerate() {
+            surface.kill(face);
+            assert_eq!(surface.around(0).count(), 47 - gone);
+            assert!(surface.around(0).is_sorted());
+            assert!(surface.listed[0] <= 2 * surface.valence[0] + 4);
+        }
+        assert_eq!(surface.live, 0);
+    }
+}

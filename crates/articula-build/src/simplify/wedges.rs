@@ -167,13 +167,17 @@ impl Images {
 
 #[cfg(test)]
 mod tests {
+    use super::super::test_surface::{TestSurface, charted};
     use super::*;
-    use glam::Vec3;
+    use articula_core::Part;
+    use glam::{Vec2, Vec3, Vec4};
 
     #[test]
     fn a_corner_may_not_get_a_normal_that_looks_away() {
         let mesh = Mesh {
-            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Y, Vec3::Y],
+            positions: [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Y, Vec3::Y]
+                .map(|p| p + Vec3::new(-3.0, 5.0, 2.0))
+                .to_vec(),
             normals: vec![
                 Vec3::Z,
                 Vec3::Z,
@@ -197,5 +201,159 @@ mod tests {
         assert_eq!(wedges.leaning([0, 1, 3], 1, 1), 0.0);
         // An improvement is no credit.
         assert_eq!(wedges.leaning([0, 1, 3], 2, 2), 0.0);
+    }
+
+    #[test]
+    fn changes_of_normals_texcoords_and_colours_add_up() {
+        let mut mesh = Mesh {
+            normals: vec![Vec3::X, Vec3::Y],
+            texcoords: vec![Vec2::new(0.5, 0.25), Vec2::new(0.5, 0.5)],
+            colors: vec![Vec4::ONE, Vec4::new(1.0, 0.5, 1.0, 1.0)],
+            ..Mesh::default()
+        };
+        let classes = Classes::default();
+        let change = |mesh: &Mesh| {
+            let classes = &classes;
+            Wedges { mesh, classes }.change(0, 1)
+        };
+        assert_eq!(change(&mesh), 2.0 + 2500.0 / 16.0 + 100.0 / 4.0);
+        mesh.texcoords[1].x = f32::NAN;
+        assert_eq!(change(&mesh), 0.0);
+    }
+
+    /// Images of the corners around a class that moves, as (vertex, change), and whether all have
+    /// one.
+    fn images(of: &TestSurface, from: u32, to: u32) -> (bool, Vec<(u32, f32)>) {
+        let wedges = Wedges {
+            mesh: &of.mesh,
+            classes: &of.classes,
+        };
+        let mut ring = Ring::default();
+        ring.look(&of.surface, from);
+        let mut images = Images::default();
+        let found = images.find(&of.surface, wedges, &ring, to);
+        let all = images.of_corners.into_iter().zip(images.changes);
+        (found, all.collect())
+    }
+
+    /// Two charts left and right of x = 1, their normals across the faces. The middle is vertex 4
+    /// on the left and 13 on the right.
+    fn two_charts() -> Mesh {
+        let mut mesh = charted(2, 1.0);
+        mesh.normals.fill(Vec3::Y);
+        mesh
+    }
+
+    #[test]
+    fn each_side_of_a_seam_moves_along_it() {
+        let of = TestSurface::new(two_charts(), &[]);
+        let (found, mut all) = images(&of, 4, 1);
+        assert!(found);
+        all.sort_by_key(|a| a.0);
+        // Six faces less two; two of them are left of the seam, two right of it.
+        assert_eq!(all, [(1, 0.0), (1, 0.0), (10, 0.0), (10, 0.0)]);
+    }
+
+    #[test]
+    fn a_wedge_without_its_chart_at_the_target_changes_at_a_cost() {
+        let of = TestSurface::new(two_charts(), &[]);
+        // Vertex 3 is on the left alone.
+        let (found, mut all) = images(&of, 4, 3);
+        assert!(found);
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let change = 2500.0 * (0.25 * 0.25 + 0.5 * 0.5);
+        assert_eq!(all, [(3, 0.0), (3, change), (3, change), (3, change)]);
+        // A normal that looks away costs in addition: 2 off, and a cosine of -1 for one of 0.5.
+        let mut away = two_charts();
+        away.normals[3] = Vec3::NEG_Y;
+        let (_, mut all) = images(&TestSurface::new(away, &[]), 4, 3);
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let leaning = 8.0 * 1.5 * 1.5;
+        let both = change + 4.0 + leaning;
+        assert_eq!(all, [(3, leaning), (3, both), (3, both), (3, both)]);
+    }
+
+    #[test]
+    fn a_wedge_never_moves_to_another_part() {
+        let mut mesh = two_charts();
+        let right = |t: &[u32; 3]| t[0] >= 9;
+        mesh.triangles.sort_by_key(right);
+        let split = mesh.triangles.partition_point(|t| !right(t));
+        let part = mesh.parts[0].clone();
+        mesh.parts = vec![
+            Part {
+                vertices: 0..9,
+                triangles: 0..split,
+                ..part.clone()
+            },
+            Part {
+                vertices: 9..18,
+                triangles: split..8,
+                ..part
+            },
+        ];
+        let of = TestSurface::new(mesh, &[]);
+        assert!(!images(&of, 4, 3).0);
+        assert!(images(&of, 4, 1).0);
+    }
+
+    /// The sheet of two charts, with three vertices of each triangle that have its own normal.
+    fn creased() -> Mesh {
+        let smooth = two_charts();
+        let corners: Vec<usize> = smooth
+            .triangles
+            .iter()
+            .flatten()
+            .map(|v| *v as usize)
+            .collect();
+        let pick = |v: &usize| smooth.positions[*v];
+        let triangles = (0..8).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let mut mesh = super::super::shapes::mesh(corners.iter().map(pick).collect(), triangles);
+        for (v, corner) in corners.iter().enumerate() {
+            mesh.texcoords[v] = smooth.texcoords[*corner];
+            let angle = (v / 3) as f32 * 0.1;
+            mesh.normals[v] = Vec3::new(angle.sin(), angle.cos(), 0.0);
+        }
+        mesh
+    }
+
+    #[test]
+    fn a_crease_moves_to_the_nearest_normal_of_its_chart() {
+        let of = TestSurface::new(creased(), &[]);
+        let class = |x: f32, z: f32| {
+            let at = of
+                .mesh
+                .positions
+                .iter()
+                .position(|p| *p == Vec3::new(x, 0.0, z));
+            of.classes.of_vertex[at.unwrap()]
+        };
+        let (from, to) = (class(1.0, 1.0), class(1.0, 0.0));
+        let (found, all) = images(&of, from, to);
+        assert!(found);
+        let faces: Vec<(usize, usize)> = of.surface.around(from).collect();
+        let removed = |f: usize| of.surface.faces[f].contains(&to);
+        let around: Vec<u32> = of
+            .surface
+            .around(to)
+            .map(|(f, at)| of.surface.wedges[f][at])
+            .collect();
+        let stay = faces.iter().filter(|(f, _)| !removed(*f));
+        let mut count = 0;
+        for ((f, at), (image, change)) in stay.zip(&all) {
+            let wedge = of.surface.wedges[*f][*at] as usize;
+            let [uv, normal] = [of.mesh.texcoords[wedge].x, of.mesh.normals[wedge].x];
+            let off = |v: &u32| (of.mesh.normals[*v as usize].x - normal).abs();
+            let same = around
+                .iter()
+                .filter(|v| of.mesh.texcoords[**v as usize].x == uv);
+            let nearest = same.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
+            assert_eq!(image, nearest);
+            let expected =
+                of.mesh.normals[wedge].distance_squared(of.mesh.normals[*nearest as usize]);
+            assert!((change - expected).abs() < 1e-6);
+            count += 1;
+        }
+        assert_eq!((count, all.len()), (4, 4));
     }
 }

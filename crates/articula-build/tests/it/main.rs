@@ -11,6 +11,7 @@ mod evaluate;
 mod figure_levels;
 mod joint_lods;
 mod levels_over_time;
+mod mesh_levels;
 mod motion_bounds;
 mod occluders;
 mod one_pass;

@@ -3,7 +3,7 @@
 mod checks;
 mod hostile;
 mod seams;
-mod shapes;
+pub(crate) mod shapes;
 
 use articula_build::{ErrorWeighting, LevelTriangles, SimplifyOptions, simplify};
 use checks::{check, is_closed, of};
@@ -141,7 +141,14 @@ fn what_does_not_fit_is_refused() {
         ..SimplifyOptions::default()
     };
     assert_eq!(at(&poses, &bad), "locked");
-    for targets in [vec![], vec![0.5], vec![1.0, 0.3, 0.4], vec![1.0, f64::NAN]] {
+    for targets in [
+        vec![],
+        vec![0.5],
+        vec![1.0, 0.3, 0.4],
+        vec![1.0, 1.0],
+        vec![1.0, -0.1],
+        vec![1.0, f64::NAN],
+    ] {
         let bad = SimplifyOptions {
             targets,
             ..SimplifyOptions::default()
@@ -154,4 +161,87 @@ fn what_does_not_fit_is_refused() {
         ..SimplifyOptions::default()
     };
     assert_eq!(at(&poses, &bad), "regions");
+}
+
+#[test]
+fn meshes_that_contradict_themselves_are_refused() {
+    let whole = ball(4);
+    let count = whole.len();
+    let at = |change: &dyn Fn(&mut articula_core::Mesh)| {
+        let mut mesh = whole.clone();
+        change(&mut mesh);
+        let poses = std::slice::from_ref(&whole.positions);
+        simplify(&mesh, poses, &SimplifyOptions::default()).map_err(|e| e.at)
+    };
+    let refused = |change: &dyn Fn(&mut articula_core::Mesh)| at(change).unwrap_err();
+    let morph = |m: &mut articula_core::Mesh, vertex: usize, positions: usize, normals: usize| {
+        m.morphs = vec![articula_core::Morph {
+            slot: 0,
+            vertices: vec![vertex as u32],
+            positions: vec![Vec3::Y; positions],
+            normals: vec![Vec3::Y; normals],
+        }];
+    };
+    assert!(at(&|m| morph(m, count - 1, 1, 1)).is_ok());
+    assert_eq!(refused(&|m| morph(m, count, 1, 1)), "mesh.morphs[0]");
+    assert_eq!(refused(&|m| morph(m, 0, 2, 1)), "mesh.morphs[0]");
+    assert_eq!(refused(&|m| morph(m, 0, 1, 0)), "mesh.morphs[0]");
+    assert_eq!(refused(&|m| m.normals.truncate(3)), "mesh.normals");
+    assert_eq!(refused(&|m| m.texcoords.truncate(3)), "mesh.texcoords");
+    assert_eq!(refused(&|m| m.colors.truncate(3)), "mesh.colors");
+    assert_eq!(refused(&|m| m.weights.truncate(3)), "mesh.weights");
+    let bindings = "mesh.binding_indices";
+    assert_eq!(refused(&|m| m.binding_indices.truncate(3)), bindings);
+    assert_eq!(refused(&|m| m.binding_indices[2] = 1), bindings);
+    assert_eq!(refused(&|m| m.influences = 2), "mesh.weights");
+    let outside = |m: &mut articula_core::Mesh| m.triangles[3][1] = count as u32;
+    assert_eq!(refused(&outside), "mesh.triangles[3]");
+    let part = "mesh.parts[0]";
+    assert_eq!(refused(&|m| m.parts[0].vertices.end = count + 1), part);
+    assert_eq!(refused(&|m| m.parts[0].vertices.start = count + 1), part);
+    assert_eq!(refused(&|m| m.parts[0].triangles.start = 1), part);
+    assert_eq!(refused(&|m| m.parts[0].triangles.end -= 1), "mesh.parts");
+    let second = |m: &mut articula_core::Mesh| {
+        m.parts.push(m.parts[0].clone());
+        m.parts[1].triangles.end = 5;
+    };
+    assert_eq!(refused(&second), "mesh.parts[1]");
+    let turned = |m: &mut articula_core::Mesh| {
+        m.parts.push(m.parts[0].clone());
+        let end = m.triangles.len();
+        m.parts[1].triangles = std::ops::Range { start: end, end: 5 };
+    };
+    assert_eq!(refused(&turned), "mesh.parts[1]");
+}
+
+#[test]
+fn options_have_a_value_for_each_vertex_or_none() {
+    let mesh = ball(4);
+    let count = mesh.len();
+    let at = |options: &SimplifyOptions| {
+        let poses = std::slice::from_ref(&mesh.positions);
+        simplify(&mesh, poses, options).map_err(|e| e.at)
+    };
+    let with = |length: usize| {
+        let options = SimplifyOptions::default;
+        let weights = SimplifyOptions {
+            vertex_weights: vec![1.0; length],
+            ..options()
+        };
+        let wedges = SimplifyOptions {
+            wedges: vec![1; length],
+            ..options()
+        };
+        [at(&weights), at(&wedges)].map(|found| found.err())
+    };
+    assert_eq!(with(0), [None, None]);
+    assert_eq!(with(count), [None, None]);
+    let expected = ["vertex_weights", "wedges"].map(|at| Some(at.to_owned()));
+    assert_eq!(with(1), expected);
+    let locked = |v: usize| SimplifyOptions {
+        locked: vec![v as u32],
+        ..SimplifyOptions::default()
+    };
+    assert!(at(&locked(count - 1)).is_ok());
+    assert_eq!(at(&locked(count)).unwrap_err(), "locked");
 }
