@@ -1,5 +1,6 @@
 //! The pairs of motions and characters.
 
+use super::variants::Variant;
 use anyhow::{Context, Result};
 use articula::convert::{FittedClip, fit_clips};
 use articula::{AddClipsOptions, CharacterFile, OpenOptions};
@@ -35,6 +36,8 @@ pub(super) struct Case {
     pub(super) target: MotionTarget,
     /// Leading seconds that are left out: captures begin with a frame of the rest pose.
     pub(super) skip_secs: f32,
+    /// How its files differ from those of the data.
+    pub(super) variant: Variant,
     /// Whether it is part of a small run.
     pub(super) small: bool,
     /// Whether it is in the picture of the page.
@@ -47,6 +50,8 @@ type Onto = (&'static str, MotionTarget);
 const CMU_WALK: &str = "bvh/cmu_12_01_walk.bvh";
 const PAB: &str = "glb/pab_arnaud.glb";
 const KAYKIT: &str = "glb/kaykit_mannequin/Med_MovementBasic.glb";
+const KAYKIT_WALK: &str = "Rig_Medium|Walking_A";
+const DANCE: &str = "glb/mh_female_dance.glb";
 const IDLE: &str = "vrm/idle_loop.vrma";
 
 const MH_WOMAN: Onto = onto("MakeHuman woman", "glb/mh_female_default163_arkit52.glb");
@@ -61,7 +66,7 @@ const GODETTE: Onto = onto("Godette", "vrm/Godette_vrm_v4.vrm");
 const HUMAN: Onto = ("our human", MotionTarget::Human);
 
 /// The rows of the table, in order: every kind of motion, every kind of character.
-pub(super) const CASES: [Case; 14] = [
+pub(super) const CASES: [Case; 24] = [
     case("CMU walk", file(CMU_WALK), MH_MAN).skip(),
     case("CMU walk", file(CMU_WALK), KNIGHT)
         .skip()
@@ -78,16 +83,53 @@ pub(super) const CASES: [Case; 14] = [
         clip(KAYKIT, "Rig_Medium|Running_A"),
         MH_WOMAN,
     ),
-    case(
-        "KayKit walking",
-        clip(KAYKIT, "Rig_Medium|Walking_A"),
-        GODETTE,
-    )
-    .small(),
+    case("KayKit walking", clip(KAYKIT, KAYKIT_WALK), GODETTE).small(),
     case("VRMA idle", file(IDLE), KNIGHT),
     case("VRMA idle", file(IDLE), WOMAN),
     case("BAP walk", MotionSource::Bap(CMU_WALK), MH_MAN),
     case("X3D Jin", file("hanim/HAnimMotion.x3d"), HUMAN),
+    case("CMU walk, random zero pose", file(CMU_WALK), MH_MAN)
+        .skip()
+        .as_variant(Variant::ZeroPose(1)),
+    case(
+        "FAIR1 dab, random zero pose",
+        file("bvh/fair1_dab.bvh"),
+        MH_WOMAN,
+    )
+    .as_variant(Variant::ZeroPose(2)),
+    case("pab walk, random zero pose", clip(PAB, "walk"), HUMAN)
+        .small()
+        .as_variant(Variant::ZeroPose(3)),
+    case(
+        "KayKit walking, random zero pose",
+        clip(KAYKIT, KAYKIT_WALK),
+        GODETTE,
+    )
+    .as_variant(Variant::ZeroPose(4)),
+    case("CMU walk, DAZ names", file(CMU_WALK), KNIGHT)
+        .skip()
+        .as_variant(Variant::DazNames),
+    case("MakeHuman dance, DAZ names", file(DANCE), WOMAN).as_variant(Variant::DazNames),
+    case(
+        "dance, hands alone",
+        file("bvh/dance_fingers.bvh"),
+        MH_WOMAN,
+    )
+    .as_variant(Variant::HandsAlone),
+    case("MakeHuman dance, hands alone", file(DANCE), GODETTE).as_variant(Variant::HandsAlone),
+    case(
+        "FAIR1 jumping, 20 m tall",
+        file("bvh/fair1_jumping.bvh"),
+        MAN,
+    )
+    .as_variant(Variant::Scaled(12.0)),
+    case(
+        "pab run, unknown names",
+        clip(PAB, "run"),
+        onto("pab of half size", PAB),
+    )
+    .small()
+    .as_variant(Variant::UnknownNames),
 ];
 
 const fn case(motion: &'static str, source: MotionSource, (onto, target): Onto) -> Case {
@@ -97,6 +139,7 @@ const fn case(motion: &'static str, source: MotionSource, (onto, target): Onto) 
         onto,
         target,
         skip_secs: 0.0,
+        variant: Variant::AsRead,
         small: false,
         shown: false,
     }
@@ -131,6 +174,10 @@ impl Case {
             skip_secs: 0.009,
             ..self
         }
+    }
+
+    const fn as_variant(self, variant: Variant) -> Self {
+        Self { variant, ..self }
     }
 
     const fn shown(self) -> Self {

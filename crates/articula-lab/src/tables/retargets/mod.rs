@@ -4,12 +4,13 @@
 mod cases;
 mod measure;
 mod sheet;
+mod variants;
 
 use super::Run;
 use super::targets::{self, Target};
 use anyhow::{Context, Result};
 use articula::CharacterFile;
-use articula_build::retarget::{RetargetReport, RotationOrigin};
+use articula_build::retarget::{RetargetQuality, RetargetReport, RotationOrigin};
 use articula_report::ContactSheet;
 use cases::{CASES, Case};
 use measure::Played;
@@ -25,7 +26,12 @@ struct Row {
     /// The motion before and after retargeting.
     before: Played,
     after: Played,
-    report: RetargetReport,
+    /// Size of the target over that of the source.
+    scale: f32,
+    /// `None` where joints were matched by their names.
+    report: Option<RetargetReport>,
+    /// Number of joints that follow, share and keep their rest pose, and of those left out.
+    joints: [usize; 4],
     seen: VisibleQuality,
 }
 
@@ -46,13 +52,21 @@ impl Row {
     fn new(data: &Path, case: Case) -> Result<Self> {
         let source = cases::source(data, &case)?;
         let target = cases::target(data, &case)?;
+        let (source, target) = case.variant.apply(source, target);
         let clip = source.character.clips.first().context("no clip")?;
         let made = cases::retargeted(&source, &target)?;
-        let report = made.fit.retargeted.context("not retargeted")?;
+        let report = made.fit.retargeted;
+        let (scale, joints) = match (&report, &made.fit.by_name) {
+            (Some(report), _) => (report.scale, counts(report)),
+            (None, Some(found)) => {
+                let held = found.sources.len() - found.followed;
+                (found.scale, [found.followed, 0, held, found.dropped.len()])
+            }
+            (None, None) => anyhow::bail!("not retargeted"),
+        };
         let before = Played::of(&source, clip)?;
         let after = Played::new(&target, &made.clip, before.rate_hz)?;
         let contacts = before.contacts(&after);
-        let scale = report.scale;
         let seen = VisibleQuality {
             contacts: contacts.len(),
             slide_source_mm: before.slide_mm(&contacts).map(|mm| scale * mm),
@@ -67,15 +81,30 @@ impl Row {
             target,
             before,
             after,
+            scale,
             report,
+            joints,
             seen,
         })
     }
 
-    fn count(&self, wanted: fn(&RotationOrigin) -> bool) -> usize {
-        let joints = self.report.joints.iter();
-        joints.filter(|j| wanted(&j.origin)).count()
+    /// Quality by the report; zeros where joints were matched by their names.
+    fn quality(&self) -> RetargetQuality {
+        let report = self.report.as_ref();
+        report.map_or_else(RetargetQuality::default, |report| report.quality)
     }
+}
+
+fn counts(report: &RetargetReport) -> [usize; 4] {
+    let count = |wanted: fn(&RotationOrigin) -> bool| {
+        report.joints.iter().filter(|j| wanted(&j.origin)).count()
+    };
+    [
+        count(|o| matches!(o, RotationOrigin::Mapped { .. })),
+        count(|o| matches!(o, RotationOrigin::Shared { .. })),
+        count(|o| *o == RotationOrigin::Held),
+        report.dropped.len(),
+    ]
 }
 
 fn rows(run: &Run) -> Result<Vec<Row>> {
@@ -164,7 +193,7 @@ type Quantity<'a> = (&'a str, f64, &'a dyn Fn(&Row) -> Option<f64>);
 
 /// Every limit, with the row that is farthest from it in the right direction or beyond it.
 fn bounds(rows: &[Row]) -> Vec<Target> {
-    let of = |row: &Row| row.report.quality;
+    let of = |row: &Row| row.quality();
     let speed = |row: &Row| {
         let (after, before) = (row.seen.fastest.1, row.seen.fastest_source.1);
         f64::from(after) / (SPEED.0 * f64::from(before) + SPEED.1)
@@ -210,7 +239,8 @@ fn page(rows: &[Row]) -> Result<String> {
     ));
     page.push_str(COLUMNS);
     for row in rows {
-        let (q, seen) = (&row.report.quality, &row.seen);
+        let (q, seen) = (row.quality(), &row.seen);
+        let [mapped, shared, held, _] = row.joints;
         let mm = |metres: f32| format!("{:.1}", 1000.0 * metres + 0.0);
         let own = seen
             .slide_mm
@@ -225,10 +255,10 @@ fn page(rows: &[Row]) -> Result<String> {
             row.case.motion,
             row.case.onto,
             row.after.models.len(),
-            row.report.scale,
-            row.count(|o| matches!(o, RotationOrigin::Mapped { .. })),
-            row.count(|o| matches!(o, RotationOrigin::Shared { .. })),
-            row.count(|o| *o == RotationOrigin::Held),
+            row.scale,
+            mapped,
+            shared,
+            held,
             slides[0],
             slides[1],
             mm(q.below_floor_before_metres),
@@ -249,7 +279,8 @@ fn csv(rows: &[Row]) -> Result<String> {
         "motion,onto,frames,rate_hz,scale,mapped,shared,held,dropped,contacts,slide_before_mm,slide_mm,slide_max_mm,slide_source_mm,contacts_seen,slide_seen_mm,slide_seen_source_mm,below_floor_before_mm,below_floor_mm,hands_mean,hands_max,feet_mean,feet_max,head_mean,head_max,fastest,fastest_deg_per_s,fastest_source,fastest_source_deg_per_s,hinge_wrong_share,knees_wrong_share_seen\n",
     );
     for row in rows {
-        let (q, seen) = (&row.report.quality, &row.seen);
+        let (q, seen) = (row.quality(), &row.seen);
+        let [mapped, shared, held, dropped] = row.joints;
         let mm = |metres: f32| format!("{:.3}", 1000.0 * metres + 0.0);
         let opt = |mm: Option<f32>| mm.map_or_else(String::new, |mm| format!("{mm:.3}"));
         let ends = [q.hands, q.feet, q.head].map(|e| format!("{:.4},{:.4}", e.mean, e.max));
@@ -260,11 +291,11 @@ fn csv(rows: &[Row]) -> Result<String> {
             row.case.onto,
             row.after.models.len(),
             row.after.rate_hz,
-            row.report.scale,
-            row.count(|o| matches!(o, RotationOrigin::Mapped { .. })),
-            row.count(|o| matches!(o, RotationOrigin::Shared { .. })),
-            row.count(|o| *o == RotationOrigin::Held),
-            row.report.dropped.len(),
+            row.scale,
+            mapped,
+            shared,
+            held,
+            dropped,
             q.slide.contacts,
             mm(q.slide_before.mean_metres),
             mm(q.slide.mean_metres),
@@ -344,7 +375,7 @@ mod tests {
         for target in bounds(&rows) {
             assert!(target.holds(), "{target:?}");
         }
-        let rests = |row: &&Row| row.seen.contacts > 0 && row.report.quality.slide.contacts > 0;
+        let rests = |row: &&Row| row.seen.contacts > 0 && row.quality().slide.contacts > 0;
         let resting = rows.iter().filter(rests).count();
         assert!(
             resting >= 9,
