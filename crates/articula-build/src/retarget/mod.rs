@@ -12,8 +12,8 @@
 //! - `limb`, `pin`, `planted`, `touch`, `twist`, `pass`: pinning of feet and hands, hands on the own
 //!   body, distribution of twist
 //! - `hands`: hands alone, onto a whole figure
-//! - `tracks`, `quality`, `findings`, `report`: the keys, their quality, what of it is seen, their
-//!   origin
+//! - `tracks`, `quality`, `report`, `driven`: the keys, their quality, their origin, and what has none
+//! - `finding`, `findings`: what of it a viewer would notice
 //!
 //! Source: M. Gleicher, Retargetting Motion to New Characters, SIGGRAPH 1998, for the properties to
 //! preserve; the method differs: anatomical frames instead of constraints on one skeleton.
@@ -21,6 +21,8 @@
 mod body;
 mod chain;
 mod contacts;
+mod driven;
+mod finding;
 mod findings;
 mod frames;
 mod hands;
@@ -45,7 +47,8 @@ mod tracks;
 mod transfer;
 mod twist;
 
-pub use findings::{BodyEnd, NotDriven, RetargetFinding};
+pub use driven::NotDriven;
+pub use finding::{BodyEnd, RetargetFinding};
 pub use hands::{is_hands_alone, retarget_hands};
 pub use pair::Retargeter;
 pub use planted::ContactPinning;

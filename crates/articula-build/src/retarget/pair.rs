@@ -1,6 +1,7 @@
 //! Retargeting of any number of clips between two figures that are compared once.
 
-use super::findings::{findings, not_driven};
+use super::driven::{NotDriven, not_driven};
+use super::findings::findings;
 use super::frames::Fronts;
 use super::hinge;
 use super::limb::Limb;
@@ -13,7 +14,7 @@ use super::rest::Rest;
 use super::side::Side;
 use super::steps::Steps;
 use super::transfer::Transfer;
-use super::{NotDriven, RetargetFigure, RetargetOptions, RetargetReport, Retargeted};
+use super::{RetargetFigure, RetargetOptions, RetargetReport, Retargeted};
 use articula_core::Mismatch;
 use articula_core::source::RawClip;
 

@@ -1,6 +1,7 @@
 //! Report of a retargeted motion: the origin of each joint's rotation, and quality measures.
 
-use super::findings::{RetargetFinding, not_driven};
+use super::driven::not_driven;
+use super::finding::RetargetFinding;
 use super::plan::{Drive, Plan};
 use super::quality::RetargetQuality;
 use super::reference::Assumed;

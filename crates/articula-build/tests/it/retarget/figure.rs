@@ -259,11 +259,14 @@ pub(crate) fn as_it_is(_: usize) -> Affine3A {
     Affine3A::IDENTITY
 }
 
+/// An H-Anim joint and its rotation from rest at a time in seconds.
+pub(crate) type Turned = (&'static str, fn(f32) -> Quat);
+
 /// A motion of the reference human whose joints are turned from rest, in model space, by an amount
 /// that depends on time.
-pub(crate) fn posed(human: &Human, turns: &[(&str, fn(f32) -> Quat)]) -> RawClip {
+pub(crate) fn posed(human: &Human, turns: &[Turned]) -> RawClip {
     let times: Vec<f32> = (0..=60).map(|f| f as f32 / 30.0).collect();
-    let channel = |(name, turn): &(&str, fn(f32) -> Quat)| {
+    let channel = |(name, turn): &Turned| {
         let joint = human.find(name);
         // The reference human's joints are not turned at rest.
         assert_eq!(human.skeleton.joints[joint].rest.rotation, Quat::IDENTITY);

@@ -106,7 +106,8 @@ fn rotation_channel(target: usize, times_secs: Vec<f32>, values: Vec<f32>) -> Ch
     }
 }
 
-/// Other axes of every joint, at rest in the same places.
+/// Other axes of every joint, at rest in the same places. Meshes, whose binding would have to follow,
+/// are left out.
 fn with_axes(mut file: CharacterFile) -> CharacterFile {
     let joints = &mut file.character.skeleton.joints;
     let parents: Vec<Option<usize>> = joints.iter().map(|j| j.parent).collect();
@@ -116,6 +117,7 @@ fn with_axes(mut file: CharacterFile) -> CharacterFile {
         joint.rest.translation = above * joint.rest.translation;
     }
     file.character.clips.clear();
+    file.character.meshes.clear();
     file
 }
 
