@@ -385,6 +385,24 @@ mod tests {
     }
 
     #[test]
+    fn skin_of_a_folded_joint_moves_with_the_joint_that_took_it() {
+        // The last joint never turns, so it folds for nothing; its skin then is that of the middle
+        // one, which swings by 0.2 about its mean. The farthest corner is 1.5 m above the middle
+        // joint.
+        let mut asset = arm(3);
+        asset.clips = vec![swing(3, 1, 0.2)];
+        let order = order_of(&asset, JointSet::EMPTY);
+        assert_eq!(order.joints, [0, 1, 2]);
+        assert!(order.errors_metres[2] < 1e-6);
+        let chord = 2.0 * (0.1f32).sin() * (1.5f32.powi(2) + 0.1f32.powi(2)).sqrt();
+        assert!(
+            (order.errors_metres[1] - chord).abs() < 1e-5,
+            "{:?}",
+            order.errors_metres
+        );
+    }
+
+    #[test]
     fn joints_without_skin_cost_nothing_and_go_first() {
         let mut asset = arm(4);
         // The end of the arm moves most but has no skin.

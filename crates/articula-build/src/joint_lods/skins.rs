@@ -252,8 +252,32 @@ fn assemble(plan: &Plan<'_>, mut levels: Vec<LevelSkin>) -> PlacedSkins {
 
 #[cfg(test)]
 mod tests {
+    use super::super::test_figures::{arm, moving};
     use super::*;
-    use glam::Vec3;
+    use articula_core::Morph;
+    use glam::{Quat, Vec3};
+
+    #[test]
+    fn every_level_has_the_morphs_of_the_mesh() {
+        let mut asset = arm(3);
+        asset.clips = vec![moving(3, 2, &[-0.4, 0.4].map(Quat::from_rotation_z))];
+        // The first vertex hangs on the root alone: no level changes its skin.
+        let smile = Morph {
+            slot: 0,
+            vertices: vec![0],
+            positions: vec![Vec3::X * 0.05],
+            normals: vec![Vec3::Z * 0.1],
+        };
+        asset.mesh.morphs = vec![smile.clone()];
+        let order: Vec<u16> = vec![0, 1, 2];
+        let mean = super::super::mean_pose(&asset);
+        let joint_lods = JointLods::new(&asset.rig, order, vec![3, 1], &mean).unwrap();
+        let skins = level_skins(&asset, &joint_lods, &JointLodOptions::default()).unwrap();
+        assert_eq!(skins.levels.len(), 2);
+        for level in &skins.levels {
+            assert_eq!(level.morphs, [smile.clone()]);
+        }
+    }
 
     #[test]
     fn a_part_of_a_skin_has_the_influences_of_its_vertices() {

@@ -200,13 +200,11 @@ fn again(was: &CharacterFile, writer: Writer, written: EncodedFile, path: &Path)
 }
 
 /// Number of joints that a writer keeps: all or, in formats of joints only, those of skins. In X3D
-/// only joints that correspond to one of the standard are compared; a single hand has none when
-/// read.
+/// only joints that correspond to one of the standard are compared.
 fn joints(opened: &CharacterFile, writer: Writer) -> usize {
     let joints = &opened.character.skeleton.joints;
     let skin = joints.iter().filter(|j| j.in_skin);
     match skin.count() {
-        _ if writer == Writer::X3d && !opened.mapping.humanoid => 0,
         _ if writer == Writer::X3d => opened.mapping.articulation.mapped(),
         0 => joints.len(),
         _ if writer.is_glb() => joints.len(),
