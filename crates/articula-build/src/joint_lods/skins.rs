@@ -268,14 +268,14 @@ mod tests {
             positions: vec![Vec3::X * 0.05],
             normals: vec![Vec3::Z * 0.1],
         };
-        asset.mesh.morphs = vec![smile.clone()];
+        asset.mesh.morphs = vec![smile];
         let order: Vec<u16> = vec![0, 1, 2];
         let mean = super::super::mean_pose(&asset);
         let joint_lods = JointLods::new(&asset.rig, order, vec![3, 1], &mean).unwrap();
         let skins = level_skins(&asset, &joint_lods, &JointLodOptions::default()).unwrap();
         assert_eq!(skins.levels.len(), 2);
         for level in &skins.levels {
-            assert_eq!(level.morphs, [smile.clone()]);
+            assert_eq!(level.morphs, asset.mesh.morphs);
         }
     }
 
