@@ -4,7 +4,7 @@
 //! figure. In the order of processing:
 //!
 //! - `rest`, `body`, `frames`: body measurements from joint positions at rest
-//! - `standing`, `reference`: the standing pose of a figure whose rest pose is none
+//! - `standing`, `standing_pose`: the standing pose of a figure whose rest pose is none
 //! - `chain`, `plan`: which source joint drives which target joint
 //! - `motion`, `hinge`, `contacts`, `steps`: the source's poses, the bends of its limbs, its
 //!   contacts with the floor
@@ -36,11 +36,11 @@ mod plan;
 mod planted;
 mod pose;
 mod quality;
-mod reference;
 mod report;
 mod rest;
 mod side;
 mod standing;
+mod standing_pose;
 mod steps;
 mod touch;
 mod tracks;
@@ -53,8 +53,8 @@ pub use hands::{is_hands_alone, retarget_hands};
 pub use pair::Retargeter;
 pub use planted::ContactPinning;
 pub use quality::{EndEffectorError, FootSlide, RetargetQuality};
-pub use reference::Assumed;
 pub use report::{JointReport, RestPose, RetargetReport, RotationOrigin};
+pub use standing_pose::Assumed;
 
 use articula_core::Articulation;
 use articula_core::source::{RawClip, Skeleton};

@@ -4,8 +4,8 @@ use super::driven::not_driven;
 use super::finding::RetargetFinding;
 use super::plan::{Drive, Plan};
 use super::quality::RetargetQuality;
-use super::reference::Assumed;
 use super::side::Side;
+use super::standing_pose::Assumed;
 use super::twist::Twists;
 
 /// Origin of a target joint's rotation.

@@ -5,9 +5,9 @@ use super::body::Body;
 use super::chain::Chain;
 use super::frames::{Frames, Fronts, frames};
 use super::motion::Motion;
-use super::reference::{self, Reference};
 use super::rest::Rest;
 use super::standing::stands;
+use super::standing_pose::{self, StandingPose};
 use articula_core::{Mismatch, angle_between};
 use glam::Quat;
 
@@ -26,7 +26,7 @@ pub(super) struct Side {
     pub(super) frames: Frames,
     pub(super) spine: Chain,
     /// The standing pose that counts as the rest pose, if that of the file is none.
-    pub(super) found: Option<Reference>,
+    pub(super) found: Option<StandingPose>,
 }
 
 impl Side {
@@ -66,7 +66,7 @@ impl Side {
         {
             motion.append(next);
         }
-        let found = reference::from_motion(&self.rest, &self.body, &motion);
+        let found = standing_pose::from_motion(&self.rest, &self.body, &motion);
         let rest = self.rest.posed(&found.turns, &found.positions);
         Ok(Self {
             found: Some(found),

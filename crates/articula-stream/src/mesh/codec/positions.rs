@@ -358,12 +358,13 @@ mod fit {
                 classes[around.class].push((around, goal.map(|x| x as f64)));
             }
         }
-        classes.map(|samples| {
-            fitted(&samples).map(|x| {
-                let part = (x * UNIT as f64 / 2.0).round() * 2.0;
-                (part as i32).clamp(-MOST, MOST)
-            })
-        })
+        classes.map(|samples| fitted(&samples).map(stored))
+    }
+
+    /// A coefficient as it is stored: in steps of 2, within the limits.
+    fn stored(coefficient: f64) -> i32 {
+        let part = (coefficient * UNIT as f64 / 2.0).round() * 2.0;
+        (part as i32).clamp(-MOST, MOST)
     }
 
     fn fitted(samples: &[(Around, [f64; 3])]) -> [f64; PARTS] {
@@ -416,5 +417,38 @@ mod fit {
             right[i] /= matrix[i][i];
         }
         right
+    }
+
+    #[cfg(test)]
+    mod tests {
+        use super::*;
+
+        #[test]
+        fn coefficients_are_those_of_the_samples() {
+            let sample = |i: i64| {
+                let part =
+                    |k: i64| [113 * i * k, 71 * (i + k), 37 * (i - k) * k].map(|x| x % 1009 - 504);
+                let parts = [part(1), part(2), part(5)];
+                let at = |axis: usize| 0.5 * parts[0][axis] as f64 - 0.25 * parts[1][axis] as f64;
+                let around = Around {
+                    parts,
+                    ..Around::default()
+                };
+                (around, [at(0), at(1), at(2)])
+            };
+            let samples: Vec<(Around, [f64; 3])> = (1..40).map(sample).collect();
+            let found = fitted(&samples);
+            for (found, wanted) in found.into_iter().zip([0.5, -0.25, 0.0]) {
+                assert!((found - wanted).abs() < 1e-3, "{found} for {wanted}");
+            }
+            assert_eq!(fitted(&samples[..7]), [0.0; PARTS], "too few to tell");
+        }
+
+        #[test]
+        fn coefficients_are_stored_in_even_steps_within_limits() {
+            assert_eq!([0.5, -0.25, 0.0].map(stored), [32, -16, 0]);
+            assert_eq!(stored(0.49), 32, "31.4 is nearest to an even 32");
+            assert_eq!([1e3, -1e3].map(stored), [MOST, -MOST]);
+        }
     }
 }

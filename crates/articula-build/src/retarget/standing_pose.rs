@@ -2,7 +2,7 @@
 //!
 //! What a motion shows does not depend on the rest pose: where a joint's neighbours are in its own
 //! space, to which side knees and elbows bend, how the joints of the trunk lie on average against
-//! the line from hips to shoulders, and how a foot lies on the floor. The reference pose is a
+//! the line from hips to shoulders, and how a foot lies on the floor. The standing pose is a
 //! T-pose in which all of these are what they are in a standing figure, facing +Z. Rotations are
 //! then relative to it instead of to the rest pose.
 
@@ -51,7 +51,7 @@ pub enum Assumed {
 
 /// A standing pose.
 #[derive(Debug, Clone)]
-pub(super) struct Reference {
+pub(super) struct StandingPose {
     /// Rotation of each joint from the rest pose, in model space.
     pub(super) turns: Vec<Quat>,
     /// Position of each joint, metres; the middle of the hips is at the origin.
@@ -61,7 +61,7 @@ pub(super) struct Reference {
 }
 
 /// Finds the standing pose of a figure from its motions, whatever its rest pose is.
-pub(super) fn from_motion(rest: &Rest, body: &Body, motion: &Motion) -> Reference {
+pub(super) fn from_motion(rest: &Rest, body: &Body, motion: &Motion) -> StandingPose {
     let mut finder = Finder {
         rest,
         body,
@@ -251,7 +251,7 @@ impl Finder<'_> {
     }
 
     /// Sets a joint of a limb so that `along` and `front`, directions in its own space, point where
-    /// they do in the reference pose; without a front the joint keeps its mean twist.
+    /// they do in the standing pose; without a front the joint keeps its mean twist.
     fn set(&mut self, joint: usize, along: Vec3, front: Option<Vec3>, to: [Vec3; 2]) {
         let turn = match front {
             Some(front) => basis(to[0], to[1]) * basis(along, front).inverse(),
@@ -480,7 +480,7 @@ impl Finder<'_> {
     }
 
     /// Gives every other joint its mean against its parent, and places all.
-    fn finish(mut self) -> Reference {
+    fn finish(mut self) -> StandingPose {
         let count = self.rest.len();
         let mut turns: Vec<Quat> = Vec::with_capacity(count);
         let mut positions: Vec<Vec3> = Vec::with_capacity(count);
@@ -502,7 +502,7 @@ impl Finder<'_> {
             *place -= middle;
         }
         self.assumed.sort_by_key(|u| u.0);
-        Reference {
+        StandingPose {
             turns,
             positions,
             assumed: self.assumed,
