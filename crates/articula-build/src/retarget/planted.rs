@@ -170,6 +170,15 @@ impl Goals {
     }
 }
 
+/// For each frame the mean of the values at most `reach` frames away.
+pub(super) fn averaged(values: &[f32], reach: usize) -> Vec<f32> {
+    let mean = |f: usize| {
+        let around = &values[f.saturating_sub(reach)..(f + reach + 1).min(values.len())];
+        around.iter().sum::<f32>() / around.len() as f32
+    };
+    (0..values.len()).map(mean).collect()
+}
+
 /// Extends each displacement to its neighbourhood and smooths it, so that the hips move gently.
 fn smoothed(sinks: &mut [f32], reach: usize, most: f32) {
     let reach = reach.max(1);
@@ -184,13 +193,7 @@ fn smoothed(sinks: &mut [f32], reach: usize, most: f32) {
         })
         .collect();
     // The mean over the same window is nowhere below the displacement that its middle frame needs.
-    let means: Vec<f32> = (0..sinks.len())
-        .map(|f| {
-            let around = &widest[window(f)];
-            around.iter().sum::<f32>() / around.len() as f32
-        })
-        .collect();
-    sinks.copy_from_slice(&means);
+    sinks.copy_from_slice(&averaged(&widest, reach));
 }
 
 #[cfg(test)]

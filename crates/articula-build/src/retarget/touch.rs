@@ -6,7 +6,7 @@
 //! size. Two hands that come near each other keep their offset. Weights are continuous in distance
 //! and speed, so nothing jumps.
 
-use super::planted::Planted;
+use super::planted::{Planted, averaged};
 use super::pose::Pose;
 use super::side::Side;
 use super::transfer::Transfer;
@@ -200,7 +200,7 @@ fn touches(transfer: &Transfer<'_>, part: &Part, wrist: usize) -> Vec<Touch> {
     let reach = ((0.5 * SMOOTH_SECS * motion.rate_hz).round() as usize).max(1);
     let last = found.len().saturating_sub(1);
     let length = source.rest.way(part.source[0], part.source[1]).length();
-    let mut weights: Vec<f32> = (0..found.len())
+    let weights: Vec<f32> = (0..found.len())
         .map(|frame| {
             let (a, b) = (frame.saturating_sub(reach), (frame + reach).min(last));
             let moved = (found[b].offset - found[a].offset) / part.scale.max(1e-6);
@@ -210,8 +210,7 @@ fn touches(transfer: &Transfer<'_>, part: &Part, wrist: usize) -> Vec<Touch> {
             near[frame] * (1.0 - smooth(speed, STILL))
         })
         .collect();
-    average(&mut weights, reach);
-    for (touch, weight) in found.iter_mut().zip(weights) {
+    for (touch, weight) in found.iter_mut().zip(averaged(&weights, reach)) {
         touch.weight = weight;
     }
     found
@@ -238,16 +237,4 @@ fn together(transfer: &Transfer<'_>, left: usize, right: usize) -> Vec<(Vec3, f3
 fn smooth(value: f32, [low, high]: [f32; 2]) -> f32 {
     let t = ((value - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
-}
-
-/// Replaces each value by the mean of those around it.
-fn average(values: &mut [f32], reach: usize) {
-    let around = |f: usize| f.saturating_sub(reach)..(f + reach + 1).min(values.len());
-    let means: Vec<f32> = (0..values.len())
-        .map(|f| {
-            let near = &values[around(f)];
-            near.iter().sum::<f32>() / near.len() as f32
-        })
-        .collect();
-    values.copy_from_slice(&means);
 }
