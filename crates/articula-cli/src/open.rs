@@ -49,7 +49,7 @@ fn options(args: &ReadArgs) -> anyhow::Result<OpenOptions> {
 }
 
 /// The user's own joint maps.
-pub(crate) fn joint_maps(args: &ReadArgs) -> anyhow::Result<Vec<JointMap>> {
+fn joint_maps(args: &ReadArgs) -> anyhow::Result<Vec<JointMap>> {
     let limits = Limits::default();
     let profile = |path: &PathBuf| {
         let bytes = files::read(path, limits.bytes)?;

@@ -55,6 +55,8 @@ pub struct JointMapping {
     pub evidence: Vec<Option<MappingEvidence>>,
     /// Reasons to doubt mapped joints, in the order of the joints.
     pub doubts: Vec<JointDoubt>,
+    /// Whether a joint map of the user decided, as [`map_as_told`] takes them.
+    pub by_user: bool,
     /// Whether hips, both legs and both arms were found. Otherwise levels are tree depths and every
     /// joint belongs to the torso, unless the rig is one of hands alone.
     pub humanoid: bool,
@@ -106,15 +108,24 @@ pub fn map_as_told(
         let fitting = told.iter().filter(|p| p.scope == scope);
         best(skeleton, fitting, scope, Completion::AsGiven)
     };
-    let body = by_told(RigScope::Body)
-        .or_else(|| given.and_then(|bones| by_humanoid_map(skeleton, profiles, bones)))
+    let of_user = |candidate, humanoid| JointMapping {
+        by_user: true,
+        ..mapping(skeleton, candidate, humanoid)
+    };
+    if let Some(candidate) = by_told(RigScope::Body) {
+        return of_user(candidate, true);
+    }
+    let body = given
+        .and_then(|bones| by_humanoid_map(skeleton, profiles, bones))
         .or_else(|| by_names(skeleton, profiles))
         .or_else(|| by_shape(skeleton));
     if let Some(candidate) = body {
         return mapping(skeleton, candidate, true);
     }
-    let hands = by_told(RigScope::Hand).or_else(|| hands_alone(skeleton, profiles));
-    match hands {
+    if let Some(candidate) = by_told(RigScope::Hand) {
+        return of_user(candidate, false);
+    }
+    match hands_alone(skeleton, profiles) {
         Some(candidate) => mapping(skeleton, candidate, false),
         None => unmapped(skeleton),
     }
@@ -270,6 +281,7 @@ fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> JointMa
             profile: candidate.profile,
         },
         crossed: candidate.crossed,
+        by_user: false,
         humanoid,
     }
 }
@@ -290,6 +302,7 @@ fn unmapped(skeleton: &Skeleton) -> JointMapping {
         crossed: Vec::new(),
         evidence: vec![None; skeleton.joints.len()],
         doubts: Vec::new(),
+        by_user: false,
         humanoid: false,
     }
 }
@@ -392,6 +405,7 @@ mod tests {
         for given in [None, Some(&given[..])] {
             let mapping = map_as_told(&skeleton, std::slice::from_ref(&own), builtin(), given);
             assert_eq!(mapping.articulation.profile, "own");
+            assert!(mapping.by_user);
             assert_eq!(
                 mapping.articulation.mapped(),
                 5,
@@ -405,6 +419,7 @@ mod tests {
         partial.targets.remove("lhip");
         let mapping = map_as_told(&skeleton, &[partial], builtin(), None);
         assert_eq!(mapping.articulation.profile, "hanim");
+        assert!(!mapping.by_user);
     }
 
     #[test]

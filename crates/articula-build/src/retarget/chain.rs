@@ -26,17 +26,12 @@ impl Chain {
             pelvis: body.pelvis,
             ..Self::default()
         };
-        let tops = ["skullbase", "vc1", "vc2", "vc4", "vc7"];
         let last_vertebra = || {
             (0..rest.len())
                 .rev()
                 .find(|j| is_vertebra(rest.title(*j), &["vt", "vl"]))
         };
-        let Some(top) = tops
-            .iter()
-            .find_map(|n| rest.find(n))
-            .or_else(last_vertebra)
-        else {
+        let Some(top) = rest.spine_top().or_else(last_vertebra) else {
             return chain;
         };
         let Some(mut path) = rest.between(body.root, top) else {

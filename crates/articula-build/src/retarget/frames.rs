@@ -162,12 +162,7 @@ fn hinged(axes: Axes, bend: Vec3, cosine: f32) -> (Vec3, f32) {
 }
 
 fn hand(rest: &Rest, body: &Body, side: char, lower: Axes, known: &mut Known) {
-    let fingers = ["index", "middle", "ring", "pinky"];
-    let knuckle = |name: &&str| {
-        let digits = [1, 2, 0].map(|d| rest.sided(side, &format!("{name}{d}")));
-        digits.into_iter().flatten().next()
-    };
-    let knuckles: Vec<usize> = fingers.iter().filter_map(knuckle).collect();
+    let knuckles = rest.knuckles(side);
     let thumb = (1..=3).find_map(|d| rest.sided(side, &format!("thumb{d}")));
     let wrist = rest.sided(side, "wrist");
     let center = |joints: &[usize]| -> Option<Vec3> {

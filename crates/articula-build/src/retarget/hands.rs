@@ -5,15 +5,21 @@
 //! motion of the wrists belongs to arms that the capture does not have.
 
 use super::frames::basis;
+use super::motion::Motion;
 use super::rest::Rest;
 use super::{RetargetFigure, RetargetOptions, Retargeted, Retargeter, RotationOrigin};
-use crate::clip::source_rate_hz;
-use articula_core::source::{Channel, Interpolation, Joint, Property, RawClip, Skeleton, evaluate};
-use articula_core::{Articulation, LocalPose, Mismatch, Transform, same_hemisphere};
-use glam::{Affine3A, Mat4, Quat, Vec3};
+use articula_core::source::{Channel, Interpolation, Joint, Property, RawClip, Skeleton};
+use articula_core::{Articulation, Mismatch, Transform, same_hemisphere};
+use glam::{Quat, Vec3};
 
-/// Maximum number of frames that are read from a clip of hands.
-const MAX_FRAMES: f32 = 100_000.0;
+/// Joints of an arm, without the letter of its side.
+const ARM: [&str; 5] = [
+    "_sternoclavicular",
+    "_acromioclavicular",
+    "_shoulder",
+    "_elbow",
+    "_wrist",
+];
 
 /// Returns whether a figure has a hand with knuckles and no body.
 pub fn is_hands_alone(figure: &RetargetFigure<'_>) -> bool {
@@ -23,7 +29,9 @@ pub fn is_hands_alone(figure: &RetargetFigure<'_>) -> bool {
     rest.find("humanoid_root").is_none() && sides(&rest).count() > 0
 }
 
-/// Retargets a clip of one or two hands alone to the hands of a whole figure.
+/// Retargets a clip of one or two hands alone to the hands of a whole figure. Only joints below the
+/// wrists have channels in the result; [`RetargetReport::scale`](super::RetargetReport::scale) is
+/// the size of the target's hand over that of the source.
 ///
 /// # Errors
 /// A [`Mismatch`] as from [`Retargeter::new`] and [`Retargeter::retarget`], or if the figures have no
@@ -36,7 +44,8 @@ pub fn retarget_hands(
 ) -> Result<Retargeted, Mismatch> {
     let (own, target) = (Rest::new(hands, "source")?, Rest::new(body, "target")?);
     let graft = Graft::new(&own, &target, body)?;
-    let moved = graft.clip(hands.skeleton, clip);
+    let motion = Motion::new(clip, hands.skeleton, &own, options.rate_hz)?;
+    let moved = graft.clip(&own, &motion, clip.duration_secs);
     let figure = RetargetFigure {
         skeleton: &graft.skeleton,
         articulation: &graft.articulation,
@@ -44,14 +53,12 @@ pub fn retarget_hands(
     };
     let mut made = Retargeter::new(figure, *body)?.retarget(&moved, options)?;
     let below = |joint: usize| {
-        let wrists = graft.wrists.iter();
-        wrists
-            .into_iter()
-            .any(|wrist| target.between(*wrist, joint).is_some())
+        let mut wrists = graft.wrists.iter();
+        wrists.any(|wrist| target.between(*wrist, joint).is_some())
     };
     made.clip.channels.retain(|channel| below(channel.target));
     made.clip.name.clone_from(&clip.name);
-    made.report.scale = graft.joints[0].scale;
+    made.report.scale = graft.scale;
     for report in &mut made.report.joints {
         report.moved &= below(report.joint);
         let origin = std::mem::replace(&mut report.origin, RotationOrigin::Held);
@@ -74,16 +81,8 @@ fn sides(rest: &Rest) -> impl Iterator<Item = char> + '_ {
 /// side.
 fn palm(rest: &Rest, side: char) -> Option<(Quat, f32)> {
     let wrist = rest.sided(side, "wrist")?;
-    let knuckles = ["index", "middle", "ring", "pinky"].map(|name| {
-        [1, 2, 0]
-            .iter()
-            .find_map(|digit| rest.sided(side, &format!("{name}{digit}")))
-    });
-    let ways: Vec<Vec3> = knuckles
-        .into_iter()
-        .flatten()
-        .map(|joint| rest.way(wrist, joint))
-        .collect();
+    let knuckles = rest.knuckles(side).into_iter();
+    let ways: Vec<Vec3> = knuckles.map(|joint| rest.way(wrist, joint)).collect();
     let ahead = ways.iter().sum::<Vec3>() / ways.len().max(1) as f32;
     let across = *ways.first()? - *ways.last()?;
     let enough = ahead.length() > 1e-5 && across.length() > 0.05 * ahead.length();
@@ -97,6 +96,8 @@ struct Graft {
     /// For each joint from `first` on, its index in the source.
     joints: Vec<Attached>,
     first: usize,
+    /// Size of the target's hand over that of the source; of the last hand, if there are two.
+    scale: f32,
     /// Wrists of the target that got a hand.
     wrists: Vec<usize>,
 }
@@ -107,9 +108,8 @@ struct Attached {
     joint: usize,
     /// The joint that it hangs from in the source: the nearest one of the hand, or the wrist.
     above: usize,
-    /// Rotation and scale from the source's wrist to the target's, for joints on the wrist.
+    /// Rotation from the source's wrist to the target's, for joints on the wrist.
     turn: Quat,
-    scale: f32,
 }
 
 impl Graft {
@@ -119,6 +119,7 @@ impl Graft {
             articulation: body.articulation.clone(),
             joints: Vec::new(),
             first: target.len(),
+            scale: 1.0,
             wrists: Vec::new(),
         };
         for side in sides(own) {
@@ -148,27 +149,36 @@ impl Graft {
         let a = own.rotations[wrist].inverse() * a;
         let b = target.rotations[onto].inverse() * b;
         let (turn, scale) = (b * a.inverse(), b_length / a_length);
+        // A rig of hands may have arms, and the joints of a hand need not be below its wrist.
         let is_of_hand = |joint: usize| {
-            let title = own.title(joint);
-            title.starts_with(side) && joint != wrist
+            let name = own.title(joint).strip_prefix(side);
+            name.is_some_and(|name| !ARM.contains(&name))
         };
+        self.scale = scale;
+        let start = self.joints.len();
         for joint in (0..own.len()).filter(|j| is_of_hand(*j)) {
             let mut above = own.parents[joint];
-            while let Some(j) = above.filter(|j| !is_of_hand(*j)) {
+            while let Some(j) = above.filter(|j| *j != wrist && !is_of_hand(*j)) {
                 above = own.parents[j];
             }
-            let at = above.and_then(|above| self.joints.iter().position(|a| a.joint == above));
+            let hung = &self.joints[start..];
+            let at = hung.iter().position(|a| Some(a.joint) == above);
+            let at = at.map(|at| start + at);
             let attached = Attached {
                 joint,
                 above: above.unwrap_or(wrist),
                 turn: if at.is_some() { Quat::IDENTITY } else { turn },
-                scale,
             };
-            let rest = attached.local(&own.matrices);
+            let local = own.rotations[attached.above].inverse() * own.rotations[joint];
+            let place = own.matrices[attached.above].inverse() * own.matrices[joint];
             self.skeleton.joints.push(Joint {
                 name: own.names[joint].clone(),
                 parent: Some(at.map_or(onto, |at| self.first + at)),
-                rest,
+                rest: Transform {
+                    rotation: (attached.turn * local).normalize(),
+                    translation: attached.turn * (scale * Vec3::from(place.translation)),
+                    ..Transform::IDENTITY
+                },
                 in_skin: false,
             });
             let mut known = self.articulation.joints[onto].clone();
@@ -178,43 +188,28 @@ impl Graft {
         }
     }
 
-    /// The clip of the source on the attached joints.
-    fn clip(&self, skeleton: &Skeleton, clip: &RawClip) -> RawClip {
-        let steps = (clip.duration_secs * source_rate_hz(clip)).round();
-        let steps = if steps.is_finite() {
-            steps.clamp(0.0, MAX_FRAMES)
-        } else {
-            0.0
-        };
-        let times: Vec<f32> = (0..=steps as usize)
-            .map(|i| clip.duration_secs * (i as f32 / steps.max(1.0)))
-            .collect();
-        let mut local: LocalPose = skeleton.joints.iter().map(|j| j.rest).collect();
-        let mut model = vec![Affine3A::IDENTITY; skeleton.joints.len()];
-        let mut keys = vec![Vec::with_capacity(4 * times.len()); self.joints.len()];
-        let mut last = vec![Quat::IDENTITY; self.joints.len()];
-        for time in &times {
-            evaluate::pose(clip, skeleton, *time, &mut local);
-            for (j, joint) in skeleton.joints.iter().enumerate() {
-                let own = local.get(j).to_affine();
-                model[j] = joint.parent.map_or(own, |p| model[p] * own);
+    /// A motion of the source as a clip of the attached joints.
+    fn clip(&self, own: &Rest, motion: &Motion, duration_secs: f32) -> RawClip {
+        let turn = |frame: usize, joint: usize| motion.deltas(frame)[joint] * own.rotations[joint];
+        let channel = |(i, attached): (usize, &Attached)| {
+            let mut last = Quat::IDENTITY;
+            let keys = (0..motion.frames()).flat_map(|frame| {
+                let local = turn(frame, attached.above).inverse() * turn(frame, attached.joint);
+                last = same_hemisphere(last, (attached.turn * local).normalize());
+                last.to_array()
+            });
+            Channel {
+                target: self.first + i,
+                property: Property::Rotation,
+                interpolation: Interpolation::Linear,
+                values: keys.collect(),
+                times_secs: motion.times_secs.clone(),
             }
-            for (i, attached) in self.joints.iter().enumerate() {
-                last[i] = same_hemisphere(last[i], attached.local(&model).rotation);
-                keys[i].extend(last[i].to_array());
-            }
-        }
-        let channel = |(i, values): (usize, Vec<f32>)| Channel {
-            target: self.first + i,
-            property: Property::Rotation,
-            interpolation: Interpolation::Linear,
-            times_secs: times.clone(),
-            values,
         };
         RawClip {
-            name: clip.name.clone(),
-            duration_secs: clip.duration_secs,
-            channels: keys.into_iter().enumerate().map(channel).collect(),
+            name: String::new(),
+            duration_secs,
+            channels: self.joints.iter().enumerate().map(channel).collect(),
         }
     }
 
@@ -240,19 +235,6 @@ impl Graft {
                 }
             }
             RotationOrigin::Held => RotationOrigin::Held,
-        }
-    }
-}
-
-impl Attached {
-    /// Transform relative to what the joint hangs from, given the source's model-space matrices.
-    fn local(&self, model: &[Affine3A]) -> Transform {
-        let local = model[self.above].inverse() * model[self.joint];
-        let local = Transform::from_matrix(Mat4::from(local)).unwrap_or(Transform::IDENTITY);
-        Transform {
-            rotation: (self.turn * local.rotation).normalize(),
-            translation: self.turn * (self.scale * local.translation),
-            ..Transform::IDENTITY
         }
     }
 }

@@ -116,17 +116,22 @@ impl Motion {
         &self.deltas[frame * self.joints..][..self.joints]
     }
 
+    /// Angle by which a joint turns against its parent from a frame to the next.
+    fn step(&self, rest: &Rest, frame: usize, joint: usize) -> f32 {
+        let local = |frame: usize| {
+            let deltas = self.deltas(frame);
+            let above = rest.parents[joint].map_or(Quat::IDENTITY, |p| deltas[p]);
+            above.inverse() * deltas[joint]
+        };
+        angle_between(local(frame), local(frame + 1))
+    }
+
     /// Maximum rotation speed of a mapped joint relative to its parent between two frames: joint,
     /// radians per second.
     pub(super) fn fastest(&self, rest: &Rest) -> Option<(usize, f32)> {
-        let local = |frame: usize, j: usize| {
-            let deltas = self.deltas(frame);
-            let above = rest.parents[j].map_or(Quat::IDENTITY, |p| deltas[p]);
-            above.inverse() * deltas[j]
-        };
         let mapped = (0..self.joints).filter(|j| rest.hanim[*j].is_some());
         let speed = |j: usize| {
-            let steps = (1..self.frames()).map(|f| angle_between(local(f - 1, j), local(f, j)));
+            let steps = (1..self.frames()).map(|f| self.step(rest, f - 1, j));
             (j, self.rate_hz * steps.fold(0.0, f32::max))
         };
         mapped.map(speed).max_by(|a, b| a.1.total_cmp(&b.1))
@@ -136,19 +141,11 @@ impl Motion {
     /// farther than any joint does between others: captures often begin with a frame of the rest
     /// pose. Joint, radians.
     pub(super) fn first_frame_jump(&self, rest: &Rest) -> Option<(usize, f32)> {
-        let turn = |frame: usize, j: usize| {
-            let local = |frame: usize| {
-                let deltas = self.deltas(frame);
-                let above = rest.parents[j].map_or(Quat::IDENTITY, |p| deltas[p]);
-                above.inverse() * deltas[j]
-            };
-            (j, angle_between(local(frame), local(frame + 1)))
-        };
         let mapped: Vec<usize> = (0..self.joints)
             .filter(|j| rest.hanim[*j].is_some())
             .collect();
         let farthest = |frame: usize| {
-            let turns = mapped.iter().map(|j| turn(frame, *j));
+            let turns = mapped.iter().map(|j| (*j, self.step(rest, frame, *j)));
             turns.max_by(|a, b| a.1.total_cmp(&b.1))
         };
         let steps = self.frames().saturating_sub(1);

@@ -112,6 +112,39 @@ impl Rest {
         self.find(&format!("{side}_{name}"))
     }
 
+    /// The knuckles of a hand, from the index finger on: the first joint of each finger beyond the
+    /// palm, or what the rig has of it.
+    pub(super) fn knuckles(&self, side: char) -> Vec<usize> {
+        let knuckle = |name: &str| {
+            let digits = [1, 2, 0].into_iter();
+            digits
+                .filter_map(|d| self.sided(side, &format!("{name}{d}")))
+                .next()
+        };
+        let fingers = ["index", "middle", "ring", "pinky"].into_iter();
+        fingers.filter_map(knuckle).collect()
+    }
+
+    /// The highest joint of spine, neck and head.
+    pub(super) fn spine_top(&self) -> Option<usize> {
+        let tops = ["skullbase", "vc1", "vc2", "vc4", "vc7"];
+        tops.iter().find_map(|name| self.find(name))
+    }
+
+    /// The joints in whose middle the trunk ends: the shoulders, or the lowest joint of the neck.
+    pub(super) fn trunk_top(&self) -> Vec<usize> {
+        let shoulders = ['l', 'r'].map(|side| self.sided(side, "shoulder"));
+        if let [Some(left), Some(right)] = shoulders {
+            return vec![left, right];
+        }
+        let names = ["vc7", "vc4", "vc2", "skullbase"];
+        names
+            .iter()
+            .find_map(|name| self.find(name))
+            .into_iter()
+            .collect()
+    }
+
     /// H-Anim name of a joint, or `""`.
     pub(super) fn title(&self, joint: usize) -> &str {
         self.hanim[joint].as_deref().unwrap_or("")

@@ -6,7 +6,7 @@
 
 use super::body::Body;
 use super::rest::Rest;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 /// Minimum cosine between a segment of a leg and the trunk's line downward: legs may be spread or
 /// bent by 66 degrees.
@@ -45,7 +45,9 @@ pub(super) fn stands(rest: &Rest, body: &Body) -> bool {
         return false;
     };
     let middle = body.middle(&rest.positions);
-    let Some(up) = trunk_top(rest).and_then(|top| (top - middle).try_normalize()) else {
+    let tops = rest.trunk_top();
+    let top = tops.iter().map(|j| rest.positions[*j]).sum::<Vec3>() / tops.len() as f32;
+    let Some(up) = (top - middle).try_normalize() else {
         return false;
     };
     if left.dot(up).abs() > ACROSS_COSINE {
@@ -64,17 +66,6 @@ pub(super) fn stands(rest: &Rest, body: &Body) -> bool {
     legs && spine_rises(rest, body, up) && arms_bend(rest, [left, up, front])
 }
 
-/// The top of the trunk: the middle of the shoulders, or the lowest joint of the neck.
-pub(super) fn trunk_top(rest: &Rest) -> Option<Vec3> {
-    let shoulders = ['l', 'r'].map(|side| rest.sided(side, "shoulder"));
-    if let [Some(l), Some(r)] = shoulders {
-        return Some(0.5 * (rest.positions[l] + rest.positions[r]));
-    }
-    let names = ["vc7", "vc4", "vc2", "skullbase"];
-    let top = names.iter().find_map(|name| rest.find(name))?;
-    Some(rest.positions[top])
-}
-
 /// Whether the lower segment of a limb is straight, or bends to one side of the upper one.
 fn bends_to(upper: Option<Vec3>, lower: Option<Vec3>, side: Vec3) -> bool {
     let Some((upper, lower)) = upper.zip(lower) else {
@@ -87,8 +78,7 @@ fn bends_to(upper: Option<Vec3>, lower: Option<Vec3>, side: Vec3) -> bool {
 
 /// Whether the joints of spine, neck and head lie one above the other.
 fn spine_rises(rest: &Rest, body: &Body, up: Vec3) -> bool {
-    let tops = ["skullbase", "vc2", "vc4", "vc7"];
-    let Some(top) = tops.iter().find_map(|name| rest.find(name)) else {
+    let Some(top) = rest.spine_top() else {
         return true;
     };
     let path = rest.between(body.root, top).unwrap_or_default();
@@ -116,7 +106,7 @@ fn arms_bend(rest: &Rest, [left, up, front]: [Vec3; 3]) -> bool {
         }
         // The front of an arm in a T-pose, turned along with it; beside the body it is ambiguous.
         let outward = if *side == 'l' { left } else { -left };
-        let turned = glam::Quat::from_rotation_arc(outward, u) * front;
+        let turned = Quat::from_rotation_arc(outward, u) * front;
         let inward = u.dot(up) < 0.0 && l.dot(outward) < 0.0;
         inward || bends_to(upper, lower, turned)
     })
@@ -129,7 +119,6 @@ mod tests {
     use articula_core::hanim_table::JOINTS;
     use articula_core::source::{Joint, Skeleton};
     use articula_core::{Articulation, JointArticulation, Transform};
-    use glam::Quat;
 
     /// Whether the figure of the standard stands with some of its joints turned.
     fn stands_with(turn: impl Fn(&str) -> Quat) -> bool {

@@ -32,7 +32,8 @@ const LOW: f32 = 0.04;
 const FOOT_SLOPE: f32 = 0.35;
 
 /// Forward lean over the rise of the lowest bone of the spine, and of the neck with the bone below
-/// it: medians of the rest poses of 25 rigs, whose values are -0.2 to 0.2 and -0.2 to 0.4.
+/// it: about the middle of the rest poses of the test data, whose values are -0.2 to 0.2 and -0.2 to
+/// 0.4.
 const LUMBAR_LEAN: f32 = -0.06;
 const NECK_LEAN: f32 = 0.1;
 /// Maximum number of joints of a spine and of a neck whose bones are straight.
@@ -92,22 +93,20 @@ struct Finder<'a> {
 /// Orientation of the trunk in the frames in which it is straight, from positions alone.
 fn trunk_frames(rest: &Rest, body: &Body, motion: &Motion) -> Vec<(usize, Quat)> {
     let [left, right] = [body.legs[0].hip, body.legs[1].hip];
-    let shoulders = ['l', 'r'].map(|side| rest.sided(side, "shoulder"));
-    let names = ["vc7", "vc4", "vc2", "skullbase"];
-    let neck = names.iter().find_map(|name| rest.find(name));
+    let tops = rest.trunk_top();
     let frames: Vec<(f32, Quat)> = (0..motion.frames())
         .map(|f| {
             let at = motion.positions(f);
             let middle = 0.5 * (at[left] + at[right]);
             let mut across = (at[left] - at[right]).normalize_or_zero();
-            let top = match shoulders {
-                [Some(l), Some(r)] => {
-                    across += (at[l] - at[r]).normalize_or_zero();
-                    0.5 * (at[l] + at[r])
-                }
-                _ => neck.map_or(middle + Vec3::Y, |neck| at[neck]),
+            if let [l, r] = tops[..] {
+                across += (at[l] - at[r]).normalize_or_zero();
+            }
+            let top: Vec3 = tops.iter().map(|j| at[*j]).sum();
+            let up = match tops.len() {
+                0 => Vec3::Y,
+                count => top / count as f32 - middle,
             };
-            let up = top - middle;
             // `basis` keeps its first axis, which is the trunk's line.
             let turned = basis(up, -across);
             let from_up = Quat::from_rotation_z(-std::f32::consts::FRAC_PI_2);
@@ -199,8 +198,7 @@ impl Finder<'_> {
     /// Spines and necks of few joints rise as in rest poses of other figures; the curve of one of
     /// many joints is a matter of the rig.
     fn spine(&mut self) {
-        let tops = ["skullbase", "vc2", "vc4", "vc7"];
-        let Some(top) = tops.iter().find_map(|name| self.rest.find(name)) else {
+        let Some(top) = self.rest.spine_top() else {
             return;
         };
         let path = self.rest.between(self.body.root, top).unwrap_or_default();
@@ -218,10 +216,12 @@ impl Finder<'_> {
             if chain[..chain.len() - 1].iter().filter(same).count() > most {
                 continue;
             }
-            let lean = match () {
-                () if is_of_neck(joint) || is_of_neck(next) => NECK_LEAN,
-                () if i == 0 => LUMBAR_LEAN,
-                () => 0.0,
+            let lean = if is_of_neck(joint) || is_of_neck(next) {
+                NECK_LEAN
+            } else if i == 0 {
+                LUMBAR_LEAN
+            } else {
+                0.0
             };
             if let Some(along) = self.way(joint, next) {
                 self.set(joint, along, None, [Vec3::new(0.0, 1.0, lean), Vec3::Z]);
@@ -372,17 +372,9 @@ impl Finder<'_> {
 
     /// The hand by its knuckles, or by its mean on the forearm; fingers straight ahead.
     fn hand(&mut self, side: char, elbow: usize, wrist: usize, to: [Vec3; 2]) {
-        let knuckle = |name: &str| {
-            let digits = [1, 2, 0].map(|d| self.rest.sided(side, &format!("{name}{d}")));
-            digits.into_iter().flatten().next()
-        };
-        let knuckles: Vec<usize> = ["index", "middle", "ring", "pinky"]
-            .iter()
-            .filter_map(|name| knuckle(name))
-            .collect();
+        let knuckles = self.rest.knuckles(side).into_iter();
         let places: Vec<Vec3> = knuckles
-            .iter()
-            .filter_map(|joint| self.way(wrist, *joint))
+            .filter_map(|joint| self.way(wrist, joint))
             .collect();
         let ahead = places.iter().sum::<Vec3>();
         let on_forearm = self.turns[elbow].unwrap_or_default() * self.relative(elbow, wrist);

@@ -203,6 +203,29 @@ fn doubtful_joints_are_listed_with_the_reason() {
     assert!(text.contains("--write-joint-map F.json"), "{text}");
 }
 
+/// A joint map may come from a pipe, which can be read once.
+#[cfg(unix)]
+#[test]
+fn a_joint_map_is_read_once() {
+    let here = folder("joint-map-pipe");
+    std::fs::write(here.join("hand.bvh"), bvh("LeftHand", &FINGERS, 5.0)).unwrap();
+    let words = ["inspect", "hand.bvh", "--write-joint-map", "hand.json"];
+    json(&here, &words);
+    let line = "cat hand.json | \"$0\" inspect hand.bvh --joint-map /dev/stdin --json";
+    let mut shell = std::process::Command::new("sh");
+    let shell = shell.args(["-c", line, env!("CARGO_BIN_EXE_articula")]);
+    let ran = shell.current_dir(&here).output().unwrap();
+    let err = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success() && err.is_empty(), "{err}");
+    let found: Value = serde_json::from_slice(&ran.stdout).unwrap();
+    assert_eq!(found["skeletons"][0]["profile"], "hand");
+    let warnings = found["warnings"].as_array().unwrap().iter();
+    assert!(
+        warnings.clone().all(|w| w["at"] != "--joint-map"),
+        "{found}"
+    );
+}
+
 #[test]
 fn a_file_without_joints_has_no_joint_map() {
     let here = folder("joint-map-data");

@@ -8,6 +8,7 @@ use articula_build::retarget::{ContactPinning, RestPose};
 use articula_build::source_rate_hz;
 use articula_core::source::{Channel, Interpolation, Joint, Property, RawClip, evaluate};
 use articula_core::{LocalPose, angle_between};
+use articula_mutate::Dice;
 use std::path::Path;
 
 /// Motions, with the name of a clip where the file has several, and the characters that they are
@@ -46,25 +47,13 @@ const PAIRS: [(&str, &str, &str); 12] = [
 /// Seconds of a motion that are compared, from its middle.
 const SECS: f32 = 4.0;
 
-/// Numbers between -1 and 1 from a seed.
-struct Dice(u64);
-
-impl Dice {
-    fn number(&mut self) -> f32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 40) as f32 / (1u64 << 23) as f32) - 1.0
-    }
-
-    fn rotation(&mut self) -> Quat {
-        loop {
-            let at = [self.number(), self.number(), self.number(), self.number()];
-            let length = at.iter().map(|n| n * n).sum::<f32>();
-            if (0.05..=1.0).contains(&length) {
-                return Quat::from_array(at).normalize();
-            }
+/// A random rotation, each direction of its four numbers equally likely.
+fn rotation(dice: &mut Dice) -> Quat {
+    loop {
+        let numbers = [(); 4].map(|()| dice.roll(2001) as f32 / 1000.0 - 1.0);
+        let length = numbers.iter().map(|n| n * n).sum::<f32>();
+        if (0.05..=1.0).contains(&length) {
+            return Quat::from_array(numbers).normalize();
         }
     }
 }
@@ -111,7 +100,7 @@ fn cut(clip: &mut RawClip) {
 fn with_axes(file: &CharacterFile, dice: &mut Dice) -> CharacterFile {
     let mut new = file.clone();
     let skeleton = &mut new.character.skeleton;
-    let axes: Vec<Quat> = skeleton.joints.iter().map(|_| dice.rotation()).collect();
+    let axes: Vec<Quat> = skeleton.joints.iter().map(|_| rotation(dice)).collect();
     let parents: Vec<Option<usize>> = skeleton.joints.iter().map(|j| j.parent).collect();
     let above = |j: usize| parents[j].map_or(Quat::IDENTITY, |p| axes[p].inverse());
     for (j, joint) in skeleton.joints.iter_mut().enumerate() {
@@ -157,7 +146,7 @@ fn with_zero_pose(file: &CharacterFile, dice: &mut Dice) -> CharacterFile {
         }
     }
     for joint in joints {
-        joint.rest.rotation = dice.rotation();
+        joint.rest.rotation = rotation(dice);
     }
     new
 }
@@ -261,7 +250,7 @@ fn limbs_move_alike_whatever_the_zero_pose_is() {
     for (i, (file, clip, onto)) in PAIRS.into_iter().enumerate() {
         let from = motion(&data, file, clip);
         let character = fs::open(data.join(onto)).unwrap();
-        let mut dice = Dice(i as u64 + 1);
+        let mut dice = Dice::new(i as u64 + 1);
         let other = with_zero_pose(&with_axes(&from, &mut dice), &mut dice);
         let was = fitted(&from, &character, ContactPinning::Nothing);
         let is = fitted(&other, &character, ContactPinning::Nothing);
@@ -303,7 +292,7 @@ fn the_zero_pose_of_the_character_does_not_matter() {
         if character.character.clips.is_empty() || onto.contains("Cesium") {
             continue;
         }
-        let mut dice = Dice(100 + i as u64);
+        let mut dice = Dice::new(100 + i as u64);
         let other = with_zero_pose(&with_axes(&character, &mut dice), &mut dice);
         let was = fitted(&from, &character, ContactPinning::Nothing);
         let is = fitted(&from, &other, ContactPinning::Nothing);
@@ -336,7 +325,7 @@ fn axes_of_joints_do_not_matter() {
     for (i, (file, clip, onto)) in PAIRS.into_iter().enumerate() {
         let from = motion(&data, file, clip);
         let character = fs::open(data.join(onto)).unwrap();
-        let other = with_axes(&from, &mut Dice(200 + i as u64));
+        let other = with_axes(&from, &mut Dice::new(200 + i as u64));
         let [a, b] = [&from, &other].map(|from| {
             let made = fitted(from, &character, ContactPinning::Feet);
             poses(&character, &made.clip)

@@ -16,14 +16,21 @@ fn closing(human: &Human) -> RawClip {
             ("l_thumb2", |t| Quat::from_rotation_x(0.3 * t)),
             ("r_pinky1", |t| Quat::from_rotation_z(-0.5 * t)),
             ("r_middle3", |t| Quat::from_rotation_z(-0.7 * t)),
+            // Of arms, where there are any; the fingers are told against the wrist.
+            ("l_elbow", |t| Quat::from_rotation_x(-0.5 * t)),
+            ("l_wrist", |t| Quat::from_rotation_x(0.4 * t)),
         ],
     )
 }
 
-/// The hands of a human and their motion, without the rest of the body.
-fn hands(human: &Human, sides: &[&str]) -> Human {
+const HANDS: [&str; 6] = ["wrist", "thumb", "index", "middle", "ring", "pinky"];
+const WITH_ARMS: [&str; 8] = [
+    "shoulder", "elbow", "wrist", "thumb", "index", "middle", "ring", "pinky",
+];
+
+/// The hands of a human and their motion, without the rest of the body but for `parts`.
+fn hands(human: &Human, sides: &[&str], parts: &[&str]) -> Human {
     let clip = closing(human);
-    let parts = ["wrist", "thumb", "index", "middle", "ring", "pinky"];
     let is_of_hand = |name: &str| {
         let of_side = sides.iter().any(|side| name.starts_with(side));
         of_side && parts.iter().any(|part| name[2..].starts_with(part))
@@ -57,9 +64,13 @@ fn fingers_move_as_those_of_the_capture() {
     let human = reference();
     let whole = closing(&human);
     let turned = |j: usize| Affine3A::from_quat(Quat::from_rotation_y(0.3 + j as f32));
-    for sides in [&["l_"][..], &["l_", "r_"]] {
+    for (sides, parts) in [
+        (&["l_"][..], &HANDS[..]),
+        (&["l_", "r_"], &HANDS),
+        (&["l_", "r_"], &WITH_ARMS),
+    ] {
         // Other axes, and hands that point elsewhere than those of the body.
-        let hands = hands(&human, sides).rebound(
+        let hands = hands(&human, sides, parts).rebound(
             |name| match name {
                 "l_wrist" => Quat::from_rotation_x(1.0),
                 _ => Quat::IDENTITY,
@@ -93,4 +104,18 @@ fn fingers_move_as_those_of_the_capture() {
         };
         assert_eq!(hands.skeleton.joints[source].name, "l_index2");
     }
+}
+
+#[test]
+fn a_malformed_clip_of_hands_is_refused() {
+    let human = reference();
+    let mut hands = hands(&human, &["l_"], &HANDS);
+    hands.clips[0].channels[0].target = 900;
+    let options = RetargetOptions::default();
+    let made = retarget_hands(&hands.figure(), &human.figure(), &hands.clips[0], &options);
+    assert!(
+        made.unwrap_err()
+            .to_string()
+            .contains("joint 900 is out of range")
+    );
 }

@@ -94,7 +94,7 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         let found = console.work(|work| joint_levels(&figure, &clips, far_from_metres, work))?;
         findings.joint_levels = Some(found);
     }
-    findings.warnings.extend(unused_map(args, &figure)?);
+    findings.warnings.extend(unused_map(args, &figure));
     if let Some(path) = &args.write_joint_map {
         let made = rig_joint_map(&figure.opened)?;
         console.files.write(path, &made.bytes)?;
@@ -115,12 +115,11 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
 }
 
 /// A warning if joint maps are given and none of them is used.
-fn unused_map(args: &InspectArgs, figure: &Figure) -> anyhow::Result<Option<WarningInspection>> {
-    let own = open::joint_maps(&args.character.names)?;
+fn unused_map(args: &InspectArgs, figure: &Figure) -> Option<WarningInspection> {
+    let is_given = !args.character.names.joint_map.is_empty();
     let is_stored = figure.opened.character.articulation.is_some();
-    let used = &figure.opened.mapping.articulation.profile;
-    if own.is_empty() || !is_stored && own.iter().any(|map| map.name == *used) {
-        return Ok(None);
+    if !is_given || !is_stored && figure.opened.mapping.by_user {
+        return None;
     }
     let what = if is_stored {
         "the file stores levels and regions of its joints, which are kept; no joint map is used"
@@ -129,8 +128,8 @@ fn unused_map(args: &InspectArgs, figure: &Figure) -> anyhow::Result<Option<Warn
          humanoid_root, l_hip, r_hip, l_shoulder and r_shoulder, or with the scope hand for a wrist \
          and five finger joints"
     };
-    Ok(Some(WarningInspection {
+    Some(WarningInspection {
         at: "--joint-map".to_owned(),
         what: what.to_owned(),
-    }))
+    })
 }

@@ -4,7 +4,7 @@ use crate::measure::thread_ns;
 use articula_build::Asset;
 use articula_core::crowd::ClipState;
 use articula_core::playback::{
-    ControlResult, FigureModel, FigurePlayer, FigureSkin, FigureViews, FrameContext,
+    ControlResult, FigureModel, FigurePlayer, FigureSkin, FigureViews, FrameContext, FullDetail,
     MotionController,
 };
 use articula_core::{Clip, GroupedSkin, JointSet, LocalPose};
@@ -84,7 +84,10 @@ impl<'a> Stage<'a> {
             distance_metres: 0.0,
             directions: &[],
         };
-        let mut only = Only(*joints);
+        let mut only = Only {
+            joints: *joints,
+            shown: FullDetail::default(),
+        };
         let mut times = Vec::with_capacity(frames.saturating_sub(1));
         let mut sums = Counts::default();
         for frame in 0..frames {
@@ -130,28 +133,25 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Shows the joints of a set as they are sampled, and leaves all others as they are.
-struct Only(JointSet);
+/// Shows the joints of a set in full detail, and leaves all others as they are.
+struct Only {
+    joints: JointSet,
+    shown: FullDetail,
+}
 
 impl MotionController for Only {
     fn due(&mut self, frame: &FrameContext<'_>) -> JointSet {
-        frame.allowed.intersection(&self.0)
+        frame.allowed.intersection(&self.joints)
     }
 
     fn control(
         &mut self,
-        _: &FrameContext<'_>,
+        frame: &FrameContext<'_>,
         due: &JointSet,
         wanted: &LocalPose,
         shown: &mut LocalPose,
     ) -> ControlResult {
-        for joint in due.iter() {
-            shown.set(joint, wanted.get(joint));
-        }
-        ControlResult {
-            updated: *due,
-            ..ControlResult::default()
-        }
+        self.shown.control(frame, due, wanted, shown)
     }
 }
 
