@@ -37,11 +37,17 @@ impl Bones {
         let branches = self.branches();
         let longest = branches.iter().map(|b| first_two(b)).fold(0.0, f32::max);
         let from_longest = longest * OF_LONGEST_PATH;
-        match head.map(|head| self.longest_from(head, &branches)) {
+        match head.map(|head| self.longest_from(head, &branches).0) {
             Some(path) if HUMAN.contains(&(longest / path)) => Stature::Human(path * OF_HEAD_PATH),
             None if has_limbs(&branches, longest) => Stature::Human(from_longest),
             _ => Stature::Other(from_longest),
         }
+    }
+
+    /// Returns the length of the longest path from a joint that leads to its parent first, and the
+    /// bone at its end; for the head joint of a human, a toe.
+    pub(crate) fn path_from(&self, joint: usize) -> (f32, usize) {
+        self.longest_from(joint, &self.branches())
     }
 
     /// Returns for every joint the longest path through each of its children, longest first.
@@ -57,16 +63,28 @@ impl Bones {
         branches
     }
 
-    /// Returns the longest path from a joint that leads to its parent first.
-    fn longest_from(&self, joint: usize, branches: &[Vec<(f32, usize)>]) -> f32 {
-        let (mut at, mut climbed, mut longest) = (joint, 0.0, 0.0_f32);
+    fn longest_from(&self, joint: usize, branches: &[Vec<(f32, usize)>]) -> (f32, usize) {
+        let (mut at, mut climbed) = (joint, 0.0);
+        // Length, and the joint at which the path turns down into a branch, with that branch.
+        let (mut longest, mut end, mut branch) = (0.0, joint, None);
         while let Some(parent) = self.parents[at] {
             climbed += self.lengths[at];
-            let others = branches[parent].iter().filter(|b| b.1 != at);
-            longest = others.fold(longest.max(climbed), |l, b| l.max(climbed + b.0));
+            if climbed > longest {
+                (longest, end, branch) = (climbed, parent, None);
+            }
+            let other = branches[parent].iter().find(|b| b.1 != at);
+            if let Some(&(below, child)) = other
+                && climbed + below > longest
+            {
+                (longest, branch) = (climbed + below, Some(child));
+            }
             at = parent;
         }
-        longest
+        while let Some(child) = branch {
+            end = child;
+            branch = branches[child].first().map(|b| b.1);
+        }
+        (longest, end)
     }
 }
 
@@ -120,6 +138,11 @@ mod tests {
             figure(0.8).stature(None),
             Stature::Human(2.4 * OF_LONGEST_PATH)
         );
+        // From the head to a foot; from a foot to a hand, or with short arms to the other foot.
+        let far_end = |arm, joint| figure(arm).path_from(joint).1;
+        assert!([7, 8].contains(&far_end(0.8, 2)));
+        assert!([3, 4].contains(&far_end(0.8, 7)));
+        assert_eq!(far_end(0.3, 7), 8);
         // Arms as short as a dog's neck.
         assert!(matches!(figure(0.3).stature(Some(2)), Stature::Other(_)));
         let chain = Bones {

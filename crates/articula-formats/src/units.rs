@@ -41,8 +41,8 @@ const UNITS: [(&str, f32); 5] = [
     ("the CMU unit (inch / 0.45)", 0.0254 / 0.45),
     ("millimetres", 0.001),
 ];
-/// Least height of the head above the root at rest, as a fraction of the bones between them, of a
-/// figure whose trunk is upright.
+/// Least height of the head above the root, or above a toe, at rest, as a fraction of the bones
+/// between them, of a figure whose trunk is upright, or that stands.
 const UPRIGHT: f32 = 0.7;
 /// Heights of a standing rest figure, as multiples of the stature by its bones.
 const STANDING: std::ops::RangeInclusive<f32> = 0.8..=1.25;
@@ -181,23 +181,50 @@ impl Figure<'_> {
     /// Returns the size; `z_up` is whether the rest figure has +Z up.
     pub(crate) fn size(&self, z_up: bool) -> Size {
         let up = if z_up { 2 } else { 1 };
+        match self.bones().stature(self.head()) {
+            Stature::Other(height) => Size::Other(height),
+            stature @ Stature::Human(_) if self.stands(stature, up) => {
+                Size::Standing(self.height(up))
+            }
+            Stature::Human(stature) => Size::ByBones(stature),
+        }
+    }
+
+    /// Returns the extent of joints and end sites at rest along an axis.
+    fn height(&self, axis: usize) -> f32 {
         let ends = self
             .ends
             .iter()
             .map(|(j, offset)| self.places[*j] + *offset);
-        let height = extent(self.places.iter().copied().chain(ends), up);
+        extent(self.places.iter().copied().chain(ends), axis)
+    }
+
+    /// Returns whether the rest figure stands along an axis: its trunk is upright, and a human is
+    /// about as high as its bones say, with the head above the toes. (With all bones along one axis,
+    /// the toes are as high as the chest.)
+    fn stands(&self, stature: Stature, axis: usize) -> bool {
         let head = self.head();
-        match self.bones().stature(head) {
-            Stature::Other(height) => Size::Other(height),
-            Stature::Human(stature) => {
-                let upright = head.is_none_or(|head| self.is_upright(&self.chain(head), up));
-                if upright && STANDING.contains(&(height / stature)) {
-                    Size::Standing(height)
-                } else {
-                    Size::ByBones(stature)
+        let upright = head.is_none_or(|head| self.is_upright(&self.chain(head), axis));
+        upright
+            && match stature {
+                Stature::Human(stature) => {
+                    let on_toes = head.is_none_or(|head| self.is_above_toes(head, axis));
+                    on_toes && STANDING.contains(&(self.height(axis) / stature))
                 }
+                Stature::Other(_) => true,
             }
-        }
+    }
+
+    fn is_above_toes(&self, head: usize, axis: usize) -> bool {
+        let (length, toe) = self.bones().path_from(head);
+        let place = match toe.checked_sub(self.places.len()) {
+            None => self.places[toe],
+            Some(end) => {
+                let (joint, offset) = self.ends[end];
+                self.places[joint] + offset
+            }
+        };
+        (self.places[head] - place)[axis] > UPRIGHT * length
     }
 
     fn bones(&self) -> Bones {
@@ -237,7 +264,7 @@ impl Figure<'_> {
         (self.places[top] - self.places[root])[axis] > UPRIGHT * length
     }
 
-    /// The motion decides where the trunk is not upright at rest, and where it stands along another
+    /// The motion decides where the rest figure does not stand, and where it stands along another
     /// axis than at rest.
     fn stands_along_z(&self, motion: Option<Motion<'_>>) -> (bool, bool) {
         let Some(head) = self.head() else {
@@ -250,15 +277,16 @@ impl Figure<'_> {
             return (rest_is_along_z, rest_is_along_z);
         };
         let (head_from_root, place) = motion.mean_stand(&chain);
-        let upright = |axis| self.is_upright(&chain, axis);
+        let stature = self.bones().stature(Some(head));
+        let stands = |axis| self.stands(stature, axis);
         let hip_height = |axis: usize| {
             let heights = self.places.iter().map(|p| p[axis]);
             self.places[root][axis] - heights.fold(f32::MAX, f32::min)
         };
-        if rest_is_along_z && upright(2) {
+        if rest_is_along_z && stands(2) {
             let in_y = stands_along(1, head_from_root, place, hip_height(2));
             (!in_y, !in_y)
-        } else if !rest_is_along_z && upright(1) {
+        } else if !rest_is_along_z && stands(1) {
             (false, stands_along(2, head_from_root, place, hip_height(1)))
         } else {
             let z_up = points_along_z(head_from_root);

@@ -6,12 +6,12 @@ use crate::world::places;
 use articula_formats::bvh;
 use articula_formats::{Limits, MotionFile, ReadOptions};
 use articula_mutate::Dice;
-use glam::{EulerRot, Quat, Vec3};
+use glam::{DQuat, DVec3, EulerRot, Quat, Vec3};
 
 /// Returns the text of a BVH file with another zero pose and the same motion: the offsets and
 /// positions below a joint `j` become `C(j)⁻¹ · offset`, the rotation of a joint becomes
 /// `C(parent)⁻¹ · R · C(j)`. A joint without three rotation channels keeps its parent's `C`.
-pub(crate) fn with_zero_pose(text: &str, mut turn: impl FnMut() -> Quat) -> String {
+fn with_zero_pose(text: &str, mut turn: impl FnMut(usize) -> Quat) -> String {
     let mut joints: Vec<Joint> = Vec::new();
     let mut open: Vec<Option<usize>> = Vec::new();
     let mut out = String::new();
@@ -21,7 +21,7 @@ pub(crate) fn with_zero_pose(text: &str, mut turn: impl FnMut() -> Quat) -> Stri
         let words: Vec<&str> = line.split_whitespace().collect();
         let owner = open.last().copied().flatten();
         let above =
-            |joints: &[Joint], j: Option<usize>| j.map_or(Quat::IDENTITY, |j| joints[j].zero);
+            |joints: &[Joint], j: Option<usize>| j.map_or(DQuat::IDENTITY, |j| joints[j].zero);
         match words.first().map(|w| w.to_ascii_lowercase()).as_deref() {
             Some("root" | "joint") => {
                 joints.push(Joint {
@@ -41,7 +41,7 @@ pub(crate) fn with_zero_pose(text: &str, mut turn: impl FnMut() -> Quat) -> Stri
                 };
                 let [x, y, z] = above(&joints, parent)
                     .inverse()
-                    .mul_vec3(vec3(&words[1..]))
+                    .mul_vec3(vec3(&words[1..]).as_dvec3())
                     .to_array();
                 out.push_str(&format!("OFFSET {x:.7} {y:.7} {z:.7}\n"));
                 continue;
@@ -51,7 +51,11 @@ pub(crate) fn with_zero_pose(text: &str, mut turn: impl FnMut() -> Quat) -> Stri
                 joints[joint].channels = words[2..].iter().map(|w| channel(w)).collect();
                 let turns = joints[joint].channels.iter().filter(|c| c.0).count();
                 let parent = above(&joints, joints[joint].parent);
-                joints[joint].zero = if turns == 3 { turn() } else { parent };
+                joints[joint].zero = if turns == 3 {
+                    turn(joint).as_dquat().normalize()
+                } else {
+                    parent
+                };
             }
             Some("motion") => {
                 out.push_str("MOTION\n");
@@ -66,7 +70,7 @@ pub(crate) fn with_zero_pose(text: &str, mut turn: impl FnMut() -> Quat) -> Stri
         if line.contains(':') || line.trim().is_empty() {
             out.push_str(line);
         } else {
-            let values: Vec<f32> = line
+            let values: Vec<f64> = line
                 .split_whitespace()
                 .map(|w| w.parse().unwrap())
                 .collect();
@@ -82,7 +86,7 @@ struct Joint {
     parent: Option<usize>,
     /// Whether it is a rotation, and its axis.
     channels: Vec<(bool, usize)>,
-    zero: Quat,
+    zero: DQuat,
 }
 
 fn vec3(words: &[&str]) -> Vec3 {
@@ -95,20 +99,20 @@ fn channel(name: &str) -> (bool, usize) {
     (lower.ends_with("rotation"), usize::from(axis))
 }
 
-fn frame(joints: &[Joint], values: &[f32]) -> String {
+fn frame(joints: &[Joint], values: &[f64]) -> String {
     let mut first = 0;
     let mut words = Vec::new();
     for joint in joints {
         let above = joint
             .parent
-            .map_or(Quat::IDENTITY, |p| joints[p].zero)
+            .map_or(DQuat::IDENTITY, |p| joints[p].zero)
             .inverse();
         let own = &values[first..first + joint.channels.len()];
         first += joint.channels.len();
-        let (mut place, mut rotation) = (Vec3::ZERO, Quat::IDENTITY);
+        let (mut place, mut rotation) = (DVec3::ZERO, DQuat::IDENTITY);
         for (&(turns, axis), &value) in joint.channels.iter().zip(own) {
             if turns {
-                rotation *= Quat::from_axis_angle(Vec3::AXES[axis], value.to_radians());
+                rotation *= DQuat::from_axis_angle(DVec3::AXES[axis], value.to_radians());
             } else {
                 place[axis] = value;
             }
@@ -123,7 +127,7 @@ fn frame(joints: &[Joint], values: &[f32]) -> String {
             [2, 0, 1] => EulerRot::ZXY,
             _ => EulerRot::ZYX,
         };
-        let (a, b, c) = (above * rotation * joint.zero).as_dquat().to_euler(order);
+        let (a, b, c) = (above * rotation * joint.zero).to_euler(order);
         let mut angles = [a, b, c].into_iter();
         for &(turns, axis) in &joint.channels {
             words.push(if turns {
@@ -134,6 +138,35 @@ fn frame(joints: &[Joint], values: &[f32]) -> String {
         }
     }
     words.join(" ")
+}
+
+/// The offset of the first child or end site of each joint.
+fn bones(text: &str) -> Vec<Vec3> {
+    let mut bones: Vec<Option<Vec3>> = Vec::new();
+    let mut open: Vec<Option<usize>> = Vec::new();
+    let mut pending = None;
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words.first().map(|w| w.to_ascii_lowercase()).as_deref() {
+            Some("root" | "joint") => {
+                bones.push(None);
+                pending = Some(bones.len() - 1);
+            }
+            Some("end") => pending = None,
+            Some("{") => open.push(pending),
+            Some("}") => drop(open.pop()),
+            Some("offset") => {
+                let above = open.len().checked_sub(2).and_then(|at| open[at]);
+                if let Some(above) = above {
+                    bones[above].get_or_insert(vec3(&words[1..]));
+                }
+            }
+            Some("motion") => break,
+            _ => {}
+        }
+    }
+    let known = bones.into_iter();
+    known.map(Option::unwrap_or_default).collect()
 }
 
 fn random_turn(dice: &mut Dice) -> Quat {
@@ -179,8 +212,18 @@ fn any_zero_pose_has_the_unit_and_up_axis_of_a_standing_one() {
         };
         let text = String::from_utf8_lossy(&bytes);
         let standing = read(&text).character;
-        for _ in 0..4 {
-            let folded = read(&with_zero_pose(&text, || random_turn(&mut dice))).character;
+        // Four random ones, and all bones along one axis as in research exports.
+        let bones = bones(&text);
+        let along = |axis: Vec3| {
+            let turn = |joint: usize| match bones[joint].try_normalize() {
+                Some(bone) => Quat::from_rotation_arc(axis, bone),
+                None => Quat::IDENTITY,
+            };
+            with_zero_pose(&text, turn)
+        };
+        let random = (0..4).map(|_| with_zero_pose(&text, |_| random_turn(&mut dice)));
+        for zeroed in random.chain([Vec3::Y, Vec3::Z, Vec3::X].map(along)) {
+            let folded = read(&zeroed).character;
             let middle = standing.clips[0].duration_secs / 2.0;
             let (a, b) = (places(&standing, middle), places(&folded, middle));
             let size =
