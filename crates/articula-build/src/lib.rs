@@ -16,6 +16,7 @@
 //! - [`cached_poses`], [`motion_bounds`], [`occluders`]: data that a crowd reads instead of
 //!   computing it
 //! - [`hold_joints_in_clip`]: writes a motion at a level of articulation
+//! - [`face`]: facial animation parameters of MPEG-4 to blend shapes and back
 //! - [`evaluate`]: plays a clip with a method and measures its gain and its error in pixels
 //! - [`Scene`], [`plaza`]: positions and clips of the characters of a crowd, and its camera path
 //!
@@ -39,6 +40,7 @@
 
 pub mod clip_edit;
 pub mod evaluate;
+pub mod face;
 pub mod joint_names;
 pub mod retarget;
 

@@ -89,6 +89,10 @@ pub struct Fap {
 
 /// Number of facial animation parameters.
 pub const FAP_COUNT: usize = 68;
+/// Numbers of the low-level parameters.
+pub const LOW_FAPS: std::ops::RangeInclusive<usize> = 3..=FAP_COUNT;
+/// Number of low-level parameters.
+pub const LOW_FAP_COUNT: usize = 66;
 
 /// Name and number of FAPs of each group; the groups are contiguous in [`TABLE`].
 pub const GROUPS: [(&str, usize); 10] = [

@@ -47,8 +47,8 @@
 //! - [`loa`]: levels of articulation: selectors, their combination and the expression language
 //! - [`joint_names`]: joint maps: the meaning of the joint names of a kind of rig, as data
 //! - [`joint_state`]: active and passive joints, and the transitions between them
-//! - [`hanim_table`], [`fap_table`]: the joints of the H-Anim humanoid, and the facial animation
-//!   parameters of MPEG-4
+//! - [`hanim_table`], [`fap_table`], [`arkit_table`]: the joints of the H-Anim humanoid, the facial
+//!   animation parameters of MPEG-4, and the blend shapes of ARKit
 //! - [`Progress`]: progress reports and cancellation of work outside the frame
 //!
 //! Levels of detail are numbered from 0, the finest, everywhere: joints ([`JointLods`]), meshes
@@ -60,6 +60,7 @@
 //!
 //! Units are metres, seconds and radians; +Y is up and a character faces +Z.
 
+pub mod arkit_table;
 pub mod batch;
 pub mod budget;
 pub mod crowd;

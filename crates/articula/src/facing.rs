@@ -1,18 +1,23 @@
 //! Facing direction of a character.
 
-use articula_core::{ModelPose, Rig};
+use articula_core::{Articulation, ModelPose, Rig};
 use glam::Vec3;
 
 /// Returns the direction that a character faces at rest, in radians from +Z towards its left:
 /// perpendicular to the line from its right to its left side. VRM 0 files face -Z, some others
 /// sideways. Returns 0 (+Z) if the sides are unknown.
 pub fn facing(rig: &Rig, rest: &ModelPose) -> f32 {
-    let joints = &rig.articulation().joints;
+    facing_of(rig.articulation(), |joint| rest.position(joint))
+}
+
+/// As [`facing`], from the places of the joints at rest.
+pub(crate) fn facing_of(articulation: &Articulation, place: impl Fn(usize) -> Vec3) -> f32 {
+    let joints = &articulation.joints;
     let place = |name: &str| {
         let joint = joints
             .iter()
             .position(|j| j.hanim.as_deref() == Some(name))?;
-        Some(rest.position(joint))
+        Some(place(joint))
     };
     let across = [("l_hip", "r_hip"), ("l_shoulder", "r_shoulder")]
         .into_iter()

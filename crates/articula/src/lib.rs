@@ -27,6 +27,7 @@
 //!   projected error or by a time budget
 //! - [`prepare()`]: computes motion tables and, on request, mesh levels, and stores them in a GLB
 //! - [`convert()`]: converts between formats, edits clips, selects levels of articulation
+//! - [`face`]: facial animation parameters of MPEG-4 on the face of a character
 //! - [`flatten`]: a moving character as animated SVG, 2D player, Lottie or portrait
 //! - [`evaluate`]: error and cost of motion level-of-detail methods on a clip
 //! - [`inspect`]: contents of a file, and warnings about it; [`rig_joint_map`]: the joint map of a rig
@@ -44,6 +45,7 @@ pub mod convert;
 pub mod crowd;
 mod error;
 pub mod evaluate;
+pub mod face;
 mod facing;
 mod figure;
 pub mod flatten;

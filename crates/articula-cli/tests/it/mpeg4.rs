@@ -1,6 +1,6 @@
 //! MPEG-4 files: a face's motion is reported and rewritten, a body's motion is played and written.
 
-use crate::program::{BVH, fault, folder, human, json, word};
+use crate::program::{BVH, articula, fault, folder, human, json, word};
 use crate::real;
 use articula_build::retarget::{RetargetFigure, RetargetOptions, Retargeter};
 use articula_core::LocalPose;
@@ -40,6 +40,67 @@ fn a_face_is_told_and_rewritten() {
     let back = json(&here, &["inspect", "b.fap"]);
     assert_eq!(back["face"]["faps"], 1);
     assert_eq!(back["warnings"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn face_clips_go_onto_a_head() {
+    let (Some(head), Some(speech)) = (
+        real::file("glb/ict_head_talk_554.glb"),
+        real::file("fap/speech_synthetic.fap"),
+    ) else {
+        return;
+    };
+    let here = folder("face-onto");
+    let clips = here.join("clips");
+    std::fs::create_dir(&clips).unwrap();
+    std::fs::copy(speech, clips.join("speech.fap")).unwrap();
+    std::fs::write(clips.join("jaw.fap"), fap()).unwrap();
+    let head = word(&head);
+    let named = ["convert", "clips/speech.fap", "a.glb", "--onto", &head];
+    let report = json(&here, &named);
+    assert_eq!(report["format_in"], "fap");
+    let face = &report["onto"]["faces"][0];
+    assert_eq!(
+        (&face["name"], &face["frames"]),
+        (&"speech".into(), &250.into())
+    );
+    assert_eq!(
+        (&face["morphs"], &face["controls"]),
+        (&true.into(), &17.into())
+    );
+    // No morph target of this head thrusts or shifts the jaw or presses the chin.
+    let missing = face["not_driven"].as_array().unwrap();
+    let missing: Vec<u64> = missing.iter().map(|n| n["fap"].as_u64().unwrap()).collect();
+    assert_eq!(missing, [14, 15, 18]);
+
+    // Both files of the folder, beside the two clips that the head has.
+    let all = [
+        "convert",
+        "clips/",
+        "b.glb",
+        "--onto",
+        &head,
+        "--keep-clips",
+    ];
+    let report = json(&here, &all);
+    assert_eq!(report["onto"]["clips_kept"], 2);
+    assert_eq!(report["onto"]["faces"].as_array().unwrap().len(), 2);
+    let found = json(&here, &["inspect", "b.glb"]);
+    let clips = found["clips"].as_array().unwrap();
+    let names: Vec<&str> = clips.iter().map(|c| c["name"].as_str().unwrap()).collect();
+    assert_eq!(names[2..], ["jaw", "speech"]);
+    let said = articula(&here, &[&named[..], &["--force"]].concat()).out;
+    assert!(said.contains("11 of 17 morph targets"), "{said}");
+    assert!(said.contains("not driven: FAP 14 thrust_jaw, 15"), "{said}");
+
+    std::fs::write(here.join("body.bvh"), BVH).unwrap();
+    std::fs::write(here.join("a.fap"), fap()).unwrap();
+    let line = fault(
+        &here,
+        1,
+        &["convert", "a.fap", "c.bvh", "--onto", "body.bvh"],
+    );
+    assert!(line.contains("body.bvh: face: no morph target"), "{line}");
 }
 
 #[test]

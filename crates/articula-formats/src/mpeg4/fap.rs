@@ -5,12 +5,10 @@
 
 use super::parameter_text::{self, Frame, Layout, Reader};
 use crate::{Limits, Parsed, ReadError, Warning};
-use articula_core::fap_table::{FAP_COUNT, TABLE};
+use articula_core::fap_table::{FAP_COUNT, LOW_FAP_COUNT, TABLE};
 
 /// Number of high-level parameters, which come first.
 const HIGH: usize = 2;
-/// Number of low-level parameters: FAP 3 to 68.
-const LOW: usize = FAP_COUNT - HIGH;
 const VERSIONS: [&str; 2] = ["2.1", "2.2"];
 /// Maximum viseme, expression, and weight of either.
 const HIGHEST: (i32, i32, i32) = (14, 6, 63);
@@ -65,7 +63,7 @@ pub struct FapFrame {
     /// FAP 2.
     pub expression: FapExpression,
     /// FAP 3 at index 0 up to FAP 68, each in its unit.
-    pub low: [i32; LOW],
+    pub low: [i32; LOW_FAP_COUNT],
 }
 
 impl Default for FapFrame {
@@ -74,7 +72,7 @@ impl Default for FapFrame {
             number: 0,
             viseme: Viseme::default(),
             expression: FapExpression::default(),
-            low: [0; LOW],
+            low: [0; LOW_FAP_COUNT],
         }
     }
 }
@@ -112,7 +110,9 @@ impl FapClip {
     /// Returns the minimum and maximum value of a low-level parameter, by its number (3 to 68);
     /// `None` for any other and without a frame.
     pub fn range(&self, fap: usize) -> Option<(i32, i32)> {
-        let index = fap.checked_sub(1 + HIGH).filter(|index| *index < LOW)?;
+        let index = fap
+            .checked_sub(1 + HIGH)
+            .filter(|index| *index < LOW_FAP_COUNT)?;
         let values = || self.frames.iter().map(|frame| frame.low[index]);
         Some((values().min()?, values().max()?))
     }

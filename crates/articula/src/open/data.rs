@@ -63,8 +63,8 @@ impl DataFormat {
     pub fn advice(self) -> &'static str {
         match self {
             Self::Fap => {
-                "a FAP file animates a face and has no joints; use inspect to list its content or \
-                 convert to write it as .fap"
+                "a FAP file animates a face and has no joints; use convert --onto CHARACTER to move a \
+                 face by it, inspect to list its content, or convert to write it as .fap"
             }
             Self::Epf => {
                 "an EPF file controls an encoder and has no joints; use inspect to list its \

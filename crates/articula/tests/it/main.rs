@@ -10,6 +10,7 @@
 
 mod convert;
 mod crowd;
+mod faces;
 mod mesh_levels;
 mod prepared;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]

@@ -8,10 +8,12 @@ use crate::{fault, files};
 use articula::convert::write_data;
 use articula::{Data, DataFormat};
 
-/// Whether the input or output is named as a file of facial data.
+/// Whether the input or output is named as a file of facial data that is to be written again; with a
+/// character, a FAP file is a motion like any other.
 pub(super) fn is_meant(args: &ConvertArgs) -> bool {
     let named = |path| files::data_format(path).is_some();
-    named(&args.out) || args.inputs.len() == 1 && named(&args.inputs[0])
+    let only = args.inputs.len() == 1 && args.onto.is_none();
+    named(&args.out) || only && named(&args.inputs[0])
 }
 
 /// Writes a FAP file again; anything else is refused with a hint at what is possible.

@@ -1,7 +1,7 @@
 //! One job of a conversion: files are read, changed as asked for, and written.
 
 use super::ConvertArgs;
-use super::onto::Hero;
+use super::onto::{Hero, MotionReport};
 use super::plan::{Input, Job};
 use super::reduction::{Reduction, Selected};
 use super::report::{self, ConvertReport, Onto};
@@ -89,16 +89,16 @@ impl Recipe<'_> {
             motions
         };
         let results: Vec<_> = job.inputs.par_iter().map(motions).collect();
-        let (mut fitted, mut motions) = (Vec::new(), Vec::new());
+        let (mut fitted, mut reports) = (Vec::new(), Vec::new());
         let mut formats: Vec<&str> = Vec::new();
         for (input, result) in job.inputs.iter().zip(results) {
             match result {
                 Ok(Some(new)) => {
                     fitted.extend(new.fitted);
-                    formats.push(new.report.format);
-                    report.bytes_in += new.report.bytes;
+                    formats.push(new.format);
+                    report.bytes_in += new.bytes;
                     report.warnings.extend(new.warnings);
-                    motions.push(new.report);
+                    reports.push(new.report);
                 }
                 Ok(None) => {
                     let place = files::shown(&input.path);
@@ -107,14 +107,14 @@ impl Recipe<'_> {
                 Err(fault) => faults.push((input.path.clone(), fault)),
             }
         }
-        if motions.is_empty() {
+        if reports.is_empty() {
             return Ok(None);
         }
         let mut opened = hero.opened.clone();
         let fits = opened.put_clips(fitted, self.args.keep_clips);
-        let reported = motions.iter_mut().flat_map(|m| &mut m.clips);
-        for (clip, fit) in reported.zip(&fits) {
-            clip.name.clone_from(&fit.name);
+        let names = reports.iter_mut().flat_map(MotionReport::names);
+        for (name, fit) in names.zip(&fits) {
+            name.clone_from(&fit.name);
         }
         let clips = &mut opened.character.clips;
         let kept = clips.len() - fits.len();
@@ -122,12 +122,20 @@ impl Recipe<'_> {
             // The new motions come first, the clips that the character had before last.
             clips.rotate_left(kept);
         }
+        let (mut motions, mut faces) = (Vec::new(), Vec::new());
+        for report in reports {
+            match report {
+                MotionReport::Body(body) => motions.push(body),
+                MotionReport::Face(face) => faces.push(face),
+            }
+        }
         formats.dedup();
         report.format_in = formats.join(", ");
         report.onto = Some(Onto {
             character: hero.opened.name.clone(),
             clips_kept: kept,
             motions,
+            faces,
         });
         Ok(Some((opened, report)))
     }

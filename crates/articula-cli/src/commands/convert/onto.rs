@@ -4,15 +4,16 @@
 use super::ConvertArgs;
 use super::plan::{Input, reads_many};
 use crate::fault::clean;
-use crate::files::Files;
+use crate::files::{self, Files};
 use crate::open;
 use crate::table::Table;
 use anyhow::Context;
-use articula::CharacterFile;
 use articula::convert::{
     AddClipsOptions, ContactPinning, FitFinding, FitFindingKind, FittedClip, FootSlideSummary,
     JointShare, RetargetOptions, TransferReport, TransferredClipReport, fit_clips,
 };
+use articula::face::{FaceTransfer, FittedFace, fit_face};
+use articula::{CharacterFile, Data, DataFormat};
 use clap::ValueEnum;
 use std::path::Path;
 
@@ -49,7 +50,26 @@ impl Pin {
 pub(super) struct Motions {
     pub(super) fitted: Vec<FittedClip>,
     pub(super) warnings: Vec<String>,
-    pub(super) report: TransferReport,
+    pub(super) format: &'static str,
+    pub(super) bytes: usize,
+    pub(super) report: MotionReport,
+}
+
+/// How well a character shows the motions of a file.
+#[derive(Debug)]
+pub(super) enum MotionReport {
+    Body(TransferReport),
+    Face(FaceTransfer),
+}
+
+impl MotionReport {
+    /// The names of the clips, in the order of the clips.
+    pub(super) fn names(&mut self) -> Vec<&mut String> {
+        match self {
+            Self::Body(body) => body.clips.iter_mut().map(|c| &mut c.name).collect(),
+            Self::Face(face) => vec![&mut face.name],
+        }
+    }
 }
 
 impl Hero {
@@ -83,6 +103,9 @@ impl Hero {
         args: &ConvertArgs,
         files: &Files,
     ) -> anyhow::Result<Option<Motions>> {
+        if files::data_format(&input.path) == Some(DataFormat::Fap) {
+            return self.face(input, args).map(Some);
+        }
         let mut source = open::character(files, &input.path, &args.names)?;
         if args.skip_first_frame {
             source.skip_first_frames()?;
@@ -96,11 +119,35 @@ impl Hero {
         let warnings = warnings
             .into_iter()
             .map(|w| format!("{}: {w}", source.name));
+        let report = report.context("no clip was retargeted")?;
         Ok(Some(Motions {
             warnings: warnings.collect(),
-            report: report.context("no clip was retargeted")?,
+            format: report.format,
+            bytes: report.bytes,
+            report: MotionReport::Body(report),
             fitted,
         }))
+    }
+
+    /// Reads a FAP file and transfers it to the character's face.
+    fn face(&self, input: &Input, args: &ConvertArgs) -> anyhow::Result<Motions> {
+        let format = DataFormat::Fap;
+        let read = open::data(&input.path, format, &args.names)?;
+        let name = files::shown(&input.path);
+        let Data::Fap(clip) = &read.data else {
+            anyhow::bail!("{name}: {}", format.advice());
+        };
+        let FittedFace { fitted, report } = fit_face(clip, &name, &self.opened)?;
+        let warnings = read.warnings.iter();
+        Ok(Motions {
+            fitted: vec![fitted],
+            warnings: warnings
+                .map(|w| format!("{name}: {}: {}", w.at, w.what))
+                .collect(),
+            format: format.name(),
+            bytes: read.bytes,
+            report: MotionReport::Face(report),
+        })
     }
 }
 
@@ -253,4 +300,59 @@ pub(super) fn map(motion: &TransferReport) -> String {
         ));
     }
     text
+}
+
+/// Columns of the table of face clips.
+pub(super) const FACE_COLUMNS: [&str; 9] = [
+    "face clip",
+    "from",
+    "seconds",
+    "driven by",
+    "joints",
+    "FAPs",
+    "not driven",
+    "mean error mm",
+    "max error mm",
+];
+
+/// One row of the table of face clips.
+pub(super) fn face_row(face: &FaceTransfer) -> [String; 9] {
+    let file = Path::new(&face.file).file_name().unwrap_or_default();
+    let controls = if face.morphs {
+        "morph targets"
+    } else {
+        "expressions"
+    };
+    let most = match face.error_fap {
+        None => "-".to_owned(),
+        Some(fap) => format!(
+            "{:.1} (FAP {fap}, {:.2} s)",
+            face.error_mm_max, face.error_at_secs
+        ),
+    };
+    [
+        face.name.clone(),
+        file.to_string_lossy().into_owned(),
+        format!("{:.2}", face.duration_secs),
+        format!("{} of {} {controls}", face.controls_moved, face.controls),
+        face.joints.len().to_string(),
+        face.faps_moving.to_string(),
+        face.not_driven.len().to_string(),
+        format!("{:.2}", face.error_mm_mean),
+        most,
+    ]
+}
+
+/// The parameters that nothing of the face shows, on one line.
+pub(super) fn not_driven(face: &FaceTransfer) -> String {
+    if face.not_driven.is_empty() {
+        return String::new();
+    }
+    let faps = face.not_driven.iter();
+    let faps: Vec<String> = faps.map(|n| format!("{} {}", n.fap, n.name)).collect();
+    format!(
+        "{}: not driven: FAP {}\n",
+        clean(&face.name),
+        faps.join(", ")
+    )
 }

@@ -4,7 +4,7 @@ use super::ConvertArgs;
 use crate::fault;
 use crate::files::{self, Files};
 use anyhow::{Context, bail};
-use articula::Format;
+use articula::{DataFormat, Format};
 use std::collections::HashMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -166,7 +166,7 @@ fn inputs(args: &ConvertArgs) -> anyhow::Result<Vec<Input>> {
     let mut all = Vec::new();
     for path in &args.inputs {
         if path.is_dir() {
-            all.extend(inside(path)?);
+            all.extend(inside(path, args.onto.is_some())?);
         } else {
             all.push(Input {
                 path: path.clone(),
@@ -181,10 +181,12 @@ fn inputs(args: &ConvertArgs) -> anyhow::Result<Vec<Input>> {
     Ok(all)
 }
 
-fn inside(folder: &Path) -> anyhow::Result<Vec<Input>> {
+/// The files of a folder that can be read; those of faces too if there is a character for them.
+fn inside(folder: &Path, with_faces: bool) -> anyhow::Result<Vec<Input>> {
     let place = || files::shown(folder);
     let mut paths = files::in_folder(folder).with_context(place)?;
-    paths.retain(|path| files::format(path).is_some());
+    let is_face = |path: &Path| files::data_format(path) == Some(DataFormat::Fap);
+    paths.retain(|path| files::format(path).is_some() || with_faces && is_face(path));
     // In a folder with motions, skeleton files are not inputs themselves.
     let is = |path: &PathBuf, format| files::format(path) == Some(format);
     if paths.iter().any(|path| is(path, Format::Amc)) {

@@ -10,6 +10,7 @@ use crate::files;
 use crate::table::{Table, counted};
 use articula::ShownLevelsReport;
 use articula::convert::{ClipEdited, LossyPart, TransferReport};
+use articula::face::FaceTransfer;
 use serde::Serialize;
 use std::path::Path;
 
@@ -51,8 +52,10 @@ pub(super) struct Onto {
     pub(super) character: String,
     /// Number of its previous clips that it kept.
     pub(super) clips_kept: usize,
-    /// One report for each file that was read.
+    /// One report for each file of body motions that was read.
     pub(super) motions: Vec<TransferReport>,
+    /// One report for each FAP file that was read.
+    pub(super) faces: Vec<FaceTransfer>,
 }
 
 /// A folder of files that were written.
@@ -212,7 +215,17 @@ impl Onto {
                 table.row(onto::row(motion, clip));
             }
         }
-        text.push_str(&table.text());
+        if !table.is_empty() {
+            text.push_str(&table.text());
+        }
+        let mut faces = Table::new(&onto::FACE_COLUMNS);
+        for face in &self.faces {
+            faces.row(onto::face_row(face));
+        }
+        if !faces.is_empty() {
+            text.push_str(&faces.text());
+        }
+        text.extend(self.faces.iter().map(onto::not_driven));
         for clip in self.motions.iter().flat_map(|motion| &motion.clips) {
             text.push_str(&onto::findings(clip));
         }

@@ -1,0 +1,265 @@
+//! Between weights of a face's controls and FAP values.
+
+use super::bounded::BoundedSolver;
+use super::fap_values::{FapValues, unit_mm};
+use articula_core::fap_table::{LOW_FAP_COUNT, LOW_FAPS, TABLE};
+
+/// Weight of the lengths of the weighted columns (in mm) beside half the squared errors, in mm. It
+/// prefers one control to several that together show the same.
+const LENGTH: f64 = 1e-2;
+/// Weight of the squared weights beside the squared errors, in mm²; it makes the solution unique, and
+/// continuous over time.
+const RIDGE: f64 = 1e-3;
+
+/// The linear relation between weights and FAP values: one column of values for each control.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FaceBridge {
+    columns: Vec<FapValues>,
+}
+
+/// Solver of the weights of one frame after the other.
+#[derive(Debug, Clone)]
+pub struct FaceSolver {
+    /// Columns in millimetres; 0 for FAPs that do not count.
+    scaled: Vec<[f64; LOW_FAP_COUNT]>,
+    counts: [bool; LOW_FAP_COUNT],
+    solver: BoundedSolver,
+    b: Vec<f64>,
+}
+
+/// Weights that show FAP values as closely as the controls can.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShownFace {
+    /// One weight for each control, 0 to 1.
+    pub weights: Vec<f32>,
+    /// Difference of each FAP (3 at index 0) to its value, in millimetres on an average face; 0 for
+    /// those that do not count.
+    pub error_mm: [f32; LOW_FAP_COUNT],
+}
+
+impl FaceBridge {
+    /// Creates a bridge from the values of each control at weight 1.
+    pub fn new(columns: Vec<FapValues>) -> Self {
+        Self { columns }
+    }
+
+    /// Returns the number of controls.
+    pub fn controls(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Returns whether a control moves a FAP, by its number.
+    pub fn moves(&self, fap: usize) -> bool {
+        self.columns.iter().any(|column| column.get(fap) != 0.0)
+    }
+
+    /// Returns the FAP values of weights; those with one direction only are not negative.
+    ///
+    /// # Panics
+    /// If there are not as many weights as controls.
+    pub fn faps(&self, weights: &[f32]) -> FapValues {
+        assert_eq!(
+            weights.len(),
+            self.columns.len(),
+            "one weight for each control"
+        );
+        let columns = self.columns.iter().zip(weights);
+        let mut sum = columns.fold(FapValues::default(), |sum, (c, w)| sum.plus(c, *w));
+        for (value, fap) in sum.0.iter_mut().zip(&TABLE[LOW_FAPS.start() - 1..]) {
+            if fap.action.is_some_and(|a| !a.two_sided) {
+                *value = value.max(0.0);
+            }
+        }
+        sum
+    }
+
+    /// Returns a solver for the opposite way. FAPs for which `counts` (3 at index 0) is false, such
+    /// as those of the outer lips in a stream without them, are left out.
+    pub fn solver(&self, counts: [bool; LOW_FAP_COUNT]) -> FaceSolver {
+        let scaled: Vec<[f64; LOW_FAP_COUNT]> = self
+            .columns
+            .iter()
+            .map(|c| millimetres(c, &counts))
+            .collect();
+        let n = scaled.len();
+        let mut gram = vec![0.0; n * n];
+        for (i, a) in scaled.iter().enumerate() {
+            for (j, b) in scaled.iter().enumerate() {
+                gram[i * n + j] = a.iter().zip(b).map(|(a, b)| a * b).sum();
+            }
+            gram[i * n + i] += RIDGE;
+        }
+        FaceSolver {
+            scaled,
+            counts,
+            solver: BoundedSolver::new(gram, n),
+            b: vec![0.0; n],
+        }
+    }
+}
+
+/// The values as lengths; 0 for those that do not count.
+fn millimetres(values: &FapValues, counts: &[bool; LOW_FAP_COUNT]) -> [f64; LOW_FAP_COUNT] {
+    std::array::from_fn(|i| {
+        let length = values.0[i] * unit_mm(LOW_FAPS.start() + i);
+        if counts[i] { f64::from(length) } else { 0.0 }
+    })
+}
+
+impl FaceSolver {
+    /// Returns the weights that show FAP values most closely, by the sum of squared differences in
+    /// millimetres. O(n³) for n controls, less if few are active.
+    pub fn solve(&mut self, values: &FapValues) -> ShownFace {
+        let wanted = millimetres(values, &self.counts);
+        for (b, column) in self.b.iter_mut().zip(&self.scaled) {
+            let along: f64 = column.iter().zip(&wanted).map(|(a, f)| a * f).sum();
+            let length: f64 = column.iter().map(|a| a * a).sum();
+            *b = along - LENGTH * length.sqrt();
+        }
+        let weights = self.solver.solve(&self.b);
+        let mut error = wanted;
+        for (column, weight) in self.scaled.iter().zip(weights) {
+            let shown = error.iter_mut().zip(column);
+            shown.for_each(|(e, c)| *e -= weight * c);
+        }
+        ShownFace {
+            weights: weights.iter().map(|w| *w as f32).collect(),
+            error_mm: error.map(|e| e as f32),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::controls::{blend_shape, vrm_preset};
+    use super::*;
+    use crate::split_mix::SplitMix;
+    use articula_core::arkit_table::BLEND_SHAPES;
+
+    const ALL: [bool; LOW_FAP_COUNT] = [true; LOW_FAP_COUNT];
+
+    fn arkit() -> FaceBridge {
+        FaceBridge::new(
+            BLEND_SHAPES
+                .iter()
+                .map(|s| blend_shape(s.name).unwrap())
+                .collect(),
+        )
+    }
+
+    fn rounded(values: FapValues) -> FapValues {
+        FapValues(values.0.map(f32::round))
+    }
+
+    /// Index of the shape that undoes another, such as the look to the other side.
+    fn opposite(shape: usize) -> Option<usize> {
+        let name = BLEND_SHAPES[shape].name;
+        let swaps = [
+            ("eyeLookIn", "eyeLookOut"),
+            ("eyeLookUp", "eyeLookDown"),
+            ("eyeBlink", "eyeWide"),
+            ("jawLeft", "jawRight"),
+            ("mouthLeft", "mouthRight"),
+            ("mouthSmile", "mouthFrown"),
+            ("jawOpen", "mouthClose"),
+        ];
+        let there = |(a, b): (&str, &str)| name.contains(a).then(|| name.replace(a, b));
+        let other = swaps
+            .into_iter()
+            .find_map(|(a, b)| there((a, b)).or_else(|| there((b, a))))?;
+        BLEND_SHAPES.iter().position(|s| s.name == other)
+    }
+
+    /// Mean error of the weights of random poses that went through rounded FAP values and back, and
+    /// the number of shapes (without tongueOut) whose own mean is at most 3 %.
+    fn round_trip(active: usize) -> (f32, usize) {
+        const POSES: usize = 80;
+        let shapes = BLEND_SHAPES.len() - 1;
+        let bridge = arkit();
+        let mut solver = bridge.solver(ALL);
+        let mut random = SplitMix(7);
+        let mut errors = vec![0.0; shapes];
+        for _ in 0..POSES {
+            let mut weights = vec![0.0; BLEND_SHAPES.len()];
+            let mut left = active;
+            while left > 0 {
+                let shape = random.below(shapes);
+                let blocked = opposite(shape).is_some_and(|o| weights[o] > 0.0);
+                if weights[shape] == 0.0 && !blocked {
+                    weights[shape] = 0.05 + 0.95 * random.unit();
+                    left -= 1;
+                }
+            }
+            let back = solver.solve(&rounded(bridge.faps(&weights)));
+            for (error, (a, b)) in errors.iter_mut().zip(weights.iter().zip(&back.weights)) {
+                *error += (a - b).abs() / POSES as f32;
+            }
+        }
+        let good = errors.iter().filter(|e| **e <= 0.03).count();
+        (errors.iter().sum::<f32>() / shapes as f32, good)
+    }
+
+    #[test]
+    fn weights_come_back() {
+        let (mean, good) = round_trip(6);
+        assert!(mean <= 0.015 && good >= 40, "{mean}, {good}");
+        // Ten shapes move the corners of the lips, for which there are four parameters: with half
+        // of all shapes active, dimples, stretches and shifts of the mouth replace each other.
+        let (mean, good) = round_trip(25);
+        assert!(mean <= 0.05 && good >= 25, "{mean}, {good}");
+    }
+
+    #[test]
+    fn one_shape_comes_back_alone() {
+        let bridge = arkit();
+        let mut solver = bridge.solver(ALL);
+        for (shape, known) in BLEND_SHAPES.iter().enumerate() {
+            let mut weights = vec![0.0; BLEND_SHAPES.len()];
+            weights[shape] = 1.0;
+            let shown = solver.solve(&bridge.faps(&weights));
+            let weight = shown.weights[shape];
+            assert!(weight > 0.9, "{} {weight}", known.name);
+            let most = shown.error_mm.iter().fold(0.0_f32, |m, e| m.max(e.abs()));
+            assert!(most < 0.1, "{} {most} mm", known.name);
+        }
+    }
+
+    #[test]
+    fn a_stream_without_outer_lips_opens_the_jaw_as_far() {
+        let bridge = arkit();
+        let mut weights = vec![0.0; BLEND_SHAPES.len()];
+        let jaw = BLEND_SHAPES
+            .iter()
+            .position(|s| s.name == "jawOpen")
+            .unwrap();
+        weights[jaw] = 0.5;
+        let mut values = bridge.faps(&weights);
+        let outer = 51 - LOW_FAPS.start()..=60 - LOW_FAPS.start();
+        values.0[outer.clone()].fill(0.0);
+        let counts = std::array::from_fn(|i| !outer.contains(&i));
+        let open = bridge.solver(counts).solve(&values).weights[jaw];
+        assert!((open - 0.5).abs() < 0.01, "{open}");
+        let closed = bridge.solver(ALL).solve(&values);
+        assert!(closed.error_mm.iter().any(|e| e.abs() > 1.0));
+    }
+
+    #[test]
+    fn what_no_control_moves_stays_as_an_error() {
+        let bridge = FaceBridge::new(vec![vrm_preset("aa").unwrap()]);
+        assert!(bridge.moves(3) && bridge.moves(51) && !bridge.moves(31));
+        let mut values = FapValues::default();
+        values.0[31 - LOW_FAPS.start()] = 512.0;
+        let shown = bridge.solver(ALL).solve(&values);
+        assert_eq!(shown.weights, [0.0]);
+        assert!((shown.error_mm[31 - LOW_FAPS.start()] - 24.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn parameters_of_one_direction_are_not_negative() {
+        let mut back = FapValues::default();
+        back.0[0] = -100.0;
+        back.0[1] = -100.0;
+        let shown = FaceBridge::new(vec![back]).faps(&[1.0]);
+        assert_eq!((shown.get(3), shown.get(4)), (0.0, -100.0));
+    }
+}

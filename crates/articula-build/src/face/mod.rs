@@ -1,0 +1,20 @@
+//! Faces: between MPEG-4 facial animation parameters (FAP) and the controls of today's faces.
+//!
+//! - `fap_values`: values of the low-level parameters, and their lengths
+//! - `high_level`: visemes and expressions (FAP 1 and 2) as low-level parameters
+//! - `controls`: the parameters that a blend shape or a VRM expression amounts to, by its name
+//! - `bridge`: weights of controls to parameters, and back by bounded least squares
+//! - `bounded`: the least-squares solver
+//!
+//! Method and values: `docs/methods/faces.md`.
+
+mod bounded;
+mod bridge;
+mod controls;
+mod fap_values;
+mod high_level;
+
+pub use bridge::{FaceBridge, FaceSolver, ShownFace};
+pub use controls::{blend_shape, vrm_preset};
+pub use fap_values::{FapValues, unit_mm};
+pub use high_level::{add_expression, add_viseme};

@@ -1,0 +1,181 @@
+//! The controls of a face: morph targets named as ARKit's blend shapes, or expressions.
+
+use articula_build::face::{FaceBridge, FapValues, blend_shape, vrm_preset};
+use articula_core::source::{Channel, Character, Expression, Interpolation, Property};
+use std::collections::BTreeMap;
+
+/// What the weights of a face's bridge drive.
+#[derive(Debug)]
+pub(super) struct FaceControls {
+    pub(super) bridge: FaceBridge,
+    targets: Vec<Target>,
+}
+
+/// Mesh and morph target; the same one in each of the meshes of a head.
+type Slots = Vec<(usize, usize)>;
+
+/// What one weight drives.
+#[derive(Debug, Clone)]
+enum Target {
+    Morphs(Slots),
+    /// Index of an expression.
+    Expression(usize),
+}
+
+impl FaceControls {
+    /// The known controls of a character: of its morph targets, its expressions with the names of
+    /// blend shapes, and those with the names of VRM's presets, the kind that has the most. `None`
+    /// if it has none.
+    pub(super) fn of(character: &Character) -> Option<Self> {
+        let kinds = [
+            morphs(character),
+            expressions(character, blend_shape),
+            expressions(character, vrm_preset),
+        ];
+        // The first of several with as many.
+        let most = kinds.into_iter().rev().max_by_key(Vec::len)?;
+        let (columns, targets): (Vec<FapValues>, Vec<Target>) = most.into_iter().unzip();
+        (!targets.is_empty()).then(|| Self {
+            bridge: FaceBridge::new(columns),
+            targets,
+        })
+    }
+
+    /// Whether the controls are morph targets; if not, they are expressions.
+    pub(super) fn are_morphs(&self) -> bool {
+        matches!(self.targets[0], Target::Morphs(_))
+    }
+
+    /// The channels that set the controls to the weights of each frame.
+    pub(super) fn channels(
+        &self,
+        character: &Character,
+        times_secs: &[f32],
+        frames: &[Vec<f32>],
+    ) -> Vec<Channel> {
+        let channel = |target, property, values| Channel {
+            target,
+            property,
+            interpolation: Interpolation::Linear,
+            times_secs: times_secs.to_vec(),
+            values,
+        };
+        let mut channels = Vec::new();
+        let mut of_mesh: BTreeMap<usize, Slots> = BTreeMap::new();
+        for (control, target) in self.targets.iter().enumerate() {
+            match target {
+                Target::Morphs(slots) => {
+                    for (mesh, slot) in slots {
+                        of_mesh.entry(*mesh).or_default().push((*slot, control));
+                    }
+                }
+                Target::Expression(index) => {
+                    let values = frames.iter().map(|weights| weights[control]).collect();
+                    channels.push(channel(*index, Property::Expression, values));
+                }
+            }
+        }
+        for (mesh, slots) in of_mesh {
+            let rest = &character.meshes[mesh].morph_weights;
+            let mut values = Vec::with_capacity(rest.len() * frames.len());
+            for weights in frames {
+                let first = values.len();
+                values.extend_from_slice(rest);
+                for (slot, control) in &slots {
+                    values[first + slot] = weights[*control];
+                }
+            }
+            channels.push(channel(mesh, Property::Weights, values));
+        }
+        channels
+    }
+}
+
+fn morphs(character: &Character) -> Vec<(FapValues, Target)> {
+    let mut found: BTreeMap<&str, (FapValues, Slots)> = BTreeMap::new();
+    for (mesh, raw) in character.meshes.iter().enumerate() {
+        for (slot, name) in raw.morph_names.iter().enumerate() {
+            if let Some(values) = blend_shape(name) {
+                let entry = found.entry(name).or_insert((values, Slots::new()));
+                entry.1.push((mesh, slot));
+            }
+        }
+    }
+    let found = found.into_values();
+    found
+        .map(|(values, slots)| (values, Target::Morphs(slots)))
+        .collect()
+}
+
+/// The expressions that move something and whose name is known.
+fn expressions(
+    character: &Character,
+    values: fn(&str) -> Option<FapValues>,
+) -> Vec<(FapValues, Target)> {
+    let moves = |e: &Expression| !e.morphs.is_empty() || !e.joints.is_empty();
+    let all = character.expressions.iter().enumerate();
+    let known = all.filter(|(_, e)| moves(e));
+    known
+        .filter_map(|(index, e)| Some((values(&e.name)?, Target::Expression(index))))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::source::{MorphBinding, RawMesh};
+
+    fn mesh(names: &[&str]) -> RawMesh {
+        RawMesh {
+            morph_names: names.iter().map(|n| (*n).to_owned()).collect(),
+            morph_weights: vec![0.25; names.len()],
+            ..RawMesh::default()
+        }
+    }
+
+    #[test]
+    fn meshes_of_a_head_share_a_control() {
+        let head = Character {
+            meshes: vec![mesh(&["jawOpen", "wink"]), mesh(&["teeth", "jawOpen"])],
+            ..Character::default()
+        };
+        let controls = FaceControls::of(&head).unwrap();
+        assert_eq!(controls.bridge.controls(), 1);
+        assert!(controls.are_morphs());
+        let channels = controls.channels(&head, &[0.0, 1.0], &[vec![0.5], vec![1.0]]);
+        let values: Vec<&[f32]> = channels.iter().map(|c| &*c.values).collect();
+        // What is not driven keeps its own weight.
+        assert_eq!(values, [[0.5, 0.25, 1.0, 0.25], [0.25, 0.5, 0.25, 1.0]]);
+    }
+
+    #[test]
+    fn expressions_count_if_they_move_something() {
+        let named = |name: &str, moves: bool| Expression {
+            name: name.to_owned(),
+            morphs: vec![
+                MorphBinding {
+                    mesh: 0,
+                    target: 0,
+                    weight: 1.0
+                };
+                usize::from(moves)
+            ],
+            ..Expression::default()
+        };
+        let mut head = Character {
+            expressions: vec![named("aa", false), named("neutral", true)],
+            ..Character::default()
+        };
+        assert!(FaceControls::of(&head).is_none());
+        head.expressions.push(named("blink", true));
+        let controls = FaceControls::of(&head).unwrap();
+        assert!(!controls.are_morphs() && controls.bridge.moves(19));
+        let channels = controls.channels(&head, &[0.0], &[vec![0.75]]);
+        let channel = &channels[0];
+        assert_eq!(
+            (channel.target, channel.property),
+            (2, Property::Expression)
+        );
+        assert_eq!(channel.values, [0.75]);
+    }
+}

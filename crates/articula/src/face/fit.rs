@@ -1,0 +1,236 @@
+//! A clip of facial animation parameters as a clip of a character.
+
+use super::controls::FaceControls;
+use super::turns::turns;
+use crate::convert::{ClipProvenance, FittedClip};
+use crate::error::{Context, Error, Result};
+use crate::open::CharacterFile;
+use articula_build::bake;
+use articula_build::face::{FapValues, ShownFace, add_expression, add_viseme, unit_mm};
+use articula_core::fap_table::{LOW_FAP_COUNT, LOW_FAPS, TABLE};
+use articula_core::source::RawClip;
+use articula_formats::mpeg4::fap::{FapClip, FapFrame};
+use serde::Serialize;
+use std::borrow::Cow;
+use std::ops::Range;
+use std::path::Path;
+
+/// Indices of the FAPs of the inner (4 to 13) and outer lips (51 to 60) in [`FapValues`].
+const INNER_LIPS: Range<usize> = 1..11;
+const OUTER_LIPS: Range<usize> = 48..58;
+
+/// A clip made for a character's face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedFace {
+    /// The clip; [`CharacterFile::put_clips`] adds it.
+    pub fitted: FittedClip,
+    /// How well it shows the parameters.
+    pub report: FaceTransfer,
+}
+
+/// How well a character's face shows the parameters of a FAP clip.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FaceTransfer {
+    /// Name of the FAP file.
+    pub file: String,
+    /// Name of the clip on the character.
+    pub name: String,
+    /// Duration in seconds.
+    pub duration_secs: f32,
+    /// Number of frames.
+    pub frames: usize,
+    /// Whether the face has known morph targets; if not, it has known expressions.
+    pub morphs: bool,
+    /// Number of the face's morph targets or expressions whose effect is known.
+    pub controls: usize,
+    /// Number of them that the clip moves.
+    pub controls_moved: usize,
+    /// Names of the joints that it turns.
+    pub joints: Vec<String>,
+    /// Number of parameters that move in the clip, visemes and expressions as low-level ones.
+    pub faps_moving: usize,
+    /// Moving parameters that nothing of the face shows.
+    pub not_driven: Vec<NotDriven>,
+    /// Mean over frames and driven parameters of their errors, in millimetres on an average face.
+    pub error_mm_mean: f32,
+    /// Greatest error of a driven parameter.
+    pub error_mm_max: f32,
+    /// Number of the parameter that has it.
+    pub error_fap: Option<usize>,
+    /// Time at which it has it, in seconds.
+    pub error_at_secs: f32,
+}
+
+/// A parameter that nothing of a face shows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NotDriven {
+    /// Number of the parameter.
+    pub fap: usize,
+    /// Name in the standard.
+    pub name: &'static str,
+    /// Its greatest value in the clip, in millimetres on an average face.
+    pub mm: f32,
+}
+
+/// Transfers a FAP clip to the face of a character, which is not changed.
+///
+/// The face's morph targets with names of ARKit's blend shapes are driven, or its VRM expressions;
+/// head and eyes turn by joints. Each frame gets the weights, between 0 and 1, that show the
+/// parameters most closely in millimetres (`docs/methods/faces.md`). `file` names the clip's file.
+///
+/// # Errors
+/// [`Error::Unsupported`] if the clip has no frame or nothing of the character's face is known.
+pub fn fit_face(clip: &FapClip, file: &str, character: &CharacterFile) -> Result<FittedFace> {
+    let Some(first) = clip.frames.first() else {
+        return Err(Error::unsuited("the file has no frame")).context(file);
+    };
+    let Some(controls) = FaceControls::of(&character.character) else {
+        let what = "face: no morph target has the name of a blend shape of ARKit (jawOpen, \
+                    eyeBlinkLeft, ...) and no expression that of a preset of VRM (aa, blink, ...), \
+                    so nothing shows a FAP clip";
+        return Err(Error::unsuited(what)).context(&character.name);
+    };
+    let values: Vec<FapValues> = clip.frames.iter().map(low_level).collect();
+    let time = |frame: &FapFrame| (frame.number - first.number) as f32 / clip.rate_hz;
+    let times: Vec<f32> = clip.frames.iter().map(time).collect();
+    let moving = moving(&values);
+    let mut solver = controls.bridge.solver(counted(&moving));
+    let shown: Vec<ShownFace> = values.iter().map(|v| solver.solve(v)).collect();
+    let eyes = !(23..=26).any(|fap| controls.bridge.moves(fap));
+    let mut turns = turns(character, eyes);
+    turns.retain(|turn| turn.moves(&values));
+
+    let is_driven = |fap: usize| controls.bridge.moves(fap) || turns.iter().any(|t| t.has(fap));
+    let not_driven = (LOW_FAPS).filter(|fap| moving[fap - LOW_FAPS.start()] && !is_driven(*fap));
+    let not_driven = not_driven.map(|fap| NotDriven {
+        fap,
+        name: TABLE[fap - 1].name,
+        mm: values
+            .iter()
+            .fold(0.0, |most, v| v.get(fap).abs().max(most))
+            * unit_mm(fap),
+    });
+    let stem = Path::new(file).file_stem().unwrap_or_default();
+    let name = stem.to_string_lossy().into_owned();
+    let mut report = FaceTransfer {
+        file: file.to_owned(),
+        name: name.clone(),
+        duration_secs: times.last().copied().unwrap_or(0.0),
+        frames: times.len(),
+        morphs: controls.are_morphs(),
+        controls: controls.bridge.controls(),
+        controls_moved: (0..controls.bridge.controls())
+            .filter(|c| shown.iter().any(|s| s.weights[*c] > 0.0))
+            .count(),
+        joints: turns.iter().map(|turn| turn.name(character)).collect(),
+        faps_moving: moving.iter().filter(|m| **m).count(),
+        not_driven: not_driven.collect(),
+        error_mm_mean: 0.0,
+        error_mm_max: 0.0,
+        error_fap: None,
+        error_at_secs: 0.0,
+    };
+    let judged: Vec<usize> = (0..LOW_FAP_COUNT)
+        .filter(|i| moving[*i] && controls.bridge.moves(LOW_FAPS.start() + i))
+        .collect();
+    report.judge(&judged, &shown, &times);
+
+    let weights: Vec<Vec<f32>> = shown.into_iter().map(|s| s.weights).collect();
+    let mut channels = controls.channels(&character.character, &times, &weights);
+    let morph_channels = channels.len();
+    channels.extend(turns.iter().map(|turn| turn.channel(&times, &values)));
+    let made = RawClip {
+        name: name.clone(),
+        duration_secs: report.duration_secs,
+        channels,
+    };
+    let made = match bake(&character.character, &made).context(&character.name)? {
+        Cow::Owned(baked) => baked,
+        Cow::Borrowed(_) => made,
+    };
+    let fit = ClipProvenance {
+        name,
+        file: file.to_owned(),
+        from: clip.name.clone(),
+        morph_channels,
+        retargeted: None,
+        by_name: None,
+    };
+    Ok(FittedFace {
+        fitted: FittedClip { clip: made, fit },
+        report,
+    })
+}
+
+impl FaceTransfer {
+    /// Notes the errors of parameters, by their indices.
+    fn judge(&mut self, judged: &[usize], shown: &[ShownFace], times: &[f32]) {
+        let mut sum = 0.0;
+        for (face, time) in shown.iter().zip(times) {
+            for index in judged {
+                let error = face.error_mm[*index].abs();
+                sum += f64::from(error);
+                if error > self.error_mm_max {
+                    self.error_mm_max = error;
+                    self.error_fap = Some(LOW_FAPS.start() + index);
+                    self.error_at_secs = *time;
+                }
+            }
+        }
+        self.error_mm_mean = (sum / (judged.len() * shown.len()).max(1) as f64) as f32;
+    }
+}
+
+/// The low-level values of a frame, with those of its viseme and expression unless it defines them.
+fn low_level(frame: &FapFrame) -> FapValues {
+    let mut values = FapValues(frame.low.map(|v| v as f32));
+    let (viseme, expression) = (frame.viseme, frame.expression);
+    if !viseme.defines {
+        add_viseme(&mut values, [viseme.select1, viseme.select2], viseme.blend);
+    }
+    if !expression.defines {
+        let select = [expression.select1, expression.select2];
+        let intensity = [expression.intensity1, expression.intensity2];
+        add_expression(&mut values, select, intensity);
+    }
+    values
+}
+
+fn moving(frames: &[FapValues]) -> [bool; LOW_FAP_COUNT] {
+    std::array::from_fn(|index| frames.iter().any(|f| f.0[index] != 0.0))
+}
+
+/// The parameters that count: all, but in a clip that moves only one of the two contours of the
+/// lips, the other one follows.
+fn counted(moving: &[bool; LOW_FAP_COUNT]) -> [bool; LOW_FAP_COUNT] {
+    let [inner, outer] = [INNER_LIPS, OUTER_LIPS].map(|lips| moving[lips].contains(&true));
+    std::array::from_fn(|index| {
+        let follows = OUTER_LIPS.contains(&index) && inner && !outer
+            || INNER_LIPS.contains(&index) && outer && !inner;
+        !follows
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contours_of_the_lips_by_their_numbers() {
+        let faps = |lips: Range<usize>| (lips.start + 3, lips.end + 2);
+        assert_eq!((faps(INNER_LIPS), faps(OUTER_LIPS)), ((4, 13), (51, 60)));
+    }
+
+    #[test]
+    fn lips_that_are_not_coded_follow() {
+        let with = |moved: &[usize]| {
+            let moving = std::array::from_fn(|index| moved.contains(&(index + 3)));
+            let counted = counted(&moving);
+            (counted[5 - 3], counted[52 - 3], counted[3 - 3])
+        };
+        assert_eq!(with(&[5]), (true, false, true));
+        assert_eq!(with(&[52]), (false, true, true));
+        assert_eq!(with(&[5, 52]), (true, true, true));
+        assert_eq!(with(&[19]), (true, true, true));
+    }
+}

@@ -1,0 +1,11 @@
+//! Faces driven by facial animation parameters (FAP) of MPEG-4.
+//!
+//! - `controls`: the morph targets or expressions of a face whose effect is known
+//! - `turns`: head and eyes, which turn
+//! - `fit`: a FAP clip as a clip of a character
+
+mod controls;
+mod fit;
+mod turns;
+
+pub use fit::{FaceTransfer, FittedFace, NotDriven, fit_face};

@@ -1,0 +1,142 @@
+//! Rotations of head and eyes by FAP 23 to 26 and 48 to 50.
+
+use crate::facing::facing_of;
+use crate::open::CharacterFile;
+use articula_build::face::FapValues;
+use articula_core::source::{Channel, Interpolation, Property};
+use glam::{Affine3A, Quat, Vec3};
+
+/// Radians of an angle unit.
+const ANGLE_UNIT: f32 = 1e-5;
+
+/// A joint that FAPs turn.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turn {
+    /// Index of the joint.
+    joint: usize,
+    /// FAPs of pitch (positive down), yaw (left) and roll (right).
+    faps: [Option<usize>; 3],
+    rest: Quat,
+    /// Rotation from the axes of the figure (+X its left, +Y up, +Z forward) to the joint's parent.
+    to_parent: Quat,
+}
+
+/// The head, and the eyes unless a control moves them, of a figure that has such joints.
+pub(super) fn turns(character: &CharacterFile, eyes: bool) -> Vec<Turn> {
+    const PARTS: [(&str, [Option<usize>; 3]); 3] = [
+        ("skullbase", [Some(48), Some(49), Some(50)]),
+        ("l_eyeball_joint", [Some(25), Some(23), None]),
+        ("r_eyeball_joint", [Some(26), Some(24), None]),
+    ];
+    let articulation = character.articulation();
+    let joints = &character.character.skeleton.joints;
+    let mut model: Vec<Affine3A> = Vec::with_capacity(joints.len());
+    let mut turned: Vec<Quat> = Vec::with_capacity(joints.len());
+    for joint in joints {
+        let above = joint.parent.map(|p| (model[p], turned[p]));
+        let (place, turn) = above.unwrap_or((Affine3A::IDENTITY, Quat::IDENTITY));
+        model.push(place * joint.rest.to_affine());
+        turned.push((turn * joint.rest.rotation).normalize());
+    }
+    let facing = facing_of(&articulation, |joint| Vec3::from(model[joint].translation));
+    let parts = &PARTS[..if eyes { 3 } else { 1 }];
+    let found = parts.iter().filter_map(|(name, faps)| {
+        let joint = articulation
+            .joints
+            .iter()
+            .position(|j| j.hanim.as_deref() == Some(*name))?;
+        let parent = joints[joint].parent.map_or(Quat::IDENTITY, |p| turned[p]);
+        Some(Turn {
+            joint,
+            faps: *faps,
+            rest: joints[joint].rest.rotation,
+            to_parent: parent.inverse() * Quat::from_rotation_y(facing),
+        })
+    });
+    found.collect()
+}
+
+impl Turn {
+    /// Name of the joint.
+    pub(super) fn name(&self, character: &CharacterFile) -> String {
+        character.character.skeleton.joints[self.joint].name.clone()
+    }
+
+    /// Whether a FAP turns the joint.
+    pub(super) fn has(&self, fap: usize) -> bool {
+        self.faps.contains(&Some(fap))
+    }
+
+    /// Whether the joint moves in any frame.
+    pub(super) fn moves(&self, frames: &[FapValues]) -> bool {
+        let faps = self.faps.iter().flatten();
+        faps.into_iter()
+            .any(|fap| frames.iter().any(|f| f.get(*fap) != 0.0))
+    }
+
+    /// Yaw, then pitch, then roll, each about the axes that the one before has turned.
+    fn rotation(&self, values: &FapValues) -> Quat {
+        let [pitch, yaw, roll] = self
+            .faps
+            .map(|fap| fap.map_or(0.0, |fap| values.get(fap) * ANGLE_UNIT));
+        let turn =
+            Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch) * Quat::from_rotation_z(roll);
+        (self.to_parent * turn * self.to_parent.inverse() * self.rest).normalize()
+    }
+
+    /// The rotations of all frames.
+    pub(super) fn channel(&self, times_secs: &[f32], frames: &[FapValues]) -> Channel {
+        Channel {
+            target: self.joint,
+            property: Property::Rotation,
+            interpolation: Interpolation::Linear,
+            times_secs: times_secs.to_vec(),
+            values: frames
+                .iter()
+                .flat_map(|f| self.rotation(f).to_array())
+                .collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::FRAC_PI_2;
+
+    fn head(to_parent: Quat) -> Turn {
+        Turn {
+            joint: 0,
+            faps: [Some(48), Some(49), Some(50)],
+            rest: Quat::IDENTITY,
+            to_parent,
+        }
+    }
+
+    /// A quarter turn of one FAP.
+    fn quarter(fap: usize) -> FapValues {
+        let mut values = FapValues::default();
+        values.0[fap - 3] = FRAC_PI_2 / ANGLE_UNIT;
+        values
+    }
+
+    #[test]
+    fn the_head_looks_down_and_left_and_leans_right() {
+        let near = |a: Vec3, b: Vec3| assert!((a - b).length() < 1e-5, "{a}, not {b}");
+        let head = head(Quat::IDENTITY);
+        near(head.rotation(&quarter(48)) * Vec3::Z, -Vec3::Y);
+        // The subject's left is +X.
+        near(head.rotation(&quarter(49)) * Vec3::Z, Vec3::X);
+        near(head.rotation(&quarter(50)) * Vec3::Y, -Vec3::X);
+    }
+
+    #[test]
+    fn axes_are_those_of_the_figure() {
+        // A figure that faces -Z looks left towards -X, whatever the axes of its neck are.
+        let neck = Quat::from_euler(glam::EulerRot::YXZ, 0.3, -0.8, 1.1);
+        let head = head(neck.inverse() * Quat::from_rotation_y(std::f32::consts::PI));
+        let forward = neck.inverse() * -Vec3::Z;
+        let left = neck * (head.rotation(&quarter(49)) * forward);
+        assert!((left - -Vec3::X).length() < 1e-5, "{left}");
+    }
+}

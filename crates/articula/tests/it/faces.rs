@@ -1,0 +1,206 @@
+//! FAP clips move the faces that the data has: blend shapes of ARKit, expressions of VRM, heads.
+
+use crate::real;
+use articula::face::{FittedFace, fit_face};
+use articula::glam::{Quat, Vec3};
+use articula::{CharacterFile, Data, DataFormat, OpenOptions, fs, open_data};
+use articula_core::source::{
+    Channel, Character, Expression, Joint, MorphBinding, Property, RawMesh, Skeleton, evaluate,
+};
+use articula_core::{Transform, fap_table};
+use articula_formats::mpeg4::fap::{FapClip, FapFrame, Viseme};
+
+fn fap(name: &str) -> Option<FapClip> {
+    let bytes = real::bytes(name)?;
+    let read = open_data(&bytes, name, DataFormat::Fap, &OpenOptions::default()).unwrap();
+    match read.data {
+        Data::Fap(clip) => Some(clip),
+        other => panic!("{other:?} is no FAP clip"),
+    }
+}
+
+/// A clip of frames at 10 Hz, with values of low-level parameters.
+fn clip(frames: &[&[(usize, i32)]]) -> FapClip {
+    let frame = |(number, values): (usize, &&[(usize, i32)])| {
+        let mut frame = FapFrame {
+            number: number as u32,
+            ..FapFrame::default()
+        };
+        for (fap, value) in *values {
+            frame.low[fap - 3] = *value;
+        }
+        frame
+    };
+    FapClip {
+        name: "hand made".to_owned(),
+        rate_hz: 10.0,
+        coded: [true; fap_table::FAP_COUNT],
+        frames: frames.iter().enumerate().map(frame).collect(),
+    }
+}
+
+/// Weights of the morph target of the first mesh with a name, one for each key.
+fn weights(head: &CharacterFile, made: &FittedFace, name: &str) -> Vec<f32> {
+    let mesh = &head.character.meshes[0];
+    let slot = mesh.morph_names.iter().position(|n| n == name).unwrap();
+    let channel = of(made, Property::Weights, 0);
+    let width = mesh.morph_names.len();
+    channel.values.chunks(width).map(|all| all[slot]).collect()
+}
+
+fn of(made: &FittedFace, property: Property, target: usize) -> &Channel {
+    let is_it = |c: &&Channel| c.property == property && c.target == target;
+    made.fitted.clip.channels.iter().find(is_it).unwrap()
+}
+
+#[test]
+fn jaws_and_lids_follow_their_parameters_on_the_heads_of_the_data() {
+    let heads = [
+        ("face/ict_facekit_expressions.glb", "eyeBlink_L"),
+        ("glb/mh_female_default163_arkit52.glb", "eyeBlinkLeft"),
+    ];
+    let clips = [
+        "fap/expressions_synthetic.fap",
+        "fap/speech_synthetic.fap",
+        "fap/xface_joy.fap",
+        "fap/xface_anger.fap",
+    ];
+    for (head, blink) in heads {
+        let Some(path) = real::file(head) else {
+            continue;
+        };
+        let head = fs::open(&path).unwrap();
+        for name in clips {
+            let Some(clip) = fap(name) else { continue };
+            let made = fit_face(&clip, name, &head).unwrap();
+            // FAP 3 moves with jawOpen alone (1000 at weight 1), FAP 19 most of all with the blink
+            // (950), whatever the other 50 shapes do.
+            let (jaw, lid) = (
+                weights(&head, &made, "jawOpen"),
+                weights(&head, &made, blink),
+            );
+            assert_eq!(jaw.len(), clip.frames.len());
+            for ((frame, jaw), lid) in clip.frames.iter().zip(jaw).zip(lid) {
+                let open = (frame.low[0] as f32 / 1000.0).clamp(0.0, 1.0);
+                assert!((jaw - open).abs() < 0.12, "{name}: {jaw}, not {open}");
+                let closed = frame.low[19 - 3] as f32 / 950.0;
+                if closed > 0.6 {
+                    assert!(
+                        (lid - closed.min(1.0)).abs() < 0.25,
+                        "{name}: {lid}, not {closed}"
+                    );
+                }
+            }
+            assert!(
+                made.report.error_mm_mean < 0.25,
+                "{name}: {:?}",
+                made.report
+            );
+        }
+    }
+}
+
+/// A mesh with one morph target, and a neck with a head.
+fn head(morph: &str) -> CharacterFile {
+    let joint = |name: &str, parent, rest| Joint {
+        name: name.to_owned(),
+        parent,
+        rest,
+        in_skin: true,
+    };
+    let tilted = Transform {
+        translation: Vec3::Y,
+        rotation: Quat::from_rotation_x(0.4),
+        scale: Vec3::ONE,
+    };
+    let character = Character {
+        skeleton: Skeleton {
+            joints: vec![joint("Neck", None, tilted), joint("Head", Some(0), tilted)],
+        },
+        meshes: vec![RawMesh {
+            morph_names: vec![morph.to_owned()],
+            morph_weights: vec![0.0],
+            ..RawMesh::default()
+        }],
+        ..Character::default()
+    };
+    let mut opened = CharacterFile::from_character("head.glb", character);
+    opened.mapping.articulation.joints[1].hanim = Some("skullbase".to_owned());
+    opened
+}
+
+#[test]
+fn heads_turn_and_what_nothing_shows_is_listed() {
+    let quarter = (std::f32::consts::FRAC_PI_2 * 1e5) as i32;
+    let head = head("jaw_open");
+    let made = fit_face(
+        &clip(&[&[], &[(3, 500), (49, quarter), (46, 300)]]),
+        "a/talk.fap",
+        &head,
+    )
+    .unwrap();
+    assert_eq!(made.fitted.clip.name, "talk");
+    let report = &made.report;
+    assert_eq!((report.frames, report.duration_secs), (2, 0.1));
+    assert_eq!((report.controls, report.controls_moved), (1, 1));
+    assert_eq!(report.joints, ["Head"]);
+    let missing: Vec<usize> = report.not_driven.iter().map(|n| n.fap).collect();
+    assert_eq!(missing, [46]);
+    // 300 / 1024 of the height between mouth and nose, 21.2 mm.
+    assert!((report.not_driven[0].mm - 6.21).abs() < 0.01);
+
+    // The head rests turned by 0.8 radians from the world, with its face along +Z; it looks left.
+    let turned = of(&made, Property::Rotation, 1);
+    let mut local = [0.0; 4];
+    evaluate::channel(turned, 0.0, &mut local);
+    let rest = Quat::from_rotation_x(0.4);
+    assert!(Quat::from_array(local).angle_between(rest) < 1e-5);
+    evaluate::channel(turned, 0.1, &mut local);
+    let nose = Quat::from_rotation_x(-0.8) * Vec3::Z;
+    let looks = rest * Quat::from_array(local) * nose;
+    assert!((looks - Vec3::X).length() < 1e-4, "{looks}");
+}
+
+#[test]
+fn a_viseme_is_the_preset_of_its_vowel() {
+    let mut opened = head("mouth");
+    opened.character.expressions = vec![Expression {
+        name: "aa".to_owned(),
+        morphs: vec![MorphBinding {
+            mesh: 0,
+            target: 0,
+            weight: 0.8,
+        }],
+        ..Expression::default()
+    }];
+    let mut said = clip(&[&[], &[]]);
+    // The "a" of "car".
+    said.frames[1].viseme = Viseme {
+        select1: 10,
+        blend: 63,
+        ..Viseme::default()
+    };
+    let made = fit_face(&said, "a.fap", &opened).unwrap();
+    assert!(!made.report.morphs);
+    let weight = *weights(&opened, &made, "mouth").last().unwrap();
+    assert!((weight - 0.8).abs() < 0.01, "{weight}");
+    said.frames[1].viseme.blend = 21;
+    let made = fit_face(&said, "a.fap", &opened).unwrap();
+    let weight = *weights(&opened, &made, "mouth").last().unwrap();
+    assert!((weight - 0.8 / 3.0).abs() < 0.01, "{weight}");
+    // The low-level parameters of the frame define the viseme instead.
+    said.frames[1].viseme.defines = true;
+    let made = fit_face(&said, "a.fap", &opened).unwrap();
+    assert!(weights(&opened, &made, "mouth").iter().all(|w| *w == 0.0));
+}
+
+#[test]
+fn a_face_without_controls_and_a_clip_without_frames_are_refused() {
+    let moved = clip(&[&[(3, 100)]]);
+    let why = fit_face(&moved, "a.fap", &head("grin"))
+        .unwrap_err()
+        .to_string();
+    assert!(why.starts_with("head.glb: face: no morph target"), "{why}");
+    let why = fit_face(&clip(&[]), "a.fap", &head("jawOpen")).unwrap_err();
+    assert_eq!(why.to_string(), "a.fap: the file has no frame");
+}
