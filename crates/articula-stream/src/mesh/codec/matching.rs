@@ -424,3 +424,30 @@ impl<'a> Matching<'a> {
 fn distance2(p: [i32; 3], q: [i32; 3]) -> i64 {
     (0..3).map(|i| i64::from(p[i] - q[i]).pow(2)).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::range_coder::Encoder;
+    use super::*;
+
+    #[test]
+    fn nothing_is_asked_once_all_points_are_taken() {
+        let mesh = QuantisedMesh {
+            positions: vec![[0, 0, 0], [1, 0, 0], [0, 1, 0]],
+            ..QuantisedMesh::default()
+        };
+        let coarse = Coarse::new(&mesh);
+        let mut matching = Matching::new(&coarse);
+        for (taken, lowest) in [(0, Some(1)), (2, Some(1)), (1, None)] {
+            assert!(!matching.is_visited(taken));
+            matching.take(taken);
+            assert!(matching.is_visited(taken));
+            assert_eq!(matching.lowest(), lowest);
+        }
+        let mut models = [Bit::default(); 2];
+        let found = matching.code_first(&mut Encoder::new(), &mut models, NONE);
+        assert_eq!(found, Some(3), "a new point after the three known ones");
+        assert_eq!(models[0].seen(), Bit::default().seen());
+        assert_eq!(matching.points(), 4);
+    }
+}

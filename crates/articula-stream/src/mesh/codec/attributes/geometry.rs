@@ -178,3 +178,96 @@ pub(super) fn nearest_name(place: [i32; 2], to: [i32; 2], bits: u8) -> [i32; 2] 
     let found = names.iter().filter(is_name).min_by_key(|n| far(n));
     found.copied().unwrap_or(place)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const U: i32 = UNIT as i32;
+
+    #[test]
+    fn products_and_lengths_by_hand() {
+        assert_eq!(cross([1, 2, 3], [4, 5, 6]), [-3, 6, -3]);
+        assert_eq!(cross([1, 0, 0], [0, 1, 0]), [0, 0, 1]);
+        // 3/5 and 4/5 of 16384, rounded toward zero, at any scale.
+        assert_eq!(unit([3, -4, 0]), [9830, -13107, 0]);
+        assert_eq!(unit([3 << 50, -4 << 50, 0]), [9830, -13107, 0]);
+        assert_eq!(unit([0; 3]), [0; 3]);
+    }
+
+    #[test]
+    fn angles_are_those_of_the_plane() {
+        for degrees in 0..=180 {
+            let turn = f64::from(degrees).to_radians();
+            let b = [turn.cos(), turn.sin(), 0.0].map(|x| (x * f64::from(U)).round() as i32);
+            let off = angle([U, 0, 0], b) as f64 / 4096.0 - turn;
+            assert!(off.abs() < 0.005, "{degrees} degrees: {off}");
+        }
+    }
+
+    #[test]
+    fn the_octahedron_by_hand() {
+        // Three bits: steps from 0 to 6, the pole at 3.
+        assert_eq!(last(3), 6);
+        assert_eq!(of_octahedron([3, 3], 3), [0, 0, U]);
+        assert_eq!(of_octahedron([6, 3], 3), [U, 0, 0]);
+        assert_eq!(of_octahedron([3, 0], 3), [0, -U, 0]);
+        assert_eq!(of_octahedron([0, 6], 3), [0, 0, -U]);
+        assert_eq!(of_octahedron([5, 3], 3), unit([2, 0, 1]));
+        assert_eq!(of_octahedron([5, 1], 3), unit([1, -1, -1]));
+        assert_eq!(of_octahedron([1, 4], 3), unit([-2, 1, 0]));
+        assert_eq!(on_octahedron([0; 3], 3), [3, 3]);
+    }
+
+    #[test]
+    fn places_within_the_square_come_back() {
+        for bits in [3, 5, 8] {
+            let last = last(bits);
+            for x in 1..last {
+                for y in 1..last {
+                    let v = of_octahedron([x, y], bits);
+                    assert_eq!(on_octahedron(v, bits), [x, y], "{bits} bits");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn folding_mirrors_at_the_rim() {
+        let cases = [
+            ([-1, 2], [1, 4]),
+            ([7, 2], [5, 4]),
+            ([2, -1], [4, 1]),
+            ([2, 7], [4, 5]),
+            ([0, 2], [0, 2]),
+            ([6, 2], [6, 2]),
+            ([2, 0], [2, 0]),
+            ([2, 6], [2, 6]),
+            ([-1, -1], [5, 5]),
+        ];
+        for (place, expected) in cases {
+            assert_eq!(folded(place, 3), expected, "{place:?}");
+        }
+    }
+
+    /// Against a search of all positions within the square or beyond one side of it.
+    #[test]
+    fn the_nearest_name_is_the_nearest() {
+        let last = last(3);
+        let inside = |x: i32| (0..=last).contains(&x);
+        let square = || (0..=last).flat_map(|x| (0..=last).map(move |y| [x, y]));
+        let around = || (-last..=2 * last).flat_map(|x| (-last..=2 * last).map(move |y| [x, y]));
+        for place in square() {
+            let names: Vec<[i32; 2]> = around()
+                .filter(|q| (inside(q[0]) || inside(q[1])) && folded(*q, 3) == place)
+                .collect();
+            for to in square() {
+                let far = |n: [i32; 2]| (n[0] - to[0]).abs() + (n[1] - to[1]).abs();
+                let found = nearest_name(place, to, 3);
+                assert_eq!(folded(found, 3), place);
+                let least = names.iter().map(|n| far(*n)).min();
+                assert_eq!(Some(far(found)), least, "{place:?} to {to:?}");
+            }
+        }
+    }
+}

@@ -222,3 +222,56 @@ impl SameAround {
         is_same
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::range_coder::Encoder;
+    use super::*;
+
+    #[test]
+    fn siblings_are_the_wedges_of_a_point() {
+        let points = [0, 1, 0, 2, 1, 0];
+        let siblings = Siblings::new(3, &points);
+        assert_eq!(siblings.all(2), [0, 2, 5]);
+        assert_eq!(siblings.all(1), [1, 4]);
+        assert_eq!(siblings.all(3), [3]);
+        assert_eq!(siblings.known(5).collect::<Vec<_>>(), [2, 0]);
+        assert_eq!(siblings.known(0).count(), 0);
+        assert_eq!(siblings.at(0, 5).collect::<Vec<_>>(), [0, 2]);
+        assert_eq!(siblings.at(1, 9).collect::<Vec<_>>(), [1, 4]);
+    }
+
+    #[test]
+    fn the_latest_eight_siblings_are_tried() {
+        let siblings = Siblings::new(1, &[0; 10]);
+        let known: Vec<u32> = siblings.known(9).collect();
+        assert_eq!(known, [8, 7, 6, 5, 4, 3, 2, 1]);
+        assert_eq!(siblings.at(0, 10).count(), 8);
+    }
+
+    /// Index of the evidence in which the equality of wedge `w` with its only sibling is coded.
+    fn evidence(points: &[u32], faces: &[[u32; 3]], values: &[i32], w: u32) -> Vec<usize> {
+        let ring = Ring::new(points.len(), faces.to_vec());
+        let siblings = Siblings::new(points.len(), points);
+        let mut same = SameValue::default();
+        let place = (&ring, &siblings);
+        same.code(&mut Encoder::new(), place, (values, w), |_, _| 0);
+        let unused = Bit::default().seen();
+        (0..4)
+            .filter(|e| same.by_ends[0][*e].seen() != unused)
+            .collect()
+    }
+
+    #[test]
+    fn evidence_is_what_the_other_end_shows() {
+        // Two faces over the edge from point 0 to point 2; a seam splits point 0, then both ends.
+        let one_end = ([0, 1, 2, 0, 3], [[0, 1, 2], [3, 2, 4]]);
+        assert_eq!(evidence(&one_end.0, &one_end.1, &[7; 5], 3), [1]);
+        let both_ends = ([0, 1, 2, 2, 0, 3], [[0, 1, 2], [4, 3, 5]]);
+        assert_eq!(evidence(&both_ends.0, &both_ends.1, &[7; 6], 4), [2]);
+        let differ = [7, 7, 7, 8, 7, 7];
+        assert_eq!(evidence(&both_ends.0, &both_ends.1, &differ, 4), [3]);
+        let apart = ([0, 1, 2, 0, 3, 4], [[0, 1, 2], [3, 4, 5]]);
+        assert_eq!(evidence(&apart.0, &apart.1, &[7; 6], 3), [0]);
+    }
+}

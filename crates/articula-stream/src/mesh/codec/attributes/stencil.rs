@@ -261,3 +261,39 @@ fn quotient(a: i128, b: i128) -> i64 {
     let most = i128::from(i64::MAX >> UNIT_BITS);
     (a.clamp(-most, most) as i64) * UNIT / b.max(1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Predictions of the last of four points, whose two faces form a quad with the given corners.
+    fn predictions(corners: [[i32; 3]; 4], values: [i32; 3]) -> [i32; PREDICTORS] {
+        let ring = Ring::new(4, vec![[0, 1, 2], [1, 3, 2]]);
+        let stencils = Stencils::new(&ring, |v| corners[v as usize], 0);
+        assert_eq!(stencils.class(0), 0);
+        stencils.predict(3, |v| [values[v as usize]]).map(|p| p[0])
+    }
+
+    #[test]
+    fn predictors_by_hand() {
+        let square = [[0, 0, 0], [1000, 0, 0], [0, 1000, 0], [1000, 1000, 0]];
+        let [mean, parallelogram, affine, inverse] = predictions(square, [5, 7, 11]);
+        // In sixteenths: (7 + 11) / 2, and 7 + 11 - 5.
+        assert_eq!((mean, parallelogram, inverse), (144, 208, 144));
+        // Weights 2, 2, 1 by squared distance: mean 8.2; along the diagonal the spread is 0.4, with
+        // 2.4 / 64 added; 8.2 + 0.6 * 3.2 / 0.4375 = 12.589.
+        assert!((affine - 201).abs() <= 2, "{affine}");
+        // Distances 10 and 30 weigh 3 to 1: (3 * 11 + 7) / 4 = 10. 2^20 over each is rounded down.
+        let long = [[0, 0, 0], [10, -20, 0], [0, 10, 0], [10, 10, 0]];
+        let inverse = predictions(long, [5, 7, 11])[3];
+        assert!((inverse - 160).abs() <= 1, "{inverse}");
+    }
+
+    #[test]
+    fn quotients_are_scaled() {
+        assert_eq!(quotient(3, 4), UNIT * 3 / 4);
+        assert_eq!(quotient(-3, 4), -UNIT * 3 / 4);
+        assert_eq!(quotient(3 << 60, 4 << 60), UNIT * 3 / 4);
+        assert_eq!(quotient(5, 1 << 20), 0);
+    }
+}

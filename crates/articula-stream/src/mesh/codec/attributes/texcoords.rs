@@ -148,3 +148,37 @@ pub(super) fn code<C: Coder>(
         misses.note(w, &got);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::codec::surface::Surface;
+
+    #[test]
+    fn a_face_keeps_its_shape() {
+        let positions = [[0, 0, 0], [10, 0, 0], [0, 10, 0], [13, 9, 0]];
+        let surface = Surface {
+            faces: &[[0, 1, 2], [1, 3, 2]],
+            wedge_points: &[0, 1, 2, 3],
+            known_points: 0,
+            known_wedges: 0,
+        };
+        let walk = Walk::new(&surface, &positions);
+        // Similar charts, scaled by 2: upright, mirrored, and turned by a right angle.
+        let charts: [fn([i32; 3]) -> [i32; 2]; 3] = [
+            |p| [20 + 2 * p[0], 30 + 2 * p[1]],
+            |p| [60 - 2 * p[0], 30 + 2 * p[1]],
+            |p| [50 - 2 * p[1], 30 + 2 * p[0]],
+        ];
+        for chart in charts {
+            let mut values = positions.map(chart);
+            let expected = values[3].map(|x| x << FRACTION);
+            values[3] = [0; 2];
+            assert_eq!(shaped(&walk, &values, 3), Some(expected));
+            assert_eq!(candidates(&walk, &values, 3)[PREDICTORS], expected);
+            // The third wedge has known neighbours, but no face beyond them.
+            assert_eq!(shaped(&walk, &values, 2), None);
+            assert_eq!(stand_in(&walk, &values, 2), values[1]);
+        }
+    }
+}

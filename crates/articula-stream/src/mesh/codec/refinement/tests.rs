@@ -309,3 +309,24 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn the_limit_counts_every_value() {
+    use super::super::mesh::MorphLayout;
+    let check = |layout: &Layout, elements| check_size(layout, &Bounds { elements }, 5, 7).is_ok();
+    // Points of 3 coordinates, wedges of 8 numbers.
+    let plain = Layout::default();
+    assert!(check(&plain, 5 * 3 + 7 * 8));
+    assert!(!check(&plain, 5 * 3 + 7 * 8 - 1));
+    // A skin is 8 numbers per point, each of two targets 3 per point and 3 per wedge.
+    let full = Layout {
+        joints: 1,
+        morphs: vec![
+            MorphLayout { has_normals: true },
+            MorphLayout { has_normals: false },
+        ],
+        ..Layout::default()
+    };
+    assert!(check(&full, 5 * (3 + 8 + 6) + 7 * (8 + 6)));
+    assert!(!check(&full, 5 * (3 + 8 + 6) + 7 * (8 + 6) - 1));
+}
