@@ -74,14 +74,7 @@ fn face_clips_go_onto_a_head() {
     assert_eq!(missing, [14, 15, 18]);
 
     // Both files of the folder, beside the two clips that the head has.
-    let all = [
-        "convert",
-        "clips/",
-        "b.glb",
-        "--onto",
-        &head,
-        "--keep-clips",
-    ];
+    let all = ["convert", "clips/", "b.glb", "--onto", head, "--keep-clips"];
     let report = json(&here, &all);
     assert_eq!(report["onto"]["clips_kept"], 2);
     assert_eq!(report["onto"]["faces"].as_array().unwrap().len(), 2);
