@@ -56,7 +56,7 @@ fn face_clips_go_onto_a_head() {
     std::fs::copy(speech, clips.join("speech.fap")).unwrap();
     std::fs::write(clips.join("jaw.fap"), fap()).unwrap();
     let head = word(&head);
-    let named = ["convert", "clips/speech.fap", "a.glb", "--onto", &head];
+    let named = ["convert", "clips/speech.fap", "a.glb", "--onto", head];
     let report = json(&here, &named);
     assert_eq!(report["format_in"], "fap");
     let face = &report["onto"]["faces"][0];
