@@ -91,20 +91,22 @@ impl FaceControls {
     }
 }
 
+/// Morph targets with known names; those of one shape, however they spell it, are one control.
 fn morphs(character: &Character) -> Vec<(FapValues, Target)> {
-    let mut found: BTreeMap<&str, (FapValues, Slots)> = BTreeMap::new();
+    let mut found: Vec<(FapValues, Slots)> = Vec::new();
     for (mesh, raw) in character.meshes.iter().enumerate() {
         for (slot, name) in raw.morph_names.iter().enumerate() {
-            if let Some(values) = blend_shape(name) {
-                let entry = found.entry(name).or_insert((values, Slots::new()));
-                entry.1.push((mesh, slot));
+            let Some(values) = blend_shape(name) else {
+                continue;
+            };
+            match found.iter_mut().find(|(known, _)| *known == values) {
+                Some((_, slots)) => slots.push((mesh, slot)),
+                None => found.push((values, vec![(mesh, slot)])),
             }
         }
     }
-    let found = found.into_values();
-    found
-        .map(|(values, slots)| (values, Target::Morphs(slots)))
-        .collect()
+    let target = |(values, slots)| (values, Target::Morphs(slots));
+    found.into_iter().map(target).collect()
 }
 
 /// The expressions that move something and whose name is known.
@@ -136,7 +138,7 @@ mod tests {
     #[test]
     fn meshes_of_a_head_share_a_control() {
         let head = Character {
-            meshes: vec![mesh(&["jawOpen", "wink"]), mesh(&["teeth", "jawOpen"])],
+            meshes: vec![mesh(&["jawOpen", "wink"]), mesh(&["teeth", "Jaw_Open"])],
             ..Character::default()
         };
         let controls = FaceControls::of(&head).unwrap();
