@@ -59,9 +59,9 @@ fn joint_maps(args: &ReadArgs) -> anyhow::Result<Vec<JointMap>> {
 }
 
 /// The warnings of the reader, each with its place in the file.
-pub(crate) fn warnings(opened: &CharacterFile) -> Vec<String> {
-    let warnings = opened.warnings.iter();
+pub(crate) fn warnings(warnings: &[Warning]) -> Vec<String> {
     warnings
+        .iter()
         .map(|w| format!("{}: {}", w.at, advised(w)))
         .collect()
 }

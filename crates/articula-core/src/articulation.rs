@@ -218,6 +218,13 @@ pub struct Articulation {
 }
 
 impl Articulation {
+    /// Returns the index of the first joint that is mapped to an H-Anim joint, by its name.
+    pub fn find(&self, hanim: &str) -> Option<usize> {
+        self.joints
+            .iter()
+            .position(|j| j.hanim.as_deref() == Some(hanim))
+    }
+
     /// Returns the number of joints that are mapped to an H-Anim joint.
     pub fn mapped(&self) -> usize {
         self.joints.iter().filter(|j| j.hanim.is_some()).count()

@@ -12,13 +12,7 @@ pub fn facing(rig: &Rig, rest: &ModelPose) -> f32 {
 
 /// As [`facing`], from the places of the joints at rest.
 pub(crate) fn facing_of(articulation: &Articulation, place: impl Fn(usize) -> Vec3) -> f32 {
-    let joints = &articulation.joints;
-    let place = |name: &str| {
-        let joint = joints
-            .iter()
-            .position(|j| j.hanim.as_deref() == Some(name))?;
-        Some(place(joint))
-    };
+    let place = |name: &str| articulation.find(name).map(&place);
     let across = [("l_hip", "r_hip"), ("l_shoulder", "r_shoulder")]
         .into_iter()
         .filter_map(|(left, right)| Some(place(left)? - place(right)?))

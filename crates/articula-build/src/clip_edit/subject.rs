@@ -66,10 +66,9 @@ impl<'a> EditSubject<'a> {
     /// The joint that carries the body: the root of the humanoid, its sacroiliac where no joint is
     /// mapped to the root, else the first joint of the skin.
     pub(super) fn hips(&self) -> usize {
-        let joints = &self.rig.articulation().joints;
-        let named = |name: &str| joints.iter().position(|j| j.hanim.as_deref() == Some(name));
-        named("humanoid_root")
-            .or_else(|| named("sacroiliac"))
+        let joints = self.rig.articulation();
+        let root = joints.find("humanoid_root");
+        root.or_else(|| joints.find("sacroiliac"))
             .unwrap_or(self.rig.root())
     }
 

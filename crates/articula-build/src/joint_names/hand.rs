@@ -3,7 +3,6 @@
 //! Source: WebXR Hand Input, where a joint's -Z points to the finger tip and +Y out of the back of
 //! the hand; seen from above, the thumb of a left hand is then at +X of its wrist.
 
-use super::rest;
 use articula_core::joint_names::{Side, folded};
 use articula_core::source::Skeleton;
 
@@ -24,7 +23,7 @@ pub(super) fn side_of(skeleton: &Skeleton, wrist: Option<usize>, thumb: Option<u
     let (Some(wrist), Some(thumb)) = (wrist, thumb) else {
         return Side::Left;
     };
-    let matrices = rest::matrices(skeleton);
+    let matrices = skeleton.model_rest();
     let wrist_from_model = matrices[wrist].inverse();
     let thumb_in_wrist = wrist_from_model.transform_point3a(matrices[thumb].translation);
     if thumb_in_wrist.x < 0.0 {

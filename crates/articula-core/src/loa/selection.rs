@@ -159,12 +159,8 @@ pub fn zone(rig: &Rig, zone: Zone) -> JointSet {
 /// # Errors
 /// [`UnknownJoint`] if there is no such joint.
 pub fn joint(rig: &Rig, name: &str) -> Result<usize, UnknownJoint> {
-    let by_hanim = || {
-        let joints = &rig.articulation().joints;
-        joints.iter().position(|j| j.hanim.as_deref() == Some(name))
-    };
     rig.find(name)
-        .or_else(by_hanim)
+        .or_else(|| rig.articulation().find(name))
         .ok_or_else(|| UnknownJoint(name.to_owned()))
 }
 

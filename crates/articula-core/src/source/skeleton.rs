@@ -2,6 +2,7 @@
 
 use crate::local_extent::{RestJoint, local_extents};
 use crate::math::Transform;
+use glam::Affine3A;
 
 /// One joint of a [`Skeleton`].
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +35,18 @@ impl Skeleton {
             in_skin: joint.in_skin,
         };
         local_extents(&self.joints.iter().map(joint).collect::<Vec<_>>())
+    }
+
+    /// Returns the rest transform of every joint in model space, in metres. A joint whose parent does
+    /// not come before it counts as a root.
+    pub fn model_rest(&self) -> Vec<Affine3A> {
+        let mut model: Vec<Affine3A> = Vec::with_capacity(self.joints.len());
+        for joint in &self.joints {
+            let above = joint.parent.and_then(|p| model.get(p)).copied();
+            let above = above.unwrap_or(Affine3A::IDENTITY);
+            model.push(above * joint.rest.to_affine());
+        }
+        model
     }
 
     /// Returns the index of the first joint with this name.

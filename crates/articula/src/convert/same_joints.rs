@@ -89,14 +89,14 @@ struct Rests<'a> {
 
 impl<'a> Rests<'a> {
     fn new(from: &'a Skeleton, onto: &'a Skeleton) -> Self {
-        let onto_model = model(onto);
+        let onto_model = onto.model_rest();
         let places = || onto_model.iter().map(|m| Vec3::from(m.translation));
         let low = places().fold(Vec3::INFINITY, Vec3::min);
         let high = places().fold(Vec3::NEG_INFINITY, Vec3::max);
         Self {
             from,
             onto,
-            from_model: model(from),
+            from_model: from.model_rest(),
             far_metres: LENGTH * (high - low).length(),
             onto_model,
         }
@@ -128,17 +128,6 @@ impl<'a> Rests<'a> {
             && angle_between(a.rotation, b.rotation) <= RADIANS
             && a.scale.distance(b.scale) <= SCALE * b.scale.length()
     }
-}
-
-/// Rest transform of every joint in model space; parents come before children.
-pub(super) fn model(skeleton: &Skeleton) -> Vec<Affine3A> {
-    let mut model: Vec<Affine3A> = Vec::with_capacity(skeleton.joints.len());
-    for joint in &skeleton.joints {
-        let above = joint.parent.and_then(|p| model.get(p)).copied();
-        let above = above.unwrap_or(Affine3A::IDENTITY);
-        model.push(above * joint.rest.to_affine());
-    }
-    model
 }
 
 #[cfg(test)]

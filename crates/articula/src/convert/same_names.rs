@@ -7,7 +7,7 @@
 //! Translations of joints that move are differences from the rest pose, turned likewise and scaled
 //! by the ratio of the lengths of both skeletons.
 
-use super::same_joints::{model, named};
+use super::same_joints::named;
 use articula_core::source::{Channel, Interpolation, Property, RawClip, Skeleton};
 use glam::{Affine3A, Mat3A, Quat, Vec3, Vec3A, Vec4};
 use std::collections::BTreeSet;
@@ -63,7 +63,7 @@ impl Rests {
             rotations.push((above * joint.rest.rotation).normalize());
         }
         Self {
-            model: model(skeleton),
+            model: skeleton.model_rest(),
             rotations,
         }
     }
@@ -374,7 +374,7 @@ mod tests {
                 _ => rest.scale = Vec3::from_slice(value),
             }
         }
-        model(&posed)
+        posed.model_rest()
     }
 
     #[test]

@@ -79,7 +79,9 @@ pub struct NotDriven {
 /// parameters most closely in millimetres (`docs/methods/faces.md`). `file` names the clip's file.
 ///
 /// # Errors
-/// [`Error::Unsupported`] if the clip has no frame or nothing of the character's face is known.
+/// [`Error::Unsupported`] if the clip has no frame or nothing of the character's face is known, and
+/// an error as from [`bake`] if an expression refers to something that does not exist or the clip
+/// would exceed the memory limit.
 pub fn fit_face(clip: &FapClip, file: &str, character: &CharacterFile) -> Result<FittedFace> {
     let Some(first) = clip.frames.first() else {
         return Err(Error::unsuited("the file has no frame")).context(file);
@@ -101,7 +103,7 @@ pub fn fit_face(clip: &FapClip, file: &str, character: &CharacterFile) -> Result
     turns.retain(|turn| turn.moves(&values));
 
     let is_driven = |fap: usize| controls.bridge.moves(fap) || turns.iter().any(|t| t.has(fap));
-    let not_driven = (LOW_FAPS).filter(|fap| moving[fap - LOW_FAPS.start()] && !is_driven(*fap));
+    let not_driven = LOW_FAPS.filter(|fap| moving[fap - LOW_FAPS.start()] && !is_driven(*fap));
     let not_driven = not_driven.map(|fap| NotDriven {
         fap,
         name: TABLE[fap - 1].name,
@@ -110,9 +112,13 @@ pub fn fit_face(clip: &FapClip, file: &str, character: &CharacterFile) -> Result
             .fold(0.0, |most, v| v.get(fap).abs().max(most))
             * unit_mm(fap),
     });
+    let judged: Vec<usize> = LOW_FAPS
+        .filter(|fap| moving[fap - LOW_FAPS.start()] && controls.bridge.moves(*fap))
+        .collect();
+    let errors = Errors::of(&judged, &shown, &times);
     let stem = Path::new(file).file_stem().unwrap_or_default();
     let name = stem.to_string_lossy().into_owned();
-    let mut report = FaceTransfer {
+    let report = FaceTransfer {
         file: file.to_owned(),
         name: name.clone(),
         duration_secs: times.last().copied().unwrap_or(0.0),
@@ -125,15 +131,11 @@ pub fn fit_face(clip: &FapClip, file: &str, character: &CharacterFile) -> Result
         joints: turns.iter().map(|turn| turn.name(character)).collect(),
         faps_moving: moving.iter().filter(|m| **m).count(),
         not_driven: not_driven.collect(),
-        error_mm_mean: 0.0,
-        error_mm_max: 0.0,
-        error_fap: None,
-        error_at_secs: 0.0,
+        error_mm_mean: errors.mean_mm,
+        error_mm_max: errors.max_mm,
+        error_fap: errors.fap,
+        error_at_secs: errors.at_secs,
     };
-    let judged: Vec<usize> = (0..LOW_FAP_COUNT)
-        .filter(|i| moving[*i] && controls.bridge.moves(LOW_FAPS.start() + i))
-        .collect();
-    report.judge(&judged, &shown, &times);
 
     let weights: Vec<Vec<f32>> = shown.into_iter().map(|s| s.weights).collect();
     let mut channels = controls.channels(&character.character, &times, &weights);
@@ -162,22 +164,34 @@ pub fn fit_face(clip: &FapClip, file: &str, character: &CharacterFile) -> Result
     })
 }
 
-impl FaceTransfer {
-    /// Notes the errors of parameters, by their indices.
-    fn judge(&mut self, judged: &[usize], shown: &[ShownFace], times: &[f32]) {
+/// Errors of the parameters that a face shows.
+#[derive(Default)]
+struct Errors {
+    mean_mm: f32,
+    max_mm: f32,
+    /// Number of the parameter with the greatest error, and its time.
+    fap: Option<usize>,
+    at_secs: f32,
+}
+
+impl Errors {
+    /// Those of some parameters, by their numbers, over all frames.
+    fn of(faps: &[usize], shown: &[ShownFace], times_secs: &[f32]) -> Self {
+        let mut errors = Self::default();
         let mut sum = 0.0;
-        for (face, time) in shown.iter().zip(times) {
-            for index in judged {
-                let error = face.error_mm[*index].abs();
+        for (face, time) in shown.iter().zip(times_secs) {
+            for fap in faps {
+                let error = face.error_mm[fap - LOW_FAPS.start()].abs();
                 sum += f64::from(error);
-                if error > self.error_mm_max {
-                    self.error_mm_max = error;
-                    self.error_fap = Some(LOW_FAPS.start() + index);
-                    self.error_at_secs = *time;
+                if error > errors.max_mm {
+                    errors.max_mm = error;
+                    errors.fap = Some(*fap);
+                    errors.at_secs = *time;
                 }
             }
         }
-        self.error_mm_mean = (sum / (judged.len() * shown.len()).max(1) as f64) as f32;
+        errors.mean_mm = (sum / (faps.len() * shown.len()).max(1) as f64) as f32;
+        errors
     }
 }
 

@@ -4,7 +4,7 @@ use crate::facing::facing_of;
 use crate::open::CharacterFile;
 use articula_build::face::FapValues;
 use articula_core::source::{Channel, Interpolation, Property};
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Quat, Vec3};
 
 /// Radians of an angle unit.
 const ANGLE_UNIT: f32 = 1e-5;
@@ -30,21 +30,16 @@ pub(super) fn turns(character: &CharacterFile, eyes: bool) -> Vec<Turn> {
     ];
     let articulation = character.articulation();
     let joints = &character.character.skeleton.joints;
-    let mut model: Vec<Affine3A> = Vec::with_capacity(joints.len());
     let mut turned: Vec<Quat> = Vec::with_capacity(joints.len());
     for joint in joints {
-        let above = joint.parent.map(|p| (model[p], turned[p]));
-        let (place, turn) = above.unwrap_or((Affine3A::IDENTITY, Quat::IDENTITY));
-        model.push(place * joint.rest.to_affine());
-        turned.push((turn * joint.rest.rotation).normalize());
+        let above = joint.parent.map_or(Quat::IDENTITY, |p| turned[p]);
+        turned.push((above * joint.rest.rotation).normalize());
     }
+    let model = character.character.skeleton.model_rest();
     let facing = facing_of(&articulation, |joint| Vec3::from(model[joint].translation));
     let parts = &PARTS[..if eyes { 3 } else { 1 }];
     let found = parts.iter().filter_map(|(name, faps)| {
-        let joint = articulation
-            .joints
-            .iter()
-            .position(|j| j.hanim.as_deref() == Some(*name))?;
+        let joint = articulation.find(name)?;
         let parent = joints[joint].parent.map_or(Quat::IDENTITY, |p| turned[p]);
         Some(Turn {
             joint,

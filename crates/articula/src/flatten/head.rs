@@ -127,9 +127,8 @@ impl<'a> FramedHead<'a> {
 
 /// Joints that turn the head, from the lowest neck joint up; empty if unknown.
 fn head_joints(figure: &Figure) -> Vec<usize> {
-    let joints = &figure.asset.rig.articulation().joints;
-    let named = |name: &&str| joints.iter().position(|j| j.hanim.as_deref() == Some(name));
-    let mut found: Vec<usize> = NECK.iter().filter_map(named).collect();
+    let joints = figure.asset.rig.articulation();
+    let mut found: Vec<usize> = NECK.iter().filter_map(|name| joints.find(name)).collect();
     found.sort_unstable();
     found.dedup();
     found

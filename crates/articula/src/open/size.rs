@@ -3,7 +3,7 @@
 use super::CharacterFile;
 use articula_core::{Articulation, Region};
 use articula_formats::{Assumption, Warning};
-use glam::{Affine3A, Vec3A};
+use glam::Vec3A;
 use std::ops::RangeInclusive;
 
 /// Heights of human figures at rest, from a small child to a giant of a game, in metres.
@@ -20,7 +20,8 @@ pub(super) fn unusual(opened: &CharacterFile) -> Option<Warning> {
     if known.filter(|j| j.region == Region::Legs).count() < MIN_LEG_JOINTS {
         return None;
     }
-    let places = places(opened);
+    let model = opened.character.skeleton.model_rest();
+    let places: Vec<Vec3A> = model.iter().map(|joint| joint.translation).collect();
     let bones = bone_metres(opened, &articulation, &places);
     let (height, measured) = match height_metres(&articulation, &places) {
         height if height < STANDING * bones => (bones, "by its bones"),
@@ -40,17 +41,6 @@ pub(super) fn unusual(opened: &CharacterFile) -> Option<Warning> {
         what,
         guess: Some(Assumption::Unit),
     })
-}
-
-/// Places of the joints at rest, in model space.
-fn places(opened: &CharacterFile) -> Vec<Vec3A> {
-    let joints = &opened.character.skeleton.joints;
-    let mut model: Vec<Affine3A> = Vec::with_capacity(joints.len());
-    for joint in joints {
-        let above = joint.parent.map_or(Affine3A::IDENTITY, |p| model[p]);
-        model.push(above * joint.rest.to_affine());
-    }
-    model.iter().map(|place| place.translation).collect()
 }
 
 /// Height of the joints that a map knows, at rest.

@@ -139,7 +139,7 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     let mut report = BuildReport::new(args, out, &built);
     report.added = added;
     for motion in &motions {
-        let warnings = open::warnings(motion).into_iter();
+        let warnings = open::warnings(&motion.warnings).into_iter();
         let warnings = warnings.map(|w| format!("{}: {w}", motion.name));
         report.warnings.extend(warnings);
     }
@@ -213,7 +213,7 @@ impl BuildReport {
             mesh_stream: args.mesh_levels.mesh_stream.as_deref().map(files::shown),
             warnings: {
                 let of_levels = made.map(|l| l.warnings.clone()).unwrap_or_default();
-                let mut warnings = open::warnings(&figure.opened);
+                let mut warnings = open::warnings(&figure.opened.warnings);
                 warnings.extend(of_levels);
                 warnings
             },

@@ -29,7 +29,6 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         _ => Vec::new(),
     };
     let left_out = written.left_out.iter();
-    let warnings = opened.warnings.iter();
     let report = ConvertReport {
         input: files::shown(input),
         out: files::shown(&args.out),
@@ -47,7 +46,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         reduction: None,
         mesh: None,
         written: Vec::new(),
-        warnings: warnings.map(|w| format!("{}: {}", w.at, w.what)).collect(),
+        warnings: open::warnings(&opened.warnings),
         failed: Vec::new(),
     };
     console.result(&report, |report| report.text(false))

@@ -69,7 +69,7 @@ impl Recipe<'_> {
         let mut report = ConvertReport::new(job, opened.name.clone());
         report.format_in = opened.format.name().to_owned();
         report.bytes_in = opened.bytes;
-        report.warnings = open::warnings(&opened);
+        report.warnings = open::warnings(&opened.warnings);
         Ok((opened, report))
     }
 
@@ -82,7 +82,7 @@ impl Recipe<'_> {
     ) -> anyhow::Result<Option<(CharacterFile, ConvertReport)>> {
         self.options(None).check(hero.opened.format, job.format)?;
         let mut report = ConvertReport::new(job, job.named.clone());
-        report.warnings = open::warnings(&hero.opened);
+        report.warnings = open::warnings(&hero.opened.warnings);
         let motions = |input: &Input| {
             let motions = hero.motions(input, self.args, self.files);
             self.bar.inc(1);

@@ -115,7 +115,7 @@ impl Hero {
         }
         let fitted = fit_clips(&source, &self.opened, &self.options)?;
         let report = TransferReport::new(&source, &self.opened, &fitted);
-        let warnings = open::warnings(&source);
+        let warnings = open::warnings(&source.warnings);
         let warnings = warnings
             .into_iter()
             .map(|w| format!("{}: {w}", source.name));
@@ -134,16 +134,17 @@ impl Hero {
         let format = DataFormat::Fap;
         let read = open::data(&input.path, format, &args.names)?;
         let name = files::shown(&input.path);
-        let Data::Fap(clip) = &read.data else {
+        let Data::Fap(mut clip) = read.data else {
             anyhow::bail!("{name}: {}", format.advice());
         };
-        let FittedFace { fitted, report } = fit_face(clip, &name, &self.opened)?;
-        let warnings = read.warnings.iter();
+        if args.skip_first_frame && clip.frames.len() > 1 {
+            clip.frames.remove(0);
+        }
+        let FittedFace { fitted, report } = fit_face(&clip, &name, &self.opened)?;
+        let warnings = open::warnings(&read.warnings).into_iter();
         Ok(Motions {
             fitted: vec![fitted],
-            warnings: warnings
-                .map(|w| format!("{name}: {}: {}", w.at, w.what))
-                .collect(),
+            warnings: warnings.map(|w| format!("{name}: {w}")).collect(),
             format: format.name(),
             bytes: read.bytes,
             report: MotionReport::Face(report),
@@ -169,7 +170,7 @@ pub(super) const COLUMNS: [&str; 12] = [
 
 /// One row of the table of clips.
 pub(super) fn row(motion: &TransferReport, clip: &TransferredClipReport) -> [String; 12] {
-    let [name, file] = [clip.name.clone(), file_name(motion)];
+    let [name, file] = [clip.name.clone(), file_name(&motion.input)];
     let seconds = format!("{:.2}", clip.duration_secs);
     let scale = format!("{:.2}", motion.scale);
     let Some(quality) = &clip.quality else {
@@ -244,14 +245,14 @@ pub(super) fn joints_line(motion: &TransferReport) -> String {
         let (followed, dropped) = (motion.joints_mapped, motion.dropped.len());
         return format!(
             "{}: retargeted by joint names: {followed} of {} moving joints are followed, scale {:.2}\n",
-            clean(&file_name(motion)),
+            clean(&file_name(&motion.input)),
             followed + dropped,
             motion.scale
         );
     }
     format!(
         "{}: {} joints mapped, {} shared, {} held; {} dropped\n",
-        clean(&file_name(motion)),
+        clean(&file_name(&motion.input)),
         motion.joints_mapped,
         motion.joints_shared,
         motion.joints_held,
@@ -273,12 +274,9 @@ pub(super) fn is_like(motion: &TransferReport, other: &TransferReport) -> bool {
     counts(motion) == counts(other)
 }
 
-fn file_name(motion: &TransferReport) -> String {
-    let name = Path::new(&motion.input).file_name();
-    name.map_or_else(
-        || motion.input.clone(),
-        |n| n.to_string_lossy().into_owned(),
-    )
+fn file_name(path: &str) -> String {
+    let name = Path::new(path).file_name();
+    name.map_or_else(|| path.to_owned(), |n| n.to_string_lossy().into_owned())
 }
 
 /// Table of the source of every joint's motion.
@@ -317,7 +315,6 @@ pub(super) const FACE_COLUMNS: [&str; 9] = [
 
 /// One row of the table of face clips.
 pub(super) fn face_row(face: &FaceTransfer) -> [String; 9] {
-    let file = Path::new(&face.file).file_name().unwrap_or_default();
     let controls = if face.morphs {
         "morph targets"
     } else {
@@ -332,7 +329,7 @@ pub(super) fn face_row(face: &FaceTransfer) -> [String; 9] {
     };
     [
         face.name.clone(),
-        file.to_string_lossy().into_owned(),
+        file_name(&face.file),
         format!("{:.2}", face.duration_secs),
         format!("{} of {} {controls}", face.controls_moved, face.controls),
         face.joints.len().to_string(),

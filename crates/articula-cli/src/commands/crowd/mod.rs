@@ -199,7 +199,7 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     let start = Instant::now();
     let figure = open::figure(&console.files, &args.character)?;
     let place = figure.opened.name.clone();
-    let mut warnings = open::warnings(&figure.opened);
+    let mut warnings = open::warnings(&figure.opened.warnings);
     let options = args.options(&figure.asset.clips)?;
     let asset = console.work(|work| CrowdAsset::new(&figure, &options, work))?;
     let ready_ms = start.elapsed().as_secs_f64() * 1e3;

@@ -61,7 +61,7 @@ impl LodReport {
             azimuths_deg: scene.setup.azimuths_deg.clone(),
             rows: tables.iter().flat_map(|t| t.rows.clone()).collect(),
             warnings: {
-                let mut warnings = open::warnings(&scene.figure.opened);
+                let mut warnings = open::warnings(&scene.figure.opened.warnings);
                 warnings.extend(MotionTables::stored(scene.figure, scene.clip).warnings);
                 warnings
             },
@@ -107,7 +107,7 @@ impl LodReport {
             costs: None,
             written: Vec::new(),
             warnings: std::iter::once("the file has no clip: rest pose only".into())
-                .chain(open::warnings(&figure.opened))
+                .chain(open::warnings(&figure.opened.warnings))
                 .collect(),
         }
     }

@@ -127,10 +127,7 @@ fn seen(subject: &Subject, moment: &SkinnedMesh, view: View) -> Option<(Bounds, 
     let of = |vertices: &mut dyn Iterator<Item = usize>| {
         Bounds::around(vertices.map(|v| (positions[v], positions[v])))
     };
-    let joint = |name: &str| {
-        let joints = &rig.articulation().joints;
-        joints.iter().position(|j| j.hanim.as_deref() == Some(name))
-    };
+    let joint = |name: &str| rig.articulation().find(name);
     let follows = |v: usize, joint: usize| {
         let below = mesh
             .influences_of(v)

@@ -184,8 +184,7 @@ impl Played {
     }
 
     fn joint(&self, name: &str) -> Option<usize> {
-        let joints = &self.rig.articulation().joints;
-        joints.iter().position(|j| j.hanim.as_deref() == Some(name))
+        self.rig.articulation().find(name)
     }
 }
 

@@ -132,10 +132,6 @@ fn facing(rig: &Rig, model: &ModelPose) -> f32 {
 
 /// The left and the right hip.
 fn hips(rig: &Rig, model: &ModelPose) -> Option<(Vec3, Vec3)> {
-    let joints = &rig.articulation().joints;
-    let place = |name: &str| {
-        let joint = joints.iter().position(|j| j.hanim.as_deref() == Some(name));
-        joint.map(|j| model.position(j))
-    };
+    let place = |name: &str| rig.articulation().find(name).map(|j| model.position(j));
     place("l_hip").zip(place("r_hip"))
 }
