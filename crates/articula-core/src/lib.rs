@@ -65,6 +65,7 @@ pub mod batch;
 pub mod budget;
 pub mod crowd;
 pub mod fap_table;
+pub mod feature_points;
 pub mod hanim_table;
 pub mod joint_names;
 pub mod joint_state;

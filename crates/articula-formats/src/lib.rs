@@ -12,6 +12,7 @@
 //! - [`mpeg4`]: FAP, BAP, EPF and FDP text
 //! - [`x3d`]: H-Anim figures in X3D and VRML97; read both, write X3D
 //! - [`joint_map`]: joint maps, from joint name to H-Anim joint, level and region
+//! - [`face_points`]: feature points of a face
 //! - [`loa_profile`]: a saved selection of levels of articulation
 //! - [`write_key_table`], [`write_pose_keys`]: motion-error tables as bytes
 //! - [`Limits`], [`ReadError`], [`Warning`]: bounds on input, errors, repairs
@@ -45,6 +46,7 @@ pub mod bva;
 pub mod bvh;
 mod error;
 mod euler;
+pub mod face_points;
 pub mod gltf;
 pub mod joint_map;
 mod limits;

@@ -69,6 +69,8 @@ enum Table {
     MeshLevels(Choice),
     /// Conversion to 2D: bytes and errors of every profile, beside the thesis' form.
     Flat(flat::Choice),
+    /// Feature points of faces: errors on random heads with landmarks.
+    FacePoints,
     /// All tables, one after the other; names and times go to standard error.
     All,
 }
@@ -106,6 +108,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::Flat(choice) => flat::write(run, choice),
         Table::RoundTrips => tables::round_trips::write(run),
         Table::Retargets(pictures) => tables::retargets::write(run, pictures),
+        Table::FacePoints => tables::face_points::write(run),
         Table::All => all(run),
     }
 }

@@ -6,6 +6,7 @@
 //!   renders a part of it
 //! - [`draw_skeleton`]: draws joints over an existing picture; [`influencing_joints`]: selects the joints
 //!   that move vertices
+//! - [`face_sheet`]: a face with its feature points
 //! - [`facet_sheet`]: a mesh at several choices of levels, every triangle visible
 //! - [`CrowdPicture`]: renders a crowd, coloured by level
 //! - [`motion_sheet`], [`camera_path_sheet`], [`rest_sheet`]: a clip under motion level of detail
@@ -33,6 +34,7 @@
 mod artist;
 mod contact_sheet;
 mod crowd;
+mod face_sheet;
 mod facet_sheet;
 mod motion_sheet;
 mod paint;
@@ -42,6 +44,7 @@ mod skeleton;
 pub use artist::{Artist, close_up, evenly_spaced_frames};
 pub use contact_sheet::{ContactSheet, SheetCell, SheetRow, SheetTile};
 pub use crowd::CrowdPicture;
+pub use face_sheet::{FaceMark, face_sheet};
 pub use facet_sheet::{FacetRow, facet_sheet};
 pub use motion_sheet::{MotionLine, camera_path_sheet, motion_sheet, rest_sheet};
 pub use plot::{

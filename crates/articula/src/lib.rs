@@ -51,6 +51,7 @@ mod figure;
 pub mod flatten;
 #[cfg(not(target_family = "wasm"))]
 pub mod fs;
+mod head;
 pub mod inspect;
 mod joint_map;
 mod keep_meshes;

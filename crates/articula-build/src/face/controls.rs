@@ -33,6 +33,16 @@ pub fn blend_shape(name: &str) -> Option<FapValues> {
     Some(values)
 }
 
+/// Returns the name in ARKit of a blend shape in any of the spellings of [`blend_shape`]; `None` for
+/// any other name, halves of a shape among them.
+pub fn arkit_name(name: &str) -> Option<&'static str> {
+    let plain = plain(name)?;
+    let shape = BLEND_SHAPES
+        .iter()
+        .find(|s| s.name.eq_ignore_ascii_case(&plain))?;
+    Some(shape.name)
+}
+
 /// Letters in lower case, with a side at the end spelled out; `None` for a name without letters.
 fn plain(name: &str) -> Option<String> {
     let is_side = |side: &str| {

@@ -5,16 +5,21 @@
 //! - `controls`: the parameters that a blend shape or a VRM expression amounts to, by its name
 //! - `bridge`: weights of controls to parameters, and back by bounded least squares
 //! - `bounded`: the least-squares solver
+//! - `points`: the feature points of a face on its mesh
+//! - `dense`: dense systems of linear equations
 //!
 //! Method and values: `docs/methods/faces.md`.
 
 mod bounded;
 mod bridge;
 mod controls;
+mod dense;
 mod fap_values;
 mod high_level;
+mod points;
 
 pub use bridge::{FaceBridge, FaceSolver, ShownFace};
-pub use controls::{blend_shape, vrm_preset};
+pub use controls::{arkit_name, blend_shape, vrm_preset};
 pub use fap_values::{FapValues, unit_mm};
 pub use high_level::{add_expression, add_viseme};
+pub use points::{FacePoint, FacePoints, FaceSurface, FaceUnits, NoFace, PointSource, UnitRatio};

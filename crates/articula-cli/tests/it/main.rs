@@ -18,6 +18,7 @@ mod clips;
 mod compressed_oracle;
 mod conversion;
 mod crowd;
+mod faces;
 mod flatten;
 mod flatten_browser;
 mod flatten_judged;

@@ -1,11 +1,16 @@
 //! Faces driven by facial animation parameters (FAP) of MPEG-4.
 //!
 //! - `controls`: the morph targets or expressions of a face whose effect is known
+//! - `surface`: the head as a surface
+//! - `points`: the feature points found on it
 //! - `turns`: head and eyes, which turn
 //! - `fit`: a FAP clip as a clip of a character
 
 mod controls;
 mod fit;
+mod points;
+mod surface;
 mod turns;
 
 pub use fit::{FaceTransfer, FittedFace, NotDriven, fit_face};
+pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout, fdp_points};

@@ -5,6 +5,7 @@ use super::judged::RegionWeights;
 use crate::error::{Error, Result};
 use crate::facing::facing;
 use crate::figure::Figure;
+use crate::head::{head_joints, head_vertices};
 use articula_build::decimate;
 use articula_core::{Camera, ModelPose, PosedMesh, Region, Viewport, local_to_model};
 use articula_flat::flatten::JudgedRegion;
@@ -14,21 +15,8 @@ use glam::Vec3;
 
 /// Margin around the head as a fraction of its height: hair above, neck and shoulders below.
 const AROUND: f32 = 0.12;
-/// A vertex belongs to the head if its weights of head joints exceed this sum.
-const OF_HEAD: f32 = 0.5;
-/// H-Anim joints from the neck to the skull, vertebrae included.
-const NECK: [&str; 9] = [
-    "vc7",
-    "vc6",
-    "vc5",
-    "vc4",
-    "vc3",
-    "vc2",
-    "vc1",
-    "skullbase",
-    "skull",
-];
-
+/// A vertex belongs to the hands if its weights of their joints exceed this sum.
+const OF_HANDS: f32 = 0.5;
 /// A head framed by a camera, ready for making a portrait.
 pub struct FramedHead<'a> {
     figure: &'a Figure,
@@ -66,7 +54,7 @@ impl<'a> FramedHead<'a> {
             .skinned(&asset.mesh.morph_weights)
             .positions;
         let joints = head_joints(figure);
-        let of_head = vertices_of(figure, &joints);
+        let of_head = head_vertices(figure, &joints);
         let shown = rest
             .iter()
             .zip(&of_head)
@@ -125,15 +113,6 @@ impl<'a> FramedHead<'a> {
     }
 }
 
-/// Joints that turn the head, from the lowest neck joint up; empty if unknown.
-fn head_joints(figure: &Figure) -> Vec<usize> {
-    let joints = figure.asset.rig.articulation();
-    let mut found: Vec<usize> = NECK.iter().filter_map(|name| joints.find(name)).collect();
-    found.sort_unstable();
-    found.dedup();
-    found
-}
-
 /// Region of each vertex: the face is what the head's last joint moves or, in a file without one,
 /// what morph targets move; hands are what joints below the wrists move.
 pub(super) fn judged_regions(figure: &Figure) -> Vec<JudgedRegion> {
@@ -147,7 +126,7 @@ pub(super) fn judged_regions(figure: &Figure) -> Vec<JudgedRegion> {
             .filter(|(j, _)| is_hand(*j))
             .map(|(_, w)| w)
             .sum();
-        if of_hands > OF_HEAD {
+        if of_hands > OF_HANDS {
             *region = JudgedRegion::Hands;
         }
     }
@@ -159,7 +138,7 @@ pub(super) fn judged_regions(figure: &Figure) -> Vec<JudgedRegion> {
             }
         }
     } else {
-        for (region, of_head) in regions.iter_mut().zip(vertices_of(figure, &head)) {
+        for (region, of_head) in regions.iter_mut().zip(head_vertices(figure, &head)) {
             if of_head {
                 *region = JudgedRegion::Face;
             }
@@ -176,21 +155,6 @@ pub(super) fn vertex_weights(regions: &[JudgedRegion], weights: RegionWeights) -
         JudgedRegion::Body => 1.0,
     };
     regions.iter().map(of).collect()
-}
-
-/// Marks the vertices moved by the head's last joint and its descendants; all vertices without such
-/// a joint.
-fn vertices_of(figure: &Figure, joints: &[usize]) -> Vec<bool> {
-    let asset = &figure.asset;
-    let Some(head) = joints.last() else {
-        return vec![true; asset.mesh.len()];
-    };
-    let weight = |v: usize| -> f32 {
-        let influences = asset.mesh.influences_of(v);
-        let of_head = influences.filter(|(joint, _)| asset.rig.is_at_or_below(*joint, *head));
-        of_head.map(|(_, weight)| weight).sum()
-    };
-    (0..asset.mesh.len()).map(|v| weight(v) > OF_HEAD).collect()
 }
 
 /// A camera in front of the head, with a margin around it.

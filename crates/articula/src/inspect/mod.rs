@@ -26,6 +26,7 @@ pub use mesh_levels::{CoarserMesh, MeshLevelInspection, MeshLevelsInspection};
 pub use stream::{StreamInspection, StreamLevel, inspect_stream};
 
 use crate::error::Result;
+use crate::face::FaceLayout;
 use crate::figure::Figure;
 use crate::motion_tables::StoredTables;
 use crate::work::Executor;
@@ -69,6 +70,8 @@ pub struct Inspection {
     pub images: usize,
     /// Face animation data.
     pub face: Option<FaceInspection>,
+    /// Feature points; null unless they were asked for ([`face_layout`](crate::face::face_layout)).
+    pub face_layout: Option<FaceLayout>,
     /// Height of the skinned rest pose, in metres.
     pub height_m: Option<f32>,
     /// Bounding box of the skinned rest pose.
@@ -245,6 +248,7 @@ pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<
         clips: measured,
         meshes: character.meshes.iter().map(mesh_of).collect(),
         joint_levels: None,
+        face_layout: None,
         mesh_levels: {
             let table = character.mesh_levels.as_ref();
             table.map(|table| mesh_levels::of(table, &character.meshes))

@@ -1,6 +1,7 @@
 //! `articula inspect FILE`: prints the contents of a file and warns about irregularities.
 
 mod data;
+mod face;
 mod human;
 mod joint_levels;
 mod mesh_levels;
@@ -36,6 +37,8 @@ pub(crate) struct InspectArgs {
     /// --joint-map
     #[arg(long, value_name = "F.json")]
     write_joint_map: Option<PathBuf>,
+    #[command(flatten)]
+    face: face::FaceArgs,
     /// Name of the only clip to report
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
@@ -44,16 +47,14 @@ pub(crate) struct InspectArgs {
 /// Reads the file and prints its contents.
 pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
     let outputs = args.write_joint_map.iter().map(PathBuf::as_path);
-    console.files.plan(args.character.inputs(), outputs)?;
+    let outputs = outputs.chain(args.face.outputs());
+    let inputs = args.character.inputs().chain(args.face.input());
+    console.files.plan(inputs, outputs)?;
+    args.face.check()?;
     let is_stream = stream::is_one(&args.character.file);
     let data_format = files::data_format(&args.character.file);
-    if args.joint_levels && (is_stream || data_format.is_some()) {
-        let what = "--joint-levels lists levels of a character; this file has no joints";
-        return Err(fault::usage(what));
-    }
-    if args.write_joint_map.is_some() && (is_stream || data_format.is_some()) {
-        let what = "--write-joint-map writes the joints of a character; this file has no joints";
-        return Err(fault::usage(what));
+    if is_stream || data_format.is_some() {
+        check_without_joints(args)?;
     }
     if let Some(format) = data_format {
         if args.clip.is_some() {
@@ -94,6 +95,11 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         let found = console.work(|work| joint_levels(&figure, &clips, far_from_metres, work))?;
         findings.joint_levels = Some(found);
     }
+    if args.face.asks() {
+        let (layout, written) = args.face.run(&figure, console)?;
+        findings.face_layout = Some(layout);
+        findings.written.extend(written);
+    }
     findings.warnings.extend(unused_map(args, &figure));
     if let Some(path) = &args.write_joint_map {
         let made = rig_joint_map(&figure.opened)?;
@@ -112,6 +118,20 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         findings.written.push(shown);
     }
     console.result(&findings, |found| text::of(found, args.map))
+}
+
+/// Refuses flags that ask for the joints or the face of a character.
+fn check_without_joints(args: &InspectArgs) -> anyhow::Result<()> {
+    let what = if args.joint_levels {
+        "--joint-levels lists levels of a character; this file has no joints"
+    } else if args.write_joint_map.is_some() {
+        "--write-joint-map writes the joints of a character; this file has no joints"
+    } else if args.face.asks() {
+        "--face finds the feature points of a character; this file has no mesh"
+    } else {
+        return Ok(());
+    };
+    Err(fault::usage(what))
 }
 
 /// A warning if joint maps are given and none of them is used.

@@ -1,6 +1,6 @@
 //! The result of `inspect` as text tables.
 
-use super::{human, joint_levels, mesh_levels};
+use super::{face, human, joint_levels, mesh_levels};
 use crate::fault::clean;
 use crate::table::Table;
 use articula::inspect::{
@@ -19,8 +19,7 @@ pub(super) fn of(found: &Inspection, map: bool) -> String {
     for skeleton in &found.skeletons {
         text.push_str(&skeleton_text(skeleton));
     }
-    let face = found.face.as_ref();
-    if let Some(face) = face {
+    if let Some(face) = &found.face {
         text.push_str(&format!(
             "\nface: {} morph targets, {} facial animation parameters\n",
             face.morphs, face.faps
@@ -40,6 +39,9 @@ pub(super) fn of(found: &Inspection, map: bool) -> String {
                 levels.mixable_to
             ));
         }
+    }
+    if let Some(layout) = &found.face_layout {
+        text.push_str(&face::text(layout));
     }
     if let Some(levels) = &found.joint_levels {
         text.push_str(&joint_levels::text(levels));

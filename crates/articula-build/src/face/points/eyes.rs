@@ -1,0 +1,316 @@
+//! Eyeballs, and the openings of the lids in front of them.
+
+use super::surface::{FaceSurface, SurfacePart};
+use glam::{Vec2, Vec3};
+
+/// Greatest root mean square distance of an eyeball's vertices from its sphere, as a fraction of the
+/// radius.
+const ROUNDNESS: f32 = 0.05;
+/// Distance from an eyeball's sphere, as a fraction of its radius, up to which a layer in front of it
+/// is part of the eye, such as a shell that paints the shadow of the lids.
+const LAYER: f32 = 0.06;
+/// Radii of eyeballs as fractions of the height of the head.
+const RADII: std::ops::Range<f32> = 0.02..0.12;
+
+/// An eyeball.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Eyeball {
+    /// Index of its part.
+    pub(super) part: usize,
+    pub(super) centre: Vec3,
+    pub(super) radius: f32,
+}
+
+/// What is seen of an eyeball from the front.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct EyeOpening {
+    /// Most outward, and most inward place: towards +X and -X.
+    pub(super) left: Vec3,
+    pub(super) right: Vec3,
+    /// Rims above and below the centre.
+    pub(super) top: Vec3,
+    pub(super) bottom: Vec3,
+}
+
+/// Left and right eyeball: the largest two round parts at mirrored places.
+pub(super) fn eyeballs(
+    surface: &FaceSurface,
+    parts: &[SurfacePart],
+    middle_x: f32,
+    head_height: f32,
+) -> Option<[Eyeball; 2]> {
+    let balls: Vec<Eyeball> = parts
+        .iter()
+        .enumerate()
+        .filter_map(|(part, p)| {
+            let (centre, radius) = sphere(surface, p)?;
+            let fits = RADII.contains(&(radius / head_height));
+            fits.then_some(Eyeball {
+                part,
+                centre,
+                radius,
+            })
+        })
+        .collect();
+    let mut best: Option<(f32, [Eyeball; 2])> = None;
+    for left in balls.iter().filter(|b| b.centre.x > middle_x) {
+        for right in balls.iter().filter(|b| b.centre.x < middle_x) {
+            let mirrored = Vec3::new(
+                2.0 * middle_x - right.centre.x,
+                right.centre.y,
+                right.centre.z,
+            );
+            let radius = left.radius.min(right.radius);
+            let alike = left.centre.distance(mirrored) < 0.5 * radius
+                && left.radius.max(right.radius) < 1.2 * radius
+                && left.centre.x - right.centre.x > 2.0 * radius;
+            let area = parts[left.part].area + parts[right.part].area;
+            if alike && best.is_none_or(|(most, _)| area > most) {
+                best = Some((area, [*left, *right]));
+            }
+        }
+    }
+    best.map(|(_, pair)| pair)
+}
+
+/// Centre and radius of the sphere through the vertices of a part, by linear least squares. `None`
+/// if they are no sphere, or too little of one.
+fn sphere(surface: &FaceSurface, part: &SurfacePart) -> Option<(Vec3, f32)> {
+    let places = || part.vertices.iter().map(|v| surface.positions[*v as usize]);
+    let count = part.vertices.len();
+    if count < 8 {
+        return None;
+    }
+    let middle = places().sum::<Vec3>() / count as f32;
+    let mut matrix = vec![0.0_f64; 16];
+    let mut right = vec![0.0_f64; 4];
+    for place in places() {
+        let p = (place - middle).as_dvec3();
+        let row = [2.0 * p.x, 2.0 * p.y, 2.0 * p.z, 1.0];
+        for (i, a) in row.iter().enumerate() {
+            for (j, b) in row.iter().enumerate() {
+                matrix[i * 4 + j] += a * b;
+            }
+            right[i] += a * p.length_squared();
+        }
+    }
+    super::super::dense::solve(&mut matrix, &mut right, 1)?;
+    let centre = glam::DVec3::new(right[0], right[1], right[2]);
+    let radius = (right[3] + centre.length_squared()).max(0.0).sqrt();
+    let miss = places().map(|p| ((p - middle).as_dvec3().distance(centre) - radius).powi(2));
+    let miss = (miss.sum::<f64>() / count as f64).sqrt();
+    // A cap of the sphere, such as a cornea, has its middle far from the centre.
+    let is_round =
+        radius > 0.0 && miss < f64::from(ROUNDNESS) * radius && centre.length() < 0.7 * radius;
+    is_round.then(|| (middle + centre.as_vec3(), radius as f32))
+}
+
+/// The opening in front of an eyeball: where the ball is in front of the skin, seen along -Z on a
+/// grid with this step. `None` if nothing of it is seen.
+pub(super) fn opening(
+    surface: &FaceSurface,
+    skin: &SurfacePart,
+    balls: &SurfacePart,
+    ball: &Eyeball,
+    step: f32,
+) -> Option<EyeOpening> {
+    let low = Vec2::new(ball.centre.x, ball.centre.y) - 1.3 * ball.radius;
+    let count = (2.6 * ball.radius / step).ceil() as usize + 1;
+    let is_layer = |corners: &[Vec3; 3]| {
+        let far = |p: &Vec3| (p.distance(ball.centre) / ball.radius - 1.0).abs() < LAYER;
+        corners.iter().all(far)
+    };
+    let front = |part: &SurfacePart, layers: bool| {
+        let mut depths = vec![f32::NEG_INFINITY; count * count];
+        for triangle in &part.triangles {
+            let corners = surface.corners(triangle);
+            if !layers && is_layer(&corners) {
+                continue;
+            }
+            raster(corners, low, step, count, |cell, z| {
+                if z > ball.centre.z {
+                    depths[cell] = depths[cell].max(z);
+                }
+            });
+        }
+        depths
+    };
+    let skin = front(skin, false);
+    let seen_ball = front(balls, true);
+    let is_open: Vec<bool> = skin.iter().zip(&seen_ball).map(|(s, b)| b > s).collect();
+    let region = largest_region(&is_open, count)?;
+    let place = |cell: usize| {
+        let (column, row) = (cell % count, cell / count);
+        let at = low + step * Vec2::new(column as f32, row as f32);
+        Vec3::new(at.x, at.y, seen_ball[cell])
+    };
+    let left = region.iter().copied().max_by_key(|cell| cell % count)?;
+    let right = region.iter().copied().min_by_key(|cell| cell % count)?;
+    let column = ((ball.centre.x - low.x) / step).round() as usize;
+    let middle = || region.iter().copied().filter(|cell| cell % count == column);
+    Some(EyeOpening {
+        left: place(left),
+        right: place(right),
+        top: place(middle().max()?),
+        bottom: place(middle().min()?),
+    })
+}
+
+/// Calls `draw` with the index and the depth of each cell of a grid whose centre is inside a
+/// triangle seen along -Z.
+fn raster(
+    corners: [Vec3; 3],
+    low: Vec2,
+    step: f32,
+    count: usize,
+    mut draw: impl FnMut(usize, f32),
+) {
+    let [a, b, c] = corners;
+    let flat = |p: Vec3| (p.truncate() - low) / step;
+    let [fa, fb, fc] = [flat(a), flat(b), flat(c)];
+    let area = (fb - fa).perp_dot(fc - fa);
+    if area.abs() < 1e-9 {
+        return;
+    }
+    let least = fa.min(fb).min(fc).ceil().max(Vec2::ZERO);
+    let most = fa
+        .max(fb)
+        .max(fc)
+        .floor()
+        .min(Vec2::splat(count as f32 - 1.0));
+    let (mut y, mut x);
+    y = least.y;
+    while y <= most.y {
+        x = least.x;
+        while x <= most.x {
+            let p = Vec2::new(x, y);
+            let wb = (p - fa).perp_dot(fc - fa) / area;
+            let wc = (fb - fa).perp_dot(p - fa) / area;
+            if wb >= 0.0 && wc >= 0.0 && wb + wc <= 1.0 {
+                draw(
+                    y as usize * count + x as usize,
+                    a.z + wb * (b.z - a.z) + wc * (c.z - a.z),
+                );
+            }
+            x += 1.0;
+        }
+        y += 1.0;
+    }
+}
+
+/// Cells of the largest connected region of a square grid.
+fn largest_region(is_open: &[bool], count: usize) -> Option<Vec<usize>> {
+    let mut seen = vec![false; is_open.len()];
+    let mut best: Vec<usize> = Vec::new();
+    for start in 0..is_open.len() {
+        if !is_open[start] || seen[start] {
+            continue;
+        }
+        let mut region = vec![start];
+        seen[start] = true;
+        let mut next = 0;
+        while next < region.len() {
+            let cell = region[next];
+            next += 1;
+            let (column, row) = (cell % count, cell / count);
+            let beside = [
+                (column > 0).then(|| cell - 1),
+                (column + 1 < count).then(|| cell + 1),
+                (row > 0).then(|| cell - count),
+                (row + 1 < count).then(|| cell + count),
+            ];
+            for other in beside.into_iter().flatten() {
+                if is_open[other] && !seen[other] {
+                    seen[other] = true;
+                    region.push(other);
+                }
+            }
+        }
+        if region.len() > best.len() {
+            best = region;
+        }
+    }
+    (!best.is_empty()).then_some(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::{PI, TAU};
+
+    /// Adds a ball, and returns its part.
+    fn ball(surface: &mut FaceSurface, centre: Vec3, radius: f32) -> SurfacePart {
+        const ROUND: u32 = 48;
+        let first = surface.positions.len() as u32;
+        for row in 0..=ROUND {
+            for column in 0..=ROUND {
+                let (sin, cos) = (PI * row as f32 / ROUND as f32).sin_cos();
+                let (across, along) = (TAU * column as f32 / ROUND as f32).sin_cos();
+                let at = Vec3::new(sin * across, cos, sin * along);
+                surface.positions.push(centre + radius * at);
+            }
+        }
+        let mut part = SurfacePart::default();
+        for row in 0..ROUND {
+            for column in 0..ROUND {
+                let at = first + row * (ROUND + 1) + column;
+                let below = at + ROUND + 1;
+                part.triangles.push([at, below, at + 1]);
+                part.triangles.push([at + 1, below, below + 1]);
+            }
+        }
+        part.vertices = (first..surface.positions.len() as u32).collect();
+        part.area = 4.0 * PI * radius * radius;
+        part
+    }
+
+    #[test]
+    fn the_mirrored_pair_of_balls_is_found() {
+        let mut surface = FaceSurface::default();
+        let left = Vec3::new(0.05, 0.2, 0.1);
+        let parts = vec![
+            ball(&mut surface, Vec3::new(0.06, 0.5, 0.1), 0.02),
+            ball(&mut surface, left, 0.012),
+            ball(&mut surface, Vec3::new(-0.01, 0.2, 0.1), 0.012),
+        ];
+        let [l, r] = eyeballs(&surface, &parts, 0.02, 0.25).unwrap();
+        assert_eq!((l.part, r.part), (1, 2));
+        assert!(l.centre.distance(left) < 1e-4 && (l.radius - 0.012).abs() < 1e-4);
+        // Not balls of eyes: too large for the head.
+        assert!(eyeballs(&surface, &parts, 0.02, 0.05).is_none());
+    }
+
+    #[test]
+    fn an_opening_ends_where_the_lids_begin() {
+        let mut surface = FaceSurface::default();
+        let part = ball(&mut surface, Vec3::ZERO, 1.0);
+        let eye = Eyeball {
+            part: 0,
+            centre: Vec3::ZERO,
+            radius: 1.0,
+        };
+        // Two lids in front of the ball: above y = 0.3 and below y = -0.2.
+        let mut lids = SurfacePart::default();
+        for (near, far) in [(0.3, 3.0), (-3.0, -0.2)] {
+            let first = surface.positions.len() as u32;
+            surface.positions.extend([
+                Vec3::new(-2.0, near, 1.2),
+                Vec3::new(2.0, near, 1.2),
+                Vec3::new(2.0, far, 1.2),
+                Vec3::new(-2.0, far, 1.2),
+            ]);
+            let at = |i: u32| first + i;
+            lids.triangles.push([at(0), at(1), at(2)]);
+            lids.triangles.push([at(0), at(2), at(3)]);
+        }
+        let step = 0.01;
+        let seen = opening(&surface, &lids, &part, &eye, step).unwrap();
+        assert!((seen.top.y - 0.3).abs() < 2.0 * step, "{seen:?}");
+        assert!((seen.bottom.y + 0.2).abs() < 2.0 * step, "{seen:?}");
+        assert!(seen.left.x > 0.9 && seen.right.x < -0.9, "{seen:?}");
+        lids.triangles.truncate(2);
+        surface.positions[part.vertices.len()].y = -3.0;
+        surface.positions[part.vertices.len() + 1].y = -3.0;
+        assert!(opening(&surface, &lids, &part, &eye, step).is_none());
+    }
+}

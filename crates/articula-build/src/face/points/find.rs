@@ -1,0 +1,261 @@
+//! All feature points of a face, from those that its geometry shows and a template.
+
+use super::anchors::Anchors;
+use super::surface::{FaceSurface, SurfacePart};
+use super::template::{EYE_CENTRES, FOUND, POINTS, WIDTHS, face_height, of, template_height};
+use super::units::FaceUnits;
+use super::warp::Warp;
+use articula_core::feature_points::{FEATURE_POINTS, PointId, feature_point_index};
+use glam::Vec3;
+use thiserror::Error;
+
+/// How a feature point was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PointSource {
+    /// Given by the caller.
+    Given,
+    /// Seen in the geometry: profile, line of the lips, opening of the lids.
+    Geometry,
+    /// Shown by the motion of blend shapes.
+    Shapes,
+    /// Carried over from the template by the points around it.
+    Template,
+}
+
+/// A feature point of a face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FacePoint {
+    /// Group and number.
+    pub point: PointId,
+    /// Place in the frame of the head, metres.
+    pub place: Vec3,
+    /// Vertex of the skin that stands for it; `None` for points inside the head.
+    pub vertex: Option<u32>,
+    /// How it was found.
+    pub source: PointSource,
+    /// 0 to 1: the share of test heads on which points of this kind were within 3 % of the height
+    /// of the face.
+    pub confidence: f32,
+}
+
+/// The feature points of a face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FacePoints {
+    /// The 84 points, in the order of the standard.
+    pub points: Vec<FacePoint>,
+    /// Points that the geometry seemed to show at places where no face has them, so that the template
+    /// was followed.
+    pub dropped: Vec<PointId>,
+    /// Places that the geometry shows. The points themselves may differ: what is seen of the template
+    /// has a known distance from its points.
+    pub seen: Vec<(PointId, Vec3)>,
+}
+
+/// A surface has no face on which points can be placed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum NoFace {
+    /// The largest connected part has no nose.
+    #[error("the largest connected part of the mesh has no nose")]
+    Nose,
+    /// Neither the mouth nor the eyes were found.
+    #[error("neither the line between the lips nor two eyeballs were found")]
+    MouthAndEyes,
+}
+
+/// Greatest distance of a found point from its forecast, as a fraction of the height of the face:
+/// where the eyes are known, and where they are not.
+const GATE: [f32; 2] = [0.12, 0.2];
+
+impl FacePoints {
+    /// Finds the points of a face. `given` are points that are known, which are kept as they are.
+    ///
+    /// # Errors
+    /// [`NoFace`] if the surface shows too little of a face.
+    pub fn find(surface: &FaceSurface, given: &[(PointId, Vec3)]) -> Result<Self, NoFace> {
+        let joined = surface.joined();
+        let parts = surface.parts(&joined);
+        let mut anchors = Anchors::find(surface, &parts).ok_or(NoFace::Nose)?;
+        anchors
+            .points
+            .retain(|(p, _)| !given.iter().any(|(g, _)| g == p));
+        let dropped = gate(&mut anchors);
+        let mut pairs: Vec<(Vec3, Vec3)> = anchors
+            .points
+            .iter()
+            .filter_map(|(point, place)| Some((of(&FOUND, *point)?, *place)))
+            .collect();
+        let shown = || {
+            anchors
+                .shown
+                .iter()
+                .filter(|(p, _)| !given.iter().any(|(g, _)| g == p))
+        };
+        pairs.extend(shown().filter_map(|(p, place)| Some((of(&POINTS, *p)?, *place))));
+        pairs.extend(
+            anchors
+                .widths
+                .iter()
+                .map(|(i, at)| (Vec3::from(WIDTHS[*i]), *at)),
+        );
+        if let Some(centres) = anchors.eye_centres {
+            pairs.extend(EYE_CENTRES.map(Vec3::from).into_iter().zip(centres));
+        }
+        pairs.extend(
+            given
+                .iter()
+                .filter_map(|(p, place)| Some((of(&POINTS, *p)?, *place))),
+        );
+        let has =
+            |point: PointId| anchors.get(point).is_some() || given.iter().any(|(g, _)| *g == point);
+        let has_eyes = has((3, 5)) || anchors.eye_centres.is_some() || !anchors.shown.is_empty();
+        if !has((2, 2)) && !has_eyes {
+            return Err(NoFace::MouthAndEyes);
+        }
+        let warp = Warp::fit(&pairs).ok_or(NoFace::MouthAndEyes)?;
+        let skin = &parts[anchors.skin];
+        let height = face_height(|point| of(&POINTS, point).map_or(Vec3::ZERO, |p| warp.apply(p)));
+        let snap = Snap::new(surface, skin, height);
+        let points = FEATURE_POINTS.iter().filter_map(|entry| {
+            let point = entry.point;
+            let known = given.iter().find(|(g, _)| *g == point);
+            let place = match known {
+                Some((_, place)) => *place,
+                None => warp.apply(of(&POINTS, point)?),
+            };
+            let source = match known {
+                Some(_) => PointSource::Given,
+                None if anchors.get(point).is_some() => PointSource::Geometry,
+                None if shown().any(|(p, _)| *p == point) => PointSource::Shapes,
+                None => PointSource::Template,
+            };
+            Some(FacePoint {
+                point,
+                place,
+                vertex: (!is_inside(point))
+                    .then(|| snap.vertex(point, place))
+                    .flatten(),
+                source,
+                confidence: confidence(point, source),
+            })
+        });
+        Ok(Self {
+            points: points.collect(),
+            dropped,
+            seen: anchors.points,
+        })
+    }
+
+    /// Returns a point; `None` if the standard has no such point.
+    pub fn get(&self, point: PointId) -> Option<&FacePoint> {
+        self.points.get(feature_point_index(point)?)
+    }
+
+    /// Returns the height of the inner brows above the bottom of the chin, metres.
+    pub fn height(&self) -> f32 {
+        face_height(|point| self.get(point).map_or(Vec3::ZERO, |p| p.place))
+    }
+
+    /// Returns the distances by which FAPs are measured.
+    pub fn units(&self) -> FaceUnits {
+        FaceUnits::between(|point| self.get(point).map_or(Vec3::ZERO, |p| p.place))
+    }
+}
+
+/// Removes points of mouth and chin that are far from where nose, skull and eyes let expect them;
+/// returns them.
+fn gate(anchors: &mut Anchors) -> Vec<PointId> {
+    let both = |point: PointId| Some((of(&FOUND, point)?, anchors.get(point)?));
+    let (Some((nose_t, nose)), Some((top_t, top))) = (both((9, 3)), both((11, 4))) else {
+        return Vec::new();
+    };
+    let tall = (top.y - nose.y) / (top_t.y - nose_t.y);
+    let eyes = both((3, 5)).zip(both((3, 6)));
+    let scale = match eyes {
+        Some(((left_t, left), (right_t, right))) => {
+            let wide = (left.x - right.x) / (left_t.x - right_t.x);
+            let high = (left.y + right.y - 2.0 * nose.y) / (left_t.y + right_t.y - 2.0 * nose_t.y);
+            let tall = 0.5 * (tall + high);
+            Vec3::new(wide, tall, 0.5 * (wide + tall))
+        }
+        None => Vec3::splat(tall),
+    };
+    let gate = GATE[usize::from(eyes.is_none())] * template_height() * scale.y;
+    let mut dropped = Vec::new();
+    anchors.points.retain(|(point, place)| {
+        let Some(at) = of(&FOUND, *point) else {
+            return true;
+        };
+        let forecast = nose + scale * (at - nose_t);
+        let far = place.distance(forecast) > gate && matches!(point.0, 2 | 8);
+        if far {
+            dropped.push(*point);
+        }
+        !far
+    });
+    dropped
+}
+
+/// Whether a point is inside the head or above it, not on the skin.
+fn is_inside(point: PointId) -> bool {
+    matches!(point, (3, 5 | 6) | (6, _) | (7, _) | (9, 8..=11) | (11, 5))
+}
+
+/// Shares of test heads on which points are within 3 % of the height of the face
+/// (`docs/results/face-points.md`). Corners of the jaw and brows are the worst of those carried over;
+/// points without a landmark were looked at, not measured, and count as half sure.
+fn confidence(point: PointId, source: PointSource) -> f32 {
+    match (source, point) {
+        (PointSource::Given, _) => 1.0,
+        (PointSource::Geometry, (2, 10) | (3, 5 | 6) | (11, 4)) => 0.9,
+        (PointSource::Geometry, _) => 0.99,
+        (PointSource::Template, (2, 13 | 14)) => 0.75,
+        (PointSource::Template, (4, 1 | 2)) => 0.8,
+        (PointSource::Template, (4, _)) => 0.9,
+        (PointSource::Template, (2, 1..=9) | (3, 1..=4 | 7 | 8 | 11 | 12) | (8, _)) => 0.95,
+        (PointSource::Template, (9, 1..=5 | 12 | 15)) => 0.95,
+        (PointSource::Shapes | PointSource::Template, _) => 0.5,
+    }
+}
+
+/// Search of the vertex that stands for a place.
+struct Snap<'a> {
+    surface: &'a FaceSurface,
+    skin: &'a SurfacePart,
+    normals: Vec<Vec3>,
+    height: f32,
+}
+
+impl<'a> Snap<'a> {
+    fn new(surface: &'a FaceSurface, skin: &'a SurfacePart, height: f32) -> Self {
+        let mut normals = vec![Vec3::ZERO; surface.positions.len()];
+        for triangle in &skin.triangles {
+            let normal = surface.doubled_normal(triangle);
+            triangle.iter().for_each(|v| normals[*v as usize] += normal);
+        }
+        normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
+        Self {
+            surface,
+            skin,
+            normals,
+            height,
+        }
+    }
+
+    /// The nearest vertex; for the rims of lips and lids, one that faces the opening.
+    fn vertex(&self, point: PointId, place: Vec3) -> Option<u32> {
+        // Towards which side the rim faces: upper ones down.
+        let faces = match point {
+            (2, 2 | 6 | 7) | (3, 1 | 2) => -1.0,
+            (2, 3 | 8 | 9) | (3, 3 | 4) => 1.0,
+            _ => 0.0,
+        };
+        let cost = |v: &u32| {
+            let at = self.surface.positions[*v as usize];
+            let turned: f32 = 0.15 - faces * self.normals[*v as usize].y;
+            let wrong = if faces == 0.0 { 0.0 } else { turned.max(0.0) };
+            at.distance(place) + 0.06 * self.height * wrong
+        };
+        let vertices = self.skin.vertices.iter().copied();
+        vertices.min_by(|a, b| cost(a).total_cmp(&cost(b)))
+    }
+}

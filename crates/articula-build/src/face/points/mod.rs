@@ -1,0 +1,23 @@
+//! Feature points of a face, found on its mesh.
+//!
+//! - `surface`: the mesh of a head, and its connected parts
+//! - `profile`: the profile of a face, and the features along it
+//! - `eyes`: eyeballs, and the openings of the lids
+//! - `anchors`: the points that the geometry shows by itself
+//! - `template`: an average head with all points
+//! - `warp`: the smooth map from the template to a head
+//! - `find`: all points, from the anchors and the template
+//! - `units`: the distances by which parameters are measured
+
+mod anchors;
+mod eyes;
+mod find;
+mod profile;
+mod surface;
+mod template;
+mod units;
+mod warp;
+
+pub use find::{FacePoint, FacePoints, NoFace, PointSource};
+pub use surface::FaceSurface;
+pub use units::{FaceUnits, UnitRatio};

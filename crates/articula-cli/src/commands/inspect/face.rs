@@ -1,0 +1,189 @@
+//! Feature points of a face: the flags, the table and the picture.
+
+use crate::console::Console;
+use crate::table::Table;
+use crate::{fault, files};
+use anyhow::Context;
+use articula::face::{FaceLayout, face_layout, fdp_points};
+use articula::{Figure, facing};
+use articula_core::feature_points::PointId;
+use articula_core::{ModelPose, local_to_model};
+use articula_flat::{Appearance, Picture};
+use articula_formats::{Limits, face_points, mpeg4};
+use articula_report::{FaceMark, face_sheet};
+use clap::Args;
+use glam::Vec3;
+use std::path::{Path, PathBuf};
+
+/// Flags about the face.
+#[derive(Debug, Args)]
+pub(super) struct FaceArgs {
+    /// Find and list the feature points of the face, and the distances by which facial animation
+    /// parameters are measured
+    #[arg(long)]
+    face: bool,
+    /// Draw the feature points on the face
+    #[arg(long, value_name = "F.png")]
+    face_sheet: Option<PathBuf>,
+    /// Feature points that are known, as JSON or in an FDP file for this mesh; the others follow
+    #[arg(long, value_name = "F.json|F.fdp")]
+    face_points: Option<PathBuf>,
+    /// Write the feature points: a file to edit, and to give to --face-points
+    #[arg(long, value_name = "F.json")]
+    write_face_points: Option<PathBuf>,
+}
+
+impl FaceArgs {
+    /// Whether a flag asks for the face.
+    pub(super) fn asks(&self) -> bool {
+        let files = [&self.face_sheet, &self.face_points, &self.write_face_points];
+        self.face || files.into_iter().any(Option::is_some)
+    }
+
+    /// The file that is read, if any.
+    pub(super) fn input(&self) -> Option<&Path> {
+        self.face_points.as_deref()
+    }
+
+    /// The files that are written.
+    pub(super) fn outputs(&self) -> impl Iterator<Item = &Path> {
+        let outputs = [&self.face_sheet, &self.write_face_points];
+        outputs.into_iter().flatten().map(PathBuf::as_path)
+    }
+
+    /// Refuses a picture that is not PNG.
+    pub(super) fn check(&self) -> anyhow::Result<()> {
+        let is_png = |p: &&PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+        match self.face_sheet.as_ref().filter(|p| !is_png(p)) {
+            Some(path) => {
+                let path = files::shown(path);
+                let what = format!("--face-sheet {path}: sheets are PNG; name the file .png");
+                Err(fault::usage(what))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Finds the points, and writes what was asked for. Returns them and the files written.
+    pub(super) fn run(
+        &self,
+        figure: &Figure,
+        console: &Console,
+    ) -> anyhow::Result<(FaceLayout, Vec<String>)> {
+        let given = match &self.face_points {
+            Some(path) => given(figure, path)?,
+            None => Vec::new(),
+        };
+        let layout = face_layout(figure, &given)?;
+        let mut written = Vec::new();
+        if let Some(path) = &self.face_sheet {
+            let sheet = draw(figure, &layout)?;
+            let bytes = sheet.to_png().with_context(|| files::shown(path))?;
+            console.files.write(path, &bytes)?;
+            written.push(files::shown(path));
+        }
+        if let Some(path) = &self.write_face_points {
+            let points = layout.points.iter();
+            let points: Vec<(PointId, Vec3)> =
+                points.map(|p| (p.point, Vec3::from(p.place_m))).collect();
+            console.files.write(path, &face_points::write(&points))?;
+            written.push(files::shown(path));
+        }
+        Ok((layout, written))
+    }
+}
+
+/// Reads the points of a file.
+fn given(figure: &Figure, path: &Path) -> anyhow::Result<Vec<(PointId, Vec3)>> {
+    let limits = Limits::default();
+    let bytes = files::read(path, limits.bytes)?;
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("fdp"))
+    {
+        let fdp = mpeg4::fdp::read(&bytes, &limits).with_context(|| files::shown(path))?;
+        return fdp_points(figure, &fdp.value).with_context(|| files::shown(path));
+    }
+    face_points::read(&bytes, &limits).with_context(|| files::shown(path))
+}
+
+/// Draws the points on the face.
+fn draw(figure: &Figure, layout: &FaceLayout) -> anyhow::Result<Picture> {
+    let asset = &figure.asset;
+    let mut rest = ModelPose::new(asset.rig.len());
+    local_to_model(&asset.rig, asset.rig.rest_pose(), &mut rest);
+    let character = &figure.opened.character;
+    let (look, _) = Appearance::new(&character.materials, &character.images);
+    let marks: Vec<FaceMark> = layout
+        .points
+        .iter()
+        .map(|p| FaceMark {
+            name: p.name.clone(),
+            place: Vec3::from(p.place_m),
+            confidence: p.confidence,
+            inside: p.vertex.is_none(),
+        })
+        .collect();
+    let notes = vec![
+        units_line(layout),
+        "green: sure, red: unsure; rings: inside the head".to_owned(),
+    ];
+    let title = format!("feature points of {}", figure.opened.name);
+    let facing = facing(&asset.rig, &rest);
+    let figure = (&asset.rig, &asset.mesh);
+    Ok(face_sheet(figure, &look, facing, &marks, (&title, notes))?)
+}
+
+/// The table of the points.
+pub(super) fn text(layout: &FaceLayout) -> String {
+    let mut text = format!(
+        "\nface: {:.1} mm from chin to inner brows; {}\n",
+        1e3 * layout.height_m,
+        units_line(layout)
+    );
+    for unit in layout.units.iter().filter(|u| u.doubtful) {
+        text.push_str(&format!(
+            "  {} is {:.2} times that of an average face; look at the points (--face-sheet) and give the \
+             right ones (--face-points)\n",
+            unit.name, unit.ratio
+        ));
+    }
+    if !layout.dropped.is_empty() {
+        text.push_str(&format!(
+            "  the shape misled at {}; these follow from the others\n",
+            layout.dropped.join(", ")
+        ));
+    }
+    let mut table = Table::new(&[
+        "point",
+        "place",
+        "x mm",
+        "y mm",
+        "z mm",
+        "source",
+        "confidence",
+    ]);
+    for point in &layout.points {
+        let [x, y, z] = point.place_m.map(|v| format!("{:.1}", 1e3 * v));
+        let confidence = format!("{:.2}", point.confidence);
+        let cells = [
+            point.name.clone(),
+            point.is.to_owned(),
+            x,
+            y,
+            z,
+            point.source.to_owned(),
+            confidence,
+        ];
+        table.row(cells);
+    }
+    text.push_str(&table.text());
+    text
+}
+
+/// The distances of the units in one line.
+fn units_line(layout: &FaceLayout) -> String {
+    let unit = |u: &articula::face::FaceUnit| format!("{} {:.1}", u.name, 1e3 * u.distance_m);
+    let units: Vec<String> = layout.units.iter().map(unit).collect();
+    format!("{} mm", units.join(", "))
+}

@@ -1,0 +1,116 @@
+//! Feature points of faces: `inspect --face`.
+
+use crate::program::{fault, folder, json, word};
+use crate::real;
+use serde_json::Value;
+
+/// A point of a report.
+fn point<'a>(found: &'a Value, name: &str) -> &'a Value {
+    let points = found["face_layout"]["points"].as_array().unwrap();
+    points.iter().find(|p| p["name"] == name).unwrap()
+}
+
+fn place(found: &Value, name: &str) -> Vec<f64> {
+    let place = point(found, name)["place_m"].as_array().unwrap();
+    place.iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn points_of_a_face_are_found_drawn_written_and_given_back() {
+    let Some(head) = real::file("glb/ict_head_talk_1095.glb") else {
+        return;
+    };
+    let here = folder("face-points");
+    let head = word(&head);
+    let words = [
+        "inspect",
+        head,
+        "--face-sheet",
+        "face.png",
+        "--write-face-points",
+        "face.json",
+    ];
+    let found = json(&here, &words);
+    assert_eq!(
+        found["written"],
+        serde_json::json!(["face.png", "face.json"])
+    );
+    let picture = std::fs::read(here.join("face.png")).unwrap();
+    assert!(picture.starts_with(b"\x89PNG"));
+    let points = found["face_layout"]["points"].as_array().unwrap();
+    assert_eq!(points.len(), 84);
+    // The head looks along +Z and its left is +X.
+    let at = |name: &str| place(&found, name);
+    assert!(at("3.7")[0] > at("3.11")[0] && at("3.11")[0] > at("3.8")[0]);
+    assert!(at("9.3")[2] > at("2.2")[2] && at("2.2")[2] > at("10.5")[2]);
+    assert!(at("11.4")[1] > at("4.1")[1] && at("4.1")[1] > at("2.2")[1]);
+    assert!(at("2.2")[1] > at("2.1")[1]);
+    // The decimated head keeps the proportions of the one that it was made from.
+    for unit in found["face_layout"]["units"].as_array().unwrap() {
+        let ratio = unit["ratio"].as_f64().unwrap();
+        assert!((0.8..1.25).contains(&ratio), "{unit}");
+    }
+
+    // Files are kept, and points are not written over those that were read.
+    let said = fault(&here, 1, &words);
+    assert!(
+        said.contains("face.png") && said.contains("--force"),
+        "{said}"
+    );
+    let same = [
+        "--face-points",
+        "face.json",
+        "--write-face-points",
+        "face.json",
+    ];
+    fault(
+        &here,
+        1,
+        &[&["inspect", head, "--force"], &same[..]].concat(),
+    );
+
+    let mut given: Value =
+        serde_json::from_slice(&std::fs::read(here.join("face.json")).unwrap()).unwrap();
+    let members = given["points"].as_object_mut().unwrap();
+    members.retain(|name, _| name == "2.1");
+    members["2.1"][1] = (at("2.1")[1] - 0.004).into();
+    std::fs::write(here.join("chin.json"), given.to_string()).unwrap();
+    let moved = json(&here, &["inspect", head, "--face-points", "chin.json"]);
+    assert_eq!(point(&moved, "2.1")["source"], "given");
+    let lower = |name: &str| at(name)[1] - place(&moved, name)[1];
+    assert!((lower("2.1") - 0.004).abs() < 1e-5);
+    // What is near follows, what is far stays.
+    assert!(lower("2.11") > 0.001 && lower("4.1").abs() < 0.001);
+}
+
+#[test]
+fn what_cannot_be_done_is_said() {
+    let here = folder("face-points-refused");
+    if let Some(robot) = real::file("glb/RobotExpressive.glb") {
+        let said = fault(&here, 1, &["inspect", word(&robot), "--face"]);
+        assert!(said.contains("RobotExpressive.glb: face: "), "{said}");
+    }
+    let Some(head) = real::file("glb/ict_head_talk_554.glb") else {
+        return;
+    };
+    let head = word(&head);
+    std::fs::write(here.join("bad.json"), r#"{"points": {"2.99": [0, 0, 0]}}"#).unwrap();
+    let said = fault(&here, 1, &["inspect", head, "--face-points", "bad.json"]);
+    assert!(
+        said.contains("bad.json: points.2.99: no such feature point"),
+        "{said}"
+    );
+    let said = fault(&here, 2, &["inspect", head, "--face-sheet", "face.jpg"]);
+    assert!(said.contains("name the file .png"), "{said}");
+    let fdp = r#"<?xml version="1.0"?><xfdp><file version="0.2"/><fapu IRISD0="1" ES0="1" ENS0="1" MNS0="1" MW0="1"/>
+<fdp index="99999" affects="head" name="2.1"><indices></indices></fdp></xfdp>"#;
+    std::fs::write(here.join("far.fdp"), fdp).unwrap();
+    let said = fault(&here, 2, &["inspect", head, "--face-points", "far.fdp"]);
+    assert!(
+        said.contains("far.fdp: point 2.1: the figure has no vertex 99999"),
+        "{said}"
+    );
+    std::fs::write(here.join("near.fdp"), fdp.replace("99999", "3")).unwrap();
+    let found = json(&here, &["inspect", head, "--face-points", "near.fdp"]);
+    assert_eq!(point(&found, "2.1")["source"], "given");
+}

@@ -1,0 +1,162 @@
+//! Feature points of the face of a figure.
+
+use super::surface::HeadSurface;
+use crate::error::{Context, Error, Result};
+use crate::figure::Figure;
+use articula_build::face::{FacePoints, PointSource};
+use articula_core::PosedMesh;
+use articula_core::feature_points::{FEATURE_POINTS, PointId, feature_point_index};
+use articula_core::source::RawMesh;
+use articula_formats::mpeg4::fdp::FdpFile;
+use glam::Vec3;
+use serde::Serialize;
+
+/// The feature points of a figure's face.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FaceLayout {
+    /// Height of the inner brows above the bottom of the chin, metres.
+    pub height_m: f32,
+    /// Distances by which facial animation parameters are measured.
+    pub units: Vec<FaceUnit>,
+    /// The 84 points, in the order of the standard.
+    pub points: Vec<FeaturePoint>,
+    /// Points at which the geometry misled: they follow the template.
+    pub dropped: Vec<String>,
+    /// Places that the geometry shows, in model space; for measuring the search.
+    #[serde(skip)]
+    pub seen: Vec<(PointId, [f32; 3])>,
+}
+
+/// A distance of the neutral face, of which the unit is a 1024th.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FaceUnit {
+    /// Abbreviation in the standard.
+    pub name: String,
+    /// The distance, metres.
+    pub distance_m: f32,
+    /// Ratio to that of an average face of the same height.
+    pub ratio: f32,
+    /// Whether the ratio is so far from 1 that points may be wrong.
+    pub doubtful: bool,
+}
+
+/// A feature point on a figure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FeaturePoint {
+    /// Group and number, such as `2.10`.
+    pub name: String,
+    /// Group and number.
+    #[serde(skip)]
+    pub point: PointId,
+    /// Where it is.
+    pub is: &'static str,
+    /// Place in model space, metres.
+    pub place_m: [f32; 3],
+    /// Vertex of the figure's mesh that stands for it; null for points inside the head.
+    pub vertex: Option<u32>,
+    /// How it was found.
+    pub source: &'static str,
+    /// 0 to 1 (`docs/methods/faces.md`).
+    pub confidence: f32,
+}
+
+/// Finds the feature points of a figure's face at rest. `given` are points that are known, with
+/// their places in model space.
+///
+/// # Errors
+/// [`Error::Unsupported`] that names the file, if it shows too little of a face, such as one of
+/// loose parts.
+pub fn face_layout(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FaceLayout> {
+    let head = HeadSurface::of(figure);
+    let to_head = head.model_from_head.inverse();
+    let given: Vec<(PointId, Vec3)> = given.iter().map(|(p, at)| (*p, to_head * *at)).collect();
+    let found = FacePoints::find(&head.surface, &given).map_err(|e| {
+        Error::unsuited(format!(
+            "face: {e}; feature points need a closed face with nose and mouth"
+        ))
+    });
+    let found = found.with_context(|| figure.opened.name.clone())?;
+    let points = found.points.iter().zip(&FEATURE_POINTS);
+    let points = points.map(|(found, entry)| FeaturePoint {
+        name: named(found.point),
+        point: found.point,
+        is: entry.place,
+        place_m: (head.model_from_head * found.place).to_array(),
+        vertex: found.vertex.map(|v| head.vertices[v as usize]),
+        source: match found.source {
+            PointSource::Given => "given",
+            PointSource::Geometry => "geometry",
+            PointSource::Shapes => "shapes",
+            PointSource::Template => "template",
+        },
+        confidence: found.confidence,
+    });
+    let units = found.units();
+    let ratios = units.ratios(found.height());
+    Ok(FaceLayout {
+        height_m: found.height(),
+        units: ratios
+            .into_iter()
+            .map(|(unit, ratio)| FaceUnit {
+                name: unit.to_string(),
+                distance_m: units.distance(unit),
+                ratio: ratio.ratio,
+                doubtful: ratio.doubtful,
+            })
+            .collect(),
+        points: points.collect(),
+        dropped: found.dropped.iter().map(|p| named(*p)).collect(),
+        seen: found
+            .seen
+            .iter()
+            .map(|(point, at)| (*point, (head.model_from_head * *at).to_array()))
+            .collect(),
+    })
+}
+
+/// Returns the places of the feature points of an FDP file on a figure, whose mesh it is made for:
+/// it names a mesh and a vertex for each.
+///
+/// # Errors
+/// [`Error::Argument`] that names the point, if the figure lacks its vertex or the standard the
+/// point.
+pub fn fdp_points(figure: &Figure, fdp: &FdpFile) -> Result<Vec<(PointId, Vec3)>> {
+    let asset = &figure.asset;
+    let still = vec![0.0; asset.mesh.morph_weights.len()];
+    let places = PosedMesh::new(&asset.rig, &asset.mesh)
+        .pose(asset.rig.rest_pose())
+        .skinned(&still)
+        .positions;
+    let meshes = &figure.opened.character.meshes;
+    let place = |point: &articula_formats::mpeg4::fdp::FeaturePoint| {
+        feature_point_index(point.point)?;
+        // The only mesh of a figure may have another name.
+        let named = meshes.iter().position(|m| m.name == point.mesh);
+        let mesh = named.or_else(|| (meshes.len() == 1).then_some(0))?;
+        let count = |m: &RawMesh| {
+            m.primitives
+                .iter()
+                .map(|p| p.positions.len())
+                .sum::<usize>()
+        };
+        let vertex = point.vertex as usize;
+        let first: usize = meshes[..mesh].iter().map(count).sum();
+        (vertex < count(&meshes[mesh])).then(|| places[first + vertex])
+    };
+    let points = fdp.points.iter().map(|point| {
+        let found = place(point).map(|at| (point.point, at));
+        found.ok_or_else(|| {
+            Error::argument(format!(
+                "point {}: the figure has no vertex {} of a mesh \"{}\"; give the FDP file made for it",
+                named(point.point),
+                point.vertex,
+                point.mesh
+            ))
+        })
+    });
+    points.collect()
+}
+
+fn named((group, number): PointId) -> String {
+    format!("{group}.{number}")
+}
