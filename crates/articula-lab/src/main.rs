@@ -71,6 +71,8 @@ enum Table {
     Flat(flat::Choice),
     /// Feature points of faces: errors on random heads with landmarks.
     FacePoints,
+    /// Face animation tables made from feature points alone, beside the expressions of the faces.
+    FaceTables,
     /// All tables, one after the other; names and times go to standard error.
     All,
 }
@@ -109,6 +111,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::RoundTrips => tables::round_trips::write(run),
         Table::Retargets(pictures) => tables::retargets::write(run, pictures),
         Table::FacePoints => tables::face_points::write(run),
+        Table::FaceTables => tables::face_tables::write(run),
         Table::All => all(run),
     }
 }

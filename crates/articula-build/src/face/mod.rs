@@ -6,6 +6,7 @@
 //! - `bridge`: weights of controls to parameters, and back by bounded least squares
 //! - `bounded`: the least-squares solver
 //! - `points`: the feature points of a face on its mesh
+//! - `table`: how the vertices move with each parameter, from the feature points alone
 //! - `dense`: dense systems of linear equations
 //!
 //! Method and values: `docs/methods/faces.md`.
@@ -17,9 +18,11 @@ mod dense;
 mod fap_values;
 mod high_level;
 mod points;
+mod table;
 
 pub use bridge::{FaceBridge, FaceSolver, ShownFace};
 pub use controls::{arkit_name, blend_shape, vrm_preset};
 pub use fap_values::{FapValues, unit_mm};
 pub use high_level::{add_expression, add_viseme};
 pub use points::{FacePoint, FacePoints, FaceSurface, FaceUnits, NoFace, PointSource, UnitRatio};
+pub use table::FaceTable;

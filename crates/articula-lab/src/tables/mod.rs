@@ -3,6 +3,7 @@
 pub(crate) mod crowd;
 pub(crate) mod crowd_errors;
 pub(crate) mod face_points;
+pub(crate) mod face_tables;
 pub(crate) mod flat;
 pub(crate) mod loa_cost;
 pub(crate) mod merged_levels;

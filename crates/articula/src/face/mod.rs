@@ -14,3 +14,4 @@ mod turns;
 
 pub use fit::{FaceTransfer, FittedFace, NotDriven, fit_face};
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout, fdp_points};
+pub use surface::HeadSurface;

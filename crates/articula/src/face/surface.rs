@@ -10,19 +10,19 @@ use std::collections::BTreeMap;
 
 /// A head at rest, without the rest of the figure.
 #[derive(Debug, Clone)]
-pub(crate) struct HeadSurface {
+pub struct HeadSurface {
     /// Places in the frame of the head.
-    pub(crate) surface: FaceSurface,
+    pub surface: FaceSurface,
     /// Vertex of the figure's mesh for each vertex of the surface.
-    pub(crate) vertices: Vec<u32>,
+    pub vertices: Vec<u32>,
     /// Rotation from the frame of the head to model space; the origin is the same.
-    pub(crate) model_from_head: Quat,
+    pub model_from_head: Quat,
 }
 
 impl HeadSurface {
     /// The head of a figure in its rest pose, with all morph targets at 0; the whole mesh of a
     /// figure without a head joint.
-    pub(crate) fn of(figure: &Figure) -> Self {
+    pub fn of(figure: &Figure) -> Self {
         let asset = &figure.asset;
         let mut rest = ModelPose::new(asset.rig.len());
         local_to_model(&asset.rig, asset.rig.rest_pose(), &mut rest);

@@ -49,6 +49,51 @@ pub struct FacePoints {
     /// Places that the geometry shows. The points themselves may differ: what is seen of the template
     /// has a known distance from its points.
     pub seen: Vec<(PointId, Vec3)>,
+    /// What the parts of the surface are.
+    pub(in crate::face) parts: FaceParts,
+}
+
+/// The parts of a head.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::face) struct FaceParts {
+    /// First vertex of the same place and offsets, for each vertex.
+    pub(in crate::face) joined: Vec<u32>,
+    /// Triangles of the skin.
+    pub(in crate::face) skin: Vec<[u32; 3]>,
+    /// Vertices of the skin, ascending.
+    pub(in crate::face) skin_vertices: Vec<u32>,
+    /// Vertices of the left and the right eyeball, and their centres.
+    pub(in crate::face) eyeballs: Option<[(Vec<u32>, Vec3); 2]>,
+    /// Vertices of the other parts.
+    pub(in crate::face) others: Vec<u32>,
+}
+
+impl FaceParts {
+    fn of(joined: Vec<u32>, parts: &[SurfacePart], anchors: &Anchors) -> Self {
+        let skin = &parts[anchors.skin];
+        let is_eye = |part: usize| {
+            anchors
+                .eyeballs
+                .is_some_and(|e| e.iter().any(|e| e.part == part))
+        };
+        let others = parts.iter().enumerate();
+        let others = others.filter(|(p, _)| *p != anchors.skin && !is_eye(*p));
+        let mut others: Vec<u32> = others
+            .flat_map(|(_, p)| p.vertices.iter().copied())
+            .collect();
+        others.retain(|v| skin.vertices.binary_search(v).is_err());
+        others.sort_unstable();
+        others.dedup();
+        Self {
+            joined,
+            skin: skin.triangles.clone(),
+            skin_vertices: skin.vertices.clone(),
+            eyeballs: anchors
+                .eyeballs
+                .map(|eyes| eyes.map(|e| (parts[e.part].vertices.clone(), e.centre))),
+            others,
+        }
+    }
 }
 
 /// A surface has no face on which points can be placed.
@@ -141,6 +186,7 @@ impl FacePoints {
         Ok(Self {
             points: points.collect(),
             dropped,
+            parts: FaceParts::of(joined, &parts, &anchors),
             seen: anchors.points,
         })
     }
@@ -148,6 +194,23 @@ impl FacePoints {
     /// Returns a point; `None` if the standard has no such point.
     pub fn get(&self, point: PointId) -> Option<&FacePoint> {
         self.points.get(feature_point_index(point)?)
+    }
+
+    /// The vertex of the skin nearest to a place that faces the opening of the lids.
+    pub(in crate::face) fn rim_vertex(
+        &self,
+        surface: &FaceSurface,
+        upper: bool,
+        near: Vec3,
+        height: f32,
+    ) -> Option<u32> {
+        let skin = SurfacePart {
+            triangles: self.parts.skin.clone(),
+            vertices: self.parts.skin_vertices.clone(),
+            area: 0.0,
+        };
+        let point = if upper { (3, 1) } else { (3, 3) };
+        Snap::new(surface, &skin, height).vertex(point, near)
     }
 
     /// Returns the height of the inner brows above the bottom of the chin, metres.

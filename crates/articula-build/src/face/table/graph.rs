@@ -1,0 +1,109 @@
+//! Distances along a surface, by its edges and the diagonals across them.
+
+use glam::Vec3;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+
+/// Vertices and the lengths between neighbours. Vertices of one place are one.
+#[derive(Debug, Clone)]
+pub(super) struct SurfaceGraph {
+    /// First neighbour of each vertex in `links`, and the end.
+    first: Vec<u32>,
+    links: Vec<(u32, f32)>,
+    joined: Vec<u32>,
+}
+
+impl SurfaceGraph {
+    /// The graph of triangles, with the first vertex of the same place for each vertex.
+    pub(super) fn of(positions: &[Vec3], joined: &[u32], triangles: &[[u32; 3]]) -> Self {
+        let at = |v: u32| positions[v as usize];
+        let triangles = triangles.iter().map(|t| t.map(|v| joined[v as usize]));
+        let triangles: Vec<[u32; 3]> = triangles.collect();
+        let mut pairs: Vec<(u32, u32)> = Vec::new();
+        let mut opposite: HashMap<(u32, u32), Vec<u32>> = HashMap::new();
+        for triangle in &triangles {
+            for i in 0..3 {
+                let (a, b) = (triangle[i], triangle[(i + 1) % 3]);
+                let edge = (a.min(b), a.max(b));
+                opposite
+                    .entry(edge)
+                    .or_default()
+                    .push(triangle[(i + 2) % 3]);
+            }
+        }
+        for (edge, corners) in &opposite {
+            pairs.push(*edge);
+            if let [a, b] = corners[..] {
+                pairs.push((a.min(b), a.max(b)));
+            }
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs.retain(|(a, b)| a != b);
+        let mut first = vec![0_u32; positions.len() + 1];
+        for (a, b) in &pairs {
+            first[*a as usize + 1] += 1;
+            first[*b as usize + 1] += 1;
+        }
+        for v in 1..first.len() {
+            first[v] += first[v - 1];
+        }
+        let mut next = first.clone();
+        let mut links = vec![(0, 0.0); 2 * pairs.len()];
+        for (a, b) in pairs {
+            let length = at(a).distance(at(b));
+            for (from, to) in [(a, b), (b, a)] {
+                links[next[from as usize] as usize] = (to, length);
+                next[from as usize] += 1;
+            }
+        }
+        Self {
+            first,
+            links,
+            joined: joined.to_vec(),
+        }
+    }
+
+    /// Shortest distance of each vertex to the nearest of some; infinite where no path leads.
+    pub(super) fn distances(&self, from: &[u32]) -> Vec<f32> {
+        let mut found = vec![f32::INFINITY; self.first.len() - 1];
+        // Lengths are not negative, so that their bits are in their order.
+        let mut open: BinaryHeap<Reverse<(u32, u32)>> = BinaryHeap::new();
+        for vertex in from {
+            let vertex = self.joined[*vertex as usize];
+            found[vertex as usize] = 0.0;
+            open.push(Reverse((0, vertex)));
+        }
+        while let Some(Reverse((bits, vertex))) = open.pop() {
+            let here = f32::from_bits(bits);
+            if here > found[vertex as usize] {
+                continue;
+            }
+            let range = self.first[vertex as usize]..self.first[vertex as usize + 1];
+            for (to, length) in &self.links[range.start as usize..range.end as usize] {
+                let there = here + length;
+                if there < found[*to as usize] {
+                    found[*to as usize] = there;
+                    open.push(Reverse((there.to_bits(), *to)));
+                }
+            }
+        }
+        for vertex in 0..found.len() {
+            found[vertex] = found[self.joined[vertex] as usize];
+        }
+        found
+    }
+}
+
+/// Smooth step from 0 at 0 to 1 at 1.
+pub(super) fn smooth(t: f32) -> f32 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Index of the place nearest to another.
+pub(super) fn nearest(places: impl Iterator<Item = Vec3>, to: Vec3) -> Option<usize> {
+    let all = places.map(|p| p.distance_squared(to)).enumerate();
+    all.min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(index, _)| index)
+}

@@ -1,0 +1,249 @@
+//! Face animation tables (FAT): how the vertices of a face move with each parameter, made from its
+//! feature points alone.
+//!
+//! - `handles`: the points that the skin follows
+//! - `graph`: distances along the skin
+//! - `weights`: how much each vertex follows each handle
+//! - `rules`: how handles move with parameters
+//!
+//! Method and constants: `docs/methods/faces.md`.
+
+mod graph;
+mod handles;
+mod rules;
+mod weights;
+
+use super::fap_values::FapValues;
+use super::points::{FacePoints, FaceSurface};
+use articula_core::fap_table::{LOW_FAPS, TABLE};
+use articula_core::feature_points::PointId;
+use glam::{Quat, Vec3};
+use graph::{SurfaceGraph, nearest, smooth};
+use handles::{Handle, handles};
+use rules::RuleFrame;
+use weights::{WeightInput, weights};
+
+/// Number of resting places that pin the skin around the face.
+const PINS: usize = 60;
+/// Offsets below this length are 0, metres.
+const LEAST: f32 = 1e-5;
+
+/// How the vertices of a head move with facial animation parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FaceTable {
+    handles: Vec<Handle>,
+    frame: RuleFrame,
+    /// Vertices of the skin, ascending, and one weight for each handle, row by row.
+    vertices: Vec<u32>,
+    weights: Vec<f32>,
+    /// Vertices of other parts, and the row of the skin that they follow.
+    followers: Vec<(u32, usize)>,
+    /// Vertices that turn with the lower jaw, and how much.
+    jaw: Vec<(u32, f32)>,
+    /// Vertices of the eyeballs.
+    eyeballs: Option<[Vec<u32>; 2]>,
+    positions: Vec<Vec3>,
+}
+
+impl FaceTable {
+    /// Makes the table of a face from its feature points. `None` if they are too few or lie in a
+    /// plane. O(handles² · vertices).
+    pub fn new(surface: &FaceSurface, points: &FacePoints) -> Option<Self> {
+        let parts = &points.parts;
+        let height = points.height();
+        let place = |point: PointId| points.get(point).map(|p| p.place);
+        let at = |v: u32| surface.positions[v as usize];
+        let eyes = match &parts.eyeballs {
+            Some(eyes) => [eyes[0].1, eyes[1].1],
+            // Without eyeballs their centres are behind the pupils.
+            None => [place((3, 5))?, place((3, 6))?].map(|p| p - 0.09 * height * Vec3::Z),
+        };
+        let rim = |lid: PointId, near: Vec3| {
+            let upper = matches!(lid, (3, 1 | 2));
+            points.rim_vertex(surface, upper, near, height)
+        };
+        let handles = handles(points, rim, at);
+        let (left, right) = (place((10, 9))?, place((10, 10))?);
+        let (lobe, top) = (place((10, 7))?, left);
+        let frame = RuleFrame {
+            units: points.units(),
+            chin: place((2, 1))?,
+            hinge: Vec3::new(
+                0.5 * (left.x + right.x),
+                lobe.y + 0.25 * (top.y - lobe.y),
+                0.5 * (left.z + right.z),
+            ),
+            eyes,
+        };
+        let graph = SurfaceGraph::of(&surface.positions, &parts.joined, &parts.skin);
+        let pins = pins(surface, points, height);
+        let input = WeightInput {
+            handles: &handles,
+            pins: &pins,
+            positions: &surface.positions,
+            graph: &graph,
+            height,
+            eyes,
+        };
+        let vertices = parts.skin_vertices.clone();
+        let mut weights = weights(&input, &vertices)?;
+        exact_at_handles(&handles, &vertices, &parts.joined, &mut weights);
+        let seam = place((2, 2))?;
+        let corners = [place((2, 4))?, place((2, 5))?];
+        let mut followers = Vec::new();
+        let mut jaw = Vec::new();
+        for vertex in &parts.others {
+            let p = at(*vertex);
+            let inside = (p.x - seam.x).abs() < 1.2 * 0.5 * (corners[0].x - corners[1].x)
+                && p.z < seam.z
+                && (p.y - seam.y).abs() < 0.35 * height;
+            if inside {
+                // Lower teeth turn with the jaw, upper ones rest.
+                let below = smooth(0.5 - (p.y - seam.y) / (0.04 * height));
+                jaw.push((*vertex, below));
+            } else if let Some(row) = nearest(vertices.iter().map(|v| at(*v)), p)
+                && at(vertices[row]).distance(p) < 0.06 * height
+            {
+                followers.push((*vertex, row));
+            }
+        }
+        Some(Self {
+            handles,
+            frame,
+            vertices,
+            weights,
+            followers,
+            jaw,
+            eyeballs: parts
+                .eyeballs
+                .as_ref()
+                .map(|e| [e[0].0.clone(), e[1].0.clone()]),
+            positions: surface.positions.clone(),
+        })
+    }
+
+    /// Returns whether the table shows a parameter, by its number.
+    pub fn moves(&self, fap: usize) -> bool {
+        match fap {
+            23..=26 => self.eyeballs.is_some(),
+            27..=30 | 43..=50 => false,
+            _ => {
+                let point = TABLE[fap - 1].action.map(|a| a.point);
+                point.is_some_and(|p| {
+                    self.handles
+                        .iter()
+                        .any(|h| h.what == handles::HandleKind::Moving(p))
+                })
+            }
+        }
+    }
+
+    /// Returns the displacement of each vertex of the surface by parameters, metres.
+    pub fn displacements(&self, values: &FapValues) -> Vec<Vec3> {
+        let motion = self.frame.motion(values, &self.handles);
+        let mut all = vec![Vec3::ZERO; self.positions.len()];
+        self.follow(&motion, &mut all);
+        let turn = self.frame.jaw_radians(values);
+        let jaw = Quat::from_rotation_x(turn);
+        let shift = self.frame.jaw_shift(values);
+        for (vertex, share) in &self.jaw {
+            let from = self.positions[*vertex as usize] - self.frame.hinge;
+            all[*vertex as usize] = *share * (jaw * from - from + shift);
+        }
+        for (side, vertices) in self.eyeballs.iter().flatten().enumerate() {
+            let (yaw, pitch) = (values.get(23 + side) * 1e-5, values.get(25 + side) * 1e-5);
+            let turn = Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch);
+            for vertex in vertices {
+                let from = self.positions[*vertex as usize] - self.frame.eyes[side];
+                all[*vertex as usize] = turn * from - from;
+            }
+        }
+        for offset in &mut all {
+            if offset.length_squared() < LEAST * LEAST {
+                *offset = Vec3::ZERO;
+            }
+        }
+        all
+    }
+
+    /// Displacements of the skin, if the handles move as `true_motion` says of their vertices; for
+    /// measuring the weights apart from the rules.
+    pub fn displacements_of_handles(&self, true_motion: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
+        let motion: Vec<Vec3> = self.handles.iter().map(|h| true_motion(h.vertex)).collect();
+        let mut all = vec![Vec3::ZERO; self.positions.len()];
+        self.follow(&motion, &mut all);
+        all
+    }
+
+    /// Returns the values that move the feature points as displacements of all vertices say.
+    pub fn values(&self, points: &FacePoints, displacements: &[Vec3]) -> FapValues {
+        let mut values = FapValues::default();
+        for fap in LOW_FAPS {
+            let Some(action) = TABLE[fap - 1].action else {
+                continue;
+            };
+            let vertex = points.get(action.point).and_then(|p| p.vertex);
+            let (Some(vertex), Some(axis)) = (vertex, rules::axis(action.direction)) else {
+                continue;
+            };
+            let unit = self.frame.units.distance(action.unit) / 1024.0;
+            let along = displacements[vertex as usize].dot(axis) / unit;
+            values.0[fap - LOW_FAPS.start()] = if action.two_sided {
+                along
+            } else {
+                along.max(0.0)
+            };
+        }
+        // The chin boss goes with the jaw; its own parameter is what is left.
+        let jaw = self
+            .frame
+            .chin_boss(&values, points.get((2, 10)).map_or(Vec3::ZERO, |p| p.place));
+        values.0[18 - LOW_FAPS.start()] -= jaw;
+        values
+    }
+
+    fn follow(&self, motion: &[Vec3], all: &mut [Vec3]) {
+        let moved = |row: usize| {
+            let weights = &self.weights[row * motion.len()..(row + 1) * motion.len()];
+            weights
+                .iter()
+                .zip(motion)
+                .map(|(w, m)| *w * *m)
+                .sum::<Vec3>()
+        };
+        for (row, vertex) in self.vertices.iter().enumerate() {
+            all[*vertex as usize] = moved(row);
+        }
+        for (vertex, row) in &self.followers {
+            all[*vertex as usize] = moved(*row);
+        }
+    }
+}
+
+/// Weights at the handles themselves: 1 for each, 0 for all others.
+fn exact_at_handles(handles: &[Handle], vertices: &[u32], joined: &[u32], weights: &mut [f32]) {
+    for (vertex, row) in vertices.iter().zip(weights.chunks_exact_mut(handles.len())) {
+        let same = |h: &Handle| joined[h.vertex as usize] == joined[*vertex as usize];
+        if let Some(own) = handles.iter().position(same) {
+            row.fill(0.0);
+            row[own] = 1.0;
+        }
+    }
+}
+
+/// Places that rest: behind the ears, below the chin and above the forehead, spread evenly over the
+/// vertices there.
+fn pins(surface: &FaceSurface, points: &FacePoints, height: f32) -> Vec<Vec3> {
+    let place = |point: PointId| points.get(point).map_or(Vec3::ZERO, |p| p.place);
+    let behind = 0.5 * (place((10, 3)).z + place((10, 4)).z) - 0.02 * height;
+    let below = place((2, 1)).y - 0.35 * height;
+    let above = place((11, 1)).y + 0.25 * height;
+    let rests = |p: &Vec3| p.z < behind || p.y < below || p.y > above;
+    let skin = points.parts.skin_vertices.iter();
+    let still: Vec<Vec3> = skin
+        .map(|v| surface.positions[*v as usize])
+        .filter(rests)
+        .collect();
+    let step = still.len().div_ceil(PINS).max(1);
+    still.into_iter().step_by(step).collect()
+}
