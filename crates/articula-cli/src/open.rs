@@ -4,10 +4,12 @@
 use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::files::{self, Files};
 use anyhow::Context;
+use articula::face::fdp_points;
 use articula::{CharacterFile, DataFile, DataFormat, Figure, OpenOptions, open_data};
+use articula_core::feature_points::PointId;
 use articula_core::joint_names::JointMap;
-use articula_formats::joint_map;
-use articula_formats::{Assumption, Limits, Warning};
+use articula_formats::{Assumption, Limits, Warning, face_points as points_file, joint_map, mpeg4};
+use glam::Vec3;
 use std::path::{Path, PathBuf};
 
 /// Opens a character; a joint map of the user is used instead of all others if it fits.
@@ -108,4 +110,21 @@ mod tests {
         let why = articula::choose("clip", "fly", ["walk"].into_iter()).unwrap_err();
         assert_eq!(fault::status(&why.into()), 2);
     }
+}
+
+/// Reads the feature points of a file: JSON, or an FDP file made for the character's mesh.
+pub(crate) fn face_points(
+    character: &CharacterFile,
+    path: &Path,
+) -> anyhow::Result<Vec<(PointId, Vec3)>> {
+    let limits = Limits::default();
+    let bytes = files::read(path, limits.bytes)?;
+    let is_fdp = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("fdp"));
+    if is_fdp {
+        let fdp = mpeg4::fdp::read(&bytes, &limits).with_context(|| files::shown(path))?;
+        return fdp_points(character, &fdp.value).with_context(|| files::shown(path));
+    }
+    points_file::read(&bytes, &limits).with_context(|| files::shown(path))
 }

@@ -53,6 +53,19 @@ fn feature_points_hold_the_targets() {
     assert!(page.contains("0 of 6 missed"), "{page}");
 }
 
+/// Tables from feature points alone are as near to the expressions of the faces as
+/// docs/methods/faces.md says.
+#[test]
+fn face_tables_hold_the_targets() {
+    let data = crate::data::folder(None, true).unwrap();
+    if !data.is_some_and(|d| d.join("face/ict_facekit_expressions.glb").is_file()) {
+        println!("skipped: no face/ict_facekit_expressions.glb");
+        return;
+    }
+    let page = small("face-tables", "face-tables.md");
+    assert!(page.contains("0 of 12 missed"), "{page}");
+}
+
 /// The acceptance bounds 1 to 5 of a speaking face (docs/methods/vector.md, part 9) hold.
 #[test]
 fn a_speaking_face_holds_the_targets() {

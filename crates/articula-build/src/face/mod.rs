@@ -25,4 +25,4 @@ pub use controls::{arkit_name, blend_shape, vrm_preset};
 pub use fap_values::{FapValues, unit_mm};
 pub use high_level::{add_expression, add_viseme};
 pub use points::{FacePoint, FacePoints, FaceSurface, FaceUnits, NoFace, PointSource, UnitRatio};
-pub use table::FaceTable;
+pub use table::{FaceTable, normal_offsets};

@@ -18,6 +18,7 @@ mod clips;
 mod compressed_oracle;
 mod conversion;
 mod crowd;
+mod face_shapes;
 mod faces;
 mod flatten;
 mod flatten_browser;

@@ -178,7 +178,8 @@ fn add_influences(document: &mut Document, primitive: &Primitive, attributes: &m
     }
 }
 
-fn add_morph(document: &mut Document, morph: &MorphTarget) -> Value {
+/// Adds a morph target and returns its accessors.
+pub(super) fn add_morph(document: &mut Document, morph: &MorphTarget) -> Value {
     let positions = add_offsets(document, &morph.positions);
     set_bounds(document, positions, &morph.positions);
     let mut target = json!({"POSITION": positions});

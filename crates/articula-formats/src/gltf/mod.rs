@@ -44,6 +44,7 @@ mod khr_character;
 mod lod;
 mod material;
 mod mesh;
+mod morph_targets;
 mod node;
 mod node_meshes;
 mod open;

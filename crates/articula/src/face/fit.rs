@@ -89,7 +89,7 @@ pub fn fit_face(clip: &FapClip, file: &str, character: &CharacterFile) -> Result
     let Some(controls) = FaceControls::of(&character.character) else {
         let what = "face: no morph target has the name of a blend shape of ARKit (jawOpen, \
                     eyeBlinkLeft, ...) and no expression that of a preset of VRM (aa, blink, ...), \
-                    so nothing shows a FAP clip";
+                    so nothing shows a FAP clip; convert --face-shapes makes blend shapes for a closed face";
         return Err(Error::unsuited(what)).context(&character.name);
     };
     let values: Vec<FapValues> = clip.frames.iter().map(low_level).collect();

@@ -3,15 +3,18 @@
 //! - `controls`: the morph targets or expressions of a face whose effect is known
 //! - `surface`: the head as a surface
 //! - `points`: the feature points found on it
+//! - `shapes`: blend shapes for a face without them
 //! - `turns`: head and eyes, which turn
 //! - `fit`: a FAP clip as a clip of a character
 
 mod controls;
 mod fit;
 mod points;
+mod shapes;
 mod surface;
 mod turns;
 
 pub use fit::{FaceTransfer, FittedFace, NotDriven, fit_face};
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout, fdp_points};
+pub use shapes::{FaceShapes, add_face_shapes};
 pub use surface::HeadSurface;

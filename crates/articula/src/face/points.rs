@@ -3,11 +3,12 @@
 use super::surface::HeadSurface;
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
+use crate::open::CharacterFile;
 use articula_build::face::{FacePoints, PointSource};
 use articula_core::PosedMesh;
 use articula_core::feature_points::{FEATURE_POINTS, PointId, feature_point_index};
 use articula_core::source::RawMesh;
-use articula_formats::mpeg4::fdp::FdpFile;
+use articula_formats::mpeg4::fdp::{self, FdpFile};
 use glam::Vec3;
 use serde::Serialize;
 
@@ -120,15 +121,16 @@ pub fn face_layout(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FaceLay
 /// # Errors
 /// [`Error::Argument`] that names the point, if the figure lacks its vertex or the standard the
 /// point.
-pub fn fdp_points(figure: &Figure, fdp: &FdpFile) -> Result<Vec<(PointId, Vec3)>> {
+pub fn fdp_points(character: &CharacterFile, file: &FdpFile) -> Result<Vec<(PointId, Vec3)>> {
+    let figure = Figure::new(character.clone())?;
     let asset = &figure.asset;
     let still = vec![0.0; asset.mesh.morph_weights.len()];
     let places = PosedMesh::new(&asset.rig, &asset.mesh)
         .pose(asset.rig.rest_pose())
         .skinned(&still)
         .positions;
-    let meshes = &figure.opened.character.meshes;
-    let place = |point: &articula_formats::mpeg4::fdp::FeaturePoint| {
+    let meshes = &character.character.meshes;
+    let place = |point: &fdp::FeaturePoint| {
         feature_point_index(point.point)?;
         // The only mesh of a figure may have another name.
         let named = meshes.iter().position(|m| m.name == point.mesh);
@@ -143,7 +145,7 @@ pub fn fdp_points(figure: &Figure, fdp: &FdpFile) -> Result<Vec<(PointId, Vec3)>
         let first: usize = meshes[..mesh].iter().map(count).sum();
         (vertex < count(&meshes[mesh])).then(|| places[first + vertex])
     };
-    let points = fdp.points.iter().map(|point| {
+    let points = file.points.iter().map(|point| {
         let found = place(point).map(|at| (point.point, at));
         found.ok_or_else(|| {
             Error::argument(format!(

@@ -30,7 +30,7 @@ pub(super) struct SurfacePart {
 impl FaceSurface {
     /// First vertex of the same place and the same offsets, for each vertex. Lips that touch stay
     /// apart, as their offsets differ.
-    pub(super) fn joined(&self) -> Vec<u32> {
+    pub(in crate::face) fn joined(&self) -> Vec<u32> {
         let mut first: HashMap<Vec<u32>, u32> = HashMap::new();
         let mut key = Vec::new();
         let mut joined = Vec::with_capacity(self.positions.len());

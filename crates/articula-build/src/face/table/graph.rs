@@ -107,3 +107,48 @@ pub(super) fn nearest(places: impl Iterator<Item = Vec3>, to: Vec3) -> Option<us
     all.min_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(index, _)| index)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_follow_the_surface_and_cross_squares() {
+        // Two squares side by side, of 1 m, and a vertex of the first place again at the end.
+        let positions = [
+            Vec3::ZERO,
+            Vec3::X,
+            Vec3::new(1.0, 1.0, 0.0),
+            Vec3::Y,
+            Vec3::new(2.0, 0.0, 0.0),
+            Vec3::new(2.0, 1.0, 0.0),
+            Vec3::ZERO,
+            Vec3::new(9.0, 9.0, 0.0),
+        ];
+        let triangles = [[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]];
+        let joined = [0, 1, 2, 3, 4, 5, 0, 7];
+        let graph = SurfaceGraph::of(&positions, &joined, &triangles);
+        let found = graph.distances(&[6]);
+        let root = 2.0_f32.sqrt();
+        // Straight edges, the diagonal that is an edge, and a third square's worth beyond it.
+        for (vertex, expected) in [(0, 0.0), (1, 1.0), (2, root), (3, 1.0), (4, 2.0), (6, 0.0)] {
+            assert!(
+                (found[vertex] - expected).abs() < 1e-6,
+                "{vertex}: {found:?}"
+            );
+        }
+        // Across the edge from 1 to 2, whose triangles have the corners 0 and 5.
+        assert!((found[5] - 5.0_f32.sqrt()).abs() < 1e-6, "{found:?}");
+        assert!(found[7].is_infinite());
+        // From 1 to 3 across the diagonal that is no edge.
+        assert!((graph.distances(&[1])[3] - root).abs() < 1e-6);
+    }
+
+    #[test]
+    fn steps_are_smooth() {
+        assert_eq!(
+            [-1.0, 0.0, 0.5, 1.0, 2.0].map(smooth),
+            [0.0, 0.0, 0.5, 1.0, 1.0]
+        );
+    }
+}

@@ -4,12 +4,14 @@
 //! - `handles`: the points that the skin follows
 //! - `graph`: distances along the skin
 //! - `weights`: how much each vertex follows each handle
+//! - `normals`: how normals change with the vertices
 //! - `rules`: how handles move with parameters
 //!
 //! Method and constants: `docs/methods/faces.md`.
 
 mod graph;
 mod handles;
+mod normals;
 mod rules;
 mod weights;
 
@@ -22,6 +24,8 @@ use graph::{SurfaceGraph, nearest, smooth};
 use handles::{Handle, handles};
 use rules::RuleFrame;
 use weights::{WeightInput, weights};
+
+pub use normals::normal_offsets;
 
 /// Number of resting places that pin the skin around the face.
 const PINS: usize = 60;
@@ -239,11 +243,15 @@ fn pins(surface: &FaceSurface, points: &FacePoints, height: f32) -> Vec<Vec3> {
     let below = place((2, 1)).y - 0.35 * height;
     let above = place((11, 1)).y + 0.25 * height;
     let rests = |p: &Vec3| p.z < behind || p.y < below || p.y > above;
+    // Of one half, and mirrored, so that the table of a symmetric face is symmetric.
+    let middle = place((9, 3)).x;
     let skin = points.parts.skin_vertices.iter();
     let still: Vec<Vec3> = skin
         .map(|v| surface.positions[*v as usize])
-        .filter(rests)
+        .filter(|p| rests(p) && p.x >= middle)
         .collect();
-    let step = still.len().div_ceil(PINS).max(1);
-    still.into_iter().step_by(step).collect()
+    let step = still.len().div_ceil(PINS / 2).max(1);
+    let half = still.into_iter().step_by(step);
+    half.flat_map(|p| [p, Vec3::new(2.0 * middle - p.x, p.y, p.z)])
+        .collect()
 }

@@ -221,3 +221,114 @@ fn quarter(point: PointId) -> (PointId, PointId) {
         _ => ((8, 2), (8, 4)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame() -> RuleFrame {
+        RuleFrame {
+            units: FaceUnits {
+                iris_diameter: 0.01,
+                eye_separation: 0.06,
+                eye_nose: 0.05,
+                mouth_nose: 0.02,
+                mouth_width: 0.05,
+            },
+            chin: Vec3::new(0.0, -0.08, 0.1),
+            hinge: Vec3::ZERO,
+            eyes: [Vec3::new(0.03, 0.05, 0.08), Vec3::new(-0.03, 0.05, 0.08)],
+        }
+    }
+
+    fn moved(faps: &[(usize, f32)], what: HandleKind, place: Vec3) -> Vec3 {
+        let mut values = FapValues::default();
+        for (fap, value) in faps {
+            values.0[fap - 3] = *value;
+        }
+        let handle = Handle {
+            what,
+            vertex: 0,
+            place,
+        };
+        frame().motion(&values, &[handle])[0]
+    }
+
+    fn near(a: Vec3, b: Vec3) {
+        assert!((a - b).length() < 1e-6, "{a}, not {b}");
+    }
+
+    #[test]
+    fn the_jaw_turns_what_is_around_it() {
+        // 1024 units of MNS: the chin goes 20 mm down, 0.2 rad for 100 mm from the hinge.
+        let open = [(3, 1024.0)];
+        let chin = Vec3::new(0.0, -0.08, 0.1);
+        near(
+            moved(&open, HandleKind::Moving((2, 1)), chin),
+            Vec3::new(0.0, -0.02, 0.0),
+        );
+        let half = Vec3::new(0.02, -0.06, 0.05);
+        near(
+            moved(&open, HandleKind::Moving((2, 11)), half),
+            Vec3::new(0.0, -0.01, 0.0),
+        );
+        near(
+            moved(&open, HandleKind::Moving((2, 13)), half),
+            Vec3::new(0.0, -0.007, -0.006),
+        );
+        // The lips have parameters of their own.
+        near(moved(&open, HandleKind::Moving((2, 3)), half), Vec3::ZERO);
+        near(moved(&open, HandleKind::Resting, half), Vec3::ZERO);
+        let mut values = FapValues::default();
+        values.0[0] = 1024.0;
+        assert!((frame().jaw_radians(&values) - 0.2).abs() < 1e-6);
+        // The chin boss goes down by 20 mm at the depth of the chin: 1024 units against its own.
+        assert!((frame().chin_boss(&values, chin) + 1024.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn corners_go_in_as_they_go_out_and_take_the_lip_along() {
+        // The left corner 5 mm out, and 2 mm up.
+        let smile = [(6, 102.4), (12, 102.4)];
+        let corner = moved(&smile, HandleKind::Moving((2, 4)), Vec3::ZERO);
+        near(
+            corner,
+            Vec3::new(0.005, 0.002, -0.25 * (0.005 + 1.2 * 0.002)),
+        );
+        near(
+            moved(&smile, HandleKind::Moving((2, 2)), Vec3::ZERO),
+            Vec3::new(0.00125, 0.0, 0.0),
+        );
+        let quarter = moved(&smile, HandleKind::Moving((2, 6)), Vec3::ZERO);
+        near(
+            quarter,
+            Vec3::new(0.5 * 0.00125 + 0.4 * 0.005, 0.0, -0.25 * 0.3 * 0.005),
+        );
+        let cheek = moved(&smile, HandleKind::Moving((5, 1)), Vec3::ZERO);
+        near(cheek, Vec3::new(0.0, 0.6 * 0.002, -0.25 * 0.002));
+        // The right corner out is towards -X, and goes in as much.
+        let right = moved(&[(7, 102.4)], HandleKind::Moving((2, 5)), Vec3::ZERO);
+        near(right, Vec3::new(-0.005, 0.0, -0.25 * 0.005));
+    }
+
+    #[test]
+    fn lids_stay_on_a_circle_about_the_eye() {
+        let centre = frame().eyes[0];
+        let rim = centre + Vec3::new(0.0, 0.006, 0.008);
+        // 10 mm down: from 6 mm above the middle to 4 mm below.
+        let shut = moved(&[(19, 1024.0)], HandleKind::Moving((3, 1)), rim);
+        assert!((shut.y + 0.01).abs() < 1e-6);
+        let there = rim + shut - centre;
+        assert!(
+            ((there.y.powi(2) + there.z.powi(2)).sqrt() - 0.01).abs() < 1e-6,
+            "{there}"
+        );
+        // Half way to the corner the lid closes by three quarters.
+        let beside = moved(&[(19, 1024.0)], HandleKind::Rim((3, 1), 50), rim);
+        assert!((beside.y + 0.0075).abs() < 1e-6);
+        near(
+            moved(&[(20, 1024.0)], HandleKind::Moving((3, 1)), rim),
+            Vec3::ZERO,
+        );
+    }
+}

@@ -12,6 +12,8 @@ use glam::Vec3;
 
 /// Added to the diagonal of the spline.
 const SMOOTHING: f64 = 1e-4;
+/// Radius of the rounding of the kernel, by height of the face.
+const ROUND: f64 = 0.05;
 /// Reach of the sheets of an eye around its centre, and over which they fade, by height of the face.
 const EYE_REACH: f32 = 0.22;
 const EYE_FADE: f32 = 0.08;
@@ -63,7 +65,7 @@ impl Spline {
         let mut matrix = vec![0.0; n * n];
         for (i, a) in centres.iter().enumerate() {
             for (j, b) in centres.iter().enumerate() {
-                matrix[i * n + j] = f64::from(-a.distance(*b) / unit);
+                matrix[i * n + j] = kernel(*a, *b, unit);
             }
             matrix[i * n + i] = SMOOTHING;
             matrix[i * n + n - 1] = 1.0;
@@ -89,10 +91,7 @@ impl Spline {
         }
         let sides = self.handles.len();
         let mut sums = vec![0.0_f64; sides];
-        let basis = self
-            .centres
-            .iter()
-            .map(|c| f64::from(-c.distance(place) / self.unit));
+        let basis = self.centres.iter().map(|c| kernel(*c, place, self.unit));
         for (row, basis) in self
             .coefficients
             .chunks_exact(sides)
@@ -106,6 +105,13 @@ impl Spline {
             into[*handle] += share * sum as f32;
         }
     }
+}
+
+/// The kernel of the spline: the distance by the height of the face, rounded near 0, so that no handle
+/// draws the skin to a tip.
+fn kernel(a: Vec3, b: Vec3, unit: f32) -> f64 {
+    let distance = f64::from(a.distance(b) / unit);
+    -(distance * distance + ROUND * ROUND).sqrt()
 }
 
 /// What the weights are computed from.

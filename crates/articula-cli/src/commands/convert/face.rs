@@ -42,6 +42,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             .collect(),
         clips,
         onto: None,
+        face_shapes: None,
         edits: Vec::new(),
         reduction: None,
         mesh: None,
@@ -69,7 +70,7 @@ fn check(args: &ConvertArgs) -> anyhow::Result<DataFormat> {
     }
     let chosen = args.clip.is_some() || args.loa.is_some() || args.loa_profile.is_some();
     let other = args.to.is_some() || args.onto.is_some() || args.khr_character;
-    if chosen || other || args.hygiene.asks() {
+    if chosen || other || args.hygiene.asks() || args.shapes.asks() {
         return Err(fault::usage(format!(
             "{place}: flags that choose or change body clips do not apply to a FAP file; leave them out"
         )));

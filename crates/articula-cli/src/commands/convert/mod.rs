@@ -2,6 +2,7 @@
 //! reduces animations; one file or many.
 
 mod face;
+mod face_shapes;
 mod hygiene;
 mod job;
 mod mesh;
@@ -81,6 +82,8 @@ pub(crate) struct ConvertArgs {
     /// (.glb only)
     #[arg(long)]
     khr_character: bool,
+    #[command(flatten)]
+    shapes: face_shapes::FaceShapeArgs,
     #[command(flatten)]
     mesh: mesh::MeshArgs,
     #[command(flatten)]
@@ -196,6 +199,7 @@ impl ConvertArgs {
     fn inputs(&self) -> impl Iterator<Item = &Path> {
         let named = self.inputs.iter().filter(|path| !path.is_dir());
         let named = named.chain(&self.onto).chain(&self.loa_profile);
+        let named = named.chain(self.shapes.input());
         named.map(PathBuf::as_path).chain(self.names.inputs())
     }
 

@@ -12,7 +12,7 @@ use articula::convert::{
     AddClipsOptions, ContactPinning, FitFinding, FitFindingKind, FittedClip, FootSlideSummary,
     JointShare, RetargetOptions, TransferReport, TransferredClipReport, fit_clips,
 };
-use articula::face::{FaceTransfer, FittedFace, fit_face};
+use articula::face::{FaceShapes, FaceTransfer, FittedFace, fit_face};
 use articula::{CharacterFile, Data, DataFormat};
 use clap::ValueEnum;
 use std::path::Path;
@@ -21,6 +21,8 @@ use std::path::Path;
 #[derive(Debug)]
 pub(super) struct Hero {
     pub(super) opened: CharacterFile,
+    /// Blend shapes that were made for its face.
+    pub(super) shapes: Option<FaceShapes>,
     options: AddClipsOptions,
 }
 
@@ -78,7 +80,8 @@ impl Hero {
         let Some(path) = &args.onto else {
             return Ok(None);
         };
-        let opened = open::character(files, path, &args.names)?;
+        let mut opened = open::character(files, path, &args.names)?;
+        let shapes = args.shapes.add(&mut opened)?;
         let options = AddClipsOptions {
             clip: args.clip.clone(),
             file_in_names: reads_many(args),
@@ -92,7 +95,11 @@ impl Hero {
             },
             ..AddClipsOptions::default()
         };
-        Ok(Some(Self { opened, options }))
+        Ok(Some(Self {
+            opened,
+            shapes,
+            options,
+        }))
     }
 
     /// Reads a file of motions and retargets them; `None` if it has no clip and was found in a

@@ -1,16 +1,16 @@
 //! The report of a conversion, for programs and for people.
 
-use super::hygiene;
 use super::mesh;
 use super::onto;
 use super::plan::Job;
 use super::reduction::Reduction;
+use super::{face_shapes, hygiene};
 use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
 use articula::ShownLevelsReport;
 use articula::convert::{ClipEdited, LossyPart, TransferReport};
-use articula::face::FaceTransfer;
+use articula::face::{FaceShapes, FaceTransfer};
 use serde::Serialize;
 use std::path::Path;
 
@@ -32,6 +32,8 @@ pub(super) struct ConvertReport {
     pub(super) beside: Vec<String>,
     pub(super) clips: Vec<String>,
     pub(super) onto: Option<Onto>,
+    /// Blend shapes that were made for the face, if any were asked for.
+    pub(super) face_shapes: Option<FaceShapes>,
     /// Edits of each clip; empty if none were asked for.
     pub(super) edits: Vec<ClipEdited>,
     pub(super) reduction: Option<Reduction>,
@@ -144,6 +146,7 @@ impl ConvertReport {
             beside: Vec::new(),
             clips: Vec::new(),
             onto: None,
+            face_shapes: None,
             edits: Vec::new(),
             reduction: None,
             mesh: None,
@@ -174,6 +177,9 @@ impl ConvertReport {
         }
         if let Some(shown) = &self.mesh {
             text.push_str(&mesh::text(shown));
+        }
+        if let Some(shapes) = &self.face_shapes {
+            text.push_str(&face_shapes::text(shapes));
         }
         for edits in &self.edits {
             text.push_str(&hygiene::text(edits));

@@ -2,15 +2,15 @@
 
 use crate::console::Console;
 use crate::table::Table;
-use crate::{fault, files};
+use crate::{fault, files, open};
 use anyhow::Context;
-use articula::face::{FaceLayout, face_layout, fdp_points};
+use articula::face::{FaceLayout, HeadSurface, face_layout};
 use articula::{Figure, facing};
 use articula_core::feature_points::PointId;
 use articula_core::{ModelPose, local_to_model};
-use articula_flat::{Appearance, Picture};
-use articula_formats::{Limits, face_points, mpeg4};
-use articula_report::{FaceMark, face_sheet};
+use articula_flat::{Appearance, Bounds, Picture};
+use articula_formats::face_points;
+use articula_report::{FaceMark, face_sheet, shape_sheet};
 use clap::Args;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -25,6 +25,9 @@ pub(super) struct FaceArgs {
     /// Draw the feature points on the face
     #[arg(long, value_name = "F.png")]
     face_sheet: Option<PathBuf>,
+    /// Draw the face with each of its morph targets at full weight
+    #[arg(long, value_name = "F.png")]
+    shape_sheet: Option<PathBuf>,
     /// Feature points that are known, as JSON or in an FDP file for this mesh; the others follow
     #[arg(long, value_name = "F.json|F.fdp")]
     face_points: Option<PathBuf>,
@@ -34,10 +37,15 @@ pub(super) struct FaceArgs {
 }
 
 impl FaceArgs {
-    /// Whether a flag asks for the face.
+    /// Whether a flag asks for feature points.
     pub(super) fn asks(&self) -> bool {
         let files = [&self.face_sheet, &self.face_points, &self.write_face_points];
         self.face || files.into_iter().any(Option::is_some)
+    }
+
+    /// Whether a flag needs a mesh.
+    pub(super) fn needs_a_mesh(&self) -> bool {
+        self.asks() || self.shape_sheet.is_some()
     }
 
     /// The file that is read, if any.
@@ -47,21 +55,41 @@ impl FaceArgs {
 
     /// The files that are written.
     pub(super) fn outputs(&self) -> impl Iterator<Item = &Path> {
-        let outputs = [&self.face_sheet, &self.write_face_points];
+        let outputs = [&self.face_sheet, &self.shape_sheet, &self.write_face_points];
         outputs.into_iter().flatten().map(PathBuf::as_path)
     }
 
     /// Refuses a picture that is not PNG.
     pub(super) fn check(&self) -> anyhow::Result<()> {
-        let is_png = |p: &&PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-        match self.face_sheet.as_ref().filter(|p| !is_png(p)) {
-            Some(path) => {
+        for (flag, path) in [
+            ("--face-sheet", &self.face_sheet),
+            ("--shape-sheet", &self.shape_sheet),
+        ] {
+            let is_png =
+                |p: &&PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+            if let Some(path) = path.as_ref().filter(|p| !is_png(p)) {
                 let path = files::shown(path);
-                let what = format!("--face-sheet {path}: sheets are PNG; name the file .png");
-                Err(fault::usage(what))
+                let what = format!("{flag} {path}: sheets are PNG; name the file .png");
+                return Err(fault::usage(what));
             }
-            None => Ok(()),
         }
+        Ok(())
+    }
+
+    /// Draws the morph targets, if that was asked for; returns the file written.
+    pub(super) fn draw_shapes(
+        &self,
+        figure: &Figure,
+        console: &Console,
+    ) -> anyhow::Result<Option<String>> {
+        let Some(path) = &self.shape_sheet else {
+            return Ok(None);
+        };
+        let bytes = shapes(figure)?
+            .to_png()
+            .with_context(|| files::shown(path))?;
+        console.files.write(path, &bytes)?;
+        Ok(Some(files::shown(path)))
     }
 
     /// Finds the points, and writes what was asked for. Returns them and the files written.
@@ -71,7 +99,7 @@ impl FaceArgs {
         console: &Console,
     ) -> anyhow::Result<(FaceLayout, Vec<String>)> {
         let given = match &self.face_points {
-            Some(path) => given(figure, path)?,
+            Some(path) => open::face_points(&figure.opened, path)?,
             None => Vec::new(),
         };
         let layout = face_layout(figure, &given)?;
@@ -91,20 +119,6 @@ impl FaceArgs {
         }
         Ok((layout, written))
     }
-}
-
-/// Reads the points of a file.
-fn given(figure: &Figure, path: &Path) -> anyhow::Result<Vec<(PointId, Vec3)>> {
-    let limits = Limits::default();
-    let bytes = files::read(path, limits.bytes)?;
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("fdp"))
-    {
-        let fdp = mpeg4::fdp::read(&bytes, &limits).with_context(|| files::shown(path))?;
-        return fdp_points(figure, &fdp.value).with_context(|| files::shown(path));
-    }
-    face_points::read(&bytes, &limits).with_context(|| files::shown(path))
 }
 
 /// Draws the points on the face.
@@ -132,6 +146,48 @@ fn draw(figure: &Figure, layout: &FaceLayout) -> anyhow::Result<Picture> {
     let facing = facing(&asset.rig, &rest);
     let figure = (&asset.rig, &asset.mesh);
     Ok(face_sheet(figure, &look, facing, &marks, (&title, notes))?)
+}
+
+/// Draws the morph targets of the figure; those of one name in several meshes move together.
+fn shapes(figure: &Figure) -> anyhow::Result<Picture> {
+    let asset = &figure.asset;
+    let mut sets: Vec<(String, Vec<f32>)> = Vec::new();
+    let meshes = &figure.opened.character.meshes;
+    for (mesh, first) in meshes.iter().zip(&asset.mesh.morph_slots) {
+        for (target, name) in mesh.morph_names.iter().enumerate() {
+            let known = sets.iter().position(|(n, _)| n == name);
+            let index = known.unwrap_or_else(|| {
+                sets.push((name.clone(), vec![0.0; asset.mesh.morph_weights.len()]));
+                sets.len() - 1
+            });
+            sets[index].1[first + target] = 1.0;
+        }
+    }
+    if sets.is_empty() {
+        let what = "--shape-sheet: the file has no morph target to draw";
+        return Err(fault::usage(what));
+    }
+    let head = HeadSurface::of(figure);
+    let moved = head.surface.shapes.iter().flat_map(|(_, offsets)| {
+        let moving = offsets
+            .iter()
+            .enumerate()
+            .filter(|(_, o)| o.length() > 1e-3);
+        moving.map(|(v, _)| v)
+    });
+    let place = |v: usize| head.model_from_head * head.surface.positions[v];
+    let all = 0..head.surface.positions.len();
+    let bounds = Bounds::around(moved.map(|v| (place(v), place(v))));
+    let bounds = bounds.or_else(|| Bounds::around(all.map(|v| (place(v), place(v)))));
+    let bounds = bounds.context("no vertex has a finite position")?;
+    let character = &figure.opened.character;
+    let (look, _) = Appearance::new(&character.materials, &character.images);
+    let title = format!("morph targets of {}", figure.opened.name);
+    let mut rest = ModelPose::new(asset.rig.len());
+    local_to_model(&asset.rig, asset.rig.rest_pose(), &mut rest);
+    let framed = (&bounds, facing(&asset.rig, &rest));
+    let sheet = shape_sheet((&asset.rig, &asset.mesh), &look, framed, &sets, &title);
+    Ok(sheet?)
 }
 
 /// The table of the points.

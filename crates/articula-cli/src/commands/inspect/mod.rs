@@ -100,6 +100,9 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         findings.face_layout = Some(layout);
         findings.written.extend(written);
     }
+    findings
+        .written
+        .extend(args.face.draw_shapes(&figure, console)?);
     findings.warnings.extend(unused_map(args, &figure));
     if let Some(path) = &args.write_joint_map {
         let made = rig_joint_map(&figure.opened)?;
@@ -126,8 +129,8 @@ fn check_without_joints(args: &InspectArgs) -> anyhow::Result<()> {
         "--joint-levels lists levels of a character; this file has no joints"
     } else if args.write_joint_map.is_some() {
         "--write-joint-map writes the joints of a character; this file has no joints"
-    } else if args.face.asks() {
-        "--face finds the feature points of a character; this file has no mesh"
+    } else if args.face.needs_a_mesh() {
+        "flags about the face are for characters; this file has no mesh"
     } else {
         return Ok(());
     };

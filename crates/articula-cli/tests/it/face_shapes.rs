@@ -1,0 +1,174 @@
+//! `convert --face-shapes`: a face without morph targets gets the blend shapes of ARKit.
+
+use crate::program::{fault, folder, json, word};
+use crate::real;
+use articula_core::source::{Character, RawMesh};
+use glam::Vec3;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Writes a GLB file without its morph targets and animations.
+fn without_morphs(glb: &Path, out: &Path) {
+    let bytes = std::fs::read(glb).unwrap();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let mut document: Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    document.as_object_mut().unwrap().remove("animations");
+    for mesh in document["meshes"].as_array_mut().unwrap() {
+        let mesh = mesh.as_object_mut().unwrap();
+        mesh.remove("weights");
+        mesh.remove("extras");
+        for part in mesh["primitives"].as_array_mut().unwrap() {
+            part.as_object_mut().unwrap().remove("targets");
+        }
+    }
+    let mut text = document.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let rest = &bytes[20 + length..];
+    let mut made = b"glTF".to_vec();
+    for number in [2, (20 + text.len() + rest.len()) as u32, text.len() as u32] {
+        made.extend(number.to_le_bytes());
+    }
+    made.extend(b"JSON");
+    made.extend(text);
+    made.extend(rest);
+    std::fs::write(out, made).unwrap();
+}
+
+fn character(path: &Path) -> Character {
+    articula::fs::open(path).unwrap().character
+}
+
+/// Offsets of all vertices of a mesh in a morph target, by its name.
+fn offsets(mesh: &RawMesh, name: &str) -> Vec<Vec3> {
+    let target = mesh.morph_names.iter().position(|n| n == name).unwrap();
+    let parts = mesh.primitives.iter();
+    parts
+        .flat_map(|p| p.morphs[target].positions.clone())
+        .collect()
+}
+
+/// The head without its morph targets, in a folder, and the head itself.
+fn bald(name: &str) -> Option<(PathBuf, PathBuf)> {
+    let head = real::file("glb/ict_head_talk_1095.glb")?;
+    let here = folder(name);
+    without_morphs(&head, &here.join("bald.glb"));
+    Some((here, head))
+}
+
+#[test]
+fn made_shapes_move_as_those_of_the_face() {
+    let Some((here, head)) = bald("face-shapes") else {
+        return;
+    };
+    let report = json(
+        &here,
+        &["convert", "bald.glb", "shaped.glb", "--face-shapes"],
+    );
+    let made = report["face_shapes"]["made"].as_array().unwrap();
+    assert_eq!(made.len(), 51);
+    assert_eq!(
+        report["face_shapes"]["not_made"],
+        serde_json::json!(["tongueOut"])
+    );
+    let (own, shaped) = (character(&head), character(&here.join("shaped.glb")));
+    let (own, shaped) = (&own.meshes[0], &shaped.meshes[0]);
+    assert_eq!(shaped.morph_names.len(), 51);
+    // All other contents stay.
+    assert_eq!(own.primitives.len(), shaped.primitives.len());
+    for (a, b) in own.primitives.iter().zip(&shaped.primitives) {
+        assert_eq!((&a.positions, &a.triangles), (&b.positions, &b.triangles));
+    }
+    for name in ["jawOpen", "mouthSmile_L", "eyeBlink_R"] {
+        let there = own.morph_names.iter().any(|n| n == name);
+        let arkit = name.replace("_L", "Left").replace("_R", "Right");
+        if !there {
+            continue;
+        }
+        let (truth, found) = (offsets(own, name), offsets(shaped, &arkit));
+        // Motions of other parts or in other directions have a correlation near 0 or below.
+        let dot: f32 = truth.iter().zip(&found).map(|(a, b)| a.dot(*b)).sum();
+        let size = |d: &[Vec3]| d.iter().map(|v| v.length_squared()).sum::<f32>().sqrt();
+        let alike = dot / (size(&truth) * size(&found));
+        assert!(alike > 0.5, "{name}: {alike}");
+    }
+    // The left smile moves the left corner, and the right side rests.
+    let left = offsets(shaped, "mouthSmileLeft");
+    let places = own.primitives.iter().flat_map(|p| p.positions.clone());
+    let (mut of_left, mut of_right) = (0.0_f32, 0.0_f32);
+    for (place, offset) in places.zip(&left) {
+        let side = if place.x > 0.0 {
+            &mut of_left
+        } else {
+            &mut of_right
+        };
+        *side = side.max(offset.length());
+    }
+    assert!(
+        of_left > 0.008 && of_right < 0.3 * of_left,
+        "{of_left} {of_right}"
+    );
+}
+
+#[test]
+fn a_face_clip_goes_onto_a_face_without_shapes() {
+    let (Some((here, _)), Some(speech)) = (
+        bald("face-shapes-fap"),
+        real::file("fap/speech_synthetic.fap"),
+    ) else {
+        return;
+    };
+    let speech = word(&speech);
+    let said = fault(
+        &here,
+        1,
+        &["convert", speech, "a.glb", "--onto", "bald.glb"],
+    );
+    assert!(said.contains("--face-shapes"), "{said}");
+    let words = [
+        "convert",
+        speech,
+        "a.glb",
+        "--onto",
+        "bald.glb",
+        "--face-shapes",
+    ];
+    let report = json(&here, &words);
+    assert_eq!(report["face_shapes"]["made"].as_array().unwrap().len(), 51);
+    let face = &report["onto"]["faces"][0];
+    assert_eq!(
+        (&face["morphs"], &face["controls"]),
+        (&true.into(), &51.into())
+    );
+    assert!(face["error_mm_mean"].as_f64().unwrap() < 0.5);
+    let read = character(&here.join("a.glb"));
+    assert_eq!(
+        (read.clips.len(), read.meshes[0].morph_names.len()),
+        (1, 51)
+    );
+    // All shapes of the result are drawn.
+    let drawn = json(&here, &["inspect", "a.glb", "--shape-sheet", "shapes.png"]);
+    assert_eq!(drawn["written"], serde_json::json!(["shapes.png"]));
+    assert!(
+        std::fs::read(here.join("shapes.png"))
+            .unwrap()
+            .starts_with(b"\x89PNG")
+    );
+    let said = fault(
+        &here,
+        2,
+        &["inspect", "bald.glb", "--shape-sheet", "none.png"],
+    );
+    assert!(said.contains("no morph target"), "{said}");
+    // Points can be given; a face that has shapes keeps them.
+    json(
+        &here,
+        &["inspect", "bald.glb", "--write-face-points", "points.json"],
+    );
+    let given = ["--face-shapes", "--face-points", "points.json"];
+    json(
+        &here,
+        &[&["convert", "bald.glb", "b.glb"], &given[..]].concat(),
+    );
+    let said = fault(&here, 1, &["convert", "a.glb", "c.glb", "--face-shapes"]);
+    assert!(said.contains("has morph targets"), "{said}");
+}
