@@ -13,6 +13,7 @@
 //! - [`x3d`]: H-Anim figures in X3D and VRML97; read both, write X3D
 //! - [`joint_map`]: joint maps, from joint name to H-Anim joint, level and region
 //! - [`face_points`]: feature points of a face
+//! - [`live_link`]: face captures of Live Link Face as CSV; read and write
 //! - [`loa_profile`]: a saved selection of levels of articulation
 //! - [`write_key_table`], [`write_pose_keys`]: motion-error tables as bytes
 //! - [`Limits`], [`ReadError`], [`Warning`]: bounds on input, errors, repairs
@@ -50,6 +51,7 @@ pub mod face_points;
 pub mod gltf;
 pub mod joint_map;
 mod limits;
+pub mod live_link;
 pub mod loa_profile;
 pub mod meshopt;
 mod motion_file;

@@ -142,6 +142,11 @@ fn parameters(path: &Path, format: DataFormat) -> Result<Parameters> {
             let what = format!("{frames} frames at {rate_hz} Hz, {moving} FAPs move");
             (what, Some(same))
         }
+        Data::LiveLink(capture) => {
+            let again = read(&write_data(&opened.data)?.bytes)?.data;
+            let same = matches!(again, Data::LiveLink(again) if again.frames.len() == capture.frames.len());
+            (format!("{} frames", capture.frames.len()), Some(same))
+        }
         Data::Epf(frames) => (format!("{} frames", frames.len()), None),
         Data::Fdp(face) => {
             let (points, faps) = (

@@ -43,6 +43,21 @@ pub fn arkit_name(name: &str) -> Option<&'static str> {
     Some(shape.name)
 }
 
+/// Returns the index in [`BLEND_SHAPES`] of the shape that a name means, as [`blend_shape`] reads it; of
+/// a half, that of the whole shape.
+pub fn arkit_shape(name: &str) -> Option<usize> {
+    let plain = plain(name)?;
+    let is_half = HALVES.iter().any(|(half, _)| *half == plain);
+    let side = |s: &str| plain.strip_suffix(s).map(str::to_owned);
+    let whole = if is_half {
+        side("left").or_else(|| side("right"))?
+    } else {
+        plain
+    };
+    let is = |s: &articula_core::arkit_table::BlendShape| s.name.eq_ignore_ascii_case(&whole);
+    BLEND_SHAPES.iter().position(is)
+}
+
 /// Letters in lower case, with a side at the end spelled out; `None` for a name without letters.
 fn plain(name: &str) -> Option<String> {
     let is_side = |side: &str| {
@@ -123,6 +138,16 @@ mod tests {
         for name in ["", "_L", "L", "smile", "JAWOPENL", "tongueOutLeft", "12"] {
             assert_eq!(blend_shape(name), None, "{name}");
         }
+    }
+
+    #[test]
+    fn halves_are_of_the_whole_shape() {
+        let named = |name: &str| arkit_shape(name).map(|i| BLEND_SHAPES[i].name);
+        assert_eq!(named("browInnerUp_L"), Some("browInnerUp"));
+        assert_eq!(named("mouth_smile_left"), Some("mouthSmileLeft"));
+        assert_eq!((named("smile"), named("jawOpenLeft")), (None, None));
+        assert_eq!(arkit_name("MouthSmile_L"), Some("mouthSmileLeft"));
+        assert_eq!(arkit_name("browInnerUp_L"), None);
     }
 
     #[test]

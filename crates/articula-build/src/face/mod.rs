@@ -21,7 +21,7 @@ mod points;
 mod table;
 
 pub use bridge::{FaceBridge, FaceSolver, ShownFace};
-pub use controls::{arkit_name, blend_shape, vrm_preset};
+pub use controls::{arkit_name, arkit_shape, blend_shape, vrm_preset};
 pub use fap_values::{FapValues, unit_mm};
 pub use high_level::{add_expression, add_viseme};
 pub use points::{FacePoint, FacePoints, FaceSurface, FaceUnits, NoFace, PointSource, UnitRatio};

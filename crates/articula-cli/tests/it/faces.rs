@@ -87,7 +87,7 @@ fn points_of_a_face_are_found_drawn_written_and_given_back() {
 fn what_cannot_be_done_is_said() {
     let here = folder("face-points-refused");
     if let Some(robot) = real::file("glb/RobotExpressive.glb") {
-        let said = fault(&here, 2, &["inspect", word(&robot), "--face"]);
+        let said = fault(&here, 1, &["inspect", word(&robot), "--face"]);
         assert!(said.contains("RobotExpressive.glb: face: "), "{said}");
     }
     let Some(head) = real::file("glb/ict_head_talk_554.glb") else {

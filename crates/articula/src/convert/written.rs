@@ -11,7 +11,7 @@ use articula_core::fap_table::FAP_COUNT;
 use articula_formats::gltf::Document;
 use articula_formats::mpeg4::fap::{self, FapClip};
 use articula_formats::x3d::{self, Site};
-use articula_formats::{acclaim, bvh};
+use articula_formats::{acclaim, bvh, live_link};
 
 /// Writes a character; formats that hold one clip get the first.
 ///
@@ -40,6 +40,13 @@ pub fn write_data(data: &Data) -> Result<EncodedFile> {
                 bytes: fap::write(clip),
                 beside: None,
                 left_out: still(clip).into_iter().collect(),
+            });
+        }
+        Data::LiveLink(capture) => {
+            return Ok(EncodedFile {
+                bytes: live_link::write(capture),
+                beside: None,
+                left_out: Vec::new(),
             });
         }
         Data::Epf(_) => DataFormat::Epf,

@@ -1,6 +1,6 @@
 //! The controls of a face: morph targets named as ARKit's blend shapes, or expressions.
 
-use articula_build::face::{FaceBridge, FapValues, blend_shape, vrm_preset};
+use articula_build::face::{FaceBridge, FapValues, arkit_shape, blend_shape, vrm_preset};
 use articula_core::source::{Channel, Character, Expression, Interpolation, Property};
 use std::collections::BTreeMap;
 
@@ -44,6 +44,19 @@ impl FaceControls {
     /// Whether the controls are morph targets; if not, they are expressions.
     pub(super) fn are_morphs(&self) -> bool {
         matches!(self.targets[0], Target::Morphs(_))
+    }
+
+    /// The blend shape of ARKit that each control is, or is a half of, by its index; `None` if one
+    /// is none.
+    pub(super) fn shapes(&self, character: &Character) -> Option<Vec<usize>> {
+        let shape = |target: &Target| match target {
+            Target::Morphs(slots) => {
+                let (mesh, slot) = *slots.first()?;
+                arkit_shape(&character.meshes[mesh].morph_names[slot])
+            }
+            Target::Expression(index) => arkit_shape(&character.expressions[*index].name),
+        };
+        self.targets.iter().map(shape).collect()
     }
 
     /// The channels that set the controls to the weights of each frame.

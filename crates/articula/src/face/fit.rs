@@ -1,5 +1,6 @@
 //! A clip of facial animation parameters as a clip of a character.
 
+use super::capture;
 use super::controls::FaceControls;
 use super::turns::turns;
 use crate::convert::{ClipProvenance, FittedClip};
@@ -9,6 +10,7 @@ use articula_build::bake;
 use articula_build::face::{FapValues, ShownFace, add_expression, add_viseme, unit_mm};
 use articula_core::fap_table::{LOW_FAP_COUNT, LOW_FAPS, TABLE};
 use articula_core::source::RawClip;
+use articula_formats::live_link::LiveLinkClip;
 use articula_formats::mpeg4::fap::{FapClip, FapFrame};
 use serde::Serialize;
 use std::borrow::Cow;
@@ -86,18 +88,100 @@ pub fn fit_face(clip: &FapClip, file: &str, character: &CharacterFile) -> Result
     let Some(first) = clip.frames.first() else {
         return Err(Error::unsuited("the file has no frame")).context(file);
     };
-    let Some(controls) = FaceControls::of(&character.character) else {
-        let what = "face: no morph target has the name of a blend shape of ARKit (jawOpen, \
-                    eyeBlinkLeft, ...) and no expression that of a preset of VRM (aa, blink, ...), \
-                    so nothing shows a FAP clip; convert --face-shapes makes blend shapes for a closed face";
-        return Err(Error::unsuited(what)).context(&character.name);
-    };
+    let controls = known_controls(character)?;
     let values: Vec<FapValues> = clip.frames.iter().map(low_level).collect();
     let time = |frame: &FapFrame| (frame.number - first.number) as f32 / clip.rate_hz;
     let times: Vec<f32> = clip.frames.iter().map(time).collect();
+    let mut solver = controls.bridge.solver(counted(&moving(&values)));
+    let shown = values.iter().map(|v| solver.solve(v)).collect();
+    let motion = FaceMotion {
+        from: clip.name.clone(),
+        times,
+        values,
+        shown,
+    };
+    fitted(motion, file, character, &controls)
+}
+
+/// Transfers a capture of blend shapes to the face of a character, as [`fit_face`] does. A face with
+/// these shapes gets their weights as they are.
+///
+/// # Errors
+/// As [`fit_face`].
+pub fn fit_capture(
+    capture: &LiveLinkClip,
+    file: &str,
+    character: &CharacterFile,
+) -> Result<FittedFace> {
+    if capture.frames.is_empty() {
+        return Err(Error::unsuited("the capture has no row")).context(file);
+    }
+    let controls = known_controls(character)?;
+    let generic = capture::bridge();
+    let rows = capture.frames.iter();
+    let values: Vec<FapValues> = rows.map(|f| capture::row_values(&generic, f)).collect();
+    let shown = match controls.shapes(&character.character) {
+        Some(shapes) => {
+            let rows = capture.frames.iter();
+            rows.map(|frame| ShownFace {
+                weights: shapes
+                    .iter()
+                    .map(|s| frame.shapes[*s].clamp(0.0, 1.0))
+                    .collect(),
+                error_mm: [0.0; LOW_FAP_COUNT],
+            })
+            .collect()
+        }
+        None => {
+            let mut solver = controls.bridge.solver(counted(&moving(&values)));
+            values.iter().map(|v| solver.solve(v)).collect()
+        }
+    };
+    let motion = FaceMotion {
+        from: String::new(),
+        times: capture.frames.iter().map(|f| f.secs as f32).collect(),
+        values,
+        shown,
+    };
+    fitted(motion, file, character, &controls)
+}
+
+/// The known controls of a character's face.
+fn known_controls(character: &CharacterFile) -> Result<FaceControls> {
+    FaceControls::of(&character.character)
+        .ok_or_else(|| {
+            let what = "face: no morph target has the name of a blend shape of ARKit (jawOpen, \
+                        eyeBlinkLeft, ...) and no expression that of a preset of VRM (aa, blink, \
+                        ...), so nothing shows a face clip; convert --face-shapes makes blend \
+                        shapes for a closed face";
+            Error::unsuited(what)
+        })
+        .context(&character.name)
+}
+
+/// Values and weights of each frame of a face clip.
+struct FaceMotion {
+    /// Name of the clip in its file.
+    from: String,
+    times: Vec<f32>,
+    values: Vec<FapValues>,
+    shown: Vec<ShownFace>,
+}
+
+/// The clip and the report.
+fn fitted(
+    motion: FaceMotion,
+    file: &str,
+    character: &CharacterFile,
+    controls: &FaceControls,
+) -> Result<FittedFace> {
+    let FaceMotion {
+        from,
+        times,
+        values,
+        shown,
+    } = motion;
     let moving = moving(&values);
-    let mut solver = controls.bridge.solver(counted(&moving));
-    let shown: Vec<ShownFace> = values.iter().map(|v| solver.solve(v)).collect();
     let eyes = !(23..=26).any(|fap| controls.bridge.moves(fap));
     let mut turns = turns(character, eyes);
     turns.retain(|turn| turn.moves(&values));
@@ -153,7 +237,7 @@ pub fn fit_face(clip: &FapClip, file: &str, character: &CharacterFile) -> Result
     let fit = ClipProvenance {
         name,
         file: file.to_owned(),
-        from: clip.name.clone(),
+        from,
         morph_channels,
         retargeted: None,
         by_name: None,
@@ -196,7 +280,7 @@ impl Errors {
 }
 
 /// The low-level values of a frame, with those of its viseme and expression unless it defines them.
-fn low_level(frame: &FapFrame) -> FapValues {
+pub(super) fn low_level(frame: &FapFrame) -> FapValues {
     let mut values = FapValues(frame.low.map(|v| v as f32));
     let (viseme, expression) = (frame.viseme, frame.expression);
     if !viseme.defines {
@@ -210,13 +294,13 @@ fn low_level(frame: &FapFrame) -> FapValues {
     values
 }
 
-fn moving(frames: &[FapValues]) -> [bool; LOW_FAP_COUNT] {
+pub(super) fn moving(frames: &[FapValues]) -> [bool; LOW_FAP_COUNT] {
     std::array::from_fn(|index| frames.iter().any(|f| f.0[index] != 0.0))
 }
 
 /// The parameters that count: all, but in a clip that moves only one of the two contours of the
 /// lips, the other one follows.
-fn counted(moving: &[bool; LOW_FAP_COUNT]) -> [bool; LOW_FAP_COUNT] {
+pub(super) fn counted(moving: &[bool; LOW_FAP_COUNT]) -> [bool; LOW_FAP_COUNT] {
     let [inner, outer] = [INNER_LIPS, OUTER_LIPS].map(|lips| moving[lips].contains(&true));
     std::array::from_fn(|index| {
         let follows = OUTER_LIPS.contains(&index) && inner && !outer

@@ -5,8 +5,10 @@
 //! - `points`: the feature points found on it
 //! - `shapes`: blend shapes for a face without them
 //! - `turns`: head and eyes, which turn
+//! - `capture`: captures of blend shapes as parameters, and back
 //! - `fit`: a FAP clip as a clip of a character
 
+mod capture;
 mod controls;
 mod fit;
 mod points;
@@ -14,7 +16,8 @@ mod shapes;
 mod surface;
 mod turns;
 
-pub use fit::{FaceTransfer, FittedFace, NotDriven, fit_face};
+pub use capture::{CaptureReport, ShapeLoss, capture_of_clip, capture_to_faps, faps_to_capture};
+pub use fit::{FaceTransfer, FittedFace, NotDriven, fit_capture, fit_face};
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout, fdp_points};
 pub use shapes::{FaceShapes, add_face_shapes};
 pub use surface::HeadSurface;

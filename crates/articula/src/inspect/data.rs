@@ -2,7 +2,9 @@
 
 use super::{FaceInspection, WarningInspection};
 use crate::open::{Data, DataFile, DataFormat};
+use articula_core::arkit_table::{BLEND_SHAPES, BlendShape};
 use articula_core::fap_table::{FAP_COUNT, GROUPS, TABLE};
+use articula_formats::live_link::LiveLinkClip;
 use articula_formats::mpeg4::epf::EpfFrame;
 use articula_formats::mpeg4::fap::FapClip;
 use articula_formats::mpeg4::fdp::{self, FdpFile};
@@ -34,6 +36,8 @@ pub struct DataInspection {
     pub fapu: Option<FaceUnits>,
     /// FDP files: feature points.
     pub points: Vec<FeaturePointInspection>,
+    /// CSV captures: blend shapes that have a column.
+    pub shapes: Vec<CaptureShape>,
     /// EPF files: encoder settings.
     pub coding: Option<EncoderSettings>,
     /// Warnings.
@@ -116,6 +120,17 @@ pub struct FeaturePointInspection {
     pub faps: Vec<usize>,
 }
 
+/// A blend shape of a capture.
+#[derive(Debug, Serialize)]
+pub struct CaptureShape {
+    /// Name in ARKit.
+    pub name: &'static str,
+    /// Minimum weight.
+    pub min: f32,
+    /// Maximum weight.
+    pub max: f32,
+}
+
 /// Settings of an encoder.
 #[derive(Debug, Serialize)]
 pub struct EncoderSettings {
@@ -137,6 +152,7 @@ pub struct EncoderSettings {
 pub fn inspect_data(opened: DataFile, file: &str, format: DataFormat) -> DataInspection {
     let found = match &opened.data {
         Data::Fap(clip) => of_fap(clip),
+        Data::LiveLink(capture) => of_capture(capture),
         Data::Epf(frames) => of_epf(frames),
         Data::Fdp(face) => of_fdp(face),
     };
@@ -221,6 +237,35 @@ fn of_fdp(file: &FdpFile) -> DataInspection {
             mw0: units.mw0,
         }),
         points: file.points.iter().map(point).collect(),
+        ..DataInspection::default()
+    }
+}
+
+fn of_capture(capture: &LiveLinkClip) -> DataInspection {
+    let shape = |(index, entry): (usize, &BlendShape)| {
+        let weights = capture.frames.iter().map(|f| f.shapes[index]);
+        CaptureShape {
+            name: entry.name,
+            min: weights.clone().fold(f32::INFINITY, f32::min),
+            max: weights.fold(f32::NEG_INFINITY, f32::max),
+        }
+    };
+    let known = BLEND_SHAPES.iter().enumerate();
+    let known = known.filter(|(index, _)| capture.has_shapes[*index]);
+    let shapes = if capture.frames.is_empty() {
+        Vec::new()
+    } else {
+        known.map(shape).collect()
+    };
+    DataInspection {
+        clips: vec![DataClip {
+            name: String::new(),
+            duration_secs: capture.frames.last().map_or(0.0, |f| f.secs as f32),
+            fps: capture.rate_hz as f32,
+            frames: capture.frames.len(),
+            joints_animated: 0,
+        }],
+        shapes,
         ..DataInspection::default()
     }
 }

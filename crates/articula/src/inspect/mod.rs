@@ -11,7 +11,7 @@ mod skeletons;
 mod stream;
 
 pub use data::{
-    DataClip, DataInspection, EncoderSettings, FaceUnits, FapGroup, FapParameter,
+    CaptureShape, DataClip, DataInspection, EncoderSettings, FaceUnits, FapGroup, FapParameter,
     FeaturePointInspection, inspect_data,
 };
 pub use extent::Extent;

@@ -1,7 +1,8 @@
-//! MPEG-4 files with data of a face or an encoder, without joints.
+//! Files with data of a face or an encoder, without joints: of MPEG-4, and captures.
 
 use super::OpenOptions;
 use crate::error::{Context, Result};
+use articula_formats::live_link::{self, LiveLinkClip};
 use articula_formats::mpeg4::epf::EpfFrame;
 use articula_formats::mpeg4::fap::FapClip;
 use articula_formats::mpeg4::fdp::FdpFile;
@@ -17,6 +18,8 @@ pub enum DataFormat {
     Epf,
     /// Xface's facial definition parameters.
     Fdp,
+    /// Captures of Live Link Face.
+    Csv,
 }
 
 /// Contents of a data file.
@@ -28,6 +31,8 @@ pub enum Data {
     Epf(Vec<EpfFrame>),
     /// Feature points and shape of a face.
     Fdp(FdpFile),
+    /// Blend shapes by frame.
+    LiveLink(LiveLinkClip),
 }
 
 /// A data file that was read.
@@ -42,7 +47,7 @@ pub struct DataFile {
 }
 
 impl DataFormat {
-    const ALL: [Self; 3] = [Self::Fap, Self::Epf, Self::Fdp];
+    const ALL: [Self; 4] = [Self::Fap, Self::Epf, Self::Fdp, Self::Csv];
 
     /// Returns the format for a file name's extension.
     pub fn from_name(name: &str) -> Option<Self> {
@@ -56,6 +61,7 @@ impl DataFormat {
             Self::Fap => "fap",
             Self::Epf => "epf",
             Self::Fdp => "fdp",
+            Self::Csv => "csv",
         }
     }
 
@@ -64,7 +70,11 @@ impl DataFormat {
         match self {
             Self::Fap => {
                 "a FAP file animates a face and has no joints; use convert --onto CHARACTER to move a \
-                 face by it, inspect to list its content, or convert to write it as .fap"
+                 face by it, inspect to list its content, or convert to write it as .fap or .csv"
+            }
+            Self::Csv => {
+                "a CSV capture animates a face and has no joints; use convert --onto CHARACTER to move \
+                 a face by it, inspect to list its content, or convert to write it as .fap"
             }
             Self::Epf => {
                 "an EPF file controls an encoder and has no joints; use inspect to list its \
@@ -96,6 +106,10 @@ pub fn open_data(
         ),
         DataFormat::Epf => parts(epf::read(bytes, limits).context(name)?, Data::Epf),
         DataFormat::Fdp => parts(fdp::read(bytes, limits).context(name)?, Data::Fdp),
+        DataFormat::Csv => parts(
+            live_link::read(bytes, limits).context(name)?,
+            Data::LiveLink,
+        ),
     };
     Ok(DataFile {
         data,

@@ -1,78 +1,171 @@
-//! FAP files, written again with masks that mark the parameters that move.
+//! Face clips without a character: FAP files and captures, written as one or the other.
 
 use super::ConvertArgs;
 use super::report::{self, ConvertReport};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
+use anyhow::Context;
 use articula::convert::write_data;
+use articula::face::{CaptureReport, capture_of_clip, capture_to_faps, faps_to_capture};
 use articula::{Data, DataFormat};
+use articula_formats::Warning;
+use articula_formats::live_link::LiveLinkClip;
+use std::path::Path;
 
-/// Whether the input or output is named as a file of facial data that is to be written again; with a
-/// character, a FAP file is a motion like any other.
+/// Maximum number of blend shapes that are listed.
+const MAX_SHAPES: usize = 8;
+/// Loss of a blend shape in percent from which it is listed.
+const LISTED: f32 = 1.0;
+
+/// Whether the input or output is named as a file of facial data that is to be written; with a
+/// character, such a file is a motion like any other.
 pub(super) fn is_meant(args: &ConvertArgs) -> bool {
     let named = |path| files::data_format(path).is_some();
     let only = args.inputs.len() == 1 && args.onto.is_none();
     named(&args.out) || only && named(&args.inputs[0])
 }
 
-/// Writes a FAP file again; anything else is refused with a hint at what is possible.
+/// What was read: a face clip, and what is reported about its file.
+struct FaceSource {
+    data: Data,
+    format: &'static str,
+    bytes: usize,
+    warnings: Vec<Warning>,
+}
+
+/// Writes a face clip; anything else is refused with a hint at what is possible.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let format = check(args)?;
     let input = &args.inputs[0];
     console.files.plan(args.inputs(), [args.out.as_path()])?;
-    let opened = open::data(input, format, &args.names)?;
-    let written = write_data(&opened.data)?;
+    let source = match files::data_format(input) {
+        Some(own) => {
+            let opened = open::data(input, own, &args.names)?;
+            FaceSource {
+                data: opened.data,
+                format: own.name(),
+                bytes: opened.bytes,
+                warnings: opened.warnings,
+            }
+        }
+        None => of_character(args, input, console)?,
+    };
+    let place = files::shown(input);
+    let stem = input.file_stem().unwrap_or_default().to_string_lossy();
+    let (data, capture) = match (source.data, format) {
+        (Data::LiveLink(capture), DataFormat::Fap) => {
+            let made = capture_to_faps(&capture, &stem).with_context(|| place.clone())?;
+            (Data::Fap(made.0), Some(made.1))
+        }
+        (Data::Fap(clip), DataFormat::Csv) => {
+            let made = faps_to_capture(&clip).with_context(|| place.clone())?;
+            (Data::LiveLink(made.0), Some(made.1))
+        }
+        (data, _) => (data, None),
+    };
+    let written = write_data(&data)?;
     console.files.write(&args.out, &written.bytes)?;
-    let clips = match &opened.data {
+    let clips = match &data {
         Data::Fap(clip) => vec![clip.name.clone()],
         _ => Vec::new(),
     };
     let left_out = written.left_out.iter();
     let report = ConvertReport {
-        input: files::shown(input),
+        input: place,
         out: files::shown(&args.out),
-        format_in: format.name().to_owned(),
+        format_in: source.format.to_owned(),
         format_out: format.name(),
-        bytes_in: opened.bytes,
+        bytes_in: source.bytes,
         bytes_out: written.bytes.len(),
-        beside: Vec::new(),
         left_out: left_out
             .map(|what| report::left_out(what, format.name()))
             .collect(),
         clips,
-        onto: None,
-        face_shapes: None,
-        edits: Vec::new(),
-        reduction: None,
-        mesh: None,
-        written: Vec::new(),
-        warnings: open::warnings(&opened.warnings),
-        failed: Vec::new(),
+        capture,
+        warnings: open::warnings(&source.warnings),
+        ..ConvertReport::default()
     };
     console.result(&report, |report| report.text(false))
 }
 
-/// The format, if it is one that can be written and no other flags are given.
+/// The blend shapes of a clip of a character.
+fn of_character(args: &ConvertArgs, input: &Path, console: &Console) -> anyhow::Result<FaceSource> {
+    let opened = open::character(&console.files, input, &args.names)?;
+    let clips = &opened.character.clips;
+    let clip = match &args.clip {
+        Some(name) => clips.iter().find(|c| c.name == *name),
+        None => clips.first(),
+    };
+    let Some(clip) = clip else {
+        let names: Vec<&str> = clips.iter().map(|c| c.name.as_str()).collect();
+        let place = files::shown(input);
+        return Err(match &args.clip {
+            Some(name) => fault::usage(format!(
+                "{place}: there is no clip \"{name}\"; the file has {}",
+                names.join(", ")
+            )),
+            None => anyhow::anyhow!("{place}: clips: the file has none; give one with a face clip"),
+        });
+    };
+    let capture: LiveLinkClip = capture_of_clip(&opened, clip)?;
+    Ok(FaceSource {
+        data: Data::LiveLink(capture),
+        format: opened.format.name(),
+        bytes: opened.bytes,
+        warnings: opened.warnings.clone(),
+    })
+}
+
+/// Formats what was lost.
+pub(super) fn text(report: &CaptureReport) -> String {
+    let mut text = format!(
+        "{} frames at {} Hz; {} blend shapes and {} parameters move\n",
+        report.frames, report.rate_hz, report.shapes_moving, report.faps_moving
+    );
+    let lost = report.shapes.iter().filter(|s| s.mean_percent >= LISTED);
+    let worst: Vec<String> = lost
+        .take(MAX_SHAPES)
+        .map(|s| {
+            format!(
+                "{} {:.1} % (max {:.0})",
+                s.name, s.mean_percent, s.max_percent
+            )
+        })
+        .collect();
+    if !worst.is_empty() {
+        text.push_str(&format!(
+            "  turned back into blend shapes, most is lost of {}\n",
+            worst.join(", ")
+        ));
+    }
+    if !report.not_shown.is_empty() {
+        let faps: Vec<String> = report.not_shown.iter().map(usize::to_string).collect();
+        text.push_str(&format!("  no blend shape shows FAP {}\n", faps.join(", ")));
+    }
+    text
+}
+
+/// The format to write, if it is one that can be written and no other flags are given.
 fn check(args: &ConvertArgs) -> anyhow::Result<DataFormat> {
     let [input] = &args.inputs[..] else {
-        return Err(fault::usage("a FAP file is written from one FAP file"));
+        return Err(fault::usage("a face clip is written from one file"));
     };
     let place = files::shown(input);
-    let Some(format) = files::data_format(input) else {
-        let out = files::shown(&args.out);
-        return Err(fault::usage(format!(
-            "{place} to {out} is not converted; a .fap file is written from a .fap file"
-        )));
+    let own = files::data_format(input);
+    let readable = matches!(own, None | Some(DataFormat::Fap | DataFormat::Csv));
+    let written = files::data_format(&args.out);
+    let (Some(format @ (DataFormat::Fap | DataFormat::Csv)), true) = (written, readable) else {
+        let format = own.filter(|_| written.is_none() || !readable).or(written);
+        let advice = format.map_or("", DataFormat::advice);
+        return Err(fault::usage(format!("{place}: {advice}")));
     };
-    if files::data_format(&args.out) != Some(DataFormat::Fap) || format != DataFormat::Fap {
-        return Err(fault::usage(format!("{place}: {}", format.advice())));
-    }
-    let chosen = args.clip.is_some() || args.loa.is_some() || args.loa_profile.is_some();
+    let chosen =
+        args.loa.is_some() || args.loa_profile.is_some() || own.is_some() && args.clip.is_some();
     let other = args.to.is_some() || args.onto.is_some() || args.khr_character;
     if chosen || other || args.hygiene.asks() || args.shapes.asks() {
         return Err(fault::usage(format!(
-            "{place}: flags that choose or change body clips do not apply to a FAP file; leave them out"
+            "{place}: flags that choose or change body clips do not apply to a face clip; leave them out"
         )));
     }
     Ok(format)

@@ -12,7 +12,7 @@ use articula::convert::{
     AddClipsOptions, ContactPinning, FitFinding, FitFindingKind, FittedClip, FootSlideSummary,
     JointShare, RetargetOptions, TransferReport, TransferredClipReport, fit_clips,
 };
-use articula::face::{FaceShapes, FaceTransfer, FittedFace, fit_face};
+use articula::face::{FaceShapes, FaceTransfer, FittedFace, fit_capture, fit_face};
 use articula::{CharacterFile, Data, DataFormat};
 use clap::ValueEnum;
 use std::path::Path;
@@ -110,8 +110,9 @@ impl Hero {
         args: &ConvertArgs,
         files: &Files,
     ) -> anyhow::Result<Option<Motions>> {
-        if files::data_format(&input.path) == Some(DataFormat::Fap) {
-            return self.face(input, args).map(Some);
+        if let Some(format @ (DataFormat::Fap | DataFormat::Csv)) = files::data_format(&input.path)
+        {
+            return self.face(input, format, args).map(Some);
         }
         let mut source = open::character(files, &input.path, &args.names)?;
         if args.skip_first_frame {
@@ -136,18 +137,30 @@ impl Hero {
         }))
     }
 
-    /// Reads a FAP file and transfers it to the character's face.
-    fn face(&self, input: &Input, args: &ConvertArgs) -> anyhow::Result<Motions> {
-        let format = DataFormat::Fap;
+    /// Reads a FAP file or a capture and transfers it to the character's face.
+    fn face(
+        &self,
+        input: &Input,
+        format: DataFormat,
+        args: &ConvertArgs,
+    ) -> anyhow::Result<Motions> {
         let read = open::data(&input.path, format, &args.names)?;
         let name = files::shown(&input.path);
-        let Data::Fap(mut clip) = read.data else {
-            anyhow::bail!("{name}: {}", format.advice());
+        let FittedFace { fitted, report } = match read.data {
+            Data::Fap(mut clip) => {
+                if args.skip_first_frame && clip.frames.len() > 1 {
+                    clip.frames.remove(0);
+                }
+                fit_face(&clip, &name, &self.opened)?
+            }
+            Data::LiveLink(mut capture) => {
+                if args.skip_first_frame && capture.frames.len() > 1 {
+                    capture.skip_first_frame();
+                }
+                fit_capture(&capture, &name, &self.opened)?
+            }
+            _ => anyhow::bail!("{name}: {}", format.advice()),
         };
-        if args.skip_first_frame && clip.frames.len() > 1 {
-            clip.frames.remove(0);
-        }
-        let FittedFace { fitted, report } = fit_face(&clip, &name, &self.opened)?;
         let warnings = open::warnings(&read.warnings).into_iter();
         Ok(Motions {
             fitted: vec![fitted],

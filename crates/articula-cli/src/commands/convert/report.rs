@@ -4,13 +4,13 @@ use super::mesh;
 use super::onto;
 use super::plan::Job;
 use super::reduction::Reduction;
-use super::{face_shapes, hygiene};
+use super::{face, face_shapes, hygiene};
 use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
 use articula::ShownLevelsReport;
 use articula::convert::{ClipEdited, LossyPart, TransferReport};
-use articula::face::{FaceShapes, FaceTransfer};
+use articula::face::{CaptureReport, FaceShapes, FaceTransfer};
 use serde::Serialize;
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use std::path::Path;
 const MAX_LINES: usize = 6;
 
 /// One file that was written.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub(super) struct ConvertReport {
     #[serde(rename = "in")]
     pub(super) input: String,
@@ -32,6 +32,8 @@ pub(super) struct ConvertReport {
     pub(super) beside: Vec<String>,
     pub(super) clips: Vec<String>,
     pub(super) onto: Option<Onto>,
+    /// Of a face clip that was turned into another format: what it holds, and what is lost.
+    pub(super) capture: Option<CaptureReport>,
     /// Blend shapes that were made for the face, if any were asked for.
     pub(super) face_shapes: Option<FaceShapes>,
     /// Edits of each clip; empty if none were asked for.
@@ -146,6 +148,7 @@ impl ConvertReport {
             beside: Vec::new(),
             clips: Vec::new(),
             onto: None,
+            capture: None,
             face_shapes: None,
             edits: Vec::new(),
             reduction: None,
@@ -177,6 +180,9 @@ impl ConvertReport {
         }
         if let Some(shown) = &self.mesh {
             text.push_str(&mesh::text(shown));
+        }
+        if let Some(capture) = &self.capture {
+            text.push_str(&face::text(capture));
         }
         if let Some(shapes) = &self.face_shapes {
             text.push_str(&face_shapes::text(shapes));

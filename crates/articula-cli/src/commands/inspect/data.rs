@@ -72,7 +72,21 @@ fn text(found: &DataInspection, map: bool) -> String {
         }
         text.push_str(&table.text());
     }
-    if map {
+    if !found.shapes.is_empty() {
+        let moves = found.shapes.iter().filter(|s| s.min != s.max).count();
+        text.push_str(&format!(
+            "\nface: {} blend shapes, {moves} of them move\n",
+            found.shapes.len()
+        ));
+    }
+    if map && !found.shapes.is_empty() {
+        let mut table = Table::new(&["blend shape", "min", "max"]);
+        for shape in &found.shapes {
+            let [min, max] = [shape.min, shape.max].map(|v| format!("{v:.3}"));
+            table.row([shape.name.to_owned(), min, max]);
+        }
+        text.push_str(&format!("\nblend shapes\n{}", table.text()));
+    } else if map {
         text.push_str(&format!("\nparameters\n{}", parameters(found).text()));
     }
     text.push_str(&warnings_text(&found.warnings));

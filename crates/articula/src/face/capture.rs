@@ -1,0 +1,235 @@
+//! Captures of blend shapes as facial animation parameters, and back.
+
+use crate::error::{Context, Error, Result};
+use crate::open::CharacterFile;
+use articula_build::face::{FaceBridge, FapValues, arkit_shape, blend_shape};
+use articula_build::source_rate_hz;
+use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES};
+use articula_core::fap_table::{FAP_COUNT, LOW_FAP_COUNT, LOW_FAPS};
+use articula_core::source::{Channel, Property, RawClip, evaluate};
+use articula_formats::live_link::{ANGLE_COUNT, LiveLinkClip, LiveLinkFrame};
+use articula_formats::mpeg4::fap::{FapClip, FapFrame};
+use serde::Serialize;
+
+/// Radians of an angle unit.
+const ANGLE_UNIT: f32 = 1e-5;
+/// FAPs of yaw, pitch and roll of the head.
+const HEAD: [usize; 3] = [49, 48, 50];
+/// FAPs of yaw and pitch of each eye, and their columns among the angles.
+const EYES: [(usize, usize); 4] = [(23, 3), (25, 4), (24, 6), (26, 7)];
+/// Greatest value of a parameter in a FAP file that is written.
+const LARGEST: f32 = 1e6;
+
+/// How well parameters hold a capture, or blend shapes hold parameters.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct CaptureReport {
+    /// Number of frames.
+    pub frames: usize,
+    /// Frames per second.
+    pub rate_hz: f32,
+    /// Number of blend shapes that move.
+    pub shapes_moving: usize,
+    /// Number of parameters that move.
+    pub faps_moving: usize,
+    /// Of a capture: moving shapes by what is lost when the parameters are turned back into shapes, the
+    /// worst first.
+    pub shapes: Vec<ShapeLoss>,
+    /// Of parameters: numbers of those that move and that no blend shape shows.
+    pub not_shown: Vec<usize>,
+}
+
+/// What a blend shape loses on the way through parameters.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShapeLoss {
+    /// Name in ARKit.
+    pub name: &'static str,
+    /// Mean of the error of its weight over the frames, in percent of the range.
+    pub mean_percent: f32,
+    /// Greatest error.
+    pub max_percent: f32,
+}
+
+/// The relation between the blend shapes of ARKit and parameters.
+pub(super) fn bridge() -> FaceBridge {
+    let column = |shape: &articula_core::arkit_table::BlendShape| {
+        blend_shape(shape.name).unwrap_or_default()
+    };
+    FaceBridge::new(BLEND_SHAPES.iter().map(column).collect())
+}
+
+/// Values of the parameters of one row, not rounded.
+pub(super) fn row_values(bridge: &FaceBridge, frame: &LiveLinkFrame) -> FapValues {
+    let mut values = bridge.faps(&frame.shapes);
+    for (fap, angle) in HEAD.iter().zip(frame.angles) {
+        values.0[fap - LOW_FAPS.start()] = angle / ANGLE_UNIT;
+    }
+    values
+}
+
+/// Turns a capture into facial animation parameters by the generic table of the blend shapes
+/// (`docs/methods/faces.md`). `name` becomes that of the clip.
+///
+/// # Errors
+/// [`Error::Unsupported`] if the capture has no row.
+pub fn capture_to_faps(capture: &LiveLinkClip, name: &str) -> Result<(FapClip, CaptureReport)> {
+    if capture.frames.is_empty() {
+        return Err(Error::unsuited("the capture has no row"));
+    }
+    let bridge = bridge();
+    let mut solver = bridge.solver([true; LOW_FAP_COUNT]);
+    let mut clip = FapClip {
+        name: name.split_whitespace().collect::<Vec<_>>().join("_"),
+        rate_hz: capture.rate_hz as f32,
+        coded: [false; FAP_COUNT],
+        frames: Vec::with_capacity(capture.frames.len()),
+    };
+    let mut sums = [0.0_f32; BLEND_SHAPE_COUNT];
+    let mut most = [0.0_f32; BLEND_SHAPE_COUNT];
+    for frame in &capture.frames {
+        let values = row_values(&bridge, frame);
+        let low = values.0.map(|v| v.clamp(-LARGEST, LARGEST).round() as i32);
+        let number = (frame.secs * capture.rate_hz).round() as u32;
+        if clip.frames.last().is_some_and(|last| last.number == number) {
+            clip.frames.pop();
+        }
+        clip.frames.push(FapFrame {
+            number,
+            low,
+            ..FapFrame::default()
+        });
+        let back = solver.solve(&FapValues(low.map(|v| v as f32)));
+        for (shape, (a, b)) in frame.shapes.iter().zip(&back.weights).enumerate() {
+            sums[shape] += (a - b).abs();
+            most[shape] = most[shape].max((a - b).abs());
+        }
+    }
+    clip.coded = clip.moving();
+    let moves = |shape: &usize| capture.frames.iter().any(|f| f.shapes[*shape] != 0.0);
+    let moving: Vec<usize> = (0..BLEND_SHAPE_COUNT).filter(moves).collect();
+    let mut shapes: Vec<ShapeLoss> = moving
+        .iter()
+        .map(|shape| ShapeLoss {
+            name: BLEND_SHAPES[*shape].name,
+            mean_percent: 100.0 * sums[*shape] / capture.frames.len() as f32,
+            max_percent: 100.0 * most[*shape],
+        })
+        .collect();
+    shapes.sort_by(|a, b| b.mean_percent.total_cmp(&a.mean_percent));
+    let report = CaptureReport {
+        frames: clip.frames.len(),
+        rate_hz: clip.rate_hz,
+        shapes_moving: moving.len(),
+        faps_moving: clip.moving().iter().filter(|m| **m).count(),
+        shapes,
+        not_shown: Vec::new(),
+    };
+    Ok((clip, report))
+}
+
+/// Turns facial animation parameters into a capture: for each frame, the weights of blend shapes that
+/// show them most closely.
+///
+/// # Errors
+/// [`Error::Unsupported`] if the clip has no frame.
+pub fn faps_to_capture(clip: &FapClip) -> Result<(LiveLinkClip, CaptureReport)> {
+    let Some(first) = clip.frames.first() else {
+        return Err(Error::unsuited("the file has no frame"));
+    };
+    let bridge = bridge();
+    let values: Vec<FapValues> = clip.frames.iter().map(super::fit::low_level).collect();
+    let moving = super::fit::moving(&values);
+    let mut solver = bridge.solver(super::fit::counted(&moving));
+    let frames = clip.frames.iter().zip(&values).map(|(frame, values)| {
+        let mut shapes = [0.0; BLEND_SHAPE_COUNT];
+        shapes.copy_from_slice(&solver.solve(values).weights);
+        let mut angles = [0.0; ANGLE_COUNT];
+        for (angle, fap) in angles.iter_mut().zip(HEAD) {
+            *angle = values.get(fap) * ANGLE_UNIT;
+        }
+        for (fap, angle) in EYES {
+            angles[angle] = values.get(fap) * ANGLE_UNIT;
+        }
+        LiveLinkFrame {
+            secs: f64::from(frame.number - first.number) / f64::from(clip.rate_hz),
+            shapes,
+            angles,
+        }
+    });
+    let capture = LiveLinkClip {
+        rate_hz: f64::from(clip.rate_hz),
+        has_shapes: [true; BLEND_SHAPE_COUNT],
+        frames: frames.collect(),
+    };
+    let shown = |fap: &usize| bridge.moves(*fap) || HEAD.contains(fap);
+    let moves = |fap: &usize| moving[fap - LOW_FAPS.start()];
+    let shape_moves = |shape: &usize| capture.frames.iter().any(|f| f.shapes[*shape] != 0.0);
+    let report = CaptureReport {
+        frames: capture.frames.len(),
+        rate_hz: clip.rate_hz,
+        shapes_moving: (0..BLEND_SHAPE_COUNT).filter(shape_moves).count(),
+        faps_moving: moving.iter().filter(|m| **m).count(),
+        shapes: Vec::new(),
+        not_shown: LOW_FAPS.filter(|f| moves(f) && !shown(f)).collect(),
+    };
+    Ok((capture, report))
+}
+
+/// Samples the blend shapes of a clip of a character: morph targets and expressions with their
+/// names, at the rate of its keys.
+///
+/// # Errors
+/// [`Error::Unsupported`] that names the file, if the clip drives none.
+pub fn capture_of_clip(character: &CharacterFile, clip: &RawClip) -> Result<LiveLinkClip> {
+    let own = &character.character;
+    // For each channel, the shape of each of its values.
+    let mut tracks: Vec<(&Channel, Vec<Option<usize>>)> = Vec::new();
+    for channel in clip.channels.iter().filter(|c| !c.times_secs.is_empty()) {
+        let shapes: Vec<Option<usize>> = match channel.property {
+            Property::Weights => {
+                let names = &own.meshes[channel.target].morph_names;
+                names.iter().map(|n| arkit_shape(n)).collect()
+            }
+            Property::Expression => vec![arkit_shape(&own.expressions[channel.target].name)],
+            _ => continue,
+        };
+        if shapes.iter().any(Option::is_some) {
+            tracks.push((channel, shapes));
+        }
+    }
+    if tracks.is_empty() {
+        let what = format!(
+            "clip \"{}\" drives no morph target or expression with the name of a blend shape of ARKit",
+            clip.name
+        );
+        return Err(Error::unsuited(what)).context(&character.name);
+    }
+    let rate_hz = f64::from(source_rate_hz(clip));
+    let count = (f64::from(clip.duration_secs) * rate_hz).round() as usize + 1;
+    let mut capture = LiveLinkClip {
+        rate_hz,
+        has_shapes: [false; BLEND_SHAPE_COUNT],
+        frames: Vec::with_capacity(count),
+    };
+    let known = tracks.iter().flat_map(|(_, shapes)| shapes).flatten();
+    known.for_each(|shape| capture.has_shapes[*shape] = true);
+    for index in 0..count {
+        let secs = index as f64 / rate_hz;
+        let mut shapes = [0.0_f32; BLEND_SHAPE_COUNT];
+        for (channel, of) in &tracks {
+            let mut values = vec![0.0; of.len()];
+            evaluate::channel(channel, secs as f32, &mut values);
+            for (shape, value) in of.iter().zip(values) {
+                if let Some(shape) = shape {
+                    // Meshes of one head share a shape, halves have the larger weight.
+                    shapes[*shape] = shapes[*shape].max(value);
+                }
+            }
+        }
+        capture.frames.push(LiveLinkFrame {
+            secs,
+            shapes,
+            angles: [0.0; ANGLE_COUNT],
+        });
+    }
+    Ok(capture)
+}
