@@ -14,6 +14,7 @@ mod assets;
 mod bounded_files;
 mod browser;
 mod bva;
+mod captures;
 mod clips;
 mod compressed_oracle;
 mod conversion;

@@ -1,12 +1,12 @@
 //! Reading any text returns a value or an error.
 //!
 //! The counterpart on stable Rust of the fuzz targets `acclaim`, `bva`, `bvh`, `profile` and
-//! `loa_profile`: seeded mutations of valid files.
+//! `loa_profile`, `live_link` and `face_points`: seeded mutations of valid files.
 
 use articula_core::source::Character;
 use articula_formats::ReadOptions;
 use articula_formats::bvh;
-use articula_formats::{Limits, acclaim, bva, joint_map, loa_profile};
+use articula_formats::{Limits, acclaim, bva, face_points, joint_map, live_link, loa_profile};
 use articula_mutate::{Edit, Mutations};
 
 /// Number of mutations per file.
@@ -40,8 +40,16 @@ const PROFILE: &str = r#"{"name": "x", "title": "t", "source": "s", "scope": "bo
 const LOA: &str = r#"{"manual": true, "rule": "sum", "depth": 3, "complexity": "None",
     "zones": ["torso", "legs"], "joints": {"plus": ["l_knee"], "minus": ["tail"]}}"#;
 
+const CAPTURE: &str = "Timecode,BlendShapeCount,EyeBlinkLeft,JawOpen,HeadYaw,Mood\n\
+    01:02:03:04.125,61,0.5,0.25,-0.1,x\n01:02:03:05.125,61,0.4,1,0,y\n01:02:04:01.000,61,1e-3,0,0.2,z\n";
+
+const POINTS: &str = r#"{"points": {"2.1": [0.0, 1.48, 0.08], "9.3": [0, 1.54, 0.11]}}"#;
+
 /// Words of the formats, inserted at random.
-const WORDS: [&str; 24] = [
+const WORDS: [&str; 27] = [
+    "2.10",
+    "23:59:59:59.9",
+    ",JawOpen",
     "{",
     "}",
     "ROOT x",
@@ -152,5 +160,34 @@ fn profiles() {
 fn saved_selections() {
     check(LOA, |bytes| {
         loa_profile::read(bytes, &Limits::default()).is_ok()
+    });
+}
+
+#[test]
+fn captures() {
+    check(CAPTURE, |bytes| {
+        let Ok(read) = live_link::read(bytes, &Limits::default()) else {
+            return false;
+        };
+        let frames = &read.value.frames;
+        assert!(frames.windows(2).all(|w| w[0].secs < w[1].secs));
+        let finite = |f: &live_link::LiveLinkFrame| {
+            f.secs.is_finite() && f.shapes.iter().chain(&f.angles).all(|v| v.is_finite())
+        };
+        assert!(frames.iter().all(finite));
+        live_link::read(&live_link::write(&read.value), &Limits::default()).is_ok()
+    });
+}
+
+#[test]
+fn feature_points() {
+    check(POINTS, |bytes| {
+        let Ok(points) = face_points::read(bytes, &Limits::default()) else {
+            return false;
+        };
+        assert!(points.iter().all(|(_, place)| place.is_finite()));
+        let again = face_points::read(&face_points::write(&points), &Limits::default());
+        assert_eq!(again.map(|a| a.len()), Ok(points.len()));
+        true
     });
 }
