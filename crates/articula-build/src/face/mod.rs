@@ -5,16 +5,22 @@
 //! - `controls`: the parameters that a blend shape or a VRM expression amounts to, by its name
 //! - `bridge`: weights of controls to parameters, and back by bounded least squares
 //! - `bounded`: the least-squares solver
+//! - `fields`: how far the controls of a face move its vertices
+//! - `detail`: error of a clip at levels of articulation, and the coarsest choice within a tolerance
 //!
-//! Method and values: `docs/methods/faces.md`.
+//! Method and values: `docs/methods/faces.md`, of levels `docs/methods/face-levels.md`.
 
 mod bounded;
 mod bridge;
 mod controls;
+mod detail;
 mod fap_values;
+mod fields;
 mod high_level;
 
 pub use bridge::{FaceBridge, FaceSolver, ShownFace};
 pub use controls::{blend_shape, vrm_preset};
+pub use detail::{FaceDetail, FaceFrames};
 pub use fap_values::{FapValues, unit_mm};
+pub use fields::FaceFields;
 pub use high_level::{add_expression, add_viseme};

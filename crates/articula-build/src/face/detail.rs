@@ -1,0 +1,305 @@
+//! Error of a face clip under levels of articulation, and the coarsest choice within a tolerance.
+//!
+//! The error is measured on the face at hand: the weights that show the parameters that are left,
+//! against those that show all of them, at every frame and every vertex, as a distance in 3D.
+
+use super::bridge::{FaceBridge, FaceSolver};
+use super::fap_values::FapValues;
+use super::fields::FaceFields;
+use articula_core::arkit_table::outer_lip;
+use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion, FapRole, FapRoles};
+use articula_core::fap_table::{FAP_COUNT, LOW_FAP_COUNT, LOW_FAPS};
+use glam::Vec3;
+use std::cell::Cell;
+use std::ops::RangeInclusive;
+
+/// Index of FAP 3.
+const FIRST: usize = *LOW_FAPS.start();
+/// The jaw and the height of the lips beside it: what opens the mouth.
+const MOUTH: [usize; 7] = [3, 4, 5, 8, 9, 10, 11];
+/// The upper eyelids, of which one is kept longer, the right one if it moves.
+const EYELIDS: [usize; 2] = [20, 19];
+/// The parameters that the body animation has too, which no choice removes.
+const HEAD: RangeInclusive<usize> = 48..=50;
+/// Share of the tolerance for the mouth and one blink.
+const CONSPICUOUS: f32 = 0.5;
+
+/// The frames of a face clip.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FaceFrames {
+    /// Low-level parameters of each frame.
+    pub low: Vec<FapValues>,
+    /// What viseme and expression of each frame add to them.
+    pub high: Vec<FapValues>,
+}
+
+const INNER_LIPS: RangeInclusive<usize> = 4..=13;
+const OUTER_LIPS: RangeInclusive<usize> = 51..=60;
+
+/// Number of the parameter of the other contour of the lips.
+fn twin_lip(fap: usize) -> Option<usize> {
+    outer_lip(fap).or_else(|| {
+        INNER_LIPS
+            .into_iter()
+            .find(|inner| outer_lip(*inner) == Some(fap))
+    })
+}
+
+impl FaceFrames {
+    /// Returns the values of a frame, those of viseme and expression included.
+    pub fn values(&self, frame: usize) -> FapValues {
+        self.low[frame].plus(&self.high[frame], 1.0)
+    }
+
+    /// Returns which low-level parameters other than the neutral face a frame has.
+    pub fn moving(&self) -> [bool; LOW_FAP_COUNT] {
+        std::array::from_fn(|index| self.low.iter().any(|frame| frame.0[index] != 0.0))
+    }
+
+    /// Returns which parameters (FAP 3 at index 0) count when the frames are shown: all but those of
+    /// a contour of the lips of which none moves while the other one does; it follows that one.
+    pub fn counted(&self) -> [bool; LOW_FAP_COUNT] {
+        counted(&self.shown_moving())
+    }
+
+    /// Which parameters move, those of visemes and expressions included.
+    fn shown_moving(&self) -> [bool; LOW_FAP_COUNT] {
+        let frames: Vec<FapValues> = (0..self.low.len()).map(|f| self.values(f)).collect();
+        std::array::from_fn(|index| frames.iter().any(|frame| frame.0[index] != 0.0))
+    }
+}
+
+/// See [`FaceFrames::counted`].
+fn counted(moving: &[bool; LOW_FAP_COUNT]) -> [bool; LOW_FAP_COUNT] {
+    let moves = |mut lips: RangeInclusive<usize>| lips.any(|fap| moving[fap - FIRST]);
+    let [inner, outer] = [moves(INNER_LIPS), moves(OUTER_LIPS)];
+    std::array::from_fn(|index| {
+        let fap = FIRST + index;
+        let follows = OUTER_LIPS.contains(&fap) && inner && !outer
+            || INNER_LIPS.contains(&fap) && outer && !inner;
+        !follows
+    })
+}
+
+/// Measures a face clip under levels of articulation.
+#[derive(Debug, Clone)]
+pub struct FaceDetail<'a> {
+    bridge: &'a FaceBridge,
+    fields: &'a FaceFields,
+    frames: &'a FaceFrames,
+    moving: [bool; LOW_FAP_COUNT],
+    /// The parameters that count where all are shown.
+    counted: [bool; LOW_FAP_COUNT],
+    /// Values and weights of each frame with all parameters.
+    shown: Vec<(FapValues, Vec<f32>)>,
+    /// The frame in which a choice exceeded its limit last, measured first the next time.
+    worst: Cell<usize>,
+}
+
+impl<'a> FaceDetail<'a> {
+    /// Solves all frames with all parameters.
+    ///
+    /// # Panics
+    /// If the fields have another number of controls than the bridge, or the frames of
+    /// [`FaceFrames::low`] and [`FaceFrames::high`] differ in number.
+    pub fn new(bridge: &'a FaceBridge, fields: &'a FaceFields, frames: &'a FaceFrames) -> Self {
+        assert_eq!(frames.low.len(), frames.high.len(), "the same frames");
+        let counted = frames.counted();
+        let mut solver = bridge.solver(counted);
+        let solved = |frame: usize| {
+            let values = frames.values(frame);
+            let weights = solver.solve(&values).weights;
+            (values, weights)
+        };
+        Self {
+            bridge,
+            fields,
+            frames,
+            moving: frames.moving(),
+            counted,
+            shown: (0..frames.low.len()).map(solved).collect(),
+            worst: Cell::new(0),
+        }
+    }
+
+    /// Returns the number of low-level parameters with values of their own that matter in the clip:
+    /// those that move, and those of the lips that rest while their twin on the other contour moves.
+    pub fn kept(&self, roles: &FapRoles) -> usize {
+        let matter = LOW_FAPS.filter(|fap| self.matters(*fap));
+        matter.filter(|fap| roles.keeps(*fap)).count()
+    }
+
+    fn matters(&self, fap: usize) -> bool {
+        let moves = |fap: usize| self.moving[fap - FIRST];
+        let rests = self.counted[fap - FIRST] && twin_lip(fap).is_some_and(moves);
+        moves(fap) || rests
+    }
+
+    /// Returns the greatest distance of a vertex from its place with all parameters, over all
+    /// frames, in metres.
+    pub fn error_m(&self, roles: &FapRoles) -> f32 {
+        let mut error = 0.0_f32;
+        self.measure(roles, |_, distance| {
+            error = error.max(distance);
+            true
+        });
+        error
+    }
+
+    /// Whether the error of roles is within a limit in metres. Ends at the first frame beyond it.
+    fn is_within(&self, roles: &FapRoles, limit_m: f32) -> bool {
+        let mut is_within = true;
+        self.measure(roles, |frame, distance| {
+            is_within = distance <= limit_m;
+            if !is_within {
+                self.worst.set(frame);
+            }
+            is_within
+        });
+        is_within
+    }
+
+    /// The parameters that count under roles: a lip that is removed follows its twin on the other
+    /// contour, if that is not.
+    fn counted_under(&self, roles: &FapRoles) -> [bool; LOW_FAP_COUNT] {
+        let is_removed = |fap: usize| roles.role(fap) == FapRole::Removed;
+        std::array::from_fn(|index| {
+            let fap = FIRST + index;
+            let follows = |twin: usize| is_removed(fap) && !is_removed(twin);
+            self.counted[index] && !twin_lip(fap).is_some_and(follows)
+        })
+    }
+
+    /// Tells the greatest distance in each frame, until `tell` returns false.
+    fn measure(&self, roles: &FapRoles, mut tell: impl FnMut(usize, f32) -> bool) {
+        let counts = self.counted_under(roles);
+        let mut solver: FaceSolver = self.bridge.solver(counts);
+        let mut moved: Vec<Vec3> = Vec::new();
+        let first = self.worst.get();
+        let others = (0..self.shown.len()).filter(|frame| *frame != first);
+        for frame in std::iter::once(first).chain(others) {
+            let Some((values, weights)) = self.shown.get(frame) else {
+                continue;
+            };
+            let mut low = self.frames.low[frame];
+            roles.expand(&mut low.0);
+            let reduced = low.plus(&self.frames.high[frame], 1.0);
+            let distance = if reduced == *values && counts == self.counted {
+                0.0
+            } else {
+                let shown = solver.solve(&reduced).weights;
+                let (from, to) = ((&**weights, values), (&*shown, &reduced));
+                self.fields.distance(from, to, &mut moved)
+            };
+            if !tell(frame, distance) {
+                return;
+            }
+        }
+    }
+
+    /// Returns the lever of each low-level parameter (FAP 3 at index 0): the greatest displacement
+    /// of a vertex per unit, in metres, when the parameter alone has its greatest value of the clip;
+    /// 0 for those that do not move. Parameters of the lips have it on both contours.
+    pub fn levers(&self) -> [f32; LOW_FAP_COUNT] {
+        let mut solver = self.bridge.solver([true; LOW_FAP_COUNT]);
+        let (still, neutral) = (vec![0.0; self.bridge.controls()], FapValues::default());
+        let mut moved = Vec::new();
+        std::array::from_fn(|index| {
+            let largest = self.largest(index, None);
+            if largest == 0.0 {
+                return 0.0;
+            }
+            let mut values = FapValues::default();
+            values.0[index] = largest;
+            if let Some(twin) = twin_lip(FIRST + index) {
+                values.0[twin - FIRST] = largest;
+            }
+            let weights = solver.solve(&values).weights;
+            let alone = (&*weights, &values);
+            let distance = self.fields.distance((&still, &neutral), alone, &mut moved);
+            distance / largest.abs()
+        })
+    }
+
+    /// The value of greatest magnitude of a parameter, by its index, or of its difference to
+    /// another one.
+    fn largest(&self, index: usize, other: Option<usize>) -> f32 {
+        let value = |frame: &FapValues| frame.0[index] - other.map_or(0.0, |o| frame.0[o]);
+        let values = self.frames.low.iter().map(value);
+        values.fold(
+            0.0,
+            |most: f32, v| if v.abs() > most.abs() { v } else { most },
+        )
+    }
+
+    /// Returns the coarsest level of each region, no finer than in `from`, with which the error
+    /// stays within a limit in metres.
+    ///
+    /// All regions are tried at medium, then at low, then at very low, in their order, each with
+    /// the levels that the others have by then.
+    pub fn levels_within(&self, from: FaceLevels, limit_m: f32) -> FaceLevels {
+        let mut levels = from;
+        for level in [FaceLevel::Medium, FaceLevel::Low, FaceLevel::VeryLow] {
+            for region in FaceRegion::ALL {
+                let coarser = levels.with(region, level);
+                let is_coarser = level > levels.level(region);
+                if is_coarser && self.is_within(&coarser.roles(), limit_m) {
+                    levels = coarser;
+                }
+            }
+        }
+        levels
+    }
+
+    /// Returns the roles of the moving parameters that must be kept for an error within a limit in
+    /// metres, of those that `from` keeps.
+    ///
+    /// Parameters are tried in the order of their lever times their greatest value, the smallest
+    /// first, and removed where the error of all that are removed stays within the limit. Those that
+    /// open the mouth and close one eye are removed where the error of these alone stays within half
+    /// of it too. A parameter of the lips whose twin on the other contour is kept follows that one.
+    /// The head's rotation is kept.
+    pub fn faps_within(&self, from: &FapRoles, limit_m: f32) -> FapRoles {
+        let levers = self.levers();
+        let moves = |fap: &usize| self.matters(*fap);
+        let mut sized: Vec<(f32, usize)> = LOW_FAPS
+            .filter(|fap| moves(fap) && from.keeps(*fap) && !HEAD.contains(fap))
+            .map(|fap| {
+                let index = fap - FIRST;
+                // An outer lip that is not kept follows the inner one.
+                let twin = twin_lip(fap).filter(|twin| *twin < fap && moves(twin));
+                let largest = self.largest(index, twin.map(|twin| twin - FIRST));
+                (levers[index] * largest.abs(), fap)
+            })
+            .collect();
+        sized.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        let blink = EYELIDS.into_iter().find(moves);
+        let is_conspicuous = |fap: usize| MOUTH.contains(&fap) || blink == Some(fap);
+
+        let mut kept = [true; FAP_COUNT];
+        let mut conspicuous = [true; FAP_COUNT];
+        for fap in LOW_FAPS.filter(|fap| !from.keeps(*fap) || !moves(fap)) {
+            kept[fap - 1] = false;
+            conspicuous[fap - 1] = !(is_conspicuous(fap) && moves(&fap));
+        }
+        for (_, fap) in sized {
+            let without = |faps: &[bool; FAP_COUNT]| {
+                let mut faps = *faps;
+                faps[fap - 1] = false;
+                faps
+            };
+            let fewer = without(&kept);
+            let half = CONSPICUOUS * limit_m;
+            let is_seen = is_conspicuous(fap)
+                && !self.is_within(&FapRoles::keeping(&without(&conspicuous)), half);
+            if is_seen || !self.is_within(&FapRoles::keeping(&fewer), limit_m) {
+                continue;
+            }
+            kept = fewer;
+            if is_conspicuous(fap) {
+                conspicuous = without(&conspicuous);
+            }
+        }
+        FapRoles::keeping(&kept)
+    }
+}
