@@ -303,3 +303,179 @@ impl<'a> FaceDetail<'a> {
         FapRoles::keeping(&kept)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::controls::blend_shape;
+    use super::*;
+
+    /// A face of one vertex per shape, which moves by 1 cm at full weight.
+    fn face(names: &[&str]) -> (FaceBridge, FaceFields) {
+        let columns = names.iter().map(|name| blend_shape(name).unwrap());
+        let field = |shape: usize| {
+            let offset = |vertex| if vertex == shape { 0.01 } else { 0.0 };
+            (0..names.len()).map(|v| offset(v) * Vec3::Y).collect()
+        };
+        let fields: Vec<Vec<Vec3>> = (0..names.len()).map(field).collect();
+        (FaceBridge::new(columns.collect()), FaceFields::new(&fields))
+    }
+
+    fn frames(values: &[&[(usize, f32)]]) -> FaceFrames {
+        let frame = |list: &&[(usize, f32)]| {
+            let mut frame = FapValues::default();
+            for (fap, value) in *list {
+                frame.0[fap - FIRST] = *value;
+            }
+            frame
+        };
+        FaceFrames {
+            low: values.iter().map(frame).collect(),
+            high: vec![FapValues::default(); values.len()],
+        }
+    }
+
+    fn roles(level: FaceLevel) -> FapRoles {
+        FaceLevels::all(level).roles()
+    }
+
+    const BROWS: [&str; 2] = ["browOuterUpLeft", "browOuterUpRight"];
+
+    #[test]
+    fn errors_of_levels_by_hand() {
+        let (bridge, fields) = face(&BROWS);
+        // The left brow rises by half of its shape (FAP 33 and 35), the right one stays.
+        let frames = frames(&[&[], &[(33, 90.0), (35, 175.0)], &[(33, 18.0), (35, 35.0)]]);
+        let detail = FaceDetail::new(&bridge, &fields, &frames);
+        assert_eq!(detail.error_m(&roles(FaceLevel::High)), 0.0);
+        // FAP 33 copies 35, of which the shape has twice as much: a little more of the shape.
+        let medium = detail.error_m(&roles(FaceLevel::Medium));
+        assert!(medium > 0.0005 && medium < 0.003, "{medium}");
+        // The left brow copies the right one: all of the motion, half of 1 cm, is lost.
+        let low = detail.error_m(&roles(FaceLevel::Low));
+        assert!((low - 0.005).abs() < 3e-4, "{low}");
+        assert!((detail.error_m(&roles(FaceLevel::VeryLow)) - low).abs() < 1e-7);
+        assert_eq!(detail.kept(&roles(FaceLevel::High)), 2);
+        assert_eq!(detail.kept(&roles(FaceLevel::Medium)), 1);
+        // Levers: all of the shape per its value, for either parameter alone a part of it.
+        let levers = detail.levers();
+        assert!(levers[33 - FIRST] > 0.0 && levers[35 - FIRST] > levers[33 - FIRST]);
+        assert_eq!(levers[36 - FIRST], 0.0);
+    }
+
+    #[test]
+    fn regions_get_the_coarsest_level_within_the_limit() {
+        let (bridge, fields) = face(&[
+            "browOuterUpLeft",
+            "browOuterUpRight",
+            "jawOpen",
+            "cheekPuff",
+        ]);
+        let puff = [(39, 80.0), (40, 80.0)];
+        let still = frames(&[&puff]);
+        let detail = FaceDetail::new(&bridge, &fields, &still);
+        let from = FaceLevels::all(FaceLevel::High);
+        let tight = detail.levels_within(from, 1e-4);
+        // Both cheeks are alike, so one leads; nothing else moves.
+        let puffed =
+            FaceLevels::all(FaceLevel::VeryLow).with(FaceRegion::Cheeks, FaceLevel::Medium);
+        assert_eq!(tight, puffed);
+        // A puff of 0.2 moves the face by 2 mm.
+        let loose = detail.levels_within(tight, 0.0025);
+        assert_eq!(loose, FaceLevels::all(FaceLevel::VeryLow));
+        assert!(detail.is_within(&loose.roles(), 0.0025));
+    }
+
+    #[test]
+    fn parameters_fall_out_while_the_error_stays_within_the_limit() {
+        let names = [
+            "jawOpen",
+            "eyeBlinkRight",
+            "cheekPuff",
+            "browOuterUpLeft",
+            "browOuterUpRight",
+        ];
+        let (bridge, fields) = face(&names);
+        // Jaw 1 mm, blink 1 mm, puff 2 mm, brows 5 mm and 0.5 mm.
+        let frames = frames(&[
+            &[
+                (3, 100.0),
+                (5, -85.0),
+                (10, -70.0),
+                (11, -70.0),
+                (52, -85.0),
+                (57, -70.0),
+                (58, -70.0),
+            ],
+            &[(20, 95.0), (22, 7.0), (39, 80.0), (40, 80.0)],
+            &[(33, 90.0), (35, 175.0), (34, 9.0), (36, 17.5)],
+        ]);
+        let detail = FaceDetail::new(&bridge, &fields, &frames);
+        let all = FapRoles::keeping(&[true; FAP_COUNT]);
+        let mut last = all;
+        let mut keeps = Vec::new();
+        for limit in [1e-4, 0.001, 0.0015, 0.0025, 0.01] {
+            let roles = detail.faps_within(&last, limit);
+            assert!(detail.error_m(&roles) <= limit, "{limit}");
+            assert!(detail.kept(&roles) <= detail.kept(&last));
+            keeps.push([3, 20, 39, 35, 36].map(|fap| roles.keeps(fap)));
+            last = roles;
+        }
+        // The other brow, then the puff fall out; jaw and blink stay to half of the limit.
+        assert_eq!(keeps[0], [true; 5]);
+        assert_eq!(keeps[1], [true, true, true, true, false]);
+        assert!(keeps[2][0] && keeps[2][1]);
+        assert_eq!(keeps[3], [false, false, false, true, false]);
+        assert_eq!(keeps[4], [false; 5]);
+    }
+
+    #[test]
+    fn a_lip_that_is_removed_follows_its_twin() {
+        let (bridge, fields) = face(&["mouthSmileLeft"]);
+        let smile = [
+            (6, 250.0),
+            (12, 250.0),
+            (53, 250.0),
+            (59, 250.0),
+            (41, 150.0),
+        ];
+        let frames = frames(&[&smile]);
+        let detail = FaceDetail::new(&bridge, &fields, &frames);
+        let mut kept = [true; FAP_COUNT];
+        for outer in OUTER_LIPS {
+            kept[outer - 1] = false;
+        }
+        assert!(detail.error_m(&FapRoles::keeping(&kept)) < 1e-4);
+        let few = detail.faps_within(&FapRoles::keeping(&[true; FAP_COUNT]), 1e-3);
+        assert!(detail.kept(&few) < 5 && detail.error_m(&few) <= 1e-3);
+        for inner in INNER_LIPS {
+            kept[inner - 1] = false;
+        }
+        // Half of the smile is in the cheek.
+        assert!(detail.error_m(&FapRoles::keeping(&kept)) > 0.005);
+    }
+
+    #[test]
+    fn lips_that_do_not_move_follow() {
+        let with = |moved: usize| {
+            let counted = frames(&[&[(moved, 10.0)]]).counted();
+            (counted[5 - 3], counted[52 - 3], counted[3 - 3])
+        };
+        assert_eq!(with(5), (true, false, true));
+        assert_eq!(with(52), (false, true, true));
+        assert_eq!(with(19), (true, true, true));
+        let both = frames(&[&[(5, 10.0), (52, 10.0)]]).counted();
+        assert!(both.iter().all(|c| *c));
+    }
+
+    #[test]
+    fn a_clip_without_frames_has_no_error() {
+        let (bridge, fields) = face(&BROWS);
+        let frames = FaceFrames::default();
+        let detail = FaceDetail::new(&bridge, &fields, &frames);
+        assert_eq!(detail.error_m(&roles(FaceLevel::VeryLow)), 0.0);
+        assert_eq!(
+            detail.kept(&detail.faps_within(&roles(FaceLevel::High), 1.0)),
+            0
+        );
+    }
+}

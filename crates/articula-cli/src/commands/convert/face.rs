@@ -1,11 +1,12 @@
 //! FAP files, written again with masks that mark the parameters that move.
 
-use super::ConvertArgs;
 use super::report::{self, ConvertReport};
+use super::{ConvertArgs, face_level};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use articula::convert::write_data;
+use articula::face::reduce_face;
 use articula::{Data, DataFormat};
 
 /// Whether the input or output is named as a file of facial data that is to be written again; with a
@@ -21,7 +22,12 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let format = check(args)?;
     let input = &args.inputs[0];
     console.files.plan(args.inputs(), [args.out.as_path()])?;
-    let opened = open::data(input, format, &args.names)?;
+    let mut opened = open::data(input, format, &args.names)?;
+    let mut face_level = None;
+    if let Data::Fap(clip) = opened.data {
+        let (clip, report) = face_level::applied(clip, args, reduce_face);
+        (opened.data, face_level) = (Data::Fap(clip), report);
+    }
     let written = write_data(&opened.data)?;
     console.files.write(&args.out, &written.bytes)?;
     let clips = match &opened.data {
@@ -42,6 +48,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             .collect(),
         clips,
         onto: None,
+        face_level,
         edits: Vec::new(),
         reduction: None,
         mesh: None,

@@ -1,8 +1,8 @@
 //! `convert --onto CHARACTER`: retargets motions of other figures onto one character and reports
 //! their quality.
 
-use super::ConvertArgs;
 use super::plan::{Input, reads_many};
+use super::{ConvertArgs, face_level};
 use crate::fault::clean;
 use crate::files::{self, Files};
 use crate::open;
@@ -12,7 +12,7 @@ use articula::convert::{
     AddClipsOptions, ContactPinning, FitFinding, FitFindingKind, FittedClip, FootSlideSummary,
     JointShare, RetargetOptions, TransferReport, TransferredClipReport, fit_clips,
 };
-use articula::face::{FaceTransfer, FittedFace, fit_face};
+use articula::face::{FaceTransfer, FittedFace, expand_face, fit_face};
 use articula::{CharacterFile, Data, DataFormat};
 use clap::ValueEnum;
 use std::path::Path;
@@ -140,7 +140,9 @@ impl Hero {
         if args.skip_first_frame && clip.frames.len() > 1 {
             clip.frames.remove(0);
         }
-        let FittedFace { fitted, report } = fit_face(&clip, &name, &self.opened)?;
+        let (clip, level) = face_level::applied(clip, args, expand_face);
+        let FittedFace { fitted, mut report } = fit_face(&clip, &name, &self.opened)?;
+        report.level = level;
         let warnings = open::warnings(&read.warnings).into_iter();
         Ok(Motions {
             fitted: vec![fitted],

@@ -1,5 +1,6 @@
 //! The report of a conversion, for programs and for people.
 
+use super::face_level;
 use super::hygiene;
 use super::mesh;
 use super::onto;
@@ -10,7 +11,7 @@ use crate::files;
 use crate::table::{Table, counted};
 use articula::ShownLevelsReport;
 use articula::convert::{ClipEdited, LossyPart, TransferReport};
-use articula::face::FaceTransfer;
+use articula::face::{FaceLevelReport, FaceTransfer};
 use serde::Serialize;
 use std::path::Path;
 
@@ -32,6 +33,9 @@ pub(super) struct ConvertReport {
     pub(super) beside: Vec<String>,
     pub(super) clips: Vec<String>,
     pub(super) onto: Option<Onto>,
+    /// The level of articulation of a FAP file that was written, if one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) face_level: Option<FaceLevelReport>,
     /// Edits of each clip; empty if none were asked for.
     pub(super) edits: Vec<ClipEdited>,
     pub(super) reduction: Option<Reduction>,
@@ -144,6 +148,7 @@ impl ConvertReport {
             beside: Vec::new(),
             clips: Vec::new(),
             onto: None,
+            face_level: None,
             edits: Vec::new(),
             reduction: None,
             mesh: None,
@@ -168,6 +173,9 @@ impl ConvertReport {
         );
         for beside in &self.beside {
             text.push_str(&format!("also written: {}\n", clean(beside)));
+        }
+        if let Some(level) = &self.face_level {
+            text.push_str(&face_level::text(level));
         }
         if let Some(onto) = &self.onto {
             text.push_str(&onto.text(map));
@@ -225,6 +233,8 @@ impl Onto {
         if !faces.is_empty() {
             text.push_str(&faces.text());
         }
+        let levels = self.faces.iter().filter_map(|face| face.level.as_ref());
+        text.extend(levels.map(face_level::text));
         text.extend(self.faces.iter().map(onto::not_driven));
         for clip in self.motions.iter().flat_map(|motion| &motion.clips) {
             text.push_str(&onto::findings(clip));
