@@ -2,6 +2,7 @@
 
 pub(crate) mod crowd;
 pub(crate) mod crowd_errors;
+pub(crate) mod face_levels;
 pub(crate) mod flat;
 pub(crate) mod loa_cost;
 pub(crate) mod merged_levels;
