@@ -473,11 +473,7 @@ mod tests {
         assert!(across > 20, "{across}");
         // Very low has no left parameter of its own.
         let coarsest = FaceLevels::all(FaceLevel::VeryLow).roles();
-        assert!(
-            FAPS.into_iter()
-                .filter(|f| coarsest.keeps(*f))
-                .all(|f| !side(f).0)
-        );
+        assert!(FAPS.filter(|f| coarsest.keeps(*f)).all(|f| !side(f).0));
     }
 
     #[test]
