@@ -49,6 +49,7 @@
 //! - [`joint_state`]: active and passive joints, and the transitions between them
 //! - [`hanim_table`], [`fap_table`], [`arkit_table`]: the joints of the H-Anim humanoid, the facial
 //!   animation parameters of MPEG-4, and the blend shapes of ARKit
+//! - [`face_levels`]: levels of articulation of faces
 //! - [`Progress`]: progress reports and cancellation of work outside the frame
 //!
 //! Levels of detail are numbered from 0, the finest, everywhere: joints ([`JointLods`]), meshes
@@ -64,6 +65,7 @@ pub mod arkit_table;
 pub mod batch;
 pub mod budget;
 pub mod crowd;
+pub mod face_levels;
 pub mod fap_table;
 pub mod feature_points;
 pub mod hanim_table;

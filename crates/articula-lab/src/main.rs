@@ -67,6 +67,8 @@ enum Table {
     MergedLevels(Sheets),
     /// Mesh levels: error in motion, bytes and speed, beside meshoptimizer and Draco.
     MeshLevels(Choice),
+    /// Levels of articulation of faces: parameters, errors and time (the thesis' 3.1.3 and 6.1).
+    FaceLevels,
     /// Conversion to 2D: bytes and errors of every profile, beside the thesis' form.
     Flat(flat::Choice),
     /// Feature points of faces: errors on random heads with landmarks.
@@ -107,6 +109,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::CrowdErrors => tables::crowd_errors::write(run),
         Table::MergedLevels(sheets) => tables::merged_levels::write(run, sheets),
         Table::MeshLevels(choice) => tables::mesh_levels::write(run, choice),
+        Table::FaceLevels => tables::face_levels::write(run),
         Table::Flat(choice) => flat::write(run, choice),
         Table::RoundTrips => tables::round_trips::write(run),
         Table::Retargets(pictures) => tables::retargets::write(run, pictures),

@@ -8,21 +8,27 @@
 //! - `points`: the feature points of a face on its mesh
 //! - `table`: how the vertices move with each parameter, from the feature points alone
 //! - `dense`: dense systems of linear equations
+//! - `fields`: how far the controls of a face move its vertices
+//! - `detail`: error of a clip at levels of articulation, and the coarsest choice within a tolerance
 //!
-//! Method and values: `docs/methods/faces.md`.
+//! Method and values: `docs/methods/faces.md`, of levels `docs/methods/face-levels.md`.
 
 mod bounded;
 mod bridge;
 mod controls;
 mod dense;
+mod detail;
 mod fap_values;
+mod fields;
 mod high_level;
 mod points;
 mod table;
 
 pub use bridge::{FaceBridge, FaceSolver, ShownFace};
 pub use controls::{arkit_name, arkit_shape, blend_shape, vrm_preset};
+pub use detail::{FaceDetail, FaceFrames};
 pub use fap_values::{FapValues, unit_mm};
+pub use fields::FaceFields;
 pub use high_level::{add_expression, add_viseme};
 pub use points::{FacePoint, FacePoints, FaceSurface, FaceUnits, NoFace, PointSource, UnitRatio};
 pub use table::{FaceTable, normal_offsets};

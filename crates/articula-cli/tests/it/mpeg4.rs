@@ -100,6 +100,97 @@ fn face_clips_go_onto_a_head() {
     assert!(line.contains("body.bvh: face: no morph target"), "{line}");
 }
 
+/// One frame at 25 Hz in which all low-level parameters move.
+fn all_faps() -> String {
+    let mask: Vec<&str> = (1..=68).map(|n| if n > 2 { "1" } else { "0" }).collect();
+    let values: Vec<String> = (3..=68).map(|n| (10 * n).to_string()).collect();
+    format!("2.1 all 25 1\n{}\n0 {}\n", mask.join(" "), values.join(" "))
+}
+
+#[test]
+fn faces_are_written_at_levels_of_articulation() {
+    let here = folder("face-level");
+    std::fs::write(here.join("a.fap"), all_faps()).unwrap();
+    // Visemes and expressions do not move; of the others each level keeps all but these two.
+    for (level, kept) in [("high", 66), ("medium", 42), ("low", 24), ("very-low", 12)] {
+        let out = format!("{level}.fap");
+        let report = json(&here, &["convert", "a.fap", &out, "--face-level", level]);
+        assert_eq!(report["face_level"]["moving_kept"], kept, "{level}");
+        assert_eq!(json(&here, &["inspect", &out])["face"]["faps"], kept);
+    }
+    let speech = "low,jaw=high,cheeks=medium";
+    let said = articula(
+        &here,
+        &["convert", "a.fap", "b.fap", "--face-level", speech],
+    )
+    .out;
+    let line = "face level low, jaw=high, cheeks=medium: 47 of 68 FAPs, 45 of the 66 that move";
+    assert!(said.contains(line), "{said}");
+    let found = json(&here, &["inspect", "b.fap"]);
+    assert_eq!(found["face"]["faps"], 45);
+
+    let line = fault(
+        &here,
+        2,
+        &["convert", "a.fap", "c.fap", "--face-level", "chin=low"],
+    );
+    assert!(
+        line.contains("no region; expected high-level, jaw"),
+        "{line}"
+    );
+    std::fs::write(here.join("a.bvh"), BVH).unwrap();
+    let line = fault(
+        &here,
+        2,
+        &["convert", "a.bvh", "a.glb", "--face-level", "low"],
+    );
+    assert!(line.contains("--face-level applies to FAP files"), "{line}");
+    let line = fault(&here, 2, &["lod", "a.bvh", "--onto", "a.bvh"]);
+    assert!(line.contains("--onto measures a .fap file"), "{line}");
+    let line = fault(&here, 1, &["lod", "a.fap", "--onto", "a.bvh"]);
+    assert!(line.contains("a.bvh: face: no morph target"), "{line}");
+}
+
+#[test]
+fn levels_of_a_face_are_measured_and_shown_on_a_head() {
+    let (Some(head), Some(speech)) = (
+        real::file("glb/ict_head_talk_554.glb"),
+        real::file("fap/speech_synthetic.fap"),
+    ) else {
+        return;
+    };
+    let here = folder("face-lod");
+    let (head, speech) = (word(&head), word(&speech));
+    let found = json(
+        &here,
+        &["lod", speech, "--onto", head, "--distances", "2,9.05"],
+    );
+    let rows = found["rows"].as_array().unwrap();
+    let kept = |row: usize| rows[row]["chosen"].as_array().unwrap().len();
+    assert_eq!((rows.len(), &found["tolerance_px"]), (2, &1.0.into()));
+    assert!(kept(1) < kept(0) && kept(0) <= 26);
+    assert!(rows.iter().all(|r| r["chosen_px"].as_f64() <= Some(1.0)));
+    let said = articula(&here, &["lod", speech, "--onto", head, "--calibrate", "4"]).out;
+    assert!(
+        said.contains("within 4 px") && said.contains("9.05 m"),
+        "{said}"
+    );
+
+    // What is sent at a level looks on the head like the whole at that level.
+    let level = ["--face-level", "low"];
+    let onto = ["--onto", head];
+    json(
+        &here,
+        &[&["convert", speech, "low.fap"][..], &level].concat(),
+    );
+    let sent = [&["convert", "low.fap", "a.glb"][..], &level, &onto].concat();
+    let report = json(&here, &sent);
+    assert_eq!(report["onto"]["faces"][0]["level"]["parameters"], 26);
+    let whole = [&["convert", speech, "b.glb"][..], &level, &onto].concat();
+    let error = |report: &serde_json::Value| report["onto"]["faces"][0]["error_mm_mean"].clone();
+    assert_eq!(error(&report), error(&json(&here, &whole)));
+}
+
 #[test]
 fn a_face_is_no_character() {
     let here = folder("no-character");

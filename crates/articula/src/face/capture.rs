@@ -1,5 +1,6 @@
 //! Captures of blend shapes as facial animation parameters, and back.
 
+use super::fit::{face_frames, moving};
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
 use articula_build::face::{FaceBridge, FapValues, arkit_shape, blend_shape};
@@ -136,9 +137,10 @@ pub fn faps_to_capture(clip: &FapClip) -> Result<(LiveLinkClip, CaptureReport)> 
         return Err(Error::unsuited("the file has no frame"));
     };
     let bridge = bridge();
-    let values: Vec<FapValues> = clip.frames.iter().map(super::fit::low_level).collect();
-    let moving = super::fit::moving(&values);
-    let mut solver = bridge.solver(super::fit::counted(&moving));
+    let frames = face_frames(clip);
+    let values: Vec<FapValues> = (0..frames.low.len()).map(|f| frames.values(f)).collect();
+    let moving = moving(&values);
+    let mut solver = bridge.solver(frames.counted());
     let frames = clip.frames.iter().zip(&values).map(|(frame, values)| {
         let mut shapes = [0.0; BLEND_SHAPE_COUNT];
         shapes.copy_from_slice(&solver.solve(values).weights);

@@ -1,5 +1,7 @@
 //! The controls of a face: morph targets named as ARKit's blend shapes, or expressions.
 
+use crate::error::{Context, Error, Result};
+use crate::open::CharacterFile;
 use articula_build::face::{FaceBridge, FapValues, arkit_shape, blend_shape, vrm_preset};
 use articula_core::source::{Channel, Character, Expression, Interpolation, Property};
 use std::collections::BTreeMap;
@@ -39,6 +41,16 @@ impl FaceControls {
             bridge: FaceBridge::new(columns),
             targets,
         })
+    }
+
+    /// As [`FaceControls::of`], with an error that names the file if there are none.
+    pub(super) fn known(character: &CharacterFile) -> Result<Self> {
+        let what = "face: no morph target has the name of a blend shape of ARKit (jawOpen, \
+                    eyeBlinkLeft, ...) and no expression that of a preset of VRM (aa, blink, ...), \
+                    so nothing shows a face clip; convert --face-shapes makes blend shapes for a \
+                    closed face";
+        let found = Self::of(&character.character).ok_or_else(|| Error::unsuited(what));
+        found.context(&character.name)
     }
 
     /// Whether the controls are morph targets; if not, they are expressions.

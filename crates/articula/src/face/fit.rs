@@ -2,24 +2,20 @@
 
 use super::capture;
 use super::controls::FaceControls;
+use super::levels::FaceLevelReport;
 use super::turns::turns;
 use crate::convert::{ClipProvenance, FittedClip};
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
 use articula_build::bake;
-use articula_build::face::{FapValues, ShownFace, add_expression, add_viseme, unit_mm};
+use articula_build::face::{FaceFrames, FapValues, ShownFace, add_expression, add_viseme, unit_mm};
 use articula_core::fap_table::{LOW_FAP_COUNT, LOW_FAPS, TABLE};
 use articula_core::source::RawClip;
 use articula_formats::live_link::LiveLinkClip;
 use articula_formats::mpeg4::fap::{FapClip, FapFrame};
 use serde::Serialize;
 use std::borrow::Cow;
-use std::ops::Range;
 use std::path::Path;
-
-/// Indices of the FAPs of the inner (4 to 13) and outer lips (51 to 60) in [`FapValues`].
-const INNER_LIPS: Range<usize> = 1..11;
-const OUTER_LIPS: Range<usize> = 48..58;
 
 /// A clip made for a character's face.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +33,9 @@ pub struct FaceTransfer {
     pub file: String,
     /// Name of the clip on the character.
     pub name: String,
+    /// The level of articulation at which the clip was shown; `None` for all parameters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub level: Option<FaceLevelReport>,
     /// Duration in seconds.
     pub duration_secs: f32,
     /// Number of frames.
@@ -88,11 +87,12 @@ pub fn fit_face(clip: &FapClip, file: &str, character: &CharacterFile) -> Result
     let Some(first) = clip.frames.first() else {
         return Err(Error::unsuited("the file has no frame")).context(file);
     };
-    let controls = known_controls(character)?;
-    let values: Vec<FapValues> = clip.frames.iter().map(low_level).collect();
+    let controls = FaceControls::known(character)?;
+    let frames = face_frames(clip);
+    let values: Vec<FapValues> = (0..frames.low.len()).map(|f| frames.values(f)).collect();
     let time = |frame: &FapFrame| (frame.number - first.number) as f32 / clip.rate_hz;
     let times: Vec<f32> = clip.frames.iter().map(time).collect();
-    let mut solver = controls.bridge.solver(counted(&moving(&values)));
+    let mut solver = controls.bridge.solver(frames.counted());
     let shown = values.iter().map(|v| solver.solve(v)).collect();
     let motion = FaceMotion {
         from: clip.name.clone(),
@@ -116,7 +116,7 @@ pub fn fit_capture(
     if capture.frames.is_empty() {
         return Err(Error::unsuited("the capture has no row")).context(file);
     }
-    let controls = known_controls(character)?;
+    let controls = FaceControls::known(character)?;
     let generic = capture::bridge();
     let rows = capture.frames.iter();
     let values: Vec<FapValues> = rows.map(|f| capture::row_values(&generic, f)).collect();
@@ -133,7 +133,11 @@ pub fn fit_capture(
             .collect()
         }
         None => {
-            let mut solver = controls.bridge.solver(counted(&moving(&values)));
+            let frames = FaceFrames {
+                high: vec![FapValues::default(); values.len()],
+                low: values.clone(),
+            };
+            let mut solver = controls.bridge.solver(frames.counted());
             values.iter().map(|v| solver.solve(v)).collect()
         }
     };
@@ -144,19 +148,6 @@ pub fn fit_capture(
         shown,
     };
     fitted(motion, file, character, &controls)
-}
-
-/// The known controls of a character's face.
-fn known_controls(character: &CharacterFile) -> Result<FaceControls> {
-    FaceControls::of(&character.character)
-        .ok_or_else(|| {
-            let what = "face: no morph target has the name of a blend shape of ARKit (jawOpen, \
-                        eyeBlinkLeft, ...) and no expression that of a preset of VRM (aa, blink, \
-                        ...), so nothing shows a face clip; convert --face-shapes makes blend \
-                        shapes for a closed face";
-            Error::unsuited(what)
-        })
-        .context(&character.name)
 }
 
 /// Values and weights of each frame of a face clip.
@@ -205,6 +196,7 @@ fn fitted(
     let report = FaceTransfer {
         file: file.to_owned(),
         name: name.clone(),
+        level: None,
         duration_secs: times.last().copied().unwrap_or(0.0),
         frames: times.len(),
         morphs: controls.are_morphs(),
@@ -279,9 +271,18 @@ impl Errors {
     }
 }
 
-/// The low-level values of a frame, with those of its viseme and expression unless it defines them.
-pub(super) fn low_level(frame: &FapFrame) -> FapValues {
-    let mut values = FapValues(frame.low.map(|v| v as f32));
+/// The low-level values of all frames, and those of their visemes and expressions.
+pub(super) fn face_frames(clip: &FapClip) -> FaceFrames {
+    let low = |frame: &FapFrame| FapValues(frame.low.map(|v| v as f32));
+    FaceFrames {
+        low: clip.frames.iter().map(low).collect(),
+        high: clip.frames.iter().map(high_level).collect(),
+    }
+}
+
+/// The low-level values of the viseme and expression of a frame, unless it defines them.
+fn high_level(frame: &FapFrame) -> FapValues {
+    let mut values = FapValues::default();
     let (viseme, expression) = (frame.viseme, frame.expression);
     if !viseme.defines {
         add_viseme(&mut values, [viseme.select1, viseme.select2], viseme.blend);
@@ -296,39 +297,4 @@ pub(super) fn low_level(frame: &FapFrame) -> FapValues {
 
 pub(super) fn moving(frames: &[FapValues]) -> [bool; LOW_FAP_COUNT] {
     std::array::from_fn(|index| frames.iter().any(|f| f.0[index] != 0.0))
-}
-
-/// The parameters that count: all, but in a clip that moves only one of the two contours of the
-/// lips, the other one follows.
-pub(super) fn counted(moving: &[bool; LOW_FAP_COUNT]) -> [bool; LOW_FAP_COUNT] {
-    let [inner, outer] = [INNER_LIPS, OUTER_LIPS].map(|lips| moving[lips].contains(&true));
-    std::array::from_fn(|index| {
-        let follows = OUTER_LIPS.contains(&index) && inner && !outer
-            || INNER_LIPS.contains(&index) && outer && !inner;
-        !follows
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn contours_of_the_lips_by_their_numbers() {
-        let faps = |lips: Range<usize>| (lips.start + 3, lips.end + 2);
-        assert_eq!((faps(INNER_LIPS), faps(OUTER_LIPS)), ((4, 13), (51, 60)));
-    }
-
-    #[test]
-    fn lips_that_are_not_coded_follow() {
-        let with = |moved: &[usize]| {
-            let moving = std::array::from_fn(|index| moved.contains(&(index + 3)));
-            let counted = counted(&moving);
-            (counted[5 - 3], counted[52 - 3], counted[3 - 3])
-        };
-        assert_eq!(with(&[5]), (true, false, true));
-        assert_eq!(with(&[52]), (false, true, true));
-        assert_eq!(with(&[5, 52]), (true, true, true));
-        assert_eq!(with(&[19]), (true, true, true));
-    }
 }

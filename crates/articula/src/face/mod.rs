@@ -7,17 +7,26 @@
 //! - `turns`: head and eyes, which turn
 //! - `capture`: captures of blend shapes as parameters, and back
 //! - `fit`: a FAP clip as a clip of a character
+//! - `levels`: a FAP clip at a level of articulation
+//! - `detail`: error of levels on a head, and their choice by distance
 
 mod capture;
 mod controls;
+mod detail;
 mod fit;
+mod levels;
 mod points;
 mod shapes;
 mod surface;
 mod turns;
 
 pub use capture::{CaptureReport, ShapeLoss, capture_of_clip, capture_to_faps, faps_to_capture};
+pub use detail::{
+    FACE_DISTANCES_M, FaceDetailOptions, FaceDetailReport, FaceDetailRow, FaceLevelError, FapLever,
+    MeasuredFace, face_detail,
+};
 pub use fit::{FaceTransfer, FittedFace, NotDriven, fit_capture, fit_face};
+pub use levels::{FaceLevelReport, expand_face, reduce_face};
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout, fdp_points};
 pub use shapes::{FaceShapes, add_face_shapes};
 pub use surface::HeadSurface;

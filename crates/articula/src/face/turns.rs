@@ -57,6 +57,16 @@ impl Turn {
         character.character.skeleton.joints[self.joint].name.clone()
     }
 
+    /// Index of the joint.
+    pub(super) fn joint(&self) -> usize {
+        self.joint
+    }
+
+    /// FAPs of pitch, yaw and roll.
+    pub(super) fn faps(&self) -> [Option<usize>; 3] {
+        self.faps
+    }
+
     /// Whether a FAP turns the joint.
     pub(super) fn has(&self, fap: usize) -> bool {
         self.faps.contains(&Some(fap))

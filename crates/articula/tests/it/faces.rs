@@ -1,13 +1,15 @@
 //! FAP clips move the faces that the data has: blend shapes of ARKit, expressions of VRM, heads.
 
 use crate::real;
-use articula::face::{FittedFace, fit_face};
-use articula::glam::{Quat, Vec3};
-use articula::{CharacterFile, Data, DataFormat, OpenOptions, fs, open_data};
+use articula::face::{FaceDetailOptions, FittedFace, expand_face, face_detail, fit_face};
+use articula::glam::{Affine3A, Quat, Vec3};
+use articula::{CharacterFile, Data, DataFormat, Executor, Figure, OpenOptions, fs, open_data};
+use articula_core::face_levels::FaceLevels;
 use articula_core::source::{
-    Channel, Character, Expression, Joint, MorphBinding, Property, RawMesh, Skeleton, evaluate,
+    Channel, Character, Expression, Joint, MorphBinding, MorphTarget, Primitive, Property, RawMesh,
+    Skeleton, evaluate,
 };
-use articula_core::{Transform, fap_table};
+use articula_core::{PosedMesh, Transform, fap_table};
 use articula_formats::mpeg4::fap::{FapClip, FapFrame, Viseme};
 
 fn fap(name: &str) -> Option<FapClip> {
@@ -203,4 +205,124 @@ fn a_face_without_controls_and_a_clip_without_frames_are_refused() {
     assert!(why.starts_with("head.glb: face: no morph target"), "{why}");
     let why = fit_face(&clip(&[]), "a.fap", &head("jawOpen")).unwrap_err();
     assert_eq!(why.to_string(), "a.fap: the file has no frame");
+}
+
+#[test]
+fn levels_and_parameters_stay_within_the_tolerance_on_the_heads_of_the_data() {
+    let heads = [
+        "face/ict_facekit_expressions.glb",
+        "glb/mh_female_default163_arkit52.glb",
+    ];
+    for head in heads {
+        let (Some(path), Some(clip)) = (real::file(head), fap("fap/speech_synthetic.fap")) else {
+            continue;
+        };
+        let head = Figure::new(fs::open(&path).unwrap()).unwrap();
+        let options = FaceDetailOptions {
+            distances_m: vec![5.65, 1.0],
+            ..FaceDetailOptions::default()
+        };
+        let work = Executor::default();
+        let report = face_detail(&clip, "speech.fap", &head, &options, &work).unwrap();
+        let counts: Vec<usize> = report.levels.iter().map(|l| l.parameters).collect();
+        // FAP 3 to 18 and 51 to 60 move; the table keeps 14, 9 and 5 of these.
+        assert_eq!(counts, [26, 14, 9, 5]);
+        assert_eq!(report.levels[0].error_mm, 0.0);
+        let [near, far] = &report.rows[..] else {
+            panic!("two distances");
+        };
+        assert_eq!((near.distance_m, far.distance_m), (1.0, 5.65));
+        for row in [near, far] {
+            assert!(row.regions_px <= 1.0 && row.chosen_px <= 1.0, "{row:?}");
+        }
+        assert!(far.chosen.iter().all(|fap| near.chosen.contains(fap)));
+        assert!(far.chosen.len() < near.chosen.len());
+
+        // The slow way: both clips as channels of the head, and all of its vertices in each frame.
+        let whole = posed(&head, &clip);
+        let levels: FaceLevels = "low".parse().unwrap();
+        let low = posed(&head, &expand_face(&clip, &levels.roles()));
+        let pairs = whole.iter().flatten().zip(low.iter().flatten());
+        let slow = pairs.fold(0.0_f32, |most, (a, b)| most.max(a.distance(*b)));
+        let stated = 1e-3 * report.levels[2].error_mm;
+        assert!((slow - stated).abs() < 2e-5, "{slow} m, not {stated} m");
+    }
+}
+
+/// The vertices of a head in each frame of a clip, by its morph targets at rest.
+fn posed(head: &Figure, clip: &FapClip) -> Vec<Vec<Vec3>> {
+    let made = fit_face(clip, "talk.fap", &head.opened).unwrap();
+    let mesh = &head.asset.mesh;
+    let mut posed = PosedMesh::new(&head.asset.rig, mesh);
+    posed.pose(head.asset.rig.rest_pose());
+    let weights = |frame: usize| {
+        let mut all = mesh.morph_weights.clone();
+        let channels = made.fitted.clip.channels.iter();
+        for channel in channels.filter(|c| c.property == Property::Weights) {
+            let count = head.opened.character.meshes[channel.target]
+                .morph_weights
+                .len();
+            let first = mesh.morph_slots[channel.target];
+            all[first..first + count].copy_from_slice(&channel.values[frame * count..][..count]);
+        }
+        all
+    };
+    let frames = 0..clip.frames.len();
+    frames
+        .map(|f| posed.skinned(&weights(f)).positions)
+        .collect()
+}
+
+#[test]
+fn an_eyeball_without_a_shape_is_measured_by_its_joint() {
+    let eye = Transform::from_translation(Vec3::Y);
+    let joint = |name: &str, parent| Joint {
+        name: name.to_owned(),
+        parent,
+        rest: eye,
+        in_skin: true,
+    };
+    // A pupil 12 mm before the joint of the left eye, and a chin that the jaw lowers.
+    let mut chin = RawMesh {
+        morph_names: vec!["jawOpen".to_owned()],
+        morph_weights: vec![0.0],
+        ..RawMesh::default()
+    };
+    chin.skin.joints = vec![0, 1];
+    let bind = |height: f32| Affine3A::from_translation(Vec3::Y * -height);
+    chin.skin.inverse_bind = vec![bind(1.0), bind(2.0)];
+    chin.primitives.push(Primitive {
+        positions: vec![Vec3::Y, Vec3::new(0.0, 2.0, 0.012), Vec3::X],
+        influences: 1,
+        joints: vec![0, 1, 0],
+        weights: vec![1.0; 3],
+        triangles: vec![[0, 1, 2]],
+        morphs: vec![MorphTarget {
+            positions: vec![Vec3::Y * -0.03, Vec3::ZERO, Vec3::ZERO],
+            ..MorphTarget::default()
+        }],
+        ..Primitive::default()
+    });
+    let character = Character {
+        skeleton: Skeleton {
+            joints: vec![joint("Head", None), joint("LeftEye", Some(0))],
+        },
+        meshes: vec![chin],
+        ..Character::default()
+    };
+    let mut opened = CharacterFile::from_character("head.glb", character);
+    opened.mapping.articulation.joints[0].hanim = Some("skullbase".to_owned());
+    opened.mapping.articulation.joints[1].hanim = Some("l_eyeball_joint".to_owned());
+    let head = Figure::new(opened).unwrap();
+    // The left eye looks left by a third of a right angle; the right one does not.
+    let third = (std::f32::consts::FRAC_PI_6 * 1e5) as i32;
+    let clip = clip(&[&[(23, third)]]);
+    let work = Executor::default();
+    let report = face_detail(&clip, "a.fap", &head, &FaceDetailOptions::default(), &work).unwrap();
+    // At medium the left eye copies the right one: the pupil misses a chord of 30 degrees.
+    let chord = 2.0 * 12.0 * (std::f32::consts::PI / 12.0).sin();
+    let medium = report.levels[1].error_mm;
+    assert!((medium - chord).abs() < 0.01, "{medium} mm, not {chord} mm");
+    assert_eq!(report.rows[0].chosen, [23]);
+    assert_eq!(report.rows[0].regions["eyeballs"], "high");
 }

@@ -1,13 +1,15 @@
 //! Face clips without a character: FAP files and captures, written as one or the other.
 
-use super::ConvertArgs;
 use super::report::{self, ConvertReport};
+use super::{ConvertArgs, face_level};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use anyhow::Context;
 use articula::convert::write_data;
-use articula::face::{CaptureReport, capture_of_clip, capture_to_faps, faps_to_capture};
+use articula::face::{
+    CaptureReport, capture_of_clip, capture_to_faps, faps_to_capture, reduce_face,
+};
 use articula::{Data, DataFormat};
 use articula_formats::Warning;
 use articula_formats::live_link::LiveLinkClip;
@@ -64,6 +66,13 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         }
         (data, _) => (data, None),
     };
+    let (data, face_level) = match data {
+        Data::Fap(clip) => {
+            let (clip, level) = face_level::applied(clip, args, reduce_face);
+            (Data::Fap(clip), level)
+        }
+        data => (data, None),
+    };
     let written = write_data(&data)?;
     console.files.write(&args.out, &written.bytes)?;
     let clips = match &data {
@@ -83,6 +92,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             .collect(),
         clips,
         capture,
+        face_level,
         warnings: open::warnings(&source.warnings),
         ..ConvertReport::default()
     };

@@ -2,6 +2,7 @@
 //! reduces animations; one file or many.
 
 mod face;
+mod face_level;
 mod face_shapes;
 mod hygiene;
 mod job;
@@ -16,6 +17,7 @@ use crate::console::Console;
 use crate::table::counted;
 use crate::{fault, files};
 use articula::Format;
+use articula_core::face_levels::FaceLevels;
 use articula_core::joint_state::PassivePolicy;
 use clap::Args;
 use job::{Done, Recipe};
@@ -78,6 +80,12 @@ pub(crate) struct ConvertArgs {
     /// Pose of held joints: hold, rest, key-pose, blend-to-rest:SECS [default: key-pose]
     #[arg(long, value_name = "POLICY", value_parser = reduction::passive)]
     passive: Option<PassivePolicy>,
+    /// Level of articulation of FAP files: high, medium, low or very-low, and those of regions that
+    /// differ, such as low,jaw=high,cheeks=medium; regions are high-level, jaw, eyeballs, eyebrows,
+    /// cheeks, head, nose and ears. OUT.fap holds what is kept; with --onto the face shows what a
+    /// receiver makes of it
+    #[arg(long, value_name = "LEVEL,REGION=LEVEL,...", value_parser = face_level::levels)]
+    face_level: Option<FaceLevels>,
     /// Write the draft glTF extensions for characters: skeleton mapping and reference pose
     /// (.glb only)
     #[arg(long)]
@@ -95,6 +103,7 @@ pub(crate) struct ConvertArgs {
 /// Reads, edits and writes.
 pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     args.check()?;
+    face_level::check(args)?;
     if face::is_meant(args) {
         return face::run(args, console);
     }

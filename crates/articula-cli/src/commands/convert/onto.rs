@@ -1,8 +1,8 @@
 //! `convert --onto CHARACTER`: retargets motions of other figures onto one character and reports
 //! their quality.
 
-use super::ConvertArgs;
 use super::plan::{Input, reads_many};
+use super::{ConvertArgs, face_level};
 use crate::fault::clean;
 use crate::files::{self, Files};
 use crate::open;
@@ -12,7 +12,7 @@ use articula::convert::{
     AddClipsOptions, ContactPinning, FitFinding, FitFindingKind, FittedClip, FootSlideSummary,
     JointShare, RetargetOptions, TransferReport, TransferredClipReport, fit_clips,
 };
-use articula::face::{FaceShapes, FaceTransfer, FittedFace, fit_capture, fit_face};
+use articula::face::{FaceShapes, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face};
 use articula::{CharacterFile, Data, DataFormat};
 use clap::ValueEnum;
 use std::path::Path;
@@ -151,7 +151,10 @@ impl Hero {
                 if args.skip_first_frame && clip.frames.len() > 1 {
                     clip.frames.remove(0);
                 }
-                fit_face(&clip, &name, &self.opened)?
+                let (clip, level) = face_level::applied(clip, args, expand_face);
+                let mut fitted = fit_face(&clip, &name, &self.opened)?;
+                fitted.report.level = level;
+                fitted
             }
             Data::LiveLink(mut capture) => {
                 if args.skip_first_frame && capture.frames.len() > 1 {

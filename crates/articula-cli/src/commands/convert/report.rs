@@ -4,13 +4,13 @@ use super::mesh;
 use super::onto;
 use super::plan::Job;
 use super::reduction::Reduction;
-use super::{face, face_shapes, hygiene};
+use super::{face, face_level, face_shapes, hygiene};
 use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
 use articula::ShownLevelsReport;
 use articula::convert::{ClipEdited, LossyPart, TransferReport};
-use articula::face::{CaptureReport, FaceShapes, FaceTransfer};
+use articula::face::{CaptureReport, FaceLevelReport, FaceShapes, FaceTransfer};
 use serde::Serialize;
 use std::path::Path;
 
@@ -36,6 +36,9 @@ pub(super) struct ConvertReport {
     pub(super) capture: Option<CaptureReport>,
     /// Blend shapes that were made for the face, if any were asked for.
     pub(super) face_shapes: Option<FaceShapes>,
+    /// The level of articulation of a FAP file that was written, if one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) face_level: Option<FaceLevelReport>,
     /// Edits of each clip; empty if none were asked for.
     pub(super) edits: Vec<ClipEdited>,
     pub(super) reduction: Option<Reduction>,
@@ -150,6 +153,7 @@ impl ConvertReport {
             onto: None,
             capture: None,
             face_shapes: None,
+            face_level: None,
             edits: Vec::new(),
             reduction: None,
             mesh: None,
@@ -174,6 +178,9 @@ impl ConvertReport {
         );
         for beside in &self.beside {
             text.push_str(&format!("also written: {}\n", clean(beside)));
+        }
+        if let Some(level) = &self.face_level {
+            text.push_str(&face_level::text(level));
         }
         if let Some(onto) = &self.onto {
             text.push_str(&onto.text(map));
@@ -237,6 +244,8 @@ impl Onto {
         if !faces.is_empty() {
             text.push_str(&faces.text());
         }
+        let levels = self.faces.iter().filter_map(|face| face.level.as_ref());
+        text.extend(levels.map(face_level::text));
         text.extend(self.faces.iter().map(onto::not_driven));
         for clip in self.motions.iter().flat_map(|motion| &motion.clips) {
             text.push_str(&onto::findings(clip));

@@ -1,5 +1,6 @@
 //! `articula lod FILE`: plays a clip under motion level of detail; reports updates saved and error.
 
+mod face;
 mod moving_camera;
 mod report;
 mod schedule;
@@ -49,12 +50,16 @@ pub(crate) struct LodArgs {
     clip: Option<String>,
     #[command(flatten)]
     method: MethodArgs,
+    /// With a FAP file: head on which its levels of articulation are measured
+    #[arg(long, value_name = "HEAD", conflicts_with_all = face::BODY_ALONE)]
+    onto: Option<PathBuf>,
     /// Distances from the camera to the root in metres, separated by commas
+    /// [default: 3.5,5.65,9.05,16,25.6; of a FAP file 1,2,3.5,5.65,9.05]
     #[arg(long, value_name = "M,…", value_delimiter = ',', value_parser = distance,
-          conflicts_with = "camera_path", default_values_t = DISTANCES_M)]
+          conflicts_with = "camera_path")]
     distances: Vec<f32>,
     /// Search the parameter that saves the most updates with a p95 error of at most this many
-    /// pixels
+    /// pixels; of a FAP file, tolerated error of the chosen levels and parameters [default: 1]
     #[arg(long, value_name = "PX", value_parser = positive, conflicts_with = "parameter")]
     calibrate: Option<f32>,
     /// Parameter of the method: metres (skin-px, ahn), threshold (thesis), radians (pc), every n-th
@@ -94,6 +99,9 @@ pub(crate) struct LodArgs {
 
 /// Plays the clip and prints the report.
 pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
+    if let Some(head) = &args.onto {
+        return face::run(args, head, console);
+    }
     args.check()?;
     console.files.plan(args.inputs(), args.outputs())?;
     let figure = open::figure(&console.files, &args.character)?;
@@ -125,7 +133,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     args.check_parameter(&methods)?;
     let saved = args.save_selection(&figure, console)?;
     let tables =
-        console.work(|work| scene.tables(&methods, &args.distances, args.tuning(), work))?;
+        console.work(|work| scene.tables(&methods, args.distances(), args.tuning(), work))?;
     let mut report = LodReport::new(&scene, args, &tables);
     report.written.extend(saved);
     if let Some(path) = &args.plot {
@@ -188,10 +196,23 @@ impl LodArgs {
             let what = format!("--plot {path}: plots are SVG; name a .svg file or a folder");
             return Err(fault::usage(what));
         }
-        if self.distances.is_empty() || self.distances.len() > 100 {
+        self.check_distances()
+    }
+
+    fn check_distances(&self) -> anyhow::Result<()> {
+        if self.distances.len() > 100 {
             return Err(fault::usage("--distances takes 1 to 100 distances"));
         }
         Ok(())
+    }
+
+    /// The distances, or the usual ones of bodies.
+    fn distances(&self) -> &[f32] {
+        if self.distances.is_empty() {
+            &DISTANCES_M
+        } else {
+            &self.distances
+        }
     }
 
     /// A parameter that counts frames or levels must be a whole number in range.

@@ -22,11 +22,7 @@ pub(super) fn run(
     let options = ScheduleOptions {
         finest_level: args.finest_level,
         display_hz: f64::from(args.display_hz),
-        distance_m: args
-            .distances
-            .first()
-            .copied()
-            .unwrap_or(super::DISTANCES_M[0]),
+        distance_m: args.distances()[0],
         transition: args.method.live_transition(),
     };
     let bar = console.progress("changing the level", 1);
