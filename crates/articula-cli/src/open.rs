@@ -81,6 +81,23 @@ pub(crate) fn advised(warning: &Warning) -> String {
     format!("{}; give {flag} if that is wrong", warning.what)
 }
 
+/// Reads the feature points of a file: JSON, or an FDP file made for the character's mesh.
+pub(crate) fn face_points(
+    character: &CharacterFile,
+    path: &Path,
+) -> anyhow::Result<Vec<(PointId, Vec3)>> {
+    let limits = Limits::default();
+    let bytes = files::read(path, limits.bytes)?;
+    let is_fdp = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("fdp"));
+    if is_fdp {
+        let fdp = mpeg4::fdp::read(&bytes, &limits).with_context(|| files::shown(path))?;
+        return fdp_points(character, &fdp.value).with_context(|| files::shown(path));
+    }
+    points_file::read(&bytes, &limits).with_context(|| files::shown(path))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,21 +127,4 @@ mod tests {
         let why = articula::choose("clip", "fly", ["walk"].into_iter()).unwrap_err();
         assert_eq!(fault::status(&why.into()), 2);
     }
-}
-
-/// Reads the feature points of a file: JSON, or an FDP file made for the character's mesh.
-pub(crate) fn face_points(
-    character: &CharacterFile,
-    path: &Path,
-) -> anyhow::Result<Vec<(PointId, Vec3)>> {
-    let limits = Limits::default();
-    let bytes = files::read(path, limits.bytes)?;
-    let is_fdp = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("fdp"));
-    if is_fdp {
-        let fdp = mpeg4::fdp::read(&bytes, &limits).with_context(|| files::shown(path))?;
-        return fdp_points(character, &fdp.value).with_context(|| files::shown(path));
-    }
-    points_file::read(&bytes, &limits).with_context(|| files::shown(path))
 }

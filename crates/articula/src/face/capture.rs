@@ -1,6 +1,6 @@
 //! Captures of blend shapes as facial animation parameters, and back.
 
-use super::fit::{face_frames, moving};
+use super::frames::{face_frames, moving};
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
 use articula_build::face::{FaceBridge, FapValues, arkit_shape, blend_shape};

@@ -1,7 +1,7 @@
 //! Error of a FAP clip on a head at levels of articulation, over distance.
 
 use super::controls::FaceControls;
-use super::fit::face_frames;
+use super::frames::face_frames;
 use super::levels::{names, with_inner_lips};
 use super::turns::{Turn, turns};
 use crate::error::{Context, Error, Result};

@@ -2,13 +2,14 @@
 
 use super::capture;
 use super::controls::FaceControls;
+use super::frames::{face_frames, moving};
 use super::levels::FaceLevelReport;
 use super::turns::turns;
 use crate::convert::{ClipProvenance, FittedClip};
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
 use articula_build::bake;
-use articula_build::face::{FaceFrames, FapValues, ShownFace, add_expression, add_viseme, unit_mm};
+use articula_build::face::{FaceFrames, FapValues, ShownFace, unit_mm};
 use articula_core::fap_table::{LOW_FAP_COUNT, LOW_FAPS, TABLE};
 use articula_core::source::RawClip;
 use articula_formats::live_link::LiveLinkClip;
@@ -269,32 +270,4 @@ impl Errors {
         errors.mean_mm = (sum / (faps.len() * shown.len()).max(1) as f64) as f32;
         errors
     }
-}
-
-/// The low-level values of all frames, and those of their visemes and expressions.
-pub(super) fn face_frames(clip: &FapClip) -> FaceFrames {
-    let low = |frame: &FapFrame| FapValues(frame.low.map(|v| v as f32));
-    FaceFrames {
-        low: clip.frames.iter().map(low).collect(),
-        high: clip.frames.iter().map(high_level).collect(),
-    }
-}
-
-/// The low-level values of the viseme and expression of a frame, unless it defines them.
-fn high_level(frame: &FapFrame) -> FapValues {
-    let mut values = FapValues::default();
-    let (viseme, expression) = (frame.viseme, frame.expression);
-    if !viseme.defines {
-        add_viseme(&mut values, [viseme.select1, viseme.select2], viseme.blend);
-    }
-    if !expression.defines {
-        let select = [expression.select1, expression.select2];
-        let intensity = [expression.intensity1, expression.intensity2];
-        add_expression(&mut values, select, intensity);
-    }
-    values
-}
-
-pub(super) fn moving(frames: &[FapValues]) -> [bool; LOW_FAP_COUNT] {
-    std::array::from_fn(|index| frames.iter().any(|f| f.0[index] != 0.0))
 }

@@ -1,6 +1,7 @@
 //! Faces driven by facial animation parameters (FAP) of MPEG-4.
 //!
 //! - `controls`: the morph targets or expressions of a face whose effect is known
+//! - `frames`: the values of a clip's frames
 //! - `surface`: the head as a surface
 //! - `points`: the feature points found on it
 //! - `shapes`: blend shapes for a face without them
@@ -14,6 +15,7 @@ mod capture;
 mod controls;
 mod detail;
 mod fit;
+mod frames;
 mod levels;
 mod points;
 mod shapes;

@@ -7,18 +7,11 @@ use crate::open;
 use crate::{fault, files};
 use anyhow::Context;
 use articula::convert::write_data;
-use articula::face::{
-    CaptureReport, capture_of_clip, capture_to_faps, faps_to_capture, reduce_face,
-};
+use articula::face::{capture_of_clip, capture_to_faps, faps_to_capture, reduce_face};
 use articula::{Data, DataFormat};
 use articula_formats::Warning;
 use articula_formats::live_link::LiveLinkClip;
 use std::path::Path;
-
-/// Maximum number of blend shapes that are listed.
-const MAX_SHAPES: usize = 8;
-/// Loss of a blend shape in percent from which it is listed.
-const LISTED: f32 = 1.0;
 
 /// Whether the input or output is named as a file of facial data that is to be written; with a
 /// character, such a file is a motion like any other.
@@ -125,35 +118,6 @@ fn of_character(args: &ConvertArgs, input: &Path, console: &Console) -> anyhow::
         bytes: opened.bytes,
         warnings: opened.warnings.clone(),
     })
-}
-
-/// Formats what was lost.
-pub(super) fn text(report: &CaptureReport) -> String {
-    let mut text = format!(
-        "{} frames at {} Hz; {} blend shapes and {} parameters move\n",
-        report.frames, report.rate_hz, report.shapes_moving, report.faps_moving
-    );
-    let lost = report.shapes.iter().filter(|s| s.mean_percent >= LISTED);
-    let worst: Vec<String> = lost
-        .take(MAX_SHAPES)
-        .map(|s| {
-            format!(
-                "{} {:.1} % (max {:.0})",
-                s.name, s.mean_percent, s.max_percent
-            )
-        })
-        .collect();
-    if !worst.is_empty() {
-        text.push_str(&format!(
-            "  turned back into blend shapes, most is lost of {}\n",
-            worst.join(", ")
-        ));
-    }
-    if !report.not_shown.is_empty() {
-        let faps: Vec<String> = report.not_shown.iter().map(usize::to_string).collect();
-        text.push_str(&format!("  no blend shape shows FAP {}\n", faps.join(", ")));
-    }
-    text
 }
 
 /// The format to write, if it is one that can be written and no other flags are given.

@@ -1,6 +1,7 @@
 //! `articula convert IN... OUT`: converts between formats, retargets onto a character, cleans and
 //! reduces animations; one file or many.
 
+mod capture;
 mod face;
 mod face_level;
 mod face_shapes;

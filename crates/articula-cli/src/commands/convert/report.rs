@@ -4,7 +4,7 @@ use super::mesh;
 use super::onto;
 use super::plan::Job;
 use super::reduction::Reduction;
-use super::{face, face_level, face_shapes, hygiene};
+use super::{capture, face_level, face_shapes, hygiene};
 use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
@@ -188,8 +188,8 @@ impl ConvertReport {
         if let Some(shown) = &self.mesh {
             text.push_str(&mesh::text(shown));
         }
-        if let Some(capture) = &self.capture {
-            text.push_str(&face::text(capture));
+        if let Some(found) = &self.capture {
+            text.push_str(&capture::text(found));
         }
         if let Some(shapes) = &self.face_shapes {
             text.push_str(&face_shapes::text(shapes));
