@@ -12,3 +12,4 @@ mod clustered_stream;
 mod mesh_levels;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
+mod stored_levels;

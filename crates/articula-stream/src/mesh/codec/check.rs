@@ -179,3 +179,149 @@ fn range<const N: usize>(
         None => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::mesh::MorphLayout;
+    use super::*;
+
+    /// Two triangles over one edge with all kinds of values, at the largest that are allowed.
+    fn valid() -> (Layout, QuantisedMesh) {
+        let layout = Layout {
+            position_bits: 4,
+            normal_bits: 3,
+            texcoord_bits: 2,
+            has_colors: true,
+            joints: 3,
+            morphs: vec![MorphLayout { has_normals: true }],
+        };
+        let mesh = QuantisedMesh {
+            positions: vec![[0, 0, 0], [15, 0, 0], [0, 15, 0], [15, 15, 15]],
+            skins: vec![vec![(2, 128), (0, 127)]; 4],
+            morphs: vec![vec![[LARGEST_OFFSET, -LARGEST_OFFSET, 0]; 4]],
+            wedge_points: vec![0, 1, 2, 3],
+            normals: vec![[0, 7]; 4],
+            texcoords: vec![[3, 0]; 4],
+            colors: vec![[9; 4]; 4],
+            morph_normals: vec![vec![[LARGEST_TURN, -LARGEST_TURN, 0]; 4]],
+            faces: vec![[0, 1, 2], [1, 3, 2]],
+        };
+        (layout, mesh)
+    }
+
+    /// Where the mesh of [`valid`] is wrong after a change.
+    fn fault(change: impl Fn(&mut QuantisedMesh)) -> String {
+        let (layout, mut mesh) = valid();
+        mesh.check(&layout).unwrap();
+        change(&mut mesh);
+        mesh.check(&layout).unwrap_err().at
+    }
+
+    #[test]
+    fn bits_out_of_range_are_named() {
+        let layout = |position_bits, normal_bits, texcoord_bits| Layout {
+            position_bits,
+            normal_bits,
+            texcoord_bits,
+            ..Layout::default()
+        };
+        for good in [[1, 0, 0], [20, 2, 1], [20, 16, 20]] {
+            layout(good[0], good[1], good[2]).check().unwrap();
+        }
+        let at = |l: Layout| l.check().unwrap_err().at;
+        assert_eq!(at(layout(0, 0, 0)), "position_bits");
+        assert_eq!(at(layout(21, 0, 0)), "position_bits");
+        assert_eq!(at(layout(1, 1, 0)), "normal_bits");
+        assert_eq!(at(layout(1, 17, 0)), "normal_bits");
+        assert_eq!(at(layout(1, 0, 21)), "texcoord_bits");
+    }
+
+    #[test]
+    fn lists_of_another_length_are_named() {
+        assert_eq!(fault(|m| m.skins.truncate(3)), "skins");
+        assert_eq!(fault(|m| m.normals.clear()), "normals");
+        assert_eq!(fault(|m| m.texcoords.push([0; 2])), "texcoords");
+        assert_eq!(fault(|m| m.colors.truncate(1)), "colors");
+        assert_eq!(fault(|m| m.morphs.clear()), "morphs");
+        assert_eq!(fault(|m| m.morphs[0].truncate(2)), "morphs");
+        assert_eq!(fault(|m| m.morph_normals.clear()), "morph_normals");
+        assert_eq!(fault(|m| m.morph_normals[0].clear()), "morph_normals");
+        // Of kinds that the layout does not have, none may be there.
+        let (_, mesh) = valid();
+        let bare = Layout {
+            position_bits: 4,
+            ..Layout::default()
+        };
+        assert_eq!(mesh.check(&bare).unwrap_err().at, "skins");
+    }
+
+    #[test]
+    fn indices_out_of_range_are_named() {
+        assert_eq!(fault(|m| m.wedge_points[2] = 4), "wedge_points[2]");
+        assert_eq!(fault(|m| m.faces[1][1] = 4), "faces[1]");
+        for face in [[1, 1, 2], [1, 2, 2], [1, 3, 1]] {
+            assert_eq!(fault(|m| m.faces[1] = face), "faces[1]");
+        }
+    }
+
+    #[test]
+    fn values_out_of_range_are_named() {
+        assert_eq!(fault(|m| m.positions[2][1] = 16), "positions[2]");
+        assert_eq!(fault(|m| m.positions[1][2] = -1), "positions[1]");
+        assert_eq!(fault(|m| m.normals[3][1] = 8), "normals[3]");
+        assert_eq!(fault(|m| m.texcoords[3][0] = 4), "texcoords[3]");
+        let far = LARGEST_OFFSET + 1;
+        assert_eq!(fault(|m| m.morphs[0][1][2] = far), "morphs[1]");
+        assert_eq!(fault(|m| m.morphs[0][2][0] = -far), "morphs[2]");
+        let far = LARGEST_TURN + 1;
+        assert_eq!(
+            fault(|m| m.morph_normals[0][3][0] = far),
+            "morph_normals[3]"
+        );
+        assert_eq!(
+            fault(|m| m.morph_normals[0][0][1] = -far),
+            "morph_normals[0]"
+        );
+    }
+
+    #[test]
+    fn skins_out_of_order_are_named() {
+        let skins: [&[(u16, u8)]; 7] = [
+            &[(2, 128), (0, 126)],
+            &[(0, 127), (2, 128)],
+            &[(3, 255)],
+            &[(2, 255), (0, 0)],
+            &[(1, 128), (1, 127)],
+            &[(2, 85), (1, 85), (0, 85)],
+            &[],
+        ];
+        for skin in skins {
+            assert_eq!(fault(|m| m.skins[1] = skin.to_vec()), "skins[1]");
+        }
+    }
+
+    #[test]
+    fn repetitions_are_found() {
+        let at = |change: fn(&mut QuantisedMesh)| {
+            let at = fault(change);
+            at[..at.find('[').unwrap()].to_owned()
+        };
+        assert_eq!(at(|m| m.positions[3] = [0; 3]), "positions");
+        assert_eq!(at(|m| m.faces[1] = [2, 0, 1]), "faces");
+        let again = |m: &mut QuantisedMesh| {
+            m.wedge_points.push(3);
+            m.normals.push([0, 7]);
+            m.texcoords.push([3, 0]);
+            m.colors.push([9; 4]);
+            let turn = m.morph_normals[0][0];
+            m.morph_normals[0].push(turn);
+        };
+        assert_eq!(at(again), "wedge_points");
+        // The other side of a face is another face, and a point may have several wedges.
+        let (layout, mut mesh) = valid();
+        mesh.faces.push([0, 2, 1]);
+        again(&mut mesh);
+        mesh.colors[4] = [8; 4];
+        mesh.check(&layout).unwrap();
+    }
+}

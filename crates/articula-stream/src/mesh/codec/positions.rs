@@ -452,3 +452,55 @@ mod fit {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::range_coder::{Decoder, Encoder};
+    use super::*;
+
+    #[test]
+    fn division_rounds_halves_away_from_zero() {
+        let cases = [(7, 2, 4), (-7, 2, -4), (6, 4, 2), (5, 4, 1), (-5, 4, -1)];
+        for (a, b, expected) in cases {
+            assert_eq!(divide(a, b), expected, "{a} / {b}");
+            assert_eq!(divide(a, -b), -expected, "{a} / -{b}");
+        }
+        assert_eq!(divide(0, 9), 0);
+        assert_eq!(scaled([7, -7, 9], 3, 2), [11, -11, 14]);
+    }
+
+    #[test]
+    fn long_directions_are_shortened_to_twelve_bits() {
+        assert_eq!(shortened([4095, -4095, 1]), [4095, -4095, 1]);
+        assert_eq!(shortened([4096, -4096, 9]), [2048, -2048, 4]);
+        assert_eq!(shortened([1 << 40, 0, -(1 << 30)]), [2048, 0, -2]);
+        assert_eq!(shortened([0; 3]), [0; 3]);
+    }
+
+    #[test]
+    fn classes_are_half_octaves() {
+        // Of x + 1: 1, 2, 3, 4 to 5, 6 to 7, 8 to 11 ..
+        let classes = [0, 1, 2, 3, 4, 5, 6, 7, 10, 11, 1000].map(class_of);
+        assert_eq!(classes, [0, 2, 3, 4, 4, 5, 5, 6, 6, 7, 19]);
+        assert_eq!(class_of(u64::MAX), 23);
+    }
+
+    /// A point beyond the grid can only come from a broken stream.
+    #[test]
+    fn positions_outside_the_grid_are_refused() {
+        let faces = [[0, 1, 2]];
+        for (last, is_valid) in [(15, true), (16, false), (-1, false)] {
+            let mut positions = [[0, 0, 0], [15, 0, 0], [0, last, 0]];
+            let mut encoder = Encoder::new();
+            let given = (&mut positions[..], true);
+            let found = code_positions(&mut encoder, &faces, 0, 4, given);
+            assert_eq!(found.is_ok(), is_valid);
+            let bytes = encoder.finish();
+            let mut read = [[0; 3]; 3];
+            let room = (&mut read[..], false);
+            let found = code_positions(&mut Decoder::new(&bytes), &faces, 0, 4, room);
+            assert_eq!(found.is_ok(), is_valid);
+            assert!(!is_valid || read == positions);
+        }
+    }
+}

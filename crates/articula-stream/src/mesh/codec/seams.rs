@@ -395,3 +395,84 @@ impl Seams<'_> {
         found
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::range_coder::{Decoder, Encoder};
+    use super::*;
+
+    /// A point with seventeen known wedges, too many for one decision each.
+    fn many() -> Known {
+        Known {
+            first: vec![0, 2, 19],
+            total: 19,
+        }
+    }
+
+    fn seams(known: &Known) -> Seams<'_> {
+        Seams {
+            faces: &[],
+            twins: Vec::new(),
+            known,
+            expected: Vec::new(),
+            seen: Vec::new(),
+            sectors: Sectors {
+                parents: Vec::new(),
+            },
+        }
+    }
+
+    #[test]
+    fn known_wedges_are_those_of_the_point() {
+        let known = many();
+        assert_eq!([0, 1, 2].map(|p| known.of(p)), [0..2, 2..19, 0..0]);
+        assert_eq!([0, 1, 2].map(|p| known.class(p)), [2, 3, 0]);
+    }
+
+    /// Seventeen wedges are named by five bits, which can exceed them in a broken stream.
+    #[test]
+    fn a_number_beyond_the_wedges_of_a_point_is_the_last() {
+        let known = many();
+        let seams = seams(&known);
+        for (wanted, expected) in [(2, 2), (9, 9), (18, 18), (19, 18), (33, 18)] {
+            let mut used = vec![false; known.total];
+            let mut encoder = Encoder::new();
+            let asked = (1, NONE, wanted);
+            let found = seams.code_known(&mut encoder, &mut Models::new(), asked, &mut used);
+            assert_eq!(found, expected);
+            let bytes = encoder.finish();
+            let mut used = vec![false; known.total];
+            let asked = (1, NONE, NONE);
+            let models = &mut Models::new();
+            let found = seams.code_known(&mut Decoder::new(&bytes), models, asked, &mut used);
+            assert_eq!(found, expected);
+            let first = used.iter().position(|is_used| *is_used);
+            assert_eq!(first, Some(expected as usize));
+        }
+    }
+
+    /// Beyond sixteen wedges of a point, a new one is named by its number among all new ones.
+    #[test]
+    fn a_wedge_of_another_point_is_refused() {
+        let mut new = New::at(2);
+        for _ in 0..=FEW {
+            new.add(1);
+        }
+        let other = new.add(0);
+        let oldest = 0;
+        for (wanted, expected) in [
+            (oldest, Ok(Some(oldest))),
+            (NONE, Ok(None)),
+            (other, Err("a corner names a wedge of another point")),
+        ] {
+            let mut encoder = Encoder::new();
+            let mut model = Bit::default();
+            let found = new.code_again(&mut encoder, &mut model, 1, wanted);
+            assert_eq!(found, expected);
+            let bytes = encoder.finish();
+            let mut model = Bit::default();
+            let decoder = &mut Decoder::new(&bytes);
+            assert_eq!(new.code_again(decoder, &mut model, 1, NONE), expected);
+        }
+    }
+}

@@ -188,3 +188,65 @@ fn solve<const K: usize, const D: usize>(
     }
     out.iter().all(|x| x.is_finite()).then_some(out)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::range_coder::{Decoder, Encoder};
+    use super::*;
+
+    /// Candidates whose differences from the base are independent of each other.
+    fn candidates(i: i32) -> [[i32; 2]; 4] {
+        let at = |k: i32| [(i * 37 * k + i * i) % 211, (i * 53 - k * k * i) % 197].map(|x| x * 16);
+        [at(1), at(2), at(3), at(5)]
+    }
+
+    #[test]
+    fn a_mixture_by_hand() {
+        // 100 + 1/2 (260 - 100) - 1/4 (20 - 100), and rounded down.
+        let given = [[100], [260], [20]];
+        assert_eq!(mixed(&[0, 32, -16], &given), [200]);
+        assert_eq!(mixed(&[0, 0, 1], &[[0], [0], [-1]]), [-1]);
+        assert_eq!(mixed(&[0, 64], &[[0], [i32::MAX]]), [1 << 29]);
+        assert_eq!(default_coefficients::<4>(), [0, 0, 32, 0]);
+        assert_eq!(default_coefficients::<2>(), [0, 0]);
+    }
+
+    #[test]
+    fn a_cost_by_hand() {
+        // Misses of 1 and 3 values, in sixteenths: log2 (1 + 1) + log2 (1 + 3).
+        let sample = (0, [[0, 0], [64, 64]], [16, -48]);
+        assert!((cost(&vec![&sample], &[0, 0]) - 3.0).abs() < 1e-9);
+        // The second candidate misses by 3 and 7.
+        assert!((cost(&vec![&sample], &[0, 64]) - 5.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_coefficients_of_the_samples_are_found_and_read_back() {
+        let mixture = [0, 40, -24, 50];
+        let sample = |i: i32| {
+            let found = candidates(i);
+            let class = usize::from(i % 3 == 0);
+            let truth = if class == 0 {
+                mixed(&mixture, &found)
+            } else {
+                found[3]
+            };
+            (class, found, truth)
+        };
+        let samples: Vec<Sample<4, 2>> = (1..300).map(sample).collect();
+        let exact = solve(&of_class(&samples, 0), &[0.0; 4], |_| 1.0).unwrap();
+        for (found, wanted) in exact.iter().zip(mixture) {
+            assert!((found * 64.0 - f64::from(wanted)).abs() < 0.5, "{exact:?}");
+        }
+        let mut encoder = Encoder::new();
+        let written = Blend::code(&mut encoder, 3, &samples);
+        let expected = [mixture, [0, 0, 0, 64], default_coefficients()];
+        assert_eq!(written.coefficients, expected);
+        // Three bits, of two classes three more, of four coefficients eight.
+        let bytes = encoder.finish();
+        assert!(bytes.len() * 8 < 3 + 6 + 32 + 16, "{} bytes", bytes.len());
+        let none: &[Sample<4, 2>] = &[];
+        let read = Blend::<4>::code(&mut Decoder::new(&bytes), 3, none);
+        assert_eq!(read.coefficients, expected);
+    }
+}

@@ -116,3 +116,34 @@ pub(super) const BOTH: usize = SIZES / 2 * NEAR.div_ceil(2);
 pub(super) fn both(size: usize, near: usize) -> usize {
     size / 2 * NEAR.div_ceil(2) + near / 2
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_by_hand() {
+        let found = [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 12, 15, 16, 23].map(class_of);
+        assert_eq!(found, [0, 1, 2, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8]);
+        assert_eq!([767, 768, u32::MAX].map(class_of), [18, 19, 19]);
+        assert_eq!([-5, 0, 5].map(sign_of), [0, 1, 2]);
+        let all = (0..SIZES).flat_map(|s| (0..NEAR).map(move |n| both(s, n)));
+        assert_eq!(all.max(), Some(BOTH - 1));
+    }
+
+    #[test]
+    fn errors_of_neighbours_by_hand() {
+        let mut misses = Misses::new(2, 6);
+        misses.note(2, &[3, -4]);
+        misses.note(3, &[1, 0]);
+        misses.copy(4, 2);
+        misses.copy(5, 1);
+        assert_eq!(misses.sizes, [7, 1, 7, 0]);
+        let near = |list: &[u32]| misses.near(list.iter().copied());
+        // Twice the mean of those that are coded, and their number up to 2.
+        assert_eq!(near(&[0, 1]), 0);
+        assert_eq!(near(&[0, 3]), class_of(2) + SIZES);
+        assert_eq!(near(&[2, 3]), class_of(8) + 2 * SIZES);
+        assert_eq!(near(&[2, 3, 4]), class_of(10) + 2 * SIZES);
+    }
+}

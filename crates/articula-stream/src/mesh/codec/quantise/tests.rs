@@ -123,6 +123,61 @@ fn wrong_input_is_named() {
     assert_eq!(empty.levels, [QuantisedMesh::default()]);
 }
 
+#[test]
+fn a_restored_mesh_by_hand() {
+    let layout = Layout {
+        position_bits: 4,
+        normal_bits: 3,
+        texcoord_bits: 4,
+        has_colors: true,
+        joints: 8,
+        morphs: vec![
+            MorphLayout { has_normals: true },
+            MorphLayout { has_normals: false },
+        ],
+    };
+    let mesh = QuantisedMesh {
+        positions: vec![[0, 1, 2], [15, 0, 4]],
+        skins: vec![vec![(7, 255)], vec![(3, 204), (1, 51)]],
+        morphs: vec![vec![[0; 3], [2, -4, 0]], vec![[8, 0, 0], [0; 3]]],
+        wedge_points: vec![1, 0, 1],
+        // Three bits: steps from 0 to 6, the pole at 3.
+        normals: vec![[3, 3], [6, 3], [3, 0]],
+        texcoords: vec![[0, 0], [4, 8], [15, 1]],
+        colors: vec![[0, 51, 255, 102], [255; 4], [0; 4]],
+        morph_normals: vec![vec![[127, 0, -254], [0; 3], [0; 3]], Vec::new()],
+        faces: vec![[0, 1, 2]],
+    };
+    let scale = Scale {
+        grid: Grid {
+            origin: Vec3::new(1.0, 0.0, -1.0),
+            step: 0.25,
+        },
+        texcoord_origin: Vec2::new(0.5, -1.0),
+        texcoord_step: 0.125,
+    };
+    let found = restore(&mesh, &layout, &scale);
+    let [a, b] = [Vec3::new(4.75, 0.0, 0.0), Vec3::new(1.0, 0.25, -0.5)];
+    assert_eq!(found.positions, [a, b, a]);
+    assert_eq!(found.normals, [Vec3::Z, Vec3::X, Vec3::NEG_Y]);
+    let texcoords = [[0.5, -1.0], [1.0, 0.0], [2.375, -0.875]];
+    assert_eq!(found.texcoords, texcoords.map(Vec2::from));
+    assert_eq!(found.colors[0], Vec4::new(0.0, 0.2, 1.0, 0.4));
+    assert_eq!(found.colors[1..], [Vec4::ONE, Vec4::ZERO]);
+    // The second influence of the other point has the weight 0.
+    assert_eq!(found.influences, 2);
+    assert_eq!(found.joints, [3, 1, 7, 7, 3, 1]);
+    assert_eq!(found.weights, [0.8, 0.2, 1.0, 0.0, 0.8, 0.2]);
+    let moved = Vec3::new(0.5, -1.0, 0.0);
+    assert_eq!(found.morphs[0].positions, [moved, Vec3::ZERO, moved]);
+    let turned = [Vec3::new(1.0, 0.0, -2.0), Vec3::ZERO, Vec3::ZERO];
+    assert_eq!(found.morphs[0].normals, turned);
+    let moved = Vec3::new(2.0, 0.0, 0.0);
+    assert_eq!(found.morphs[1].positions, [Vec3::ZERO, moved, Vec3::ZERO]);
+    assert!(found.morphs[1].normals.is_empty());
+    assert_eq!(found.triangles, [[0, 1, 2]]);
+}
+
 /// Random vertices with every kind of value, and triangles of them.
 fn parts() -> impl Strategy<Value = (Primitive, Vec<[u32; 3]>)> {
     let vertex = (

@@ -330,3 +330,20 @@ fn the_limit_counts_every_value() {
     assert!(check(&full, 5 * (3 + 8 + 6) + 7 * (8 + 6)));
     assert!(!check(&full, 5 * (3 + 8 + 6) + 7 * (8 + 6) - 1));
 }
+
+#[test]
+fn the_limit_counts_every_face() {
+    // A torus has half as many points as faces, so that the faces need more memory than the values.
+    let mesh = mesh_of(&grid(5, 4, [true, true], 0));
+    let bytes = encode_level(None, &mesh, &layout()).unwrap();
+    let is_read = |elements| {
+        let limits = StreamLimits {
+            elements,
+            ..StreamLimits::default()
+        };
+        decode_level(None, &bytes, &layout(), &limits).is_ok()
+    };
+    let elements = mesh.faces.len() as u64 * FACE_ELEMENTS;
+    assert!(is_read(elements));
+    assert!(!is_read(elements - 1));
+}
