@@ -7,7 +7,7 @@ use crate::open;
 use crate::{fault, files};
 use anyhow::Context;
 use articula::convert::write_data;
-use articula::face::{capture_of_clip, capture_to_faps, faps_to_capture, reduce_face};
+use articula::face::{capture_of_clip, capture_to_faps, expand_face, faps_to_capture, reduce_face};
 use articula::{Data, DataFormat};
 use articula_formats::Warning;
 use articula_formats::live_link::LiveLinkClip;
@@ -48,23 +48,24 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     };
     let place = files::shown(input);
     let stem = input.file_stem().unwrap_or_default().to_string_lossy();
+    let mut face_level = None;
     let (data, capture) = match (source.data, format) {
         (Data::LiveLink(capture), DataFormat::Fap) => {
             let made = capture_to_faps(&capture, &stem).with_context(|| place.clone())?;
             (Data::Fap(made.0), Some(made.1))
         }
         (Data::Fap(clip), DataFormat::Csv) => {
+            let (clip, level) = face_level::applied(clip, args, expand_face);
+            face_level = level;
             let made = faps_to_capture(&clip).with_context(|| place.clone())?;
             (Data::LiveLink(made.0), Some(made.1))
         }
-        (data, _) => (data, None),
-    };
-    let (data, face_level) = match data {
-        Data::Fap(clip) => {
+        (Data::Fap(clip), _) => {
             let (clip, level) = face_level::applied(clip, args, reduce_face);
-            (Data::Fap(clip), level)
+            face_level = level;
+            (Data::Fap(clip), None)
         }
-        data => (data, None),
+        (data, _) => (data, None),
     };
     let written = write_data(&data)?;
     console.files.write(&args.out, &written.bytes)?;
