@@ -71,6 +71,8 @@ enum Table {
     FaceLevels,
     /// Conversion to 2D: bytes and errors of every profile, beside the thesis' form.
     Flat(flat::Choice),
+    /// Blend shapes through facial animation parameters: what is lost.
+    FaceBridges,
     /// Feature points of faces: errors on random heads with landmarks.
     FacePoints,
     /// Face animation tables made from feature points alone, beside the expressions of the faces.
@@ -113,6 +115,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::Flat(choice) => flat::write(run, choice),
         Table::RoundTrips => tables::round_trips::write(run),
         Table::Retargets(pictures) => tables::retargets::write(run, pictures),
+        Table::FaceBridges => tables::face_bridges::write(run),
         Table::FacePoints => tables::face_points::write(run),
         Table::FaceTables => tables::face_tables::write(run),
         Table::All => all(run),
