@@ -1,37 +1,24 @@
 //! `convert --face-shapes`: a face without morph targets gets the blend shapes of ARKit.
 
-use crate::program::{fault, folder, json, word};
+use crate::program::{edited, fault, folder, json, word};
 use crate::real;
 use articula_core::source::{Character, RawMesh};
 use glam::Vec3;
-use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Writes a GLB file without its morph targets and animations.
 fn without_morphs(glb: &Path, out: &Path) {
-    let bytes = std::fs::read(glb).unwrap();
-    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    let mut document: Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
-    document.as_object_mut().unwrap().remove("animations");
-    for mesh in document["meshes"].as_array_mut().unwrap() {
-        let mesh = mesh.as_object_mut().unwrap();
-        mesh.remove("weights");
-        mesh.remove("extras");
-        for part in mesh["primitives"].as_array_mut().unwrap() {
-            part.as_object_mut().unwrap().remove("targets");
+    edited(glb, out, |document| {
+        document.as_object_mut().unwrap().remove("animations");
+        for mesh in document["meshes"].as_array_mut().unwrap() {
+            let mesh = mesh.as_object_mut().unwrap();
+            mesh.remove("weights");
+            mesh.remove("extras");
+            for part in mesh["primitives"].as_array_mut().unwrap() {
+                part.as_object_mut().unwrap().remove("targets");
+            }
         }
-    }
-    let mut text = document.to_string().into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let rest = &bytes[20 + length..];
-    let mut made = b"glTF".to_vec();
-    for number in [2, (20 + text.len() + rest.len()) as u32, text.len() as u32] {
-        made.extend(number.to_le_bytes());
-    }
-    made.extend(b"JSON");
-    made.extend(text);
-    made.extend(rest);
-    std::fs::write(out, made).unwrap();
+    });
 }
 
 fn character(path: &Path) -> Character {

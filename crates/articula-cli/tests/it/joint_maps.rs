@@ -1,43 +1,29 @@
 //! Joint maps of a user: `inspect --write-joint-map`, `--joint-map`, doubtful joints, hands alone and
 //! rigs that are no humans.
 
-use crate::program::{articula, fault, folder, human, json, word};
+use crate::program::{articula, edited, fault, folder, human, json, word};
 use crate::real::real_data;
 use serde_json::Value;
 use std::path::Path;
 
 /// Replaces the names of the nodes of a GLB.
 fn renamed(glb: &Path, out: &Path, name: impl Fn(&str) -> String) {
-    let bytes = std::fs::read(glb).unwrap();
-    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    let mut document: Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
-    for node in document["nodes"].as_array_mut().unwrap() {
-        if let Some(own) = node["name"].as_str() {
-            node["name"] = name(own).into();
+    edited(glb, out, |document| {
+        for node in document["nodes"].as_array_mut().unwrap() {
+            if let Some(own) = node["name"].as_str() {
+                node["name"] = name(own).into();
+            }
         }
-    }
-    // Levels and regions are found anew.
-    document.as_object_mut().unwrap().remove("extensions");
-    document.as_object_mut().unwrap().remove("extensionsUsed");
-    for skin in document["skins"].as_array_mut().unwrap() {
-        skin.as_object_mut().unwrap().remove("extensions");
-    }
-    for node in document["nodes"].as_array_mut().unwrap() {
-        node.as_object_mut().unwrap().remove("extensions");
-    }
-    let mut text = document.to_string().into_bytes();
-    while !text.len().is_multiple_of(4) {
-        text.push(b' ');
-    }
-    let rest = &bytes[20 + length..];
-    let mut made = b"glTF".to_vec();
-    for number in [2, (20 + text.len() + rest.len()) as u32, text.len() as u32] {
-        made.extend(number.to_le_bytes());
-    }
-    made.extend(b"JSON");
-    made.extend(text);
-    made.extend(rest);
-    std::fs::write(out, made).unwrap();
+        // Levels and regions are found anew.
+        document.as_object_mut().unwrap().remove("extensions");
+        document.as_object_mut().unwrap().remove("extensionsUsed");
+        for skin in document["skins"].as_array_mut().unwrap() {
+            skin.as_object_mut().unwrap().remove("extensions");
+        }
+        for node in document["nodes"].as_array_mut().unwrap() {
+            node.as_object_mut().unwrap().remove("extensions");
+        }
+    });
 }
 
 /// H-Anim joint, level and region of every joint.

@@ -5,6 +5,7 @@
 //! face's own morph targets at its feature points, and with the columns of another face.
 
 use super::Run;
+use super::random::Random;
 use super::targets::{Target, section};
 use anyhow::{Context, Result};
 use articula::Figure;
@@ -277,17 +278,4 @@ fn csv(ways: &[Way]) -> String {
         }
     }
     csv
-}
-
-/// Seeded uniform numbers, by SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u32 << 24) as f32
-    }
 }

@@ -6,6 +6,7 @@
 //! brows above the chin.
 
 use super::Run;
+use super::random::Random;
 use super::targets::{Target, section};
 use anyhow::{Context, Result, ensure};
 use articula::Figure;
@@ -13,7 +14,6 @@ use articula::face::face_layout;
 use articula_core::feature_points::PointId;
 use glam::Vec3;
 use serde_json::Value;
-use std::f32::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -87,9 +87,9 @@ fn measure(path: &Path, landmarks: &[usize], head: usize) -> Result<Vec<Measured
     let mut opened = articula::fs::open(path)?;
     let primitive = &mut opened.character.meshes[0].primitives[0];
     if head > 0 {
-        let mut random = Normal(head as u64);
+        let mut random = Random(head as u64);
         for mode in &primitive.morphs {
-            let weight = random.next();
+            let weight = random.normal();
             for (at, offset) in primitive.positions.iter_mut().zip(&mode.positions) {
                 *at += weight * *offset;
             }
@@ -250,23 +250,5 @@ impl Errors {
             good,
         } = self;
         format!("{mean:.2} % | {median:.2} % | {p95:.2} % | {largest:.2} % | {good:.0} %")
-    }
-}
-
-/// Seeded normal numbers, by Box and Muller from SplitMix64.
-struct Normal(u64);
-
-impl Normal {
-    fn next(&mut self) -> f32 {
-        let (a, b) = (self.unit(), self.unit());
-        (-2.0 * (1.0 - a).ln()).sqrt() * (TAU * b).cos()
-    }
-
-    fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u32 << 24) as f32
     }
 }

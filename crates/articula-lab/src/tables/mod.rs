@@ -12,6 +12,7 @@ pub(crate) mod merged_levels;
 pub(crate) mod mesh_levels;
 pub(crate) mod motion_lod;
 mod pose_keys;
+mod random;
 pub(crate) mod retargets;
 pub(crate) mod round_trips;
 mod targets;

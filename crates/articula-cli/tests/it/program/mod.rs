@@ -120,3 +120,22 @@ Frame Time: 0.0333333
 0 90 2 0 0 0 0 5 0 0 20 0 40 0 0 60 0 0
 0 90 3 0 0 0 0 0 0 0 10 0 60 0 0 90 0 0
 ";
+
+/// Writes a GLB file with an edited document; its binary part stays.
+pub(crate) fn edited(glb: &Path, out: &Path, edit: impl FnOnce(&mut Value)) {
+    let bytes = std::fs::read(glb).unwrap();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let mut document: Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    edit(&mut document);
+    let mut text = document.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let rest = &bytes[20 + length..];
+    let mut made = b"glTF".to_vec();
+    for number in [2, (20 + text.len() + rest.len()) as u32, text.len() as u32] {
+        made.extend(number.to_le_bytes());
+    }
+    made.extend(b"JSON");
+    made.extend(text);
+    made.extend(rest);
+    std::fs::write(out, made).unwrap();
+}
