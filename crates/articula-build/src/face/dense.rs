@@ -49,10 +49,9 @@ mod tests {
 
     #[test]
     fn a_system_whose_first_pivot_is_zero() {
-        // x + y = 3, 2 x - y = 0 and the same for twice the right-hand side.
+        // y + z = 2, x + y + z = 4, x + 2 y - z = 3, and the same with twice the right-hand side.
         let mut matrix = [0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0, -1.0];
         let mut right = [2.0, 4.0, 4.0, 8.0, 3.0, 6.0];
-        // y + z = 2, x + y + z = 4, x + 2 y - z = 3.
         solve(&mut matrix, &mut right, 2).unwrap();
         let expected = [2.0, 4.0, 1.0, 2.0, 1.0, 2.0];
         for (a, b) in right.iter().zip(expected) {

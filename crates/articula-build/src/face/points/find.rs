@@ -157,9 +157,9 @@ impl FacePoints {
             return Err(NoFace::MouthAndEyes);
         }
         let warp = Warp::fit(&pairs).ok_or(NoFace::MouthAndEyes)?;
-        let skin = &parts[anchors.skin];
         let height = face_height(|point| of(&POINTS, point).map_or(Vec3::ZERO, |p| warp.apply(p)));
-        let snap = Snap::new(surface, skin, height);
+        let face_parts = FaceParts::of(joined, &parts, &anchors);
+        let snap = Snap::new(surface, &face_parts, height);
         let points = FEATURE_POINTS.iter().filter_map(|entry| {
             let point = entry.point;
             let known = given.iter().find(|(g, _)| *g == point);
@@ -183,10 +183,11 @@ impl FacePoints {
                 confidence: confidence(point, source),
             })
         });
+        let points = points.collect();
         Ok(Self {
-            points: points.collect(),
+            points,
             dropped,
-            parts: FaceParts::of(joined, &parts, &anchors),
+            parts: face_parts,
             seen: anchors.points,
         })
     }
@@ -194,23 +195,6 @@ impl FacePoints {
     /// Returns a point; `None` if the standard has no such point.
     pub fn get(&self, point: PointId) -> Option<&FacePoint> {
         self.points.get(feature_point_index(point)?)
-    }
-
-    /// The vertex of the skin nearest to a place that faces the opening of the lids.
-    pub(in crate::face) fn rim_vertex(
-        &self,
-        surface: &FaceSurface,
-        upper: bool,
-        near: Vec3,
-        height: f32,
-    ) -> Option<u32> {
-        let skin = SurfacePart {
-            triangles: self.parts.skin.clone(),
-            vertices: self.parts.skin_vertices.clone(),
-            area: 0.0,
-        };
-        let point = if upper { (3, 1) } else { (3, 3) };
-        Snap::new(surface, &skin, height).vertex(point, near)
     }
 
     /// Returns the height of the inner brows above the bottom of the chin, metres.
@@ -281,31 +265,36 @@ fn confidence(point: PointId, source: PointSource) -> f32 {
 }
 
 /// Search of the vertex that stands for a place.
-struct Snap<'a> {
+pub(in crate::face) struct Snap<'a> {
     surface: &'a FaceSurface,
-    skin: &'a SurfacePart,
+    parts: &'a FaceParts,
     normals: Vec<Vec3>,
     height: f32,
 }
 
 impl<'a> Snap<'a> {
-    fn new(surface: &'a FaceSurface, skin: &'a SurfacePart, height: f32) -> Self {
+    /// Computes the normals of the skin. `height` is that of the face.
+    pub(in crate::face) fn new(
+        surface: &'a FaceSurface,
+        parts: &'a FaceParts,
+        height: f32,
+    ) -> Self {
         let mut normals = vec![Vec3::ZERO; surface.positions.len()];
-        for triangle in &skin.triangles {
+        for triangle in &parts.skin {
             let normal = surface.doubled_normal(triangle);
             triangle.iter().for_each(|v| normals[*v as usize] += normal);
         }
         normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
         Self {
             surface,
-            skin,
+            parts,
             normals,
             height,
         }
     }
 
     /// The nearest vertex; for the rims of lips and lids, one that faces the opening.
-    fn vertex(&self, point: PointId, place: Vec3) -> Option<u32> {
+    pub(in crate::face) fn vertex(&self, point: PointId, place: Vec3) -> Option<u32> {
         // Towards which side the rim faces: upper ones down.
         let faces = match point {
             (2, 2 | 6 | 7) | (3, 1 | 2) => -1.0,
@@ -318,7 +307,7 @@ impl<'a> Snap<'a> {
             let wrong = if faces == 0.0 { 0.0 } else { turned.max(0.0) };
             at.distance(place) + 0.06 * self.height * wrong
         };
-        let vertices = self.skin.vertices.iter().copied();
+        let vertices = self.parts.skin_vertices.iter().copied();
         vertices.min_by(|a, b| cost(a).total_cmp(&cost(b)))
     }
 }

@@ -18,6 +18,7 @@ mod template;
 mod units;
 mod warp;
 
+pub(super) use find::Snap;
 pub use find::{FacePoint, FacePoints, NoFace, PointSource};
 pub use surface::FaceSurface;
 pub use units::{FaceUnits, UnitRatio};

@@ -16,7 +16,7 @@ mod rules;
 mod weights;
 
 use super::fap_values::FapValues;
-use super::points::{FacePoints, FaceSurface};
+use super::points::{FacePoints, FaceSurface, Snap};
 use articula_core::fap_table::{LOW_FAPS, TABLE};
 use articula_core::feature_points::PointId;
 use glam::{Quat, Vec3};
@@ -62,10 +62,8 @@ impl FaceTable {
             // Without eyeballs their centres are behind the pupils.
             None => [place((3, 5))?, place((3, 6))?].map(|p| p - 0.09 * height * Vec3::Z),
         };
-        let rim = |lid: PointId, near: Vec3| {
-            let upper = matches!(lid, (3, 1 | 2));
-            points.rim_vertex(surface, upper, near, height)
-        };
+        let snap = Snap::new(surface, parts, height);
+        let rim = |lid: PointId, near: Vec3| snap.vertex(lid, near);
         let handles = handles(points, rim, at);
         let (left, right) = (place((10, 9))?, place((10, 10))?);
         let (lobe, top) = (place((10, 7))?, left);

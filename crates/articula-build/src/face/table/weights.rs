@@ -17,7 +17,8 @@ const ROUND: f64 = 0.05;
 /// Reach of the sheets of an eye around its centre, and over which they fade, by height of the face.
 const EYE_REACH: f32 = 0.22;
 const EYE_FADE: f32 = 0.08;
-/// Distance from the nearest moving handle at which skin begins to rest, and the width of the fade.
+/// Distance from the nearest moving handle from which skin rests, and the width of the fade before it,
+/// by height of the face.
 const REST: f32 = 0.55;
 const REST_FADE: f32 = 0.25;
 
@@ -67,7 +68,7 @@ impl Spline {
             for (j, b) in centres.iter().enumerate() {
                 matrix[i * n + j] = kernel(*a, *b, unit);
             }
-            matrix[i * n + i] = SMOOTHING;
+            matrix[i * n + i] += SMOOTHING;
             matrix[i * n + n - 1] = 1.0;
             matrix[(n - 1) * n + i] = 1.0;
         }
