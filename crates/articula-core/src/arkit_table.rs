@@ -84,6 +84,12 @@ pub fn outer_lip(inner: usize) -> Option<usize> {
     (4..=13).contains(&inner).then_some(inner + 47)
 }
 
+/// Returns the FAP at the same place on the other contour of the lips, inner (4 to 13) or outer (51 to
+/// 60).
+pub fn twin_lip(fap: usize) -> Option<usize> {
+    outer_lip(fap).or_else(|| (51..=60).contains(&fap).then(|| fap - 47))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,6 +105,10 @@ mod tests {
             assert_eq!((a.unit, a.direction), (b.unit, b.direction));
         }
         assert!(outer_lip(3).is_none() && outer_lip(14).is_none());
+        assert_eq!(
+            [51, 60, 4, 61].map(twin_lip),
+            [Some(4), Some(13), Some(51), None]
+        );
     }
 
     /// The FAP of the other side; for one in the middle, itself.

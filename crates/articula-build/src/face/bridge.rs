@@ -2,6 +2,8 @@
 
 use super::bounded::BoundedSolver;
 use super::fap_values::{FapValues, unit_mm};
+use super::intervals::FapInterval;
+use articula_core::arkit_table::twin_lip;
 use articula_core::fap_table::{LOW_FAP_COUNT, LOW_FAPS, TABLE};
 
 /// Weight of the lengths of the weighted columns (in mm) beside half the squared errors, in mm. It
@@ -11,15 +13,32 @@ const LENGTH: f64 = 1e-2;
 /// continuous over time.
 const RIDGE: f64 = 1e-3;
 
-/// The linear relation between weights and FAP values: one column of values for each control.
+/// The relation between weights of a face's controls and FAP values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaceBridge {
-    columns: Vec<FapValues>,
+    relation: Relation,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Relation {
+    /// One column of values for each control, at weight 1.
+    Columns(Vec<FapValues>),
+    /// Each control is a part of a face animation table.
+    Table(Vec<FapInterval>),
 }
 
 /// Solver of the weights of one frame after the other.
 #[derive(Debug, Clone)]
-pub struct FaceSolver {
+pub struct FaceSolver(Solver);
+
+#[derive(Debug, Clone)]
+enum Solver {
+    Columns(ColumnSolver),
+    Table(TableSolver),
+}
+
+#[derive(Debug, Clone)]
+struct ColumnSolver {
     /// Columns in millimetres; 0 for FAPs that do not count.
     scaled: Vec<[f64; LOW_FAP_COUNT]>,
     counts: [bool; LOW_FAP_COUNT],
@@ -27,10 +46,19 @@ pub struct FaceSolver {
     b: Vec<f64>,
 }
 
+/// The intervals of each parameter, by their place among the controls. FAPs that do not count follow
+/// their twin on the other contour of the lips.
+#[derive(Debug, Clone)]
+struct TableSolver {
+    controls: usize,
+    of_fap: Vec<(Vec<FapInterval>, Vec<usize>)>,
+    counts: [bool; LOW_FAP_COUNT],
+}
+
 /// Weights that show FAP values as closely as the controls can.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShownFace {
-    /// One weight for each control, 0 to 1.
+    /// One weight for each control: 0 to 1, and any value for parts of a table.
     pub weights: Vec<f32>,
     /// Difference of each FAP (3 at index 0) to its value, in millimetres on an average face; 0 for
     /// those that do not count.
@@ -40,17 +68,30 @@ pub struct ShownFace {
 impl FaceBridge {
     /// Creates a bridge from the values of each control at weight 1.
     pub fn new(columns: Vec<FapValues>) -> Self {
-        Self { columns }
+        let relation = Relation::Columns(columns);
+        Self { relation }
+    }
+
+    /// Creates a bridge to the parts of a face animation table.
+    pub fn of_table(intervals: Vec<FapInterval>) -> Self {
+        let relation = Relation::Table(intervals);
+        Self { relation }
     }
 
     /// Returns the number of controls.
     pub fn controls(&self) -> usize {
-        self.columns.len()
+        match &self.relation {
+            Relation::Columns(columns) => columns.len(),
+            Relation::Table(intervals) => intervals.len(),
+        }
     }
 
     /// Returns whether a control moves a FAP, by its number.
     pub fn moves(&self, fap: usize) -> bool {
-        self.columns.iter().any(|column| column.get(fap) != 0.0)
+        match &self.relation {
+            Relation::Columns(columns) => columns.iter().any(|c| c.get(fap) != 0.0),
+            Relation::Table(intervals) => intervals.iter().any(|i| i.fap == fap),
+        }
     }
 
     /// Returns the FAP values of weights; those with one direction only are not negative.
@@ -60,11 +101,23 @@ impl FaceBridge {
     pub fn faps(&self, weights: &[f32]) -> FapValues {
         assert_eq!(
             weights.len(),
-            self.columns.len(),
+            self.controls(),
             "one weight for each control"
         );
-        let columns = self.columns.iter().zip(weights);
-        let mut sum = columns.fold(FapValues::default(), |sum, (c, w)| sum.plus(c, *w));
+        let mut sum = FapValues::default();
+        match &self.relation {
+            Relation::Columns(columns) => {
+                for (column, weight) in columns.iter().zip(weights) {
+                    sum = sum.plus(column, *weight);
+                }
+            }
+            Relation::Table(intervals) => {
+                for (interval, weight) in intervals.iter().zip(weights) {
+                    let value = weight * (interval.to - interval.from) as f32;
+                    sum.0[interval.fap - LOW_FAPS.start()] += value;
+                }
+            }
+        }
         for (value, fap) in sum.0.iter_mut().zip(&TABLE[LOW_FAPS.start() - 1..]) {
             if fap.action.is_some_and(|a| !a.two_sided) {
                 *value = value.max(0.0);
@@ -76,11 +129,17 @@ impl FaceBridge {
     /// Returns a solver for the opposite way. FAPs for which `counts` (3 at index 0) is false, such
     /// as those of the outer lips in a stream without them, are left out.
     pub fn solver(&self, counts: [bool; LOW_FAP_COUNT]) -> FaceSolver {
-        let scaled: Vec<[f64; LOW_FAP_COUNT]> = self
-            .columns
-            .iter()
-            .map(|c| millimetres(c, &counts))
-            .collect();
+        FaceSolver(match &self.relation {
+            Relation::Columns(columns) => Solver::Columns(ColumnSolver::new(columns, counts)),
+            Relation::Table(intervals) => Solver::Table(TableSolver::new(intervals, counts)),
+        })
+    }
+}
+
+impl ColumnSolver {
+    fn new(columns: &[FapValues], counts: [bool; LOW_FAP_COUNT]) -> Self {
+        let scaled: Vec<[f64; LOW_FAP_COUNT]> =
+            columns.iter().map(|c| millimetres(c, &counts)).collect();
         let n = scaled.len();
         let mut gram = vec![0.0; n * n];
         for (i, a) in scaled.iter().enumerate() {
@@ -89,27 +148,15 @@ impl FaceBridge {
             }
             gram[i * n + i] += RIDGE;
         }
-        FaceSolver {
+        Self {
             scaled,
             counts,
             solver: BoundedSolver::new(gram, n),
             b: vec![0.0; n],
         }
     }
-}
 
-/// The values as lengths; 0 for those that do not count.
-fn millimetres(values: &FapValues, counts: &[bool; LOW_FAP_COUNT]) -> [f64; LOW_FAP_COUNT] {
-    std::array::from_fn(|i| {
-        let length = values.0[i] * unit_mm(LOW_FAPS.start() + i);
-        if counts[i] { f64::from(length) } else { 0.0 }
-    })
-}
-
-impl FaceSolver {
-    /// Returns the weights that show FAP values most closely, by the sum of squared differences in
-    /// millimetres. O(n³) for n controls, less if few are active.
-    pub fn solve(&mut self, values: &FapValues) -> ShownFace {
+    fn solve(&mut self, values: &FapValues) -> ShownFace {
         let wanted = millimetres(values, &self.counts);
         for (b, column) in self.b.iter_mut().zip(&self.scaled) {
             let along: f64 = column.iter().zip(&wanted).map(|(a, f)| a * f).sum();
@@ -125,6 +172,57 @@ impl FaceSolver {
         ShownFace {
             weights: weights.iter().map(|w| *w as f32).collect(),
             error_mm: error.map(|e| e as f32),
+        }
+    }
+}
+
+impl TableSolver {
+    fn new(intervals: &[FapInterval], counts: [bool; LOW_FAP_COUNT]) -> Self {
+        let of_fap = LOW_FAPS.map(|fap| {
+            let own = (0..intervals.len()).filter(|i| intervals[*i].fap == fap);
+            own.map(|i| (intervals[i], i)).unzip()
+        });
+        Self {
+            controls: intervals.len(),
+            of_fap: of_fap.collect(),
+            counts,
+        }
+    }
+
+    fn solve(&self, values: &FapValues) -> ShownFace {
+        let mut weights = vec![0.0; self.controls];
+        let mut error_mm = [0.0; LOW_FAP_COUNT];
+        for (index, (intervals, places)) in self.of_fap.iter().enumerate() {
+            let fap = LOW_FAPS.start() + index;
+            let counts = self.counts[index];
+            let leader = twin_lip(fap).filter(|_| !counts).unwrap_or(fap);
+            let value = values.get(leader);
+            for (interval, place) in intervals.iter().zip(places) {
+                weights[*place] = interval.weight(value, intervals);
+            }
+            if intervals.is_empty() && counts {
+                error_mm[index] = value * unit_mm(fap);
+            }
+        }
+        ShownFace { weights, error_mm }
+    }
+}
+
+/// The values as lengths; 0 for those that do not count.
+fn millimetres(values: &FapValues, counts: &[bool; LOW_FAP_COUNT]) -> [f64; LOW_FAP_COUNT] {
+    std::array::from_fn(|i| {
+        let length = values.0[i] * unit_mm(LOW_FAPS.start() + i);
+        if counts[i] { f64::from(length) } else { 0.0 }
+    })
+}
+
+impl FaceSolver {
+    /// Returns the weights that show FAP values most closely, by the sum of squared differences in
+    /// millimetres. O(n³) for n controls, less if few are active; O(n) for a table.
+    pub fn solve(&mut self, values: &FapValues) -> ShownFace {
+        match &mut self.0 {
+            Solver::Columns(columns) => columns.solve(values),
+            Solver::Table(table) => table.solve(values),
         }
     }
 }

@@ -6,7 +6,7 @@
 use super::bridge::{FaceBridge, FaceSolver};
 use super::fap_values::FapValues;
 use super::fields::FaceFields;
-use articula_core::arkit_table::outer_lip;
+use articula_core::arkit_table::twin_lip;
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion, FapRole, FapRoles};
 use articula_core::fap_table::{FAP_COUNT, LOW_FAP_COUNT, LOW_FAPS};
 use glam::Vec3;
@@ -35,15 +35,6 @@ pub struct FaceFrames {
 
 const INNER_LIPS: RangeInclusive<usize> = 4..=13;
 const OUTER_LIPS: RangeInclusive<usize> = 51..=60;
-
-/// Number of the parameter of the other contour of the lips.
-fn twin_lip(fap: usize) -> Option<usize> {
-    outer_lip(fap).or_else(|| {
-        INNER_LIPS
-            .into_iter()
-            .find(|inner| outer_lip(*inner) == Some(fap))
-    })
-}
 
 impl FaceFrames {
     /// Returns the values of a frame, those of viseme and expression included.

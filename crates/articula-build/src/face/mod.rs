@@ -5,6 +5,7 @@
 //! - `controls`: the parameters that a blend shape or a VRM expression amounts to, by its name
 //! - `bridge`: weights of controls to parameters, and back by bounded least squares
 //! - `bounded`: the least-squares solver
+//! - `intervals`: morph targets that show a part of one parameter's range
 //! - `points`: the feature points of a face on its mesh
 //! - `table`: how the vertices move with each parameter, from the feature points alone
 //! - `dense`: dense systems of linear equations
@@ -21,6 +22,7 @@ mod detail;
 mod fap_values;
 mod fields;
 mod high_level;
+mod intervals;
 mod points;
 mod table;
 
@@ -30,5 +32,6 @@ pub use detail::{FaceDetail, FaceFrames};
 pub use fap_values::{FapValues, unit_mm};
 pub use fields::FaceFields;
 pub use high_level::{add_expression, add_viseme};
+pub use intervals::FapInterval;
 pub use points::{FacePoint, FacePoints, FaceSurface, FaceUnits, NoFace, PointSource, UnitRatio};
 pub use table::{FaceTable, normal_offsets};

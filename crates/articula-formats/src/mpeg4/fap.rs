@@ -10,6 +10,10 @@ use articula_core::fap_table::{FAP_COUNT, LOW_FAP_COUNT, TABLE};
 /// Number of high-level parameters, which come first.
 const HIGH: usize = 2;
 const VERSIONS: [&str; 2] = ["2.1", "2.2"];
+/// First words of the comment that names how blend shapes became parameters.
+const BRIDGE: &str = "# articula-bridge ";
+/// Greatest length of that name in bytes.
+const BRIDGE_LENGTH: usize = 64;
 /// Maximum viseme, expression, and weight of either.
 const HIGHEST: (i32, i32, i32) = (14, 6, 63);
 
@@ -99,6 +103,9 @@ pub struct FapClip {
     pub coded: [bool; FAP_COUNT],
     /// The frames, in order of their numbers.
     pub frames: Vec<FapFrame>,
+    /// If the parameters were made from blend shapes, the name of the columns by which, from a comment
+    /// of the file (`docs/formats/mpeg4.md`).
+    pub bridge: Option<String>,
 }
 
 impl FapClip {
@@ -144,6 +151,7 @@ pub fn read(
         rate_hz: header.rate_hz,
         coded: [false; FAP_COUNT],
         frames: Vec::new(),
+        bridge: bridge(bytes),
     };
     let (mut raw, mut face) = (Frame::default(), FapFrame::default());
     while reader.next(&mut raw)? {
@@ -163,6 +171,16 @@ pub fn read(
         value: clip,
         warnings,
     })
+}
+
+/// The name in the first comment that has one, if it consists of letters and digits.
+fn bridge(bytes: &[u8]) -> Option<String> {
+    let mut lines = bytes.split(|b| matches!(b, b'\n' | b'\r'));
+    let name = lines.find_map(|line| line.strip_prefix(BRIDGE.as_bytes()))?;
+    let name = name.trim_ascii();
+    let is_name = (1..=BRIDGE_LENGTH).contains(&name.len())
+        && name.iter().all(|b| b.is_ascii_alphanumeric() || *b == b'-');
+    is_name.then(|| String::from_utf8_lossy(name).into_owned())
 }
 
 /// Applies the values of a frame to the face.
@@ -231,6 +249,9 @@ pub fn write(clip: &FapClip) -> Vec<u8> {
         clip.rate_hz,
         clip.frames.len(),
     );
+    if let Some(name) = &clip.bridge {
+        text.extend([BRIDGE, name, "\n"]);
+    }
     for frame in &clip.frames {
         parameter_text::write_frame(&mut text, &line, frame.number, fields(frame, &mask));
     }

@@ -1,9 +1,10 @@
 //! Captures of blend shapes as facial animation parameters, and back.
 
 use super::frames::{face_frames, moving};
+use super::rig::{CaptureBridge, GENERIC_BRIDGE};
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
-use articula_build::face::{FaceBridge, FapValues, arkit_shape, blend_shape};
+use articula_build::face::{FapValues, arkit_shape};
 use articula_build::source_rate_hz;
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES};
 use articula_core::fap_table::{FAP_COUNT, LOW_FAP_COUNT, LOW_FAPS};
@@ -28,6 +29,8 @@ pub struct CaptureReport {
     pub frames: usize,
     /// Frames per second.
     pub rate_hz: f32,
+    /// Name of the columns of the blend shapes: `generic`, or a hash of those of a face.
+    pub columns: String,
     /// Number of blend shapes that move.
     pub shapes_moving: usize,
     /// Number of parameters that move.
@@ -50,44 +53,41 @@ pub struct ShapeLoss {
     pub max_percent: f32,
 }
 
-/// The relation between the blend shapes of ARKit and parameters.
-pub(super) fn bridge() -> FaceBridge {
-    let column = |shape: &articula_core::arkit_table::BlendShape| {
-        blend_shape(shape.name).unwrap_or_default()
-    };
-    FaceBridge::new(BLEND_SHAPES.iter().map(column).collect())
-}
-
 /// Values of the parameters of one row, not rounded.
-pub(super) fn row_values(bridge: &FaceBridge, frame: &LiveLinkFrame) -> FapValues {
-    let mut values = bridge.faps(&frame.shapes);
+pub(super) fn row_values(bridge: &CaptureBridge, frame: &LiveLinkFrame) -> FapValues {
+    let mut values = bridge.values(&frame.shapes);
     for (fap, angle) in HEAD.iter().zip(frame.angles) {
         values.0[fap - LOW_FAPS.start()] = angle / ANGLE_UNIT;
     }
     values
 }
 
-/// Turns a capture into facial animation parameters by the generic table of the blend shapes
-/// (`docs/methods/faces.md`). `name` becomes that of the clip.
+/// Turns a capture into facial animation parameters by the columns of the blend shapes
+/// (`docs/methods/faces.md`): the generic ones, or those of a face. `name` becomes that of the clip,
+/// which tells the columns too.
 ///
 /// # Errors
 /// [`Error::Unsupported`] if the capture has no row.
-pub fn capture_to_faps(capture: &LiveLinkClip, name: &str) -> Result<(FapClip, CaptureReport)> {
+pub fn capture_to_faps(
+    capture: &LiveLinkClip,
+    name: &str,
+    bridge: &CaptureBridge,
+) -> Result<(FapClip, CaptureReport)> {
     if capture.frames.is_empty() {
         return Err(Error::unsuited("the capture has no row"));
     }
-    let bridge = bridge();
-    let mut solver = bridge.solver([true; LOW_FAP_COUNT]);
+    let mut solver = bridge.bridge().solver([true; LOW_FAP_COUNT]);
     let mut clip = FapClip {
         name: name.split_whitespace().collect::<Vec<_>>().join("_"),
         rate_hz: capture.rate_hz as f32,
         coded: [false; FAP_COUNT],
         frames: Vec::with_capacity(capture.frames.len()),
+        bridge: Some(bridge.name().to_owned()),
     };
     let mut sums = [0.0_f32; BLEND_SHAPE_COUNT];
     let mut most = [0.0_f32; BLEND_SHAPE_COUNT];
     for frame in &capture.frames {
-        let values = row_values(&bridge, frame);
+        let values = row_values(bridge, frame);
         let low = values.0.map(|v| v.clamp(-LARGEST, LARGEST).round() as i32);
         let number = (frame.secs * capture.rate_hz).round() as u32;
         if clip.frames.last().is_some_and(|last| last.number == number) {
@@ -99,7 +99,8 @@ pub fn capture_to_faps(capture: &LiveLinkClip, name: &str) -> Result<(FapClip, C
             ..FapFrame::default()
         });
         let back = solver.solve(&FapValues(low.map(|v| v as f32)));
-        for (shape, (a, b)) in frame.shapes.iter().zip(&back.weights).enumerate() {
+        let back = bridge.shapes(&back.weights);
+        for (shape, (a, b)) in frame.shapes.iter().zip(&back).enumerate() {
             sums[shape] += (a - b).abs();
             most[shape] = most[shape].max((a - b).abs());
         }
@@ -119,6 +120,7 @@ pub fn capture_to_faps(capture: &LiveLinkClip, name: &str) -> Result<(FapClip, C
     let report = CaptureReport {
         frames: clip.frames.len(),
         rate_hz: clip.rate_hz,
+        columns: bridge.name().to_owned(),
         shapes_moving: moving.len(),
         faps_moving: clip.moving().iter().filter(|m| **m).count(),
         shapes,
@@ -128,7 +130,7 @@ pub fn capture_to_faps(capture: &LiveLinkClip, name: &str) -> Result<(FapClip, C
 }
 
 /// Turns facial animation parameters into a capture: for each frame, the weights of blend shapes that
-/// show them most closely.
+/// show them most closely by the generic columns.
 ///
 /// # Errors
 /// [`Error::Unsupported`] if the clip has no frame.
@@ -136,7 +138,8 @@ pub fn faps_to_capture(clip: &FapClip) -> Result<(LiveLinkClip, CaptureReport)> 
     let Some(first) = clip.frames.first() else {
         return Err(Error::unsuited("the file has no frame"));
     };
-    let bridge = bridge();
+    let bridge = CaptureBridge::generic();
+    let bridge = bridge.bridge();
     let frames = face_frames(clip);
     let values: Vec<FapValues> = (0..frames.low.len()).map(|f| frames.values(f)).collect();
     let moving = moving(&values);
@@ -168,6 +171,7 @@ pub fn faps_to_capture(clip: &FapClip) -> Result<(LiveLinkClip, CaptureReport)> 
     let report = CaptureReport {
         frames: capture.frames.len(),
         rate_hz: clip.rate_hz,
+        columns: GENERIC_BRIDGE.to_owned(),
         shapes_moving: (0..BLEND_SHAPE_COUNT).filter(shape_moves).count(),
         faps_moving: moving.iter().filter(|m| **m).count(),
         shapes: Vec::new(),

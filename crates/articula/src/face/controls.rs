@@ -2,14 +2,18 @@
 
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
-use articula_build::face::{FaceBridge, FapValues, arkit_shape, blend_shape, vrm_preset};
+use articula_build::face::{
+    FaceBridge, FapInterval, FapValues, arkit_shape, blend_shape, vrm_preset,
+};
 use articula_core::source::{Channel, Character, Expression, Interpolation, Property};
 use std::collections::BTreeMap;
 
 /// What the weights of a face's bridge drive.
 #[derive(Debug)]
 pub(super) struct FaceControls {
-    pub(super) bridge: FaceBridge,
+    bridge: FaceBridge,
+    /// The values of each control at weight 1, by its name; `None` for parts of a table.
+    columns: Option<Vec<FapValues>>,
     targets: Vec<Target>,
 }
 
@@ -26,11 +30,26 @@ enum Target {
 
 impl FaceControls {
     /// The known controls of a character: of its morph targets, its expressions with the names of
-    /// blend shapes, and those with the names of VRM's presets, the kind that has the most. `None`
-    /// if it has none.
+    /// blend shapes, and those with the names of VRM's presets, the kind that has the most; without
+    /// any, the morph targets of a face animation table. `None` if it has none.
     pub(super) fn of(character: &Character) -> Option<Self> {
+        Self::shapes_of(character).or_else(|| Self::table_of(character))
+    }
+
+    /// The morph targets of a face animation table.
+    pub(super) fn table_of(character: &Character) -> Option<Self> {
+        let (intervals, targets): (Vec<FapInterval>, Vec<Target>) =
+            morphs(character, FapInterval::parse).into_iter().unzip();
+        (!targets.is_empty()).then(|| Self {
+            bridge: FaceBridge::of_table(intervals),
+            columns: None,
+            targets,
+        })
+    }
+
+    fn shapes_of(character: &Character) -> Option<Self> {
         let kinds = [
-            morphs(character),
+            morphs(character, blend_shape),
             expressions(character, blend_shape),
             expressions(character, vrm_preset),
         ];
@@ -38,9 +57,25 @@ impl FaceControls {
         let most = kinds.into_iter().rev().max_by_key(Vec::len)?;
         let (columns, targets): (Vec<FapValues>, Vec<Target>) = most.into_iter().unzip();
         (!targets.is_empty()).then(|| Self {
-            bridge: FaceBridge::new(columns),
+            bridge: FaceBridge::new(columns.clone()),
+            columns: Some(columns),
             targets,
         })
+    }
+
+    /// Number of the controls.
+    pub(super) fn len(&self) -> usize {
+        self.targets.len()
+    }
+
+    /// The relation to parameters by the names of the controls.
+    pub(super) fn bridge(&self) -> &FaceBridge {
+        &self.bridge
+    }
+
+    /// The values of each control at weight 1, by its name; `None` for parts of a table.
+    pub(super) fn columns(&self) -> Option<&[FapValues]> {
+        self.columns.as_deref()
     }
 
     /// As [`FaceControls::of`], with an error that names the file if there are none.
@@ -116,12 +151,12 @@ impl FaceControls {
     }
 }
 
-/// Morph targets with known names; those of one shape, however they spell it, are one control.
-fn morphs(character: &Character) -> Vec<(FapValues, Target)> {
-    let mut found: Vec<(FapValues, Slots)> = Vec::new();
+/// Morph targets with known names; those that mean the same, however they spell it, are one control.
+fn morphs<T: PartialEq>(character: &Character, known: fn(&str) -> Option<T>) -> Vec<(T, Target)> {
+    let mut found: Vec<(T, Slots)> = Vec::new();
     for (mesh, raw) in character.meshes.iter().enumerate() {
         for (slot, name) in raw.morph_names.iter().enumerate() {
-            let Some(values) = blend_shape(name) else {
+            let Some(values) = known(name) else {
                 continue;
             };
             match found.iter_mut().find(|(known, _)| *known == values) {
@@ -167,7 +202,7 @@ mod tests {
             ..Character::default()
         };
         let controls = FaceControls::of(&head).unwrap();
-        assert_eq!(controls.bridge.controls(), 1);
+        assert_eq!(controls.len(), 1);
         assert!(controls.are_morphs());
         let channels = controls.channels(&head, &[0.0, 1.0], &[vec![0.5], vec![1.0]]);
         let values: Vec<&[f32]> = channels.iter().map(|c| &*c.values).collect();
@@ -196,7 +231,7 @@ mod tests {
         assert!(FaceControls::of(&head).is_none());
         head.expressions.push(named("blink", true));
         let controls = FaceControls::of(&head).unwrap();
-        assert!(!controls.are_morphs() && controls.bridge.moves(19));
+        assert!(!controls.are_morphs() && controls.bridge().moves(19));
         let channels = controls.channels(&head, &[0.0], &[vec![0.75]]);
         let channel = &channels[0];
         assert_eq!(

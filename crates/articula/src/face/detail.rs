@@ -1,19 +1,17 @@
 //! Error of a FAP clip on a head at levels of articulation, over distance.
 
-use super::controls::FaceControls;
 use super::frames::face_frames;
 use super::levels::{names, with_inner_lips};
+use super::rig::FaceRig;
 use super::turns::{Turn, turns};
 use crate::error::{Context, Error, Result};
 use crate::facing::facing;
 use crate::figure::Figure;
 use crate::work::Executor;
-use articula_build::bake;
 use articula_build::face::{FaceBridge, FaceDetail, FaceFields, FaceFrames};
 use articula_core::face_levels::{FaceLevel, FaceLevels, FapRoles};
 use articula_core::fap_table::{FAP_COUNT, LOW_FAPS};
-use articula_core::source::{Property, RawClip, evaluate};
-use articula_core::{LocalPose, PosedMesh, SkinnedMesh, Viewport};
+use articula_core::{PosedMesh, Viewport};
 use articula_formats::mpeg4::fap::FapClip;
 use glam::{Quat, Vec3};
 use serde::Serialize;
@@ -178,7 +176,7 @@ pub fn face_detail(
 /// A FAP clip on a head, with the displacement of every vertex under each control.
 #[derive(Debug)]
 pub struct MeasuredFace {
-    controls: FaceControls,
+    bridge: FaceBridge,
     fields: FaceFields,
     frames: FaceFrames,
 }
@@ -192,18 +190,17 @@ impl MeasuredFace {
         if clip.frames.is_empty() {
             return Err(Error::unsuited("the file has no frame")).context(file);
         }
-        let controls = FaceControls::known(&head.opened)?;
-        let fields = fields(&controls, head).context(&head.opened.name)?;
+        let rig = FaceRig::of_figure(head)?;
         Ok(Self {
-            controls,
-            fields,
+            bridge: rig.bridge(clip.bridge.as_deref()).clone(),
+            fields: fields(&rig, head),
             frames: face_frames(&with_inner_lips(clip)),
         })
     }
 
     /// The relation between parameters and controls.
     pub fn bridge(&self) -> &FaceBridge {
-        &self.controls.bridge
+        &self.bridge
     }
 
     /// How far the controls move the vertices.
@@ -218,56 +215,32 @@ impl MeasuredFace {
 
     /// Measures the clip at levels of articulation.
     pub fn detail(&self) -> FaceDetail<'_> {
-        FaceDetail::new(&self.controls.bridge, &self.fields, &self.frames)
+        FaceDetail::new(&self.bridge, &self.fields, &self.frames)
     }
 }
 
-/// Displacements of all vertices at rest under each control, and the eyeballs that turn.
-fn fields(controls: &FaceControls, head: &Figure) -> Result<FaceFields> {
-    let (asset, character) = (&head.asset, &head.opened.character);
+/// The displacements under each control, and the eyeballs that turn.
+fn fields(rig: &FaceRig, head: &Figure) -> FaceFields {
+    let asset = &head.asset;
     let mut posed = PosedMesh::new(&asset.rig, &asset.mesh);
-    let mut local: LocalPose = asset.rig.rest_pose().clone();
-    let rest = posed.pose(&local).skinned(&asset.mesh.morph_weights);
-    let model = posed.model.clone();
-    let mut moved = SkinnedMesh::new(&asset.mesh);
-    let mut dense: Vec<Vec<Vec3>> = Vec::new();
-    for control in 0..controls.bridge.controls() {
-        let mut weights = vec![0.0; controls.bridge.controls()];
-        weights[control] = 1.0;
-        let alone = RawClip {
-            name: String::new(),
-            duration_secs: 0.0,
-            channels: controls.channels(character, &[0.0], &[weights]),
-        };
-        let alone = bake(character, &alone)?;
-        let mut morphs = asset.mesh.morph_weights.clone();
-        for channel in &alone.channels {
-            if channel.property == Property::Weights {
-                let first = asset.mesh.morph_slots[channel.target];
-                let count = character.meshes[channel.target].morph_weights.len();
-                morphs[first..first + count].copy_from_slice(&channel.values[..count]);
-            }
-        }
-        evaluate::pose(&alone, &character.skeleton, 0.0, &mut local);
-        posed.pose(&local).skin(&morphs, &mut moved);
-        let offsets = moved.positions.iter().zip(&rest.positions);
-        dense.push(offsets.map(|(a, b)| *a - *b).collect());
-    }
-    let mut fields = FaceFields::new(&dense);
-    let axes = Quat::from_rotation_y(facing(&asset.rig, &model)).inverse();
-    let eyes = !(23..=26).any(|fap| controls.bridge.moves(fap));
+    let rest = posed
+        .pose(asset.rig.rest_pose())
+        .skinned(&asset.mesh.morph_weights);
+    let mut fields = FaceFields::new(&rig.fields);
+    let axes = Quat::from_rotation_y(facing(&asset.rig, &posed.model)).inverse();
+    let eyes = !(23..=26).any(|fap| rig.controls.bridge().moves(fap));
     for (turn, faps) in turns(&head.opened, eyes).iter().filter_map(eyeball) {
         let follows = |vertex: usize| {
             let influences = asset.mesh.influences_of(vertex);
             let of_eye = influences.filter(|(j, _)| asset.rig.is_at_or_below(*j, turn.joint()));
             of_eye.map(|(_, weight)| weight).sum::<f32>()
         };
-        let centre = model.position(turn.joint());
+        let centre = posed.model.position(turn.joint());
         let offset = |(vertex, at): (usize, &Vec3)| follows(vertex) * (axes * (*at - centre));
         let offsets: Vec<Vec3> = rest.positions.iter().enumerate().map(offset).collect();
         fields.add_eyeball(faps, &offsets);
     }
-    Ok(fields)
+    fields
 }
 
 /// The FAPs of pitch and yaw of a turn without roll.

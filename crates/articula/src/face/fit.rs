@@ -4,6 +4,7 @@ use super::capture;
 use super::controls::FaceControls;
 use super::frames::{face_frames, moving};
 use super::levels::FaceLevelReport;
+use super::rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
 use super::turns::turns;
 use crate::convert::{ClipProvenance, FittedClip};
 use crate::error::{Context, Error, Result};
@@ -43,6 +44,8 @@ pub struct FaceTransfer {
     pub frames: usize,
     /// Whether the face has known morph targets; if not, it has known expressions.
     pub morphs: bool,
+    /// How the effect of its controls is known.
+    pub columns: FaceColumns,
     /// Number of the face's morph targets or expressions whose effect is known.
     pub controls: usize,
     /// Number of them that the clip moves.
@@ -88,20 +91,22 @@ pub fn fit_face(clip: &FapClip, file: &str, character: &CharacterFile) -> Result
     let Some(first) = clip.frames.first() else {
         return Err(Error::unsuited("the file has no frame")).context(file);
     };
-    let controls = FaceControls::known(character)?;
+    let rig = FaceRig::new(character)?;
+    let bridge = rig.bridge(clip.bridge.as_deref());
     let frames = face_frames(clip);
     let values: Vec<FapValues> = (0..frames.low.len()).map(|f| frames.values(f)).collect();
     let time = |frame: &FapFrame| (frame.number - first.number) as f32 / clip.rate_hz;
     let times: Vec<f32> = clip.frames.iter().map(time).collect();
-    let mut solver = controls.bridge.solver(frames.counted());
+    let mut solver = bridge.solver(frames.counted());
     let shown = values.iter().map(|v| solver.solve(v)).collect();
     let motion = FaceMotion {
         from: clip.name.clone(),
         times,
         values,
         shown,
+        columns: rig.columns(clip.bridge.as_deref()),
     };
-    fitted(motion, file, character, &controls)
+    fitted(motion, file, character, &rig.controls)
 }
 
 /// Transfers a capture of blend shapes to the face of a character, as [`fit_face`] does. A face with
@@ -117,8 +122,9 @@ pub fn fit_capture(
     if capture.frames.is_empty() {
         return Err(Error::unsuited("the capture has no row")).context(file);
     }
-    let controls = FaceControls::known(character)?;
-    let generic = capture::bridge();
+    let rig = FaceRig::new(character)?;
+    let controls = &rig.controls;
+    let generic = CaptureBridge::generic();
     let rows = capture.frames.iter();
     let values: Vec<FapValues> = rows.map(|f| capture::row_values(&generic, f)).collect();
     let shown = match controls.shapes(&character.character) {
@@ -138,7 +144,8 @@ pub fn fit_capture(
                 high: vec![FapValues::default(); values.len()],
                 low: values.clone(),
             };
-            let mut solver = controls.bridge.solver(frames.counted());
+            let bridge = rig.bridge(Some(GENERIC_BRIDGE));
+            let mut solver = bridge.solver(frames.counted());
             values.iter().map(|v| solver.solve(v)).collect()
         }
     };
@@ -147,8 +154,9 @@ pub fn fit_capture(
         times: capture.frames.iter().map(|f| f.secs as f32).collect(),
         values,
         shown,
+        columns: rig.columns(Some(GENERIC_BRIDGE)),
     };
-    fitted(motion, file, character, &controls)
+    fitted(motion, file, character, controls)
 }
 
 /// Values and weights of each frame of a face clip.
@@ -158,6 +166,7 @@ struct FaceMotion {
     times: Vec<f32>,
     values: Vec<FapValues>,
     shown: Vec<ShownFace>,
+    columns: FaceColumns,
 }
 
 /// The clip and the report.
@@ -172,13 +181,15 @@ fn fitted(
         times,
         values,
         shown,
+        columns,
     } = motion;
+    let bridge = controls.bridge();
     let moving = moving(&values);
-    let eyes = !(23..=26).any(|fap| controls.bridge.moves(fap));
+    let eyes = !(23..=26).any(|fap| bridge.moves(fap));
     let mut turns = turns(character, eyes);
     turns.retain(|turn| turn.moves(&values));
 
-    let is_driven = |fap: usize| controls.bridge.moves(fap) || turns.iter().any(|t| t.has(fap));
+    let is_driven = |fap: usize| bridge.moves(fap) || turns.iter().any(|t| t.has(fap));
     let not_driven = LOW_FAPS.filter(|fap| moving[fap - LOW_FAPS.start()] && !is_driven(*fap));
     let not_driven = not_driven.map(|fap| NotDriven {
         fap,
@@ -189,7 +200,7 @@ fn fitted(
             * unit_mm(fap),
     });
     let judged: Vec<usize> = LOW_FAPS
-        .filter(|fap| moving[fap - LOW_FAPS.start()] && controls.bridge.moves(*fap))
+        .filter(|fap| moving[fap - LOW_FAPS.start()] && bridge.moves(*fap))
         .collect();
     let errors = Errors::of(&judged, &shown, &times);
     let stem = Path::new(file).file_stem().unwrap_or_default();
@@ -201,9 +212,10 @@ fn fitted(
         duration_secs: times.last().copied().unwrap_or(0.0),
         frames: times.len(),
         morphs: controls.are_morphs(),
-        controls: controls.bridge.controls(),
-        controls_moved: (0..controls.bridge.controls())
-            .filter(|c| shown.iter().any(|s| s.weights[*c] > 0.0))
+        columns,
+        controls: controls.len(),
+        controls_moved: (0..controls.len())
+            .filter(|c| shown.iter().any(|s| s.weights[*c] != 0.0))
             .count(),
         joints: turns.iter().map(|turn| turn.name(character)).collect(),
         faps_moving: moving.iter().filter(|m| **m).count(),

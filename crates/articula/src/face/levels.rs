@@ -115,6 +115,7 @@ mod tests {
             rate_hz: 25.0,
             coded: [true; FAP_COUNT],
             frames: vec![frame],
+            bridge: None,
         }
     }
 

@@ -1,6 +1,8 @@
 //! Faces driven by facial animation parameters (FAP) of MPEG-4.
 //!
 //! - `controls`: the morph targets or expressions of a face whose effect is known
+//! - `fields`: how far the controls move the vertices
+//! - `rig`: the parameters that each control amounts to
 //! - `frames`: the values of a clip's frames
 //! - `surface`: the head as a surface
 //! - `points`: the feature points found on it
@@ -14,10 +16,12 @@
 mod capture;
 mod controls;
 mod detail;
+mod fields;
 mod fit;
 mod frames;
 mod levels;
 mod points;
+mod rig;
 mod shapes;
 mod surface;
 mod turns;
@@ -30,5 +34,6 @@ pub use detail::{
 pub use fit::{FaceTransfer, FittedFace, NotDriven, fit_capture, fit_face};
 pub use levels::{FaceLevelReport, expand_face, reduce_face};
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout, fdp_points};
+pub use rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
 pub use shapes::{FaceShapes, add_face_shapes};
 pub use surface::HeadSurface;

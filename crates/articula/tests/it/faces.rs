@@ -1,9 +1,13 @@
 //! FAP clips move the faces that the data has: blend shapes of ARKit, expressions of VRM, heads.
 
 use crate::real;
-use articula::face::{FaceDetailOptions, FittedFace, expand_face, face_detail, fit_face};
+use articula::face::{
+    FaceColumns, FaceDetailOptions, FaceRig, FittedFace, GENERIC_BRIDGE, capture_of_clip,
+    capture_to_faps, expand_face, face_detail, face_layout, fit_face,
+};
 use articula::glam::{Affine3A, Quat, Vec3};
 use articula::{CharacterFile, Data, DataFormat, Executor, Figure, OpenOptions, fs, open_data};
+use articula_build::face::arkit_shape;
 use articula_core::face_levels::FaceLevels;
 use articula_core::source::{
     Channel, Character, Expression, Joint, MorphBinding, MorphTarget, Primitive, Property, RawMesh,
@@ -38,6 +42,7 @@ fn clip(frames: &[&[(usize, i32)]]) -> FapClip {
         rate_hz: 10.0,
         coded: [true; fap_table::FAP_COUNT],
         frames: frames.iter().enumerate().map(frame).collect(),
+        bridge: None,
     }
 }
 
@@ -73,8 +78,12 @@ fn jaws_and_lids_follow_their_parameters_on_the_heads_of_the_data() {
         };
         let head = fs::open(&path).unwrap();
         for name in clips {
-            let Some(clip) = fap(name) else { continue };
+            let Some(mut clip) = fap(name) else {
+                continue;
+            };
+            clip.bridge = Some(GENERIC_BRIDGE.to_owned());
             let made = fit_face(&clip, name, &head).unwrap();
+            assert_eq!(made.report.columns, FaceColumns::Generic);
             // FAP 3 moves with jawOpen alone (1000 at weight 1), FAP 19 most of all with the blink
             // (950), whatever the other 50 shapes do.
             let (jaw, lid) = (
@@ -100,6 +109,87 @@ fn jaws_and_lids_follow_their_parameters_on_the_heads_of_the_data() {
             );
         }
     }
+}
+
+#[test]
+fn chins_go_as_far_down_as_the_parameter_says_in_the_units_of_the_face() {
+    let heads = [
+        "face/ict_facekit_expressions.glb",
+        "glb/mh_female_default163_arkit52.glb",
+    ];
+    for name in heads {
+        let (Some(path), Some(clip)) = (real::file(name), fap("fap/speech_synthetic.fap")) else {
+            continue;
+        };
+        let head = Figure::new(fs::open(&path).unwrap()).unwrap();
+        let made = fit_face(&clip, "speech.fap", &head.opened).unwrap();
+        assert_eq!(made.report.columns, FaceColumns::Measured);
+        let layout = face_layout(&head, &[]).unwrap();
+        let unit = |name: &str| {
+            layout
+                .units
+                .iter()
+                .find(|u| u.name == name)
+                .unwrap()
+                .distance_m
+                / 1024.0
+        };
+        let chin = layout.points.iter().find(|p| p.name == "2.1").unwrap();
+        let mesh = &head.asset.mesh;
+        let mut posed = PosedMesh::new(&head.asset.rig, mesh);
+        posed.pose(head.asset.rig.rest_pose());
+        let (mut off, mut largest) = (0.0, 0.0_f32);
+        for (index, frame) in clip.frames.iter().enumerate() {
+            let mut morphs = mesh.morph_weights.clone();
+            let channels = made.fitted.clip.channels.iter();
+            for channel in channels.filter(|c| c.property == Property::Weights) {
+                let first = mesh.morph_slots[channel.target];
+                let count = head.opened.character.meshes[channel.target]
+                    .morph_names
+                    .len();
+                let values = &channel.values[index * count..(index + 1) * count];
+                morphs[first..first + count].copy_from_slice(values);
+            }
+            let at = posed.skinned(&morphs).positions[chin.vertex.unwrap() as usize];
+            let down = f32::max(0.0, frame.low[0] as f32) * unit("MNS");
+            largest = largest.max(down);
+            off += (chin.place_m[1] - at.y - down).abs() / clip.frames.len() as f32;
+        }
+        // What lips and cheeks want at the same time leaves a part of it.
+        assert!(
+            largest > 4e-3 && off < 0.15 * largest,
+            "{name}: {off} of {largest}"
+        );
+    }
+}
+
+#[test]
+fn a_face_shows_its_own_parameters_as_they_were() {
+    let Some(path) = real::file("glb/ict_head_talk_554.glb") else {
+        return;
+    };
+    let head = fs::open(&path).unwrap();
+    let capture = capture_of_clip(&head, &head.character.clips[0]).unwrap();
+    let rig = FaceRig::new(&head).unwrap();
+    let own = rig.capture_bridge(&head).unwrap();
+    assert!(own.name() != GENERIC_BRIDGE && own.name() == rig.name());
+    let (clip, report) = capture_to_faps(&capture, "own", &own).unwrap();
+    assert_eq!(
+        (clip.bridge.as_deref(), &*report.columns),
+        (Some(own.name()), own.name())
+    );
+    let made = fit_face(&clip, "own.fap", &head).unwrap();
+    let names = &head.character.meshes[0].morph_names;
+    let mut sum = 0.0;
+    for name in names {
+        let shape = arkit_shape(name).unwrap();
+        let back = weights(&head, &made, name);
+        for (frame, back) in capture.frames.iter().zip(&back) {
+            sum += (frame.shapes[shape] - back).abs();
+        }
+    }
+    let mean = sum / (names.len() * capture.frames.len()) as f32;
+    assert!(mean < 0.015, "{mean}");
 }
 
 /// A mesh with one morph target, and a neck with a head.

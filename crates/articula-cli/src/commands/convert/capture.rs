@@ -1,6 +1,6 @@
 //! What a face clip keeps and loses as a capture or as parameters, for people.
 
-use articula::face::CaptureReport;
+use articula::face::{CaptureReport, GENERIC_BRIDGE};
 
 /// Maximum number of blend shapes that are listed.
 const MAX_SHAPES: usize = 8;
@@ -10,8 +10,16 @@ const LISTED: f32 = 1.0;
 /// Formats what was lost.
 pub(super) fn text(report: &CaptureReport) -> String {
     let mut text = format!(
-        "{} frames at {} Hz; {} blend shapes and {} parameters move\n",
-        report.frames, report.rate_hz, report.shapes_moving, report.faps_moving
+        "{} frames at {} Hz; {} blend shapes and {} parameters move; {}\n",
+        report.frames,
+        report.rate_hz,
+        report.shapes_moving,
+        report.faps_moving,
+        if report.columns == GENERIC_BRIDGE {
+            "generic columns".to_owned()
+        } else {
+            format!("columns {} of this face", report.columns)
+        }
     );
     let lost = report.shapes.iter().filter(|s| s.mean_percent >= LISTED);
     let worst: Vec<String> = lost

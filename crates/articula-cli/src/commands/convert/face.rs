@@ -7,7 +7,10 @@ use crate::open;
 use crate::{fault, files};
 use anyhow::Context;
 use articula::convert::write_data;
-use articula::face::{capture_of_clip, capture_to_faps, expand_face, faps_to_capture, reduce_face};
+use articula::face::{
+    CaptureBridge, FaceRig, capture_of_clip, capture_to_faps, expand_face, faps_to_capture,
+    reduce_face,
+};
 use articula::{Data, DataFormat};
 use articula_formats::Warning;
 use articula_formats::live_link::LiveLinkClip;
@@ -24,6 +27,8 @@ pub(super) fn is_meant(args: &ConvertArgs) -> bool {
 /// What was read: a face clip, and what is reported about its file.
 struct FaceSource {
     data: Data,
+    /// The blend shapes of the captured face, if its own effect of them is known.
+    bridge: CaptureBridge,
     format: &'static str,
     bytes: usize,
     warnings: Vec<Warning>,
@@ -39,6 +44,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             let opened = open::data(input, own, &args.names)?;
             FaceSource {
                 data: opened.data,
+                bridge: CaptureBridge::generic(),
                 format: own.name(),
                 bytes: opened.bytes,
                 warnings: opened.warnings,
@@ -51,7 +57,8 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let mut face_level = None;
     let (data, capture) = match (source.data, format) {
         (Data::LiveLink(capture), DataFormat::Fap) => {
-            let made = capture_to_faps(&capture, &stem).with_context(|| place.clone())?;
+            let made =
+                capture_to_faps(&capture, &stem, &source.bridge).with_context(|| place.clone())?;
             (Data::Fap(made.0), Some(made.1))
         }
         (Data::Fap(clip), DataFormat::Csv) => {
@@ -113,8 +120,11 @@ fn of_character(args: &ConvertArgs, input: &Path, console: &Console) -> anyhow::
         });
     };
     let capture: LiveLinkClip = capture_of_clip(&opened, clip)?;
+    let rig = FaceRig::new(&opened)?;
+    let bridge = rig.capture_bridge(&opened);
     Ok(FaceSource {
         data: Data::LiveLink(capture),
+        bridge: bridge.unwrap_or_else(CaptureBridge::generic),
         format: opened.format.name(),
         bytes: opened.bytes,
         warnings: opened.warnings.clone(),

@@ -12,7 +12,9 @@ use articula::convert::{
     AddClipsOptions, ContactPinning, FitFinding, FitFindingKind, FittedClip, FootSlideSummary,
     JointShare, RetargetOptions, TransferReport, TransferredClipReport, fit_clips,
 };
-use articula::face::{FaceShapes, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face};
+use articula::face::{
+    FaceColumns, FaceShapes, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
+};
 use articula::{CharacterFile, Data, DataFormat};
 use clap::ValueEnum;
 use std::path::Path;
@@ -324,11 +326,12 @@ pub(super) fn map(motion: &TransferReport) -> String {
 }
 
 /// Columns of the table of face clips.
-pub(super) const FACE_COLUMNS: [&str; 9] = [
+pub(super) const FACE_COLUMNS: [&str; 10] = [
     "face clip",
     "from",
     "seconds",
     "driven by",
+    "columns",
     "joints",
     "FAPs",
     "not driven",
@@ -337,7 +340,7 @@ pub(super) const FACE_COLUMNS: [&str; 9] = [
 ];
 
 /// One row of the table of face clips.
-pub(super) fn face_row(face: &FaceTransfer) -> [String; 9] {
+pub(super) fn face_row(face: &FaceTransfer) -> [String; 10] {
     let controls = if face.morphs {
         "morph targets"
     } else {
@@ -355,6 +358,12 @@ pub(super) fn face_row(face: &FaceTransfer) -> [String; 9] {
         file_name(&face.file),
         format!("{:.2}", face.duration_secs),
         format!("{} of {} {controls}", face.controls_moved, face.controls),
+        match face.columns {
+            FaceColumns::Generic => "generic",
+            FaceColumns::Measured => "of this face",
+            FaceColumns::Table => "table",
+        }
+        .to_owned(),
         face.joints.len().to_string(),
         face.faps_moving.to_string(),
         face.not_driven.len().to_string(),

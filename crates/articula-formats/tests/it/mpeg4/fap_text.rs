@@ -267,6 +267,7 @@ proptest! {
             rate_hz: f32::from(rate) / 4.0,
             coded: [false; 68],
             frames,
+            bridge: zero.then(|| "9d2b-generic".to_owned()),
         };
         clip.coded = clip.moving();
         let absent = if zero { AbsentPolicy::Zero } else { AbsentPolicy::Hold };
