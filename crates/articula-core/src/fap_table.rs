@@ -26,6 +26,17 @@ pub enum FapUnit {
     Angle,
 }
 
+impl FapUnit {
+    /// The units that are distances of a face.
+    pub const DISTANCES: [Self; 5] = [
+        Self::IrisDiameter,
+        Self::EyeSeparation,
+        Self::EyeNose,
+        Self::MouthNose,
+        Self::MouthWidth,
+    ];
+}
+
 /// Writes the abbreviation of the standard.
 impl fmt::Display for FapUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

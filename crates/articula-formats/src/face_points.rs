@@ -60,7 +60,8 @@ pub fn write(points: &[(PointId, Vec3)]) -> Vec<u8> {
     format!("{{\n  \"points\": {{\n{}\n  }}\n}}\n", lines.join(",\n")).into_bytes()
 }
 
-fn parsed(name: &str) -> Option<PointId> {
+/// The point that a name such as `2.10` means, if the standard has it.
+pub(crate) fn parsed(name: &str) -> Option<PointId> {
     let (group, number) = name.split_once('.')?;
     let point = (group.parse().ok()?, number.parse().ok()?);
     feature_point_index(point)?;

@@ -1,6 +1,7 @@
 //! `prepare`: computes offline data of a character and stores it in one GLB.
 
 use crate::error::{Context, Error, Result};
+use crate::face::stored_face;
 use crate::figure::Figure;
 use crate::mesh_levels::{self, CodedMeshLevels};
 use crate::motion_tables::{ClipTables, TableMaker};
@@ -29,13 +30,15 @@ pub struct PreparedAsset {
     pub mesh_bytes: usize,
     /// Number of bytes of each stored part.
     pub parts: Vec<PartBytes>,
+    /// Number of feature points of the face that were stored; 0 if the figure shows too little of one.
+    pub face_points: usize,
     /// Number of bytes of the palettes that the keys of the pose cache become when the asset is
     /// opened; they are not in the file.
     pub pose_cache_bytes: usize,
 }
 
 /// Computes everything that crowds and evaluations need, and stores it in the character's document:
-/// articulation, clips at a uniform rate, joint and mesh levels with their errors, skins and
+/// articulation, feature points of the face, clips at a uniform rate, joint and mesh levels with their errors, skins and
 /// bounds, keys of the pose cache, and motion tables. Other contents of the document are preserved.
 ///
 /// There is one job per clip. The output does not depend on threads or order.
@@ -51,13 +54,23 @@ pub fn prepare(
     let name = opened.name.clone();
     let (mut opened, gltf) = with_document(opened).with_context(|| &name)?;
     opened.gltf = Some(gltf);
-    let source = Figure::computed(opened)?.into_source();
+    let figure = Figure::computed(opened)?;
+    let face = stored_face(&figure, &options.face_points);
+    if face.is_none() && !options.face_points.is_empty() {
+        let what = "face: the figure shows too little of a face for feature points; leave them out";
+        return Err(Error::unsuited(what)).context(&name);
+    }
+    let source = figure.into_source();
     let Some(mut gltf) = source.gltf else {
         // It was just put there.
         return Err(Error::unsuited("the character has no document")).context(&name);
     };
     gltf.document.remove_prepared();
     gltf.document.remove_motion_tables();
+    match &face {
+        Some(face) => gltf.document.set_face(face),
+        None => gltf.document.remove_face(),
+    }
     let (mut figure, mut orders) = (source.figure, source.orders);
     let mut triangles = source.mesh_levels;
     let mut levels = None;
@@ -90,6 +103,7 @@ pub fn prepare(
         glb,
         mesh_bytes,
         parts: sizes.collect(),
+        face_points: face.map_or(0, |face| face.points.len()),
         pose_cache_bytes: parts.pose_cache_bytes,
         figure: figure.with_orders(orders, meshes),
         tables,

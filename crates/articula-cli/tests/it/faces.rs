@@ -1,6 +1,7 @@
 //! Feature points of faces: `inspect --face`.
 
-use crate::program::{fault, folder, json, word};
+use crate::judges::{ask, judges_are_here};
+use crate::program::{edited, fault, folder, json, word};
 use crate::real;
 use serde_json::Value;
 
@@ -113,4 +114,62 @@ fn what_cannot_be_done_is_said() {
     std::fs::write(here.join("near.fdp"), fdp.replace("99999", "3")).unwrap();
     let found = json(&here, &["inspect", head, "--face-points", "near.fdp"]);
     assert_eq!(point(&found, "2.1")["source"], "given");
+}
+
+/// How each point of a report was found.
+fn sources(found: &Value) -> Vec<&Value> {
+    let points = found["face_layout"]["points"].as_array().unwrap();
+    points.iter().map(|p| &p["source"]).collect()
+}
+
+#[test]
+fn assets_keep_the_points_of_their_face() {
+    let Some(head) = real::file("glb/ict_head_talk_1095.glb") else {
+        return;
+    };
+    let here = folder("face-asset");
+    let head = word(&head);
+    let built = json(&here, &["build", head, "a.glb"]);
+    assert_eq!(built["face_points"], 84);
+    let [found, kept] = [head, "a.glb"].map(|file| json(&here, &["inspect", file, "--face"]));
+    assert_eq!(sources(&found), sources(&kept));
+    for name in ["2.1", "6.1", "9.3", "10.7"] {
+        assert_eq!(point(&found, name)["vertex"], point(&kept, name)["vertex"]);
+        for (a, b) in place(&found, name).iter().zip(place(&kept, name)) {
+            assert!((a - b).abs() < 1e-6);
+        }
+    }
+
+    // A point that is given stays given when the asset is built again.
+    let mut nose = place(&found, "9.3");
+    nose[1] += 0.004;
+    let given = serde_json::json!({"points": {"9.3": nose}});
+    std::fs::write(here.join("nose.json"), given.to_string()).unwrap();
+    let built = json(
+        &here,
+        &["build", head, "b.glb", "--face-points", "nose.json"],
+    );
+    assert_eq!(built["face_points"], 84);
+    json(&here, &["build", "b.glb", "c.glb"]);
+    let kept = json(&here, &["inspect", "c.glb", "--face"]);
+    assert_eq!(point(&kept, "9.3")["source"], "given");
+    assert!((place(&kept, "9.3")[1] - nose[1]).abs() < 1e-6);
+
+    // Points of another face are found again.
+    edited(&here.join("b.glb"), &here.join("d.glb"), |document| {
+        let face = &mut document["extensions"]["ARTICULA_face"];
+        for point in face["points"].as_object_mut().unwrap().values_mut() {
+            let height = &mut point["position"][1];
+            *height = (height.as_f64().unwrap() + 0.1).into();
+        }
+    });
+    let again = json(&here, &["inspect", "d.glb", "--face"]);
+    assert_eq!(sources(&again), sources(&found));
+
+    if judges_are_here() {
+        let schemas = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/formats");
+        let words = [schemas.to_owned(), word(&here.join("c.glb")).to_owned()];
+        let (verdict, good) = ask("schemas.mjs", &words);
+        assert!(good && verdict.contains("\"judged\""), "{verdict}");
+    }
 }

@@ -74,6 +74,22 @@ impl Document {
         self.use_extension(name);
     }
 
+    /// Removes an extension of the document itself; returns whether it had it.
+    pub(super) fn remove_extension(&mut self, name: &str) -> bool {
+        let extensions = self.json.get_mut("extensions");
+        let Some(extensions) = extensions.and_then(Value::as_object_mut) else {
+            return false;
+        };
+        if extensions.shift_remove(name).is_none() {
+            return false;
+        }
+        if extensions.is_empty() {
+            object(&mut self.json).shift_remove("extensions");
+        }
+        self.disuse_extension(name);
+        true
+    }
+
     /// Removes a name from `extensionsUsed` and `extensionsRequired`.
     pub(super) fn disuse_extension(&mut self, name: &str) {
         for list in ["extensionsUsed", "extensionsRequired"] {

@@ -10,6 +10,9 @@ pub(super) const ARTICULATION: &str = "ARTICULA_articulation";
 /// Name of the extension of primitives with levels, and of the document with their table.
 pub(super) const CLUSTERED_MESH: &str = "ARTICULA_clustered_mesh";
 
+/// Name of the extension of the document with the feature points of a face.
+pub(super) const FACE: &str = "ARTICULA_face";
+
 /// Name of the extension of the document with data that is computed once.
 pub(super) const PREPARED: &str = "ARTICULA_prepared";
 
@@ -17,6 +20,7 @@ pub(super) const PREPARED: &str = "ARTICULA_prepared";
 const READ: &[&str] = &[
     ARTICULATION,
     CLUSTERED_MESH,
+    FACE,
     PREPARED,
     "EXT_meshopt_compression",
     "KHR_animation_pointer",

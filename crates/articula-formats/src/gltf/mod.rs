@@ -17,6 +17,7 @@
 //! - `articulation`: the extension `ARTICULA_articulation`
 //! - `clustered`: the extension `ARTICULA_clustered_mesh`, and levels as `MSFT_lod`
 //! - `prepared`: the extension `ARTICULA_prepared`
+//! - `face`: the extension `ARTICULA_face`
 //! - `append`, `arrays`, `clips`, `bounds`, `prune`, `samplers`, `unit`: changes to a document
 //! - `fresh`, `geometry`: a new document from a character
 //! - `weight`: size of meshes in bytes
@@ -37,6 +38,7 @@ mod container;
 mod credits;
 mod document;
 mod extension;
+mod face;
 mod fresh;
 mod geometry;
 mod influences;
@@ -67,6 +69,7 @@ mod write;
 
 pub use clustered::{MeshParts, PartLevels};
 pub use document::Document;
+pub use face::{StoredFace, StoredPoint};
 pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
 pub use prepared::{PreparedEntry, PreparedHeader, PreparedState};
 pub use vrm::PassThrough;

@@ -124,18 +124,9 @@ impl Document {
             .prepared_entries()
             .filter_map(|(_, e)| index(e, "bufferView"))
             .collect();
-        let extensions = self
-            .json
-            .get_mut("extensions")
-            .and_then(Value::as_object_mut);
-        let Some(extensions) = extensions.filter(|e| e.contains_key(PREPARED)) else {
+        if !self.remove_extension(PREPARED) {
             return;
-        };
-        extensions.shift_remove(PREPARED);
-        if extensions.is_empty() {
-            super::append::object(&mut self.json).shift_remove("extensions");
         }
-        self.disuse_extension(PREPARED);
         let count = entries_mut(&mut self.json, "bufferViews").len();
         self.drop_unused_views(views.into_iter().filter(|v| *v < count).collect());
     }

@@ -6,6 +6,7 @@
 //! - `frames`: the values of a clip's frames
 //! - `surface`: the head as a surface
 //! - `points`: the feature points found on it
+//! - `stored`: those that an asset keeps
 //! - `shapes`: blend shapes for a face without them
 //! - `turns`: head and eyes, which turn
 //! - `capture`: captures of blend shapes as parameters, and back
@@ -23,6 +24,7 @@ mod levels;
 mod points;
 mod rig;
 mod shapes;
+mod stored;
 mod surface;
 mod turns;
 
@@ -36,4 +38,5 @@ pub use levels::{FaceLevelReport, expand_face, reduce_face};
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout, fdp_points};
 pub use rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
 pub use shapes::{FaceShapes, add_face_shapes};
+pub(crate) use stored::stored_face;
 pub use surface::HeadSurface;

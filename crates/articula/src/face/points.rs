@@ -1,10 +1,10 @@
 //! Feature points of the face of a figure.
 
+use super::stored::found;
 use super::surface::HeadSurface;
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use crate::open::CharacterFile;
-use articula_build::face::{FacePoints, PointSource};
 use articula_core::PosedMesh;
 use articula_core::feature_points::{FEATURE_POINTS, PointId, feature_point_index};
 use articula_core::source::RawMesh;
@@ -69,9 +69,7 @@ pub struct FeaturePoint {
 /// loose parts.
 pub fn face_layout(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FaceLayout> {
     let head = HeadSurface::of(figure);
-    let to_head = head.model_from_head.inverse();
-    let given: Vec<(PointId, Vec3)> = given.iter().map(|(p, at)| (*p, to_head * *at)).collect();
-    let found = FacePoints::find(&head.surface, &given).map_err(|e| {
+    let found = found(figure, &head, given).map_err(|e| {
         Error::unsuited(format!(
             "face: {e}; feature points need a closed face with nose and mouth"
         ))
@@ -84,12 +82,7 @@ pub fn face_layout(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FaceLay
         is: entry.place,
         place_m: (head.model_from_head * found.place).to_array(),
         vertex: found.vertex.map(|v| head.vertices[v as usize]),
-        source: match found.source {
-            PointSource::Given => "given",
-            PointSource::Geometry => "geometry",
-            PointSource::Shapes => "shapes",
-            PointSource::Template => "template",
-        },
+        source: found.source.name(),
         confidence: found.confidence,
     });
     let units = found.units();

@@ -2,11 +2,12 @@
 
 use super::controls::FaceControls;
 use super::fields::control_fields;
+use super::stored::found;
 use super::surface::HeadSurface;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::open::CharacterFile;
-use articula_build::face::{FaceBridge, FacePoints, FaceTable, FapValues, blend_shape};
+use articula_build::face::{FaceBridge, FaceTable, FapValues, blend_shape};
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES, BlendShape};
 use articula_core::fap_table::LOW_FAPS;
 use glam::Vec3;
@@ -164,7 +165,7 @@ impl CaptureBridge {
 /// they may be wrong.
 fn own(generic: &[FapValues], fields: &[Vec<Vec3>], figure: &Figure) -> Option<Vec<FapValues>> {
     let head = HeadSurface::of(figure);
-    let points = FacePoints::find(&head.surface, &[]).ok()?;
+    let points = found(figure, &head, &[]).ok()?;
     let ratios = points.units().ratios(points.height());
     if ratios.iter().any(|(_, ratio)| ratio.doubtful) {
         return None;

@@ -1,5 +1,6 @@
 //! Blend shapes for a face without them, made from its feature points.
 
+use super::stored::found;
 use super::surface::HeadSurface;
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
@@ -45,14 +46,12 @@ pub fn add_face_shapes(
 fn made(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<FaceShapes> {
     let figure = Figure::new(opened.clone())?;
     let head = HeadSurface::of(&figure);
-    let to_head = head.model_from_head.inverse();
-    let given: Vec<(PointId, Vec3)> = given.iter().map(|(p, at)| (*p, to_head * *at)).collect();
     let no_face = |e: &dyn std::fmt::Display| {
         Error::unsuited(format!(
             "face: {e}; blend shapes are made for a closed face with nose and mouth"
         ))
     };
-    let points = FacePoints::find(&head.surface, &given).map_err(|e| no_face(&e))?;
+    let points = found(&figure, &head, given).map_err(|e| no_face(&e))?;
     let table = FaceTable::new(&head.surface, &points);
     let table = table.ok_or_else(|| no_face(&"its feature points lie in a plane"))?;
 

@@ -2,6 +2,8 @@
 
 use super::part::PreparedPart;
 use crate::mesh_levels::MeshLevelOptions;
+use articula_core::feature_points::PointId;
+use glam::Vec3;
 
 /// Options of [`prepare`](crate::prepare()).
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +14,9 @@ pub struct PrepareOptions {
     pub mesh_levels: Option<MeshLevelOptions>,
     /// Parts that are left out.
     pub without: Vec<PreparedPart>,
+    /// Feature points of the face that are known, with their places in model space; the others are
+    /// found.
+    pub face_points: Vec<(PointId, Vec3)>,
 }
 
 impl PrepareOptions {
@@ -27,6 +32,7 @@ impl Default for PrepareOptions {
             seed: 1,
             mesh_levels: None,
             without: Vec::new(),
+            face_points: Vec::new(),
         }
     }
 }

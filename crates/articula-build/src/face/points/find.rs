@@ -22,6 +22,21 @@ pub enum PointSource {
     Template,
 }
 
+impl PointSource {
+    /// All sources.
+    pub const ALL: [Self; 4] = [Self::Given, Self::Geometry, Self::Shapes, Self::Template];
+
+    /// Returns its name in reports and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Given => "given",
+            Self::Geometry => "geometry",
+            Self::Shapes => "shapes",
+            Self::Template => "template",
+        }
+    }
+}
+
 /// A feature point of a face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FacePoint {

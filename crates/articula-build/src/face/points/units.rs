@@ -73,13 +73,6 @@ impl FaceUnits {
             let doubtful = !(1.0 / DOUBTFUL..=DOUBTFUL).contains(&ratio);
             (unit, UnitRatio { ratio, doubtful })
         };
-        [
-            FapUnit::IrisDiameter,
-            FapUnit::EyeSeparation,
-            FapUnit::EyeNose,
-            FapUnit::MouthNose,
-            FapUnit::MouthWidth,
-        ]
-        .map(ratio)
+        FapUnit::DISTANCES.map(ratio)
     }
 }

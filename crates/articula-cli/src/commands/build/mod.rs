@@ -40,6 +40,10 @@ pub(crate) struct BuildArgs {
     /// Seed for choosing the vertices and frames that errors are measured on
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Feature points of the face that are known, as JSON or in an FDP file for this mesh; the others
+    /// are found (see inspect --face)
+    #[arg(long, value_name = "F.json|F.fdp", conflicts_with = "check")]
+    face_points: Option<PathBuf>,
     #[command(flatten)]
     mesh_levels: MeshLevelArgs,
 }
@@ -59,6 +63,8 @@ struct BuildReport {
     parts: Vec<PartBytes>,
     /// Bytes of the palettes that the keys of the pose cache become when the asset is opened.
     pose_cache_bytes: usize,
+    /// Number of feature points of the face; 0 if the figure shows too little of one.
+    face_points: usize,
     /// Files whose clips were added.
     added: Vec<Added>,
     /// Mesh levels, finest first; empty unless asked for.
@@ -112,10 +118,11 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         let what = "an asset is a GLB; name the file .glb";
         return Err(fault::usage(format!("{}: {what}", files::shown(out))));
     }
-    let options = PrepareOptions {
+    let mut options = PrepareOptions {
         seed: args.seed,
         mesh_levels,
         without: args.without.clone(),
+        face_points: Vec::new(),
     };
     console.files.plan(args.inputs(inputs), args.outputs(out))?;
     let mut files = inputs
@@ -123,6 +130,9 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         .map(|p| open::character(&console.files, p, &args.names));
     let mut opened = files.next().context("no character was named")??;
     let motions: Vec<CharacterFile> = files.collect::<Result<_, _>>()?;
+    if let Some(path) = &args.face_points {
+        options.face_points = open::face_points(&opened, path)?;
+    }
     let added = added(&mut opened, &motions, console)?;
     let built = console.work(|work| prepare(opened, &options, work));
     let built = built.map_err(|error| match (error.cause(), &args.mesh_levels.lock) {
@@ -149,7 +159,11 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
 impl BuildArgs {
     /// The files that are read.
     fn inputs<'a>(&'a self, characters: &'a [PathBuf]) -> impl Iterator<Item = &'a Path> {
-        let named = characters.iter().chain(&self.mesh_levels.lock);
+        let points = self.face_points.iter();
+        let named = characters
+            .iter()
+            .chain(&self.mesh_levels.lock)
+            .chain(points);
         named.map(PathBuf::as_path).chain(self.names.inputs())
     }
 
@@ -205,6 +219,7 @@ impl BuildReport {
             clips: asset.clips.iter().zip(&built.tables).map(clip).collect(),
             parts: built.parts.clone(),
             pose_cache_bytes: built.pose_cache_bytes,
+            face_points: built.face_points,
             added: Vec::new(),
             levels: made.map(levels::levels).unwrap_or_default(),
             bytes: made.map(|l| levels::bytes(l, built.mesh_bytes)),
@@ -274,6 +289,10 @@ impl BuildReport {
         }
         text.push('\n');
         text.push_str(&parts_text(&self.parts, self.pose_cache_bytes));
+        if self.face_points > 0 {
+            let points = self.face_points;
+            text.push_str(&format!("face: {points} feature points\n"));
+        }
         if let Some(bytes) = &self.bytes {
             text.push('\n');
             text.push_str(&levels::text(&self.levels, bytes, &self.measured));
