@@ -3,6 +3,8 @@
 use crate::judges::{ask, judges_are_here};
 use crate::program::{edited, fault, folder, json, word};
 use crate::real;
+use articula_formats::Limits;
+use articula_formats::mpeg4::fdp;
 use serde_json::Value;
 
 /// A point of a report.
@@ -114,6 +116,40 @@ fn what_cannot_be_done_is_said() {
     std::fs::write(here.join("near.fdp"), fdp.replace("99999", "3")).unwrap();
     let found = json(&here, &["inspect", head, "--face-points", "near.fdp"]);
     assert_eq!(point(&found, "2.1")["source"], "given");
+}
+
+#[test]
+fn a_face_is_written_as_fdp_and_read_back() {
+    let Some(head) = real::file("glb/ict_head_talk_1095.glb") else {
+        return;
+    };
+    let here = folder("face-fdp");
+    let head = word(&head);
+    let found = json(&here, &["inspect", head, "--write-face-points", "a.fdp"]);
+    let bytes = std::fs::read(here.join("a.fdp")).unwrap();
+    let file = fdp::read(&bytes, &Limits::default()).unwrap().value;
+    for unit in found["face_layout"]["units"].as_array().unwrap() {
+        let length = unit["distance_m"].as_f64().unwrap() as f32;
+        let units = file.fapu;
+        let all = [units.irisd0, units.es0, units.ens0, units.mns0, units.mw0];
+        assert!(all.iter().any(|u| (u - length).abs() < 1e-6), "{unit}");
+    }
+    // Left and right corners of the lips: zones of their own, each with its vertex.
+    let of = |point| file.points.iter().find(|p| p.point == point).unwrap();
+    let [left, right, chin] = [(2, 4), (2, 5), (2, 1)].map(of);
+    assert!(left.zone.contains(&left.vertex) && !left.zone.contains(&right.vertex));
+    assert_eq!(
+        left.influences.iter().map(|i| i.fap).collect::<Vec<_>>(),
+        [6, 12]
+    );
+    assert!(chin.zone.len() > left.zone.len());
+    // The vertices that stand for the points are given back.
+    let back = json(&here, &["inspect", head, "--face-points", "a.fdp"]);
+    for at in &file.points {
+        let name = format!("{}.{}", at.point.0, at.point.1);
+        assert_eq!(point(&back, &name)["source"], "given");
+        assert_eq!(point(&found, &name)["vertex"], at.vertex, "{name}");
+    }
 }
 
 /// How each point of a report was found.

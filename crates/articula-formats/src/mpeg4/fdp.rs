@@ -4,6 +4,8 @@
 //! parameters of the standard are a binary scene; this format holds corresponding data for one
 //! external mesh. Numbers are in the mesh's own unit.
 
+pub use super::fdp_write::write;
+
 use crate::words::shortened;
 use crate::{Limits, Parsed, ReadError, Warning};
 use articula_core::fap_table::FAP_COUNT;
@@ -15,7 +17,7 @@ use std::fmt::Display;
 use std::str::FromStr;
 
 /// The supported version.
-const VERSION: &str = "0.2";
+pub(super) const VERSION: &str = "0.2";
 /// Maximum number of attributes, several times that of any element.
 const MAX_ATTRIBUTES: usize = 64;
 /// Maximum absolute value of a number.

@@ -3,7 +3,7 @@
 //! - [`fap`]: facial animation parameters; read and write
 //! - [`bap`]: body animation parameters, which drive the standard humanoid; read and write
 //! - [`epf`]: parameters of the encoder; read as data
-//! - [`fdp`]: Xface's description of a face; read as data
+//! - [`fdp`]: Xface's description of a face; read and write
 //!
 //! The standard defines bits, not text: the text formats are those of its reference encoder and of
 //! Xface, see `docs/formats/mpeg4.md`.
@@ -17,4 +17,5 @@ mod bap_table;
 pub mod epf;
 pub mod fap;
 pub mod fdp;
+mod fdp_write;
 mod parameter_text;

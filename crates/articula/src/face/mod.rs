@@ -6,6 +6,7 @@
 //! - `frames`: the values of a clip's frames
 //! - `surface`: the head as a surface
 //! - `points`: the feature points found on it
+//! - `fdp`: those of FDP files
 //! - `stored`: those that an asset keeps
 //! - `shapes`: blend shapes for a face without them
 //! - `turns`: head and eyes, which turn
@@ -17,6 +18,7 @@
 mod capture;
 mod controls;
 mod detail;
+mod fdp;
 mod fields;
 mod fit;
 mod frames;
@@ -33,9 +35,10 @@ pub use detail::{
     FACE_DISTANCES_M, FaceDetailOptions, FaceDetailReport, FaceDetailRow, FaceLevelError, FapLever,
     MeasuredFace, face_detail,
 };
+pub use fdp::{face_fdp, fdp_points};
 pub use fit::{FaceTransfer, FittedFace, NotDriven, fit_capture, fit_face};
 pub use levels::{FaceLevelReport, expand_face, reduce_face};
-pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout, fdp_points};
+pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout};
 pub use rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
 pub use shapes::{FaceShapes, add_face_shapes};
 pub(crate) use stored::stored_face;

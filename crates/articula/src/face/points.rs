@@ -4,11 +4,7 @@ use super::stored::found;
 use super::surface::HeadSurface;
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
-use crate::open::CharacterFile;
-use articula_core::PosedMesh;
-use articula_core::feature_points::{FEATURE_POINTS, PointId, feature_point_index};
-use articula_core::source::RawMesh;
-use articula_formats::mpeg4::fdp::{self, FdpFile};
+use articula_core::feature_points::{FEATURE_POINTS, PointId};
 use glam::Vec3;
 use serde::Serialize;
 
@@ -108,50 +104,6 @@ pub fn face_layout(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FaceLay
     })
 }
 
-/// Returns the places of the feature points of an FDP file on a figure, whose mesh it is made for:
-/// it names a mesh and a vertex for each.
-///
-/// # Errors
-/// [`Error::Argument`] that names the point, if the figure lacks its vertex or the standard the
-/// point.
-pub fn fdp_points(character: &CharacterFile, file: &FdpFile) -> Result<Vec<(PointId, Vec3)>> {
-    let figure = Figure::new(character.clone())?;
-    let asset = &figure.asset;
-    let still = vec![0.0; asset.mesh.morph_weights.len()];
-    let places = PosedMesh::new(&asset.rig, &asset.mesh)
-        .pose(asset.rig.rest_pose())
-        .skinned(&still)
-        .positions;
-    let meshes = &character.character.meshes;
-    let place = |point: &fdp::FeaturePoint| {
-        feature_point_index(point.point)?;
-        // The only mesh of a figure may have another name.
-        let named = meshes.iter().position(|m| m.name == point.mesh);
-        let mesh = named.or_else(|| (meshes.len() == 1).then_some(0))?;
-        let count = |m: &RawMesh| {
-            m.primitives
-                .iter()
-                .map(|p| p.positions.len())
-                .sum::<usize>()
-        };
-        let vertex = point.vertex as usize;
-        let first: usize = meshes[..mesh].iter().map(count).sum();
-        (vertex < count(&meshes[mesh])).then(|| places[first + vertex])
-    };
-    let points = file.points.iter().map(|point| {
-        let found = place(point).map(|at| (point.point, at));
-        found.ok_or_else(|| {
-            Error::argument(format!(
-                "point {}: the figure has no vertex {} of a mesh \"{}\"; give the FDP file made for it",
-                named(point.point),
-                point.vertex,
-                point.mesh
-            ))
-        })
-    });
-    points.collect()
-}
-
-fn named((group, number): PointId) -> String {
+pub(super) fn named((group, number): PointId) -> String {
     format!("{group}.{number}")
 }

@@ -4,12 +4,12 @@ use crate::console::Console;
 use crate::table::Table;
 use crate::{fault, files, open};
 use anyhow::Context;
-use articula::face::{FaceLayout, HeadSurface, face_layout};
+use articula::face::{FaceLayout, HeadSurface, face_fdp, face_layout};
 use articula::{Figure, facing};
-use articula_core::feature_points::PointId;
 use articula_core::{ModelPose, local_to_model};
 use articula_flat::{Appearance, Bounds, Picture};
 use articula_formats::face_points;
+use articula_formats::mpeg4::fdp;
 use articula_report::{FaceMark, face_sheet, shape_sheet};
 use clap::Args;
 use glam::Vec3;
@@ -31,8 +31,9 @@ pub(super) struct FaceArgs {
     /// Feature points that are known, as JSON or in an FDP file for this mesh; the others follow
     #[arg(long, value_name = "F.json|F.fdp")]
     face_points: Option<PathBuf>,
-    /// Write the feature points: a file to edit, and to give to --face-points
-    #[arg(long, value_name = "F.json")]
+    /// Write the feature points: as JSON, to edit and to give to --face-points, or as an FDP file with
+    /// the zone of each point
+    #[arg(long, value_name = "F.json|F.fdp")]
     write_face_points: Option<PathBuf>,
 }
 
@@ -111,14 +112,24 @@ impl FaceArgs {
             written.push(files::shown(path));
         }
         if let Some(path) = &self.write_face_points {
-            let points = layout.points.iter();
-            let points: Vec<(PointId, Vec3)> =
-                points.map(|p| (p.point, Vec3::from(p.place_m))).collect();
-            console.files.write(path, &face_points::write(&points))?;
+            let bytes = if is_fdp(path) {
+                fdp::write(&face_fdp(figure, &given)?)
+            } else {
+                let points = layout.points.iter();
+                let points = points.map(|p| (p.point, Vec3::from(p.place_m)));
+                face_points::write(&points.collect::<Vec<_>>())
+            };
+            console.files.write(path, &bytes)?;
             written.push(files::shown(path));
         }
         Ok((layout, written))
     }
+}
+
+/// Whether a file is to be an FDP file, by its name.
+fn is_fdp(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("fdp"))
 }
 
 /// Draws the points on the face.
