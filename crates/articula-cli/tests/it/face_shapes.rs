@@ -2,8 +2,9 @@
 
 use crate::program::{edited, fault, folder, json, word};
 use crate::real;
-use articula_core::source::{Character, RawMesh};
+use articula_core::source::{Channel, Character, Property, RawMesh, evaluate};
 use glam::Vec3;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Writes a GLB file without its morph targets and animations.
@@ -111,6 +112,7 @@ fn a_face_clip_goes_onto_a_face_without_shapes() {
         &["convert", speech, "a.glb", "--onto", "bald.glb"],
     );
     assert!(said.contains("--face-shapes"), "{said}");
+    assert!(said.contains("--fat"), "{said}");
     let words = [
         "convert",
         speech,
@@ -158,4 +160,124 @@ fn a_face_clip_goes_onto_a_face_without_shapes() {
     );
     let said = fault(&here, 1, &["convert", "a.glb", "c.glb", "--face-shapes"]);
     assert!(said.contains("has morph targets"), "{said}");
+}
+
+/// Displacements of all vertices by the first clip.
+fn displacements(file: &Path, secs: f32) -> Vec<Vec3> {
+    let read = character(file);
+    let mut all = Vec::new();
+    for (m, mesh) in read.meshes.iter().enumerate() {
+        let mut weights = vec![0.0; mesh.morph_names.len()];
+        let is_it = |c: &&Channel| c.property == Property::Weights && c.target == m;
+        if let Some(channel) = read.clips[0].channels.iter().find(is_it) {
+            evaluate::channel(channel, secs, &mut weights);
+        }
+        for primitive in &mesh.primitives {
+            let mut sum = vec![Vec3::ZERO; primitive.positions.len()];
+            for (target, weight) in primitive.morphs.iter().zip(&weights) {
+                for (sum, offset) in sum.iter_mut().zip(&target.positions) {
+                    *sum += *weight * *offset;
+                }
+            }
+            all.extend(sum);
+        }
+    }
+    all
+}
+
+#[test]
+fn a_table_shows_parameters_as_they_are() {
+    let Some((here, head)) = bald("face-table") else {
+        return;
+    };
+    // Two seconds: the jaw opens by 900 units, the left lid closes by 600.
+    let mut text = "2.1 say 10 21\n".to_owned();
+    for frame in 0..21 {
+        let mask: Vec<&str> = (1..=68)
+            .map(|fap| if matches!(fap, 3 | 19) { "1" } else { "0" })
+            .collect();
+        writeln!(
+            text,
+            "{}\n{frame} {} {}",
+            mask.join(" "),
+            45 * frame,
+            30 * frame
+        )
+        .unwrap();
+    }
+    std::fs::write(here.join("say.fap"), text).unwrap();
+    let words = ["convert", "say.fap", "a.glb", "--onto", "bald.glb", "--fat"];
+    let report = json(&here, &words);
+    let table = &report["face_table"];
+    let face = &report["onto"]["faces"][0];
+    assert_eq!(
+        (&face["columns"], &face["error_mm_max"]),
+        (&"table".into(), &0.0.into())
+    );
+    assert_eq!(face["controls"], table["targets"]);
+    let faps = table["faps"].as_array().unwrap();
+    assert!(faps.contains(&3.into()) && faps.contains(&19.into()));
+    // The lid goes round the eye, in several parts.
+    let meshes = character(&here.join("a.glb")).meshes;
+    let names: Vec<&String> = meshes.iter().flat_map(|m| &m.morph_names).collect();
+    let of = |start: &str| names.iter().filter(|n| n.starts_with(start)).count();
+    assert!(of("fap19_") > 2, "{names:?}");
+
+    // Chin and lid go down by what the values say in the units of the face.
+    let layout = json(&here, &["inspect", "bald.glb", "--face"]);
+    let layout = &layout["face_layout"];
+    let vertex = |name: &str| {
+        let points = layout["points"].as_array().unwrap();
+        let point = points.iter().find(|p| p["name"] == name).unwrap();
+        point["vertex"].as_u64().unwrap() as usize
+    };
+    let unit = |name: &str| {
+        let units = layout["units"].as_array().unwrap();
+        let unit = units.iter().find(|u| u["name"] == name).unwrap();
+        unit["distance_m"].as_f64().unwrap() as f32 / 1024.0
+    };
+    for secs in [0.3, 1.0, 2.0] {
+        let moved = displacements(&here.join("a.glb"), secs);
+        let (chin, lid) = (moved[vertex("2.1")].y, moved[vertex("3.1")].y);
+        assert!(
+            (chin + 450.0 * secs * unit("MNS")).abs() < 2e-4,
+            "{chin} at {secs} s"
+        );
+        assert!(
+            (lid + 300.0 * secs * unit("IRISD")).abs() < 4e-4,
+            "{lid} at {secs} s"
+        );
+    }
+
+    // A face with blend shapes keeps them, and its clip; the table drives what is new.
+    let words = [
+        "convert",
+        "say.fap",
+        "b.glb",
+        "--onto",
+        word(&head),
+        "--fat",
+        "--keep-clips",
+    ];
+    let report = json(&here, &words);
+    assert_eq!(report["onto"]["faces"][0]["columns"], "table");
+    let (before, after) = (character(&head), character(&here.join("b.glb")));
+    let shapes = before.meshes[0].morph_names.len();
+    assert_eq!(
+        after.meshes[0].morph_names[..shapes],
+        before.meshes[0].morph_names[..]
+    );
+    let clip = |read: &Character, count: usize| {
+        let is_it = |c: &&Channel| c.property == Property::Weights && c.target == 0;
+        let channel = read.clips[0].channels.iter().find(is_it).unwrap();
+        let mut weights = vec![0.0; count];
+        evaluate::channel(channel, 0.7, &mut weights);
+        weights
+    };
+    let all = after.meshes[0].morph_names.len();
+    let own = clip(&before, shapes);
+    assert_eq!(clip(&after, all)[..shapes], own[..]);
+    assert!(own.iter().any(|w| *w > 0.0));
+    let said = fault(&here, 1, &["convert", "a.glb", "c.glb", "--fat"]);
+    assert!(said.contains("a face animation table already"), "{said}");
 }

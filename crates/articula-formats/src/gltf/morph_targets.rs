@@ -1,6 +1,6 @@
 //! Addition of morph targets to a mesh of a document.
 
-use super::append::{entries_mut, index, object, set};
+use super::append::{entries_mut, index, object, push, set};
 use super::document::Document;
 use super::geometry::add_morph;
 use super::primitive;
@@ -13,12 +13,13 @@ use glam::Vec3;
 use serde_json::{Value, json};
 
 impl Document {
-    /// Gives the mesh of a node the morph targets of `mesh`, which was read from it and had none.
-    /// Their weights at rest are 0.
+    /// Gives the mesh of a node the morph targets that `mesh`, which was read from it, has after those
+    /// of the document.
     ///
     /// # Errors
-    /// [`WriteError::Mismatch`] if the node has no mesh, the mesh has morph targets or parts that are
-    /// not triangles, or arrays have other lengths; the document is then unchanged.
+    /// [`WriteError::Mismatch`] if the node has no mesh, there is no new morph target, parts of the
+    /// mesh are not triangles or differ in their number of morph targets, or arrays have other
+    /// lengths; the document is then unchanged.
     pub fn add_morph_targets(&mut self, node: usize, mesh: &RawMesh) -> Result<(), WriteError> {
         let at = || format!("nodes[{node}].mesh");
         let of_node = self.json["nodes"].get(node).and_then(|n| index(n, "mesh"));
@@ -32,8 +33,13 @@ impl Document {
             let what = "some of its parts are points or lines, which have no morph targets";
             return Err(WriteError::mismatch(at(), what));
         }
-        if parts.iter().any(|p| p.get("targets").is_some()) {
-            return Err(WriteError::mismatch(at(), "it has morph targets already"));
+        let stored_targets = |p: &Value| p["targets"].as_array().map_or(0, Vec::len);
+        let before = parts.iter().map(stored_targets).max().unwrap_or(0);
+        if parts.iter().any(|p| stored_targets(p) != before) || before >= mesh.morph_names.len() {
+            return Err(WriteError::mismatch(
+                at(),
+                "it has these morph targets already",
+            ));
         }
         let mut whole = Vec::with_capacity(parts.len());
         for (part, primitive) in mesh.primitives.iter().enumerate() {
@@ -48,23 +54,30 @@ impl Document {
         }
         for (part, (primitive, (count, vertices))) in mesh.primitives.iter().zip(whole).enumerate()
         {
-            let targets = primitive.morphs.iter().map(|m| {
+            let targets = primitive.morphs[before..].iter().map(|m| {
                 let target = MorphTarget {
                     positions: scattered(&m.positions, &vertices, count),
                     normals: scattered(&m.normals, &vertices, count),
                 };
                 add_morph(self, &target)
             });
-            let targets: Value = targets.collect();
+            let targets: Vec<Value> = targets.collect();
             let stored = &mut entries_mut(&mut self.json, "meshes")[number];
-            set(
-                &mut entries_mut(stored, "primitives")[part],
-                "targets",
-                targets,
-            );
+            let part = &mut entries_mut(stored, "primitives")[part];
+            for target in targets {
+                push(part, "targets", target);
+            }
+        }
+        for node in entries_mut(&mut self.json, "nodes") {
+            let weights = node.get("weights").and_then(Value::as_array).map(Vec::len);
+            if index(node, "mesh") == Some(number) && weights.is_some() {
+                for _ in before..mesh.morph_names.len() {
+                    push(node, "weights", json!(0.0));
+                }
+            }
         }
         let stored = &mut entries_mut(&mut self.json, "meshes")[number];
-        set(stored, "weights", vec![0.0; mesh.morph_names.len()]);
+        set(stored, "weights", mesh.morph_weights.clone());
         let extras = object(stored).entry("extras").or_insert_with(|| json!({}));
         set(extras, "targetNames", mesh.morph_names.clone());
         Ok(())
@@ -167,6 +180,7 @@ mod tests {
     fn with_target(file: &gltf::GltfFile) -> RawMesh {
         let mut mesh = file.character.meshes[0].clone();
         mesh.morph_names = vec!["jawOpen".to_owned()];
+        mesh.morph_weights = vec![0.0];
         for primitive in &mut mesh.primitives {
             let offsets = (0..primitive.positions.len()).map(|v| v as f32 * Vec3::Z);
             primitive.morphs = vec![MorphTarget {
@@ -196,8 +210,28 @@ mod tests {
             again
                 .unwrap_err()
                 .to_string()
-                .contains("has morph targets already")
+                .contains("has these morph targets already")
         );
+        // A further one comes after it, with the weight of its node.
+        document.json["nodes"][file.node_of_mesh[0]]["weights"] = json!([0.5]);
+        let mut more = read(&document).character.meshes.swap_remove(0);
+        more.morph_names.push("fap3_0_1000".to_owned());
+        more.morph_weights = vec![0.0; 2];
+        for primitive in &mut more.primitives {
+            let new = primitive.morphs[0].positions.iter().map(|p| -*p);
+            let normals = primitive.morphs[0].normals.clone();
+            primitive.morphs.push(MorphTarget {
+                positions: new.collect(),
+                normals,
+            });
+        }
+        document
+            .add_morph_targets(file.node_of_mesh[0], &more)
+            .unwrap();
+        let back = read(&document).character.meshes.swap_remove(0);
+        assert_eq!(back.primitives, more.primitives);
+        assert_eq!(back.morph_names, more.morph_names);
+        assert_eq!(back.morph_weights, [0.5, 0.0]);
     }
 
     #[test]

@@ -29,15 +29,15 @@ enum Target {
 }
 
 impl FaceControls {
-    /// The known controls of a character: of its morph targets, its expressions with the names of
-    /// blend shapes, and those with the names of VRM's presets, the kind that has the most; without
-    /// any, the morph targets of a face animation table. `None` if it has none.
+    /// The known controls of a character: the morph targets of a face animation table; without one,
+    /// its morph targets or its expressions with the names of blend shapes, or those with the names of
+    /// VRM's presets, the kind that has the most. `None` if it has none.
     pub(super) fn of(character: &Character) -> Option<Self> {
-        Self::shapes_of(character).or_else(|| Self::table_of(character))
+        Self::table_of(character).or_else(|| Self::shapes_of(character))
     }
 
     /// The morph targets of a face animation table.
-    pub(super) fn table_of(character: &Character) -> Option<Self> {
+    fn table_of(character: &Character) -> Option<Self> {
         let (intervals, targets): (Vec<FapInterval>, Vec<Target>) =
             morphs(character, FapInterval::parse).into_iter().unzip();
         (!targets.is_empty()).then(|| Self {
@@ -82,8 +82,8 @@ impl FaceControls {
     pub(super) fn known(character: &CharacterFile) -> Result<Self> {
         let what = "face: no morph target has the name of a blend shape of ARKit (jawOpen, \
                     eyeBlinkLeft, ...) and no expression that of a preset of VRM (aa, blink, ...), \
-                    so nothing shows a face clip; convert --face-shapes makes blend shapes for a \
-                    closed face";
+                    so nothing shows a face clip; convert --fat and --face-shapes make morph targets \
+                    for a closed face";
         let found = Self::of(&character.character).ok_or_else(|| Error::unsuited(what));
         found.context(&character.name)
     }

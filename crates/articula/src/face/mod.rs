@@ -8,7 +8,8 @@
 //! - `points`: the feature points found on it
 //! - `fdp`: those of FDP files
 //! - `stored`: those that an asset keeps
-//! - `shapes`: blend shapes for a face without them
+//! - `shapes`: blend shapes for a face without them, and tables
+//! - `targets`: new morph targets of a head
 //! - `turns`: head and eyes, which turn
 //! - `capture`: captures of blend shapes as parameters, and back
 //! - `fit`: a FAP clip as a clip of a character
@@ -28,6 +29,7 @@ mod rig;
 mod shapes;
 mod stored;
 mod surface;
+mod targets;
 mod turns;
 
 pub use capture::{CaptureReport, ShapeLoss, capture_of_clip, capture_to_faps, faps_to_capture};
@@ -40,6 +42,6 @@ pub use fit::{FaceTransfer, FittedFace, NotDriven, fit_capture, fit_face};
 pub use levels::{FaceLevelReport, expand_face, reduce_face};
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout};
 pub use rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
-pub use shapes::{FaceShapes, add_face_shapes};
+pub use shapes::{FaceShapes, FaceTableTargets, add_face_shapes, add_face_table};
 pub(crate) use stored::stored_face;
 pub use surface::HeadSurface;

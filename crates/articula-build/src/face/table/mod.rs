@@ -5,6 +5,7 @@
 //! - `graph`: distances along the skin
 //! - `weights`: how much each vertex follows each handle
 //! - `normals`: how normals change with the vertices
+//! - `pieces`: the parts of a parameter's range over which the table is straight
 //! - `rules`: how handles move with parameters
 //!
 //! Method and constants: `docs/methods/faces.md`.
@@ -12,6 +13,7 @@
 mod graph;
 mod handles;
 mod normals;
+mod pieces;
 mod rules;
 mod weights;
 
@@ -47,6 +49,8 @@ pub struct FaceTable {
     /// Vertices of the eyeballs.
     eyeballs: Option<[Vec<u32>; 2]>,
     positions: Vec<Vec3>,
+    /// Height of the face, metres.
+    height: f32,
 }
 
 impl FaceTable {
@@ -121,6 +125,7 @@ impl FaceTable {
                 .as_ref()
                 .map(|e| [e[0].0.clone(), e[1].0.clone()]),
             positions: surface.positions.clone(),
+            height,
         })
     }
 

@@ -1,22 +1,34 @@
-//! `convert --face-shapes`: blend shapes for a face without them.
+//! `convert --face-shapes` and `--fat`: morph targets for a face, made from its feature points.
 
 use crate::open::face_points;
 use articula::CharacterFile;
-use articula::face::{FaceShapes, add_face_shapes};
+use articula::face::{FaceShapes, FaceTableTargets, add_face_shapes, add_face_table};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Flags about the blend shapes of a face.
+/// Flags about the morph targets of a face.
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct FaceShapeArgs {
     /// Give the face the blend shapes of ARKit, made from its feature points; with --onto, the face of
     /// that character
-    #[arg(long)]
+    #[arg(long, group = "made_face")]
     face_shapes: bool,
-    /// With --face-shapes: feature points that are known, as JSON or in an FDP file for this mesh; see
-    /// inspect --face
-    #[arg(long, value_name = "F.json|F.fdp", requires = "face_shapes")]
+    /// Give the face a face animation table, made from its feature points, as morph targets of single
+    /// parameters, and drive FAP clips by it even if the face has blend shapes; with --onto, the face
+    /// of that character
+    #[arg(long, group = "made_face")]
+    fat: bool,
+    /// With --face-shapes or --fat: feature points that are known, as JSON or in an FDP file for this
+    /// mesh; see inspect --face
+    #[arg(long, value_name = "F.json|F.fdp", requires = "made_face")]
     face_points: Option<PathBuf>,
+}
+
+/// What was made for a face.
+#[derive(Debug, Clone, Default)]
+pub(super) struct MadeFace {
+    pub(super) shapes: Option<FaceShapes>,
+    pub(super) table: Option<FaceTableTargets>,
 }
 
 impl FaceShapeArgs {
@@ -25,21 +37,27 @@ impl FaceShapeArgs {
         self.face_points.as_ref()
     }
 
-    /// Whether blend shapes are asked for.
+    /// Whether morph targets are asked for.
     pub(super) fn asks(&self) -> bool {
-        self.face_shapes
+        self.face_shapes || self.fat
     }
 
-    /// Adds the blend shapes, if they are asked for.
-    pub(super) fn add(&self, opened: &mut CharacterFile) -> anyhow::Result<Option<FaceShapes>> {
-        if !self.face_shapes {
-            return Ok(None);
+    /// Adds the morph targets, if they are asked for.
+    pub(super) fn add(&self, opened: &mut CharacterFile) -> anyhow::Result<MadeFace> {
+        let mut made = MadeFace::default();
+        if !self.asks() {
+            return Ok(made);
         }
         let given = match &self.face_points {
             Some(path) => face_points(opened, path)?,
             None => Vec::new(),
         };
-        Ok(Some(add_face_shapes(opened, &given)?))
+        if self.fat {
+            made.table = Some(add_face_table(opened, &given)?);
+        } else {
+            made.shapes = Some(add_face_shapes(opened, &given)?);
+        }
+        Ok(made)
     }
 }
 
@@ -56,12 +74,35 @@ pub(super) fn text(shapes: &FaceShapes) -> String {
             shapes.not_made.join(", ")
         ));
     }
-    if !shapes.doubtful.is_empty() {
+    text + &doubt(&shapes.doubtful)
+}
+
+/// Formats what the table shows.
+pub(super) fn table_text(table: &FaceTableTargets) -> String {
+    let mut text = format!(
+        "face: a table of {} parameters as {} morph targets over {} vertices, made from its feature points\n",
+        table.faps.len(),
+        table.targets,
+        table.vertices
+    );
+    if !table.not_shown.is_empty() {
+        let faps: Vec<String> = table.not_shown.iter().map(usize::to_string).collect();
         text.push_str(&format!(
-            "  points may be wrong ({} unusual): look at them with inspect --face-sheet, and give the \
-             right ones with --face-points\n",
-            shapes.doubtful.join(", ")
+            "  nothing of the face shows FAP {}\n",
+            faps.join(", ")
         ));
     }
-    text
+    text + &doubt(&table.doubtful)
+}
+
+/// Says which units of the face may be wrong.
+fn doubt(units: &[String]) -> String {
+    if units.is_empty() {
+        return String::new();
+    }
+    format!(
+        "  points may be wrong ({} unusual): look at them with inspect --face-sheet, and give the \
+         right ones with --face-points\n",
+        units.join(", ")
+    )
 }

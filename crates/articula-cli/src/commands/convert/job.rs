@@ -67,7 +67,7 @@ impl Recipe<'_> {
         self.options(self.args.clip.clone())
             .check(opened.format, job.format)?;
         let mut report = ConvertReport::new(job, opened.name.clone());
-        report.face_shapes = self.args.shapes.add(&mut opened)?;
+        report.put_face(&self.args.shapes.add(&mut opened)?);
         report.format_in = opened.format.name().to_owned();
         report.bytes_in = opened.bytes;
         report.warnings = open::warnings(&opened.warnings);
@@ -84,7 +84,7 @@ impl Recipe<'_> {
         self.options(None).check(hero.opened.format, job.format)?;
         let mut report = ConvertReport::new(job, job.named.clone());
         report.warnings = open::warnings(&hero.opened.warnings);
-        report.face_shapes.clone_from(&hero.shapes);
+        report.put_face(&hero.made);
         let motions = |input: &Input| {
             let motions = hero.motions(input, self.args, self.files);
             self.bar.inc(1);

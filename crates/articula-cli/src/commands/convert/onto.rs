@@ -1,6 +1,7 @@
 //! `convert --onto CHARACTER`: retargets motions of other figures onto one character and reports
 //! their quality.
 
+use super::face_shapes::MadeFace;
 use super::plan::{Input, reads_many};
 use super::{ConvertArgs, face_level};
 use crate::fault::clean;
@@ -12,9 +13,7 @@ use articula::convert::{
     AddClipsOptions, ContactPinning, FitFinding, FitFindingKind, FittedClip, FootSlideSummary,
     JointShare, RetargetOptions, TransferReport, TransferredClipReport, fit_clips,
 };
-use articula::face::{
-    FaceColumns, FaceShapes, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
-};
+use articula::face::{FaceColumns, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face};
 use articula::{CharacterFile, Data, DataFormat};
 use clap::ValueEnum;
 use std::path::Path;
@@ -23,8 +22,8 @@ use std::path::Path;
 #[derive(Debug)]
 pub(super) struct Hero {
     pub(super) opened: CharacterFile,
-    /// Blend shapes that were made for its face.
-    pub(super) shapes: Option<FaceShapes>,
+    /// Morph targets that were made for its face.
+    pub(super) made: MadeFace,
     options: AddClipsOptions,
 }
 
@@ -83,7 +82,7 @@ impl Hero {
             return Ok(None);
         };
         let mut opened = open::character(files, path, &args.names)?;
-        let shapes = args.shapes.add(&mut opened)?;
+        let made = args.shapes.add(&mut opened)?;
         let options = AddClipsOptions {
             clip: args.clip.clone(),
             file_in_names: reads_many(args),
@@ -99,7 +98,7 @@ impl Hero {
         };
         Ok(Some(Self {
             opened,
-            shapes,
+            made,
             options,
         }))
     }

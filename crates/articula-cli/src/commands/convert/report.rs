@@ -10,7 +10,7 @@ use crate::files;
 use crate::table::{Table, counted};
 use articula::ShownLevelsReport;
 use articula::convert::{ClipEdited, LossyPart, TransferReport};
-use articula::face::{CaptureReport, FaceLevelReport, FaceShapes, FaceTransfer};
+use articula::face::{CaptureReport, FaceLevelReport, FaceShapes, FaceTableTargets, FaceTransfer};
 use serde::Serialize;
 use std::path::Path;
 
@@ -36,6 +36,8 @@ pub(super) struct ConvertReport {
     pub(super) capture: Option<CaptureReport>,
     /// Blend shapes that were made for the face, if any were asked for.
     pub(super) face_shapes: Option<FaceShapes>,
+    /// Face animation table that was made for the face, if it was asked for.
+    pub(super) face_table: Option<FaceTableTargets>,
     /// The level of articulation of a FAP file that was written, if one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) face_level: Option<FaceLevelReport>,
@@ -139,6 +141,12 @@ pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
 }
 
 impl ConvertReport {
+    /// Reports what was made for the face.
+    pub(super) fn put_face(&mut self, made: &face_shapes::MadeFace) {
+        self.face_shapes.clone_from(&made.shapes);
+        self.face_table.clone_from(&made.table);
+    }
+
     /// An empty report of a job.
     pub(super) fn new(job: &Job, input: String) -> Self {
         Self {
@@ -153,6 +161,7 @@ impl ConvertReport {
             onto: None,
             capture: None,
             face_shapes: None,
+            face_table: None,
             face_level: None,
             edits: Vec::new(),
             reduction: None,
@@ -190,6 +199,9 @@ impl ConvertReport {
         }
         if let Some(found) = &self.capture {
             text.push_str(&capture::text(found));
+        }
+        if let Some(table) = &self.face_table {
+            text.push_str(&face_shapes::table_text(table));
         }
         if let Some(shapes) = &self.face_shapes {
             text.push_str(&face_shapes::text(shapes));
