@@ -38,8 +38,9 @@ pub struct PreparedAsset {
 }
 
 /// Computes everything that crowds and evaluations need, and stores it in the character's document:
-/// articulation, feature points of the face, clips at a uniform rate, joint and mesh levels with their errors, skins and
-/// bounds, keys of the pose cache, and motion tables. Other contents of the document are preserved.
+/// articulation, feature points of the face, clips at a uniform rate, joint and mesh levels with
+/// their errors, skins and bounds, keys of the pose cache, and motion tables. Other contents of the
+/// document are preserved.
 ///
 /// There is one job per clip. The output does not depend on threads or order.
 ///

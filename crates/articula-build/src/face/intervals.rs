@@ -40,16 +40,8 @@ impl FapInterval {
         let t = (value - self.from as f32) / (self.to - self.from) as f32;
         let is_two_sided = TABLE[self.fap - 1].action.is_some_and(|a| a.two_sided);
         let goes_on = |other: &Self| other.from == self.to;
-        let opposite = |other: &Self| other.to.signum() != self.to.signum();
-        let least = if self.from == 0
-            && is_two_sided
-            && !of_fap.iter().any(opposite)
-            && of_fap.len() == 1
-        {
-            f32::NEG_INFINITY
-        } else {
-            0.0
-        };
+        let is_linear = of_fap.len() == 1 && self.from == 0 && is_two_sided;
+        let least = if is_linear { f32::NEG_INFINITY } else { 0.0 };
         let most = if of_fap.iter().any(goes_on) {
             1.0
         } else {

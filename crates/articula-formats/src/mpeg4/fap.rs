@@ -173,7 +173,7 @@ pub fn read(
     })
 }
 
-/// The name in the first comment that has one, if it consists of letters and digits.
+/// The name in the first comment that has one, if it consists of letters, digits and hyphens.
 fn bridge(bytes: &[u8]) -> Option<String> {
     let mut lines = bytes.split(|b| matches!(b, b'\n' | b'\r'));
     let name = lines.find_map(|line| line.strip_prefix(BRIDGE.as_bytes()))?;

@@ -190,10 +190,10 @@ impl MeasuredFace {
         if clip.frames.is_empty() {
             return Err(Error::unsuited("the file has no frame")).context(file);
         }
-        let rig = FaceRig::of_figure(head)?;
+        let (rig, controls) = FaceRig::of_figure(head)?;
         Ok(Self {
             bridge: rig.bridge(clip.bridge.as_deref()).clone(),
-            fields: fields(&rig, head),
+            fields: fields(&rig, &controls, head),
             frames: face_frames(&with_inner_lips(clip)),
         })
     }
@@ -220,13 +220,13 @@ impl MeasuredFace {
 }
 
 /// The displacements under each control, and the eyeballs that turn.
-fn fields(rig: &FaceRig, head: &Figure) -> FaceFields {
+fn fields(rig: &FaceRig, controls: &[Vec<Vec3>], head: &Figure) -> FaceFields {
     let asset = &head.asset;
     let mut posed = PosedMesh::new(&asset.rig, &asset.mesh);
     let rest = posed
         .pose(asset.rig.rest_pose())
         .skinned(&asset.mesh.morph_weights);
-    let mut fields = FaceFields::new(&rig.fields);
+    let mut fields = FaceFields::new(controls);
     let axes = Quat::from_rotation_y(facing(&asset.rig, &posed.model)).inverse();
     let eyes = !(23..=26).any(|fap| rig.controls.bridge().moves(fap));
     for (turn, faps) in turns(&head.opened, eyes).iter().filter_map(eyeball) {

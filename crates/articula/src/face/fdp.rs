@@ -1,8 +1,7 @@
 //! The feature points of a figure as an FDP file, and the points of such a file on a figure.
 
 use super::points::named;
-use super::stored::found;
-use super::surface::HeadSurface;
+use super::tabled::TabledHead;
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use crate::open::CharacterFile;
@@ -27,19 +26,11 @@ const FALLOFF: &str = "RaisedCosInfluenceSph";
 /// # Errors
 /// [`Error::Unsupported`] that names the file, if it shows too little of a face.
 pub fn face_fdp(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FdpFile> {
-    let head = HeadSurface::of(figure);
-    let no_face = |e: &dyn std::fmt::Display| {
-        Error::unsuited(format!(
-            "face: {e}; feature points need a closed face with nose and mouth"
-        ))
-    };
-    let of_figure = || figure.opened.name.clone();
-    let points = found(figure, &head, given).map_err(|e| no_face(&e));
-    let points = points.with_context(of_figure)?;
-    let table = FaceTable::new(&head.surface, &points);
-    let table = table
-        .ok_or_else(|| no_face(&"its feature points lie in a plane"))
-        .with_context(of_figure)?;
+    let TabledHead {
+        head,
+        points,
+        table,
+    } = TabledHead::of(figure, given).context(&figure.opened.name)?;
     let units = points.units();
     let meshes = &figure.opened.character.meshes;
     let firsts: Vec<usize> = meshes

@@ -9,6 +9,7 @@
 //! - `fdp`: those of FDP files
 //! - `stored`: those that an asset keeps
 //! - `shapes`: blend shapes for a face without them, and tables
+//! - `tabled`: a head with its points and its table
 //! - `targets`: new morph targets of a head
 //! - `turns`: head and eyes, which turn
 //! - `capture`: captures of blend shapes as parameters, and back
@@ -29,6 +30,7 @@ mod rig;
 mod shapes;
 mod stored;
 mod surface;
+mod tabled;
 mod targets;
 mod turns;
 

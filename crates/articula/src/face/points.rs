@@ -2,7 +2,7 @@
 
 use super::stored::found;
 use super::surface::HeadSurface;
-use crate::error::{Context, Error, Result};
+use crate::error::{Context, Result};
 use crate::figure::Figure;
 use articula_core::feature_points::{FEATURE_POINTS, PointId};
 use glam::Vec3;
@@ -61,16 +61,11 @@ pub struct FeaturePoint {
 /// their places in model space.
 ///
 /// # Errors
-/// [`Error::Unsupported`] that names the file, if it shows too little of a face, such as one of
+/// [`Error::Unsupported`](crate::Error::Unsupported) that names the file, if it shows too little of a face, such as one of
 /// loose parts.
 pub fn face_layout(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FaceLayout> {
     let head = HeadSurface::of(figure);
-    let found = found(figure, &head, given).map_err(|e| {
-        Error::unsuited(format!(
-            "face: {e}; feature points need a closed face with nose and mouth"
-        ))
-    });
-    let found = found.with_context(|| figure.opened.name.clone())?;
+    let found = found(figure, &head, given).context(&figure.opened.name)?;
     let points = found.points.iter().zip(&FEATURE_POINTS);
     let points = points.map(|(found, entry)| FeaturePoint {
         name: named(found.point),

@@ -2,12 +2,11 @@
 
 use super::controls::FaceControls;
 use super::fields::control_fields;
-use super::stored::found;
-use super::surface::HeadSurface;
+use super::tabled::TabledHead;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::open::CharacterFile;
-use articula_build::face::{FaceBridge, FaceTable, FapValues, blend_shape};
+use articula_build::face::{FaceBridge, FapValues, blend_shape};
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES, BlendShape};
 use articula_core::fap_table::LOW_FAPS;
 use glam::Vec3;
@@ -38,8 +37,6 @@ pub struct FaceRig {
     pub(super) controls: FaceControls,
     /// Columns by the face's own feature points, and their name.
     own: Option<(FaceBridge, String)>,
-    /// Displacement of each vertex of the figure under each control.
-    pub(super) fields: Vec<Vec<Vec3>>,
 }
 
 impl FaceRig {
@@ -50,30 +47,33 @@ impl FaceRig {
     /// is known.
     pub fn new(character: &CharacterFile) -> Result<Self> {
         let controls = FaceControls::known(character)?;
-        Self::measured(controls, &Figure::new(character.clone())?)
+        if controls.columns().is_none() {
+            return Ok(Self {
+                controls,
+                own: None,
+            });
+        }
+        let figure = Figure::new(character.clone())?;
+        let fields = control_fields(&controls, &figure).context(&character.name)?;
+        Ok(Self::measured(controls, &figure, &fields))
     }
 
-    /// As [`FaceRig::new`], of a figure.
-    ///
-    /// # Errors
-    /// As [`FaceRig::new`].
-    pub fn of_figure(figure: &Figure) -> Result<Self> {
-        Self::measured(FaceControls::known(&figure.opened)?, figure)
-    }
-
-    fn measured(controls: FaceControls, figure: &Figure) -> Result<Self> {
+    /// As [`FaceRig::new`], of a figure; with the displacement of each of its vertices under each
+    /// control.
+    pub(super) fn of_figure(figure: &Figure) -> Result<(Self, Vec<Vec<Vec3>>)> {
+        let controls = FaceControls::known(&figure.opened)?;
         let fields = control_fields(&controls, figure).context(&figure.opened.name)?;
-        let own = controls
-            .columns()
-            .and_then(|columns| own(columns, &fields, figure));
-        Ok(Self {
-            controls,
-            own: own.map(|columns| {
-                let name = name_of(&columns);
-                (FaceBridge::new(columns), name)
-            }),
-            fields,
-        })
+        Ok((Self::measured(controls, figure, &fields), fields))
+    }
+
+    fn measured(controls: FaceControls, figure: &Figure, fields: &[Vec<Vec3>]) -> Self {
+        let generic = controls.columns();
+        let own = generic.and_then(|columns| own(columns, fields, figure));
+        let own = own.map(|columns| {
+            let name = name_of(&columns);
+            (FaceBridge::new(columns), name)
+        });
+        Self { controls, own }
     }
 
     /// How the effect of the controls on a clip is known that was made by the columns of a name.
@@ -164,18 +164,19 @@ impl CaptureBridge {
 /// The columns of a face's controls, from the motion of its feature points. `None` if it has none, or
 /// they may be wrong.
 fn own(generic: &[FapValues], fields: &[Vec<Vec3>], figure: &Figure) -> Option<Vec<FapValues>> {
-    let head = HeadSurface::of(figure);
-    let points = found(figure, &head, &[]).ok()?;
-    let ratios = points.units().ratios(points.height());
-    if ratios.iter().any(|(_, ratio)| ratio.doubtful) {
+    let face = TabledHead::of(figure, &[]).ok()?;
+    if !face.doubtful().is_empty() {
         return None;
     }
-    let table = FaceTable::new(&head.surface, &points)?;
-    let to_head = head.model_from_head.inverse();
+    let to_head = face.head.model_from_head.inverse();
     let column = |(generic, field): (&FapValues, &Vec<Vec3>)| {
-        let of_head = head.vertices.iter().map(|v| to_head * field[*v as usize]);
+        let of_head = face
+            .head
+            .vertices
+            .iter()
+            .map(|v| to_head * field[*v as usize]);
         let offsets: Vec<Vec3> = of_head.collect();
-        let mut values = table.values(&points, &offsets);
+        let mut values = face.table.values(&face.points, &offsets);
         for fap in NOT_MEASURED.into_iter().flatten() {
             values.0[fap - LOW_FAPS.start()] = generic.get(fap);
         }

@@ -1,13 +1,12 @@
 //! Morph targets for a face, made from its feature points: the blend shapes of ARKit for one without
 //! any, or a face animation table.
 
-use super::stored::found;
-use super::surface::HeadSurface;
+use super::tabled::TabledHead;
 use super::targets::{Existing, add_targets};
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use crate::open::CharacterFile;
-use articula_build::face::{FacePoints, FaceTable, FapInterval, FapValues, blend_shape};
+use articula_build::face::{FapInterval, FapValues, blend_shape};
 use articula_core::arkit_table::BLEND_SHAPES;
 use articula_core::fap_table::LOW_FAPS;
 use articula_core::feature_points::PointId;
@@ -73,42 +72,8 @@ pub fn add_face_table(
     made_table(opened, given).with_context(|| opened.name.clone())
 }
 
-/// A head with its feature points and its table.
-struct TabledHead {
-    head: HeadSurface,
-    points: FacePoints,
-    table: FaceTable,
-}
-
-impl TabledHead {
-    fn of(opened: &CharacterFile, given: &[(PointId, Vec3)]) -> Result<Self> {
-        let figure = Figure::new(opened.clone())?;
-        let head = HeadSurface::of(&figure);
-        let no_face = |e: &dyn std::fmt::Display| {
-            Error::unsuited(format!(
-                "face: {e}; blend shapes and tables are made for a closed face with nose and mouth"
-            ))
-        };
-        let points = found(&figure, &head, given).map_err(|e| no_face(&e))?;
-        let table = FaceTable::new(&head.surface, &points);
-        let table = table.ok_or_else(|| no_face(&"its feature points lie in a plane"))?;
-        Ok(Self {
-            head,
-            points,
-            table,
-        })
-    }
-
-    /// Units of the face that may be wrong.
-    fn doubtful(&self) -> Vec<String> {
-        let ratios = self.points.units().ratios(self.points.height());
-        let doubtful = ratios.into_iter().filter(|(_, r)| r.doubtful);
-        doubtful.map(|(unit, _)| unit.to_string()).collect()
-    }
-}
-
 fn made_shapes(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<FaceShapes> {
-    let face = TabledHead::of(opened, given)?;
+    let face = TabledHead::of(&Figure::new(opened.clone())?, given)?;
     let mut shapes: Vec<(String, Vec<Vec3>)> = Vec::new();
     let (mut made, mut not_made) = (Vec::new(), Vec::new());
     for shape in &BLEND_SHAPES {
@@ -141,7 +106,7 @@ fn made_table(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<F
         let what = "face: it has a face animation table already; leave --fat out";
         return Err(Error::unsuited(what));
     }
-    let face = TabledHead::of(opened, given)?;
+    let face = TabledHead::of(&Figure::new(opened.clone())?, given)?;
     // Eyes with joints are turned by these.
     let turned = |fap: &usize| (23..=26).contains(fap) && face.head.surface.eyes.is_some();
     let at = |fap: usize, value: i32| {

@@ -1,12 +1,14 @@
 //! Feature points that an asset keeps.
 
 use super::surface::HeadSurface;
+use crate::error::{Error, Result};
 use crate::figure::Figure;
-use articula_build::face::{FacePoint, FacePoints, NoFace, PointSource};
+use articula_build::face::{FacePoint, FacePoints, PointSource};
 use articula_core::fap_table::FapUnit;
 use articula_core::feature_points::{FEATURE_POINT_COUNT, PointId};
 use articula_formats::gltf::{StoredFace, StoredPoint};
 use glam::Vec3;
+use std::fmt::Display;
 
 /// Distance from the skin from which a stored point is not on the head, by the height of the face.
 const FAR: f32 = 0.15;
@@ -18,12 +20,12 @@ const MOST_FAR: usize = 8;
 /// model space. Without any, those that the document stores are used, if they lie on the head.
 ///
 /// # Errors
-/// [`NoFace`] if the surface shows too little of a face.
+/// [`Error::Unsupported`](crate::Error::Unsupported) if the surface shows too little of a face.
 pub(super) fn found(
     figure: &Figure,
     head: &HeadSurface,
     given: &[(PointId, Vec3)],
-) -> Result<FacePoints, NoFace> {
+) -> Result<FacePoints> {
     let to_head = head.model_from_head.inverse();
     if given.is_empty()
         && let Some(stored) = kept(figure)
@@ -32,7 +34,13 @@ pub(super) fn found(
         return Ok(points);
     }
     let given: Vec<(PointId, Vec3)> = given.iter().map(|(p, at)| (*p, to_head * *at)).collect();
-    FacePoints::find(&head.surface, &given)
+    FacePoints::find(&head.surface, &given).map_err(|e| no_face(&e))
+}
+
+/// The error of a figure that shows too little of a face.
+pub(super) fn no_face(what: &dyn Display) -> Error {
+    let what = format!("face: {what}; feature points need a closed face with nose and mouth");
+    Error::unsuited(what)
 }
 
 /// The feature points of a figure, as an asset stores them; `None` if it shows too little of a face.

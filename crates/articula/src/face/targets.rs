@@ -55,16 +55,20 @@ pub(super) fn add_targets(
     for mesh in of_touched() {
         add_empty(&mut meshes[mesh], shapes.iter().map(|(name, _)| name));
     }
+    let moved = head.vertices.iter().enumerate().filter(|(i, _)| moves[*i]);
+    let moved = moved.map(|(index, vertex)| {
+        let (m, primitive, v) = places[*vertex as usize];
+        let skin = skin_rotation(&meshes[m].skin, &meshes[m].primitives[primitive], v, &rest);
+        let turn = skin.rotation.inverse() * head.model_from_head;
+        (index, (m, primitive, v), turn, skin.scale)
+    });
+    let moved: Vec<_> = moved.collect();
     for (shape, (_, offsets)) in shapes.iter().enumerate() {
         let normals = normal_offsets(&head.surface, offsets);
-        for (index, vertex) in head.vertices.iter().enumerate().filter(|(i, _)| moves[*i]) {
-            let (m, primitive, v) = places[*vertex as usize];
-            let mesh = &mut meshes[m];
-            let skin = skin_rotation(&mesh.skin, &mesh.primitives[primitive], v, &rest);
-            let turn = skin.rotation.inverse() * head.model_from_head;
-            let target = &mut mesh.primitives[primitive].morphs[before[m] + shape];
-            target.positions[v] = turn * offsets[index] / skin.scale;
-            target.normals[v] = turn * normals[index];
+        for (index, (m, primitive, v), turn, scale) in &moved {
+            let target = &mut meshes[*m].primitives[*primitive].morphs[before[*m] + shape];
+            target.positions[*v] = *turn * offsets[*index] / *scale;
+            target.normals[*v] = *turn * normals[*index];
         }
     }
     let added: Vec<(usize, usize)> = of_touched().map(|m| (m, before[m])).collect();
