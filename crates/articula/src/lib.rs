@@ -68,7 +68,7 @@ pub use error::{Error, Result};
 pub use facing::facing;
 pub use figure::Figure;
 pub use joint_map::{RigJointMap, rig_joint_map};
-pub use mesh_levels::{CodedMeshLevels, MeshLevelOptions, MeshLevelStream};
+pub use mesh_levels::{CodedMeshLevels, KeptFace, MeshLevelOptions, MeshLevelStream};
 pub use mesh_levels::{
     LevelChoice, MeshView, ShownInView, ShownLevelOptions, ShownLevels, ShownLevelsReport,
     ShownRegion,

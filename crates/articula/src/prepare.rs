@@ -1,7 +1,7 @@
 //! `prepare`: computes offline data of a character and stores it in one GLB.
 
 use crate::error::{Context, Error, Result};
-use crate::face::stored_face;
+use crate::face::FoundFace;
 use crate::figure::Figure;
 use crate::mesh_levels::{self, CodedMeshLevels};
 use crate::motion_tables::{ClipTables, TableMaker};
@@ -56,11 +56,6 @@ pub fn prepare(
     let (mut opened, gltf) = with_document(opened).with_context(|| &name)?;
     opened.gltf = Some(gltf);
     let figure = Figure::computed(opened)?;
-    let face = stored_face(&figure, &options.face_points);
-    if face.is_none() && !options.face_points.is_empty() {
-        let what = "face: the figure shows too little of a face for feature points; leave them out";
-        return Err(Error::unsuited(what)).context(&name);
-    }
     let source = figure.into_source();
     let Some(mut gltf) = source.gltf else {
         // It was just put there.
@@ -68,15 +63,27 @@ pub fn prepare(
     };
     gltf.document.remove_prepared();
     gltf.document.remove_motion_tables();
-    match &face {
-        Some(face) => gltf.document.set_face(face),
-        None => gltf.document.remove_face(),
-    }
     let (mut figure, mut orders) = (source.figure, source.orders);
+    let face = FoundFace::in_document(&figure, Some(&gltf.document), &options.face_points).ok();
+    match &face {
+        Some(face) => gltf.document.set_face(&face.stored()),
+        None if options.face_points.is_empty() => gltf.document.remove_face(),
+        None => {
+            let what =
+                "face: the figure shows too little of a face for feature points; leave them out";
+            return Err(Error::unsuited(what)).context(&name);
+        }
+    }
     let mut triangles = source.mesh_levels;
     let mut levels = None;
     if let Some(wanted) = &options.mesh_levels {
-        let made = mesh_levels::add(&figure, (&mut gltf, orders.as_deref()), wanted, work);
+        let made = mesh_levels::add(
+            &figure,
+            (&mut gltf, orders.as_deref()),
+            face.as_ref(),
+            wanted,
+            work,
+        );
         let made = made.with_context(|| &name)?;
         triangles = Some(made.levels.triangles(&figure.asset.mesh));
         orders = Some(mesh_levels::source_orders(&figure, &made.levels));
@@ -104,7 +111,7 @@ pub fn prepare(
         glb,
         mesh_bytes,
         parts: sizes.collect(),
-        face_points: face.map_or(0, |face| face.points.len()),
+        face_points: face.map_or(0, |face| face.points.points.len()),
         pose_cache_bytes: parts.pose_cache_bytes,
         figure: figure.with_orders(orders, meshes),
         tables,

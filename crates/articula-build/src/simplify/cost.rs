@@ -128,7 +128,8 @@ impl Costs {
                 let most = mesh.influences_of(v).map(|i| i.1).fold(0.0, f32::max);
                 factor *= 1.0 + strength * (1.0 - most);
             }
-            factor *= 1.0 + MORPH * moved[v];
+            let extent = options.extents.get(v).copied().unwrap_or(0.0);
+            factor *= 1.0 + MORPH * moved[v].max(extent);
             let known = &mut factors[*class as usize];
             *known = known.max(factor);
         }

@@ -60,6 +60,10 @@ pub struct SimplifyOptions {
     pub weighting: ErrorWeighting,
     /// Weight of an error at each vertex; all 1 if empty.
     pub vertex_weights: Vec<f32>,
+    /// How far something other than the mesh's own morph targets moves each vertex, such as a face
+    /// animation table, relative to the vertex that it moves furthest: 0 to 1. Weighs as much as a
+    /// morph target would. Empty if there is nothing.
+    pub extents: Vec<f32>,
     /// Vertices that are never removed, such as facial feature points.
     pub locked: Vec<u32>,
     /// Region of each vertex, or empty. Vertices between regions are removed in the last step only.
@@ -84,6 +88,7 @@ impl Default for SimplifyOptions {
             targets: vec![1.0, 0.5, 0.25, 0.1, 0.015],
             weighting: ErrorWeighting::PoseSummed,
             vertex_weights: Vec::new(),
+            extents: Vec::new(),
             locked: Vec::new(),
             regions: Vec::new(),
             wedges: Vec::new(),
@@ -176,6 +181,7 @@ fn check(mesh: &Mesh, poses: &[Vec<Vec3>], options: &SimplifyOptions) -> Result<
     )?;
     let optional = [
         ("vertex_weights", options.vertex_weights.len()),
+        ("extents", options.extents.len()),
         ("regions", options.regions.len()),
         ("wedges", options.wedges.len()),
     ];

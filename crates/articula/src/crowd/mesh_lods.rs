@@ -158,7 +158,7 @@ pub(super) fn mesh_level_triangles(
     let triangles = match (stored, figure) {
         (Some(stored), _) => stored,
         (None, Some(figure)) => mesh_levels::triangles(figure, levels)?,
-        (None, None) => mesh_levels::triangles_of(asset, levels, Vec::new())?,
+        (None, None) => mesh_levels::triangles_of(asset, levels)?,
     };
     Ok(MeshLevelTriangles {
         levels: canonical(triangles),

@@ -1,7 +1,7 @@
 //! The feature points of a figure as an FDP file, and the points of such a file on a figure.
 
+use super::found::FoundFace;
 use super::points::named;
-use super::tabled::TabledHead;
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use crate::open::CharacterFile;
@@ -26,11 +26,9 @@ const FALLOFF: &str = "RaisedCosInfluenceSph";
 /// # Errors
 /// [`Error::Unsupported`] that names the file, if it shows too little of a face.
 pub fn face_fdp(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FdpFile> {
-    let TabledHead {
-        head,
-        points,
-        table,
-    } = TabledHead::of(figure, given).context(&figure.opened.name)?;
+    let face = FoundFace::of(figure, given).context(&figure.opened.name)?;
+    let table = face.table().context(&figure.opened.name)?;
+    let FoundFace { head, points } = face;
     let units = points.units();
     let meshes = &figure.opened.character.meshes;
     let firsts: Vec<usize> = meshes

@@ -8,8 +8,8 @@
 //! - `points`: the feature points found on it
 //! - `fdp`: those of FDP files
 //! - `stored`: those that an asset keeps
+//! - `found`: a head with its points
 //! - `shapes`: blend shapes for a face without them, and tables
-//! - `tabled`: a head with its points and its table
 //! - `targets`: new morph targets of a head
 //! - `turns`: head and eyes, which turn
 //! - `capture`: captures of blend shapes as parameters, and back
@@ -23,6 +23,7 @@ mod detail;
 mod fdp;
 mod fields;
 mod fit;
+mod found;
 mod frames;
 mod levels;
 mod points;
@@ -30,7 +31,6 @@ mod rig;
 mod shapes;
 mod stored;
 mod surface;
-mod tabled;
 mod targets;
 mod turns;
 
@@ -41,9 +41,9 @@ pub use detail::{
 };
 pub use fdp::{face_fdp, fdp_points};
 pub use fit::{FaceTransfer, FittedFace, NotDriven, fit_capture, fit_face};
+pub(crate) use found::FoundFace;
 pub use levels::{FaceLevelReport, expand_face, reduce_face};
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout};
 pub use rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
 pub use shapes::{FaceShapes, FaceTableTargets, add_face_shapes, add_face_table};
-pub(crate) use stored::stored_face;
 pub use surface::HeadSurface;

@@ -1,7 +1,6 @@
 //! Feature points of the face of a figure.
 
-use super::stored::found;
-use super::surface::HeadSurface;
+use super::found::FoundFace;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use articula_core::feature_points::{FEATURE_POINTS, PointId};
@@ -64,8 +63,8 @@ pub struct FeaturePoint {
 /// [`Error::Unsupported`](crate::Error::Unsupported) that names the file, if it shows too little of a face, such as one of
 /// loose parts.
 pub fn face_layout(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FaceLayout> {
-    let head = HeadSurface::of(figure);
-    let found = found(figure, &head, given).context(&figure.opened.name)?;
+    let face = FoundFace::of(figure, given).context(&figure.opened.name)?;
+    let (head, found) = (&face.head, &face.points);
     let points = found.points.iter().zip(&FEATURE_POINTS);
     let points = points.map(|(found, entry)| FeaturePoint {
         name: named(found.point),

@@ -2,7 +2,7 @@
 
 use super::controls::FaceControls;
 use super::fields::control_fields;
-use super::tabled::TabledHead;
+use super::found::FoundFace;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::open::CharacterFile;
@@ -164,10 +164,11 @@ impl CaptureBridge {
 /// The columns of a face's controls, from the motion of its feature points. `None` if it has none, or
 /// they may be wrong.
 fn own(generic: &[FapValues], fields: &[Vec<Vec3>], figure: &Figure) -> Option<Vec<FapValues>> {
-    let face = TabledHead::of(figure, &[]).ok()?;
+    let face = FoundFace::of(figure, &[]).ok()?;
     if !face.doubtful().is_empty() {
         return None;
     }
+    let table = face.table().ok()?;
     let to_head = face.head.model_from_head.inverse();
     let column = |(generic, field): (&FapValues, &Vec<Vec3>)| {
         let of_head = face
@@ -176,7 +177,7 @@ fn own(generic: &[FapValues], fields: &[Vec<Vec3>], figure: &Figure) -> Option<V
             .iter()
             .map(|v| to_head * field[*v as usize]);
         let offsets: Vec<Vec3> = of_head.collect();
-        let mut values = face.table.values(&face.points, &offsets);
+        let mut values = table.values(&face.points, &offsets);
         for fap in NOT_MEASURED.into_iter().flatten() {
             values.0[fap - LOW_FAPS.start()] = generic.get(fap);
         }

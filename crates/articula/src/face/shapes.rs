@@ -1,7 +1,7 @@
 //! Morph targets for a face, made from its feature points: the blend shapes of ARKit for one without
 //! any, or a face animation table.
 
-use super::tabled::TabledHead;
+use super::found::FoundFace;
 use super::targets::{Existing, add_targets};
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
@@ -73,7 +73,8 @@ pub fn add_face_table(
 }
 
 fn made_shapes(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<FaceShapes> {
-    let face = TabledHead::of(&Figure::new(opened.clone())?, given)?;
+    let face = FoundFace::of(&Figure::new(opened.clone())?, given)?;
+    let table = face.table()?;
     let mut shapes: Vec<(String, Vec<Vec3>)> = Vec::new();
     let (mut made, mut not_made) = (Vec::new(), Vec::new());
     for shape in &BLEND_SHAPES {
@@ -81,7 +82,7 @@ fn made_shapes(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<
         if shape.name == "cheekPuff" {
             values.0.iter_mut().for_each(|v| *v *= PUFF);
         }
-        let offsets = face.table.displacements(&values);
+        let offsets = table.displacements(&values);
         if offsets.iter().all(|o| *o == Vec3::ZERO) {
             not_made.push(shape.name);
             continue;
@@ -106,13 +107,14 @@ fn made_table(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<F
         let what = "face: it has a face animation table already; leave --fat out";
         return Err(Error::unsuited(what));
     }
-    let face = TabledHead::of(&Figure::new(opened.clone())?, given)?;
+    let face = FoundFace::of(&Figure::new(opened.clone())?, given)?;
+    let table = face.table()?;
     // Eyes with joints are turned by these.
     let turned = |fap: &usize| (23..=26).contains(fap) && face.head.surface.eyes.is_some();
     let at = |fap: usize, value: i32| {
         let mut values = FapValues::default();
         values.0[fap - LOW_FAPS.start()] = value as f32;
-        face.table.displacements(&values)
+        table.displacements(&values)
     };
     let mut shapes: Vec<(String, Vec<Vec3>)> = Vec::new();
     let mut report = FaceTableTargets {
@@ -123,7 +125,7 @@ fn made_table(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<F
         doubtful: face.doubtful(),
     };
     for fap in LOW_FAPS.filter(|fap| !turned(fap)) {
-        let intervals = face.table.intervals(fap);
+        let intervals = table.intervals(fap);
         if intervals.is_empty() {
             report.not_shown.push(fap);
             continue;

@@ -1,9 +1,11 @@
 //! Mesh levels of an asset: options, computation and storage.
 
+mod face;
 mod options;
 mod show;
 mod stream;
 
+pub use face::KeptFace;
 pub use options::MeshLevelOptions;
 pub(crate) use show::show;
 pub use show::{
@@ -13,6 +15,7 @@ pub use show::{
 pub use stream::MeshLevelStream;
 
 use crate::error::{Context, Error, Result};
+use crate::face::FoundFace;
 use crate::figure::Figure;
 use crate::open::GltfSource;
 use crate::work::Executor;
@@ -34,15 +37,18 @@ pub struct CodedMeshLevels {
     pub levels: MeshLevels,
     /// The levels as a stream of chunks.
     pub stream: MeshLevelStream,
+    /// What every level keeps of the face; `None` if no face was found, or it was not to be kept.
+    pub face: Option<KeptFace>,
     /// Warnings about lost data, as text for the user.
     pub warnings: Vec<String>,
 }
 
 /// Makes the levels of a figure and stores them in its document. `orders` is the order of the
-/// document's vertices, if it is not that of the figure.
+/// document's vertices, if it is not that of the figure; `face` is the figure's face.
 pub(crate) fn add(
     figure: &Figure,
     (gltf, orders): (&mut GltfSource, Option<&[SourceOrder]>),
+    face: Option<&FoundFace>,
     wanted: &MeshLevelOptions,
     work: &Executor<'_>,
 ) -> Result<CodedMeshLevels> {
@@ -54,7 +60,9 @@ pub(crate) fn add(
     }
     work.step(WHAT, 0, 3)?;
     let classes = vertex_classes(figure, gltf, orders)?;
-    let options = wanted.of(&asset.mesh, &asset.rig, classes)?;
+    let kept = face.filter(|_| wanted.keep_face);
+    let kept = kept.and_then(|face| KeptFace::of(figure, face));
+    let options = wanted.of(&asset.mesh, &asset.rig, classes, kept.as_ref())?;
     let mut levels = mesh_levels(asset, &options)?;
     levels.table.regions = wanted.region_names();
     work.step(WHAT, 1, 3)?;
@@ -98,6 +106,7 @@ pub(crate) fn add(
         warnings,
         levels,
         stream,
+        face: kept,
     })
 }
 
@@ -143,16 +152,24 @@ pub(crate) fn triangles(figure: &Figure, levels: usize) -> Result<Vec<Vec<[u32; 
         Some(gltf) => vertex_classes(figure, gltf, figure.orders())?,
         None => Vec::new(),
     };
-    triangles_of(&figure.asset, levels, classes)
+    let face = FoundFace::of(figure, &[]).ok();
+    let face = face.and_then(|face| KeptFace::of(figure, &face));
+    made(&figure.asset, levels, classes, face.as_ref())
 }
 
-/// The same for a mesh whose vertices have the given classes.
-pub(crate) fn triangles_of(
+/// The same for an asset without a file; its face is not known.
+pub(crate) fn triangles_of(asset: &Asset, levels: usize) -> Result<Vec<Vec<[u32; 3]>>> {
+    made(asset, levels, Vec::new(), None)
+}
+
+/// Triangles of levels of a mesh whose vertices have the given classes.
+fn made(
     asset: &Asset,
     levels: usize,
     classes: Vec<u32>,
+    face: Option<&KeptFace>,
 ) -> Result<Vec<Vec<[u32; 3]>>> {
-    let options = MeshLevelOptions::levels(levels).of(&asset.mesh, &asset.rig, classes)?;
+    let options = MeshLevelOptions::levels(levels).of(&asset.mesh, &asset.rig, classes, face)?;
     let made = mesh_level_triangles(asset, &options).context("mesh levels")?;
     let triangles = |level: LevelTriangles| level.triangles;
     Ok(made.into_iter().map(triangles).collect())

@@ -1,5 +1,6 @@
 //! Options of mesh levels.
 
+use super::KeptFace;
 use crate::error::{Context, Error, Result};
 use articula_build::MeshLevelOptions as BuildOptions;
 use articula_build::{ErrorWeighting, SimplifyOptions, region_weights, skin_regions};
@@ -30,6 +31,9 @@ pub struct MeshLevelOptions {
     pub weighting: ErrorWeighting,
     /// Vertices that no level removes, by mesh name; indices within the mesh.
     pub locked: BTreeMap<String, Vec<u32>>,
+    /// Whether no level removes a feature point of the face, and errors count more where the face
+    /// moves. Has no effect on a figure whose face is not found or doubtful.
+    pub keep_face: bool,
     /// Whether the coarser levels are also written as `MSFT_lod` nodes.
     pub msft_lod: bool,
 }
@@ -45,24 +49,34 @@ impl MeshLevelOptions {
             split: Vec::new(),
             weighting: ErrorWeighting::PoseSummed,
             locked: BTreeMap::new(),
+            keep_face: true,
             msft_lod: false,
         }
     }
 
     /// Converts to the builder's options for one character. `classes` distinguishes vertices whose
     /// attributes in a [`Mesh`] are equal.
-    pub(super) fn of(&self, mesh: &Mesh, rig: &Rig, classes: Vec<u32>) -> Result<BuildOptions> {
+    pub(super) fn of(
+        &self,
+        mesh: &Mesh,
+        rig: &Rig,
+        classes: Vec<u32>,
+        face: Option<&KeptFace>,
+    ) -> Result<BuildOptions> {
         let factors = self.region_weights.iter().map(|(r, x)| (r.as_str(), *x));
         let factors: Vec<(&str, f32)> = factors.collect();
         let vertex_weights = match factors.is_empty() {
             true => Vec::new(),
             false => region_weights(mesh, rig, &factors).context("region weights")?,
         };
+        let mut locked = self.locked(mesh)?;
+        locked.extend(face.iter().flat_map(|face| &face.vertices));
         let simplify = SimplifyOptions {
             targets: self.targets.clone(),
             weighting: self.weighting,
             vertex_weights,
-            locked: self.locked(mesh)?,
+            extents: face.map_or_else(Vec::new, |face| face.extents.clone()),
+            locked,
             regions: self.regions(mesh, rig),
             wedges: classes,
             ..SimplifyOptions::default()

@@ -42,6 +42,9 @@ pub(crate) struct MeshLevelArgs {
     /// JSON file with vertices that no level removes: {"mesh name": [vertex, …], …}
     #[arg(long, value_name = "FILE.json", help_heading = HEADING)]
     pub(super) lock: Option<PathBuf>,
+    /// Let levels remove feature points of the face, and count errors there as elsewhere
+    #[arg(long, help_heading = HEADING)]
+    free_face: bool,
     /// Also write the coarser levels as MSFT_lod nodes, for engines that support them
     #[arg(long, help_heading = HEADING)]
     msft_lod: bool,
@@ -76,6 +79,7 @@ impl MeshLevelArgs {
                     (!self.split.is_empty(), "--split"),
                     (self.weighting.is_some(), "--weighting"),
                     (self.lock.is_some(), "--lock"),
+                    (self.free_face, "--free-face"),
                     (self.msft_lod, "--msft-lod"),
                     (self.mesh_stream.is_some(), "--mesh-stream"),
                 ];
@@ -118,6 +122,7 @@ impl MeshLevelArgs {
                 },
             },
             locked: self.locked()?,
+            keep_face: !self.free_face,
             msft_lod: self.msft_lod,
         }))
     }

@@ -65,6 +65,9 @@ struct BuildReport {
     pose_cache_bytes: usize,
     /// Number of feature points of the face; 0 if the figure shows too little of one.
     face_points: usize,
+    /// Number of those that every mesh level keeps; null without levels, with --free-face and for a
+    /// face whose points may be wrong.
+    face_points_kept: Option<usize>,
     /// Files whose clips were added.
     added: Vec<Added>,
     /// Mesh levels, finest first; empty unless asked for.
@@ -220,6 +223,7 @@ impl BuildReport {
             parts: built.parts.clone(),
             pose_cache_bytes: built.pose_cache_bytes,
             face_points: built.face_points,
+            face_points_kept: made.and_then(|l| Some(l.face.as_ref()?.points)),
             added: Vec::new(),
             levels: made.map(levels::levels).unwrap_or_default(),
             bytes: made.map(|l| levels::bytes(l, built.mesh_bytes)),
@@ -291,7 +295,11 @@ impl BuildReport {
         text.push_str(&parts_text(&self.parts, self.pose_cache_bytes));
         if self.face_points > 0 {
             let points = self.face_points;
-            text.push_str(&format!("face: {points} feature points\n"));
+            text.push_str(&format!("face: {points} feature points"));
+            if let Some(kept) = self.face_points_kept {
+                text.push_str(&format!(", {kept} of them in every mesh level"));
+            }
+            text.push('\n');
         }
         if let Some(bytes) = &self.bytes {
             text.push('\n');
