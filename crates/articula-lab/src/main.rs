@@ -69,6 +69,8 @@ enum Table {
     MeshLevels(Choice),
     /// Levels of articulation of faces: parameters, errors and time (the thesis' 3.1.3 and 6.1).
     FaceLevels,
+    /// Mesh levels of faces: feature points that survive, and errors while the face moves.
+    FaceMeshLevels,
     /// Conversion to 2D: bytes and errors of every profile, beside the thesis' form.
     Flat(flat::Choice),
     /// Blend shapes through facial animation parameters: what is lost.
@@ -112,6 +114,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::MergedLevels(sheets) => tables::merged_levels::write(run, sheets),
         Table::MeshLevels(choice) => tables::mesh_levels::write(run, choice),
         Table::FaceLevels => tables::face_levels::write(run),
+        Table::FaceMeshLevels => tables::face_mesh_levels::write(run),
         Table::Flat(choice) => flat::write(run, choice),
         Table::RoundTrips => tables::round_trips::write(run),
         Table::Retargets(pictures) => tables::retargets::write(run, pictures),

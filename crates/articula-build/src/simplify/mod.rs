@@ -33,6 +33,7 @@ pub use region_weights::{region_weights, skin_regions, vertex_regions};
 
 use articula_core::{Mesh, Mismatch};
 use glam::Vec3;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Selects the poses whose errors count, and the weights of the errors.
@@ -54,7 +55,8 @@ pub enum ErrorWeighting {
 /// Options of [`simplify`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimplifyOptions {
-    /// Fractions of the triangle count, finest first; the first is 1.
+    /// Fractions of the triangle count, finest first; the first is 1. Two triangles for each locked
+    /// vertex come on top of the fraction of all others.
     pub targets: Vec<f64>,
     /// Poses whose errors count.
     pub weighting: ErrorWeighting,
@@ -145,9 +147,14 @@ pub fn simplify(
     let sources = levels::faces(mesh, &classes);
     let mut simplifier = collapse::Simplifier::new(mesh, used, options, &classes, &sources);
     let whole = sources.triangles.len();
+    // Two triangles for each locked vertex, as a closed surface has, are not up for removal: a level
+    // that had to keep them within its share would have few left for everything else.
+    let class = |v: &u32| classes.of_vertex[*v as usize];
+    let locked: BTreeSet<u32> = options.locked.iter().map(class).collect();
+    let held = whole.min(2 * locked.len());
     let mut found = vec![sources.level()];
     for (step, share) in options.targets.iter().enumerate().skip(1) {
-        let target = (share * whole as f64).round() as usize;
+        let target = held + (share * (whole - held) as f64).round() as usize;
         simplifier.open_seams(step + 1 == options.targets.len());
         simplifier.run(target);
         found.push(simplifier.level(&sources));

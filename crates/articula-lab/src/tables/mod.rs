@@ -4,6 +4,7 @@ pub(crate) mod crowd;
 pub(crate) mod crowd_errors;
 pub(crate) mod face_bridges;
 pub(crate) mod face_levels;
+pub(crate) mod face_mesh_levels;
 pub(crate) mod face_points;
 pub(crate) mod face_tables;
 pub(crate) mod flat;
