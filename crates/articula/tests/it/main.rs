@@ -11,6 +11,7 @@
 mod convert;
 mod crowd;
 mod faces;
+mod kept_faces;
 mod mesh_levels;
 mod prepared;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
