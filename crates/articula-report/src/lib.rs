@@ -7,7 +7,7 @@
 //! - [`draw_skeleton`]: draws joints over an existing picture; [`influencing_joints`]: selects the joints
 //!   that move vertices
 //! - [`face_sheet`]: a face with its feature points
-//! - [`shape_sheet`]: the morph targets of a face
+//! - [`shape_sheet`]: the shapes of a face
 //! - [`facet_sheet`]: a mesh at several choices of levels, every triangle visible
 //! - [`CrowdPicture`]: renders a crowd, coloured by level
 //! - [`motion_sheet`], [`camera_path_sheet`], [`rest_sheet`]: a clip under motion level of detail
@@ -52,5 +52,5 @@ pub use motion_sheet::{MotionLine, camera_path_sheet, motion_sheet, rest_sheet};
 pub use plot::{
     BarSeries, Plot, PlotOptions, Scale, Series, ValueFormat, bar_plot, line_plot, stacked,
 };
-pub use shape_sheet::shape_sheet;
+pub use shape_sheet::{FaceShape, shape_sheet};
 pub use skeleton::{JointMark, draw_skeleton, influencing_joints};

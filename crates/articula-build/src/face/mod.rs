@@ -9,6 +9,7 @@
 //! - `points`: the feature points of a face on its mesh
 //! - `table`: how the vertices move with each parameter, from the feature points alone
 //! - `dense`: dense systems of linear equations
+//! - `field_fit`: displacements as sums of others, by least squares
 //! - `fields`: how far the controls of a face move its vertices
 //! - `detail`: error of a clip at levels of articulation, and the coarsest choice within a tolerance
 //!
@@ -20,6 +21,7 @@ mod controls;
 mod dense;
 mod detail;
 mod fap_values;
+mod field_fit;
 mod fields;
 mod high_level;
 mod intervals;
@@ -30,6 +32,7 @@ pub use bridge::{FaceBridge, FaceSolver, ShownFace};
 pub use controls::{arkit_name, arkit_shape, blend_shape, vrm_preset};
 pub use detail::{FaceDetail, FaceFrames};
 pub use fap_values::{FapValues, unit_mm};
+pub use field_fit::FieldFit;
 pub use fields::FaceFields;
 pub use high_level::{add_expression, add_viseme};
 pub use intervals::FapInterval;

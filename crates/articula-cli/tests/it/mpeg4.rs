@@ -65,8 +65,8 @@ fn face_clips_go_onto_a_head() {
         (&"speech".into(), &250.into())
     );
     assert_eq!(
-        (&face["morphs"], &face["controls"]),
-        (&true.into(), &17.into())
+        (&face["kind"], &face["controls"]),
+        (&"morph-targets".into(), &17.into())
     );
     let moved = face["controls_moved"].clone();
     // No morph target of this head thrusts or shifts the jaw or presses the chin.

@@ -8,7 +8,7 @@ use articula_build::face::{FapValues, arkit_shape};
 use articula_build::source_rate_hz;
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES};
 use articula_core::fap_table::{FAP_COUNT, LOW_FAP_COUNT, LOW_FAPS};
-use articula_core::source::{Channel, Property, RawClip, evaluate};
+use articula_core::source::{Channel, Character, Property, RawClip, evaluate};
 use articula_formats::live_link::{ANGLE_COUNT, LiveLinkClip, LiveLinkFrame};
 use articula_formats::mpeg4::fap::{FapClip, FapFrame};
 use serde::Serialize;
@@ -180,15 +180,14 @@ pub fn faps_to_capture(clip: &FapClip) -> Result<(LiveLinkClip, CaptureReport)> 
     Ok((capture, report))
 }
 
-/// Samples the blend shapes of a clip of a character: morph targets and expressions with their
-/// names, at the rate of its keys.
-///
-/// # Errors
-/// [`Error::Unsupported`] that names the file, if the clip drives none.
-pub fn capture_of_clip(character: &CharacterFile, clip: &RawClip) -> Result<LiveLinkClip> {
-    let own = &character.character;
-    // For each channel, the shape of each of its values.
-    let mut tracks: Vec<(&Channel, Vec<Option<usize>>)> = Vec::new();
+/// Whether a clip of a character drives morph targets or expressions with the names of blend shapes.
+pub fn drives_shapes(character: &Character, clip: &RawClip) -> bool {
+    !tracks(character, clip).is_empty()
+}
+
+/// The channels of a clip that drive blend shapes, with the shape of each of their values.
+fn tracks<'a>(own: &Character, clip: &'a RawClip) -> Vec<(&'a Channel, Vec<Option<usize>>)> {
+    let mut tracks = Vec::new();
     for channel in clip.channels.iter().filter(|c| !c.times_secs.is_empty()) {
         let shapes: Vec<Option<usize>> = match channel.property {
             Property::Weights => {
@@ -202,6 +201,16 @@ pub fn capture_of_clip(character: &CharacterFile, clip: &RawClip) -> Result<Live
             tracks.push((channel, shapes));
         }
     }
+    tracks
+}
+
+/// Samples the blend shapes of a clip of a character: morph targets and expressions with their
+/// names, at the rate of its keys.
+///
+/// # Errors
+/// [`Error::Unsupported`] that names the file, if the clip drives none.
+pub fn capture_of_clip(character: &CharacterFile, clip: &RawClip) -> Result<LiveLinkClip> {
+    let tracks = tracks(&character.character, clip);
     if tracks.is_empty() {
         let what = format!(
             "clip \"{}\" drives no morph target or expression with the name of a blend shape of ARKit",

@@ -1,12 +1,27 @@
-//! The controls of a face: morph targets named as ARKit's blend shapes, or expressions.
+//! The controls of a face: morph targets named as ARKit's blend shapes, expressions, or joints.
 
+use super::joints::{FaceJoints, JointOffset};
 use crate::error::{Context, Error, Result};
-use crate::open::CharacterFile;
+use crate::figure::Figure;
 use articula_build::face::{
     FaceBridge, FapInterval, FapValues, arkit_shape, blend_shape, vrm_preset,
 };
 use articula_core::source::{Channel, Character, Expression, Interpolation, Property};
+use glam::{Quat, Vec3};
+use serde::Serialize;
 use std::collections::BTreeMap;
+
+/// What the controls of a face are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FaceKind {
+    /// Morph targets.
+    MorphTargets,
+    /// Expressions.
+    Expressions,
+    /// Joints below the head.
+    Joints,
+}
 
 /// What the weights of a face's bridge drive.
 #[derive(Debug)]
@@ -15,6 +30,8 @@ pub(super) struct FaceControls {
     /// The values of each control at weight 1, by its name; `None` for parts of a table.
     columns: Option<Vec<FapValues>>,
     targets: Vec<Target>,
+    /// Of joints: numbers of the parameters, and the share of their displacements that is shown.
+    shares: Vec<(usize, f32)>,
 }
 
 /// Mesh and morph target; the same one in each of the meshes of a head.
@@ -26,6 +43,8 @@ enum Target {
     Morphs(Slots),
     /// Index of an expression.
     Expression(usize),
+    /// Offsets of joints at weight 1.
+    Joints(Vec<JointOffset>),
 }
 
 impl FaceControls {
@@ -44,6 +63,7 @@ impl FaceControls {
             bridge: FaceBridge::of_table(intervals),
             columns: None,
             targets,
+            shares: Vec::new(),
         })
     }
 
@@ -60,6 +80,19 @@ impl FaceControls {
             bridge: FaceBridge::new(columns.clone()),
             columns: Some(columns),
             targets,
+            shares: Vec::new(),
+        })
+    }
+
+    /// Joints below the head of a figure.
+    fn of_joints(figure: &Figure) -> Option<Self> {
+        let FaceJoints { parts, shown } = FaceJoints::of(figure)?;
+        let (intervals, offsets): (Vec<FapInterval>, Vec<_>) = parts.into_iter().unzip();
+        Some(Self {
+            bridge: FaceBridge::of_table(intervals),
+            columns: None,
+            targets: offsets.into_iter().map(Target::Joints).collect(),
+            shares: shown,
         })
     }
 
@@ -78,19 +111,31 @@ impl FaceControls {
         self.columns.as_deref()
     }
 
-    /// As [`FaceControls::of`], with an error that names the file if there are none.
-    pub(super) fn known(character: &CharacterFile) -> Result<Self> {
+    /// As [`FaceControls::of`], or the joints of a figure's face if there are none; with an error that
+    /// names the file without these too.
+    pub(super) fn known(figure: &Figure) -> Result<Self> {
         let what = "face: no morph target has the name of a blend shape of ARKit (jawOpen, \
-                    eyeBlinkLeft, ...) and no expression that of a preset of VRM (aa, blink, ...), \
-                    so nothing shows a face clip; convert --fat and --face-shapes make morph targets \
+                    eyeBlinkLeft, ...) no expression that of a preset of VRM (aa, blink, ...), \
+                    and no joint below the head moves a closed face, so nothing shows a face clip; convert --fat and --face-shapes make morph targets \
                     for a closed face";
-        let found = Self::of(&character.character).ok_or_else(|| Error::unsuited(what));
-        found.context(&character.name)
+        let found = Self::of(&figure.opened.character).or_else(|| Self::of_joints(figure));
+        let found = found.ok_or_else(|| Error::unsuited(what));
+        found.context(&figure.opened.name)
     }
 
-    /// Whether the controls are morph targets; if not, they are expressions.
-    pub(super) fn are_morphs(&self) -> bool {
-        matches!(self.targets[0], Target::Morphs(_))
+    /// What the controls are.
+    pub(super) fn kind(&self) -> FaceKind {
+        match self.targets[0] {
+            Target::Morphs(_) => FaceKind::MorphTargets,
+            Target::Expression(_) => FaceKind::Expressions,
+            Target::Joints(_) => FaceKind::Joints,
+        }
+    }
+
+    /// Of joints: numbers of the parameters, and the share of the displacements of the face animation
+    /// table, by their squares, that they show.
+    pub(super) fn shares(&self) -> &[(usize, f32)] {
+        &self.shares
     }
 
     /// The blend shape of ARKit that each control is, or is a half of, by its index; `None` if one
@@ -102,6 +147,7 @@ impl FaceControls {
                 arkit_shape(&character.meshes[mesh].morph_names[slot])
             }
             Target::Expression(index) => arkit_shape(&character.expressions[*index].name),
+            Target::Joints(_) => None,
         };
         self.targets.iter().map(shape).collect()
     }
@@ -122,6 +168,7 @@ impl FaceControls {
         };
         let mut channels = Vec::new();
         let mut of_mesh: BTreeMap<usize, Slots> = BTreeMap::new();
+        let mut of_joint: BTreeMap<usize, Vec<(JointOffset, usize)>> = BTreeMap::new();
         for (control, target) in self.targets.iter().enumerate() {
             match target {
                 Target::Morphs(slots) => {
@@ -132,6 +179,13 @@ impl FaceControls {
                 Target::Expression(index) => {
                     let values = frames.iter().map(|weights| weights[control]).collect();
                     channels.push(channel(*index, Property::Expression, values));
+                }
+                Target::Joints(offsets) => {
+                    let moves = frames.iter().any(|weights| weights[control] != 0.0);
+                    for offset in offsets.iter().filter(|_| moves) {
+                        let of = of_joint.entry(offset.joint).or_default();
+                        of.push((*offset, control));
+                    }
                 }
             }
         }
@@ -146,6 +200,24 @@ impl FaceControls {
                 }
             }
             channels.push(channel(mesh, Property::Weights, values));
+        }
+        for (joint, offsets) in of_joint {
+            let rest = character.skeleton.joints[joint].rest;
+            let sum = |weights: &Vec<f32>, of: fn(&JointOffset) -> Vec3| {
+                let all = offsets.iter().map(|(o, control)| weights[*control] * of(o));
+                all.sum::<Vec3>()
+            };
+            let turn = |weights| {
+                let turn = Quat::from_scaled_axis(sum(weights, |o| o.rotation));
+                (rest.rotation * turn).normalize().to_array()
+            };
+            let values = frames.iter().flat_map(turn).collect();
+            channels.push(channel(joint, Property::Rotation, values));
+            if offsets.iter().any(|(o, _)| o.translation != Vec3::ZERO) {
+                let shift = |weights| rest.translation + sum(weights, |o| o.translation);
+                let values = frames.iter().flat_map(|w| shift(w).to_array()).collect();
+                channels.push(channel(joint, Property::Translation, values));
+            }
         }
         channels
     }
@@ -203,7 +275,7 @@ mod tests {
         };
         let controls = FaceControls::of(&head).unwrap();
         assert_eq!(controls.len(), 1);
-        assert!(controls.are_morphs());
+        assert_eq!(controls.kind(), FaceKind::MorphTargets);
         let channels = controls.channels(&head, &[0.0, 1.0], &[vec![0.5], vec![1.0]]);
         let values: Vec<&[f32]> = channels.iter().map(|c| &*c.values).collect();
         // What is not driven keeps its own weight.
@@ -231,7 +303,8 @@ mod tests {
         assert!(FaceControls::of(&head).is_none());
         head.expressions.push(named("blink", true));
         let controls = FaceControls::of(&head).unwrap();
-        assert!(!controls.are_morphs() && controls.bridge().moves(19));
+        assert_eq!(controls.kind(), FaceKind::Expressions);
+        assert!(controls.bridge().moves(19));
         let channels = controls.channels(&head, &[0.0], &[vec![0.75]]);
         let channel = &channels[0];
         assert_eq!(

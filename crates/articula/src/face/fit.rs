@@ -1,7 +1,7 @@
 //! A clip of facial animation parameters as a clip of a character.
 
 use super::capture;
-use super::controls::FaceControls;
+use super::controls::{FaceControls, FaceKind};
 use super::frames::{face_frames, moving};
 use super::levels::FaceLevelReport;
 use super::rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
@@ -42,20 +42,23 @@ pub struct FaceTransfer {
     pub duration_secs: f32,
     /// Number of frames.
     pub frames: usize,
-    /// Whether the face has known morph targets; if not, it has known expressions.
-    pub morphs: bool,
+    /// What drives the face.
+    pub kind: FaceKind,
     /// How the effect of its controls is known.
     pub columns: FaceColumns,
-    /// Number of the face's morph targets or expressions whose effect is known.
+    /// Number of the face's morph targets or expressions whose effect is known, or of the parts of its
+    /// table that joints show.
     pub controls: usize,
     /// Number of them that the clip moves.
     pub controls_moved: usize,
-    /// Names of the joints that it turns.
+    /// Names of the joints of head and eyes that it turns.
     pub joints: Vec<String>,
     /// Number of parameters that move in the clip, visemes and expressions as low-level ones.
     pub faps_moving: usize,
     /// Moving parameters that nothing of the face shows.
     pub not_driven: Vec<NotDriven>,
+    /// Of a face driven by joints: how closely they follow its face animation table; empty otherwise.
+    pub shown: Vec<ShownParameter>,
     /// Mean over frames and driven parameters of their errors, in millimetres on an average face.
     pub error_mm_mean: f32,
     /// Greatest error of a driven parameter.
@@ -64,6 +67,15 @@ pub struct FaceTransfer {
     pub error_fap: Option<usize>,
     /// Time at which it has it, in seconds.
     pub error_at_secs: f32,
+}
+
+/// A parameter that joints show.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShownParameter {
+    /// Number of the parameter.
+    pub fap: usize,
+    /// Share of the squared displacements of the face animation table that joints show, percent.
+    pub percent: f32,
 }
 
 /// A parameter that nothing of a face shows.
@@ -77,9 +89,37 @@ pub struct NotDriven {
     pub mm: f32,
 }
 
+impl ShownParameter {
+    /// The moving parameters that joints show.
+    fn of(controls: &FaceControls, moving: &[bool; LOW_FAP_COUNT]) -> Vec<Self> {
+        let shares = controls.shares().iter();
+        shares
+            .filter(|(fap, _)| moving[fap - LOW_FAPS.start()])
+            .map(|(fap, share)| Self {
+                fap: *fap,
+                percent: 100.0 * share,
+            })
+            .collect()
+    }
+}
+
+impl NotDriven {
+    fn of(fap: usize, values: &[FapValues]) -> Self {
+        let largest = values
+            .iter()
+            .fold(0.0, |most, v| v.get(fap).abs().max(most));
+        Self {
+            fap,
+            name: TABLE[fap - 1].name,
+            mm: largest * unit_mm(fap),
+        }
+    }
+}
+
 /// Transfers a FAP clip to the face of a character, which is not changed.
 ///
-/// The face's morph targets with names of ARKit's blend shapes are driven, or its VRM expressions;
+/// The face's morph targets with names of ARKit's blend shapes are driven, or its VRM expressions, or
+/// joints below its head;
 /// head and eyes turn by joints. Each frame gets the weights, between 0 and 1, that show the
 /// parameters most closely in millimetres (`docs/methods/faces.md`). `file` names the clip's file.
 ///
@@ -191,14 +231,7 @@ fn fitted(
 
     let is_driven = |fap: usize| bridge.moves(fap) || turns.iter().any(|t| t.has(fap));
     let not_driven = LOW_FAPS.filter(|fap| moving[fap - LOW_FAPS.start()] && !is_driven(*fap));
-    let not_driven = not_driven.map(|fap| NotDriven {
-        fap,
-        name: TABLE[fap - 1].name,
-        mm: values
-            .iter()
-            .fold(0.0, |most, v| v.get(fap).abs().max(most))
-            * unit_mm(fap),
-    });
+    let not_driven = not_driven.map(|fap| NotDriven::of(fap, &values));
     let judged: Vec<usize> = LOW_FAPS
         .filter(|fap| moving[fap - LOW_FAPS.start()] && bridge.moves(*fap))
         .collect();
@@ -211,7 +244,7 @@ fn fitted(
         level: None,
         duration_secs: times.last().copied().unwrap_or(0.0),
         frames: times.len(),
-        morphs: controls.are_morphs(),
+        kind: controls.kind(),
         columns,
         controls: controls.len(),
         controls_moved: (0..controls.len())
@@ -220,6 +253,7 @@ fn fitted(
         joints: turns.iter().map(|turn| turn.name(character)).collect(),
         faps_moving: moving.iter().filter(|m| **m).count(),
         not_driven: not_driven.collect(),
+        shown: ShownParameter::of(controls, &moving),
         error_mm_mean: errors.mean_mm,
         error_mm_max: errors.max_mm,
         error_fap: errors.fap,

@@ -1,6 +1,7 @@
 //! Faces driven by facial animation parameters (FAP) of MPEG-4.
 //!
-//! - `controls`: the morph targets or expressions of a face whose effect is known
+//! - `controls`: the morph targets, expressions or joints of a face whose effect is known
+//! - `joints`: joints that show parameters
 //! - `fields`: how far the controls move the vertices
 //! - `rig`: the parameters that each control amounts to
 //! - `frames`: the values of a clip's frames
@@ -13,6 +14,7 @@
 //! - `targets`: new morph targets of a head
 //! - `turns`: head and eyes, which turn
 //! - `capture`: captures of blend shapes as parameters, and back
+//! - `measured`: parameters read off a moving face
 //! - `fit`: a FAP clip as a clip of a character
 //! - `levels`: a FAP clip at a level of articulation
 //! - `detail`: error of levels on a head, and their choice by distance
@@ -25,7 +27,9 @@ mod fields;
 mod fit;
 mod found;
 mod frames;
+mod joints;
 mod levels;
+mod measured;
 mod points;
 mod rig;
 mod shapes;
@@ -34,15 +38,19 @@ mod surface;
 mod targets;
 mod turns;
 
-pub use capture::{CaptureReport, ShapeLoss, capture_of_clip, capture_to_faps, faps_to_capture};
+pub use capture::{
+    CaptureReport, ShapeLoss, capture_of_clip, capture_to_faps, drives_shapes, faps_to_capture,
+};
+pub use controls::FaceKind;
 pub use detail::{
     FACE_DISTANCES_M, FaceDetailOptions, FaceDetailReport, FaceDetailRow, FaceLevelError, FapLever,
     MeasuredFace, face_detail,
 };
 pub use fdp::{face_fdp, fdp_points};
-pub use fit::{FaceTransfer, FittedFace, NotDriven, fit_capture, fit_face};
+pub use fit::{FaceTransfer, FittedFace, NotDriven, ShownParameter, fit_capture, fit_face};
 pub(crate) use found::FoundFace;
 pub use levels::{FaceLevelReport, expand_face, reduce_face};
+pub use measured::measure_faps;
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout};
 pub use rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
 pub use shapes::{FaceShapes, FaceTableTargets, add_face_shapes, add_face_table};

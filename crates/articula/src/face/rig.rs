@@ -27,11 +27,11 @@ pub enum FaceColumns {
     Generic,
     /// By the motion of the face's own feature points.
     Measured,
-    /// The controls are parts of a face animation table.
+    /// The controls are parts of a face animation table, or joints that show it.
     Table,
 }
 
-/// The controls of a character's face: morph targets or expressions whose effect is known.
+/// The controls of a character's face: morph targets, expressions or joints whose effect is known.
 #[derive(Debug)]
 pub struct FaceRig {
     pub(super) controls: FaceControls,
@@ -46,14 +46,21 @@ impl FaceRig {
     /// [`Error::Unsupported`](crate::Error::Unsupported) that names the file, if nothing of the face
     /// is known.
     pub fn new(character: &CharacterFile) -> Result<Self> {
-        let controls = FaceControls::known(character)?;
-        if controls.columns().is_none() {
+        let of_table = FaceControls::of(&character.character).filter(|c| c.columns().is_none());
+        if let Some(controls) = of_table {
             return Ok(Self {
                 controls,
                 own: None,
             });
         }
         let figure = Figure::new(character.clone())?;
+        let controls = FaceControls::known(&figure)?;
+        if controls.columns().is_none() {
+            return Ok(Self {
+                controls,
+                own: None,
+            });
+        }
         let fields = control_fields(&controls, &figure).context(&character.name)?;
         Ok(Self::measured(controls, &figure, &fields))
     }
@@ -61,7 +68,7 @@ impl FaceRig {
     /// As [`FaceRig::new`], of a figure; with the displacement of each of its vertices under each
     /// control.
     pub(super) fn of_figure(figure: &Figure) -> Result<(Self, Vec<Vec<Vec3>>)> {
-        let controls = FaceControls::known(&figure.opened)?;
+        let controls = FaceControls::known(figure)?;
         let fields = control_fields(&controls, figure).context(&figure.opened.name)?;
         Ok((Self::measured(controls, figure, &fields), fields))
     }

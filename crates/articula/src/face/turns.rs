@@ -3,8 +3,9 @@
 use crate::facing::facing_of;
 use crate::open::CharacterFile;
 use articula_build::face::FapValues;
+use articula_core::fap_table::LOW_FAPS;
 use articula_core::source::{Channel, Interpolation, Property};
-use glam::{Quat, Vec3};
+use glam::{EulerRot, Quat, Vec3};
 
 /// Radians of an angle unit.
 const ANGLE_UNIT: f32 = 1e-5;
@@ -89,6 +90,17 @@ impl Turn {
         (self.to_parent * turn * self.to_parent.inverse() * self.rest).normalize()
     }
 
+    /// Sets the parameters that turn the joint to a rotation, relative to its parent.
+    pub(super) fn read(&self, rotation: Quat, values: &mut FapValues) {
+        let turn = self.to_parent.inverse() * rotation * self.rest.inverse() * self.to_parent;
+        let (yaw, pitch, roll) = turn.normalize().to_euler(EulerRot::YXZ);
+        for (fap, angle) in self.faps.iter().zip([pitch, yaw, roll]) {
+            if let Some(fap) = fap {
+                values.0[fap - LOW_FAPS.start()] = angle / ANGLE_UNIT;
+            }
+        }
+    }
+
     /// The rotations of all frames.
     pub(super) fn channel(&self, times_secs: &[f32], frames: &[FapValues]) -> Channel {
         Channel {
@@ -136,9 +148,26 @@ mod tests {
     }
 
     #[test]
+    fn angles_come_back() {
+        let head = Turn {
+            rest: Quat::from_rotation_z(0.7),
+            ..head(Quat::from_euler(EulerRot::YXZ, 0.3, -0.8, 1.1))
+        };
+        let mut values = FapValues::default();
+        for (fap, value) in [(48, 20_000.0), (49, -35_000.0), (50, 12_000.0)] {
+            values.0[fap - 3] = value;
+        }
+        let mut read = FapValues::default();
+        head.read(head.rotation(&values), &mut read);
+        for fap in 48..=50 {
+            assert!((read.get(fap) - values.get(fap)).abs() < 1.0, "FAP {fap}");
+        }
+    }
+
+    #[test]
     fn axes_are_those_of_the_figure() {
         // A figure that faces -Z looks left towards -X, whatever the axes of its neck are.
-        let neck = Quat::from_euler(glam::EulerRot::YXZ, 0.3, -0.8, 1.1);
+        let neck = Quat::from_euler(EulerRot::YXZ, 0.3, -0.8, 1.1);
         let head = head(neck.inverse() * Quat::from_rotation_y(std::f32::consts::PI));
         let forward = neck.inverse() * -Vec3::Z;
         let left = neck * (head.rotation(&quarter(49)) * forward);

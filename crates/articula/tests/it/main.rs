@@ -10,6 +10,7 @@
 
 mod convert;
 mod crowd;
+mod face_joints;
 mod faces;
 mod kept_faces;
 mod mesh_levels;

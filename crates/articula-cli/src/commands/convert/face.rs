@@ -8,10 +8,10 @@ use crate::{fault, files};
 use anyhow::Context;
 use articula::convert::write_data;
 use articula::face::{
-    CaptureBridge, FaceRig, capture_of_clip, capture_to_faps, expand_face, faps_to_capture,
-    reduce_face,
+    CaptureBridge, FaceRig, capture_of_clip, capture_to_faps, drives_shapes, expand_face,
+    faps_to_capture, measure_faps, reduce_face,
 };
-use articula::{Data, DataFormat};
+use articula::{Data, DataFormat, Figure};
 use articula_formats::Warning;
 use articula_formats::live_link::LiveLinkClip;
 use std::path::Path;
@@ -100,7 +100,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     console.result(&report, |report| report.text(false))
 }
 
-/// The blend shapes of a clip of a character.
+/// The blend shapes of a clip of a character, or the parameters that it shows without them.
 fn of_character(args: &ConvertArgs, input: &Path, console: &Console) -> anyhow::Result<FaceSource> {
     let opened = open::character(&console.files, input, &args.names)?;
     let clips = &opened.character.clips;
@@ -119,6 +119,20 @@ fn of_character(args: &ConvertArgs, input: &Path, console: &Console) -> anyhow::
             None => anyhow::anyhow!("{place}: clips: the file has none; give one with a face clip"),
         });
     };
+    if !drives_shapes(&opened.character, clip) {
+        let name = clip.name.clone();
+        let figure = Figure::new(opened)?;
+        let index = figure.clip(Some(&name))?.unwrap_or(0);
+        let measured = measure_faps(&figure, index, &name)?;
+        let opened = figure.opened;
+        return Ok(FaceSource {
+            data: Data::Fap(measured),
+            bridge: CaptureBridge::generic(),
+            format: opened.format.name(),
+            bytes: opened.bytes,
+            warnings: opened.warnings,
+        });
+    }
     let capture: LiveLinkClip = capture_of_clip(&opened, clip)?;
     let rig = FaceRig::new(&opened)?;
     let bridge = rig.capture_bridge(&opened);

@@ -13,7 +13,9 @@ use articula::convert::{
     AddClipsOptions, ContactPinning, FitFinding, FitFindingKind, FittedClip, FootSlideSummary,
     JointShare, RetargetOptions, TransferReport, TransferredClipReport, fit_clips,
 };
-use articula::face::{FaceColumns, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face};
+use articula::face::{
+    FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
+};
 use articula::{CharacterFile, Data, DataFormat};
 use clap::ValueEnum;
 use std::path::Path;
@@ -340,10 +342,10 @@ pub(super) const FACE_COLUMNS: [&str; 10] = [
 
 /// One row of the table of face clips.
 pub(super) fn face_row(face: &FaceTransfer) -> [String; 10] {
-    let controls = if face.morphs {
-        "morph targets"
-    } else {
-        "expressions"
+    let controls = match face.kind {
+        FaceKind::MorphTargets => "morph targets",
+        FaceKind::Expressions => "expressions",
+        FaceKind::Joints => "parts of joints",
     };
     let most = match face.error_fap {
         None => "-".to_owned(),
@@ -371,16 +373,29 @@ pub(super) fn face_row(face: &FaceTransfer) -> [String; 10] {
     ]
 }
 
-/// The parameters that nothing of the face shows, on one line.
+/// The parameters that joints show least, and those that nothing of the face shows, on one line each.
 pub(super) fn not_driven(face: &FaceTransfer) -> String {
+    let mut text = String::new();
+    let mut shown: Vec<_> = face.shown.iter().collect();
+    shown.sort_by(|a, b| a.percent.total_cmp(&b.percent));
+    if let Some(least) = shown.first() {
+        let mean = shown.iter().map(|s| s.percent).sum::<f32>() / shown.len() as f32;
+        text.push_str(&format!(
+            "{}: joints show {mean:.0} % of the displacements of the face animation table, least of FAP {} ({:.0} %)\n",
+            clean(&face.name),
+            least.fap,
+            least.percent
+        ));
+    }
     if face.not_driven.is_empty() {
-        return String::new();
+        return text;
     }
     let faps = face.not_driven.iter();
     let faps: Vec<String> = faps.map(|n| format!("{} {}", n.fap, n.name)).collect();
-    format!(
+    text.push_str(&format!(
         "{}: not driven: FAP {}\n",
         clean(&face.name),
         faps.join(", ")
-    )
+    ));
+    text
 }

@@ -1,16 +1,17 @@
 //! Feature points of a face: the flags, the table and the picture.
 
+use super::face_shapes;
 use crate::console::Console;
 use crate::table::Table;
 use crate::{fault, files, open};
 use anyhow::Context;
-use articula::face::{FaceLayout, HeadSurface, face_fdp, face_layout};
+use articula::face::{FaceLayout, face_fdp, face_layout};
 use articula::{Figure, facing};
 use articula_core::{ModelPose, local_to_model};
-use articula_flat::{Appearance, Bounds, Picture};
+use articula_flat::{Appearance, Picture};
 use articula_formats::face_points;
 use articula_formats::mpeg4::fdp;
-use articula_report::{FaceMark, face_sheet, shape_sheet};
+use articula_report::{FaceMark, face_sheet};
 use clap::Args;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -28,6 +29,9 @@ pub(super) struct FaceArgs {
     /// Draw the face with each of its morph targets at full weight
     #[arg(long, value_name = "F.png")]
     shape_sheet: Option<PathBuf>,
+    /// Draw the face at moments of a clip (--clip, or the first)
+    #[arg(long, value_name = "F.png")]
+    clip_sheet: Option<PathBuf>,
     /// Feature points that are known, as JSON or in an FDP file for this mesh; the others follow
     #[arg(long, value_name = "F.json|F.fdp")]
     face_points: Option<PathBuf>,
@@ -46,7 +50,7 @@ impl FaceArgs {
 
     /// Whether a flag needs a mesh.
     pub(super) fn needs_a_mesh(&self) -> bool {
-        self.asks() || self.shape_sheet.is_some()
+        self.asks() || self.shape_sheet.is_some() || self.clip_sheet.is_some()
     }
 
     /// The file that is read, if any.
@@ -56,7 +60,12 @@ impl FaceArgs {
 
     /// The files that are written.
     pub(super) fn outputs(&self) -> impl Iterator<Item = &Path> {
-        let outputs = [&self.face_sheet, &self.shape_sheet, &self.write_face_points];
+        let outputs = [
+            &self.face_sheet,
+            &self.shape_sheet,
+            &self.clip_sheet,
+            &self.write_face_points,
+        ];
         outputs.into_iter().flatten().map(PathBuf::as_path)
     }
 
@@ -65,6 +74,7 @@ impl FaceArgs {
         for (flag, path) in [
             ("--face-sheet", &self.face_sheet),
             ("--shape-sheet", &self.shape_sheet),
+            ("--clip-sheet", &self.clip_sheet),
         ] {
             let is_png =
                 |p: &&PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
@@ -77,20 +87,27 @@ impl FaceArgs {
         Ok(())
     }
 
-    /// Draws the morph targets, if that was asked for; returns the file written.
+    /// Draws the morph targets and the clip, if that was asked for; returns the files written.
     pub(super) fn draw_shapes(
         &self,
         figure: &Figure,
+        clip: Option<usize>,
         console: &Console,
-    ) -> anyhow::Result<Option<String>> {
-        let Some(path) = &self.shape_sheet else {
-            return Ok(None);
+    ) -> anyhow::Result<Vec<String>> {
+        let mut written = Vec::new();
+        let mut write = |path: &Path, picture: Picture| {
+            let bytes = picture.to_png().with_context(|| files::shown(path))?;
+            console.files.write(path, &bytes)?;
+            written.push(files::shown(path));
+            anyhow::Ok(())
         };
-        let bytes = shapes(figure)?
-            .to_png()
-            .with_context(|| files::shown(path))?;
-        console.files.write(path, &bytes)?;
-        Ok(Some(files::shown(path)))
+        if let Some(path) = &self.shape_sheet {
+            write(path, face_shapes::targets(figure)?)?;
+        }
+        if let Some(path) = &self.clip_sheet {
+            write(path, face_shapes::moments(figure, clip)?)?;
+        }
+        Ok(written)
     }
 
     /// Finds the points, and writes what was asked for. Returns them and the files written.
@@ -157,48 +174,6 @@ fn draw(figure: &Figure, layout: &FaceLayout) -> anyhow::Result<Picture> {
     let facing = facing(&asset.rig, &rest);
     let figure = (&asset.rig, &asset.mesh);
     Ok(face_sheet(figure, &look, facing, &marks, (&title, notes))?)
-}
-
-/// Draws the morph targets of the figure; those of one name in several meshes move together.
-fn shapes(figure: &Figure) -> anyhow::Result<Picture> {
-    let asset = &figure.asset;
-    let mut sets: Vec<(String, Vec<f32>)> = Vec::new();
-    let meshes = &figure.opened.character.meshes;
-    for (mesh, first) in meshes.iter().zip(&asset.mesh.morph_slots) {
-        for (target, name) in mesh.morph_names.iter().enumerate() {
-            let known = sets.iter().position(|(n, _)| n == name);
-            let index = known.unwrap_or_else(|| {
-                sets.push((name.clone(), vec![0.0; asset.mesh.morph_weights.len()]));
-                sets.len() - 1
-            });
-            sets[index].1[first + target] = 1.0;
-        }
-    }
-    if sets.is_empty() {
-        let what = "--shape-sheet: the file has no morph target to draw";
-        return Err(fault::usage(what));
-    }
-    let head = HeadSurface::of(figure);
-    let moved = head.surface.shapes.iter().flat_map(|(_, offsets)| {
-        let moving = offsets
-            .iter()
-            .enumerate()
-            .filter(|(_, o)| o.length() > 1e-3);
-        moving.map(|(v, _)| v)
-    });
-    let place = |v: usize| head.model_from_head * head.surface.positions[v];
-    let all = 0..head.surface.positions.len();
-    let bounds = Bounds::around(moved.map(|v| (place(v), place(v))));
-    let bounds = bounds.or_else(|| Bounds::around(all.map(|v| (place(v), place(v)))));
-    let bounds = bounds.context("no vertex has a finite position")?;
-    let character = &figure.opened.character;
-    let (look, _) = Appearance::new(&character.materials, &character.images);
-    let title = format!("morph targets of {}", figure.opened.name);
-    let mut rest = ModelPose::new(asset.rig.len());
-    local_to_model(&asset.rig, asset.rig.rest_pose(), &mut rest);
-    let framed = (&bounds, facing(&asset.rig, &rest));
-    let sheet = shape_sheet((&asset.rig, &asset.mesh), &look, framed, &sets, &title);
-    Ok(sheet?)
 }
 
 /// The table of the points.

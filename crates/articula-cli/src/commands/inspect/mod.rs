@@ -2,6 +2,7 @@
 
 mod data;
 mod face;
+mod face_shapes;
 mod human;
 mod joint_levels;
 mod mesh_levels;
@@ -100,9 +101,11 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         findings.face_layout = Some(layout);
         findings.written.extend(written);
     }
-    findings
-        .written
-        .extend(args.face.draw_shapes(&figure, console)?);
+    findings.written.extend(args.face.draw_shapes(
+        &figure,
+        figure.clip(args.clip.as_deref())?,
+        console,
+    )?);
     findings.warnings.extend(unused_map(args, &figure));
     if let Some(path) = &args.write_joint_map {
         let made = rig_joint_map(&figure.opened)?;
