@@ -6,6 +6,7 @@
 //! expression's largest displacement. Errors are in percent of that largest displacement.
 
 use super::Run;
+use super::lids::Lids;
 use super::targets::{Target, section};
 use anyhow::{Context, Result};
 use articula::Figure;
@@ -85,6 +86,9 @@ struct Head {
     /// Largest difference between the motions by a parameter and, mirrored, by that of the other
     /// side, percent of the height of the face.
     sides: f32,
+    /// What is left of the openings of the eyes while the lids are closed, percent of their height at
+    /// rest, and the number of vertices of lids inside of an eyeball.
+    lids: Lids,
     /// Largest motion of the upper lip while the lower jaw opens, by that of the lower lip.
     upper_lip: f32,
 }
@@ -140,6 +144,7 @@ fn measure(name: &'static str, limits: [f64; 2], figure: &Figure) -> Result<Head
         shown,
         points: own_points(&points, &table),
         sides: sides(&bare, &points, &table),
+        lids: Lids::of(&bare, &table),
         upper_lip: upper_lip(&bare, &points, &table, jaw_open),
     })
 }
@@ -372,6 +377,16 @@ fn page(heads: &[Head]) -> String {
                 ],
                 15.0,
                 f64::from(head.upper_lip),
+            ),
+            Target::at_most(
+                [head.name, "opening that closed lids leave, % of its height"],
+                10.0,
+                f64::from(head.lids.open_percent),
+            ),
+            Target::at_most(
+                [head.name, "vertices of lids inside of an eyeball"],
+                0.0,
+                head.lids.inside as f64,
             ),
         ]);
     }

@@ -8,6 +8,7 @@ pub(crate) mod face_mesh_levels;
 pub(crate) mod face_points;
 pub(crate) mod face_tables;
 pub(crate) mod flat;
+mod lids;
 pub(crate) mod loa_cost;
 pub(crate) mod merged_levels;
 pub(crate) mod mesh_levels;

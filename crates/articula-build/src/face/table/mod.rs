@@ -4,6 +4,7 @@
 //! - `handles`: the points that the skin follows
 //! - `graph`: distances along the skin
 //! - `weights`: how much each vertex follows each handle
+//! - `lids`: rims that meet, in front of the eyeballs
 //! - `normals`: how normals change with the vertices
 //! - `pieces`: the parts of a parameter's range over which the table is straight
 //! - `rules`: how handles move with parameters
@@ -12,6 +13,7 @@
 
 mod graph;
 mod handles;
+mod lids;
 mod normals;
 mod pieces;
 mod rules;
@@ -23,7 +25,8 @@ use articula_core::fap_table::{LOW_FAPS, TABLE};
 use articula_core::feature_points::PointId;
 use glam::{Quat, Vec3};
 use graph::{SurfaceGraph, nearest, smooth};
-use handles::{Handle, handles};
+use handles::{Handle, HandleKind, handles};
+use lids::{EyeLids, LidInput};
 use rules::RuleFrame;
 use weights::{WeightInput, weights};
 
@@ -48,6 +51,8 @@ pub struct FaceTable {
     jaw: Vec<(u32, f32)>,
     /// Vertices of the eyeballs.
     eyeballs: Option<[Vec<u32>; 2]>,
+    /// The lids of both eyes, where their rims are found.
+    lids: [Option<EyeLids>; 2],
     positions: Vec<Vec3>,
     /// Height of the face, metres.
     height: f32,
@@ -113,6 +118,16 @@ impl FaceTable {
                 followers.push((*vertex, row));
             }
         }
+        let lids = EyeLids::of(&LidInput {
+            surface,
+            points,
+            handles: &handles,
+            graph: &graph,
+            vertices: &vertices,
+            followers: &followers.iter().map(|(v, _)| *v).collect::<Vec<u32>>(),
+            height,
+            eyes,
+        });
         Some(Self {
             handles,
             frame,
@@ -124,6 +139,7 @@ impl FaceTable {
                 .eyeballs
                 .as_ref()
                 .map(|e| [e[0].0.clone(), e[1].0.clone()]),
+            lids,
             positions: surface.positions.clone(),
             height,
         })
@@ -136,20 +152,29 @@ impl FaceTable {
             27..=30 | 43..=50 => false,
             _ => {
                 let point = TABLE[fap - 1].action.map(|a| a.point);
-                point.is_some_and(|p| {
-                    self.handles
-                        .iter()
-                        .any(|h| h.what == handles::HandleKind::Moving(p))
-                })
+                point.is_some_and(|p| self.handles.iter().any(|h| h.what == HandleKind::Moving(p)))
             }
         }
     }
 
     /// Returns the displacement of each vertex of the surface by parameters, metres.
     pub fn displacements(&self, values: &FapValues) -> Vec<Vec3> {
+        let (values, closing) = self.lids_that_meet(values);
+        let values = &values;
         let motion = self.frame.motion(values, &self.handles);
-        let mut all = vec![Vec3::ZERO; self.positions.len()];
-        self.follow(&motion, &mut all);
+        let mut rows: Vec<Vec3> = (0..self.vertices.len())
+            .map(|row| self.followed(row, &motion))
+            .collect();
+        for (eye, shares) in self.lids.iter().zip(closing) {
+            let Some(eye) = eye else { continue };
+            eye.close(shares, |row| self.followed_lids(row, &motion), &mut rows);
+        }
+        let mut all = self.spread(&rows);
+        for (eye, shares) in self.lids.iter().zip(closing) {
+            if let Some(eye) = eye.as_ref().filter(|_| shares != [0.0; 2]) {
+                eye.push_out(&self.positions, &mut all);
+            }
+        }
         let turn = self.frame.jaw_radians(values);
         let jaw = Quat::from_rotation_x(turn);
         let shift = self.frame.jaw_shift(values);
@@ -177,9 +202,15 @@ impl FaceTable {
     /// measuring the weights apart from the rules.
     pub fn displacements_of_handles(&self, true_motion: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
         let motion: Vec<Vec3> = self.handles.iter().map(|h| true_motion(h.vertex)).collect();
-        let mut all = vec![Vec3::ZERO; self.positions.len()];
-        self.follow(&motion, &mut all);
-        all
+        let rows = (0..self.vertices.len()).map(|row| self.followed(row, &motion));
+        self.spread(&rows.collect::<Vec<_>>())
+    }
+
+    /// Centre and radius of the left and the right eye, where the rims of the lids are found; without
+    /// eyeballs, the radius is that of the largest ball behind the rims.
+    pub fn eyes(&self) -> [Option<(Vec3, f32)>; 2] {
+        let eye = |lids: &Option<EyeLids>| lids.as_ref().map(|l| (l.centre, l.radius));
+        self.lids.each_ref().map(eye)
     }
 
     /// Returns the values that move the feature points as displacements of all vertices say.
@@ -209,21 +240,53 @@ impl FaceTable {
         values
     }
 
-    fn follow(&self, motion: &[Vec3], all: &mut [Vec3]) {
-        let moved = |row: usize| {
-            let weights = &self.weights[row * motion.len()..(row + 1) * motion.len()];
-            weights
-                .iter()
-                .zip(motion)
-                .map(|(w, m)| *w * *m)
-                .sum::<Vec3>()
-        };
-        for (row, vertex) in self.vertices.iter().enumerate() {
-            all[*vertex as usize] = moved(row);
+    /// The parameters with lids that stop where they meet, and the shares by which the upper and the
+    /// lower lid of each eye close it.
+    fn lids_that_meet(&self, values: &FapValues) -> (FapValues, [[f32; 2]; 2]) {
+        let mut values = *values;
+        let mut closing = [[0.0; 2]; 2];
+        let unit = self.frame.units.iris_diameter / 1024.0;
+        for (side, lids) in self.lids.iter().enumerate() {
+            let Some(lids) = lids else { continue };
+            let faps = [19 + side, 21 + side];
+            let [down, up] = faps.map(|fap| values.get(fap) * unit);
+            closing[side] = lids.closing(down, up);
+            for (fap, way) in faps.into_iter().zip(lids.middles(closing[side])) {
+                values.0[fap - LOW_FAPS.start()] = way / unit;
+            }
+        }
+        (values, closing)
+    }
+
+    /// Displacement of a row of the skin by the motion of the handles.
+    fn followed(&self, row: usize, motion: &[Vec3]) -> Vec3 {
+        let weights = &self.weights[row * motion.len()..(row + 1) * motion.len()];
+        let all = weights.iter().zip(motion);
+        all.map(|(w, m)| *w * *m).sum()
+    }
+
+    /// The part of it that the handles of lids make.
+    fn followed_lids(&self, row: usize, motion: &[Vec3]) -> Vec3 {
+        let weights = &self.weights[row * motion.len()..(row + 1) * motion.len()];
+        let all = weights.iter().zip(motion).zip(&self.handles);
+        let of_lids = all.filter(|(_, handle)| match handle.what {
+            HandleKind::Moving(point) => point.0 == 3,
+            HandleKind::Rim(..) => true,
+            HandleKind::Resting => false,
+        });
+        of_lids.map(|((w, m), _)| *w * *m).sum()
+    }
+
+    /// Displacements of all vertices from those of the skin, by row, and of what follows it.
+    fn spread(&self, rows: &[Vec3]) -> Vec<Vec3> {
+        let mut all = vec![Vec3::ZERO; self.positions.len()];
+        for (vertex, moved) in self.vertices.iter().zip(rows) {
+            all[*vertex as usize] = *moved;
         }
         for (vertex, row) in &self.followers {
-            all[*vertex as usize] = moved(*row);
+            all[*vertex as usize] = rows[*row];
         }
+        all
     }
 }
 

@@ -2,11 +2,12 @@
 
 use crate::fault;
 use anyhow::Context;
-use articula::face::HeadSurface;
+use articula::face::{HeadSurface, face_layout};
 use articula::{Figure, facing};
 use articula_core::{ModelPose, Wrap, local_to_model, sample, sample_morphs};
 use articula_flat::{Appearance, Bounds, Picture};
 use articula_report::{FaceShape, shape_sheet};
+use glam::Vec3;
 
 /// Number of moments of a clip.
 const MOMENTS: usize = 28;
@@ -65,22 +66,10 @@ pub(super) fn moments(figure: &Figure, clip: Option<usize>) -> anyhow::Result<Pi
     drawn(figure, &shapes, &format!("clip \"{}\"", clip.name))
 }
 
-/// Draws the head in some shapes: the part of it that blend shapes move, or all of it.
+/// Draws the face in some shapes.
 fn drawn(figure: &Figure, shapes: &[FaceShape], what: &str) -> anyhow::Result<Picture> {
     let asset = &figure.asset;
-    let head = HeadSurface::of(figure);
-    let moved = head.surface.shapes.iter().flat_map(|(_, offsets)| {
-        let moving = offsets
-            .iter()
-            .enumerate()
-            .filter(|(_, o)| o.length() > 1e-3);
-        moving.map(|(v, _)| v)
-    });
-    let place = |v: usize| head.model_from_head * head.surface.positions[v];
-    let all = 0..head.surface.positions.len();
-    let bounds = Bounds::around(moved.map(|v| (place(v), place(v))));
-    let bounds = bounds.or_else(|| Bounds::around(all.map(|v| (place(v), place(v)))));
-    let bounds = bounds.context("no vertex has a finite position")?;
+    let bounds = framed(figure).context("no vertex has a finite position")?;
     let character = &figure.opened.character;
     let (look, _) = Appearance::new(&character.materials, &character.images);
     let title = format!("{what} of {}", figure.opened.name);
@@ -94,4 +83,28 @@ fn drawn(figure: &Figure, shapes: &[FaceShape], what: &str) -> anyhow::Result<Pi
         shapes,
         &title,
     )?)
+}
+
+/// The part of a figure that is drawn: its feature points but those on the skull, the part that blend
+/// shapes move, or its head.
+fn framed(figure: &Figure) -> Option<Bounds> {
+    if let Ok(layout) = face_layout(figure, &[])
+        && !layout.units.iter().any(|unit| unit.doubtful)
+    {
+        let points = layout.points.iter().filter(|p| p.point.0 != 11);
+        let places = points.map(|p| Vec3::from(p.place_m));
+        return Bounds::around(places.map(|p| (p, p)));
+    }
+    let head = HeadSurface::of(figure);
+    let moved = head.surface.shapes.iter().flat_map(|(_, offsets)| {
+        let moving = offsets
+            .iter()
+            .enumerate()
+            .filter(|(_, o)| o.length() > 1e-3);
+        moving.map(|(v, _)| v)
+    });
+    let place = |v: usize| head.model_from_head * head.surface.positions[v];
+    let all = 0..head.surface.positions.len();
+    let bounds = Bounds::around(moved.map(|v| (place(v), place(v))));
+    bounds.or_else(|| Bounds::around(all.map(|v| (place(v), place(v)))))
 }
