@@ -2,6 +2,8 @@
 //! feature points alone.
 //!
 //! - `handles`: the points that the skin follows
+//! - `eyeballs`: eyeballs that turn and pupils that grow
+//! - `tongue`: the tongue, inside of the mouth
 //! - `graph`: distances along the skin
 //! - `weights`: how much each vertex follows each handle
 //! - `lids`: rims that meet, in front of the eyeballs
@@ -11,23 +13,27 @@
 //!
 //! Method and constants: `docs/methods/faces.md`.
 
+mod eyeballs;
 mod graph;
 mod handles;
 mod lids;
 mod normals;
 mod pieces;
 mod rules;
+mod tongue;
 mod weights;
 
 use super::fap_values::FapValues;
 use super::points::{FacePoints, FaceSurface, Snap};
 use articula_core::fap_table::{LOW_FAPS, TABLE};
 use articula_core::feature_points::PointId;
+use eyeballs::{Eyeball, Gaze};
 use glam::{Quat, Vec3};
 use graph::{SurfaceGraph, nearest, smooth};
 use handles::{Handle, HandleKind, handles};
 use lids::{EyeLids, LidInput};
 use rules::RuleFrame;
+use tongue::Tongue;
 use weights::{WeightInput, weights};
 
 pub use normals::normal_offsets;
@@ -49,8 +55,9 @@ pub struct FaceTable {
     followers: Vec<(u32, usize)>,
     /// Vertices that turn with the lower jaw, and how much.
     jaw: Vec<(u32, f32)>,
-    /// Vertices of the eyeballs.
-    eyeballs: Option<[Vec<u32>; 2]>,
+    tongue: Option<Tongue>,
+    /// The left and the right eyeball.
+    eyeballs: Option<[Eyeball; 2]>,
     /// The lids of both eyes, where their rims are found.
     lids: [Option<EyeLids>; 2],
     positions: Vec<Vec3>,
@@ -118,6 +125,15 @@ impl FaceTable {
                 followers.push((*vertex, row));
             }
         }
+        let inside: Vec<u32> = jaw.iter().map(|(vertex, _)| *vertex).collect();
+        let tongue = Tongue::of(surface, points, &inside, height);
+        // The tongue lies on the lower jaw, its upper side above the line between the lips.
+        let on_jaw = tongue.iter().flat_map(|tongue| &tongue.vertices);
+        for tongue in on_jaw {
+            if let Ok(index) = jaw.binary_search_by_key(&tongue.vertex, |(vertex, _)| *vertex) {
+                jaw[index].1 = jaw[index].1.max(tongue.share);
+            }
+        }
         let lids = EyeLids::of(&LidInput {
             surface,
             points,
@@ -135,10 +151,13 @@ impl FaceTable {
             weights,
             followers,
             jaw,
-            eyeballs: parts
-                .eyeballs
-                .as_ref()
-                .map(|e| [e[0].0.clone(), e[1].0.clone()]),
+            tongue,
+            eyeballs: parts.eyeballs.as_ref().map(|eyes| {
+                eyes.each_ref().map(|(vertices, centre)| Eyeball {
+                    vertices: vertices.clone(),
+                    centre: *centre,
+                })
+            }),
             lids,
             positions: surface.positions.clone(),
             height,
@@ -148,8 +167,9 @@ impl FaceTable {
     /// Returns whether the table shows a parameter, by its number.
     pub fn moves(&self, fap: usize) -> bool {
         match fap {
-            23..=26 => self.eyeballs.is_some(),
-            27..=30 | 43..=50 => false,
+            23..=30 => self.eyeballs.is_some(),
+            43..=47 => self.tongue.is_some(),
+            48..=50 => false,
             _ => {
                 let point = TABLE[fap - 1].action.map(|a| a.point);
                 point.is_some_and(|p| self.handles.iter().any(|h| h.what == HandleKind::Moving(p)))
@@ -182,12 +202,18 @@ impl FaceTable {
             let from = self.positions[*vertex as usize] - self.frame.hinge;
             all[*vertex as usize] = *share * (jaw * from - from + shift);
         }
-        for (side, vertices) in self.eyeballs.iter().flatten().enumerate() {
-            let (yaw, pitch) = (values.get(23 + side) * 1e-5, values.get(25 + side) * 1e-5);
-            let turn = Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch);
-            for vertex in vertices {
-                let from = self.positions[*vertex as usize] - self.frame.eyes[side];
-                all[*vertex as usize] = turn * from - from;
+        if let Some(tongue) = &self.tongue {
+            let moved = tongue.displacements(values, |unit| self.frame.units.distance(unit));
+            for (v, moved) in tongue.vertices.iter().zip(moved) {
+                all[v.vertex as usize] += jaw * moved;
+            }
+        }
+        let units = &self.frame.units;
+        for (side, eye) in self.eyeballs.iter().flatten().enumerate() {
+            let gaze = Gaze::of(values, side, units.eye_separation, units.iris_diameter);
+            for vertex in &eye.vertices {
+                let from = self.positions[*vertex as usize] - eye.centre;
+                all[*vertex as usize] = gaze.displacement(from);
             }
         }
         for offset in &mut all {

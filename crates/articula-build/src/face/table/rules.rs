@@ -7,7 +7,7 @@
 use super::super::fap_values::FapValues;
 use super::super::points::FaceUnits;
 use super::handles::{Handle, HandleKind};
-use articula_core::fap_table::{FapDirection, LOW_FAPS, TABLE};
+use articula_core::fap_table::{FapDirection, FapUnit, LOW_FAPS, TABLE};
 use articula_core::feature_points::PointId;
 use glam::Vec3;
 
@@ -81,20 +81,8 @@ impl RuleFrame {
 }
 
 impl Motion<'_> {
-    /// Components that parameters say of a point.
     fn component(&self, point: PointId) -> Vec3 {
-        let mut sum = Vec3::ZERO;
-        for fap in LOW_FAPS {
-            let Some(action) = TABLE[fap - 1].action.filter(|a| a.point == point) else {
-                continue;
-            };
-            let Some(axis) = axis(action.direction) else {
-                continue;
-            };
-            let unit = self.frame.units.distance(action.unit) / 1024.0;
-            sum += axis * unit * self.values.get(fap);
-        }
-        sum
+        component(self.values, point, |unit| self.frame.units.distance(unit))
     }
 
     /// Motion of a corner of the lips: in as it goes out and up.
@@ -186,6 +174,25 @@ impl Motion<'_> {
         let z = (radius * radius - y * y).sqrt();
         Vec3::new(0.0, down, z - from.z)
     }
+}
+
+/// Components that parameters say of a point, with the distance of each unit in metres.
+pub(super) fn component(
+    values: &FapValues,
+    point: PointId,
+    distance: impl Fn(FapUnit) -> f32,
+) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    for fap in LOW_FAPS {
+        let Some(action) = TABLE[fap - 1].action.filter(|a| a.point == point) else {
+            continue;
+        };
+        let Some(axis) = axis(action.direction) else {
+            continue;
+        };
+        sum += axis * distance(action.unit) / 1024.0 * values.get(fap);
+    }
+    sum
 }
 
 /// Direction of a positive value; `None` for those that are no translation.
