@@ -6,8 +6,13 @@ use crate::console::Console;
 use crate::fault::{self, clean};
 use crate::table::Table;
 use crate::{files, open};
-use articula::face::{FACE_DISTANCES_M, FaceDetailOptions, FaceDetailReport, face_detail};
+use articula::convert::write_data;
+use articula::face::{
+    FACE_DISTANCES_M, FaceDetailOptions, FaceDetailReport, face_detail, reduce_face,
+};
 use articula::{Data, DataFormat, Figure};
+use articula_core::face_levels::FapRoles;
+use articula_core::fap_table::FAP_COUNT;
 use serde::Serialize;
 use std::path::Path;
 
@@ -35,6 +40,8 @@ struct FaceLodReport {
     tolerance_px: f32,
     viewport_px: [f32; 2],
     fov_deg: f32,
+    /// Files with the chosen parameters.
+    written: Vec<String>,
     warnings: Vec<String>,
 }
 
@@ -48,8 +55,21 @@ pub(super) fn run(args: &LodArgs, head: &Path, console: &Console) -> anyhow::Res
         )));
     }
     args.check_distances()?;
+    if let Some(out) = &args.write_fap {
+        let out_name = files::shown(out);
+        if files::data_format(out) != Some(DataFormat::Fap) {
+            let what = format!("--write-fap {out_name}: name a .fap file");
+            return Err(fault::usage(what));
+        }
+        if args.distances.len() != 1 {
+            let what = format!(
+                "--write-fap {out_name}: give the distance that it is for, such as --distances 3.5"
+            );
+            return Err(fault::usage(what));
+        }
+    }
     let inputs = args.character.inputs().chain([head]);
-    console.files.plan(inputs, [])?;
+    console.files.plan(inputs, args.write_fap.as_deref())?;
     let names: &ReadArgs = &args.character.names;
     let read = open::data(path, DataFormat::Fap, names)?;
     let Data::Fap(clip) = read.data else {
@@ -68,6 +88,21 @@ pub(super) fn run(args: &LodArgs, head: &Path, console: &Console) -> anyhow::Res
         viewport: args.view.viewport(),
     };
     let detail = console.work(|work| face_detail(&clip, &name, &figure, &options, work))?;
+    let mut written = Vec::new();
+    if let (Some(out), [row]) = (&args.write_fap, &detail.rows[..]) {
+        let mut keeps = [false; FAP_COUNT];
+        // Visemes and expressions count as the low-level parameters that they amount to.
+        let high = [1, 2].into_iter().filter(|_| !row.chosen.is_empty());
+        row.chosen
+            .iter()
+            .copied()
+            .chain(high)
+            .for_each(|fap| keeps[fap - 1] = true);
+        let chosen = reduce_face(&clip, &FapRoles::keeping(&keeps));
+        let bytes = write_data(&Data::Fap(chosen))?.bytes;
+        console.files.write(out, &bytes)?;
+        written.push(files::shown(out));
+    }
     let placed = |place: &str, warnings: Vec<String>| {
         let place = place.to_owned();
         let placed = warnings.into_iter().map(move |w| format!("{place}: {w}"));
@@ -81,6 +116,7 @@ pub(super) fn run(args: &LodArgs, head: &Path, console: &Console) -> anyhow::Res
         viewport_px: [options.viewport.width_px, options.viewport.height_px],
         fov_deg: args.view.fov_deg,
         detail,
+        written,
         warnings,
     };
     console.result(&report, FaceLodReport::text)
@@ -147,6 +183,9 @@ impl FaceLodReport {
             table.row(std::iter::once(distance).chain(names));
         }
         text.push_str(&table.text());
+        for path in &self.written {
+            text.push_str(&format!("chosen FAPs: {}\n", clean(path)));
+        }
         for warning in &self.warnings {
             text.push_str(&format!("warning: {}\n", clean(warning)));
         }

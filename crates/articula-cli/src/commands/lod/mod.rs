@@ -53,6 +53,9 @@ pub(crate) struct LodArgs {
     /// With a FAP file: head on which its levels of articulation are measured
     #[arg(long, value_name = "HEAD", conflicts_with_all = face::BODY_ALONE)]
     onto: Option<PathBuf>,
+    /// Write the FAP clip with the parameters alone that the error at one distance asks for
+    #[arg(long, value_name = "OUT.fap", requires = "onto")]
+    write_fap: Option<PathBuf>,
     /// Distances from the camera to the root in metres, separated by commas
     /// [default: 3.5,5.65,9.05,16,25.6; of a FAP file 1,2,3.5,5.65,9.05]
     #[arg(long, value_name = "M,…", value_delimiter = ',', value_parser = distance,
