@@ -10,6 +10,7 @@
 
 mod convert;
 mod crowd;
+mod crowd_faces;
 mod faces;
 mod mesh_levels;
 mod prepared;
