@@ -272,6 +272,47 @@ fn a_held_hand_is_seen_by_the_worst_vertex_and_by_its_part_alone() {
     let p95 = chord(1.0) + 0.9 * (chord(1.2) - chord(1.0));
     assert!(near(hands.frames.max, p95), "{hands:?} {p95}");
     assert!(found.face.is_none() && found.feet.is_none());
+    // Without a head joint the face is what is given, here the tip and the body; a vertex that the
+    // mesh does not have is no part of it.
+    let stage = stage.with_face(vec![0, 3, 4, 5000]);
+    let with_face = stage.skin_errors(&playbacks);
+    let face = with_face.face.unwrap();
+    assert!(near(face.worst_vertex, chord(1.2)), "{face:?}");
+    // Of three vertices two stand still: nine tenths of the way to the third.
+    assert!(near(face.frames.max, 0.9 * chord(1.2)), "{face:?}");
+    assert_eq!(
+        SkinErrors {
+            face: None,
+            ..with_face
+        },
+        found,
+        "nothing else changes"
+    );
+}
+
+#[test]
+fn a_head_joint_says_what_the_face_is() {
+    let mut asset = asset();
+    let mut joints = asset.rig.articulation().joints.clone();
+    joints[1].region = Region::Face;
+    let articulation = Articulation {
+        joints,
+        ..asset.rig.articulation().clone()
+    };
+    let skeleton = skeleton_of(&asset);
+    asset.rig = articula_core::Rig::new(&skeleton, articulation).unwrap();
+    // Farther out than the vertex that is given.
+    asset.mesh.positions[1] = 2.0 * Vec3::X;
+    let found = |face: Vec<u32>| {
+        let setup = EvaluationSetup::default();
+        let stage = ClipEvaluator::new(&asset, &asset.clips[0], setup, MethodOptions::default());
+        let stage = stage.with_face(face);
+        let (_, playbacks) = play(&stage, &Method::SkipHold, 8.0);
+        stage.skin_errors(&playbacks)
+    };
+    let joint = found(Vec::new());
+    assert_eq!(found(vec![0]), joint);
+    assert_eq!(joint.face.unwrap().worst_vertex, joint.worst_vertex);
 }
 
 #[test]

@@ -11,6 +11,7 @@
 mod convert;
 mod crowd;
 mod crowd_faces;
+mod face_errors;
 mod faces;
 mod mesh_levels;
 mod prepared;
