@@ -291,31 +291,6 @@ fn a_held_hand_is_seen_by_the_worst_vertex_and_by_its_part_alone() {
 }
 
 #[test]
-fn a_head_joint_says_what_the_face_is() {
-    let mut asset = asset();
-    let mut joints = asset.rig.articulation().joints.clone();
-    joints[1].region = Region::Face;
-    let articulation = Articulation {
-        joints,
-        ..asset.rig.articulation().clone()
-    };
-    let skeleton = skeleton_of(&asset);
-    asset.rig = articula_core::Rig::new(&skeleton, articulation).unwrap();
-    // Farther out than the vertex that is given.
-    asset.mesh.positions[1] = 2.0 * Vec3::X;
-    let found = |face: Vec<u32>| {
-        let setup = EvaluationSetup::default();
-        let stage = ClipEvaluator::new(&asset, &asset.clips[0], setup, MethodOptions::default());
-        let stage = stage.with_face(face);
-        let (_, playbacks) = play(&stage, &Method::SkipHold, 8.0);
-        stage.skin_errors(&playbacks)
-    };
-    let joint = found(Vec::new());
-    assert_eq!(found(vec![0]), joint);
-    assert_eq!(joint.face.unwrap().worst_vertex, joint.worst_vertex);
-}
-
-#[test]
 fn calibration_takes_the_greatest_gain_within_the_limit() {
     let asset = asset();
     let stage = ClipEvaluator::new(
@@ -640,7 +615,7 @@ pub(crate) fn clip_of(asset: &Asset, source: RawClip, opts: &ClipOptions) -> art
     built.clips.into_iter().next().unwrap()
 }
 
-fn skeleton_of(asset: &Asset) -> Skeleton {
+pub(crate) fn skeleton_of(asset: &Asset) -> Skeleton {
     let joint = |j: usize| Joint {
         name: asset.rig.name(j).to_owned(),
         parent: asset.rig.parent(j),
