@@ -8,7 +8,7 @@
 use super::character_state::{CharacterState, ClipState};
 use crate::Mismatch;
 use crate::clip::{Clip, Track, Tracks};
-use crate::sample::{FramePosition, frame_position_f32, sample_morphs_at};
+use crate::sample::{FramePosition, Wrap, frame_position_f32, sample_morphs_at};
 
 /// Morph target weights of all clips of a crowd, and the levels that show them.
 ///
@@ -135,7 +135,8 @@ impl MorphClips {
     /// Joins the weights of one clip with those of the targets that move.
     fn one(&self, state: &ClipState, join: impl Fn(&mut f32, f32), out: &mut [f32]) {
         let clip = &self.clips[usize::from(state.clip)];
-        let at = frame_position_f32(&clip.times, state.secs, state.wrap);
+        // The time is already wrapped; as for the body, the end of a clip is its last frame.
+        let at = frame_position_f32(&clip.times, state.secs, Wrap::Clamp);
         let count = self.moving.len();
         let row = |frame: usize| &self.rows[clip.first + frame * count..][..count];
         let before = row(at.before);

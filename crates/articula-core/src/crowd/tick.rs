@@ -573,9 +573,10 @@ impl Crowd {
         }
     }
 
-    /// Writes the morph target weights of a range of sets, [`MorphClips::targets`](super::MorphClips::targets) of the model for
-    /// each, at the character's own times: a character with a shared or cached pose has its own face.
-    /// Ranges are independent, as of [`Crowd::evaluate`].
+    /// Writes the morph target weights of a range of sets, for each as many as the mesh has targets
+    /// ([`MorphClips::targets`](super::MorphClips::targets)), at the character's own times: a
+    /// character with a shared or cached pose has its own face. Ranges are independent, as of
+    /// [`Crowd::evaluate`].
     ///
     /// O(targets of the sets); does not allocate.
     ///

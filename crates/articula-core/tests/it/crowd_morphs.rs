@@ -6,7 +6,7 @@ use articula_core::crowd::{
     CacheUse, CharacterState, ClipState, Crowd, CrowdModel, DrawList, Frame, MorphClips,
 };
 use articula_core::visibility::View;
-use articula_core::{Clip, Track, Tracks, sample_morphs};
+use articula_core::{Clip, Track, Tracks, Wrap, sample_morphs};
 
 /// Default weights of the mesh's targets; the third one never moves.
 const REST: [f32; 4] = [0.0, 0.125, 0.75, 0.5];
@@ -102,7 +102,7 @@ fn by_hand(state: &CharacterState, clips: &[Clip]) -> Vec<f32> {
     let one = |state: &ClipState| {
         let mut out = REST.to_vec();
         let secs = f64::from(state.secs());
-        sample_morphs(&clips[state.clip()], secs, state.wrap(), &mut out);
+        sample_morphs(&clips[state.clip()], secs, Wrap::Clamp, &mut out);
         out
     };
     let mut out = one(state.clip_state());

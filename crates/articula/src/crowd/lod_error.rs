@@ -252,7 +252,7 @@ impl ErrorMeter {
             let mut weights = full.mesh.morph_weights.clone();
             let secs = f64::from(clip_state.secs());
             let clip = &full.clips[clip_state.clip()];
-            sample_morphs(clip, secs, clip_state.wrap(), &mut weights);
+            sample_morphs(clip, secs, Wrap::Clamp, &mut weights);
             weights
         };
         let mut weights = one(player.clip_state());
