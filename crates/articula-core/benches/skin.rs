@@ -1,12 +1,12 @@
-//! Cost of skinning a mesh.
+//! Cost of skinning a mesh and of its morph targets.
 
 mod human;
 
 use articula_core::{
-    GroupedSkin, ModelPose, SkinnedMesh, Wrap, local_to_model, palette, sample, skin,
+    GroupedSkin, Mesh, ModelPose, Morph, SkinnedMesh, Wrap, local_to_model, palette, sample, skin,
 };
 use divan::{Bencher, black_box};
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 
 fn main() {
     divan::main();
@@ -49,4 +49,110 @@ fn matrices() -> Vec<Affine3A> {
     let mut matrices = vec![Affine3A::IDENTITY; asset.mesh.bindings.len()];
     palette(&asset.mesh, &model, &mut matrices);
     matrices
+}
+
+/// Number of morph targets of a head, and how many of them have a weight in a frame of speech.
+const TARGETS: usize = 52;
+const ACTIVE: usize = 12;
+
+/// The reference human's mesh with targets that each move a run of its vertices, as many in all as
+/// those of ARKit on a scanned body: between 1 and 12 % of the vertices each.
+fn morphed() -> Mesh {
+    let mut mesh = human::asset().mesh.clone();
+    let count = mesh.len();
+    let target = |slot: usize| {
+        let moved = count / 100 * (1 + slot * 7 % 12);
+        let first = slot * 389 % (count - moved);
+        let offset = |v: usize| Vec3::new((v % 7) as f32, (v % 5) as f32, 1.0) * 1e-3;
+        Morph {
+            slot: slot as u16,
+            vertices: (first..first + moved).map(|v| v as u32).collect(),
+            positions: (0..moved).map(offset).collect(),
+            normals: (0..moved).map(offset).collect(),
+        }
+    };
+    mesh.morphs = (0..TARGETS).map(target).collect();
+    mesh.morph_weights = vec![0.0; TARGETS];
+    mesh
+}
+
+/// Weights of two frames in turn: the same targets, another face.
+fn faces() -> [Vec<f32>; 2] {
+    [0.3, 0.6].map(|weight| {
+        let mut weights = vec![0.0; TARGETS];
+        for i in 0..ACTIVE {
+            weights[i * 4] = weight + 0.02 * i as f32;
+        }
+        weights
+    })
+}
+
+/// Morph targets alone, as a frame of one figure adds them before it skins.
+#[divan::bench]
+fn morph_grouped(bencher: Bencher<'_, '_>) {
+    let mesh = morphed();
+    let grouped = GroupedSkin::new(&mesh);
+    let (mut shape, mut stale) = (grouped.rest().clone(), grouped.stale());
+    let (faces, mut frame) = (faces(), 0);
+    bencher.counter(mesh.len()).bench_local(|| {
+        frame += 1;
+        let weights = black_box(&faces[frame % 2]);
+        grouped.morph(weights, &mut shape, &mut stale);
+    });
+}
+
+/// The plain form: all vertices at rest, then the vertices of each target with a weight.
+#[divan::bench]
+fn morph_plain(bencher: Bencher<'_, '_>) {
+    let mesh = morphed();
+    let mut out = SkinnedMesh::new(&mesh);
+    let (faces, mut frame) = (faces(), 0);
+    bencher.counter(mesh.len()).bench_local(|| {
+        frame += 1;
+        let weights = black_box(&faces[frame % 2]);
+        out.positions.copy_from_slice(&mesh.positions);
+        out.normals.copy_from_slice(&mesh.normals);
+        for morph in &mesh.morphs {
+            let weight = weights[usize::from(morph.slot)];
+            if weight != 0.0 {
+                let offsets = morph.positions.iter().zip(&morph.normals);
+                for (v, (dp, dn)) in morph.vertices.iter().zip(offsets) {
+                    out.positions[*v as usize] += *dp * weight;
+                    out.normals[*v as usize] += *dn * weight;
+                }
+            }
+        }
+        black_box(&out);
+    });
+}
+
+/// The dense form of renderers that store every target for every vertex: all targets, all vertices.
+#[divan::bench]
+fn morph_dense(bencher: Bencher<'_, '_>) {
+    let mesh = morphed();
+    let dense = mesh.morphs.iter().map(|morph| {
+        let mut offsets = vec![[Vec3::ZERO; 2]; mesh.len()];
+        let each = morph.positions.iter().zip(&morph.normals);
+        for (v, (dp, dn)) in morph.vertices.iter().zip(each) {
+            offsets[*v as usize] = [*dp, *dn];
+        }
+        offsets
+    });
+    let dense: Vec<Vec<[Vec3; 2]>> = dense.collect();
+    let mut out = SkinnedMesh::new(&mesh);
+    let (faces, mut frame) = (faces(), 0);
+    bencher.counter(mesh.len()).bench_local(|| {
+        frame += 1;
+        let weights = black_box(&faces[frame % 2]);
+        out.positions.copy_from_slice(&mesh.positions);
+        out.normals.copy_from_slice(&mesh.normals);
+        for (offsets, weight) in dense.iter().zip(weights) {
+            let places = out.positions.iter_mut().zip(&mut out.normals);
+            for ((position, normal), [dp, dn]) in places.zip(offsets) {
+                *position += *dp * *weight;
+                *normal += *dn * *weight;
+            }
+        }
+        black_box(&out);
+    });
 }

@@ -23,7 +23,11 @@ impl ClipEvaluator<'_> {
             let all = regions.iter().enumerate();
             all.filter(|(_, r)| **r == part).map(|(v, _)| v).collect()
         };
-        let parts = PARTS.map(of);
+        let mut parts = PARTS.map(of);
+        let [_, face, _] = &mut parts;
+        if face.is_empty() {
+            face.extend(self.face.iter().map(|v| *v as usize));
+        }
         let mut found = SkinErrors::default();
         let mut of_parts = [PartErrors::default(); PARTS.len()];
         for (playback, views) in self.seen(playbacks) {

@@ -63,6 +63,8 @@ pub struct ClipEvaluator<'a> {
     pub(crate) contacts: Vec<Contact>,
     /// Unreduced local poses of all frames.
     pub truth: Vec<LocalPose>,
+    /// Vertices of the face of a head without a head joint.
+    pub(super) face: Vec<u32>,
     sample: SkinSample<'static>,
     true_points: Vec<Vec<Vec3>>,
     matrix: OnceCell<ErrorMatrix>,
@@ -127,6 +129,7 @@ impl<'a> ClipEvaluator<'a> {
             levers: levers(&asset.rig, &asset.mesh),
             contacts: contacts(asset, &clip, false),
             true_points: Vec::new(),
+            face: Vec::new(),
             truth,
             sample,
             matrix: OnceCell::new(),
@@ -269,6 +272,15 @@ impl<'a> ClipEvaluator<'a> {
             // A cell that is already set keeps its matrix.
             let _ = self.matrix.set(matrix);
         }
+        self
+    }
+
+    /// Gives the vertices of the face, which are reported apart if no vertex belongs to a head joint:
+    /// a head alone has none. Vertices beyond the mesh are ignored.
+    #[must_use]
+    pub fn with_face(mut self, mut vertices: Vec<u32>) -> Self {
+        vertices.retain(|v| (*v as usize) < self.asset.mesh.len());
+        self.face = vertices;
         self
     }
 

@@ -32,7 +32,8 @@ pub struct SkinErrors {
     pub worst_vertex: f32,
     /// The hands, below the wrists; `None` if they have no skin.
     pub hands: Option<PartErrors>,
-    /// The head, with the face.
+    /// The head, with the face; of a character without a head joint the vertices that
+    /// [`with_face`](super::ClipEvaluator::with_face) gives.
     pub face: Option<PartErrors>,
     /// The feet, below the ankles.
     pub feet: Option<PartErrors>,

@@ -272,6 +272,22 @@ fn a_held_hand_is_seen_by_the_worst_vertex_and_by_its_part_alone() {
     let p95 = chord(1.0) + 0.9 * (chord(1.2) - chord(1.0));
     assert!(near(hands.frames.max, p95), "{hands:?} {p95}");
     assert!(found.face.is_none() && found.feet.is_none());
+    // Without a head joint the face is what is given, here the tip and the body; a vertex that the
+    // mesh does not have is no part of it.
+    let stage = stage.with_face(vec![0, 3, 4, 5000]);
+    let with_face = stage.skin_errors(&playbacks);
+    let face = with_face.face.unwrap();
+    assert!(near(face.worst_vertex, chord(1.2)), "{face:?}");
+    // Of three vertices two stand still: nine tenths of the way to the third.
+    assert!(near(face.frames.max, 0.9 * chord(1.2)), "{face:?}");
+    assert_eq!(
+        SkinErrors {
+            face: None,
+            ..with_face
+        },
+        found,
+        "nothing else changes"
+    );
 }
 
 #[test]
@@ -599,7 +615,7 @@ pub(crate) fn clip_of(asset: &Asset, source: RawClip, opts: &ClipOptions) -> art
     built.clips.into_iter().next().unwrap()
 }
 
-fn skeleton_of(asset: &Asset) -> Skeleton {
+pub(crate) fn skeleton_of(asset: &Asset) -> Skeleton {
     let joint = |j: usize| Joint {
         name: asset.rig.name(j).to_owned(),
         parent: asset.rig.parent(j),

@@ -8,6 +8,7 @@ mod clip_edit;
 mod clusters;
 mod entering_view;
 mod evaluate;
+mod face_errors;
 mod figure_levels;
 mod joint_lods;
 mod levels_over_time;

@@ -48,6 +48,7 @@ pub(crate) struct Run {
     pub(crate) written_mb: Spread,
     pub(crate) memory: Memory,
     pub(crate) poses: Poses,
+    pub(crate) morphs: Morphs,
     /// Maximum error in pixels by which levels and shared poses were chosen.
     pub(crate) bound_px: Option<f32>,
     pub(crate) tiers: Vec<LevelStatistics>,
@@ -74,13 +75,22 @@ pub(crate) struct Poses {
     pub(crate) cached: f64,
 }
 
+/// Morph target weights written in a frame.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(crate) struct Morphs {
+    /// Characters whose level shows morph targets, on average over frames.
+    pub(crate) characters: f64,
+    /// Bytes of the weights of the largest frame.
+    pub(crate) bytes: usize,
+}
+
 /// Memory of a crowd.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Memory {
     pub(crate) clips_bytes: usize,
     /// The pose cache.
     pub(crate) cache_bytes: usize,
-    /// Palettes and records of the largest frame.
+    /// Palettes, records and morph target weights of the largest frame.
     pub(crate) output_bytes: usize,
     pub(crate) state_bytes: usize,
     pub(crate) state_bytes_per_character: usize,
@@ -187,6 +197,7 @@ fn looked_at(
     let mut meter = ErrorMeter::new(asset, seed);
     let mut tally = LevelTally::new(asset);
     let mut hash = PaletteHash::default();
+    let mut faces = (0, 0);
     let mut reports = Vec::with_capacity(settings.frames);
     let looks = settings.frames.min(LOOKS);
     let mut looked = Vec::with_capacity(looks);
@@ -202,7 +213,10 @@ fn looked_at(
         tally.add(player);
         let crowd = player.crowd();
         let palettes = crowd.draw_list().matrices * asset.model().parts().form.bytes();
-        let bytes = palettes + size_of_val(crowd.draw_list().records.as_slice());
+        let morphs = size_of_val(player.morph_weights());
+        let bytes = palettes + size_of_val(crowd.draw_list().records.as_slice()) + morphs;
+        faces.0 += crowd.draw_list().morph_sets();
+        faces.1 = morphs.max(faces.1);
         reports.push((report, bytes));
         // The first frame, then at even intervals.
         if counted * looks / settings.frames >= looked.len() && looked.len() < looks {
@@ -244,6 +258,10 @@ fn looked_at(
             followers: mean(&|r| r.sharing_characters),
             blended: mean(&|r| r.blended),
             cached: mean(&|r| r.cached),
+        },
+        morphs: Morphs {
+            characters: faces.0 as f64 / settings.frames.max(1) as f64,
+            bytes: faces.1,
         },
         // In full detail nothing is chosen by its error.
         bound_px: (settings.detail != DetailGoal::Full).then_some(bound),

@@ -64,7 +64,7 @@ fn check(name: &str, character: &Character) {
         .map(|slot| (slot % 3) as f32 * 0.4)
         .collect();
     let (mut shape, mut stale) = (grouped.rest().clone(), grouped.stale());
-    grouped.morph(mesh, &weights, &mut shape, &mut stale);
+    grouped.morph(&weights, &mut shape, &mut stale);
     let (mut plain, mut fast) = (SkinnedMesh::new(mesh), SkinnedMesh::new(mesh));
     let compare = |plain: &SkinnedMesh, fast: &SkinnedMesh| {
         let size = plain

@@ -8,6 +8,8 @@
 //!
 //! - [`CrowdModel`]: the data that all characters share, made once
 //! - [`CharacterState`], [`ClipState`]: the playback state of one character
+//! - [`MorphClips`]: morph target weights of the clips, which [`Crowd::evaluate_morphs`] writes for
+//!   characters near enough to show them
 //! - [`ClipEvent`], [`RootTrajectory`], [`attachment`]: events, root motion and attachments, which
 //!   are never skipped, whatever the level and visibility of a character
 //!
@@ -23,7 +25,8 @@
 //!   buffer for all palettes. Each group is one instanced draw: the instance data is its world
 //!   transform and [`Draw::first_matrix`], the vertex shader reads
 //!   `palettes[first_matrix + joint]`. `evaluate` may write straight into a mapped buffer: it
-//!   writes every byte once and in order.
+//!   writes every byte once and in order. Weights of morph targets are a second storage buffer,
+//!   and the index of a character's set in it is that of its draw ([`DrawList::morph_draws`]).
 //! - **Bevy**: a system in `PostUpdate` fills [`Frame`] from `GlobalTransform` and the cameras'
 //!   `Frustum`, ticks, spreads `evaluate` over the task pool, and hands the palettes to the render
 //!   world as one buffer; no entity per joint is needed. Attachments write the `Transform` of
@@ -40,6 +43,7 @@ mod events;
 mod frame;
 mod level;
 mod model;
+mod morphs;
 mod plan;
 mod root_path;
 mod share;
@@ -54,6 +58,7 @@ pub(crate) use events::sorted as sorted_events;
 pub use frame::{CacheUse, CrowdEvent, CrowdReport, Culling, Detail, Frame};
 pub(crate) use model::filled;
 pub use model::{CrowdModel, CrowdParts};
+pub use morphs::MorphClips;
 pub use plan::{Draw, DrawGroup, DrawList, RecordGroup};
 pub use root_path::{RootDelta, RootTrajectory};
 pub use tick::Crowd;

@@ -2,6 +2,7 @@
 
 use super::clip_times::ClipTimes;
 use super::events::{ClipEvent, sorted};
+use super::morphs::MorphClips;
 use super::root_path::RootTrajectory;
 use crate::Mismatch;
 use crate::attention::Attention;
@@ -37,6 +38,8 @@ pub struct CrowdParts {
     pub attention: Vec<Option<Attention>>,
     /// Cached palettes of these clips, levels and matrices.
     pub cache: Option<PoseCache>,
+    /// Morph target weights of these clips; `None` if the faces of all levels rest.
+    pub morphs: Option<MorphClips>,
 }
 
 /// Data shared by all characters of a crowd. Read-only; one model may serve many crowds and
@@ -85,6 +88,10 @@ impl CrowdModel {
         }
         if let Some(cache) = &parts.cache {
             check_cache(&parts, cache)?;
+        }
+        if let Some(morphs) = parts.morphs.as_ref().filter(|m| m.clips() != count) {
+            let what = format!("{} entries for {count} clips", morphs.clips());
+            return Err(Mismatch::new("morphs", what));
         }
         let errors = parts.errors.clips.iter();
         let no_event = parts.events.iter().all(Vec::is_empty);
@@ -144,6 +151,12 @@ impl CrowdModel {
     /// Whether any clip has root motion.
     pub(crate) fn has_paths(&self) -> bool {
         self.parts.paths.iter().any(Option::is_some)
+    }
+
+    /// Number of levels that show morph targets, from the finest on, and of targets.
+    pub(crate) fn morphs(&self) -> (usize, usize) {
+        let morphs = self.parts.morphs.as_ref();
+        morphs.map_or((0, 0), |m| (m.levels(), m.targets()))
     }
 
     /// Whether any clip has attention intervals.

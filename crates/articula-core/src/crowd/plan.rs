@@ -68,6 +68,28 @@ pub struct DrawList {
     pub batches: usize,
     /// Number of matrices that all batches write.
     pub matrices: usize,
+    /// Number of draws, from the first on, whose level shows morph targets: the weights of draw `i`
+    /// are set `i` of [`Crowd::evaluate_morphs`](super::Crowd::evaluate_morphs). The faces of later
+    /// draws rest, with the mesh's default weights.
+    pub morph_draws: usize,
+    /// Number of records, from the first on, whose level shows morph targets: the weights of record
+    /// `i` are set `morph_draws + i`.
+    pub morph_records: usize,
+}
+
+impl DrawList {
+    /// Number of sets of morph target weights of the frame, one for each character whose level
+    /// shows them.
+    pub fn morph_sets(&self) -> usize {
+        self.morph_draws + self.morph_records
+    }
+
+    /// Character of a set of morph target weights.
+    pub(crate) fn character_of(&self, set: usize) -> usize {
+        let draw = self.draws[..self.morph_draws].get(set);
+        let record = || self.records[set - self.morph_draws].character;
+        draw.map_or_else(record, |d| d.character) as usize
+    }
 }
 
 /// Up to eight poses that are evaluated together.
@@ -124,6 +146,8 @@ impl Plan {
                 records: Vec::with_capacity(characters),
                 batches: 0,
                 matrices: 0,
+                morph_draws: 0,
+                morph_records: 0,
             },
         }
     }
@@ -162,8 +186,9 @@ impl Plan {
         self.followers[level * self.characters + at] = (character as u32, job);
     }
 
-    /// Divides the jobs into batches of one level and kind, and fills the draw list.
-    pub(crate) fn finish(&mut self, palette: &PaletteMap) {
+    /// Divides the jobs into batches of one level and kind, and fills the draw list. The first
+    /// `morph_levels` levels show morph targets.
+    pub(crate) fn finish(&mut self, palette: &PaletteMap, morph_levels: usize) {
         self.batches.clear();
         self.drawn.draws.clear();
         self.drawn.groups.clear();
@@ -203,6 +228,12 @@ impl Plan {
         self.drawn.batches = self.batches.len();
         self.drawn.matrices = first_matrix;
         self.sort_records(palette);
+        let drawn = &mut self.drawn;
+        let groups = drawn.groups.iter().filter(|g| g.level < morph_levels);
+        drawn.morph_draws = groups.map(|g| g.draws.len()).sum();
+        let groups = drawn.record_groups.iter();
+        let groups = groups.filter(|g| g.level < morph_levels);
+        drawn.morph_records = groups.map(|g| g.records.len()).sum();
     }
 
     fn sort_records(&mut self, palette: &PaletteMap) {
@@ -323,8 +354,15 @@ mod tests {
             plan.record(1, record(21));
             plan.record(0, record(22));
             plan.record(1, record(23));
-            plan.finish(&palette);
+            // Without levels that show morph targets, with the first one, and with all.
+            for (levels, sets) in [(0, (0, 0)), (2, (14, 3)), (1, (4, 1))] {
+                plan.finish(&palette, levels);
+                let list = plan.draw_list();
+                assert_eq!((list.morph_draws, list.morph_records), sets);
+            }
             let list = plan.draw_list();
+            let characters: Vec<usize> = (0..5).map(|set| list.character_of(set)).collect();
+            assert_eq!(characters, [5, 7, 8, 9, 22]);
             // At the first level the matrices of clips, then of blends; shared poses are no draws.
             let mut expected = vec![(5, 0), (7, 6), (8, 3), (9, 3)];
             expected.extend((0..10).map(|i| (if i < 9 { 10 + i } else { 20 }, 9 + i)));

@@ -175,7 +175,7 @@ impl Crowd {
         self.advance(model, dt_secs, tell);
         self.look(frame);
         let mut report = self.choose(model, frame, tell);
-        self.plan.finish(&model.parts().palette);
+        self.plan.finish(&model.parts().palette, model.morphs().0);
         for batch in self.plan.batches() {
             if !batch.is_cached() {
                 report.work += work(model, batch.level(), batch.poses() as u64);
@@ -570,6 +570,36 @@ impl Crowd {
             }
             let shown = &shown[..batch.poses()];
             evaluator.evaluate(batch.level(), shown, out.part(part), scratch);
+        }
+    }
+
+    /// Writes the morph target weights of a range of sets, for each as many as the mesh has targets
+    /// ([`MorphClips::targets`](super::MorphClips::targets)), at the character's own times: a
+    /// character with a shared or cached pose has its own face. Ranges are independent, as of
+    /// [`Crowd::evaluate`].
+    ///
+    /// O(targets of the sets); does not allocate.
+    ///
+    /// # Panics
+    /// If the range ends beyond [`DrawList::morph_sets`], or `out` does not have the weights of these
+    /// sets.
+    pub fn evaluate_morphs(&self, model: &CrowdModel, sets: Range<usize>, out: &mut [f32]) {
+        let (_, targets) = model.morphs();
+        assert!(
+            sets.end <= self.draw_list().morph_sets(),
+            "the range of morph sets is out of bounds"
+        );
+        assert_eq!(
+            out.len(),
+            sets.len() * targets,
+            "the output must hold the weights of every set"
+        );
+        let Some(morphs) = model.parts().morphs.as_ref().filter(|_| targets > 0) else {
+            return;
+        };
+        for (set, out) in sets.zip(out.chunks_exact_mut(targets)) {
+            let character = self.draw_list().character_of(set);
+            morphs.sample(&self.states[character], out);
         }
     }
 

@@ -46,7 +46,7 @@ impl<'a> FigureSkin<'a> {
         let moved = self.groups.moved(&self.shown, &self.now);
         self.groups.mark_joints(&moved, &mut self.stale);
         self.groups
-            .morph(self.mesh, morph_weights, &mut self.shape, &mut self.stale);
+            .morph(morph_weights, &mut self.shape, &mut self.stale);
         std::mem::swap(&mut self.shown, &mut self.now);
         let (shape, stale, out) = (&self.shape, &mut self.stale, &mut self.skinned);
         self.groups.skin_stale(shape, &self.shown, stale, out)

@@ -65,6 +65,7 @@ pub(crate) fn parts(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdParts 
         paths: Vec::new(),
         attention: Vec::new(),
         cache: None,
+        morphs: None,
     }
 }
 
@@ -90,7 +91,7 @@ pub(crate) struct Square {
 }
 
 impl Square {
-    fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         let place = |i: usize| Vec3::new((i % 9) as f32 - 4.0, -1.0, 4.0 - 3.0 * (i / 9) as f32);
         Self {
             positions: (0..count).map(place).collect(),

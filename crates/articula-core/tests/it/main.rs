@@ -8,6 +8,7 @@ mod budget;
 mod clustered;
 mod crowd;
 mod crowd_levels;
+mod crowd_morphs;
 mod drift;
 mod loa;
 mod occlusion;

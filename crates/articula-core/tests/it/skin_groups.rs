@@ -135,7 +135,7 @@ proptest! {
         let grouped = GroupedSkin::new(&mesh);
         prop_assert_eq!(grouped.group_sizes().iter().sum::<usize>(), mesh.len());
         let (mut shape, mut stale) = (grouped.rest().clone(), grouped.stale());
-        grouped.morph(&mesh, &weights, &mut shape, &mut stale);
+        grouped.morph(&weights, &mut shape, &mut stale);
         let mut out = SkinnedMesh::new(&mesh);
         grouped.skin(&shape, &rows_of(&palette), &mut out);
         check(&out, &plain(&mesh, &palette, &weights))?;
@@ -155,14 +155,14 @@ proptest! {
         let grouped = GroupedSkin::new(&mesh);
         let (mut shape, mut stale) = (grouped.rest().clone(), grouped.stale());
         let mut out = SkinnedMesh::new(&mesh);
-        grouped.morph(&mesh, &first, &mut shape, &mut stale);
+        grouped.morph(&first, &mut shape, &mut stale);
         let all = grouped.skin_stale(&shape, &rows_of(&before), &mut stale, &mut out);
         prop_assert_eq!(all, mesh.len(), "at first nothing is up to date");
 
         let found = grouped.moved(&rows_of(&before), &rows_of(&now));
         prop_assert!(moved.difference(&found).is_empty(), "two random matrices differ");
         grouped.mark_joints(&moved, &mut stale);
-        grouped.morph(&mesh, &then, &mut shape, &mut stale);
+        grouped.morph(&then, &mut shape, &mut stale);
         // Vertices that keep this value were not written.
         let mut again = SkinnedMesh {
             positions: vec![Vec3::splat(77.0); mesh.len()],
@@ -237,7 +237,7 @@ fn a_frame_allocates_nothing() {
             GroupedSkin::rows(&palette, &mut matrices);
             grouped.mark_joints(&JointSet::first(frame), &mut stale);
             let weights = [0.0, frame as f32, 0.0];
-            grouped.morph(&mesh, &weights, &mut shape, &mut stale);
+            grouped.morph(&weights, &mut shape, &mut stale);
             grouped.skin_stale(&shape, &matrices, &mut stale, &mut out);
             grouped.skin(&shape, &matrices, &mut out);
         }

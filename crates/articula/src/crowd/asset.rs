@@ -1,5 +1,6 @@
 //! The character of a crowd: its levels with their skins and errors, and its bounds.
 
+use super::face_levels::morph_clips;
 use super::mesh_lods::{LevelledMeshes, MeshLods, mesh_level_triangles};
 use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 use super::preparation::{CharacterInPlace, PREPARING, bounds, in_place, joint_levels, pose_cache};
@@ -10,7 +11,6 @@ use crate::prepared::stored::Stored;
 use crate::work::Executor;
 use articula_build::{Asset, CacheOptions, JointLodOptions, MergedLevels, skin_of};
 use articula_core::crowd::{CrowdModel, CrowdParts, RootTrajectory};
-use articula_core::source::{Character, Property};
 use articula_core::{
     Clip, ClipSet, ClipStorage, JointLods, LevelSkins, Mesh, MotionBounds, PaletteMap, Tracks,
 };
@@ -68,9 +68,6 @@ impl CrowdAsset {
         let is_whole = kept.iter().all(|kept| *kept);
         keep(&mut character.asset.clips, &kept);
         keep(&mut character.paths, &kept);
-        character
-            .warnings
-            .extend(morphs_at_rest(&figure.opened.character));
         character
             .warnings
             .extend(unmapped(&character.asset, &options.joints));
@@ -294,18 +291,6 @@ fn keep<T>(all: &mut Vec<T>, kept: &[bool]) {
     all.retain(|_| each.next().is_some_and(|kept| *kept));
 }
 
-/// Returns a warning that morph targets stay at rest, if they are all that the clips animate.
-fn morphs_at_rest(source: &Character) -> Option<String> {
-    let mut channels = source.clips.iter().flat_map(|c| &c.channels).peekable();
-    channels.peek()?;
-    let stand = channels.all(|c| c.property == Property::Weights);
-    stand.then(|| {
-        "the clips animate morph targets only, which a crowd does not play; play the file as a \
-         single figure"
-            .to_owned()
-    })
-}
-
 /// Returns a warning that a named level has little effect, if no joint is known by its name.
 fn unmapped(asset: &Asset, wanted: &JointLodMethod) -> Option<String> {
     let mut joints = asset.rig.articulation().joints.iter();
@@ -345,17 +330,20 @@ fn model(
     } else {
         None
     };
+    let mut errors = levels.errors.clone();
+    let morphs = morph_clips(asset, &mut errors)?;
     Ok(CrowdModel::new(CrowdParts {
         clips,
         palette,
         form: options.form,
         backend: options.backend,
-        errors: levels.errors.clone(),
+        errors,
         bounds,
         events: Vec::new(),
         paths,
         attention: Vec::new(),
         cache,
+        morphs,
     })?)
 }
 

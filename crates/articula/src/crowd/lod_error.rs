@@ -2,19 +2,21 @@
 //!
 //! The reference is computed by the plain path (sample, cross-fade, hierarchy, skin) at the
 //! character's clock time. The shown skin is computed from the written palette on the mesh of the
-//! level; on a coarser mesh a vertex is compared with its corresponding surface point. Morph
-//! targets are left out on both sides. Definition: `docs/metrics.md`, with the true camera instead
-//! of a weak perspective.
+//! level; on a coarser mesh a vertex is compared with its corresponding surface point. Where clips
+//! move morph targets, the reference shows them at all distances, and the shown skin with the
+//! weights that were written. Definition: `docs/metrics.md`, with the true camera instead of a weak
+//! perspective.
 
 use super::asset::CrowdAsset;
 use super::mesh_lods::Watch;
 use super::player::CrowdPlayer;
 use articula_build::vertex_regions;
-use articula_core::crowd::ClipState;
+use articula_core::crowd::{CharacterState, ClipState};
 use articula_core::percentile;
 use articula_core::visibility::{Bodies, CullResult, MIN_DEPTH_METRES, View, Visibility, cull};
 use articula_core::{
-    Camera, LocalPose, PosedMesh, Region, Sphere, Wrap, blend, sample, skin_points,
+    Camera, LocalPose, PosedMesh, Region, SkinnedMesh, Sphere, Wrap, blend, sample, sample_morphs,
+    skin, skin_points,
 };
 use glam::{Affine3A, Vec2, Vec3};
 use serde::Serialize;
@@ -125,6 +127,8 @@ pub struct ErrorMeter {
     watches: Vec<Watch>,
     pose: LocalPose,
     other: LocalPose,
+    /// Whether a clip moves morph targets.
+    is_morphed: bool,
     matrices: Vec<Affine3A>,
     truth: Vec<Vec3>,
     shown: Vec<Vec3>,
@@ -157,6 +161,7 @@ impl ErrorMeter {
             watches,
             pose: rig.rest_pose().clone(),
             other: rig.rest_pose().clone(),
+            is_morphed: asset.model().parts().morphs.is_some(),
             matrices: Vec::new(),
             truth: room.clone(),
             shown: room,
@@ -192,7 +197,14 @@ impl ErrorMeter {
             let mesh = self.asset.mesh(level);
             let watch = &self.watches[level];
             self.shown.resize(watch.vertices.len(), Vec3::ZERO);
-            skin_points(mesh, &self.matrices, &watch.vertices, &mut self.shown);
+            let weights = player.morph_weights_of(character);
+            if self.is_morphed {
+                let mut skinned = SkinnedMesh::new(mesh);
+                skin(mesh, &self.matrices, weights, &mut skinned);
+                pick(&skinned, &watch.vertices, &mut self.shown);
+            } else {
+                skin_points(mesh, &self.matrices, &watch.vertices, &mut self.shown);
+            }
             watch.place(&mut self.shown);
             let world = player.world_from_model(character);
             let found = self.errors_px(camera, &world);
@@ -224,9 +236,32 @@ impl ErrorMeter {
         }
         let full = self.asset.full();
         let mut posed = PosedMesh::new(&full.rig, &full.mesh);
-        posed
-            .pose(&self.pose)
-            .points(&self.vertices, &mut self.truth);
+        posed.pose(&self.pose);
+        if self.is_morphed {
+            let weights = self.true_weights(player);
+            pick(&posed.skinned(&weights), &self.vertices, &mut self.truth);
+        } else {
+            posed.points(&self.vertices, &mut self.truth);
+        }
+    }
+
+    /// Morph target weights of the full character.
+    fn true_weights(&self, player: &CharacterState) -> Vec<f32> {
+        let full = self.asset.full();
+        let one = |clip_state: &ClipState| {
+            let mut weights = full.mesh.morph_weights.clone();
+            let secs = f64::from(clip_state.secs());
+            let clip = &full.clips[clip_state.clip()];
+            sample_morphs(clip, secs, Wrap::Clamp, &mut weights);
+            weights
+        };
+        let mut weights = one(player.clip_state());
+        if let Some(next) = player.next() {
+            for (weight, to) in weights.iter_mut().zip(one(next)) {
+                *weight += (to - *weight) * player.fade();
+            }
+        }
+        weights
     }
 
     fn sample(&mut self, clip_state: &ClipState, which: Which) {
@@ -256,6 +291,13 @@ impl ErrorMeter {
             is_seen.then(|| (*part, f64::from(truth.distance(shown))))
         });
         pixels.collect()
+    }
+}
+
+/// Takes the positions of some vertices.
+fn pick(skinned: &SkinnedMesh, vertices: &[u32], out: &mut [Vec3]) {
+    for (point, v) in out.iter_mut().zip(vertices) {
+        *point = skinned.positions[*v as usize];
     }
 }
 

@@ -10,11 +10,15 @@
 //!
 //! The [crate page](crate) has an example.
 //!
+//! Characters near enough to show their faces get the weights of their morph targets
+//! ([`CrowdPlayer::morph_weights`]); the errors of coarser levels include that their faces rest.
+//!
 //! There is no clock and no thread here: the caller provides time steps, frame times in nanoseconds
 //! and the threads that evaluate [`parts`](CrowdPlayer::parts).
 
 mod asset;
 mod budget;
+mod face_levels;
 mod in_place;
 mod level_use;
 mod lod_error;

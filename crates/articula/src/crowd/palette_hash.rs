@@ -1,4 +1,4 @@
-//! Hash of all written palettes, to compare runs bit by bit.
+//! Hash of all written palettes and morph target weights, to compare runs bit by bit.
 
 use super::palettes::PaletteSlice;
 use super::player::CrowdPlayer;
@@ -22,11 +22,14 @@ impl Default for PaletteHash {
 }
 
 impl PaletteHash {
-    /// Adds the palettes and blend records of a player's current frame.
+    /// Adds the palettes, blend records and morph target weights of a player's current frame.
     pub fn add(&mut self, player: &CrowdPlayer) {
         let matrices = player.crowd().draw_list().matrices;
         self.add_rows(matrices, player.palettes());
         self.add_records(&player.crowd().draw_list().records);
+        for weight in player.morph_weights() {
+            self.add_word(u64::from(weight.to_bits()));
+        }
     }
 
     /// Adds palettes.

@@ -36,6 +36,8 @@ pub struct CrowdPlayer {
     asset: CrowdAsset,
     crowd: Crowd,
     palettes: Palettes,
+    /// Space for the morph target weights of all characters.
+    morph_weights: Vec<f32>,
     positions: Vec<Vec3>,
     rotations: Vec<Quat>,
     scratches: Vec<Scratch>,
@@ -77,6 +79,7 @@ impl CrowdPlayer {
             share: false,
             cache: CacheUse::Never,
             palettes: Palettes::new(model.parts().form, room(model, characters)?),
+            morph_weights: vec![0.0; characters * targets(model)],
             crowd: Crowd::new(model, characters),
             positions: vec![Vec3::ZERO; characters],
             rotations: vec![Quat::IDENTITY; characters],
@@ -205,7 +208,7 @@ impl CrowdPlayer {
         self.crowd.tick(self.asset.model(), &frame, tell)
     }
 
-    /// Second half of a frame: writes all palettes on the calling thread.
+    /// Second half of a frame: writes all palettes and morph target weights on the calling thread.
     pub fn evaluate(&mut self) {
         self.parts(1).for_each(|mut part| part.evaluate());
     }
@@ -232,6 +235,8 @@ impl CrowdPlayer {
         Parts {
             model,
             rows: Some(self.palettes.first(self.crowd.draw_list().matrices)),
+            weights: &mut self.morph_weights,
+            first_set: 0,
             crowd: &self.crowd,
             scratches: self.scratches[..count].iter_mut(),
             first: 0,
@@ -258,6 +263,28 @@ impl CrowdPlayer {
         self.palettes.written(self.crowd.draw_list().matrices)
     }
 
+    /// Returns the morph target weights of this frame, a set for each character whose level shows
+    /// morph targets; [`DrawList::morph_draws`](articula_core::crowd::DrawList::morph_draws) says
+    /// whose. Empty if no clip moves any.
+    pub fn morph_weights(&self) -> &[f32] {
+        let targets = targets(self.asset.model());
+        &self.morph_weights[..self.crowd.draw_list().morph_sets() * targets]
+    }
+
+    /// Returns the morph target weights that a character is shown with: its set, or the mesh's
+    /// default weights. O(characters).
+    pub fn morph_weights_of(&self, character: usize) -> &[f32] {
+        let list = self.crowd.draw_list();
+        let draws = list.draws[..list.morph_draws].iter().map(|d| d.character);
+        let records = &list.records[..list.morph_records];
+        let mut owners = draws.chain(records.iter().map(|r| r.character));
+        let targets = targets(self.asset.model());
+        match owners.position(|c| c as usize == character) {
+            Some(set) => &self.morph_weights[set * targets..][..targets],
+            None => &self.asset.full().mesh.morph_weights,
+        }
+    }
+
     /// Returns the transform of a character from model to world space.
     ///
     /// # Panics
@@ -267,8 +294,8 @@ impl CrowdPlayer {
         Affine3A::from_rotation_translation(rotation, position)
     }
 
-    /// Returns the mesh of a character's level with its skinned vertices and normals in model
-    /// space, or `None` if the character is not shown. O(characters), and allocates: for tests and
+    /// Returns the mesh of a character's level with its morphed and skinned vertices and normals in
+    /// model space, or `None` if the character is not shown. O(characters), and allocates: for tests and
     /// for renderers without a GPU.
     ///
     /// # Panics
@@ -280,7 +307,8 @@ impl CrowdPlayer {
         let mut matrices = Vec::new();
         self.skin_matrices(level, &source, &mut matrices);
         let mut skinned = SkinnedMesh::new(mesh);
-        skin(mesh, &matrices, &mesh.morph_weights, &mut skinned);
+        let weights = self.morph_weights_of(character);
+        skin(mesh, &matrices, weights, &mut skinned);
         Some((mesh, skinned))
     }
 
@@ -355,11 +383,13 @@ pub struct FramePart<'a> {
     model: &'a CrowdModel,
     batches: Range<usize>,
     rows: PaletteRows<'a>,
+    sets: Range<usize>,
+    weights: &'a mut [f32],
     scratch: &'a mut Scratch,
 }
 
 impl FramePart<'_> {
-    /// Writes its palettes; does not allocate.
+    /// Writes its palettes and morph target weights; does not allocate.
     pub fn evaluate(&mut self) {
         let rows = match &mut self.rows {
             PaletteRows::Float(rows) => PaletteRows::Float(rows),
@@ -367,6 +397,8 @@ impl FramePart<'_> {
         };
         self.crowd
             .evaluate(self.model, self.batches.clone(), rows, self.scratch);
+        self.crowd
+            .evaluate_morphs(self.model, self.sets.clone(), self.weights);
     }
 }
 
@@ -375,6 +407,8 @@ struct Parts<'a> {
     crowd: &'a Crowd,
     model: &'a CrowdModel,
     rows: Option<PaletteRows<'a>>,
+    weights: &'a mut [f32],
+    first_set: usize,
     scratches: std::slice::IterMut<'a, Scratch>,
     first: usize,
     count: usize,
@@ -386,12 +420,20 @@ impl<'a> Iterator for Parts<'a> {
     fn next(&mut self) -> Option<FramePart<'a>> {
         let scratch = self.scratches.next()?;
         let mut batches = self.crowd.share_of_batches(self.first, self.count);
+        let all_sets = self.crowd.draw_list().morph_sets();
+        let share = all_sets.div_ceil(self.count);
+        let mut sets = self.first_set..(self.first_set + share).min(all_sets);
         if self.scratches.len() == 0 {
             batches.end = self.crowd.draw_list().batches;
+            sets.end = all_sets;
         }
-        if batches.is_empty() {
+        if batches.is_empty() && sets.is_empty() {
             return None;
         }
+        self.first_set = sets.end;
+        let weights = std::mem::take(&mut self.weights);
+        let (weights, others) = weights.split_at_mut(sets.len() * targets(self.model));
+        self.weights = others;
         self.first = batches.end;
         let matrices = self.crowd.matrices_of(batches.clone()).len();
         let rows = matrices * self.model.parts().form.rows();
@@ -402,15 +444,25 @@ impl<'a> Iterator for Parts<'a> {
             model: self.model,
             batches,
             rows,
+            sets,
+            weights,
             scratch,
         })
     }
 }
 
+/// Number of morph target weights of a character; 0 if no level shows them.
+fn targets(model: &CrowdModel) -> usize {
+    let morphs = model.parts().morphs.as_ref();
+    morphs.filter(|m| m.levels() > 0).map_or(0, |m| m.targets())
+}
+
 /// Number of matrices that a frame may need: all characters in full detail.
 fn room(model: &CrowdModel, characters: usize) -> Result<usize> {
     let matrices = characters.saturating_mul(model.parts().palette.len(0));
+    let weights = characters.saturating_mul(targets(model) * size_of::<f32>());
     let bytes = matrices.saturating_mul(model.parts().form.bytes());
+    let bytes = bytes.saturating_add(weights);
     if bytes > MAX_BYTES {
         return Err(Error::unsuited(format!(
             "{characters} characters: {:.1} GB of palettes, the limit is {:.1}; lower the count or choose a smaller form",

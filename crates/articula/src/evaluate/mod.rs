@@ -26,6 +26,7 @@ pub use schedule::{
     play_lod_schedule, read_lod_schedule,
 };
 
+use crate::face::face_vertices;
 use crate::figure::Figure;
 use crate::motion_tables::MotionTables;
 use articula_build::evaluate::{ClipEvaluator, EvaluationSetup, MethodOptions};
@@ -49,7 +50,8 @@ impl EvaluatedClip<'_> {
     pub fn stage(&self) -> ClipEvaluator<'_> {
         let asset = &self.figure.asset;
         let clip = &asset.clips[self.clip];
-        let stage = ClipEvaluator::new(asset, clip, self.setup.clone(), self.options);
+        let stage = ClipEvaluator::new(asset, clip, self.setup.clone(), self.options)
+            .with_face(face_vertices(self.figure));
         let stored = MotionTables::stored(self.figure, self.clip);
         let stage = match stored.joint_keys {
             Some(table) => stage.with_key_table(table),

@@ -96,6 +96,19 @@ impl FaceControls {
         })
     }
 
+    /// The morph targets that the known controls of a character move, as mesh and morph target.
+    pub(super) fn morphs_of(character: &Character) -> Vec<(usize, usize)> {
+        let targets = Self::of(character).map(|found| found.targets);
+        let moved = targets.iter().flatten().flat_map(|target| match target {
+            Target::Morphs(slots) => slots.clone(),
+            Target::Expression(index) => {
+                let morphs = character.expressions[*index].morphs.iter();
+                morphs.map(|m| (m.mesh, m.target)).collect()
+            }
+        });
+        moved.collect()
+    }
+
     /// Number of the controls.
     pub(super) fn len(&self) -> usize {
         self.targets.len()

@@ -10,6 +10,8 @@
 
 mod convert;
 mod crowd;
+mod crowd_faces;
+mod face_errors;
 mod face_joints;
 mod faces;
 mod kept_faces;

@@ -1,7 +1,7 @@
 //! The report of `crowd`; its field names are stable (`docs/commands.md`).
 
 use super::{CrowdArgs, Piece};
-use crate::crowd::run::{BudgetFound, Memory, Poses, Run};
+use crate::crowd::run::{BudgetFound, Memory, Morphs, Poses, Run};
 use crate::crowd::timing::Spread;
 use crate::fault::clean;
 use crate::table::Table;
@@ -49,6 +49,7 @@ pub(super) struct CrowdRunReport {
     pub(super) written_mb: Spread,
     pub(super) working_set: Memory,
     pub(super) poses: Poses,
+    pub(super) morphs: Morphs,
     pub(super) error_px: ErrorSummary,
     pub(super) error_bound_px: Option<f32>,
     pub(super) budget_ms: Option<f32>,
@@ -124,6 +125,7 @@ impl CrowdRunReport {
             written_mb: run.written_mb,
             working_set: run.memory,
             poses: run.poses,
+            morphs: run.morphs,
             error_px: run.error,
             error_bound_px: run.bound_px,
             budget_ms: args.budget_ms,
@@ -255,6 +257,13 @@ impl CrowdRunReport {
             self.poses.followers,
             self.poses.cached
         ));
+        if self.morphs.bytes > 0 {
+            text.push_str(&format!(
+                "faces  {:.0} characters per frame with morph targets, {:.3} MB of weights\n",
+                self.morphs.characters,
+                self.morphs.bytes as f64 / 1e6
+            ));
+        }
         if self.mesh_levels > 1 {
             text.push_str(&format!(
                 "mesh   {:.2} M triangles per frame instead of {:.2} M in full detail; {:.2} M vertices\n",
