@@ -105,6 +105,7 @@ impl FaceControls {
                 let morphs = character.expressions[*index].morphs.iter();
                 morphs.map(|m| (m.mesh, m.target)).collect()
             }
+            Target::Joints(_) => Vec::new(),
         });
         moved.collect()
     }

@@ -106,25 +106,7 @@ impl FaceTable {
         let vertices = parts.skin_vertices.clone();
         let mut weights = weights(&input, &vertices)?;
         exact_at_handles(&handles, &vertices, &parts.joined, &mut weights);
-        let seam = place((2, 2))?;
-        let corners = [place((2, 4))?, place((2, 5))?];
-        let mut followers = Vec::new();
-        let mut jaw = Vec::new();
-        for vertex in &parts.others {
-            let p = at(*vertex);
-            let inside = (p.x - seam.x).abs() < 1.2 * 0.5 * (corners[0].x - corners[1].x)
-                && p.z < seam.z
-                && (p.y - seam.y).abs() < 0.35 * height;
-            if inside {
-                // Lower teeth turn with the jaw, upper ones rest.
-                let below = smooth(0.5 - (p.y - seam.y) / (0.04 * height));
-                jaw.push((*vertex, below));
-            } else if let Some(row) = nearest(vertices.iter().map(|v| at(*v)), p)
-                && at(vertices[row]).distance(p) < 0.06 * height
-            {
-                followers.push((*vertex, row));
-            }
-        }
+        let Others { followers, mut jaw } = Others::of(surface, points, &vertices)?;
         let inside: Vec<u32> = jaw.iter().map(|(vertex, _)| *vertex).collect();
         let tongue = Tongue::of(surface, points, &inside, height);
         // The tongue lies on the lower jaw, its upper side above the line between the lips.
@@ -313,6 +295,42 @@ impl FaceTable {
             all[*vertex as usize] = rows[*row];
         }
         all
+    }
+}
+
+/// What becomes of the parts beside the skin and the eyeballs.
+struct Others {
+    /// Vertices that follow a row of the skin.
+    followers: Vec<(u32, usize)>,
+    /// Vertices inside of the mouth, ascending, and how much they turn with the lower jaw.
+    jaw: Vec<(u32, f32)>,
+}
+
+impl Others {
+    fn of(surface: &FaceSurface, points: &FacePoints, vertices: &[u32]) -> Option<Self> {
+        let height = points.height();
+        let place = |point: PointId| points.get(point).map(|p| p.place);
+        let at = |v: u32| surface.positions[v as usize];
+        let seam = place((2, 2))?;
+        let corners = [place((2, 4))?, place((2, 5))?];
+        let mut followers = Vec::new();
+        let mut jaw = Vec::new();
+        for vertex in &points.parts.others {
+            let p = at(*vertex);
+            let inside = (p.x - seam.x).abs() < 1.2 * 0.5 * (corners[0].x - corners[1].x)
+                && p.z < seam.z
+                && (p.y - seam.y).abs() < 0.35 * height;
+            if inside {
+                // Lower teeth turn with the jaw, upper ones rest.
+                let below = smooth(0.5 - (p.y - seam.y) / (0.04 * height));
+                jaw.push((*vertex, below));
+            } else if let Some(row) = nearest(vertices.iter().map(|v| at(*v)), p)
+                && at(vertices[row]).distance(p) < 0.06 * height
+            {
+                followers.push((*vertex, row));
+            }
+        }
+        Some(Self { followers, jaw })
     }
 }
 
