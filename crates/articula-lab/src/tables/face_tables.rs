@@ -336,7 +336,7 @@ fn mean(shown: &[Shown], of: impl Fn(&Shown) -> f32) -> f64 {
     shown.iter().map(|s| f64::from(of(s))).sum::<f64>() / shown.len().max(1) as f64
 }
 
-fn page(heads: &[Head]) -> String {
+fn targets(heads: &[Head]) -> Vec<Target> {
     let mut targets = Vec::new();
     for head in heads {
         let [weights, rules] = head.limits;
@@ -390,6 +390,11 @@ fn page(heads: &[Head]) -> String {
             ),
         ]);
     }
+    targets
+}
+
+fn page(heads: &[Head]) -> String {
+    let targets = targets(heads);
     let mut page = "# Face animation tables\n\nBy `articula-lab face-tables`: tables made from feature points alone on \
                     heads whose morph targets were taken away, beside those morph targets \
                     ([faces](../methods/faces.md)). Errors are over the vertices that are seen from outside and that \
