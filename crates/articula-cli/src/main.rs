@@ -12,6 +12,7 @@ mod command_line;
 mod commands;
 mod console;
 mod crowd;
+mod face_pictures;
 mod fault;
 mod files;
 mod open;

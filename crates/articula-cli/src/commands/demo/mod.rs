@@ -4,6 +4,7 @@
 //! the page are those of this run.
 
 mod crowd;
+mod face;
 mod flatten;
 mod mesh_levels;
 mod page;
@@ -78,6 +79,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     plot(&folder, &scene, &tables, &costs)?;
     mesh_levels::draw(&folder, &scene)?;
     let flat = flatten::of(&folder, &scene, console)?;
+    let face = face::of(&folder, &figure, console)?;
     let crowd = crowd::of(&figure, TARGET_PX, &folder, console)?;
     let found = Found {
         clips,
@@ -86,6 +88,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
         crowd,
         mesh_levels,
         flat,
+        face,
     };
     let name = match args.files.first() {
         Some(file) => name_of(file),
@@ -160,7 +163,8 @@ fn make_asset(
                 files::shown(character)
             );
             let articulation = opened.articulation();
-            put_in_place(&mut opened.character, articulation, &opened.end_sites);
+            let (ways, _) = put_in_place(&mut opened.character, articulation, &opened.end_sites);
+            opened.clips_changed |= ways.iter().any(Option::is_some);
             opened
         }
         None => {

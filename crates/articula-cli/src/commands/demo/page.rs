@@ -18,6 +18,7 @@ pub(super) fn of(report: &DemoReport) -> String {
         levels(report),
         mesh_levels(report),
         flat(report),
+        face(report),
         crowd(report),
         more(report),
         "</main>\n".into(),
@@ -323,6 +324,44 @@ fn flat(report: &DemoReport) -> String {
          <th scope=\"col\">format</th><th scope=\"col\">size</th><th scope=\"col\">size, brotli</th>\
          <th scope=\"col\">bytes per triangle and frame</th><th scope=\"col\">times smaller than the thesis</th>\
          <th scope=\"col\">RMS colour error, levels of 0 to 255</th><th scope=\"col\">SSIM</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n</div>\n</section>\n",
+    )
+}
+
+fn face(report: &DemoReport) -> String {
+    let Some(face) = &report.face else {
+        return String::new();
+    };
+    let mut rows = String::new();
+    for row in &face.detail.rows {
+        let _ = write!(rows, "<tr><th scope=\"row\">{} m</th>", row.distance_m);
+        for px in &row.levels_px[1..] {
+            let _ = write!(rows, "<td>{px:.2} px</td>");
+        }
+        let _ = writeln!(
+            rows,
+            "<td>{}</td><td>{:.2} px</td></tr>",
+            row.chosen.len(),
+            row.chosen_px
+        );
+    }
+    let caption = "Error of the levels, and the fewest parameters within 1 px";
+    format!(
+        "<section>\n<h2>The face</h2>\n\
+         <p>Facial animation parameters of MPEG-4 move {}. {} parameters move in this clip; far away, few of them \
+         can be seen.</p>\n{}\
+         <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n\
+         <caption><span>{caption}</span></caption>\n<thead><tr><th scope=\"col\">distance</th>\
+         <th scope=\"col\">medium</th><th scope=\"col\">low</th><th scope=\"col\">very low</th>\
+         <th scope=\"col\">parameters</th><th scope=\"col\">their error</th></tr></thead>\n\
+         <tbody>\n{rows}</tbody>\n</table>\n</div>\n\
+         <p class=\"soft\"><a href=\"face.glb\">face.glb</a> plays the clip.</p>\n</section>\n",
+        face.driven_by,
+        face.faps_moving,
+        picture(
+            "face.png",
+            "The face at moments of a clip: a smile, an open mouth, closed eyes, raised and lowered brows",
+            "Moments of a clip of facial animation parameters.",
+        )
     )
 }
 

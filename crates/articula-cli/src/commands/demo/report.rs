@@ -1,6 +1,7 @@
 //! The results of the demo: `report.json`, and the numbers of the page.
 
 use super::crowd::Crowd;
+use super::face::Face;
 use super::mesh_levels::MeshLevels;
 use super::{Folder, MIDDLE, TARGET_PX};
 use crate::commands::flatten::report as flatten;
@@ -35,6 +36,8 @@ pub(super) struct DemoReport {
     pub(super) mesh_levels: MeshLevels,
     /// The walk as 2D content, the thesis' form first.
     pub(super) flat: Vec<flatten::FlattenReport>,
+    /// The face moved by facial animation parameters; `None` for a character whose face cannot be.
+    pub(super) face: Option<Face>,
 }
 
 /// Results besides those of the methods.
@@ -46,6 +49,8 @@ pub(super) struct Found {
     pub(super) mesh_levels: MeshLevels,
     /// The walk as 2D content, the thesis' form first.
     pub(super) flat: Vec<flatten::FlattenReport>,
+    /// The face moved by facial animation parameters; `None` for a character whose face cannot be.
+    pub(super) face: Option<Face>,
 }
 
 /// The character.
@@ -135,6 +140,7 @@ impl DemoReport {
             crowd: found.crowd,
             mesh_levels: found.mesh_levels,
             flat: found.flat,
+            face: found.face,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Feature points of a face: the flags, the table and the picture.
 
-use super::face_shapes;
 use crate::console::Console;
+use crate::face_pictures;
 use crate::table::Table;
 use crate::{fault, files, open};
 use anyhow::Context;
@@ -15,6 +15,9 @@ use articula_report::{FaceMark, face_sheet};
 use clap::Args;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
+
+/// Number of moments of a clip that are drawn.
+const MOMENTS: usize = 28;
 
 /// Flags about the face.
 #[derive(Debug, Args)]
@@ -102,10 +105,10 @@ impl FaceArgs {
             anyhow::Ok(())
         };
         if let Some(path) = &self.shape_sheet {
-            write(path, face_shapes::targets(figure)?)?;
+            write(path, face_pictures::targets(figure)?)?;
         }
         if let Some(path) = &self.clip_sheet {
-            write(path, face_shapes::moments(figure, clip)?)?;
+            write(path, face_pictures::moments(figure, clip, MOMENTS)?)?;
         }
         Ok(written)
     }

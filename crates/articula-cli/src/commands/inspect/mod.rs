@@ -2,7 +2,6 @@
 
 mod data;
 mod face;
-mod face_shapes;
 mod human;
 mod joint_levels;
 mod mesh_levels;

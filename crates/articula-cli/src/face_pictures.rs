@@ -9,11 +9,8 @@ use articula_flat::{Appearance, Bounds, Picture};
 use articula_report::{FaceShape, shape_sheet};
 use glam::Vec3;
 
-/// Number of moments of a clip.
-const MOMENTS: usize = 28;
-
 /// Draws the morph targets of the figure; those of one name in several meshes move together.
-pub(super) fn targets(figure: &Figure) -> anyhow::Result<Picture> {
+pub(crate) fn targets(figure: &Figure) -> anyhow::Result<Picture> {
     let asset = &figure.asset;
     let rest = FaceShape {
         label: "at rest".to_owned(),
@@ -42,15 +39,19 @@ pub(super) fn targets(figure: &Figure) -> anyhow::Result<Picture> {
     drawn(figure, &shapes, "morph targets")
 }
 
-/// Draws the face at moments of a clip, evenly over its duration.
-pub(super) fn moments(figure: &Figure, clip: Option<usize>) -> anyhow::Result<Picture> {
+/// Draws the face at so many moments of a clip, evenly over its duration.
+pub(crate) fn moments(
+    figure: &Figure,
+    clip: Option<usize>,
+    most: usize,
+) -> anyhow::Result<Picture> {
     let Some(clip) = clip else {
         let what = "--clip-sheet: the file has no clip to draw";
         return Err(fault::usage(what));
     };
     let asset = &figure.asset;
     let clip = &asset.clips[clip];
-    let count = MOMENTS.min(clip.frames().max(1));
+    let count = most.min(clip.frames().max(1));
     let moment = |index: usize| {
         let secs = f64::from(clip.duration_secs()) * index as f64 / (count.max(2) - 1) as f64;
         let mut shape = FaceShape {
