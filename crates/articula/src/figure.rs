@@ -118,6 +118,22 @@ impl Figure {
         self.orders.as_deref()
     }
 
+    /// The vertices of the character's meshes, counted over all primitives, that are these vertices of
+    /// the figure's mesh.
+    pub(crate) fn in_character(&self, vertices: &[u32]) -> Result<Vec<u32>> {
+        let Some(orders) = &self.orders else {
+            return Ok(vertices.to_vec());
+        };
+        let mut stored = vec![0; self.asset.mesh.len()];
+        for (part, order) in self.asset.mesh.parts.iter().zip(orders) {
+            let first = part.vertices.start as u32;
+            let places = order.places(part.vertices.len())?;
+            let of_part = stored[part.vertices.clone()].iter_mut();
+            of_part.zip(places).for_each(|(s, p)| *s = first + p);
+        }
+        Ok(vertices.iter().map(|v| stored[*v as usize]).collect())
+    }
+
     /// The data that the file stores, if it belongs to the character.
     pub(crate) fn stored(&self) -> Option<Stored<'_>> {
         Stored::of(&self.opened).filter(|_| self.state.is_current)

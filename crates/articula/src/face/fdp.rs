@@ -28,7 +28,10 @@ const FALLOFF: &str = "RaisedCosInfluenceSph";
 pub fn face_fdp(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FdpFile> {
     let face = FoundFace::of(figure, given).context(&figure.opened.name)?;
     let table = face.table().context(&figure.opened.name)?;
-    let FoundFace { head, points } = face;
+    let vertices = figure
+        .in_character(&face.head.vertices)
+        .context(&figure.opened.name)?;
+    let points = face.points;
     let units = points.units();
     let meshes = &figure.opened.character.meshes;
     let firsts: Vec<usize> = meshes
@@ -59,14 +62,10 @@ pub fn face_fdp(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FdpFile> {
     };
     for point in &points.points {
         let Some(vertex) = point.vertex else { continue };
-        let vertex = head.vertices[vertex as usize] as usize;
+        let vertex = vertices[vertex as usize] as usize;
         let mesh = mesh_of(vertex);
-        let (moved_by, in_zone) = zone(&table, point.point, head.vertices.len());
-        let zone = head
-            .vertices
-            .iter()
-            .zip(in_zone)
-            .filter(|(_, inside)| *inside);
+        let (moved_by, in_zone) = zone(&table, point.point, vertices.len());
+        let zone = vertices.iter().zip(in_zone).filter(|(_, inside)| *inside);
         let zone = zone
             .map(|(v, _)| *v as usize)
             .filter(|v| mesh_of(*v) == mesh);

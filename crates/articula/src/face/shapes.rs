@@ -73,7 +73,9 @@ pub fn add_face_table(
 }
 
 fn made_shapes(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<FaceShapes> {
-    let face = FoundFace::of(&Figure::new(opened.clone())?, given)?;
+    let figure = Figure::new(opened.clone())?;
+    let face = FoundFace::of(&figure, given)?;
+    let vertices = figure.in_character(&face.head.vertices)?;
     let table = face.table()?;
     let mut shapes: Vec<(String, Vec<Vec3>)> = Vec::new();
     let (mut made, mut not_made) = (Vec::new(), Vec::new());
@@ -91,7 +93,7 @@ fn made_shapes(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<
         shapes.push((shape.name.to_owned(), offsets));
     }
     Ok(FaceShapes {
-        vertices: add_targets(opened, &face.head, &shapes, Existing::Refused)?,
+        vertices: add_targets(opened, (&face.head, &vertices), &shapes, Existing::Refused)?,
         made,
         not_made,
         doubtful: face.doubtful(),
@@ -107,7 +109,9 @@ fn made_table(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<F
         let what = "face: it has a face animation table already; leave --fat out";
         return Err(Error::unsuited(what));
     }
-    let face = FoundFace::of(&Figure::new(opened.clone())?, given)?;
+    let figure = Figure::new(opened.clone())?;
+    let face = FoundFace::of(&figure, given)?;
+    let vertices = figure.in_character(&face.head.vertices)?;
     let table = face.table()?;
     // Eyes with joints are turned by these.
     let turned = |fap: &usize| (23..=26).contains(fap) && face.head.surface.eyes.is_some();
@@ -138,6 +142,6 @@ fn made_table(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<F
         }
     }
     report.targets = shapes.len();
-    report.vertices = add_targets(opened, &face.head, &shapes, Existing::Kept)?;
+    report.vertices = add_targets(opened, (&face.head, &vertices), &shapes, Existing::Kept)?;
     Ok(report)
 }

@@ -17,14 +17,15 @@ pub(super) enum Existing {
 }
 
 /// Adds morph targets, each with the displacement of every vertex of a head in its own frame; returns
-/// the number of vertices that any of them moves. Clips keep what they show.
+/// the number of vertices that any of them moves. `vertices` are those of the head in the meshes of the
+/// character. Clips keep what they show.
 ///
 /// # Errors
 /// [`Error::Unsupported`] if a mesh that moves has morph targets and these are refused; the character
 /// is then unchanged.
 pub(super) fn add_targets(
     opened: &mut CharacterFile,
-    head: &HeadSurface,
+    (head, vertices): (&HeadSurface, &[u32]),
     shapes: &[(String, Vec<Vec3>)],
     existing: Existing,
 ) -> Result<usize> {
@@ -38,7 +39,7 @@ pub(super) fn add_targets(
     let places = places_of(&meshes);
     let rest = opened.character.skeleton.model_rest();
     let mut touched = vec![false; meshes.len()];
-    for (vertex, _) in head.vertices.iter().zip(&moves).filter(|(_, m)| **m) {
+    for (vertex, _) in vertices.iter().zip(&moves).filter(|(_, m)| **m) {
         touched[places[*vertex as usize].0] = true;
     }
     let before: Vec<usize> = meshes.iter().map(|m| m.morph_names.len()).collect();
@@ -55,7 +56,7 @@ pub(super) fn add_targets(
     for mesh in of_touched() {
         add_empty(&mut meshes[mesh], shapes.iter().map(|(name, _)| name));
     }
-    let moved = head.vertices.iter().enumerate().filter(|(i, _)| moves[*i]);
+    let moved = vertices.iter().enumerate().filter(|(i, _)| moves[*i]);
     let moved = moved.map(|(index, vertex)| {
         let (m, primitive, v) = places[*vertex as usize];
         let skin = skin_rotation(&meshes[m].skin, &meshes[m].primitives[primitive], v, &rest);

@@ -83,6 +83,19 @@ fn every_level_keeps_the_points_of_a_face() {
     assert!(left(&free, TARGETS.len() - 1) < points.len() / 2);
 }
 
+/// The head without its morph targets.
+fn bare() -> Option<CharacterFile> {
+    let mut head = fs::open(real::file(HEAD)?).unwrap();
+    head.gltf = None;
+    head.character.clips.clear();
+    for mesh in &mut head.character.meshes {
+        mesh.morph_names.clear();
+        mesh.morph_weights.clear();
+        mesh.primitives.iter_mut().for_each(|p| p.morphs.clear());
+    }
+    Some(head)
+}
+
 /// Places of the vertices that a morph target moves, with their offsets, in the order of the file.
 fn list(primitive: &Primitive, target: usize) -> Vec<[[u32; 3]; 2]> {
     let offsets = primitive.morphs[target].positions.iter();
@@ -93,17 +106,9 @@ fn list(primitive: &Primitive, target: usize) -> Vec<[[u32; 3]; 2]> {
 
 #[test]
 fn the_table_of_a_coarser_level_is_a_prefix() {
-    let Some(path) = real::file(HEAD) else {
+    let Some(mut head) = bare() else {
         return;
     };
-    let mut head = fs::open(&path).unwrap();
-    head.gltf = None;
-    head.character.clips.clear();
-    for mesh in &mut head.character.meshes {
-        mesh.morph_names.clear();
-        mesh.morph_weights.clear();
-        mesh.primitives.iter_mut().for_each(|p| p.morphs.clear());
-    }
     // Without morph targets, the table says where the face moves.
     let bare = built(head.clone(), true).mesh_levels.unwrap().face.unwrap();
     let mesh = Figure::new(head.clone()).unwrap().asset.mesh;
@@ -140,4 +145,25 @@ fn the_table_of_a_coarser_level_is_a_prefix() {
     }
     assert!(table.targets > 50);
     assert!(lengths.is_sorted_by(|a, b| a > b), "{lengths:?}");
+}
+
+#[test]
+fn an_asset_whose_vertices_are_reordered_gets_the_same_table() {
+    let Some(mut head) = bare() else {
+        return;
+    };
+    let mut asset = again(&built(head.clone(), true).glb);
+    let order = |file: &CharacterFile| file.character.meshes[0].primitives[1].positions.clone();
+    assert_ne!(order(&asset), order(&head));
+    let tables = [&mut head, &mut asset].map(|file| add_face_table(file, &[]).unwrap());
+    assert_eq!(tables[0], tables[1]);
+    for (a, b) in head.character.meshes.iter().zip(&asset.character.meshes) {
+        for (a, b) in a.primitives.iter().zip(&b.primitives) {
+            for target in 0..a.morphs.len() {
+                let mut lists = [list(a, target), list(b, target)];
+                lists.iter_mut().for_each(|l| l.sort_unstable());
+                assert_eq!(lists[0], lists[1], "target {target}");
+            }
+        }
+    }
 }
