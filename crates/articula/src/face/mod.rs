@@ -15,6 +15,7 @@
 //! - `turns`: head and eyes, which turn
 //! - `capture`: captures of blend shapes as parameters, and back
 //! - `measured`: parameters read off a moving face
+//! - `vrma`: VRM animations of expressions
 //! - `fit`: a FAP clip as a clip of a character
 //! - `levels`: a FAP clip at a level of articulation
 //! - `detail`: error of levels on a head, and their choice by distance
@@ -38,6 +39,7 @@ mod stored;
 mod surface;
 mod targets;
 mod turns;
+mod vrma;
 
 pub use capture::{
     CaptureReport, ShapeLoss, capture_of_clip, capture_to_faps, drives_shapes, faps_to_capture,
@@ -57,3 +59,4 @@ pub(crate) use region::face_vertices;
 pub use rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
 pub use shapes::{FaceShapes, FaceTableTargets, add_face_shapes, add_face_table};
 pub use surface::HeadSurface;
+pub use vrma::{faps_to_vrma, presets_to_faps};

@@ -9,9 +9,9 @@ use anyhow::Context;
 use articula::convert::write_data;
 use articula::face::{
     CaptureBridge, FaceRig, capture_of_clip, capture_to_faps, drives_shapes, expand_face,
-    faps_to_capture, measure_faps, reduce_face,
+    faps_to_capture, faps_to_vrma, measure_faps, presets_to_faps, reduce_face,
 };
-use articula::{Data, DataFormat, Figure};
+use articula::{Data, DataFormat, Figure, Format};
 use articula_formats::Warning;
 use articula_formats::live_link::LiveLinkClip;
 use std::path::Path;
@@ -36,6 +36,9 @@ struct FaceSource {
 
 /// Writes a face clip; anything else is refused with a hint at what is possible.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
+    if files::format(&args.out) == Some(Format::Vrma) {
+        return vrma(args, console);
+    }
     let format = check(args)?;
     let input = &args.inputs[0];
     console.files.plan(args.inputs(), [args.out.as_path()])?;
@@ -100,6 +103,46 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     console.result(&report, |report| report.text(false))
 }
 
+/// Writes a face clip as a VRM animation.
+fn vrma(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
+    let input = &args.inputs[0];
+    let place = files::shown(input);
+    let format = files::data_format(input);
+    let Some(own @ (DataFormat::Fap | DataFormat::Csv)) = format else {
+        let advice = format.map_or("", DataFormat::advice);
+        return Err(fault::usage(format!("{place}: {advice}")));
+    };
+    check_flags(args, &place)?;
+    console.files.plan(args.inputs(), [args.out.as_path()])?;
+    let opened = open::data(input, own, &args.names)?;
+    let clip = match opened.data {
+        Data::LiveLink(capture) => {
+            let stem = input.file_stem().unwrap_or_default().to_string_lossy();
+            let made = capture_to_faps(&capture, &stem, &CaptureBridge::generic());
+            made.with_context(|| place.clone())?.0
+        }
+        Data::Fap(clip) => clip,
+        _ => anyhow::bail!("{place}: {}", own.advice()),
+    };
+    let (clip, face_level) = face_level::applied(clip, args, expand_face);
+    let (bytes, report) = faps_to_vrma(&clip).with_context(|| place.clone())?;
+    console.files.write(&args.out, &bytes)?;
+    let report = ConvertReport {
+        input: place,
+        out: files::shown(&args.out),
+        format_in: own.name().to_owned(),
+        format_out: Format::Vrma.name(),
+        bytes_in: opened.bytes,
+        bytes_out: bytes.len(),
+        clips: vec![clip.name],
+        capture: Some(report),
+        face_level,
+        warnings: open::warnings(&opened.warnings),
+        ..ConvertReport::default()
+    };
+    console.result(&report, |report| report.text(false))
+}
+
 /// The blend shapes of a clip of a character, or the parameters that it shows without them.
 fn of_character(args: &ConvertArgs, input: &Path, console: &Console) -> anyhow::Result<FaceSource> {
     let opened = open::character(&console.files, input, &args.names)?;
@@ -119,6 +162,17 @@ fn of_character(args: &ConvertArgs, input: &Path, console: &Console) -> anyhow::
             None => anyhow::anyhow!("{place}: clips: the file has none; give one with a face clip"),
         });
     };
+    if let Some(faps) = presets_to_faps(&opened.character, clip)
+        && !drives_shapes(&opened.character, clip)
+    {
+        return Ok(FaceSource {
+            data: Data::Fap(faps),
+            bridge: CaptureBridge::generic(),
+            format: opened.format.name(),
+            bytes: opened.bytes,
+            warnings: opened.warnings,
+        });
+    }
     if !drives_shapes(&opened.character, clip) {
         let name = clip.name.clone();
         let figure = Figure::new(opened)?;
@@ -159,6 +213,13 @@ fn check(args: &ConvertArgs) -> anyhow::Result<DataFormat> {
         let advice = format.map_or("", DataFormat::advice);
         return Err(fault::usage(format!("{place}: {advice}")));
     };
+    check_flags(args, &place)?;
+    Ok(format)
+}
+
+/// Refuses flags about bodies.
+fn check_flags(args: &ConvertArgs, place: &str) -> anyhow::Result<()> {
+    let own = files::data_format(&args.inputs[0]);
     let chosen =
         args.loa.is_some() || args.loa_profile.is_some() || own.is_some() && args.clip.is_some();
     let other = args.to.is_some() || args.onto.is_some() || args.khr_character;
@@ -167,5 +228,5 @@ fn check(args: &ConvertArgs) -> anyhow::Result<DataFormat> {
             "{place}: flags that choose or change body clips do not apply to a face clip; leave them out"
         )));
     }
-    Ok(format)
+    Ok(())
 }

@@ -1,6 +1,7 @@
 //! VRM 0.x, VRM 1.0 and VRM animation files: their human data beyond glTF.
 //!
 //! - `nodes`: nodes that are human bones or carry an expression track
+//! - `expression_clip`: a clip of expressions as a VRM animation
 //! - `expressions`: named bindings to morph targets, and overrides between expressions
 //! - `meta`: authors, licence and terms
 //! - `facing`: VRM 0.x characters face -Z in their file
@@ -9,6 +10,7 @@
 //! The extensions are not part of the core format, so a broken entry is a warning. Source: the VRM
 //! specification (vrm-c/vrm-specification). See `docs/formats/vrm.md`.
 
+mod expression_clip;
 mod expressions;
 pub(super) mod facing;
 mod kept;
