@@ -37,4 +37,4 @@ pub use fields::FaceFields;
 pub use high_level::{add_expression, add_viseme};
 pub use intervals::FapInterval;
 pub use points::{FacePoint, FacePoints, FaceSurface, FaceUnits, NoFace, PointSource, UnitRatio};
-pub use table::{FaceTable, normal_offsets};
+pub use table::{EyeShape, FaceTable, normal_offsets};

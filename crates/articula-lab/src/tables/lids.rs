@@ -1,25 +1,36 @@
 //! Whether the lids of a face close, seen from the front.
 
-use articula_build::face::{FaceSurface, FaceTable, FapValues};
+use articula_build::face::{EyeShape, FaceSurface, FaceTable, FapValues};
 use articula_core::fap_table::LOW_FAPS;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Cells across an eyeball.
 const CELLS: usize = 240;
 /// Distance from an eyeball, by its radius, up to which triangles belong to it.
 const OF_BALL: f32 = 0.06;
-/// States of the upper and the lower lids, in units: the upper ones alone, and both. They stop where
-/// they meet.
-const CLOSED: [[f32; 2]; 3] = [[1600.0, 0.0], [800.0, 800.0], [1080.0, 150.0]];
+/// States of the upper and the lower lids, in units, in which an eye is closed: the columns of `eyeBlink`,
+/// the upper lid alone, and farther than the lids can go. They stop where they meet.
+const CLOSED: [[f32; 2]; 5] = [
+    [950.0, 74.0],
+    [1024.0, 0.0],
+    [1600.0, 0.0],
+    [800.0, 800.0],
+    [1080.0, 150.0],
+];
+/// Those that the table as morph targets shows too: it adds up what each parameter does alone.
+const AS_MORPHS: usize = 2;
 /// States on the way.
-const HALF: [[f32; 2]; 3] = [[270.0, 0.0], [540.0, 0.0], [810.0, 100.0]];
+const HALF: [[f32; 2]; 4] = [[270.0, 0.0], [540.0, 0.0], [810.0, 100.0], [220.0, 400.0]];
 
 /// What was measured of the lids of a face.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Lids {
     /// Greatest height that stays open while the lids are closed, percent of that at rest.
     pub(super) open_percent: f32,
-    /// Number of vertices of the skin that go from outside of an eyeball to its inside.
+    /// The same of the table as morph targets.
+    pub(super) open_as_morphs_percent: f32,
+    /// Number of vertices of the head that go from outside of an eyeball to its inside, also as morph
+    /// targets.
     pub(super) inside: usize,
 }
 
@@ -27,40 +38,83 @@ impl Lids {
     /// Closes the eyes of a face by its table.
     pub(super) fn of(surface: &FaceSurface, table: &FaceTable) -> Self {
         let mut found = Self::default();
-        for (centre, radius) in table.eyes().into_iter().flatten() {
-            let rest = opening(surface, &surface.positions, centre, radius);
-            for state in CLOSED.into_iter().chain(HALF) {
-                let mut values = FapValues::default();
-                for (fap, value) in (19..=22).zip([state[0], state[0], state[1], state[1]]) {
-                    values.0[fap - LOW_FAPS.start()] = value;
+        for eye in table.eyes().into_iter().flatten() {
+            let rest = opening(surface, &surface.positions, eye);
+            let mut shown = |moved: Vec<Vec3>, open: Option<&mut f32>| {
+                let places = surface.positions.iter().zip(&moved).map(|(a, b)| *a + *b);
+                let places: Vec<Vec3> = places.collect();
+                if let Some(open) = open {
+                    *open = open.max(100.0 * opening(surface, &places, eye) / rest);
                 }
-                let moved = table.displacements(&values);
-                let places: Vec<Vec3> = surface
-                    .positions
-                    .iter()
-                    .zip(&moved)
-                    .map(|(a, b)| *a + *b)
-                    .collect();
-                if CLOSED.contains(&state) {
-                    let open = opening(surface, &places, centre, radius);
-                    found.open_percent = found.open_percent.max(100.0 * open / rest);
-                }
-                let inside = surface.positions.iter().zip(&places).filter(|(from, to)| {
-                    from.distance(centre) > radius && to.distance(centre) < radius * (1.0 - 1e-5)
-                });
-                found.inside = found.inside.max(inside.count());
+                found.inside = found.inside.max(entered(&surface.positions, &places, eye));
+            };
+            for state in CLOSED {
+                shown(
+                    table.displacements(&values(state)),
+                    Some(&mut found.open_percent),
+                );
+            }
+            for state in HALF {
+                shown(table.displacements(&values(state)), None);
+            }
+            for (index, state) in CLOSED[..AS_MORPHS].iter().chain(&HALF).enumerate() {
+                let open = &mut found.open_as_morphs_percent;
+                let moved = as_morphs(table, &values(*state));
+                shown(moved, (index < AS_MORPHS).then_some(open));
             }
         }
         found
     }
 }
 
-/// Greatest height over the columns of what is seen of a ball between the skin in front of it, in cells.
-fn opening(surface: &FaceSurface, places: &[Vec3], centre: Vec3, radius: f32) -> f32 {
+/// The lids of both eyes: the upper and the lower ones.
+fn values([upper, lower]: [f32; 2]) -> FapValues {
+    let mut values = FapValues::default();
+    for (fap, value) in (19..=22).zip([upper, upper, lower, lower]) {
+        values.0[fap - LOW_FAPS.start()] = value;
+    }
+    values
+}
+
+/// Displacements by the table as morph targets.
+fn as_morphs(table: &FaceTable, values: &FapValues) -> Vec<Vec3> {
+    let at = |fap: usize, value: i32| {
+        let mut alone = FapValues::default();
+        alone.0[fap - LOW_FAPS.start()] = value as f32;
+        table.displacements(&alone)
+    };
+    let mut sum: Vec<Vec3> = at(19, 0);
+    for fap in LOW_FAPS.filter(|fap| values.get(*fap) != 0.0) {
+        let intervals = table.intervals(fap);
+        for interval in &intervals {
+            let weight = interval.weight(values.get(fap), &intervals);
+            let ends = [interval.from, interval.to].map(|value| at(fap, value));
+            for ((sum, from), to) in sum.iter_mut().zip(&ends[0]).zip(&ends[1]) {
+                *sum += weight * (*to - *from);
+            }
+        }
+    }
+    sum
+}
+
+/// Number of vertices that go from outside of an eye to its inside.
+fn entered(from: &[Vec3], to: &[Vec3], eye: &EyeShape) -> usize {
+    let depth = |p: Vec3| 1.0 - p.distance(eye.centre) / eye.radius(p - eye.centre).max(1e-6);
+    let pairs = from.iter().zip(to);
+    pairs
+        .filter(|(from, to)| from != to && depth(**from) < 0.0 && depth(**to) > 1e-5)
+        .count()
+}
+
+/// Greatest height over the columns of what is seen of an eye between the skin in front of it, in cells.
+fn opening(surface: &FaceSurface, places: &[Vec3], eye: &EyeShape) -> f32 {
+    let (centre, radius) = (eye.centre, eye.radius(Vec3::Z));
     let step = 2.0 * radius / CELLS as f32;
     let mut covered = vec![false; CELLS * CELLS];
-    let is_of_ball =
-        |v: &u32| surface.positions[*v as usize].distance(centre) < (1.0 + OF_BALL) * radius;
+    let is_of_ball = |v: &u32| {
+        let from = surface.positions[*v as usize] - centre;
+        from.length() < (1.0 + OF_BALL) * eye.radius(from)
+    };
     for triangle in &surface.triangles {
         // At rest, lids are no layer of the ball: some corner is farther away.
         if triangle.iter().all(is_of_ball) {
@@ -83,7 +137,7 @@ fn opening(surface: &FaceSurface, places: &[Vec3], centre: Vec3, radius: f32) ->
                 }
                 let half = 0.5 * CELLS as f32;
                 let (dx, dy) = (x as f32 - half, y as f32 - half);
-                let depth = (half * half - dx * dx - dy * dy).max(0.0).sqrt();
+                let depth = front(eye, Vec2::new(dx, dy) * step) / step;
                 let z = a.z + wb * (b.z - a.z) + wc * (c.z - a.z) - half;
                 covered[y * CELLS + x] |= z > depth;
             }
@@ -99,4 +153,15 @@ fn opening(surface: &FaceSurface, places: &[Vec3], centre: Vec3, radius: f32) ->
         cells.count()
     };
     (0..CELLS).map(open).max().unwrap_or(0) as f32
+}
+
+/// Depth of the surface of an eye beside its middle; 0 beside the eye.
+fn front(eye: &EyeShape, aside: Vec2) -> f32 {
+    let mut z = eye.radius(Vec3::Z);
+    // The direction of the place says how far the surface is, and this where the place is.
+    for _ in 0..4 {
+        let radius = eye.radius(aside.extend(z));
+        z = (radius * radius - aside.length_squared()).max(0.0).sqrt();
+    }
+    z
 }

@@ -9,6 +9,9 @@ const ROUNDNESS: f32 = 0.05;
 /// Distance from an eyeball's sphere, as a fraction of its radius, up to which a layer in front of it
 /// is part of the eye, such as a shell that paints the shadow of the lids.
 const LAYER: f32 = 0.06;
+/// Distances of a part around an eyeball from its centre, by its radius: a cornea bulges, and behind it
+/// the optic nerve.
+const AROUND: std::ops::Range<f32> = 0.75..1.3;
 /// Radii of eyeballs as fractions of the height of the head.
 const RADII: std::ops::Range<f32> = 0.02..0.12;
 
@@ -19,6 +22,17 @@ pub(super) struct Eyeball {
     pub(super) part: usize,
     pub(super) centre: Vec3,
     pub(super) radius: f32,
+}
+
+impl Eyeball {
+    /// Whether a part is a layer around the eyeball, front and back, as a cornea in one piece with the
+    /// white of the eye; a shell between the lids is in front only.
+    pub(super) fn has(&self, part: &SurfacePart, positions: &[Vec3]) -> bool {
+        let mut places = part.vertices.iter().map(|v| positions[*v as usize]);
+        let is_behind = |p: Vec3| p.z < self.centre.z - 0.5 * self.radius;
+        places.clone().any(is_behind)
+            && places.all(|p| AROUND.contains(&(p.distance(self.centre) / self.radius)))
+    }
 }
 
 /// What is seen of an eyeball from the front.
@@ -114,8 +128,10 @@ pub(super) fn opening(
     ball: &Eyeball,
     step: f32,
 ) -> Option<EyeOpening> {
-    let low = Vec2::new(ball.centre.x, ball.centre.y) - 1.3 * ball.radius;
-    let count = (2.6 * ball.radius / step).ceil() as usize + 1;
+    // Even around the centre, so that mirrored eyes have mirrored cells.
+    let half = (1.3 * ball.radius / step).ceil();
+    let low = Vec2::new(ball.centre.x, ball.centre.y) - half * step;
+    let count = 2 * half as usize + 1;
     let is_layer = |corners: &[Vec3; 3]| {
         let far = |p: &Vec3| (p.distance(ball.centre) / ball.radius - 1.0).abs() < LAYER;
         corners.iter().all(far)
@@ -144,13 +160,17 @@ pub(super) fn opening(
         let at = low + step * Vec2::new(column as f32, row as f32);
         Vec3::new(at.x, at.y, seen_ball[cell])
     };
-    let left = region.iter().copied().max_by_key(|cell| cell % count)?;
-    let right = region.iter().copied().min_by_key(|cell| cell % count)?;
-    let column = ((ball.centre.x - low.x) / step).round() as usize;
-    let middle = || region.iter().copied().filter(|cell| cell % count == column);
+    let in_column = |column: usize| region.iter().copied().filter(move |c| c % count == column);
+    // A column has several cells at a corner; the corner is their middle.
+    let corner = |column: usize| {
+        let places = in_column(column).map(place);
+        places.sum::<Vec3>() / in_column(column).count() as f32
+    };
+    let columns = || region.iter().map(|cell| cell % count);
+    let middle = || in_column(half as usize);
     Some(EyeOpening {
-        left: place(left),
-        right: place(right),
+        left: corner(columns().max()?),
+        right: corner(columns().min()?),
         top: place(middle().max()?),
         bottom: place(middle().min()?),
     })
@@ -278,6 +298,67 @@ mod tests {
         assert!(l.centre.distance(left) < 1e-4 && (l.radius - 0.012).abs() < 1e-4);
         // Not balls of eyes: too large for the head.
         assert!(eyeballs(&surface, &parts, 0.02, 0.05).is_none());
+    }
+
+    #[test]
+    fn a_cornea_is_of_the_eyeball_and_a_shell_between_the_lids_is_not() {
+        let mut surface = FaceSurface::default();
+        let white = ball(&mut surface, Vec3::ZERO, 1.0);
+        let cornea = ball(&mut surface, 0.1 * Vec3::Z, 1.1);
+        let eye = Eyeball {
+            part: 0,
+            centre: Vec3::ZERO,
+            radius: 1.0,
+        };
+        let has = |part: &SurfacePart| eye.has(part, &surface.positions);
+        assert!(has(&white) && has(&cornea));
+        let mut shell = cornea;
+        shell
+            .vertices
+            .retain(|v| surface.positions[*v as usize].z > 0.0);
+        assert!(!has(&shell));
+    }
+
+    #[test]
+    fn mirrored_lids_have_mirrored_openings() {
+        let open = |side: f32| {
+            let mut surface = FaceSurface::default();
+            let centre = Vec3::new(side * 0.0316, 0.03, 0.08);
+            let part = ball(&mut surface, centre, 0.0145);
+            let eye = Eyeball {
+                part: 0,
+                centre,
+                radius: 0.0145,
+            };
+            // The lids meet in corners that lean outwards.
+            let at = |x: f32, y: f32| centre + Vec3::new(side * x, y, 0.02);
+            let mut lids = SurfacePart::default();
+            for (far, middle) in [(0.05, 0.0052), (-0.05, -0.0047)] {
+                let first = surface.positions.len() as u32;
+                surface.positions.extend([
+                    at(-0.0103, 0.0011),
+                    at(0.0001, middle),
+                    at(0.0112, -0.0013),
+                    at(-0.05, 0.0011),
+                    at(0.0, far),
+                    at(0.05, -0.0013),
+                ]);
+                for [a, b, c] in [[3, 0, 4], [0, 1, 4], [1, 2, 4], [2, 5, 4]] {
+                    lids.triangles.push([first + a, first + b, first + c]);
+                }
+            }
+            opening(&surface, &lids, &part, &eye, 0.00036).unwrap()
+        };
+        let (left, right) = (open(1.0), open(-1.0));
+        let near = |a: Vec3, b: Vec3| a.distance(Vec3::new(-b.x, b.y, b.z)) < 1e-6;
+        assert!(
+            near(left.left, right.right) && near(left.right, right.left),
+            "{left:?}, {right:?}"
+        );
+        assert!(
+            near(left.top, right.top) && near(left.bottom, right.bottom),
+            "{left:?}, {right:?}"
+        );
     }
 
     #[test]

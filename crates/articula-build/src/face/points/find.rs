@@ -77,25 +77,38 @@ pub(in crate::face) struct FaceParts {
     pub(in crate::face) skin: Vec<[u32; 3]>,
     /// Vertices of the skin, ascending.
     pub(in crate::face) skin_vertices: Vec<u32>,
-    /// Vertices of the left and the right eyeball, and their centres.
+    /// Vertices of the left and the right eyeball with the layers around it, such as a cornea, and
+    /// their centres.
     pub(in crate::face) eyeballs: Option<[(Vec<u32>, Vec3); 2]>,
     /// Vertices of the other parts.
     pub(in crate::face) others: Vec<u32>,
 }
 
 impl FaceParts {
-    fn of(joined: Vec<u32>, parts: &[SurfacePart], anchors: &Anchors) -> Self {
+    fn of(joined: Vec<u32>, parts: &[SurfacePart], anchors: &Anchors, positions: &[Vec3]) -> Self {
         let skin = &parts[anchors.skin];
-        let is_eye = |part: usize| {
-            anchors
-                .eyeballs
-                .is_some_and(|e| e.iter().any(|e| e.part == part))
+        let eyeballs = anchors.eyeballs.map(|eyes| {
+            eyes.map(|eye| {
+                let layers = (0..parts.len()).filter(|p| *p != anchors.skin);
+                let layers = layers.filter(|p| *p == eye.part || eye.has(&parts[*p], positions));
+                let mut vertices: Vec<u32> = layers
+                    .flat_map(|p| parts[p].vertices.iter().copied())
+                    .collect();
+                vertices.sort_unstable();
+                vertices.dedup();
+                (vertices, eye.centre)
+            })
+        });
+        let is_eye = |vertex: &u32| {
+            let mut eyes = eyeballs.iter().flatten();
+            eyes.any(|(vertices, _)| vertices.binary_search(vertex).is_ok())
         };
         let others = parts.iter().enumerate();
-        let others = others.filter(|(p, _)| *p != anchors.skin && !is_eye(*p));
+        let others = others.filter(|(p, _)| *p != anchors.skin);
         let mut others: Vec<u32> = others
             .flat_map(|(_, p)| p.vertices.iter().copied())
             .collect();
+        others.retain(|v| !is_eye(v));
         others.retain(|v| skin.vertices.binary_search(v).is_err());
         others.sort_unstable();
         others.dedup();
@@ -103,9 +116,7 @@ impl FaceParts {
             joined,
             skin: skin.triangles.clone(),
             skin_vertices: skin.vertices.clone(),
-            eyeballs: anchors
-                .eyeballs
-                .map(|eyes| eyes.map(|e| (parts[e.part].vertices.clone(), e.centre))),
+            eyeballs,
             others,
         }
     }
@@ -173,7 +184,7 @@ impl FacePoints {
         }
         let warp = Warp::fit(&pairs).ok_or(NoFace::MouthAndEyes)?;
         let height = face_height(|point| of(&POINTS, point).map_or(Vec3::ZERO, |p| warp.apply(p)));
-        let face_parts = FaceParts::of(joined, &parts, &anchors);
+        let face_parts = FaceParts::of(joined, &parts, &anchors, &surface.positions);
         let snap = Snap::new(surface, &face_parts, height);
         let points = FEATURE_POINTS.iter().filter_map(|entry| {
             let point = entry.point;

@@ -1,5 +1,6 @@
 //! Distances along a surface, by its edges and the diagonals across them.
 
+use super::mirror::Mirror;
 use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -14,8 +15,14 @@ pub(super) struct SurfaceGraph {
 }
 
 impl SurfaceGraph {
-    /// The graph of triangles, with the first vertex of the same place for each vertex.
-    pub(super) fn of(positions: &[Vec3], joined: &[u32], triangles: &[[u32; 3]]) -> Self {
+    /// The graph of triangles, with the first vertex of the same place for each vertex, and with the
+    /// edges of the other side.
+    pub(super) fn of(
+        positions: &[Vec3],
+        joined: &[u32],
+        triangles: &[[u32; 3]],
+        mirror: &Mirror,
+    ) -> Self {
         let at = |v: u32| positions[v as usize];
         let triangles = triangles.iter().map(|t| t.map(|v| joined[v as usize]));
         let triangles: Vec<[u32; 3]> = triangles.collect();
@@ -37,6 +44,8 @@ impl SurfaceGraph {
                 pairs.push((a.min(b), a.max(b)));
             }
         }
+        let twins: Vec<(u32, u32)> = pairs.iter().filter_map(|p| mirror.edge(*p)).collect();
+        pairs.extend(twins.into_iter().map(|(a, b)| (a.min(b), a.max(b))));
         pairs.sort_unstable();
         pairs.dedup();
         pairs.retain(|(a, b)| a != b);
@@ -127,7 +136,9 @@ mod tests {
         ];
         let triangles = [[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]];
         let joined = [0, 1, 2, 3, 4, 5, 0, 7];
-        let graph = SurfaceGraph::of(&positions, &joined, &triangles);
+        // Nothing is at its other side.
+        let mirror = Mirror::of(&positions, &joined, 100.0);
+        let graph = SurfaceGraph::of(&positions, &joined, &triangles, &mirror);
         let found = graph.distances(&[6]);
         let root = 2.0_f32.sqrt();
         // Straight edges, the diagonal that is an edge, and a third square's worth beyond it.

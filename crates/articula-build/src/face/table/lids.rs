@@ -5,8 +5,10 @@
 //! other rim, on a circle about the middle of the eye.
 
 use super::super::points::{FacePoints, FaceSurface};
+use super::eye_shape::EyeShape;
 use super::graph::{SurfaceGraph, smooth};
 use super::handles::{Handle, HandleKind};
+use super::mirror::Mirror;
 use articula_core::feature_points::PointId;
 use glam::Vec3;
 use std::cmp::Reverse;
@@ -18,10 +20,24 @@ const REACH: f32 = 0.06;
 const OVERLAP: f32 = 1.5e-3;
 /// Share of the way to the other rim from which the overlap grows.
 const NEARLY: f32 = 0.9;
-/// Distance of lids from the eyeball, by height of the face: 0.2 mm on an average one.
-const CLEAR: f32 = 1.5e-3;
+/// Distance of lids from the eyeball, by height of the face: 0.27 mm on an average one.
+const CLEAR: f32 = 2e-3;
 /// Skin up to this distance from the centre of an eye, by its radius, stays outside of it.
 const AROUND: f32 = 1.6;
+/// Depth below the surface of an eye, by its radius, up to which skin at rest counts as outside of it: rims
+/// lie on the eye.
+const TOUCHING: f32 = 0.03;
+/// Motion by which the distance from the eyeball is reached, by height of the face.
+const CLEARED: f32 = 0.01;
+/// Distances from the centre of an eye, by its radius, at which other parts lie between the lids.
+const BETWEEN: std::ops::Range<f32> = 0.9..1.1;
+/// Distance from the skin up to which other parts do not, but are of a lid, by height of the face.
+const OF_LID: f32 = 2e-3;
+/// Closing, by what 1024 units of a parameter say, from which the upper lid moves more or less than its
+/// parameter says, and at which its rim, so, is where both lids meet.
+const ADAPTED: [f32; 2] = [0.2, 0.9];
+/// Most by which the opening may differ from 1024 units, by its height.
+const MOST_ADAPTED: f32 = 0.5;
 
 /// Middles of the upper and of the lower lid, and the corners, of the left and the right eye.
 const EYES: [([PointId; 2], [PointId; 2]); 2] = [
@@ -32,16 +48,21 @@ const EYES: [([PointId; 2], [PointId; 2]); 2] = [
 /// An eye with its lids.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct EyeLids {
-    pub(super) centre: Vec3,
-    pub(super) radius: f32,
+    pub(super) shape: EyeShape,
     /// Upper and lower rim.
     rims: [Rim; 2],
     /// Height of the opening at rest at the middles of the upper and the lower lid, metres.
     gaps: [f32; 2],
+    /// Length of 1024 units of the parameters of lids, metres: these close the eye.
+    closed: f32,
     near: Vec<NearRim>,
-    /// Vertices of the skin, and of what follows it, that must stay outside of the eyeball, and how far
-    /// from the centre.
+    /// Vertices of other parts between the lids, and how far each is from the upper to the lower rim.
+    between: Vec<(u32, f32)>,
+    /// Vertices of the skin, and of what follows it, that must stay outside of the eyeball, and their
+    /// distance from it at rest, but not more than they must keep.
     outside: Vec<(u32, f32)>,
+    /// Distance from the eyeball that they keep, and motion by which it is reached, metres.
+    clear: [f32; 2],
     overlap: f32,
 }
 
@@ -68,13 +89,16 @@ pub(super) struct LidInput<'a> {
     pub(super) points: &'a FacePoints,
     pub(super) handles: &'a [Handle],
     pub(super) graph: &'a SurfaceGraph,
+    pub(super) mirror: &'a Mirror,
     /// Vertices of the skin, ascending.
     pub(super) vertices: &'a [u32],
-    /// Vertices of other parts that follow the skin.
-    pub(super) followers: &'a [u32],
+    /// Vertices of other parts, and the row of the skin that they follow.
+    pub(super) followers: &'a [(u32, usize)],
     pub(super) height: f32,
-    /// Centres of the eyes.
-    pub(super) eyes: [Vec3; 2],
+    /// The eyes, without surface where no eyeball is known.
+    pub(super) eyes: [EyeShape; 2],
+    /// Length of 1024 units of the parameters of lids, metres.
+    pub(super) closed: f32,
 }
 
 impl Rim {
@@ -105,23 +129,15 @@ impl EyeLids {
 
     fn of_eye(input: &LidInput<'_>, eye: usize) -> Option<Self> {
         let ([upper, lower], corners) = EYES[eye];
-        let edges = Edges::around(input, eye);
+        let edges = Edges::around(input);
         let rims = [
             edges.rim(input, upper, corners)?,
             edges.rim(input, lower, corners)?,
         ];
         let at = |v: u32| input.surface.positions[v as usize];
-        let centre = input.eyes[eye];
-        let places = || rims.iter().flat_map(|r| &r.places).map(|(p, _)| *p);
-        let nearest = places()
-            .map(|p| p.distance(centre))
-            .fold(f32::INFINITY, f32::min);
-        let ball = input.points.parts.eyeballs.as_ref();
-        let radius = ball.map_or(nearest - CLEAR * input.height, |balls| {
-            let (vertices, _) = &balls[eye];
-            let sum: f32 = vertices.iter().map(|v| at(*v).distance(centre)).sum();
-            sum / vertices.len().max(1) as f32
-        });
+        let places = rims.iter().flat_map(|r| &r.places).map(|(p, _)| *p);
+        let shape = input.eyes[eye].clone();
+        let shape = shape.or_behind(places, CLEAR * input.height);
         let middle = |point: PointId| input.points.get(point)?.vertex.map(|v| at(v).x);
         let gap = |x: f32| rims[0].height(x) - rims[1].height(x);
         let gaps = [gap(middle(upper)?), gap(middle(lower)?)];
@@ -148,20 +164,36 @@ impl EyeLids {
                 });
             }
         }
-        let clear = radius + CLEAR * input.height;
-        let stays = |place: Vec3| {
-            let from = place.distance(centre);
-            (from > radius && from < AROUND * radius).then_some(from.min(clear))
+        let distance = |v: u32| {
+            let from = at(v) - shape.centre;
+            from.length() / shape.radius(from)
         };
-        let skin = input.vertices.iter().chain(input.followers);
-        let outside = skin.filter_map(|v| Some((*v, stays(at(*v))?)));
+        let part = |(v, row): (u32, usize)| {
+            let of_lid = at(v).distance(at(input.vertices[row])) < OF_LID * input.height;
+            let [top, bottom] = rims.each_ref().map(|rim| rim.height(at(v).x));
+            let part = (top - at(v).y) / (top - bottom);
+            let is_near = at(v).z > shape.centre.z && BETWEEN.contains(&distance(v));
+            let is_between = is_near && !of_lid && top > bottom && (0.0..1.0).contains(&part);
+            is_between.then_some((v, part))
+        };
+        let between = input.followers.iter().filter_map(|f| part(*f)).collect();
+        let followers = input.followers.iter().map(|(v, _)| *v);
+        let skin = input.vertices.iter().copied().chain(followers);
+        let stays = |v: u32| {
+            let radius = shape.radius(at(v) - shape.centre);
+            let is_near = (1.0 - TOUCHING..AROUND).contains(&distance(v));
+            let away = (distance(v) - 1.0) * radius;
+            is_near.then_some((v, away.min(CLEAR * input.height)))
+        };
         Some(Self {
-            centre,
-            radius,
+            outside: skin.filter_map(stays).collect(),
+            between,
+            shape,
             rims,
             gaps,
+            closed: input.closed,
             near,
-            outside: outside.collect(),
+            clear: [CLEAR, CLEARED].map(|d| d * input.height),
             overlap: OVERLAP * input.height,
         })
     }
@@ -169,7 +201,12 @@ impl EyeLids {
     /// Shares of the opening by which the upper and the lower lid close it, together 1 at most, for how
     /// far the middle of the one goes down and of the other up, metres.
     pub(super) fn closing(&self, down: f32, up: f32) -> [f32; 2] {
-        let shares = [down / self.gaps[0], up / self.gaps[1]];
+        let mut shares = [down / self.gaps[0], up / self.gaps[1]];
+        // What 1024 units say is the distance of two points of the lids; it may not be that of the rims.
+        let lacks = 1.0 - self.closed / self.gaps[0];
+        let [first, last] = ADAPTED;
+        let nearly = (down / self.closed - first) / (last - first);
+        shares[0] += smooth(nearly) * lacks.clamp(-MOST_ADAPTED, MOST_ADAPTED);
         let beyond = shares[0] + shares[1] - 1.0;
         let positive = shares[0].max(0.0) + shares[1].max(0.0);
         if beyond <= 0.0 || positive <= 0.0 {
@@ -197,15 +234,25 @@ impl EyeLids {
         }
     }
 
-    /// Pushes what is displaced into the eyeball out of it, along its radius; `moved` has a
-    /// displacement for each vertex of the surface.
-    pub(super) fn push_out(&self, positions: &[Vec3], moved: &mut [Vec3]) {
-        for (vertex, least) in &self.outside {
+    /// Moves what lies between the lids, each place as far as it is from one rim to the other; `moved` has
+    /// a displacement for each vertex of the surface.
+    pub(super) fn move_between(&self, shares: [f32; 2], positions: &[Vec3], moved: &mut [Vec3]) {
+        for (vertex, part) in &self.between {
             let v = *vertex as usize;
-            let from = positions[v] + moved[v] - self.centre;
-            let distance = from.length();
-            if moved[v] != Vec3::ZERO && distance < *least && distance > 0.0 {
-                moved[v] += from * (least / distance - 1.0);
+            let [upper, lower] = [0, 1].map(|side| self.way(side, positions[v], shares));
+            moved[v] = upper.lerp(lower, *part);
+        }
+    }
+
+    /// Pushes what is displaced into the eyeball out of it, to the front; `moved` has a displacement for
+    /// each vertex of the surface.
+    pub(super) fn push_out(&self, positions: &[Vec3], moved: &mut [Vec3]) {
+        let [clear, cleared] = self.clear;
+        for (vertex, at_rest) in &self.outside {
+            let v = *vertex as usize;
+            let least = at_rest + (clear - at_rest) * smooth(moved[v].length() / cleared);
+            if moved[v] != Vec3::ZERO {
+                moved[v] += self.shape.out_of(positions[v] + moved[v], least);
             }
         }
     }
@@ -217,6 +264,13 @@ impl EyeLids {
         shares: [f32; 2],
         lids: &impl Fn(usize) -> Vec3,
     ) -> Vec<Vec3> {
+        let of = self.rims[side].places.iter();
+        of.map(|(place, row)| self.way(side, *place, shares) - lids(*row))
+            .collect()
+    }
+
+    /// The way of a place that goes with a rim, on a circle about the middle of the eye.
+    fn way(&self, side: usize, place: Vec3, shares: [f32; 2]) -> Vec3 {
         let down = [1.0, -1.0][side];
         let closed = shares[0] + shares[1];
         let overlap = match closed > NEARLY {
@@ -224,46 +278,44 @@ impl EyeLids {
             false => 0.0,
         };
         let overlap = overlap * shares[side].max(0.0);
-        let of = self.rims[side].places.iter();
-        of.map(|(place, row)| {
-            let gap = self.rims[0].height(place.x) - self.rims[1].height(place.x);
-            // Towards the corners the rims touch already.
-            let overlap = overlap * smooth(gap / (0.5 * self.gaps[side]));
-            let y = -down * (shares[side] * gap.max(0.0) + overlap);
-            let from = *place - self.centre;
-            let circle = (from.y * from.y + from.z * from.z).sqrt();
-            let to = (from.y + y).clamp(-0.95 * circle, 0.95 * circle);
-            let z = (circle * circle - to * to).sqrt() - from.z;
-            Vec3::new(0.0, y, z) - lids(*row)
-        })
-        .collect()
+        let gap = self.rims[0].height(place.x) - self.rims[1].height(place.x);
+        // Towards the corners the rims touch already.
+        let overlap = overlap * smooth(gap / (0.5 * self.gaps[side]));
+        let y = -down * (shares[side] * gap.max(0.0) + overlap);
+        let from = place - self.shape.centre;
+        let circle = (from.y * from.y + from.z * from.z).sqrt();
+        let to = (from.y + y).clamp(-0.95 * circle, 0.95 * circle);
+        let z = (circle * circle - to * to).sqrt() - from.z;
+        Vec3::new(0.0, y, z)
     }
 }
 
-/// The edges of the skin around an eye.
+/// The edges of the skin around both eyes, and their twins.
 struct Edges {
     of: BTreeMap<u32, Vec<(u32, f32)>>,
 }
 
 impl Edges {
-    fn around(input: &LidInput<'_>, eye: usize) -> Self {
+    fn around(input: &LidInput<'_>) -> Self {
         let at = |v: u32| input.surface.positions[v as usize];
         let joined = &input.points.parts.joined;
         let reach = 0.3 * input.height;
         let mut of: BTreeMap<u32, Vec<(u32, f32)>> = BTreeMap::new();
         for triangle in &input.points.parts.skin {
             let corners = triangle.map(|v| joined[v as usize]);
-            if corners
-                .iter()
-                .any(|v| at(*v).distance(input.eyes[eye]) > reach)
-            {
+            // Of either eye: an edge of the one has its twin at the other.
+            let is_far =
+                |eye: &EyeShape| corners.iter().any(|v| at(*v).distance(eye.centre) > reach);
+            if input.eyes.iter().all(is_far) {
                 continue;
             }
             for i in 0..3 {
-                let (a, b) = (corners[i], corners[(i + 1) % 3]);
-                let length = at(a).distance(at(b));
-                of.entry(a).or_default().push((b, length));
-                of.entry(b).or_default().push((a, length));
+                let edge = (corners[i], corners[(i + 1) % 3]);
+                for (a, b) in [Some(edge), input.mirror.edge(edge)].into_iter().flatten() {
+                    let length = at(a).distance(at(b));
+                    of.entry(a).or_default().push((b, length));
+                    of.entry(b).or_default().push((a, length));
+                }
             }
         }
         Self { of }
@@ -363,9 +415,11 @@ mod tests {
             })
         };
         EyeLids {
-            centre: Vec3::ZERO,
-            radius: 1.0,
+            shape: EyeShape::new(Vec3::ZERO, std::iter::once(Vec3::Z)),
             gaps: [0.5; 2],
+            closed: 0.5,
+            between: Vec::new(),
+            clear: [0.05, 0.1],
             near: near(0).chain(near(1)).collect(),
             outside: Vec::new(),
             overlap: 0.0,
@@ -419,8 +473,8 @@ mod tests {
     #[test]
     fn skin_stays_outside_of_the_eyeball() {
         let mut eye = eye();
-        eye.outside = vec![(4, 1.05)];
-        // What moves the lid into the ball is pushed out along the radius.
+        eye.outside = vec![(4, 0.05)];
+        // What moves the lid into the ball is pushed out to the front.
         let rest: Vec<Vec3> = eye.rims[0].places.iter().map(|p| p.0).collect();
         let mut moved = vec![Vec3::ZERO; 9];
         moved[4] = -0.6 * Vec3::Z;
@@ -428,5 +482,37 @@ mod tests {
         eye.push_out(&rest, &mut moved);
         assert_eq!(moved[3], -0.6 * Vec3::Z);
         assert!(((rest[4] + moved[4]).length() - 1.05).abs() < 1e-5);
+        assert_eq!(moved[4].truncate(), glam::Vec2::ZERO);
+    }
+
+    #[test]
+    fn what_is_between_the_lids_goes_along() {
+        let mut eye = eye();
+        // Half way between the rims, and a quarter of the way.
+        let at = |y: f32| Vec3::new(0.0, y, (1.0 - y * y).sqrt());
+        eye.between = vec![(0, 0.5), (1, 0.25)];
+        let rest = [at(0.0), at(0.125)];
+        let mut moved = [Vec3::ONE; 2];
+        eye.move_between([1.0, 0.0], &rest, &mut moved);
+        assert!((moved[0].y + 0.25).abs() < 1e-6 && (moved[1].y + 0.375).abs() < 1e-6);
+    }
+
+    #[test]
+    fn eyes_are_closed_at_1024_units() {
+        let mut eye = eye();
+        // The points of the lids are 0.4 m apart, the rims 0.5 m.
+        eye.closed = 0.4;
+        let unit = 0.4 / 1024.0;
+        for [upper, lower] in [[1024.0, 0.0], [950.0, 74.0]] {
+            let [a, b] = eye.closing(upper * unit, lower * unit);
+            assert!(
+                (a + b - 1.0).abs() < 1e-5,
+                "{upper} and {lower}: {a} and {b}"
+            );
+        }
+        // Up to 200 units a lid moves as its parameter says, and so does the lower one.
+        assert_eq!(eye.closing(200.0 * unit, 0.0)[0], 200.0 * unit / 0.5);
+        assert_eq!(eye.closing(0.0, 400.0 * unit)[1], 400.0 * unit / 0.5);
+        assert_eq!(eye.closing(-300.0 * unit, 0.0)[0], -300.0 * unit / 0.5);
     }
 }

@@ -2,21 +2,25 @@
 //! feature points alone.
 //!
 //! - `handles`: the points that the skin follows
+//! - `eye_shape`: the surface of an eye
 //! - `eyeballs`: eyeballs that turn and pupils that grow
 //! - `tongue`: the tongue, inside of the mouth
 //! - `graph`: distances along the skin
 //! - `weights`: how much each vertex follows each handle
 //! - `lids`: rims that meet, in front of the eyeballs
+//! - `mirror`: vertices at mirrored places
 //! - `normals`: how normals change with the vertices
 //! - `pieces`: the parts of a parameter's range over which the table is straight
 //! - `rules`: how handles move with parameters
 //!
 //! Method and constants: `docs/methods/faces.md`.
 
+mod eye_shape;
 mod eyeballs;
 mod graph;
 mod handles;
 mod lids;
+mod mirror;
 mod normals;
 mod pieces;
 mod rules;
@@ -32,10 +36,12 @@ use glam::{Quat, Vec3};
 use graph::{SurfaceGraph, nearest, smooth};
 use handles::{Handle, HandleKind, handles};
 use lids::{EyeLids, LidInput};
+use mirror::Mirror;
 use rules::RuleFrame;
 use tongue::Tongue;
 use weights::{WeightInput, weights};
 
+pub use eye_shape::EyeShape;
 pub use normals::normal_offsets;
 
 /// Number of resting places that pin the skin around the face.
@@ -93,7 +99,8 @@ impl FaceTable {
             ),
             eyes,
         };
-        let graph = SurfaceGraph::of(&surface.positions, &parts.joined, &parts.skin);
+        let mirror = Mirror::of(&surface.positions, &parts.joined, place((9, 3))?.x);
+        let graph = SurfaceGraph::of(&surface.positions, &parts.joined, &parts.skin, &mirror);
         let pins = pins(surface, points, height);
         let input = WeightInput {
             handles: &handles,
@@ -108,7 +115,7 @@ impl FaceTable {
         exact_at_handles(&handles, &vertices, &parts.joined, &mut weights);
         let Others { followers, mut jaw } = Others::of(surface, points, &vertices)?;
         let inside: Vec<u32> = jaw.iter().map(|(vertex, _)| *vertex).collect();
-        let tongue = Tongue::of(surface, points, &inside, height);
+        let tongue = Tongue::of(surface, points, &inside, &mirror, height);
         // The tongue lies on the lower jaw, its upper side above the line between the lips.
         let on_jaw = tongue.iter().flat_map(|tongue| &tongue.vertices);
         for tongue in on_jaw {
@@ -121,10 +128,12 @@ impl FaceTable {
             points,
             handles: &handles,
             graph: &graph,
+            mirror: &mirror,
             vertices: &vertices,
-            followers: &followers.iter().map(|(v, _)| *v).collect::<Vec<u32>>(),
+            followers: &followers,
             height,
-            eyes,
+            eyes: eyes_of(surface, points, eyes),
+            closed: frame.units.iris_diameter,
         });
         Some(Self {
             handles,
@@ -174,6 +183,7 @@ impl FaceTable {
         let mut all = self.spread(&rows);
         for (eye, shares) in self.lids.iter().zip(closing) {
             if let Some(eye) = eye.as_ref().filter(|_| shares != [0.0; 2]) {
+                eye.move_between(shares, &self.positions, &mut all);
                 eye.push_out(&self.positions, &mut all);
             }
         }
@@ -214,11 +224,10 @@ impl FaceTable {
         self.spread(&rows.collect::<Vec<_>>())
     }
 
-    /// Centre and radius of the left and the right eye, where the rims of the lids are found; without
-    /// eyeballs, the radius is that of the largest ball behind the rims.
-    pub fn eyes(&self) -> [Option<(Vec3, f32)>; 2] {
-        let eye = |lids: &Option<EyeLids>| lids.as_ref().map(|l| (l.centre, l.radius));
-        self.lids.each_ref().map(eye)
+    /// The left and the right eye, where the rims of the lids are found; without eyeballs, the largest
+    /// balls behind the rims.
+    pub fn eyes(&self) -> [Option<&EyeShape>; 2] {
+        self.lids.each_ref().map(|l| Some(&l.as_ref()?.shape))
     }
 
     /// Returns the values that move the feature points as displacements of all vertices say.
@@ -332,6 +341,18 @@ impl Others {
         }
         Some(Self { followers, jaw })
     }
+}
+
+/// The surfaces of the eyes, without distances where there are no eyeballs.
+fn eyes_of(surface: &FaceSurface, points: &FacePoints, centres: [Vec3; 2]) -> [EyeShape; 2] {
+    [0, 1].map(|eye: usize| {
+        let balls = points.parts.eyeballs.as_ref();
+        let vertices = balls.iter().flat_map(|balls| &balls[eye].0);
+        EyeShape::new(
+            centres[eye],
+            vertices.map(|v| surface.positions[*v as usize]),
+        )
+    })
 }
 
 /// Weights at the handles themselves: 1 for each, 0 for all others.

@@ -10,6 +10,8 @@ use glam::Vec3;
 /// Distance up to which a straight line stands for the table, by the height of the face: 0.3 mm on
 /// an average one.
 const STRAIGHT: f32 = 2.2e-3;
+/// That distance for lids, which lie closer to the eye: 0.1 mm.
+const LID_STRAIGHT: f32 = 0.75e-3;
 /// Maximum number of intervals on either side of 0.
 const MOST: i32 = 16;
 /// Largest value of parameters that no blend shape moves.
@@ -19,7 +21,7 @@ const LID: [i32; 2] = [1080, -540];
 
 impl FaceTable {
     /// Returns the intervals of a parameter between whose ends its displacements, alone, are straight
-    /// lines within 0.0022 heights of the face; none for a parameter that the table does not show.
+    /// lines within 0.0022 heights of the face, for lids within 0.00075; none for a parameter that the table does not show.
     ///
     /// The outermost ends are values of a strong expression, not limits.
     pub fn intervals(&self, fap: usize) -> Vec<FapInterval> {
@@ -31,7 +33,10 @@ impl FaceTable {
             values.0[fap - LOW_FAPS.start()] = value;
             self.displacements(&values)
         };
-        let limit = STRAIGHT * self.height;
+        let limit = match fap {
+            19..=22 => LID_STRAIGHT * self.height,
+            _ => STRAIGHT * self.height,
+        };
         let [high, low] = ends(fap);
         let upper = pieces(&at, high, limit);
         let is_two_sided = TABLE[fap - 1].action.is_some_and(|a| a.two_sided);

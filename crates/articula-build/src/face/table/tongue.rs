@@ -6,6 +6,7 @@
 use super::super::fap_values::FapValues;
 use super::super::points::{FacePoints, FaceSurface};
 use super::graph::{SurfaceGraph, nearest, smooth};
+use super::mirror::Mirror;
 use super::rules::component;
 use articula_core::feature_points::PointId;
 use glam::Vec3;
@@ -52,6 +53,7 @@ impl Tongue {
         surface: &FaceSurface,
         points: &FacePoints,
         inside: &[u32],
+        mirror: &Mirror,
         height: f32,
     ) -> Option<Self> {
         let at = |v: u32| surface.positions[v as usize];
@@ -75,7 +77,7 @@ impl Tongue {
         let triangles = surface.triangles.iter();
         let triangles = triangles.filter(|t| t.iter().all(|v| is_inside[*v as usize]));
         let triangles: Vec<[u32; 3]> = triangles.copied().collect();
-        let graph = SurfaceGraph::of(&surface.positions, &points.parts.joined, &triangles);
+        let graph = SurfaceGraph::of(&surface.positions, &points.parts.joined, &triangles, mirror);
         let away = graph.distances(&seeds);
         let (tip, body) = (at(seeds[0]), at(seeds[1]));
         let length = tip.z - body.z;
