@@ -423,8 +423,8 @@ fn page(heads: &[Head]) -> String {
     for head in heads {
         let _ = write!(
             page,
-            "\n## {}\n\n| expression | largest | nothing moves | weights | rules | rules, mean error |\n| --- | --- | --- | --- | --- | --- |\n",
-            head.name
+            "\n## {}\n\nAs morph targets, whose lines are straight, lids take {} vertices of the sockets into an eyeball.\n\n| expression | largest | nothing moves | weights | rules | rules, mean error |\n| --- | --- | --- | --- | --- | --- |\n",
+            head.name, head.lids.inside_as_morphs
         );
         for s in &head.shown {
             let _ = writeln!(

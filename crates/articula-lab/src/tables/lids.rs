@@ -8,6 +8,8 @@ use glam::{Vec2, Vec3};
 const CELLS: usize = 240;
 /// Distance from an eyeball, by its radius, up to which triangles belong to it.
 const OF_BALL: f32 = 0.06;
+/// Depth below the surface of an eye, by its radius, from which a vertex is inside: 12 micrometres.
+const INSIDE: f32 = 1e-3;
 /// States of the upper and the lower lids, in units, in which an eye is closed: the columns of `eyeBlink`,
 /// the upper lid alone, and farther than the lids can go. They stop where they meet.
 const CLOSED: [[f32; 2]; 5] = [
@@ -29,9 +31,10 @@ pub(super) struct Lids {
     pub(super) open_percent: f32,
     /// The same of the table as morph targets.
     pub(super) open_as_morphs_percent: f32,
-    /// Number of vertices of the head that go from outside of an eyeball to its inside, also as morph
-    /// targets.
+    /// Number of vertices of the head that go from outside of an eyeball to its inside.
     pub(super) inside: usize,
+    /// The same of the table as morph targets, whose straight lines cut corners.
+    pub(super) inside_as_morphs: usize,
 }
 
 impl Lids {
@@ -40,27 +43,32 @@ impl Lids {
         let mut found = Self::default();
         for eye in table.eyes().into_iter().flatten() {
             let rest = opening(surface, &surface.positions, eye);
-            let mut shown = |moved: Vec<Vec3>, open: Option<&mut f32>| {
+            let shown = |moved: Vec<Vec3>, open: Option<&mut f32>, inside: &mut usize| {
                 let places = surface.positions.iter().zip(&moved).map(|(a, b)| *a + *b);
                 let places: Vec<Vec3> = places.collect();
                 if let Some(open) = open {
                     *open = open.max(100.0 * opening(surface, &places, eye) / rest);
                 }
-                found.inside = found.inside.max(entered(&surface.positions, &places, eye));
+                *inside = (*inside).max(entered(&surface.positions, &places, eye));
             };
             for state in CLOSED {
                 shown(
                     table.displacements(&values(state)),
                     Some(&mut found.open_percent),
+                    &mut found.inside,
                 );
             }
             for state in HALF {
-                shown(table.displacements(&values(state)), None);
+                shown(table.displacements(&values(state)), None, &mut found.inside);
             }
             for (index, state) in CLOSED[..AS_MORPHS].iter().chain(&HALF).enumerate() {
                 let open = &mut found.open_as_morphs_percent;
                 let moved = as_morphs(table, &values(*state));
-                shown(moved, (index < AS_MORPHS).then_some(open));
+                shown(
+                    moved,
+                    (index < AS_MORPHS).then_some(open),
+                    &mut found.inside_as_morphs,
+                );
             }
         }
         found
@@ -102,7 +110,7 @@ fn entered(from: &[Vec3], to: &[Vec3], eye: &EyeShape) -> usize {
     let depth = |p: Vec3| 1.0 - p.distance(eye.centre) / eye.radius(p - eye.centre).max(1e-6);
     let pairs = from.iter().zip(to);
     pairs
-        .filter(|(from, to)| from != to && depth(**from) < 0.0 && depth(**to) > 1e-5)
+        .filter(|(from, to)| from != to && depth(**from) < 0.0 && depth(**to) > INSIDE)
         .count()
 }
 

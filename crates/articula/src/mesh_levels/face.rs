@@ -5,11 +5,14 @@
 
 use crate::face::FoundFace;
 use crate::figure::Figure;
-use articula_build::face::{FaceTable, FapValues};
+use articula_build::face::{FacePoint, FaceTable, FapValues, PointSource};
 use articula_core::fap_table::LOW_FAPS;
+use articula_core::feature_points::PointId;
 
 /// Parameters that move skin by displacements; eyeballs are turned as a whole.
 const OF_EYEBALLS: std::ops::RangeInclusive<usize> = 23..=30;
+/// Left corner of the lips: on a face without a mouth it can only be carried over from the template.
+const CORNER: PointId = (2, 4);
 /// Value at which the displacements of a parameter are compared; only their ratios count.
 const VALUE: f32 = 256.0;
 
@@ -27,9 +30,10 @@ pub struct KeptFace {
 }
 
 impl KeptFace {
-    /// That of a figure; `None` if its points may be wrong.
+    /// That of a figure; `None` if its points may be wrong, or it shows no mouth.
     pub(super) fn of(figure: &Figure, face: &FoundFace) -> Option<Self> {
-        if !face.doubtful().is_empty() {
+        let has_mouth = |point: &FacePoint| point.source != PointSource::Template;
+        if !face.doubtful().is_empty() || !face.points.get(CORNER).is_some_and(has_mouth) {
             return None;
         }
         let of_figure = |vertex: u32| face.head.vertices[vertex as usize];

@@ -75,24 +75,34 @@ impl SurfaceGraph {
 
     /// Shortest distance of each vertex to the nearest of some; infinite where no path leads.
     pub(super) fn distances(&self, from: &[u32]) -> Vec<f32> {
-        let mut found = vec![f32::INFINITY; self.first.len() - 1];
+        let nearest = self.nearest(from).into_iter();
+        nearest.map(|(distance, _)| distance).collect()
+    }
+
+    /// Shortest distance of each vertex to the nearest of some, and this one, as its index among them;
+    /// infinite where no path leads.
+    pub(super) fn nearest(&self, from: &[u32]) -> Vec<(f32, usize)> {
+        let mut found = vec![(f32::INFINITY, 0); self.first.len() - 1];
         // Lengths are not negative, so that their bits are in their order.
         let mut open: BinaryHeap<Reverse<(u32, u32)>> = BinaryHeap::new();
-        for vertex in from {
+        for (index, vertex) in from.iter().enumerate() {
             let vertex = self.joined[*vertex as usize];
-            found[vertex as usize] = 0.0;
-            open.push(Reverse((0, vertex)));
+            if found[vertex as usize].0 > 0.0 {
+                found[vertex as usize] = (0.0, index);
+                open.push(Reverse((0, vertex)));
+            }
         }
         while let Some(Reverse((bits, vertex))) = open.pop() {
             let here = f32::from_bits(bits);
-            if here > found[vertex as usize] {
+            let (known, index) = found[vertex as usize];
+            if here > known {
                 continue;
             }
             let range = self.first[vertex as usize]..self.first[vertex as usize + 1];
             for (to, length) in &self.links[range.start as usize..range.end as usize] {
                 let there = here + length;
-                if there < found[*to as usize] {
-                    found[*to as usize] = there;
+                if there < found[*to as usize].0 {
+                    found[*to as usize] = (there, index);
                     open.push(Reverse((there.to_bits(), *to)));
                 }
             }
@@ -139,6 +149,8 @@ mod tests {
         // Nothing is at its other side.
         let mirror = Mirror::of(&positions, &joined, 100.0);
         let graph = SurfaceGraph::of(&positions, &joined, &triangles, &mirror);
+        let nearest = graph.nearest(&[7, 6, 4]);
+        assert_eq!([0, 1, 5, 7].map(|v: usize| nearest[v].1), [1, 1, 2, 0]);
         let found = graph.distances(&[6]);
         let root = 2.0_f32.sqrt();
         // Straight edges, the diagonal that is an edge, and a third square's worth beyond it.

@@ -10,7 +10,7 @@ use super::graph::{SurfaceGraph, smooth};
 use super::handles::{Handle, HandleKind};
 use super::mirror::Mirror;
 use articula_core::feature_points::PointId;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
@@ -56,6 +56,8 @@ pub(super) struct EyeLids {
     /// Length of 1024 units of the parameters of lids, metres: these close the eye.
     closed: f32,
     near: Vec<NearRim>,
+    /// Vertices of other parts that a rim carries, such as lashes.
+    carried: Vec<Carried>,
     /// Vertices of other parts between the lids, and how far each is from the upper to the lower rim.
     between: Vec<(u32, f32)>,
     /// Vertices of the skin, and of what follows it, that must stay outside of the eyeball, and their
@@ -80,6 +82,16 @@ struct NearRim {
     /// 0 for the upper rim, 1 for the lower one.
     side: usize,
     x: f32,
+    share: f32,
+}
+
+/// A vertex that turns about the middle of the eye as the rim does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Carried {
+    vertex: u32,
+    side: usize,
+    /// The vertex of the skin that carries it.
+    by: u32,
     share: f32,
 }
 
@@ -164,6 +176,16 @@ impl EyeLids {
                 });
             }
         }
+        let carried = input.followers.iter().filter_map(|(vertex, row)| {
+            let near = near[near.binary_search_by_key(row, |n| n.row).ok()?];
+            Some(Carried {
+                vertex: *vertex,
+                side: near.side,
+                by: input.vertices[*row],
+                share: near.share,
+            })
+        });
+        let carried = carried.collect();
         let distance = |v: u32| {
             let from = at(v) - shape.centre;
             from.length() / shape.radius(from)
@@ -187,6 +209,7 @@ impl EyeLids {
         };
         Some(Self {
             outside: skin.filter_map(stays).collect(),
+            carried,
             between,
             shape,
             rims,
@@ -234,9 +257,18 @@ impl EyeLids {
         }
     }
 
-    /// Moves what lies between the lids, each place as far as it is from one rim to the other; `moved` has
-    /// a displacement for each vertex of the surface.
-    pub(super) fn move_between(&self, shares: [f32; 2], positions: &[Vec3], moved: &mut [Vec3]) {
+    /// Moves other parts at the lids: lashes turn with them, and what lies between them goes as far as it is
+    /// from one rim to the other; `moved` has a displacement for each vertex of the surface.
+    pub(super) fn move_others(&self, shares: [f32; 2], positions: &[Vec3], moved: &mut [Vec3]) {
+        let angle = |from: Vec3| from.y.atan2(from.z);
+        for carried in &self.carried {
+            let root = positions[carried.by as usize];
+            let from = root - self.shape.centre;
+            let up = angle(from + self.way(carried.side, root, shares)) - angle(from);
+            let tip = positions[carried.vertex as usize] - root;
+            let turned = Quat::from_rotation_x(-carried.share * up) * tip;
+            moved[carried.vertex as usize] += turned - tip;
+        }
         for (vertex, part) in &self.between {
             let v = *vertex as usize;
             let [upper, lower] = [0, 1].map(|side| self.way(side, positions[v], shares));
@@ -418,6 +450,7 @@ mod tests {
             shape: EyeShape::new(Vec3::ZERO, std::iter::once(Vec3::Z)),
             gaps: [0.5; 2],
             closed: 0.5,
+            carried: Vec::new(),
             between: Vec::new(),
             clear: [0.05, 0.1],
             near: near(0).chain(near(1)).collect(),
@@ -493,8 +526,29 @@ mod tests {
         eye.between = vec![(0, 0.5), (1, 0.25)];
         let rest = [at(0.0), at(0.125)];
         let mut moved = [Vec3::ONE; 2];
-        eye.move_between([1.0, 0.0], &rest, &mut moved);
+        eye.move_others([1.0, 0.0], &rest, &mut moved);
         assert!((moved[0].y + 0.25).abs() < 1e-6 && (moved[1].y + 0.375).abs() < 1e-6);
+    }
+
+    #[test]
+    fn lashes_turn_with_the_lid() {
+        let mut eye = eye();
+        // A lash in front of the middle of the upper rim, which goes half a metre down on its circle.
+        let root = eye.rims[0].places[4].0;
+        let rest = [root, root + 0.3 * root.normalize()];
+        eye.carried = vec![Carried {
+            vertex: 1,
+            side: 0,
+            by: 0,
+            share: 1.0,
+        }];
+        let way = eye.way(0, root, [1.0, 0.0]);
+        let mut moved = [way; 2];
+        eye.move_others([1.0, 0.0], &rest, &mut moved);
+        let tip = rest[1] + moved[1];
+        // It still points away from the middle of the eye.
+        let expected = (root + way).normalize() * rest[1].length();
+        assert!((tip - expected).length() < 1e-6, "{tip}, not {expected}");
     }
 
     #[test]

@@ -9,6 +9,7 @@
 //! - `weights`: how much each vertex follows each handle
 //! - `lids`: rims that meet, in front of the eyeballs
 //! - `mirror`: vertices at mirrored places
+//! - `others`: what is inside of the mouth, and what is attached to the skin
 //! - `normals`: how normals change with the vertices
 //! - `pieces`: the parts of a parameter's range over which the table is straight
 //! - `rules`: how handles move with parameters
@@ -22,6 +23,7 @@ mod handles;
 mod lids;
 mod mirror;
 mod normals;
+mod others;
 mod pieces;
 mod rules;
 mod tongue;
@@ -33,10 +35,11 @@ use articula_core::fap_table::{LOW_FAPS, TABLE};
 use articula_core::feature_points::PointId;
 use eyeballs::{Eyeball, Gaze};
 use glam::{Quat, Vec3};
-use graph::{SurfaceGraph, nearest, smooth};
+use graph::SurfaceGraph;
 use handles::{Handle, HandleKind, handles};
 use lids::{EyeLids, LidInput};
 use mirror::Mirror;
+use others::Others;
 use rules::RuleFrame;
 use tongue::Tongue;
 use weights::{WeightInput, weights};
@@ -113,7 +116,7 @@ impl FaceTable {
         let vertices = parts.skin_vertices.clone();
         let mut weights = weights(&input, &vertices)?;
         exact_at_handles(&handles, &vertices, &parts.joined, &mut weights);
-        let Others { followers, mut jaw } = Others::of(surface, points, &vertices)?;
+        let Others { followers, mut jaw } = Others::of(surface, points, &vertices, &mirror)?;
         let inside: Vec<u32> = jaw.iter().map(|(vertex, _)| *vertex).collect();
         let tongue = Tongue::of(surface, points, &inside, &mirror, height);
         // The tongue lies on the lower jaw, its upper side above the line between the lips.
@@ -144,10 +147,8 @@ impl FaceTable {
             jaw,
             tongue,
             eyeballs: parts.eyeballs.as_ref().map(|eyes| {
-                eyes.each_ref().map(|(vertices, centre)| Eyeball {
-                    vertices: vertices.clone(),
-                    centre: *centre,
-                })
+                eyes.clone()
+                    .map(|(ball, centre)| Eyeball::new(ball, centre, &surface.positions))
             }),
             lids,
             positions: surface.positions.clone(),
@@ -183,7 +184,7 @@ impl FaceTable {
         let mut all = self.spread(&rows);
         for (eye, shares) in self.lids.iter().zip(closing) {
             if let Some(eye) = eye.as_ref().filter(|_| shares != [0.0; 2]) {
-                eye.move_between(shares, &self.positions, &mut all);
+                eye.move_others(shares, &self.positions, &mut all);
                 eye.push_out(&self.positions, &mut all);
             }
         }
@@ -203,10 +204,7 @@ impl FaceTable {
         let units = &self.frame.units;
         for (side, eye) in self.eyeballs.iter().flatten().enumerate() {
             let gaze = Gaze::of(values, side, units.eye_separation, units.iris_diameter);
-            for vertex in &eye.vertices {
-                let from = self.positions[*vertex as usize] - eye.centre;
-                all[*vertex as usize] = gaze.displacement(from);
-            }
+            eye.apply(&gaze, &self.positions, &mut all);
         }
         for offset in &mut all {
             if offset.length_squared() < LEAST * LEAST {
@@ -304,42 +302,6 @@ impl FaceTable {
             all[*vertex as usize] = rows[*row];
         }
         all
-    }
-}
-
-/// What becomes of the parts beside the skin and the eyeballs.
-struct Others {
-    /// Vertices that follow a row of the skin.
-    followers: Vec<(u32, usize)>,
-    /// Vertices inside of the mouth, ascending, and how much they turn with the lower jaw.
-    jaw: Vec<(u32, f32)>,
-}
-
-impl Others {
-    fn of(surface: &FaceSurface, points: &FacePoints, vertices: &[u32]) -> Option<Self> {
-        let height = points.height();
-        let place = |point: PointId| points.get(point).map(|p| p.place);
-        let at = |v: u32| surface.positions[v as usize];
-        let seam = place((2, 2))?;
-        let corners = [place((2, 4))?, place((2, 5))?];
-        let mut followers = Vec::new();
-        let mut jaw = Vec::new();
-        for vertex in &points.parts.others {
-            let p = at(*vertex);
-            let inside = (p.x - seam.x).abs() < 1.2 * 0.5 * (corners[0].x - corners[1].x)
-                && p.z < seam.z
-                && (p.y - seam.y).abs() < 0.35 * height;
-            if inside {
-                // Lower teeth turn with the jaw, upper ones rest.
-                let below = smooth(0.5 - (p.y - seam.y) / (0.04 * height));
-                jaw.push((*vertex, below));
-            } else if let Some(row) = nearest(vertices.iter().map(|v| at(*v)), p)
-                && at(vertices[row]).distance(p) < 0.06 * height
-            {
-                followers.push((*vertex, row));
-            }
-        }
-        Some(Self { followers, jaw })
     }
 }
 

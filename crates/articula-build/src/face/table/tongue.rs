@@ -58,12 +58,26 @@ impl Tongue {
     ) -> Option<Self> {
         let at = |v: u32| surface.positions[v as usize];
         let place = |point: PointId| points.get(point).map(|p| p.place);
-        let near = |to: Vec3| {
-            let index = nearest(inside.iter().map(|v| at(*v)), to)?;
-            let vertex = inside[index];
+        let near = |among: &[u32], to: Vec3| {
+            let index = nearest(among.iter().map(|v| at(*v)), to)?;
+            let vertex = among[index];
             (at(vertex).distance(to) < FOUND * height).then_some(vertex)
         };
+        let mut is_inside = vec![false; surface.positions.len()];
+        inside.iter().for_each(|v| is_inside[*v as usize] = true);
+        let triangles = surface.triangles.iter();
+        let triangles = triangles.filter(|t| t.iter().all(|v| is_inside[*v as usize]));
+        let triangles: Vec<[u32; 3]> = triangles.copied().collect();
+        let joined = &points.parts.joined;
+        let graph = SurfaceGraph::of(&surface.positions, joined, &triangles, mirror);
         let (tip, body) = (place((6, 1))?, place((6, 2))?);
+        // Teeth may be nearer to the borders than the tongue itself, but are no piece of it.
+        let from_body = graph.distances(&[near(inside, body)?]);
+        let piece = inside.iter().copied();
+        let piece: Vec<u32> = piece
+            .filter(|v| from_body[*v as usize].is_finite())
+            .collect();
+        let near = |to: Vec3| near(&piece, to);
         let mut seeds = vec![near(tip)?, near(body)?];
         for i in 1..BETWEEN {
             let place = body.lerp(tip, i as f32 / BETWEEN as f32);
@@ -72,12 +86,6 @@ impl Tongue {
         for border in [(6, 3), (6, 4)] {
             seeds.push(near(place(border)?)?);
         }
-        let mut is_inside = vec![false; surface.positions.len()];
-        inside.iter().for_each(|v| is_inside[*v as usize] = true);
-        let triangles = surface.triangles.iter();
-        let triangles = triangles.filter(|t| t.iter().all(|v| is_inside[*v as usize]));
-        let triangles: Vec<[u32; 3]> = triangles.copied().collect();
-        let graph = SurfaceGraph::of(&surface.positions, &points.parts.joined, &triangles, mirror);
         let away = graph.distances(&seeds);
         let (tip, body) = (at(seeds[0]), at(seeds[1]));
         let length = tip.z - body.z;

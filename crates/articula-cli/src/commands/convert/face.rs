@@ -173,7 +173,12 @@ fn of_character(args: &ConvertArgs, input: &Path, console: &Console) -> anyhow::
             warnings: opened.warnings,
         });
     }
-    if !drives_shapes(&opened.character, clip) {
+    let has_mesh = opened
+        .character
+        .meshes
+        .iter()
+        .any(|m| !m.primitives.is_empty());
+    if has_mesh && !drives_shapes(&opened.character, clip) {
         let name = clip.name.clone();
         let figure = Figure::new(opened)?;
         let index = figure.clip(Some(&name))?.unwrap_or(0);
