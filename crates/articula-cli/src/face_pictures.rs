@@ -40,15 +40,7 @@ pub(crate) fn targets(figure: &Figure) -> anyhow::Result<Picture> {
 }
 
 /// Draws the face at so many moments of a clip, evenly over its duration.
-pub(crate) fn moments(
-    figure: &Figure,
-    clip: Option<usize>,
-    most: usize,
-) -> anyhow::Result<Picture> {
-    let Some(clip) = clip else {
-        let what = "--clip-sheet: the file has no clip to draw";
-        return Err(fault::usage(what));
-    };
+pub(crate) fn moments(figure: &Figure, clip: usize, most: usize) -> anyhow::Result<Picture> {
     let asset = &figure.asset;
     let clip = &asset.clips[clip];
     let count = most.min(clip.frames().max(1));

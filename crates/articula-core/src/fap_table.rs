@@ -26,6 +26,9 @@ pub enum FapUnit {
     Angle,
 }
 
+/// Length of an angle unit ([`FapUnit::Angle`]), radians.
+pub const ANGLE_UNIT: f32 = 1e-5;
+
 impl FapUnit {
     /// The units that are distances of a face.
     pub const DISTANCES: [Self; 5] = [

@@ -23,6 +23,24 @@ impl FapValues {
         index.and_then(|i| self.0.get(i)).copied().unwrap_or(0.0)
     }
 
+    /// Returns the values where one FAP, by its number, has a value and all others are 0.
+    ///
+    /// # Panics
+    /// If the number is not 3 to 68.
+    pub fn alone(fap: usize, value: f32) -> Self {
+        let mut values = Self::default();
+        values.set(fap, value);
+        values
+    }
+
+    /// Sets the value of a FAP, by its number.
+    ///
+    /// # Panics
+    /// If the number is not 3 to 68.
+    pub fn set(&mut self, fap: usize, value: f32) {
+        self.0[fap - LOW_FAPS.start()] = value;
+    }
+
     /// Adds values, and those of the inner lips to the outer lips too.
     pub(super) fn add(&mut self, list: FapList, weight: f32) {
         let first = *LOW_FAPS.start();

@@ -1,10 +1,9 @@
 //! How far the controls and the eyeballs of a face move its vertices.
 
 use super::fap_values::FapValues;
+use articula_core::fap_table::ANGLE_UNIT;
 use glam::{Quat, Vec3};
 
-/// Radians of an angle unit.
-const ANGLE_UNIT: f32 = 1e-5;
 /// Displacement below which a control does not move a vertex, in metres.
 const STILL_M: f32 = 1e-7;
 

@@ -9,7 +9,7 @@ use super::targets::{Target, section};
 use anyhow::{Context, Result};
 use articula::face::face_layout;
 use articula::{CharacterFile, Executor, Figure, MeshLevelOptions, PrepareOptions, prepare};
-use articula_build::measure_levels;
+use articula_build::{LevelDistances, measure_levels};
 use articula_core::Mesh;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -42,17 +42,24 @@ const FIGURES: [(&str, &str, bool); 8] = [
 const SMALL: &str = "ICT head, 1095";
 const LEVELS: usize = 5;
 
+/// One level as it was made.
+#[derive(Debug, Clone, Copy)]
+struct Made {
+    triangles: usize,
+    /// Number of feature points that are left.
+    survive: usize,
+    /// Largest and mean error in motion, by the size of the figure, percent.
+    largest: f64,
+    mean: f64,
+}
+
 /// One level, made both ways: without and with what is kept of the face.
 struct Row {
     figure: &'static str,
     level: usize,
     /// Feature points on the skin.
     points: usize,
-    triangles: [usize; 2],
-    survive: [usize; 2],
-    /// Largest and mean error in motion, by the size of the figure, percent.
-    largest: [f64; 2],
-    mean: [f64; 2],
+    made: [Made; 2],
 }
 
 /// Measures all figures and writes the page.
@@ -77,7 +84,7 @@ fn measure(name: &'static str, path: &Path, is_bare: bool) -> Result<Vec<Row>> {
     let mesh = &whole.asset.mesh;
     let layout = face_layout(&Figure::new(figure_file(path, is_bare)?)?, &[])?;
     let points: Vec<u32> = layout.points.iter().filter_map(|p| p.vertex).collect();
-    let mut made = Vec::new();
+    let mut made: Vec<Vec<Made>> = Vec::new();
     for keep_face in [false, true] {
         let options = PrepareOptions {
             mesh_levels: Some(MeshLevelOptions {
@@ -98,30 +105,23 @@ fn measure(name: &'static str, path: &Path, is_bare: bool) -> Result<Vec<Row>> {
             &articula_build::MeshLevelOptions::default(),
         )?;
         let size = f64::from(levels.size_metres);
-        let level = |(triangles, error): (&Vec<[u32; 3]>, &articula_build::LevelDistances)| {
-            (
-                triangles.len(),
-                surviving(mesh, triangles, &points),
-                100.0 * f64::from(error.motion.max_metres.max(error.rest.max_metres)) / size,
-                100.0 * f64::from(error.motion.mean_metres) / size,
-            )
+        let share = |metres: f32| 100.0 * f64::from(metres) / size;
+        let level = |(triangles, error): (&Vec<[u32; 3]>, &LevelDistances)| Made {
+            triangles: triangles.len(),
+            survive: surviving(mesh, triangles, &points),
+            largest: share(error.motion.max_metres.max(error.rest.max_metres)),
+            mean: share(error.motion.mean_metres),
         };
-        made.push(triangles.iter().zip(&errors).map(level).collect::<Vec<_>>());
+        made.push(triangles.iter().zip(&errors).map(level).collect());
     }
-    let both = made[0].iter().zip(&made[1]).enumerate();
-    let row = |(level, (free, kept)): (usize, (&(usize, usize, f64, f64), &_))| {
-        let kept: &(usize, usize, f64, f64) = kept;
-        Row {
-            figure: name,
-            level,
-            points: points.len(),
-            triangles: [free.0, kept.0],
-            survive: [free.1, kept.1],
-            largest: [free.2, kept.2],
-            mean: [free.3, kept.3],
-        }
+    let [free, kept] = [&made[0], &made[1]];
+    let row = |(level, (free, kept)): (usize, (&Made, &Made))| Row {
+        figure: name,
+        level,
+        points: points.len(),
+        made: [*free, *kept],
     };
-    Ok(both.map(row).collect())
+    Ok(free.iter().zip(kept).enumerate().map(row).collect())
 }
 
 /// A character, perhaps without its morph targets.
@@ -147,10 +147,10 @@ fn surviving(mesh: &Mesh, triangles: &[[u32; 3]], points: &[u32]) -> usize {
 }
 
 fn page(rows: &[Row]) -> String {
-    let lost = |row: &Row| row.points - row.survive[1];
+    let lost = |row: &Row| row.points - row.made[1].survive;
     let lost: usize = rows.iter().map(lost).sum();
     let coarse: Vec<&Row> = rows.iter().filter(|r| r.level == 3).collect();
-    let worse = |row: &&&Row| row.largest[1] > row.largest[0];
+    let worse = |row: &&&Row| row.made[1].largest > row.made[0].largest;
     let mut text = String::from(
         "# Faces in mesh levels\n\n\
          `cargo run --release -p articula-lab -- face-mesh-levels`\n\n\
@@ -183,22 +183,23 @@ fn page(rows: &[Row]) -> String {
          |---|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows.iter().filter(|r| r.level > 0) {
-        let triangles = match row.triangles[0] == row.triangles[1] {
-            true => row.triangles[0].to_string(),
-            false => format!("{}, {}", row.triangles[0], row.triangles[1]),
+        let [free, kept] = &row.made;
+        let triangles = match free.triangles == kept.triangles {
+            true => free.triangles.to_string(),
+            false => format!("{}, {}", free.triangles, kept.triangles),
         };
         let _ = writeln!(
             text,
             "| {} | {} | {triangles} | {} of {} | {} | {:.2} | {:.2} | {:.3} | {:.3} |",
             row.figure,
             row.level,
-            row.survive[0],
+            free.survive,
             row.points,
-            row.survive[1],
-            row.largest[0],
-            row.largest[1],
-            row.mean[0],
-            row.mean[1],
+            kept.survive,
+            free.largest,
+            kept.largest,
+            free.mean,
+            kept.mean,
         );
     }
     text
@@ -210,20 +211,21 @@ fn csv(rows: &[Row]) -> String {
          largest_percent_kept,mean_percent_free,mean_percent_kept\n",
     );
     for row in rows {
+        let [free, kept] = &row.made;
         let _ = writeln!(
             text,
             "\"{}\",{},{},{},{},{},{},{:.4},{:.4},{:.5},{:.5}",
             row.figure,
             row.level,
             row.points,
-            row.triangles[0],
-            row.triangles[1],
-            row.survive[0],
-            row.survive[1],
-            row.largest[0],
-            row.largest[1],
-            row.mean[0],
-            row.mean[1],
+            free.triangles,
+            kept.triangles,
+            free.survive,
+            kept.survive,
+            free.largest,
+            kept.largest,
+            free.mean,
+            kept.mean,
         );
     }
     text

@@ -149,13 +149,6 @@ fn measure(name: &'static str, limits: [f64; 2], figure: &Figure) -> Result<Head
     })
 }
 
-/// A parameter alone.
-fn alone(fap: usize, value: f32) -> FapValues {
-    let mut values = FapValues::default();
-    values.0[fap - LOW_FAPS.start()] = value;
-    values
-}
-
 /// Moves each point by its own parameter and compares it with what the parameter says.
 fn own_points(points: &FacePoints, table: &FaceTable) -> f32 {
     const VALUE: f32 = 200.0;
@@ -174,7 +167,7 @@ fn own_points(points: &FacePoints, table: &FaceTable) -> f32 {
         let Some(vertex) = points.get(action.point).and_then(|p| p.vertex) else {
             continue;
         };
-        let moved = table.displacements(&alone(fap, VALUE))[vertex as usize].dot(along);
+        let moved = table.displacements(&FapValues::alone(fap, VALUE))[vertex as usize].dot(along);
         let said = VALUE * points.units().distance(action.unit) / 1024.0;
         worst = worst.max(100.0 * (moved / said - 1.0).abs());
     }
@@ -209,7 +202,8 @@ fn sides(surface: &FaceSurface, points: &FacePoints, table: &FaceTable) -> f32 {
         .collect();
     let mut worst = 0.0_f32;
     for (left, right) in PAIRS {
-        let [left, right] = [left, right].map(|fap| table.displacements(&alone(fap, 200.0)));
+        let [left, right] =
+            [left, right].map(|fap| table.displacements(&FapValues::alone(fap, 200.0)));
         for (v, twin) in &twins {
             worst = worst.max(left[*v].distance(mirrored(right[*twin])));
         }

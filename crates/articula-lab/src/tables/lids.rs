@@ -79,18 +79,14 @@ impl Lids {
 fn values([upper, lower]: [f32; 2]) -> FapValues {
     let mut values = FapValues::default();
     for (fap, value) in (19..=22).zip([upper, upper, lower, lower]) {
-        values.0[fap - LOW_FAPS.start()] = value;
+        values.set(fap, value);
     }
     values
 }
 
 /// Displacements by the table as morph targets.
 fn as_morphs(table: &FaceTable, values: &FapValues) -> Vec<Vec3> {
-    let at = |fap: usize, value: i32| {
-        let mut alone = FapValues::default();
-        alone.0[fap - LOW_FAPS.start()] = value as f32;
-        table.displacements(&alone)
-    };
+    let at = |fap: usize, value: i32| table.displacements(&FapValues::alone(fap, value as f32));
     let mut sum: Vec<Vec3> = at(19, 0);
     for fap in LOW_FAPS.filter(|fap| values.get(*fap) != 0.0) {
         let intervals = table.intervals(fap);

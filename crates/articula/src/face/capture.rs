@@ -1,26 +1,22 @@
 //! Captures of blend shapes as facial animation parameters, and back.
 
-use super::frames::{face_frames, moving};
+use super::frames::{face_frames, file_name, moving, rounded};
 use super::rig::{CaptureBridge, GENERIC_BRIDGE};
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
 use articula_build::face::{FapValues, arkit_shape};
 use articula_build::source_rate_hz;
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES};
-use articula_core::fap_table::{FAP_COUNT, LOW_FAP_COUNT, LOW_FAPS};
+use articula_core::fap_table::{ANGLE_UNIT, FAP_COUNT, LOW_FAP_COUNT, LOW_FAPS};
 use articula_core::source::{Channel, Character, Property, RawClip, evaluate};
 use articula_formats::live_link::{ANGLE_COUNT, LiveLinkClip, LiveLinkFrame};
 use articula_formats::mpeg4::fap::{FapClip, FapFrame};
 use serde::Serialize;
 
-/// Radians of an angle unit.
-const ANGLE_UNIT: f32 = 1e-5;
 /// FAPs of yaw, pitch and roll of the head.
 const HEAD: [usize; 3] = [49, 48, 50];
 /// FAPs of yaw and pitch of each eye, and their columns among the angles.
 const EYES: [(usize, usize); 4] = [(23, 3), (25, 4), (24, 6), (26, 7)];
-/// Greatest value of a parameter in a FAP file that is written.
-const LARGEST: f32 = 1e6;
 
 /// How well parameters hold a capture, or blend shapes hold parameters.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -57,7 +53,7 @@ pub struct ShapeLoss {
 pub(super) fn row_values(bridge: &CaptureBridge, frame: &LiveLinkFrame) -> FapValues {
     let mut values = bridge.values(&frame.shapes);
     for (fap, angle) in HEAD.iter().zip(frame.angles) {
-        values.0[fap - LOW_FAPS.start()] = angle / ANGLE_UNIT;
+        values.set(*fap, angle / ANGLE_UNIT);
     }
     values
 }
@@ -78,7 +74,7 @@ pub fn capture_to_faps(
     }
     let mut solver = bridge.bridge().solver([true; LOW_FAP_COUNT]);
     let mut clip = FapClip {
-        name: name.split_whitespace().collect::<Vec<_>>().join("_"),
+        name: file_name(name),
         rate_hz: capture.rate_hz as f32,
         coded: [false; FAP_COUNT],
         frames: Vec::with_capacity(capture.frames.len()),
@@ -88,7 +84,7 @@ pub fn capture_to_faps(
     let mut most = [0.0_f32; BLEND_SHAPE_COUNT];
     for frame in &capture.frames {
         let values = row_values(bridge, frame);
-        let low = values.0.map(|v| v.clamp(-LARGEST, LARGEST).round() as i32);
+        let low = rounded(&values);
         let number = (frame.secs * capture.rate_hz).round() as u32;
         if clip.frames.last().is_some_and(|last| last.number == number) {
             clip.frames.pop();

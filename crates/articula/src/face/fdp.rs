@@ -94,9 +94,7 @@ fn zone(table: &FaceTable, point: PointId, vertices: usize) -> (Vec<usize>, Vec<
         .collect();
     let mut in_zone = vec![false; vertices];
     for fap in &moved_by {
-        let mut values = FapValues::default();
-        values.0[fap - LOW_FAPS.start()] = 100.0;
-        let offsets = table.displacements(&values);
+        let offsets = table.displacements(&FapValues::alone(*fap, 100.0));
         let most = offsets.iter().map(|o| o.length()).fold(0.0, f32::max);
         for (inside, offset) in in_zone.iter_mut().zip(&offsets) {
             *inside |= most > 0.0 && offset.length() > IN_ZONE * most;

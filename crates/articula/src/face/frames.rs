@@ -28,6 +28,17 @@ fn high_level(frame: &FapFrame) -> FapValues {
     values
 }
 
+/// The values of a frame of a FAP file: whole numbers.
+pub(super) fn rounded(values: &FapValues) -> [i32; LOW_FAP_COUNT] {
+    const LARGEST: f32 = 1e6;
+    values.0.map(|v| v.clamp(-LARGEST, LARGEST).round() as i32)
+}
+
+/// A name as that of a clip in a FAP file, which has no spaces.
+pub(super) fn file_name(name: &str) -> String {
+    name.split_whitespace().collect::<Vec<_>>().join("_")
+}
+
 /// Which parameters move in any frame; FAP 3 at index 0.
 pub(super) fn moving(frames: &[FapValues]) -> [bool; LOW_FAP_COUNT] {
     std::array::from_fn(|index| frames.iter().any(|f| f.0[index] != 0.0))

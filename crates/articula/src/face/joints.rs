@@ -108,11 +108,7 @@ fn fitted(
     skin: &mut JointSkin<'_>,
     fit: &FieldFit,
 ) -> Vec<(FapInterval, Vec<JointOffset>, f32)> {
-    let at = |value: i32| {
-        let mut values = FapValues::default();
-        values.0[fap - LOW_FAPS.start()] = value as f32;
-        table.displacements(&values)
-    };
+    let at = |value: i32| table.displacements(&FapValues::alone(fap, value as f32));
     let mut ends: Vec<(i32, Vec<f32>)> = vec![(0, vec![0.0; skin.freedoms()])];
     let intervals = table.intervals(fap).into_iter();
     let part = |interval: FapInterval| {

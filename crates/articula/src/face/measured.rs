@@ -4,19 +4,17 @@
 //! morph targets or both.
 
 use super::found::FoundFace;
+use super::frames::{file_name, rounded};
+use super::rig::NOT_MEASURED;
 use super::turns::turns;
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
-use articula_build::face::FapValues;
-use articula_core::fap_table::{FAP_COUNT, LOW_FAPS};
-use articula_core::{LocalPose, ModelPose, PosedMesh, SkinnedMesh, Wrap, sample, sample_morphs};
+use articula_core::fap_table::FAP_COUNT;
+use articula_core::{
+    LocalPose, ModelPose, PosedMesh, SkinnedMesh, Wrap, local_to_model, sample, sample_morphs,
+};
 use articula_formats::mpeg4::fap::{FapClip, FapFrame};
 use glam::{Affine3A, Vec3};
-
-/// Parameters whose point has no vertex of the skin: eyeballs and tongue.
-const NOT_MEASURED: [std::ops::RangeInclusive<usize>; 2] = [23..=30, 43..=47];
-/// Largest value of a parameter in a FAP file that is written.
-const LARGEST: f32 = 1e6;
 
 /// Reads the parameters of a face off its feature points in each frame of one of the figure's clips,
 /// relative to the rest pose and in units of the face; those of head and eyes off their joints. `name`
@@ -51,7 +49,7 @@ fn measured(figure: &Figure, clip: usize, name: &str) -> Result<FapClip> {
     let to_head = face.head.model_from_head.inverse();
     let mut posed = PosedMesh::new(&asset.rig, &asset.mesh);
     let mut rest_model = ModelPose::new(asset.rig.len());
-    articula_core::local_to_model(&asset.rig, asset.rig.rest_pose(), &mut rest_model);
+    local_to_model(&asset.rig, asset.rig.rest_pose(), &mut rest_model);
     let rest = posed
         .pose(asset.rig.rest_pose())
         .skinned(&vec![0.0; asset.mesh.morph_weights.len()]);
@@ -78,7 +76,7 @@ fn measured(figure: &Figure, clip: usize, name: &str) -> Result<FapClip> {
         let offsets: Vec<Vec3> = face.head.vertices.iter().map(offset).collect();
         let mut values = table.values(&face.points, &offsets);
         for fap in NOT_MEASURED.into_iter().flatten().chain(48..=50) {
-            values.0[fap - LOW_FAPS.start()] = 0.0;
+            values.set(fap, 0.0);
         }
         for turn in &turns {
             turn.read(local.rotations[turn.joint()], &mut values);
@@ -90,7 +88,7 @@ fn measured(figure: &Figure, clip: usize, name: &str) -> Result<FapClip> {
         }
     };
     let mut made = FapClip {
-        name: name.split_whitespace().collect::<Vec<_>>().join("_"),
+        name: file_name(name),
         rate_hz: clip.rate_hz(),
         coded: [false; FAP_COUNT],
         frames: (0..clip.frames()).map(frame).collect(),
@@ -102,8 +100,4 @@ fn measured(figure: &Figure, clip: usize, name: &str) -> Result<FapClip> {
         return Err(Error::unsuited(what));
     }
     Ok(made)
-}
-
-fn rounded(values: &FapValues) -> [i32; articula_core::fap_table::LOW_FAP_COUNT] {
-    values.0.map(|v| v.clamp(-LARGEST, LARGEST).round() as i32)
 }

@@ -8,7 +8,6 @@ use crate::figure::Figure;
 use crate::open::CharacterFile;
 use articula_build::face::{FaceBridge, FapValues, blend_shape};
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES, BlendShape};
-use articula_core::fap_table::LOW_FAPS;
 use glam::Vec3;
 use serde::Serialize;
 
@@ -17,7 +16,7 @@ pub const GENERIC_BRIDGE: &str = "generic";
 
 /// Parameters whose effect is taken from the generic columns: eyeballs and tongue, whose points have
 /// no vertex of the skin.
-const NOT_MEASURED: [std::ops::RangeInclusive<usize>; 2] = [23..=30, 43..=47];
+pub(super) const NOT_MEASURED: [std::ops::RangeInclusive<usize>; 2] = [23..=30, 43..=47];
 
 /// How the parameters that a face's controls amount to are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -186,7 +185,7 @@ fn own(generic: &[FapValues], fields: &[Vec<Vec3>], figure: &Figure) -> Option<V
         let offsets: Vec<Vec3> = of_head.collect();
         let mut values = table.values(&face.points, &offsets);
         for fap in NOT_MEASURED.into_iter().flatten() {
-            values.0[fap - LOW_FAPS.start()] = generic.get(fap);
+            values.set(fap, generic.get(fap));
         }
         values
     };

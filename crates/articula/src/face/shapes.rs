@@ -115,11 +115,7 @@ fn made_table(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<F
     let table = face.table()?;
     // Eyes with joints are turned by these.
     let turned = |fap: &usize| (23..=26).contains(fap) && face.head.surface.eyes.is_some();
-    let at = |fap: usize, value: i32| {
-        let mut values = FapValues::default();
-        values.0[fap - LOW_FAPS.start()] = value as f32;
-        table.displacements(&values)
-    };
+    let at = |fap: usize, value: i32| table.displacements(&FapValues::alone(fap, value as f32));
     let mut shapes: Vec<(String, Vec<Vec3>)> = Vec::new();
     let mut report = FaceTableTargets {
         faps: Vec::new(),

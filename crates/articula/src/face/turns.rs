@@ -3,12 +3,9 @@
 use crate::facing::facing_of;
 use crate::open::CharacterFile;
 use articula_build::face::FapValues;
-use articula_core::fap_table::LOW_FAPS;
+use articula_core::fap_table::ANGLE_UNIT;
 use articula_core::source::{Channel, Interpolation, Property};
 use glam::{EulerRot, Quat, Vec3};
-
-/// Radians of an angle unit.
-const ANGLE_UNIT: f32 = 1e-5;
 
 /// A joint that FAPs turn.
 #[derive(Debug, Clone, Copy)]
@@ -96,7 +93,7 @@ impl Turn {
         let (yaw, pitch, roll) = turn.normalize().to_euler(EulerRot::YXZ);
         for (fap, angle) in self.faps.iter().zip([pitch, yaw, roll]) {
             if let Some(fap) = fap {
-                values.0[fap - LOW_FAPS.start()] = angle / ANGLE_UNIT;
+                values.set(*fap, angle / ANGLE_UNIT);
             }
         }
     }

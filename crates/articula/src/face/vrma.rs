@@ -1,7 +1,7 @@
 //! Facial animation parameters as a VRM animation of preset expressions, and back.
 
 use super::capture::CaptureReport;
-use super::frames::{face_frames, moving};
+use super::frames::{face_frames, file_name, moving, rounded};
 use super::rig::GENERIC_BRIDGE;
 use crate::error::{Error, Result};
 use articula_build::face::{FaceBridge, FapValues, vrm_preset};
@@ -101,12 +101,12 @@ pub fn presets_to_faps(character: &Character, clip: &RawClip) -> Option<FapClip>
         let weights: Vec<f32> = tracks.iter().map(weight).collect();
         FapFrame {
             number: number as u32,
-            low: bridge.faps(&weights).0.map(|v| v.round() as i32),
+            low: rounded(&bridge.faps(&weights)),
             ..FapFrame::default()
         }
     };
     let mut made = FapClip {
-        name: clip.name.split_whitespace().collect::<Vec<_>>().join("_"),
+        name: file_name(&clip.name),
         rate_hz,
         coded: [false; FAP_COUNT],
         frames: (0..count).map(frame).collect(),

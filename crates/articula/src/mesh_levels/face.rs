@@ -76,9 +76,7 @@ fn largest_shares(table: &FaceTable) -> Vec<f32> {
     let mut shares = Vec::new();
     let of_skin = LOW_FAPS.filter(|fap| !OF_EYEBALLS.contains(fap) && table.moves(*fap));
     for fap in of_skin {
-        let mut values = FapValues::default();
-        values.0[fap - LOW_FAPS.start()] = VALUE;
-        let offsets = table.displacements(&values);
+        let offsets = table.displacements(&FapValues::alone(fap, VALUE));
         let largest = offsets.iter().map(|o| o.length()).fold(0.0, f32::max);
         shares.resize(offsets.len(), 0.0_f32);
         if largest > 0.0 {

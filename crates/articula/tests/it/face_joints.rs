@@ -1,8 +1,9 @@
 //! Faces whose joints show parameters, and parameters read off moving faces.
 
+use crate::bare::bare;
 use crate::real;
 use articula::face::{FaceColumns, FaceKind, fit_face, measure_faps};
-use articula::{CharacterFile, Figure, fs};
+use articula::{Figure, fs};
 use articula_core::fap_table::FAP_COUNT;
 use articula_formats::mpeg4::fap::{FapClip, FapFrame};
 
@@ -28,19 +29,8 @@ fn clip(values: &[(usize, i32)]) -> FapClip {
     }
 }
 
-/// MakeHuman's woman without morph targets: her rig has joints for lips, lids and brows.
-fn head() -> Option<CharacterFile> {
-    let path = real::file("glb/mh_female_default163_arkit52.glb")?;
-    let mut head = fs::open(&path).unwrap();
-    head.gltf = None;
-    head.character.clips.clear();
-    for mesh in &mut head.character.meshes {
-        mesh.morph_names.clear();
-        mesh.morph_weights.clear();
-        mesh.primitives.iter_mut().for_each(|p| p.morphs.clear());
-    }
-    Some(head)
-}
+/// A woman whose rig has joints for lips, lids and brows.
+const HEAD: &str = "glb/mh_female_default163_arkit52.glb";
 
 /// The greatest value of a parameter in a clip, with its sign.
 fn peak(clip: &FapClip, fap: usize) -> f32 {
@@ -50,7 +40,7 @@ fn peak(clip: &FapClip, fap: usize) -> f32 {
 
 #[test]
 fn joints_move_a_face_as_far_as_its_parameters_say() {
-    let Some(mut head) = head() else {
+    let Some(mut head) = bare(HEAD) else {
         return;
     };
     // The jaw opens, lids close, a brow rises, the head turns, both eyes look left; the tongue, which

@@ -1,5 +1,6 @@
 //! Mesh levels keep the feature points of a face, and its table in the order of the levels.
 
+use crate::bare::bare;
 use crate::real;
 use articula::face::{add_face_table, face_layout};
 use articula::glam::Vec3;
@@ -83,19 +84,6 @@ fn every_level_keeps_the_points_of_a_face() {
     assert!(left(&free, TARGETS.len() - 1) < points.len() / 2);
 }
 
-/// The head without its morph targets.
-fn bare() -> Option<CharacterFile> {
-    let mut head = fs::open(real::file(HEAD)?).unwrap();
-    head.gltf = None;
-    head.character.clips.clear();
-    for mesh in &mut head.character.meshes {
-        mesh.morph_names.clear();
-        mesh.morph_weights.clear();
-        mesh.primitives.iter_mut().for_each(|p| p.morphs.clear());
-    }
-    Some(head)
-}
-
 /// Places of the vertices that a morph target moves, with their offsets, in the order of the file.
 fn list(primitive: &Primitive, target: usize) -> Vec<[[u32; 3]; 2]> {
     let offsets = primitive.morphs[target].positions.iter();
@@ -106,7 +94,7 @@ fn list(primitive: &Primitive, target: usize) -> Vec<[[u32; 3]; 2]> {
 
 #[test]
 fn the_table_of_a_coarser_level_is_a_prefix() {
-    let Some(mut head) = bare() else {
+    let Some(mut head) = bare(HEAD) else {
         return;
     };
     // Without morph targets, the table says where the face moves.
@@ -149,7 +137,7 @@ fn the_table_of_a_coarser_level_is_a_prefix() {
 
 #[test]
 fn an_asset_whose_vertices_are_reordered_gets_the_same_table() {
-    let Some(mut head) = bare() else {
+    let Some(mut head) = bare(HEAD) else {
         return;
     };
     let mut asset = again(&built(head.clone(), true).glb);

@@ -8,6 +8,7 @@
     reason = "a test may panic, looks for the folder of real files, and says what it skips"
 )]
 
+mod bare;
 mod convert;
 mod crowd;
 mod crowd_faces;

@@ -100,6 +100,15 @@ impl FaceSurface {
         parts
     }
 
+    /// The triangles all of whose corners are among some vertices.
+    pub(in crate::face) fn triangles_among(&self, vertices: &[u32]) -> Vec<[u32; 3]> {
+        let mut is_one = vec![false; self.positions.len()];
+        vertices.iter().for_each(|v| is_one[*v as usize] = true);
+        let all = self.triangles.iter().copied();
+        all.filter(|t| t.iter().all(|v| is_one[*v as usize]))
+            .collect()
+    }
+
     /// Corners of a triangle.
     pub(super) fn corners(&self, triangle: &[u32; 3]) -> [Vec3; 3] {
         triangle.map(|v| self.positions[v as usize])

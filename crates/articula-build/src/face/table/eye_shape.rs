@@ -11,11 +11,11 @@ const DIRECTION: f32 = std::f32::consts::PI / 36.0;
 /// above which it is in front of it.
 const FRONT: [f32; 2] = [0.5, 0.8];
 
-/// The surface of an eye: its distance from the middle by the angle from its axis, which points out of the
-/// face.
+/// The surface of an eye, in the frame of the head, metres: its distance from the middle by the angle from its
+/// axis, which points out of the face (+Z).
 #[derive(Debug, Clone, PartialEq)]
 pub struct EyeShape {
-    /// Middle of the eye.
+    /// Middle of the eye, metres.
     pub centre: Vec3,
     /// Empty where no eyeball is known.
     radii: Vec<f32>,
@@ -53,7 +53,7 @@ impl EyeShape {
         self
     }
 
-    /// Returns the distance of the surface from the middle in a direction; 0 where no eyeball is known.
+    /// Returns the distance of the surface from the middle in a direction of any length, metres; 0 where no eyeball is known.
     pub fn radius(&self, from: Vec3) -> f32 {
         let at = direction(from);
         let index = at as usize;

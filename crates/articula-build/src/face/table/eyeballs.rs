@@ -1,11 +1,9 @@
 //! Eyeballs: they turn, come out, and their pupils grow.
 
 use super::super::fap_values::FapValues;
-use articula_core::fap_table::LOW_FAPS;
+use articula_core::fap_table::ANGLE_UNIT;
 use glam::{Quat, Vec3};
 
-/// Radians of an angle unit.
-const ANGLE_UNIT: f32 = 1e-5;
 /// Least bulge of a ball that has a cornea: the farthest place in front by the mean of them.
 const CORNEA: f32 = 1.02;
 /// Radius of a pupil by that of its iris, in indoor light.
@@ -69,7 +67,6 @@ impl Gaze {
     /// That of the left (0) or right (1) eye, with the separation of the eyes and the diameter of the
     /// iris, metres.
     pub(super) fn of(values: &FapValues, side: usize, separation: f32, iris: f32) -> Self {
-        debug_assert!(LOW_FAPS.contains(&(29 + side)));
         let (yaw, pitch) = (values.get(23 + side), values.get(25 + side));
         Self {
             turn: Quat::from_rotation_y(yaw * ANGLE_UNIT)

@@ -24,6 +24,16 @@ pub(super) enum HandleKind {
     Resting,
 }
 
+impl HandleKind {
+    /// The middle of the lid that the handle is of.
+    pub(super) fn lid(self) -> Option<PointId> {
+        match self {
+            Self::Moving(point) | Self::Rim(point, _) if point.0 == 3 => Some(point),
+            _ => None,
+        }
+    }
+}
+
 /// Feature points that parameters move, and 2.11 to 2.14, which follow the jaw.
 const MOVING: [PointId; 43] = [
     (2, 1),

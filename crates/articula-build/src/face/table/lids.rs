@@ -7,7 +7,7 @@
 use super::super::points::{FacePoints, FaceSurface};
 use super::eye_shape::EyeShape;
 use super::graph::{SurfaceGraph, smooth};
-use super::handles::{Handle, HandleKind};
+use super::handles::Handle;
 use super::mirror::Mirror;
 use articula_core::feature_points::PointId;
 use glam::{Quat, Vec3};
@@ -136,12 +136,12 @@ impl Rim {
 impl EyeLids {
     /// The lids of both eyes; `None` for one whose rims are not found.
     pub(super) fn of(input: &LidInput<'_>) -> [Option<Self>; 2] {
-        [0, 1].map(|eye| Self::of_eye(input, eye))
+        let edges = Edges::around(input);
+        [0, 1].map(|eye| Self::of_eye(input, &edges, eye))
     }
 
-    fn of_eye(input: &LidInput<'_>, eye: usize) -> Option<Self> {
+    fn of_eye(input: &LidInput<'_>, edges: &Edges, eye: usize) -> Option<Self> {
         let ([upper, lower], corners) = EYES[eye];
-        let edges = Edges::around(input);
         let rims = [
             edges.rim(input, upper, corners)?,
             edges.rim(input, lower, corners)?,
@@ -356,10 +356,8 @@ impl Edges {
     /// The rim through the handles of a lid, from corner to corner; `None` if they are not connected.
     fn rim(&self, input: &LidInput<'_>, middle: PointId, corners: [PointId; 2]) -> Option<Rim> {
         let at = |v: u32| input.surface.positions[v as usize];
-        let of_lid = input.handles.iter().filter(|h| match h.what {
-            HandleKind::Moving(p) | HandleKind::Rim(p, _) => p == middle,
-            HandleKind::Resting => false,
-        });
+        let handles = input.handles.iter();
+        let of_lid = handles.filter(|h| h.what.lid() == Some(middle));
         let mut through: Vec<u32> = of_lid.map(|h| h.vertex).collect();
         for corner in corners {
             through.push(input.points.get(corner)?.vertex?);

@@ -241,17 +241,14 @@ impl FaceTable {
             };
             let unit = self.frame.units.distance(action.unit) / 1024.0;
             let along = displacements[vertex as usize].dot(axis) / unit;
-            values.0[fap - LOW_FAPS.start()] = if action.two_sided {
-                along
-            } else {
-                along.max(0.0)
-            };
+            let is_two_sided = action.two_sided;
+            values.set(fap, if is_two_sided { along } else { along.max(0.0) });
         }
         // The chin boss goes with the jaw; its own parameter is what is left.
         let jaw = self
             .frame
             .chin_boss(&values, points.get((2, 10)).map_or(Vec3::ZERO, |p| p.place));
-        values.0[18 - LOW_FAPS.start()] -= jaw;
+        values.set(18, values.get(18) - jaw);
         values
     }
 
@@ -267,7 +264,7 @@ impl FaceTable {
             let [down, up] = faps.map(|fap| values.get(fap) * unit);
             closing[side] = lids.closing(down, up);
             for (fap, way) in faps.into_iter().zip(lids.middles(closing[side])) {
-                values.0[fap - LOW_FAPS.start()] = way / unit;
+                values.set(fap, way / unit);
             }
         }
         (values, closing)
@@ -284,11 +281,7 @@ impl FaceTable {
     fn followed_lids(&self, row: usize, motion: &[Vec3]) -> Vec3 {
         let weights = &self.weights[row * motion.len()..(row + 1) * motion.len()];
         let all = weights.iter().zip(motion).zip(&self.handles);
-        let of_lids = all.filter(|(_, handle)| match handle.what {
-            HandleKind::Moving(point) => point.0 == 3,
-            HandleKind::Rim(..) => true,
-            HandleKind::Resting => false,
-        });
+        let of_lids = all.filter(|(_, handle)| handle.what.lid().is_some());
         of_lids.map(|((w, m), _)| *w * *m).sum()
     }
 

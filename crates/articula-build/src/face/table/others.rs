@@ -73,12 +73,8 @@ impl Others {
         near: &[(u32, usize, f32)],
         mirror: &Mirror,
     ) -> Vec<(u32, usize)> {
-        let mut index = vec![false; surface.positions.len()];
-        near.iter().for_each(|(v, ..)| index[*v as usize] = true);
-        let triangles = surface.triangles.iter().copied();
-        let triangles: Vec<[u32; 3]> = triangles
-            .filter(|t| t.iter().all(|v| index[*v as usize]))
-            .collect();
+        let beside: Vec<u32> = near.iter().map(|(v, ..)| *v).collect();
+        let triangles = surface.triangles_among(&beside);
         let joined = &points.parts.joined;
         let graph = SurfaceGraph::of(&surface.positions, joined, &triangles, mirror);
         let roots = near.iter().filter(|(.., away)| *away < ROOT);
@@ -97,12 +93,9 @@ impl Others {
 
 /// Lowest and highest place of the piece that each vertex of some is of, by the first vertex of its place.
 fn spans(surface: &FaceSurface, joined: &[u32], of: &[u32]) -> Vec<(f32, f32)> {
-    let mut is_one = vec![false; surface.positions.len()];
-    of.iter().for_each(|v| is_one[*v as usize] = true);
     let heights = surface.positions.iter().map(|p| (p.y, p.y));
     let mut spans: Vec<(f32, f32)> = heights.collect();
-    let triangles = surface.triangles.iter();
-    let triangles = triangles.filter(|t| t.iter().all(|v| is_one[*v as usize]));
+    let triangles = surface.triangles_among(of).into_iter();
     let triangles: Vec<[u32; 3]> = triangles.map(|t| t.map(|v| joined[v as usize])).collect();
     // A piece is as high as its triangles, which hand on what their neighbours know.
     let mut changed = true;

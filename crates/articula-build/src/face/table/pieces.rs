@@ -4,7 +4,7 @@ use super::FaceTable;
 use crate::face::fap_values::FapValues;
 use crate::face::intervals::FapInterval;
 use articula_core::arkit_table::{BLEND_SHAPES, outer_lip};
-use articula_core::fap_table::{LOW_FAPS, TABLE};
+use articula_core::fap_table::TABLE;
 use glam::Vec3;
 
 /// Distance up to which a straight line stands for the table, by the height of the face: 0.3 mm on
@@ -21,18 +21,15 @@ const LID: [i32; 2] = [1080, -540];
 
 impl FaceTable {
     /// Returns the intervals of a parameter between whose ends its displacements, alone, are straight
-    /// lines within 0.0022 heights of the face, for lids within 0.00075; none for a parameter that the table does not show.
+    /// lines within 0.0022 heights of the face, for lids within 0.00075; none for a parameter that the
+    /// table does not show.
     ///
     /// The outermost ends are values of a strong expression, not limits.
     pub fn intervals(&self, fap: usize) -> Vec<FapInterval> {
         if !self.moves(fap) {
             return Vec::new();
         }
-        let at = |value: f32| {
-            let mut values = FapValues::default();
-            values.0[fap - LOW_FAPS.start()] = value;
-            self.displacements(&values)
-        };
+        let at = |value: f32| self.displacements(&FapValues::alone(fap, value));
         let limit = match fap {
             19..=22 => LID_STRAIGHT * self.height,
             _ => STRAIGHT * self.height,

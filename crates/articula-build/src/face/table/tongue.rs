@@ -8,6 +8,7 @@ use super::super::points::{FacePoints, FaceSurface};
 use super::graph::{SurfaceGraph, nearest, smooth};
 use super::mirror::Mirror;
 use super::rules::component;
+use articula_core::fap_table::{ANGLE_UNIT, FapUnit};
 use articula_core::feature_points::PointId;
 use glam::Vec3;
 
@@ -21,14 +22,12 @@ const FADE: f32 = 0.08;
 const BETWEEN: usize = 4;
 /// Share of the way from body to tip behind the body over which the tongue rests.
 const ROOT: f32 = 0.8;
-/// Radians of an angle unit.
-const ANGLE_UNIT: f32 = 1e-5;
 
 /// The tongue of a head.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tongue {
     pub(super) vertices: Vec<TongueVertex>,
-    /// The height of its borders at rest, and half of its width.
+    /// Half of its width, metres.
     half_width: f32,
 }
 
@@ -63,11 +62,7 @@ impl Tongue {
             let vertex = among[index];
             (at(vertex).distance(to) < FOUND * height).then_some(vertex)
         };
-        let mut is_inside = vec![false; surface.positions.len()];
-        inside.iter().for_each(|v| is_inside[*v as usize] = true);
-        let triangles = surface.triangles.iter();
-        let triangles = triangles.filter(|t| t.iter().all(|v| is_inside[*v as usize]));
-        let triangles: Vec<[u32; 3]> = triangles.copied().collect();
+        let triangles = surface.triangles_among(inside);
         let joined = &points.parts.joined;
         let graph = SurfaceGraph::of(&surface.positions, joined, &triangles, mirror);
         let (tip, body) = (place((6, 1))?, place((6, 2))?);
@@ -117,7 +112,7 @@ impl Tongue {
     pub(super) fn displacements(
         &self,
         values: &FapValues,
-        unit: impl Fn(articula_core::fap_table::FapUnit) -> f32,
+        unit: impl Fn(FapUnit) -> f32,
     ) -> impl Iterator<Item = Vec3> {
         let tip = component(values, (6, 1), &unit);
         let body = component(values, (6, 2), &unit);
@@ -136,7 +131,6 @@ impl Tongue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::fap_table::FapUnit;
 
     fn tongue() -> Tongue {
         let vertex = |share: f32, along: f32, body: f32, aside: f32| TongueVertex {
@@ -186,9 +180,8 @@ mod tests {
 
     #[test]
     fn the_borders_roll_up() {
-        // A quarter turn.
-        let quarter = std::f32::consts::FRAC_PI_2.min(1.5) / ANGLE_UNIT;
-        let [tip, _, border, _] = moved(&[(47, quarter)])[..] else {
+        // As far as they can.
+        let [tip, _, border, _] = moved(&[(47, 1.5 / ANGLE_UNIT)])[..] else {
             panic!("four vertices");
         };
         assert_eq!(tip, Vec3::ZERO);

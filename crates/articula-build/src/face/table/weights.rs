@@ -141,7 +141,7 @@ pub(super) fn weights(input: &WeightInput<'_>, vertices: &[u32]) -> Option<Vec<f
             .collect::<Vec<u32>>()
     };
     let is_lip = |h: &Handle, points: &[PointId]| matches!(h.what, HandleKind::Moving(p) if points.contains(&p));
-    let is_lid = |h: &Handle, lid: PointId| matches!(h.what, HandleKind::Moving(p) | HandleKind::Rim(p, _) if p == lid);
+    let is_lid = |h: &Handle, lid: PointId| h.what.lid() == Some(lid);
     let lid_vertices = |lid: PointId| {
         let of = input.handles.iter().filter(|h| is_lid(h, lid));
         of.map(|h| h.vertex).collect::<Vec<u32>>()

@@ -11,9 +11,8 @@ use articula::face::{
     CaptureBridge, FaceRig, capture_of_clip, capture_to_faps, drives_shapes, expand_face,
     faps_to_capture, faps_to_vrma, measure_faps, presets_to_faps, reduce_face,
 };
-use articula::{Data, DataFormat, Figure, Format};
+use articula::{CharacterFile, Data, DataFormat, Figure, Format};
 use articula_formats::Warning;
-use articula_formats::live_link::LiveLinkClip;
 use std::path::Path;
 
 /// Whether the input or output is named as a file of facial data that is to be written; with a
@@ -32,6 +31,19 @@ struct FaceSource {
     format: &'static str,
     bytes: usize,
     warnings: Vec<Warning>,
+}
+
+impl FaceSource {
+    /// What a clip of a character shows.
+    fn of(data: Data, bridge: CaptureBridge, opened: CharacterFile) -> Self {
+        Self {
+            data,
+            bridge,
+            format: opened.format.name(),
+            bytes: opened.bytes,
+            warnings: opened.warnings,
+        }
+    }
 }
 
 /// Writes a face clip; anything else is refused with a hint at what is possible.
@@ -162,46 +174,29 @@ fn of_character(args: &ConvertArgs, input: &Path, console: &Console) -> anyhow::
             None => anyhow::anyhow!("{place}: clips: the file has none; give one with a face clip"),
         });
     };
-    if let Some(faps) = presets_to_faps(&opened.character, clip)
-        && !drives_shapes(&opened.character, clip)
-    {
-        return Ok(FaceSource {
-            data: Data::Fap(faps),
-            bridge: CaptureBridge::generic(),
-            format: opened.format.name(),
-            bytes: opened.bytes,
-            warnings: opened.warnings,
-        });
+    let generic = CaptureBridge::generic();
+    if drives_shapes(&opened.character, clip) {
+        let capture = Data::LiveLink(capture_of_clip(&opened, clip)?);
+        let bridge = FaceRig::new(&opened)?.capture_bridge(&opened);
+        return Ok(FaceSource::of(capture, bridge.unwrap_or(generic), opened));
     }
-    let has_mesh = opened
-        .character
-        .meshes
-        .iter()
-        .any(|m| !m.primitives.is_empty());
-    if has_mesh && !drives_shapes(&opened.character, clip) {
-        let name = clip.name.clone();
-        let figure = Figure::new(opened)?;
-        let index = figure.clip(Some(&name))?.unwrap_or(0);
-        let measured = measure_faps(&figure, index, &name)?;
-        let opened = figure.opened;
-        return Ok(FaceSource {
-            data: Data::Fap(measured),
-            bridge: CaptureBridge::generic(),
-            format: opened.format.name(),
-            bytes: opened.bytes,
-            warnings: opened.warnings,
-        });
+    if let Some(faps) = presets_to_faps(&opened.character, clip) {
+        return Ok(FaceSource::of(Data::Fap(faps), generic, opened));
     }
-    let capture: LiveLinkClip = capture_of_clip(&opened, clip)?;
-    let rig = FaceRig::new(&opened)?;
-    let bridge = rig.capture_bridge(&opened);
-    Ok(FaceSource {
-        data: Data::LiveLink(capture),
-        bridge: bridge.unwrap_or_else(CaptureBridge::generic),
-        format: opened.format.name(),
-        bytes: opened.bytes,
-        warnings: opened.warnings.clone(),
-    })
+    let has_mesh = |opened: &CharacterFile| {
+        let mut meshes = opened.character.meshes.iter();
+        meshes.any(|m| !m.primitives.is_empty())
+    };
+    if !has_mesh(&opened) {
+        // Says what the clip lacks.
+        let capture = Data::LiveLink(capture_of_clip(&opened, clip)?);
+        return Ok(FaceSource::of(capture, generic, opened));
+    }
+    let name = clip.name.clone();
+    let figure = Figure::new(opened)?;
+    let index = figure.clip(Some(&name))?.unwrap_or(0);
+    let measured = Data::Fap(measure_faps(&figure, index, &name)?);
+    Ok(FaceSource::of(measured, generic, figure.opened))
 }
 
 /// The format to write, if it is one that can be written and no other flags are given.

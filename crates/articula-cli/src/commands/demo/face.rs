@@ -107,7 +107,7 @@ pub(super) fn of(
     opened.put_clips(vec![made.fitted], false);
     opened.clips_changed = true;
     let figure = Figure::new(opened)?;
-    let sheet = face_pictures::moments(&figure, Some(0), MOMENTS)?;
+    let sheet = face_pictures::moments(&figure, 0, MOMENTS)?;
     folder.write("face.png", &sheet.to_png()?)?;
     let file = write(&figure.opened, Format::Glb)?;
     folder.write("face.glb", &file.bytes)?;

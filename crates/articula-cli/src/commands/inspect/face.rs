@@ -108,6 +108,8 @@ impl FaceArgs {
             write(path, face_pictures::targets(figure)?)?;
         }
         if let Some(path) = &self.clip_sheet {
+            let clip =
+                clip.ok_or_else(|| fault::usage("--clip-sheet: the file has no clip to draw"))?;
             write(path, face_pictures::moments(figure, clip, MOMENTS)?)?;
         }
         Ok(written)
