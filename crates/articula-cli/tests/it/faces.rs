@@ -3,9 +3,12 @@
 use crate::judges::{ask, judges_are_here};
 use crate::program::{edited, fault, folder, json, word};
 use crate::real;
+use articula::{Data, DataFormat, OpenOptions};
 use articula_formats::Limits;
+use articula_formats::mpeg4::fap::FapClip;
 use articula_formats::mpeg4::fdp;
 use serde_json::Value;
+use std::path::Path;
 
 /// A point of a report.
 fn point<'a>(found: &'a Value, name: &str) -> &'a Value {
@@ -223,4 +226,61 @@ fn assets_keep_the_points_of_their_face() {
         let (verdict, good) = judged("e.glb");
         assert!(!good && verdict.contains("ARTICULA_face"), "{verdict}");
     }
+}
+
+/// The FAP clip of a file.
+fn fap_clip(file: &Path) -> FapClip {
+    let bytes = std::fs::read(file).unwrap();
+    let options = OpenOptions::default();
+    let read = articula::open_data(&bytes, word(file), DataFormat::Fap, &options);
+    match read.unwrap().data {
+        Data::Fap(clip) => clip,
+        _ => panic!("{} is no FAP clip", file.display()),
+    }
+}
+
+#[test]
+fn a_face_clip_becomes_a_vrm_animation_and_comes_back() {
+    let Some(talk) = real::file("fap/speech_synthetic.fap") else {
+        return;
+    };
+    let here = folder("face-vrma");
+    let made = json(&here, &["convert", word(&talk), "a.vrma"]);
+    assert_eq!(made["format_out"], "vrma");
+    let tracks = made["capture"]["shapes_moving"].as_u64().unwrap();
+    let found = json(&here, &["inspect", "a.vrma"]);
+    let names = found["expressions"].as_array().unwrap();
+    assert_eq!(names.len() as u64, tracks);
+    assert!(names.iter().any(|e| e["name"] == "aa"));
+    let back = json(&here, &["convert", "a.vrma", "b.fap"]);
+    assert_eq!(back["format_in"], "vrma");
+    // What the presets say of the speech: the jaw opens as far, within what five vowels can show.
+    let [a, b] = [talk.clone(), here.join("b.fap")].map(|file| {
+        let (_, most) = fap_clip(&file).range(3).unwrap();
+        most
+    });
+    assert!(2 * a > b && 2 * b > a, "{a} and {b}");
+    fault(&here, 2, &["convert", "a.vrma", "b.vrma", "--loa", "Low"]);
+}
+
+#[test]
+fn the_parameters_of_a_distance_are_written() {
+    let (Some(talk), Some(head)) = (
+        real::file("fap/speech_synthetic.fap"),
+        real::file("glb/ict_head_talk_1095.glb"),
+    ) else {
+        return;
+    };
+    let here = folder("face-chosen");
+    let words = ["lod", word(&talk), "--onto", word(&head)];
+    let line = fault(&here, 2, &[&words[..], &["--write-fap", "c.fap"]].concat());
+    assert!(line.contains("--distances"), "{line}");
+    let more = ["--distances", "3.5", "--write-fap", "c.fap"];
+    let chosen = json(&here, &[&words[..], &more].concat());
+    assert_eq!(chosen["written"], serde_json::json!(["c.fap"]));
+    let kept = chosen["rows"][0]["chosen"].as_array().unwrap();
+    let moving = fap_clip(&here.join("c.fap")).moving();
+    let faps: Vec<u64> = (1..=68_u64).filter(|f| moving[*f as usize - 1]).collect();
+    assert_eq!(serde_json::json!(faps), serde_json::json!(kept));
+    assert!(faps.len() < 12 && faps.contains(&3), "{faps:?}");
 }
