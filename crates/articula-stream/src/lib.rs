@@ -3,6 +3,8 @@
 //!
 //! - [`Unit`], [`Marker`], [`Field`], [`Coding`]: which bits of a stream hold what, independent of
 //!   the codec; numbers in them can be rewritten
+//! - [`cut()`], [`CutRule`]: removes units from a stream, by its map alone
+//! - [`write_index`], [`read_index`]: the map as bytes
 //! - `mesh`: mesh levels as a progressive stream (cargo feature `codecs`, on by default)
 //! - [`StreamError`], [`StreamLimits`]: errors, and limits on memory and time
 //!
@@ -10,43 +12,50 @@
 //! hash.
 //!
 //! ```
-//! use articula_stream::{Coding, Field, Unit};
+//! use articula_stream::{Coding, CutRule, Field, Meaning, Unit, cut};
 //!
-//! // A length byte, followed by that number of bytes.
-//! let mut stream = vec![3, 10, 20, 30];
+//! // A length byte, followed by that number of bytes: one of tier 1, then two of tier 0.
+//! let stream = [3, 10, 20, 30];
 //! let unit = Unit {
 //!     fields: vec![Field {
 //!         name: "length".into(),
 //!         bits: 0..8,
 //!         value: 3,
 //!         coding: Coding::LittleEndian,
+//!         meaning: Meaning::BytesAfter,
 //!     }],
-//!     children: vec![Unit::of_bytes("body", 1..4)],
+//!     children: vec![
+//!         Unit::of_bytes("unit", 1..2).marked("tier", 1),
+//!         Unit::of_bytes("unit", 2..4).marked("tier", 0),
+//!     ],
 //!     ..Unit::of_bytes("packet", 0..4)
 //! };
 //! unit.check()?;
 //! unit.check_values(&stream)?;
-//! // Removes the body and sets the length to 0.
-//! let length = &unit.fields[0];
-//! length.coding.write(&mut stream, &length.bits, 0)?;
-//! stream.truncate(1);
-//! assert_eq!(stream, [0]);
+//! let coarse = CutRule::default().at_least("tier", 1);
+//! let shorter = cut(&stream, &unit, |unit| coarse.keeps(unit))?;
+//! assert_eq!(shorter.bytes, [1, 10]);
 //! # Ok::<(), articula_core::Mismatch>(())
 //! ```
 //!
-//! Level 0 is the finest in every number; the bytes start with the coarsest level.
+//! Levels and tiers count from 0, the finest; the bytes start with the coarsest. Levels of
+//! articulation count as in H-Anim, from the coarsest.
 //!
 //! There are no files, sockets, clocks or threads here (bytes in, bytes out), and no decision on
 //! what to send. No input causes a panic.
 
 mod coding;
+mod cut;
 mod error;
+mod index;
 mod limits;
 #[cfg(feature = "codecs")]
 pub mod mesh;
 mod unit;
 
 pub use coding::Coding;
+pub use cut::{Cut, CutRule, cut};
 pub use error::StreamError;
+pub use index::{read_index, write_index};
 pub use limits::StreamLimits;
-pub use unit::{Field, Marker, Unit};
+pub use unit::{Field, Marker, Meaning, Unit};

@@ -9,15 +9,30 @@ use articula_core::Mismatch;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// A label of a [`Unit`], such as its level, by which an adaptation rule keeps or drops it. The
-/// schemes of this crate are `level` (0 is the finest), `object`, `mesh` and `region`, with the
-/// numbers of the codec.
+/// A label of a [`Unit`], such as its level, by which an adaptation rule keeps or drops it.
+///
+/// The schemes of this crate, with the numbers of the codec: `level` of a mesh (0 is the finest),
+/// `object`, `mesh`; `loa` (level of articulation of H-Anim, 0 is the coarsest), `joint`, `tier`
+/// (tolerance of a motion, 0 is the finest), `parameter` (of a face), `access_unit` (in order of
+/// time); `region` of a mesh, body or face.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Marker {
     /// Scale of the number.
     pub scheme: Cow<'static, str>,
     /// The number on this scale.
     pub value: u32,
+}
+
+/// What a [`Field`] counts, by which a cut computes its new value.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Meaning {
+    /// The bytes from the end of the field to the end of the unit that has it.
+    BytesAfter,
+    /// The bytes of another unit, by its number in the map: 0 is the whole stream, a unit comes
+    /// before its parts. Such a unit is emptied, not removed, if it is dropped.
+    BytesOf(u32),
+    /// The number of units with this label in the unit that has the field, at any depth.
+    CountOf(Cow<'static, str>),
 }
 
 /// A number in the stream that must be rewritten when units are dropped, such as a length or a
@@ -32,6 +47,8 @@ pub struct Field {
     pub value: u64,
     /// Its encoding.
     pub coding: Coding,
+    /// What it counts.
+    pub meaning: Meaning,
 }
 
 /// A bit range of a coded stream with labels and nested units, as in a gBSD (ISO/IEC 21000-7).
@@ -49,6 +66,9 @@ pub struct Unit {
     pub fields: Vec<Field>,
     /// Its parts, in rising order and disjoint.
     pub children: Vec<Unit>,
+    /// Whether the unit is padding up to the next whole byte: its length in bits, 0 to 7, written in
+    /// as many bits. A cut makes it anew.
+    pub padding: bool,
 }
 
 impl Unit {
@@ -60,7 +80,28 @@ impl Unit {
             markers: Vec::new(),
             fields: Vec::new(),
             children: Vec::new(),
+            padding: false,
         }
+    }
+
+    /// Returns the unit with a further marker.
+    #[must_use]
+    pub fn marked(mut self, scheme: impl Into<Cow<'static, str>>, value: u32) -> Self {
+        let scheme = scheme.into();
+        self.markers.push(Marker { scheme, value });
+        self
+    }
+
+    /// Returns the value of its marker of a scheme.
+    pub fn marker(&self, scheme: &str) -> Option<u32> {
+        let found = self.markers.iter().find(|marker| marker.scheme == scheme);
+        found.map(|marker| marker.value)
+    }
+
+    /// Calls `visit` for the unit and all units in it, each before its parts.
+    pub fn visit<'a>(&'a self, visit: &mut impl FnMut(&'a Unit)) {
+        visit(self);
+        self.children.iter().for_each(|child| child.visit(visit));
     }
 
     /// Returns the length in bytes, rounded up.
@@ -68,13 +109,17 @@ impl Unit {
         (self.bits.end - self.bits.start).div_ceil(8)
     }
 
-    /// Checks that parts and fields lie inside their unit, that parts are in order, and that each
-    /// field's value fits its bits.
+    /// Checks that parts and fields lie inside their unit, that parts are in order, that each
+    /// field's value fits its bits, and that padding has less than 8 bits.
     ///
     /// # Errors
     /// A [`Mismatch`] that names the first unit or field that violates this.
     pub fn check(&self) -> Result<(), Mismatch> {
         let mut at = self.bits.start;
+        if self.bits.end < at || self.padding && self.bits.end - at > 7 {
+            let what = format!("bits {:?} must rise, padding by at most 7", self.bits);
+            return Err(Mismatch::new(self.label.as_ref(), what));
+        }
         for child in &self.children {
             if child.bits.start < at || child.bits.end > self.bits.end {
                 let what = format!(
@@ -151,6 +196,7 @@ mod tests {
                 bits,
                 value,
                 coding,
+                meaning: Meaning::BytesAfter,
             }],
             ..Unit::of_bytes("whole", 2..10)
         };

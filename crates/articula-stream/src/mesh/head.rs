@@ -3,7 +3,7 @@
 use super::codec::{Grid, Layout, MorphLayout, Scale};
 use super::hash::{Hash, hash_of};
 use crate::coding::Coding;
-use crate::unit::{Field, Marker, Unit, bits_of};
+use crate::unit::{Field, Marker, Meaning, Unit, bits_of};
 use crate::{StreamError, StreamLimits};
 use articula_core::{ByteReader, LevelRow, LevelTable, SurfaceError, push_varint};
 use glam::{Vec2, Vec3};
@@ -190,6 +190,12 @@ impl MeshStream {
         hash_of(number, level == coarsest, record, chunk) == entry.1
     }
 
+    /// Number of a chunk in the map, by its place: the stream, the head, and each level before its
+    /// chunks.
+    fn unit_number(&self, place: usize) -> u32 {
+        (2 + place / self.objects.len() + 1 + place) as u32
+    }
+
     /// Returns the map of the stream: a unit for each level, coarsest first as in the bytes, with a
     /// unit for each object's chunk, marked `level` (in the whole character), `object`, `mesh` and
     /// `region`. A cut that removes a chunk writes 0 to its length field in the head; the fields
@@ -201,6 +207,7 @@ impl MeshStream {
             bits: bits_of(table + ENTRY * i..table + ENTRY * i + 4),
             value: u64::from(self.entries[i].0),
             coding: Coding::LittleEndian,
+            meaning: Meaning::BytesOf(self.unit_number(i)),
         };
         let head = Unit {
             fields: (0..self.entries.len()).map(field).collect(),
