@@ -6,6 +6,8 @@
 //! - [`cut()`], [`CutRule`]: removes units from a stream, by its map alone
 //! - [`write_index`], [`read_index`]: the map as bytes
 //! - `mesh`: mesh levels as a progressive stream (cargo feature `codecs`, on by default)
+//! - `abp1`: body animations that can be cut by bones, in a BBA-style form (`codecs`)
+//! - `afp1`: face animations that can be cut by parameters (`codecs`)
 //! - [`StreamError`], [`StreamLimits`]: errors, and limits on memory and time
 //!
 //! A program that only cuts streams disables the feature `codecs` and depends on neither codec nor
@@ -44,9 +46,22 @@
 //! There are no files, sockets, clocks or threads here (bytes in, bytes out), and no decision on
 //! what to send. No input causes a panic.
 
+#[cfg(feature = "codecs")]
+pub mod abp1;
+mod bits;
 mod coding;
+#[cfg(feature = "codecs")]
+mod component;
+#[cfg(feature = "codecs")]
+mod container;
 mod cut;
+#[cfg(feature = "codecs")]
+mod dct;
 mod error;
+#[cfg(feature = "codecs")]
+mod frame_rate;
+#[cfg(feature = "codecs")]
+mod golomb;
 mod index;
 mod limits;
 #[cfg(feature = "codecs")]
@@ -54,8 +69,12 @@ pub mod mesh;
 mod unit;
 
 pub use coding::Coding;
+#[cfg(feature = "codecs")]
+pub use component::CodingType;
 pub use cut::{Cut, CutRule, cut};
 pub use error::StreamError;
+#[cfg(feature = "codecs")]
+pub use frame_rate::FrameRate;
 pub use index::{read_index, write_index};
 pub use limits::StreamLimits;
 pub use unit::{Field, Marker, Meaning, Unit};

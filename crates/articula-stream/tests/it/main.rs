@@ -8,7 +8,9 @@
     reason = "a test may panic, reads files, and says what it skips"
 )]
 
+mod abp1;
 mod clustered_stream;
+mod cut_streams;
 mod mesh_levels;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
