@@ -109,6 +109,15 @@ impl<'a> BitReader<'a> {
         Ok(self.take(1)? == 1)
     }
 
+    /// Reads bits that have only one valid value.
+    pub(crate) fn expect(&mut self, count: u32, value: u64, what: &str) -> Result<(), StreamError> {
+        let found = self.take(count)?;
+        if found == value {
+            return Ok(());
+        }
+        Err(self.bad(format!("found {found:#x}, expected {what}, {value:#x}")))
+    }
+
     /// Reads bits up to and with the first that is not `bit`, and returns the number of those before
     /// it. After `most` of them, none further is read.
     pub(crate) fn run(&mut self, bit: bool, most: u32) -> Result<u32, StreamError> {

@@ -48,6 +48,8 @@
 
 #[cfg(feature = "codecs")]
 pub mod abp1;
+#[cfg(feature = "codecs")]
+pub mod afp1;
 mod bits;
 mod coding;
 #[cfg(feature = "codecs")]

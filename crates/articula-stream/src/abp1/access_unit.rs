@@ -117,10 +117,10 @@ pub(super) fn read(
     let mut reader = BitReader::new(stream, bytes);
     let r = &mut reader;
     let start = r.at();
-    expect(r, 32, START, "the start code ABP1")?;
-    expect(r, 2, 0b11, "an intra access unit with a rate")?;
+    r.expect(32, START, "the start code ABP1")?;
+    r.expect(2, 0b11, "an intra access unit with a rate")?;
     let rate = FrameRate::read(r)?;
-    expect(r, 2, 0, "neither time code nor skipped frames")?;
+    r.expect(2, 0, "neither time code nor skipped frames")?;
     let plane = start..r.at();
     let interpolated = r.take(5)? as u8;
     let quantizer = r.take(5)? as u8;
@@ -131,7 +131,7 @@ pub(super) fn read(
     let count_start = r.at();
     let count = r.take(10)? as usize;
     let bone_count = count_start..r.at();
-    expect(r, 10, 0, "no muscles")?;
+    r.expect(10, 0, "no muscles")?;
     let main = plane.end..r.at();
     let mut seen = vec![false; bones];
     let (mut coded, mut masks) = (Vec::new(), Vec::new());
@@ -163,7 +163,7 @@ pub(super) fn read(
         values.push(start..r.at());
     }
     let padding = r.padding()?;
-    expect(r, 32, END, "the end code ABPE")?;
+    r.expect(32, END, "the end code ABPE")?;
     r.end()?;
     Ok(AccessUnit {
         plane: Plane {
@@ -186,15 +186,6 @@ pub(super) fn read(
             padding,
         },
     })
-}
-
-/// Reads bits that have only one valid value.
-fn expect(r: &mut BitReader<'_>, count: u32, value: u64, what: &str) -> Result<(), StreamError> {
-    let found = r.take(count)?;
-    if found == value {
-        return Ok(());
-    }
-    Err(r.bad(format!("found {found:#x}, expected {what}, {value:#x}")))
 }
 
 /// Reads a mask, and whether its rotation is a rotation vector if it has one.

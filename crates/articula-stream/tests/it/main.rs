@@ -9,6 +9,7 @@
 )]
 
 mod abp1;
+mod afp1;
 mod clustered_stream;
 mod cut_streams;
 mod mesh_levels;
