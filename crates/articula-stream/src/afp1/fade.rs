@@ -83,13 +83,12 @@ mod tests {
         // FAP 19 and 20, upper lids: at very low both have the value of 20.
         let mut show = |level, left, right| {
             fade.access_unit(&roles(level), &there);
-            let frames = [0; 5].map(|_| {
+            [0; 5].map(|_| {
                 let mut values = [0; LOW_FAP_COUNT];
                 (values[16], values[17]) = (left, right);
                 fade.frame(&mut values);
                 (values[16], values[17])
-            });
-            frames
+            })
         };
         assert_eq!(show(FaceLevel::High, 100, 0), [(100, 0); 5]);
         let coarse = [(75, 8), (50, 8), (25, 8), (0, 8), (0, 8)];
