@@ -24,7 +24,12 @@ fn clip(frames: usize) -> Afp1Clip {
             (f32::from(TABLE[i + 2].step) * 300.0 * phase.sin()) as i32
         };
         FaceFrame {
-            viseme: [(f / 5 % 15) as u8, 3, (f % 64) as u8, u8::from(f.is_multiple_of(7))],
+            viseme: [
+                (f / 5 % 15) as u8,
+                3,
+                (f % 64) as u8,
+                u8::from(f.is_multiple_of(7)),
+            ],
             expression: [(f / 9 % 7) as u8, 63, 2, (2 * f % 64) as u8, 0, 1],
             low: std::array::from_fn(value),
         }

@@ -46,12 +46,13 @@ pub use reduction::{
     AnimationSize, JointReduction, JointsHeld, JointsReduced, MovingJoints, hold_joints,
 };
 pub use same_names::NameTransfer;
-pub use written::{write, write_data};
+pub use written::{write, write_data, write_faps};
 
 use crate::error::{Context, Error, Result};
 use crate::mesh_levels::{self, ShownLevelOptions, ShownLevels};
 use crate::open::{CharacterFile, Format, WriteSupport, choose, conversions};
 use crate::work::Executor;
+use articula_stream::abp1::Abp1Options;
 
 /// Options of [`convert`]; the default changes nothing.
 #[derive(Debug, Clone, Default)]
@@ -68,6 +69,8 @@ pub struct ConvertOptions {
     /// GLB: whether the draft glTF extensions for characters are written, with a skeleton mapping
     /// and a reference pose.
     pub khr_character: bool,
+    /// ABP: steps and form of a stream of profile ABP-1, the only one that can be written.
+    pub abp1: Option<Abp1Options>,
 }
 
 /// A converted file with a report.
@@ -150,7 +153,7 @@ pub fn convert(
     let reduction = reduction.map(|r| r.apply(&mut opened)).transpose()?;
     options.edits.reduce_keys(&mut opened, &mut edits, work)?;
     opened.clips_changed |= dropped > 0;
-    let made = written::written(&opened, format, options.khr_character);
+    let made = written::written(&opened, format, options);
     let mut written = made.with_context(|| &place)?;
     if dropped > 0 && options.clip.is_none() {
         written.left_out.push(LossyPart::Clips(dropped));
@@ -175,6 +178,12 @@ impl ConvertOptions {
         if self.khr_character && to != Format::Glb {
             return Err(Error::argument(format!(
                 "the draft extensions for characters need a .glb file, not .{}",
+                to.name()
+            )));
+        }
+        if self.abp1.is_some() != (to == Format::Abp) {
+            return Err(Error::argument(format!(
+                "the profile ABP-1 goes with an .abp file and must be chosen for it; the file is .{}",
                 to.name()
             )));
         }

@@ -3,15 +3,18 @@
 //! **A new format is one arm of [`written`] and one function below it.**
 
 use super::left_out::{EncodedFile, LossyPart, counted, mesh_levels, meshes};
-use super::{body, joint_names, khr_character};
+use super::{ConvertOptions, body, joint_names, khr_character};
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Data, DataFormat, Format};
+use crate::streams::{abp1, afp1};
 use articula_build::source_rate_hz;
+use articula_core::face_levels::FaceLevels;
 use articula_core::fap_table::FAP_COUNT;
 use articula_formats::gltf::Document;
 use articula_formats::mpeg4::fap::{self, FapClip};
 use articula_formats::x3d::{self, Site};
 use articula_formats::{acclaim, bvh, live_link};
+use articula_stream::afp1::Afp1Options;
 
 /// Writes a character; formats that hold one clip get the first.
 ///
@@ -19,14 +22,14 @@ use articula_formats::{acclaim, bvh, live_link};
 ///
 /// # Errors
 /// An [`Error`] that names the data that does not fit the format; see
-/// [`ConvertOptions::check`](super::ConvertOptions::check) for the formats that can be written.
+/// [`ConvertOptions::check`] for the formats that can be written.
 pub fn write(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
-    super::ConvertOptions::default().check(opened.format, format)?;
+    ConvertOptions::default().check(opened.format, format)?;
     if format.needs_a_clip() && opened.character.clips.is_empty() {
         let what = "clips: the file has no clip to write; give a file that has one";
         return Err(Error::unsuited(what));
     }
-    written(opened, format, false)
+    written(opened, format, &ConvertOptions::default())
 }
 
 /// Writes a data file without a character. In FAP files, masks select the parameters that change.
@@ -35,13 +38,7 @@ pub fn write(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
 /// [`Error::Unsupported`] for formats that can only be read.
 pub fn write_data(data: &Data) -> Result<EncodedFile> {
     let format = match data {
-        Data::Fap(clip) => {
-            return Ok(EncodedFile {
-                bytes: fap::write(clip),
-                beside: None,
-                left_out: still(clip).into_iter().collect(),
-            });
-        }
+        Data::Fap(clip) => return write_faps(clip, DataFormat::Fap, None),
         Data::LiveLink(capture) => {
             return Ok(EncodedFile {
                 bytes: live_link::write(capture),
@@ -55,18 +52,47 @@ pub fn write_data(data: &Data) -> Result<EncodedFile> {
     Err(Error::unsuited(format.advice()))
 }
 
+/// Writes a FAP clip as a FAP file, or as an AFP stream with the parameters that the levels keep;
+/// a FAP file gets all of them.
+///
+/// # Errors
+/// An [`Error`] if the rate, the frames or a value cannot be written, or the format is of another
+/// kind of data.
+pub fn write_faps(
+    clip: &FapClip,
+    format: DataFormat,
+    levels: Option<&FaceLevels>,
+) -> Result<EncodedFile> {
+    let options = Afp1Options::default();
+    let options = Afp1Options {
+        levels: levels.copied().unwrap_or(options.levels),
+        ..options
+    };
+    let (bytes, left_out) = match format {
+        DataFormat::Fap => (fap::write(clip), still(clip)),
+        DataFormat::Afp => (afp1::write(clip, &options)?, None),
+        _ => return Err(Error::unsuited(format.advice())),
+    };
+    Ok(EncodedFile {
+        bytes,
+        beside: None,
+        left_out: left_out.into_iter().collect(),
+    })
+}
+
 /// As [`write`], after the format and the required clip have been checked.
 pub(super) fn written(
     opened: &CharacterFile,
     format: Format,
-    khr_character: bool,
+    options: &ConvertOptions,
 ) -> Result<EncodedFile> {
     match format {
         Format::Bvh => motion(opened),
         Format::Bap => body::written(opened),
         Format::X3d => humanoid(opened),
         Format::Asf | Format::Amc => acclaim_pair(opened, format),
-        _ => container(opened, khr_character),
+        Format::Abp | Format::Abpt => stream(opened, format, options),
+        _ => container(opened, options.khr_character),
     }
 }
 
@@ -75,6 +101,26 @@ fn still(clip: &FapClip) -> Option<LossyPart> {
     let moving = clip.moving();
     let still = (0..FAP_COUNT).filter(|fap| clip.coded[*fap] && !moving[*fap]);
     counted(still.count(), LossyPart::StillParameters)
+}
+
+/// A stream of the first clip, or its text.
+fn stream(opened: &CharacterFile, format: Format, options: &ConvertOptions) -> Result<EncodedFile> {
+    let (character, articulation) = (&opened.character, opened.articulation());
+    let bytes = match format {
+        Format::Abpt => {
+            let clip = abp1::from_character(character, &articulation, 0)?;
+            articula_stream::abp1::write_text(&clip)?.into_bytes()
+        }
+        _ => {
+            let options = options.abp1.unwrap_or_default();
+            abp1::write(character, &articulation, 0, &options)?
+        }
+    };
+    Ok(EncodedFile {
+        bytes,
+        beside: None,
+        left_out: meshes(opened).into_iter().collect(),
+    })
 }
 
 /// An ASF skeleton and, if there is a clip, an AMC motion; the requested one is the main file.

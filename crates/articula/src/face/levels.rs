@@ -78,7 +78,7 @@ pub fn expand_face(clip: &FapClip, roles: &FapRoles) -> FapClip {
 
 /// A clip in which the inner lips have the motion of the outer ones, where only those move: the
 /// inner lips lead at every level.
-pub(super) fn with_inner_lips(clip: &FapClip) -> Cow<'_, FapClip> {
+pub(crate) fn with_inner_lips(clip: &FapClip) -> Cow<'_, FapClip> {
     let moving = clip.moving();
     let pairs = || (1..=FAP_COUNT).filter_map(|inner| Some((inner, outer_lip(inner)?)));
     let [inner, outer] = [

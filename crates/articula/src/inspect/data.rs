@@ -1,6 +1,6 @@
 //! Contents of MPEG-4 data files: parameters, their ranges and units.
 
-use super::{FaceInspection, WarningInspection};
+use super::{AccessUnitsInspection, FaceInspection, WarningInspection};
 use crate::open::{Data, DataFile, DataFormat};
 use articula_core::arkit_table::{BLEND_SHAPES, BlendShape};
 use articula_core::fap_table::{FAP_COUNT, GROUPS, TABLE};
@@ -40,6 +40,8 @@ pub struct DataInspection {
     pub shapes: Vec<CaptureShape>,
     /// EPF files: encoder settings.
     pub coding: Option<EncoderSettings>,
+    /// AFP streams: access units ([`inspect_access_units`](super::inspect_access_units)).
+    pub stream: Option<AccessUnitsInspection>,
     /// Warnings.
     pub warnings: Vec<WarningInspection>,
 }

@@ -2,6 +2,7 @@
 //!
 //! Field names are stable, since scripts read them as JSON (`docs/commands.md`).
 
+mod access_units;
 mod data;
 mod extent;
 mod human;
@@ -10,6 +11,7 @@ mod mesh_levels;
 mod skeletons;
 mod stream;
 
+pub use access_units::{AccessUnitsInspection, StreamShare, inspect_access_units};
 pub use data::{
     CaptureShape, DataClip, DataInspection, EncoderSettings, FaceUnits, FapGroup, FapParameter,
     FeaturePointInspection, inspect_data,
@@ -64,6 +66,9 @@ pub struct Inspection {
     pub mesh_levels: Option<MeshLevelsInspection>,
     /// Joint levels; null unless they were asked for ([`joint_levels()`]).
     pub joint_levels: Option<JointLevelsInspection>,
+    /// Access units; null for files that are no stream of a motion
+    /// ([`inspect_access_units`]).
+    pub stream: Option<AccessUnitsInspection>,
     /// Number of materials.
     pub materials: usize,
     /// Number of pictures.
@@ -248,6 +253,7 @@ pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<
         clips: measured,
         meshes: character.meshes.iter().map(mesh_of).collect(),
         joint_levels: None,
+        stream: None,
         face_layout: None,
         mesh_levels: {
             let table = character.mesh_levels.as_ref();

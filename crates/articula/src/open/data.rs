@@ -2,18 +2,22 @@
 
 use super::OpenOptions;
 use crate::error::{Context, Result};
+use crate::streams::afp1;
 use articula_formats::live_link::{self, LiveLinkClip};
 use articula_formats::mpeg4::epf::EpfFrame;
 use articula_formats::mpeg4::fap::FapClip;
 use articula_formats::mpeg4::fdp::FdpFile;
 use articula_formats::mpeg4::{epf, fap, fdp};
 use articula_formats::{Parsed, Warning};
+use articula_stream::afp1::Afp1ReadOptions;
 
 /// A file format without a character.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DataFormat {
     /// MPEG-4 facial animation parameters.
     Fap,
+    /// Facial animation parameters as a stream of which single ones can be cut.
+    Afp,
     /// MPEG-4 encoder parameters.
     Epf,
     /// Xface's facial definition parameters.
@@ -47,7 +51,7 @@ pub struct DataFile {
 }
 
 impl DataFormat {
-    const ALL: [Self; 4] = [Self::Fap, Self::Epf, Self::Fdp, Self::Csv];
+    const ALL: [Self; 5] = [Self::Fap, Self::Afp, Self::Epf, Self::Fdp, Self::Csv];
 
     /// Returns the format for a file name's extension.
     pub fn from_name(name: &str) -> Option<Self> {
@@ -59,10 +63,21 @@ impl DataFormat {
     pub fn name(self) -> &'static str {
         match self {
             Self::Fap => "fap",
+            Self::Afp => "afp",
             Self::Epf => "epf",
             Self::Fdp => "fdp",
             Self::Csv => "csv",
         }
+    }
+
+    /// Returns whether a file has facial animation parameters by frame.
+    pub fn has_faps(self) -> bool {
+        matches!(self, Self::Fap | Self::Afp)
+    }
+
+    /// Returns whether a file animates a face: by parameters or by blend shapes.
+    pub fn animates_a_face(self) -> bool {
+        self.has_faps() || self == Self::Csv
     }
 
     /// Returns a sentence that explains why the format has no character, and how to use the file.
@@ -70,11 +85,15 @@ impl DataFormat {
         match self {
             Self::Fap => {
                 "a FAP file animates a face and has no joints; use convert --onto CHARACTER to move a \
-                 face by it, inspect to list its content, or convert to write it as .fap or .csv"
+                 face by it, inspect to list its content, or convert to write it as .fap, .afp or .csv"
+            }
+            Self::Afp => {
+                "an AFP stream animates a face and has no joints; use convert --onto CHARACTER to move \
+                 a face by it, inspect to list its content, or convert to write it as .fap or .csv"
             }
             Self::Csv => {
                 "a CSV capture animates a face and has no joints; use convert --onto CHARACTER to move \
-                 a face by it, inspect to list its content, or convert to write it as .fap"
+                 a face by it, inspect to list its content, or convert to write it as .fap or .afp"
             }
             Self::Epf => {
                 "an EPF file controls an encoder and has no joints; use inspect to list its \
@@ -104,6 +123,11 @@ pub fn open_data(
             fap::read(bytes, options.absent, limits).context(name)?,
             Data::Fap,
         ),
+        DataFormat::Afp => {
+            let limits = super::abp::limits(limits);
+            let clip = afp1::read(bytes, &Afp1ReadOptions::default(), &limits).context(name)?;
+            (Data::Fap(clip), Vec::new())
+        }
         DataFormat::Epf => parts(epf::read(bytes, limits).context(name)?, Data::Epf),
         DataFormat::Fdp => parts(fdp::read(bytes, limits).context(name)?, Data::Fdp),
         DataFormat::Csv => parts(

@@ -2,7 +2,7 @@
 //!
 //! **A new format is one variant, one row of [`ROWS`] and one opener in this folder.**
 
-use super::{Opener, acclaim, bap, bva, bvh, document, x3d};
+use super::{Opener, abp, acclaim, bap, bva, bvh, document, x3d};
 use serde::Serialize;
 
 /// A character file format.
@@ -33,6 +33,10 @@ pub enum Format {
     Amc,
     /// MPEG-4 body animation parameters.
     Bap,
+    /// Motion as a stream of which bones can be cut.
+    Abp,
+    /// Text of such a stream.
+    Abpt,
 }
 
 /// Properties of a format.
@@ -129,6 +133,18 @@ const ROWS: &[Row] = &[
         open: bap::open,
         writes: WriteSupport::Any,
     },
+    Row {
+        format: Format::Abp,
+        name: "abp",
+        open: abp::open,
+        writes: WriteSupport::Any,
+    },
+    Row {
+        format: Format::Abpt,
+        name: "abpt",
+        open: abp::open_text,
+        writes: WriteSupport::Any,
+    },
 ];
 
 impl Format {
@@ -158,6 +174,10 @@ impl Format {
         };
         if bytes.starts_with(b"glTF") {
             gltf(Self::Glb)
+        } else if bytes.starts_with(b"ABPF") {
+            Some(Self::Abp)
+        } else if text.starts_with(b"abpt ") {
+            Some(Self::Abpt)
         } else if text.starts_with(b"{") {
             gltf(Self::Gltf)
         } else if text.starts_with(b"HIERARCHY") {
@@ -191,14 +211,22 @@ impl Format {
         self.row().writes
     }
 
-    /// Returns whether a file holds a single clip, with every joint in every frame.
+    /// Returns whether a file holds a single clip, as frames of a fixed rate.
     pub fn holds_one_clip(self) -> bool {
         self.needs_a_clip() || self == Self::Asf
     }
 
+    /// Returns whether a file has every joint in every frame, also those that rest.
+    pub fn stores_every_joint(self) -> bool {
+        self.holds_one_clip() && !matches!(self, Self::Abp | Self::Abpt)
+    }
+
     /// Returns whether a file needs a clip.
     pub fn needs_a_clip(self) -> bool {
-        matches!(self, Self::Bvh | Self::Amc | Self::Bap)
+        matches!(
+            self,
+            Self::Bvh | Self::Amc | Self::Bap | Self::Abp | Self::Abpt
+        )
     }
 
     pub(super) fn opener(self) -> Opener {
@@ -277,6 +305,8 @@ mod tests {
         assert_eq!(of(b"#X3D V3.3 utf8", "a.x3d"), Some(Format::X3dv));
         assert_eq!(of(b"\x1f\x8b", "a.x3dz"), Some(Format::X3d));
         assert_eq!(of(b"\x89PNG", "a.png"), None);
+        assert_eq!(of(b"ABPF\0\0", "a"), Some(Format::Abp));
+        assert_eq!(of(b"abpt 1\n", "a.txt"), Some(Format::Abpt));
     }
 
     #[test]

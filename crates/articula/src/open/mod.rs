@@ -1,5 +1,6 @@
 //! Reading characters from bytes; the format is detected from the bytes, then from the name.
 
+mod abp;
 mod acclaim;
 mod bap;
 mod bva;

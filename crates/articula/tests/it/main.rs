@@ -21,4 +21,5 @@ mod prepared;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod round_trips;
+mod streams;
 mod zero_poses;

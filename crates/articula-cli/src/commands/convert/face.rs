@@ -6,7 +6,7 @@ use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use anyhow::Context;
-use articula::convert::write_data;
+use articula::convert::{write_data, write_faps};
 use articula::face::{
     CaptureBridge, FaceRig, capture_of_clip, capture_to_faps, drives_shapes, expand_face,
     faps_to_capture, faps_to_vrma, measure_faps, presets_to_faps, reduce_face,
@@ -71,7 +71,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let stem = input.file_stem().unwrap_or_default().to_string_lossy();
     let mut face_level = None;
     let (data, capture) = match (source.data, format) {
-        (Data::LiveLink(capture), DataFormat::Fap) => {
+        (Data::LiveLink(capture), format) if format.has_faps() => {
             let made =
                 capture_to_faps(&capture, &stem, &source.bridge).with_context(|| place.clone())?;
             (Data::Fap(made.0), Some(made.1))
@@ -89,7 +89,10 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         }
         (data, _) => (data, None),
     };
-    let written = write_data(&data)?;
+    let written = match &data {
+        Data::Fap(clip) => write_faps(clip, format, args.face_level.as_ref())?,
+        other => write_data(other)?,
+    };
     console.files.write(&args.out, &written.bytes)?;
     let clips = match &data {
         Data::Fap(clip) => vec![clip.name.clone()],
@@ -120,7 +123,7 @@ fn vrma(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let input = &args.inputs[0];
     let place = files::shown(input);
     let format = files::data_format(input);
-    let Some(own @ (DataFormat::Fap | DataFormat::Csv)) = format else {
+    let Some(own) = format.filter(|f| f.animates_a_face()) else {
         let advice = format.map_or("", DataFormat::advice);
         return Err(fault::usage(format!("{place}: {advice}")));
     };
@@ -206,9 +209,10 @@ fn check(args: &ConvertArgs) -> anyhow::Result<DataFormat> {
     };
     let place = files::shown(input);
     let own = files::data_format(input);
-    let readable = matches!(own, None | Some(DataFormat::Fap | DataFormat::Csv));
+    let readable = own.is_none_or(DataFormat::animates_a_face);
     let written = files::data_format(&args.out);
-    let (Some(format @ (DataFormat::Fap | DataFormat::Csv)), true) = (written, readable) else {
+    let writable = written.filter(|f| f.animates_a_face());
+    let (Some(format), true) = (writable, readable) else {
         let format = own.filter(|_| written.is_none() || !readable).or(written);
         let advice = format.map_or("", DataFormat::advice);
         return Err(fault::usage(format!("{place}: {advice}")));

@@ -15,7 +15,7 @@ pub(super) fn levels(text: &str) -> Result<FaceLevels, String> {
 /// Refuses the flag where no FAP file is named.
 pub(super) fn check(args: &ConvertArgs) -> anyhow::Result<()> {
     let is_fap = |path: &std::path::PathBuf| {
-        path.is_dir() || files::data_format(path) == Some(DataFormat::Fap)
+        path.is_dir() || files::data_format(path).is_some_and(DataFormat::has_faps)
     };
     if args.face_level.is_some() && !args.inputs.iter().any(is_fap) {
         let what = "--face-level applies to FAP files; --loa reduces motions of bodies";

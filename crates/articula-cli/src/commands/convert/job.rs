@@ -170,7 +170,7 @@ impl Recipe<'_> {
         report
             .left_out
             .extend(left_out.map(|what| report::left_out(what, job.format.name())));
-        if reduces && job.format.holds_one_clip() {
+        if reduces && job.format.stores_every_joint() {
             let format = job.format.name();
             report.warnings.push(format!(
                 "a .{format} file stores every joint in every frame, so the file does not become smaller; write .glb to save bytes"
@@ -199,6 +199,7 @@ impl Recipe<'_> {
             edits: self.args.hygiene.edits(),
             reduction: self.selected.as_ref().map(|s| s.reduction.clone()),
             khr_character: self.args.khr_character,
+            abp1: self.args.abp1.then(Default::default),
         }
     }
 

@@ -113,8 +113,8 @@ impl Hero {
         args: &ConvertArgs,
         files: &Files,
     ) -> anyhow::Result<Option<Motions>> {
-        if let Some(format @ (DataFormat::Fap | DataFormat::Csv)) = files::data_format(&input.path)
-        {
+        let format = files::data_format(&input.path).filter(|f| f.animates_a_face());
+        if let Some(format) = format {
             return self.face(input, format, args).map(Some);
         }
         let mut source = open::character(files, &input.path, &args.names)?;

@@ -185,12 +185,7 @@ fn inputs(args: &ConvertArgs) -> anyhow::Result<Vec<Input>> {
 fn inside(folder: &Path, with_faces: bool) -> anyhow::Result<Vec<Input>> {
     let place = || files::shown(folder);
     let mut paths = files::in_folder(folder).with_context(place)?;
-    let is_face = |path: &Path| {
-        matches!(
-            files::data_format(path),
-            Some(DataFormat::Fap | DataFormat::Csv)
-        )
-    };
+    let is_face = |path: &Path| files::data_format(path).is_some_and(DataFormat::animates_a_face);
     paths.retain(|path| files::format(path).is_some() || with_faces && is_face(path));
     // In a folder with motions, skeleton files are not inputs themselves.
     let is = |path: &PathBuf, format| files::format(path) == Some(format);

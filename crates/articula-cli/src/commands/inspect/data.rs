@@ -1,5 +1,6 @@
 //! MPEG-4 files without a character: parameters that move, their ranges and units.
 
+use super::access_units;
 use super::text::{head_line, warnings_text};
 use crate::arguments::CharacterArgs;
 use crate::console::Console;
@@ -23,7 +24,10 @@ pub(super) fn run(
         )));
     }
     let opened = open::data(&args.file, format, &args.names)?;
-    let found = inspect_data(opened, &files::shown(&args.file), format);
+    let mut found = inspect_data(opened, &files::shown(&args.file), format);
+    if format == DataFormat::Afp {
+        found.stream = Some(access_units::of(&args.file)?);
+    }
     console.result(&found, |found| text(found, map))
 }
 
@@ -78,6 +82,9 @@ fn text(found: &DataInspection, map: bool) -> String {
             "\nface: {} blend shapes, {moves} of them move\n",
             found.shapes.len()
         ));
+    }
+    if let Some(stream) = &found.stream {
+        text.push_str(&access_units::text(stream, "parameters"));
     }
     if map && !found.shapes.is_empty() {
         let mut table = Table::new(&["blend shape", "min", "max"]);

@@ -1,5 +1,6 @@
 //! `articula inspect FILE`: prints the contents of a file and warns about irregularities.
 
+mod access_units;
 mod data;
 mod face;
 mod human;
@@ -13,7 +14,7 @@ use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use articula::inspect::{FAR_FROM_METRES, WarningInspection, inspect, joint_levels};
-use articula::{Figure, MotionTables, rig_joint_map};
+use articula::{Figure, Format, MotionTables, rig_joint_map};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -89,6 +90,9 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
                 .warnings
                 .extend(tables.warnings.into_iter().map(told));
         }
+    }
+    if figure.opened.format == Format::Abp {
+        findings.stream = Some(access_units::of(&args.character.file)?);
     }
     if args.joint_levels {
         let far_from_metres = 1e-3 * args.far_from_mm;

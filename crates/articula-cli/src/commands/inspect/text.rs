@@ -1,6 +1,6 @@
 //! The result of `inspect` as text tables.
 
-use super::{face, human, joint_levels, mesh_levels};
+use super::{access_units, face, human, joint_levels, mesh_levels};
 use crate::fault::clean;
 use crate::table::Table;
 use articula::inspect::{
@@ -42,6 +42,9 @@ pub(super) fn of(found: &Inspection, map: bool) -> String {
     }
     if let Some(layout) = &found.face_layout {
         text.push_str(&face::text(layout));
+    }
+    if let Some(stream) = &found.stream {
+        text.push_str(&access_units::text(stream, "bones"));
     }
     if let Some(levels) = &found.joint_levels {
         text.push_str(&joint_levels::text(levels));

@@ -6,7 +6,7 @@ use crate::console::Console;
 use crate::fault::{self, clean};
 use crate::table::Table;
 use crate::{files, open};
-use articula::convert::write_data;
+use articula::convert::write_faps;
 use articula::face::{
     FACE_DISTANCES_M, FaceDetailOptions, FaceDetailReport, face_detail, reduce_face,
 };
@@ -49,16 +49,17 @@ struct FaceLodReport {
 pub(super) fn run(args: &LodArgs, head: &Path, console: &Console) -> anyhow::Result<()> {
     let path = &args.character.file;
     let name = files::shown(path);
-    if files::data_format(path) != Some(DataFormat::Fap) {
+    let has_faps = |path: &Path| files::data_format(path).filter(|f| f.has_faps());
+    let Some(format) = has_faps(path) else {
         return Err(fault::usage(format!(
-            "{name}: --onto measures a .fap file on a head; leave it out for the clip of a character"
+            "{name}: --onto measures a .fap or .afp file on a head; leave it out for the clip of a character"
         )));
-    }
+    };
     args.check_distances()?;
     if let Some(out) = &args.write_fap {
         let out_name = files::shown(out);
-        if files::data_format(out) != Some(DataFormat::Fap) {
-            let what = format!("--write-fap {out_name}: name a .fap file");
+        if has_faps(out).is_none() {
+            let what = format!("--write-fap {out_name}: name a .fap or .afp file");
             return Err(fault::usage(what));
         }
         if args.distances.len() != 1 {
@@ -71,9 +72,9 @@ pub(super) fn run(args: &LodArgs, head: &Path, console: &Console) -> anyhow::Res
     let inputs = args.character.inputs().chain([head]);
     console.files.plan(inputs, args.write_fap.as_deref())?;
     let names: &ReadArgs = &args.character.names;
-    let read = open::data(path, DataFormat::Fap, names)?;
+    let read = open::data(path, format, names)?;
     let Data::Fap(clip) = read.data else {
-        anyhow::bail!("{name}: {}", DataFormat::Fap.advice());
+        anyhow::bail!("{name}: {}", format.advice());
     };
     let mut opened = open::character(&console.files, head, names)?;
     opened.keep_meshes(&args.character.only, &args.character.hide)?;
@@ -99,7 +100,8 @@ pub(super) fn run(args: &LodArgs, head: &Path, console: &Console) -> anyhow::Res
             .chain(high)
             .for_each(|fap| keeps[fap - 1] = true);
         let chosen = reduce_face(&clip, &FapRoles::keeping(&keeps));
-        let bytes = write_data(&Data::Fap(chosen))?.bytes;
+        let format = has_faps(out).unwrap_or(DataFormat::Fap);
+        let bytes = write_faps(&chosen, format, None)?.bytes;
         console.files.write(out, &bytes)?;
         written.push(files::shown(out));
     }

@@ -1,0 +1,48 @@
+//! ABP files: the motion of a skeleton as a stream that can be cut, and its text.
+
+use super::{CharacterFile, Input};
+use crate::error::{Error, Result};
+use crate::streams::{StreamKind, abp1, sniff};
+use articula_formats::Limits;
+use articula_stream::StreamLimits;
+use articula_stream::abp1::{Abp1Clip, AbsentBone, read, read_text};
+
+/// Reads a stream, by how it begins.
+pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
+    match sniff(input.bytes) {
+        Some(StreamKind::Abp1) => {
+            let limits = limits(&input.options.limits);
+            opened(input, &read(input.bytes, AbsentBone::Rest, &limits)?)
+        }
+        _ => Err(Error::unsuited(
+            "the file does not begin as a stream of a motion does, with ABPF",
+        )),
+    }
+}
+
+/// Reads the text of an ABP-1 stream.
+pub(super) fn open_text(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
+    let limits = limits(&input.options.limits);
+    opened(input, &read_text(input.bytes, &limits)?)
+}
+
+/// The limits of streams that correspond to those of files.
+pub(super) fn limits(limits: &Limits) -> StreamLimits {
+    StreamLimits {
+        bytes: limits.bytes,
+        elements: limits.elements,
+    }
+}
+
+fn opened(input: &Input<'_, '_>, clip: &Abp1Clip) -> Result<CharacterFile> {
+    if clip.bones.is_empty() {
+        return Err(Error::unsuited("bones: the stream has none"));
+    }
+    let (character, warnings) = abp1::to_character(clip);
+    let mut opened = input.opened(character, warnings, None);
+    let mut articulation = opened.mapping.articulation.clone();
+    abp1::set_articulation(&clip.bones, &mut articulation);
+    opened.character.articulation = Some(articulation);
+    opened.scale_lengths(input.options.unit_metres);
+    Ok(opened)
+}

@@ -1,0 +1,317 @@
+//! Motions of bodies and faces as streams: what is shown after a round trip, and after a cut.
+
+use crate::real;
+use articula::convert::{ConvertOptions, write_faps};
+use articula::face::{expand_face, reduce_face};
+use articula::glam::Quat;
+use articula::glam::{Affine3A, Vec3};
+use articula::streams::{StreamKind, abp1, afp1, sniff};
+use articula::{
+    CharacterFile, Data, DataFormat, Executor, Format, OpenOptions, convert, fs, open, open_data,
+    reference_human,
+};
+use articula_core::LocalPose;
+use articula_core::face_levels::{FaceLevel, FaceLevels};
+use articula_core::source::{
+    Channel, Character, Interpolation, Joint, Property, RawClip, Skeleton, evaluate,
+};
+use articula_core::{Articulation, Transform};
+use articula_formats::mpeg4::fap::{FapClip, FapFrame, Viseme};
+use articula_stream::abp1::{Abp1Options, TrackKind, unit};
+use articula_stream::afp1::{Afp1Options, Afp1ReadOptions};
+use articula_stream::{CutRule, StreamLimits, Unit, cut};
+
+fn opened(bytes: &[u8], name: &str) -> CharacterFile {
+    let nothing = &mut |_: &str| Err("nothing lies beside it".into());
+    open(bytes, name, &OpenOptions::default(), nothing).unwrap()
+}
+
+/// Transforms of all joints in the space of the model.
+fn places(character: &Character, clip: usize, secs: f32) -> Vec<Affine3A> {
+    let skeleton = &character.skeleton;
+    let mut pose: LocalPose = skeleton.joints.iter().map(|j| j.rest).collect();
+    evaluate::pose(&character.clips[clip], skeleton, secs, &mut pose);
+    let mut model: Vec<Affine3A> = Vec::new();
+    for (j, joint) in skeleton.joints.iter().enumerate() {
+        let above = joint.parent.map_or(Affine3A::IDENTITY, |p| model[p]);
+        model.push(above * pose.get(j).to_affine());
+    }
+    model
+}
+
+/// Largest distance of a joint between the clip of a character and the first clip of another, over
+/// some frames of the other.
+fn largest_distance(a: &Character, clip: usize, b: &Character) -> f32 {
+    let channel = b.clips[0]
+        .channels
+        .iter()
+        .max_by_key(|c| c.times_secs.len());
+    let times = channel.map(|c| c.times_secs.clone()).unwrap_or_default();
+    let mut most = 0.0_f32;
+    for secs in times.iter().step_by(7) {
+        let (a, b) = (places(a, clip, *secs), places(b, 0, *secs));
+        assert_eq!(a.len(), b.len());
+        for (a, b) in a.iter().zip(&b) {
+            most = most.max(a.translation.distance(b.translation));
+        }
+    }
+    most
+}
+
+#[test]
+fn a_character_moves_the_same_after_abp1() {
+    let human = reference_human().unwrap();
+    let files = ["glb/RobotExpressive.glb", "bvh/cmu_12_01_walk.bvh"];
+    let files = files.iter().filter_map(|name| {
+        let path = real::file(name)?;
+        Some(fs::open(&path).unwrap())
+    });
+    for file in [human].into_iter().chain(files) {
+        let articulation = file.articulation();
+        let options = Abp1Options::default();
+        let bytes = abp1::write(&file.character, &articulation, 0, &options).unwrap();
+        assert_eq!(sniff(&bytes), Some(StreamKind::Abp1));
+        let again = opened(&bytes, "a.abp");
+        assert_eq!(again.format, Format::Abp);
+        // A joint turns by at most 0.9e-4 rad more or less about each of its ancestors.
+        let most = largest_distance(&file.character, 0, &again.character);
+        assert!(most < 1.5e-3, "{}: {most} m", file.name);
+        let of_joint = |file: &CharacterFile| -> Vec<_> {
+            let joints = file.articulation().joints;
+            joints.iter().map(|j| (j.level, j.region)).collect()
+        };
+        assert_eq!(of_joint(&file), of_joint(&again));
+    }
+}
+
+#[test]
+fn a_cut_holds_still_what_it_drops() {
+    let human = reference_human().unwrap();
+    let bytes = abp1::write(
+        &human.character,
+        &human.articulation(),
+        0,
+        &Abp1Options::default(),
+    );
+    let bytes = bytes.unwrap();
+    let limits = StreamLimits::default();
+    let map = unit(&bytes, &limits).unwrap();
+    let rule = CutRule::default().at_most("loa", 1);
+    let cut = cut(&bytes, &map, |unit| rule.keeps(unit)).unwrap();
+    assert!(cut.bytes.len() < bytes.len());
+    let (all, fewer) = (opened(&bytes, "a.abp"), opened(&cut.bytes, "b.abp"));
+    let articulation = all.articulation();
+    let moving = |file: &CharacterFile, joint: usize| {
+        let mut channels = file.character.clips[0].channels.iter();
+        channels.any(|c| c.target == joint)
+    };
+    let mut kept = 0;
+    for (joint, of_joint) in articulation.joints.iter().enumerate() {
+        let expected = of_joint.level <= 1 && moving(&all, joint);
+        assert_eq!(moving(&fewer, joint), expected);
+        kept += usize::from(expected);
+    }
+    assert!(kept > 3, "only {kept} joints were kept");
+}
+
+/// A root and a child with turned and scaled rest poses, that move in all ways.
+fn turned() -> Character {
+    let joint = |parent, translation, rotation, scale| Joint {
+        name: String::new(),
+        parent,
+        rest: Transform {
+            translation,
+            rotation,
+            scale: Vec3::splat(scale),
+        },
+        in_skin: true,
+    };
+    let (x, z) = (Quat::from_rotation_x(-1.57), Quat::from_rotation_z(0.7));
+    let keys = |target, property, values: Vec<f32>| Channel {
+        target,
+        property,
+        interpolation: Interpolation::Linear,
+        times_secs: vec![0.0, 0.5, 1.0],
+        values,
+    };
+    let turns = |by: [f32; 3]| {
+        let turn = |a: f32| (Quat::from_rotation_y(a) * z).to_array();
+        by.map(turn).concat()
+    };
+    Character {
+        skeleton: Skeleton {
+            joints: vec![
+                joint(None, Vec3::ZERO, x, 0.01),
+                joint(Some(0), Vec3::new(0.0, 5.0, 90.0), z, 1.0),
+                joint(Some(1), Vec3::new(20.0, 1.0, 0.0), z, 2.0),
+                joint(Some(2), Vec3::new(10.0, 0.0, 0.0), x, 1.0),
+            ],
+        },
+        clips: vec![RawClip {
+            name: "all".into(),
+            duration_secs: 1.0,
+            channels: vec![
+                keys(
+                    1,
+                    Property::Translation,
+                    vec![0.0, 5.0, 90.0, 9.0, 5.0, 80.0, 0.0, 0.0, 90.0],
+                ),
+                keys(1, Property::Rotation, turns([0.0, 3.0, 6.0])),
+                keys(2, Property::Rotation, turns([0.0, -2.0, 1.0])),
+                keys(2, Property::Scale, [2.0, 3.0, 2.0].map(|s| [s; 3]).concat()),
+            ],
+        }],
+        ..Character::default()
+    }
+}
+
+#[test]
+fn turned_and_scaled_joints_move_the_same() {
+    let character = turned();
+    let file = CharacterFile::from_character("turned", character.clone());
+    let articulation: Articulation = file.articulation();
+    let clip = abp1::from_character(&character, &articulation, 0).unwrap();
+    let (again, warnings) = abp1::to_character(&clip);
+    assert!(warnings.is_empty());
+    let most = largest_distance(&character, 0, &again);
+    assert!(most < 1e-5, "{most} m");
+    // 3 and 6 rad, in frames half a second apart: 6 rad is not wound back to -0.28.
+    let turned = clip.tracks[1].get(TrackKind::Rotation).unwrap();
+    let steps = turned.windows(2).map(|pair| {
+        let [a, b] = [pair[0], pair[1]].map(Vec3::from);
+        a.distance(b)
+    });
+    assert!(steps.fold(0.0, f32::max) < 3.1);
+    assert!(Vec3::from(turned[turned.len() - 1]).length() > 5.9);
+    assert!(clip.tracks[0] == Default::default());
+}
+
+#[test]
+fn uneven_scale_along_turned_axes_is_told() {
+    let mut character = turned();
+    character.clips[0].channels[3].values[3] = 5.0;
+    let file = CharacterFile::from_character("uneven", character.clone());
+    let clip = abp1::from_character(&character, &file.articulation(), 0).unwrap();
+    assert!(clip.tracks[2].get(TrackKind::ScaleOrientation).is_some());
+    let (_, warnings) = abp1::to_character(&clip);
+    assert!(
+        warnings[0]
+            .what
+            .starts_with("1 are scaled along turned axes")
+    );
+}
+
+#[test]
+fn abp_files_are_converted_in_both_directions() {
+    let made = reference_human().unwrap();
+    let human = || made.clone();
+    let work = Executor::default();
+    let abp1 = ConvertOptions {
+        abp1: Some(Abp1Options::default()),
+        ..ConvertOptions::default()
+    };
+    let plain = ConvertOptions::default();
+    let stream = convert(human(), Format::Abp, &abp1, &work).unwrap().written;
+    let text = convert(human(), Format::Abpt, &plain, &work)
+        .unwrap()
+        .written;
+    for (written, name) in [(&stream, "a.abp"), (&text, "a.abpt")] {
+        let read = opened(&written.bytes, name);
+        let glb = convert(read, Format::Glb, &plain, &work).unwrap().written;
+        let again = opened(&glb.bytes, "a.glb");
+        let most = largest_distance(&human().character, 0, &again.character);
+        assert!(most < 1.5e-3, "{name}: {most} m");
+    }
+    for (options, format) in [(&plain, Format::Abp), (&abp1, Format::Glb)] {
+        let error = convert(human(), format, options, &work).unwrap_err();
+        assert!(error.is_argument(), "{error}");
+    }
+}
+
+fn read_faps(bytes: &[u8], name: &str, format: DataFormat) -> FapClip {
+    match open_data(bytes, name, format, &OpenOptions::default())
+        .unwrap()
+        .data
+    {
+        Data::Fap(clip) => clip,
+        other => panic!("{other:?} is no FAP clip"),
+    }
+}
+
+#[test]
+fn a_face_clip_shows_the_same_after_afp1() {
+    let Some(bytes) = real::bytes("fap/speech_synthetic.fap") else {
+        return;
+    };
+    let clip = read_faps(&bytes, "a.fap", DataFormat::Fap);
+    let written = write_faps(&clip, DataFormat::Afp, None).unwrap();
+    assert_eq!(sniff(&written.bytes), Some(StreamKind::Afp1));
+    let again = read_faps(&written.bytes, "a.afp", DataFormat::Afp);
+    let high = FaceLevels::all(FaceLevel::High).roles();
+    // The levels of a FAP clip give its inner lips the motion of the outer ones, as AFP-1 does.
+    let expected = reduce_face(&clip, &high);
+    let steps = Afp1Options::default();
+    let close = |a: &FapClip, b: &FapClip| {
+        assert_eq!(
+            (&a.name, a.rate_hz, a.frames.len()),
+            (&b.name, b.rate_hz, b.frames.len())
+        );
+        for (a, b) in a.frames.iter().zip(&b.frames) {
+            assert_eq!((a.viseme, a.expression), (b.viseme, b.expression));
+            for (fap, (a, b)) in (3..).zip(a.low.iter().zip(&b.low)) {
+                // Half a step, or two where the transform was smaller.
+                let most = 2.0 * steps.step(fap) + 1.0;
+                assert!(f64::from((a - b).abs()) <= most, "FAP {fap}: {a} {b}");
+            }
+        }
+    };
+    close(&again, &expected);
+    let limits = StreamLimits::default();
+    let map = articula_stream::afp1::unit(&written.bytes, &limits).unwrap();
+    for (loa, level) in [FaceLevel::VeryLow, FaceLevel::Low, FaceLevel::Medium]
+        .into_iter()
+        .enumerate()
+    {
+        let rule = CutRule::default().at_most("loa", loa as u32);
+        let cut = cut(&written.bytes, &map, |unit: &Unit| rule.keeps(unit)).unwrap();
+        let shown = afp1::read(&cut.bytes, &Afp1ReadOptions::default(), &limits).unwrap();
+        let roles = FaceLevels::all(level).roles();
+        assert_eq!(shown.frames, expand_face(&again, &roles).frames);
+    }
+}
+
+#[test]
+fn missing_frame_numbers_hold_the_frame_before() {
+    let frame = |number, value| {
+        let mut frame = FapFrame {
+            number,
+            viseme: Viseme {
+                select1: 3,
+                blend: 63,
+                ..Viseme::default()
+            },
+            ..FapFrame::default()
+        };
+        frame.low[0] = value;
+        frame
+    };
+    let clip = FapClip {
+        name: "gaps".into(),
+        rate_hz: 25.0,
+        coded: [true; 68],
+        frames: vec![frame(7, 400), frame(10, 40), frame(11, 4)],
+        bridge: Some("table-1".into()),
+    };
+    let bytes = afp1::write(&clip, &Afp1Options::default()).unwrap();
+    let read = read_faps(&bytes, "a.afp", DataFormat::Afp);
+    let jaw: Vec<i32> = read.frames.iter().map(|f| f.low[0]).collect();
+    assert_eq!(jaw, [400, 400, 400, 40, 4]);
+    assert_eq!(read.frames[4].number, 4);
+    assert_eq!(read.frames[4].viseme, clip.frames[0].viseme);
+    assert_eq!(read.bridge, clip.bridge);
+    let far = FapClip {
+        frames: vec![frame(0, 1), frame(1 << 20, 1)],
+        ..clip
+    };
+    assert!(afp1::from_faps(&far).is_err());
+}
