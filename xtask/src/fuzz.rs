@@ -47,6 +47,8 @@ const fn seeds(
 /// Seeds of the targets; those of `acclaim` are pairs of files. Targets without seeds start from
 /// nothing.
 const SEEDS: &[Seeds] = &[
+    seeds("abp1", b"", &["abp", "abpt"]),
+    seeds("afp1", b"", &["afp"]),
     seeds("bva", b"", &["bva"]),
     seeds("bvh", b"", &["bvh"]),
     seeds("gltf", b"", &["glb", "gltf", "vrm", "vrma"]),

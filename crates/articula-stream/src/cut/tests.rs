@@ -155,6 +155,19 @@ fn tree(stream: &mut Vec<u8>, shape: &[(u8, u8, Vec<u8>)]) -> Unit {
     }
 }
 
+/// Neither the names of units nor a codec are needed: the test also runs without the feature.
+#[test]
+fn a_stream_of_a_codec_is_cut_by_its_index_alone() {
+    let stream = include_bytes!("../../tests/golden/wave.abp");
+    let map = crate::read_index(include_bytes!("../../tests/golden/wave.auix")).unwrap();
+    let coarse = CutRule::default().at_most("loa", 0);
+    let cut = cut(stream, &map, |unit| coarse.keeps(unit)).unwrap();
+    assert_eq!(
+        cut.bytes,
+        include_bytes!("../../tests/golden/wave-loa-0.abp")
+    );
+}
+
 proptest! {
     #[test]
     fn cutting_twice_is_cutting_once(

@@ -1,6 +1,7 @@
 //! What holds of every stream that is cut by its map.
 
 use articula_stream::{Cut, CutRule, Meaning, Unit, cut, read_index, write_index};
+use std::path::Path;
 
 /// Cuts a stream and checks what holds of all cuts: the map is sound and describes the bytes, a
 /// second cut by the same rule changes nothing, the map survives as an index, and the names of units
@@ -19,7 +20,7 @@ pub(crate) fn cut_checked(stream: &[u8], map: &Unit, rule: &CutRule) -> Cut {
     once
 }
 
-fn renamed(unit: &Unit) -> Unit {
+pub(crate) fn renamed(unit: &Unit) -> Unit {
     let other = |name: &str| format!("x{}", name.to_uppercase());
     let mut renamed = unit.clone();
     renamed.label = other(&unit.label).into();
@@ -31,6 +32,17 @@ fn renamed(unit: &Unit) -> Unit {
     }
     renamed.children = unit.children.iter().map(self::renamed).collect();
     renamed
+}
+
+/// Compares bytes with a file of the golden ones, or renews it.
+pub(crate) fn check_golden(name: &str, bytes: &[u8]) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
+    let path = path.join(name);
+    if std::env::var_os("ARTICULA_GOLDEN").is_some_and(|v| v == "renew") {
+        std::fs::write(&path, bytes).unwrap();
+    }
+    let stored = std::fs::read(&path).unwrap();
+    assert!(bytes == stored, "{name} has other bytes");
 }
 
 /// The bits of all units with a label, as text.

@@ -1,0 +1,30 @@
+//! Any bytes as a stream of bones or as its text: a clip that fits itself, or an error. What can be
+//! mapped can be cut, and is then mapped alike.
+#![no_main]
+
+use articula_stream::abp1::{AbsentBone, Abp1Options, read, read_text, unit, write};
+use articula_stream::{CutRule, StreamLimits, cut};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let limits = StreamLimits {
+        elements: 1 << 18,
+        ..StreamLimits::default()
+    };
+    if let Ok(map) = unit(bytes, &limits) {
+        map.check_values(bytes).unwrap();
+        let rule = CutRule::default().at_most("loa", 2).in_mask("region", 0b1010_1010);
+        let shorter = cut(bytes, &map, |unit| rule.keeps(unit)).unwrap();
+        assert_eq!(unit(&shorter.bytes, &limits).unwrap(), shorter.unit);
+    }
+    let read = [
+        read(bytes, AbsentBone::Rest, &limits),
+        read(bytes, AbsentBone::Last, &limits),
+        read_text(bytes, &limits),
+    ];
+    for clip in read.into_iter().flatten() {
+        clip.check().unwrap();
+        // Values may be too great for the steps of the writer.
+        let _ = write(&clip, &Abp1Options::default());
+    }
+});
