@@ -10,8 +10,8 @@
 //! - `afp1`: face animations that can be cut by parameters (`codecs`)
 //! - [`StreamError`], [`StreamLimits`]: errors, and limits on memory and time
 //!
-//! A program that only cuts streams disables the feature `codecs` and depends on neither codec nor
-//! hash.
+//! A program that only cuts streams disables the feature `codecs` and depends on neither codec, hash
+//! nor JSON parser.
 //!
 //! ```
 //! use articula_stream::{Coding, CutRule, Field, Meaning, Unit, cut};

@@ -24,7 +24,7 @@ pub enum Error {
     /// file.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A stream of mesh levels is malformed, of an unsupported form, or exceeds a limit.
+    /// A stream is malformed, of an unsupported form, or exceeds a limit.
     #[error(transparent)]
     Stream(#[from] StreamError),
     /// Arguments do not fit each other.

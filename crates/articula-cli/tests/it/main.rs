@@ -45,6 +45,7 @@ mod real_files;
 mod retargeting;
 mod sizes;
 mod skinned_files;
+mod streams;
 #[path = "../../../articula-formats/tests/it/thinned/mod.rs"]
 mod thinned;
 mod usage;

@@ -1,4 +1,4 @@
-//! Face clips without a character: FAP files and captures, written as one or the other.
+//! Face clips without a character: FAP files, AFP streams and captures, written as one another.
 
 use super::report::{self, ConvertReport};
 use super::{ConvertArgs, face_level};
