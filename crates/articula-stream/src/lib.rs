@@ -44,6 +44,8 @@
 //! There are no files, sockets, clocks or threads here (bytes in, bytes out), and no decision on
 //! what to send. No input causes a panic.
 
+#[cfg(feature = "codecs")]
+pub mod abp2;
 mod coding;
 mod cut;
 mod error;
@@ -51,6 +53,8 @@ mod index;
 mod limits;
 #[cfg(feature = "codecs")]
 pub mod mesh;
+#[cfg(feature = "codecs")]
+mod range_coder;
 mod unit;
 
 pub use coding::Coding;
