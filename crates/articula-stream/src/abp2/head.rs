@@ -73,6 +73,16 @@ pub(super) struct PosePlace {
 }
 
 impl MotionHead {
+    /// Reads the head of a stream, without decoding anything.
+    ///
+    /// # Errors
+    /// A [`StreamError`] that names the byte, also if the stream ends within the head.
+    pub fn open(stream: &[u8], limits: &StreamLimits) -> Result<Self, StreamError> {
+        let at = format!("byte {}", stream.len());
+        let early = || StreamError::malformed(at, "the stream ends within its head");
+        Ok(Self::read(stream, limits)?.ok_or_else(early)?.head)
+    }
+
     /// Returns the error in metres of skin that a tier allows, of the finest of those kept.
     pub fn tolerance_metres(&self, tier: usize) -> f64 {
         f64::from(self.tolerance_micrometres) * 1e-6 * 3_f64.powi(tier as i32)

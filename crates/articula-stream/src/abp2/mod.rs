@@ -6,7 +6,7 @@
 //! that dropping units leaves a valid stream ([`motion_map`], [`crate::cut()`]), and any prefix of a
 //! stream decodes.
 //!
-//! - [`encode`], [`MotionOptions`]: a clip within a tolerance in metres of skin
+//! - [`encode()`], [`MotionOptions`]: a clip within a tolerance in metres of skin
 //! - [`MotionReceiver`]: decodes what has arrived
 //! - [`MotionHead`], [`motion_map`]: what a stream holds
 //!
@@ -59,7 +59,7 @@ mod step;
 mod tracks;
 mod wavelet;
 
-pub use encode::{EncodedMotion, MotionOptions, SkinError, encode};
+pub use encode::{EncodedMotion, ManifestRow, MotionOptions, SkinError, UnitOrder, encode};
 pub use grouping::{Group, Grouping};
 pub use head::MotionHead;
 pub use map::motion_map;

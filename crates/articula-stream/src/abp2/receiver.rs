@@ -241,7 +241,8 @@ fn at_reference(table: &TrackTable, rig: &Rig, frames: usize) -> (Tracks, Vec<us
                 target,
                 vec![place.vector(rest.scales[joint]); count],
             ),
-            Kind::Morph if !is_rest => push(
+            // A mesh has weights of its own: those at rest are told.
+            Kind::Morph => push(
                 &mut tracks.morphs,
                 target,
                 vec![place.reference()[0]; count],

@@ -10,6 +10,7 @@
 
 mod clustered_stream;
 mod mesh_levels;
+mod motion_stream;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod stored_levels;

@@ -20,10 +20,11 @@ mod search;
 mod skin_points;
 mod truth;
 mod units;
+mod value_order;
 
 pub use skin_points::SkinError;
 
-use super::access_unit;
+use super::access_unit::{self, AccessUnit};
 use super::grouping::{Group, Grouping, groups};
 use super::head::MotionHead;
 use super::map::motion_map;
@@ -37,9 +38,10 @@ use articula_core::{Clip, Mesh, Mismatch, Rig};
 use levers::Rest;
 use quantise::{Coding, Levels};
 use search::{Judge, Shares, finest, tiers};
-use skin_points::{SkinPoints, error_of, offsets_by_vertex};
+use skin_points::{SkinPoints, offsets_by_vertex};
 use truth::Truth;
 use units::UnitCoder;
+use value_order::Prefixes;
 
 /// Points at which steps are searched, and values of all of them over time.
 const POINTS: usize = 1500;
@@ -60,8 +62,38 @@ pub struct MotionOptions {
     pub access_unit_secs: f64,
     /// For each morph target of the mesh its group: level of articulation and region. Empty: one group.
     pub morph_groups: Vec<Group>,
-    /// Hash of the rig, which the receiver compares.
+    /// Hash of the rig, by which an application finds it.
     pub rig_hash: u64,
+    /// Order of the units of an access unit.
+    pub order: UnitOrder,
+    /// Whether the error after each unit is measured.
+    pub manifest: bool,
+}
+
+/// Order of the units of an access unit, which matters where a stream ends early.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum UnitOrder {
+    /// By tier, then by group: every part of the body, coarse first.
+    #[default]
+    Tier,
+    /// By the mean square of the error that a unit takes away for its bytes, the greatest first.
+    Value,
+}
+
+/// What a prefix of a stream shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ManifestRow {
+    /// Number of the access unit.
+    pub access_unit: usize,
+    /// Number of the group, and the tier that the last unit of the prefix adds to it.
+    pub group: usize,
+    /// The tier.
+    pub tier: usize,
+    /// Bytes of the prefix.
+    pub bytes: usize,
+    /// Error of the prefix in the frames of the access unit, at the points of the search (1,500 at
+    /// most, and the worst of all).
+    pub error: SkinError,
 }
 
 impl Default for MotionOptions {
@@ -74,6 +106,8 @@ impl Default for MotionOptions {
             access_unit_secs: 2.0,
             morph_groups: Vec::new(),
             rig_hash: 0,
+            order: UnitOrder::Tier,
+            manifest: false,
         }
     }
 }
@@ -87,6 +121,8 @@ pub struct EncodedMotion {
     pub unit: Unit,
     /// Error of the stream cut to each tier, the finest first.
     pub errors: Vec<SkinError>,
+    /// What each prefix of whole units shows, if it was asked for.
+    pub manifest: Vec<ManifestRow>,
 }
 
 /// Encodes a clip so that no point of the skin, at any frame, is farther from its place than the
@@ -160,13 +196,14 @@ pub fn encode(
         &judge,
         tolerance,
     );
-    let bytes = write(&coding, &levels)?;
+    let (bytes, manifest) = write(&coding, &levels, &judge, options)?;
     checked(&bytes, rig, mesh, &judge, error)?;
     Ok(EncodedMotion {
         unit: motion_map(&bytes, &StreamLimits::default())
             .map_err(|e| Mismatch::new("the stream", e.to_string()))?,
         bytes,
         errors,
+        manifest,
     })
 }
 
@@ -259,7 +296,12 @@ fn head(
 }
 
 /// Writes the stream of a motion.
-fn write(coding: &Coding<'_>, levels: &Levels) -> Result<Vec<u8>, Mismatch> {
+fn write(
+    coding: &Coding<'_>,
+    levels: &Levels,
+    judge: &Judge<'_>,
+    options: &MotionOptions,
+) -> Result<(Vec<u8>, Vec<ManifestRow>), Mismatch> {
     let (head, rig) = (coding.head, coding.rig);
     let find = |kind, target| {
         let track = levels
@@ -283,17 +325,39 @@ fn write(coding: &Coding<'_>, levels: &Levels) -> Result<Vec<u8>, Mismatch> {
         places.push(Some(place.collect()));
     }
     let table = TrackTable::new(head, rig, places);
+    let levels = in_table_order(&table, levels);
     let coder = UnitCoder {
         head,
         table: &table,
-        levels: &in_table_order(&table, levels),
+        levels: &levels,
     };
+    let mut prefixes = Prefixes::new(coding, &coder, judge);
     let mut bytes = head.write(&poses);
+    let mut manifest = Vec::new();
     for (number, order) in coding.orders.iter().enumerate() {
-        let units = coder.units(number, order)?;
+        let mut units = coder.units(number, order)?;
+        if options.order == UnitOrder::Value {
+            units = prefixes.by_value(number, units);
+        }
+        let start = bytes.len();
         access_unit::write(&mut bytes, order.len(), head.tiers, &units);
+        if options.manifest {
+            let whole = AccessUnit::read(&bytes, start, number, head);
+            let read = whole
+                .ok()
+                .flatten()
+                .map_or_else(Vec::new, |found| found.units);
+            let errors = prefixes.errors(number, &units);
+            manifest.extend(read.iter().zip(errors).map(|(place, error)| ManifestRow {
+                access_unit: number,
+                group: place.group,
+                tier: place.tier,
+                bytes: place.bytes.end,
+                error,
+            }));
+        }
     }
-    Ok(bytes)
+    Ok((bytes, manifest))
 }
 
 /// The levels in the order of the table's tracks; tracks at rest have none.
@@ -321,14 +385,7 @@ fn checked(
     let limits = StreamLimits::default();
     let received = MotionReceiver::read(bytes, rig, &limits).map_err(|e| wrong(e.to_string()))?;
     let shown = Truth::new(rig, mesh, &received.clip()?);
-    let error = error_of(
-        rig,
-        &judge.some,
-        judge.truth,
-        Some(&judge.shown),
-        &shown,
-        |_, _| {},
-    );
+    let error = judge.quick().error(&shown);
     if error.max_metres > expected.max_metres * 1.001 + 1e-7 {
         return Err(wrong(format!(
             "decodes to {error:?}, expected {expected:?}"

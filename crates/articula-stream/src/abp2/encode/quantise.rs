@@ -316,7 +316,7 @@ fn quantise_axis(
 
 /// Writes the values of a track at some frames into a motion: `values` relative to its reference,
 /// or the reference alone.
-fn show(
+pub(super) fn show(
     track: &TrackPlace,
     rig: &Rig,
     frames: std::ops::Range<usize>,

@@ -5,7 +5,7 @@
 use super::levers::{Mover, Rest, levers, shares};
 use super::plan::PlannedTrack;
 use super::quantise::{Coding, Levels};
-use super::skin_points::{SkinError, SkinPoints, error_of};
+use super::skin_points::{Measure, SkinError, SkinPoints, Sums};
 use super::truth::Truth;
 use crate::abp2::pose_unit::{MOST_PLANES, MOST_TIERS, TrackForm};
 use articula_core::{Mismatch, Rig};
@@ -96,29 +96,41 @@ pub(super) struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    fn quick(&self, motion: &Truth) -> f64 {
-        let shown = Some(&self.shown[..]);
-        error_of(self.rig, &self.some, self.truth, shown, motion, |_, _| {}).max_metres
+    /// Measures at the points of the search.
+    pub(super) fn quick(&self) -> Measure<'_> {
+        Measure {
+            rig: self.rig,
+            points: &self.some,
+            truth: self.truth,
+            shown: Some(&self.shown),
+        }
     }
 
-    /// Error at all points, and the points that are the worst of a frame and beyond `limit`.
+    /// Error at all points, and those that are beyond `limit` and the worst of a frame.
     pub(super) fn whole(&self, motion: &Truth, limit: f64) -> (SkinError, Vec<usize>) {
+        let measure = Measure {
+            rig: self.rig,
+            points: self.all,
+            truth: self.truth,
+            shown: None,
+        };
+        let mut sums = Sums::default();
         let mut worst = Vec::new();
-        let error = error_of(
-            self.rig,
-            self.all,
-            self.truth,
-            None,
-            motion,
-            |point, distance| {
-                if distance > limit {
-                    worst.push(point);
+        for frame in 0..self.truth.frames {
+            let mut farthest = (0, limit);
+            measure.distances(motion, frame..frame + 1, |point, distance| {
+                sums.add(distance);
+                if distance > farthest.1 {
+                    farthest = (point, distance);
                 }
-            },
-        );
+            });
+            if farthest.1 > limit {
+                worst.push(farthest.0);
+            }
+        }
         worst.sort_unstable();
         worst.dedup();
-        (error, worst)
+        (sums.error(), worst)
     }
 }
 
@@ -145,7 +157,7 @@ pub(super) fn finest<'a>(
         for _ in 0..HALVINGS {
             let middle = (low + high) / 2.0;
             let (_, shown) = quantise(middle.exp())?;
-            if judge.quick(&shown) <= tolerance {
+            if judge.quick().error(&shown).max_metres <= tolerance {
                 low = middle;
             } else {
                 high = middle;
@@ -205,7 +217,7 @@ pub(super) fn tiers(
             let middle = (low + high) / 2.0;
             let dropped = planes(middle.exp());
             let shown = coding.shown(levels, &dropped, start);
-            if judge.quick(&shown) <= limit {
+            if judge.quick().error(&shown).max_metres <= limit {
                 (low, best) = (middle, dropped);
             } else {
                 high = middle;

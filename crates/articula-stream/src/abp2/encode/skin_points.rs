@@ -176,43 +176,78 @@ pub struct SkinError {
     pub mean_metres: f64,
 }
 
-/// Measures a motion against the true one, whose points are those of `shown` (frame by frame) if
-/// they are known. `worst` gets, for each frame, the point farthest away and its distance.
-pub(super) fn error_of(
-    rig: &Rig,
-    points: &SkinPoints,
-    truth: &Truth,
-    shown: Option<&[Vec3]>,
-    motion: &Truth,
-    mut worst: impl FnMut(usize, f64),
-) -> SkinError {
-    let (mut expected, mut found) = (points.posed(rig), points.posed(rig));
-    let count = points.len();
-    let (mut most, mut sum) = (0.0_f64, 0.0_f64);
-    for frame in 0..truth.frames {
-        let expected = match shown {
-            Some(shown) => &shown[frame * count..(frame + 1) * count],
-            None => {
-                truth.pose(frame, &mut expected.local);
-                points.skin(rig, truth.weights(frame), &mut expected);
-                &expected.points
-            }
-        };
-        motion.pose(frame, &mut found.local);
-        points.skin(rig, motion.weights(frame), &mut found);
-        let mut farthest = (0, 0.0_f64);
-        for (i, (a, b)) in expected.iter().zip(&found.points).enumerate() {
-            let distance = f64::from(a.distance(*b));
-            sum += distance;
-            if distance > farthest.1 {
-                farthest = (i, distance);
+/// What a motion is measured against.
+pub(super) struct Measure<'a> {
+    pub(super) rig: &'a Rig,
+    pub(super) points: &'a SkinPoints,
+    pub(super) truth: &'a Truth,
+    /// The true points of all frames, frame by frame, if they are known.
+    pub(super) shown: Option<&'a [Vec3]>,
+}
+
+impl Measure<'_> {
+    /// Calls `each` with every point and its distance from the truth, frame by frame.
+    pub(super) fn distances(
+        &self,
+        motion: &Truth,
+        frames: Range<usize>,
+        mut each: impl FnMut(usize, f64),
+    ) {
+        let (mut expected, mut found) = (self.points.posed(self.rig), self.points.posed(self.rig));
+        let count = self.points.len();
+        for frame in frames {
+            let expected = match self.shown {
+                Some(shown) => &shown[frame * count..(frame + 1) * count],
+                None => {
+                    self.truth.pose(frame, &mut expected.local);
+                    self.points
+                        .skin(self.rig, self.truth.weights(frame), &mut expected);
+                    &expected.points
+                }
+            };
+            motion.pose(frame, &mut found.local);
+            self.points
+                .skin(self.rig, motion.weights(frame), &mut found);
+            for (i, (a, b)) in expected.iter().zip(&found.points).enumerate() {
+                each(i, f64::from(a.distance(*b)));
             }
         }
-        most = most.max(farthest.1);
-        worst(farthest.0, farthest.1);
     }
-    SkinError {
-        max_metres: most,
-        mean_metres: sum / (truth.frames * count).max(1) as f64,
+
+    /// Measures all frames.
+    pub(super) fn error(&self, motion: &Truth) -> SkinError {
+        self.error_in(motion, 0..self.truth.frames)
+    }
+
+    /// Measures some frames.
+    pub(super) fn error_in(&self, motion: &Truth, frames: Range<usize>) -> SkinError {
+        let mut sums = Sums::default();
+        self.distances(motion, frames, |_, distance| sums.add(distance));
+        sums.error()
+    }
+}
+
+/// Distances so far.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Sums {
+    most: f64,
+    sum: f64,
+    pub(super) squares: f64,
+    count: usize,
+}
+
+impl Sums {
+    pub(super) fn add(&mut self, distance: f64) {
+        self.most = self.most.max(distance);
+        self.sum += distance;
+        self.squares += distance * distance;
+        self.count += 1;
+    }
+
+    pub(super) fn error(&self) -> SkinError {
+        SkinError {
+            max_metres: self.most,
+            mean_metres: self.sum / self.count.max(1) as f64,
+        }
     }
 }
