@@ -2,6 +2,7 @@
 //!
 //! Source: ISO/IEC 21000-7 (adaptation of a stream by its generic description), thesis 3.2.
 
+use crate::bits::BitWriter;
 use crate::unit::{Field, Meaning, Unit};
 use articula_core::Mismatch;
 use std::borrow::Cow;
@@ -279,53 +280,6 @@ fn place(field: &Field, moved: &[(Range<u64>, u64)]) -> Result<Range<u64>, Misma
         _ => {
             let what = "the number is in a unit that was removed, or across the edge of one";
             Err(Mismatch::new(field.name.as_ref(), what))
-        }
-    }
-}
-
-/// Bits in the order in which they are written, the most significant of a byte first.
-#[derive(Default)]
-struct BitWriter {
-    bytes: Vec<u8>,
-    bits: u64,
-}
-
-impl BitWriter {
-    fn push(&mut self, count: u32, value: u8) {
-        let free = (8 - self.bits % 8) as u32 % 8;
-        let value = u16::from(value) & ((1 << count) - 1);
-        if free == 0 {
-            self.bytes.push((value << (8 - count)) as u8);
-        } else {
-            let wide = value << (16 - count) >> (8 - free);
-            *self.bytes.last_mut().unwrap_or(&mut 0) |= (wide >> 8) as u8;
-            if count > free {
-                self.bytes.push(wide as u8);
-            }
-        }
-        self.bits += u64::from(count);
-    }
-
-    fn pad(&mut self) {
-        let count = (8 - self.bits % 8) as u32 % 8;
-        if count > 0 {
-            self.push(count, count as u8);
-        }
-    }
-
-    fn copy(&mut self, stream: &[u8], bits: Range<u64>) {
-        let mut at = bits.start;
-        if at.is_multiple_of(8) && self.bits.is_multiple_of(8) {
-            let whole = (bits.end / 8) as usize;
-            self.bytes.extend(&stream[(at / 8) as usize..whole]);
-            self.bits += 8 * whole as u64 - at;
-            at = 8 * whole as u64;
-        }
-        while at < bits.end {
-            let count = (8 - at % 8).min(bits.end - at);
-            let byte = stream[(at / 8) as usize] >> (8 - at % 8 - count);
-            self.push(count as u32, byte);
-            at += count;
         }
     }
 }

@@ -6,6 +6,10 @@
 //! - [`cut()`], [`CutRule`]: removes units from a stream, by its map alone
 //! - [`write_index`], [`read_index`]: the map as bytes
 //! - `mesh`: mesh levels as a progressive stream (cargo feature `codecs`, on by default)
+//! - `abp1`: body animations that can be cut by bones, in a BBA-style form (`codecs`)
+//! - `abp2`: body animations within a tolerance of the skin, that can be cut by joints and by tolerance
+//!   (`codecs`)
+//! - `afp1`: face animations that can be cut by parameters (`codecs`)
 //! - [`StreamError`], [`StreamLimits`]: errors, and limits on memory and time
 //!
 //! A program that only cuts streams disables the feature `codecs` and depends on neither codec nor
@@ -45,10 +49,25 @@
 //! what to send. No input causes a panic.
 
 #[cfg(feature = "codecs")]
+pub mod abp1;
+#[cfg(feature = "codecs")]
 pub mod abp2;
+#[cfg(feature = "codecs")]
+pub mod afp1;
+mod bits;
 mod coding;
+#[cfg(feature = "codecs")]
+mod component;
+#[cfg(feature = "codecs")]
+mod container;
 mod cut;
+#[cfg(feature = "codecs")]
+mod dct;
 mod error;
+#[cfg(feature = "codecs")]
+mod frame_rate;
+#[cfg(feature = "codecs")]
+mod golomb;
 mod index;
 mod limits;
 #[cfg(feature = "codecs")]
@@ -58,8 +77,12 @@ mod range_coder;
 mod unit;
 
 pub use coding::Coding;
+#[cfg(feature = "codecs")]
+pub use component::CodingType;
 pub use cut::{Cut, CutRule, cut};
 pub use error::StreamError;
+#[cfg(feature = "codecs")]
+pub use frame_rate::FrameRate;
 pub use index::{read_index, write_index};
 pub use limits::StreamLimits;
 pub use unit::{Field, Marker, Meaning, Unit};

@@ -180,22 +180,4 @@ proptest! {
         }).collect();
         prop_assert_eq!(&once.bytes, &expected);
     }
-
-    #[test]
-    fn bits_are_copied_from_any_place_to_any_place(
-        stream in prop::collection::vec(any::<u8>(), 6),
-        edges in prop::collection::vec(0u64..=48, 8),
-    ) {
-        let mut edges = edges;
-        edges.sort_unstable();
-        let mut out = BitWriter::default();
-        let mut expected = Vec::new();
-        for pair in edges.chunks(2) {
-            out.copy(&stream, pair[0]..pair[1]);
-            expected.extend((pair[0]..pair[1]).map(|bit| stream[(bit / 8) as usize] >> (7 - bit % 8) & 1));
-        }
-        prop_assert_eq!(out.bits, expected.len() as u64);
-        let found: Vec<u8> = (0..out.bits).map(|bit| out.bytes[(bit / 8) as usize] >> (7 - bit % 8) & 1).collect();
-        prop_assert_eq!(found, expected);
-    }
 }

@@ -8,7 +8,10 @@
     reason = "a test may panic, reads files, and says what it skips"
 )]
 
+mod abp1;
+mod afp1;
 mod clustered_stream;
+mod cut_streams;
 mod mesh_levels;
 mod motion_stream;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
