@@ -56,6 +56,10 @@ const SEEDS: &[Seeds] = &[
         folder: Some("joint_maps"),
         ..seeds("joint_map", b"", &["json"])
     },
+    Seeds {
+        folder: Some("golden"),
+        ..seeds("motion_stream", b"", &["abp"])
+    },
     seeds("mpeg4", b"\0", &["fap"]),
     seeds("mpeg4", b"\x01", &["bap"]),
     seeds("mpeg4", b"\x02", &["epf"]),

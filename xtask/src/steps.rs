@@ -39,6 +39,7 @@ const STEPS: &[&[Step]] = &[
         ("documentation", documentation),
         ("wasm build", wasm::check),
         ("tidy", tidy_step),
+        ("cut alone", cut_alone),
     ],
     &[("playback in node", wasm::playback)],
 ];
@@ -161,6 +162,19 @@ fn data_folder() -> PathBuf {
 fn documentation() -> Result<Outcome> {
     let words = ["doc", "--workspace", "--no-deps", "--quiet"];
     run(cargo().args(words).env("RUSTDOCFLAGS", "-D warnings"))?;
+    Ok(Outcome::Done)
+}
+
+/// Runs the test of cuts with a library that has no codec.
+fn cut_alone() -> Result<Outcome> {
+    let words = [
+        "test",
+        "--quiet",
+        "-p",
+        "articula-stream",
+        "--no-default-features",
+    ];
+    run(cargo().args(words).args(["--test", "cut_alone"]))?;
     Ok(Outcome::Done)
 }
 

@@ -1,5 +1,5 @@
-//! Plays one figure under every controller of the core and hashes everything shown, so that
-//! platforms can be compared: `cargo xtask test` runs it natively and, built for WebAssembly, in
+//! Plays one figure under every controller of the core, decodes a motion stream, and hashes
+//! everything shown, so that platforms can be compared: `cargo xtask test` runs it natively and, built for WebAssembly, in
 //! node.
 #![allow(
     unsafe_code,
@@ -8,6 +8,7 @@
 #![allow(clippy::print_stdout, reason = "the hash is the output of the program")]
 
 mod figure;
+mod stream;
 
 use articula_core::crowd::ClipState;
 use articula_core::joint_state::{Ease, LoaRange, TransitionOptions};
@@ -74,6 +75,7 @@ fn hash() -> Result<u64, Mismatch> {
     let mut loa = LoaController::new(&rig, range()?, linear, FullDetail::default());
     let mut bounded = LoaController::new(&rig, range()?, linear, drift.clone());
     let mut sum = Fnv(0xcbf2_9ce4_8422_2325);
+    stream::decode(&mut sum)?;
     let stage = Stage {
         model: &model,
         mesh: &mesh,
@@ -143,9 +145,15 @@ impl Stage<'_> {
 struct Fnv(u64);
 
 impl Fnv {
-    fn floats(&mut self, values: &[f32]) {
-        for byte in values.iter().flat_map(|v| v.to_bits().to_le_bytes()) {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    fn bytes(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
         }
+    }
+
+    fn floats(&mut self, values: &[f32]) {
+        values
+            .iter()
+            .for_each(|v| self.bytes(&v.to_bits().to_le_bytes()));
     }
 }

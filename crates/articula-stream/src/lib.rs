@@ -7,6 +7,8 @@
 //! - [`write_index`], [`read_index`]: the map as bytes
 //! - `mesh`: mesh levels as a progressive stream (cargo feature `codecs`, on by default)
 //! - `abp1`: body animations that can be cut by bones, in a BBA-style form (`codecs`)
+//! - `abp2`: body animations within a tolerance of the skin, that can be cut by joints and by tolerance
+//!   (`codecs`)
 //! - `afp1`: face animations that can be cut by parameters (`codecs`)
 //! - [`StreamError`], [`StreamLimits`]: errors, and limits on memory and time
 //!
@@ -49,6 +51,8 @@
 #[cfg(feature = "codecs")]
 pub mod abp1;
 #[cfg(feature = "codecs")]
+pub mod abp2;
+#[cfg(feature = "codecs")]
 pub mod afp1;
 mod bits;
 mod coding;
@@ -68,6 +72,8 @@ mod index;
 mod limits;
 #[cfg(feature = "codecs")]
 pub mod mesh;
+#[cfg(feature = "codecs")]
+mod range_coder;
 mod unit;
 
 pub use coding::Coding;

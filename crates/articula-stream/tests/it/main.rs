@@ -13,6 +13,7 @@ mod afp1;
 mod clustered_stream;
 mod cut_streams;
 mod mesh_levels;
+mod motion_stream;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod stored_levels;

@@ -9,7 +9,7 @@ use super::half_edges::{self, NONE, Rings};
 use super::mesh::QuantisedMesh;
 use super::mixing::{MixedNatural, Weights, decide};
 use super::number::Natural;
-use super::range_coder::{Bit, Coder};
+use crate::range_coder::{Bit, Coder};
 
 /// The coarser level with adjacency, as needed to traverse the finer one.
 #[derive(Debug)]
@@ -427,8 +427,8 @@ fn distance2(p: [i32; 3], q: [i32; 3]) -> i64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::range_coder::Encoder;
     use super::*;
+    use crate::range_coder::Encoder;
 
     #[test]
     fn nothing_is_asked_once_all_points_are_taken() {

@@ -5,7 +5,7 @@
 //! has seen few decisions has less weight.
 
 use super::contexts::Contexts;
-use super::range_coder::{Bit, Coder};
+use crate::range_coder::{Bit, Coder};
 
 /// Weights of `N` models.
 #[derive(Debug, Clone, Copy)]
@@ -216,8 +216,8 @@ impl<const N: usize> MixedNatural<N> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::range_coder::{Decoder, Encoder};
     use super::*;
+    use crate::range_coder::{Decoder, Encoder};
     use proptest::prelude::*;
 
     #[test]

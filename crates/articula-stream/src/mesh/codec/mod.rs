@@ -16,7 +16,7 @@
 //! - `seams`: wedges of the faces
 //! - `positions`: positions of new points
 //! - `attributes`: all values but positions, over a known surface
-//! - `mixing`, `number`, `contexts`, `range_coder`: entropy coding of decisions and numbers
+//! - `mixing`, `number`, `contexts`: entropy coding of decisions and numbers, over `range_coder`
 
 mod attributes;
 mod canonical;
@@ -30,7 +30,6 @@ mod mixing;
 mod number;
 mod positions;
 mod quantise;
-mod range_coder;
 mod refinement;
 mod seams;
 mod surface;

@@ -4,7 +4,7 @@
 //! bits is a unary code with models, the first bits below the highest one have models too, the rest
 //! is raw.
 
-use super::range_coder::{Bit, Coder};
+use crate::range_coder::{Bit, Coder};
 
 /// Number of bits below the highest one that have models.
 const MODELLED: u32 = 2;
@@ -73,8 +73,8 @@ impl Integer {
 
 #[cfg(test)]
 mod tests {
-    use super::super::range_coder::{Decoder, Encoder};
     use super::*;
+    use crate::range_coder::{Decoder, Encoder};
     use proptest::prelude::*;
 
     proptest! {

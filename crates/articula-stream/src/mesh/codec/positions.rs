@@ -11,7 +11,7 @@ use super::connectivity::Fault;
 use super::half_edges::{self, NONE, Rings};
 use super::mixing::MixedNatural;
 use super::number::Integer;
-use super::range_coder::{Bit, Coder};
+use crate::range_coder::{Bit, Coder};
 
 type Vector = [i64; 3];
 
@@ -455,8 +455,8 @@ mod fit {
 
 #[cfg(test)]
 mod tests {
-    use super::super::range_coder::{Decoder, Encoder};
     use super::*;
+    use crate::range_coder::{Decoder, Encoder};
 
     #[test]
     fn division_rounds_halves_away_from_zero() {

@@ -14,9 +14,9 @@ use super::matching::Coarse;
 use super::mesh::{Layout, QuantisedMesh};
 use super::number::Natural;
 use super::positions;
-use super::range_coder::{Coder, Decoder, Encoder};
 use super::seams::{self, Known, Wedges};
 use super::surface::Surface;
+use crate::range_coder::{Coder, Decoder, Encoder};
 use crate::{StreamError, StreamLimits};
 use articula_core::Mismatch;
 

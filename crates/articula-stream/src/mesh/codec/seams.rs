@@ -8,7 +8,7 @@ use super::half_edges::{self, NONE};
 use super::matching::Coarse;
 use super::mesh::QuantisedMesh;
 use super::mixing::{Weights, decide};
-use super::range_coder::{Bit, Coder};
+use crate::range_coder::{Bit, Coder};
 
 /// Wedges of a level by corner.
 #[derive(Debug, Default)]
@@ -398,8 +398,8 @@ impl Seams<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::range_coder::{Decoder, Encoder};
     use super::*;
+    use crate::range_coder::{Decoder, Encoder};
 
     /// A point with seventeen known wedges, too many for one decision each.
     fn many() -> Known {

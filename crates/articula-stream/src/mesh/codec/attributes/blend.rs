@@ -4,7 +4,7 @@
 //! base), with c in 1/64 for each class of surroundings, fitted by robust least squares. The
 //! encoder fits in floating point; the prediction uses the transmitted whole numbers only.
 
-use super::super::range_coder::Coder;
+use crate::range_coder::Coder;
 
 /// Fractional bits of a coefficient.
 const UNIT_BITS: u32 = 6;
@@ -191,8 +191,8 @@ fn solve<const K: usize, const D: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::range_coder::{Decoder, Encoder};
     use super::*;
+    use crate::range_coder::{Decoder, Encoder};
 
     /// Candidates whose differences from the base are independent of each other.
     fn candidates(i: i32) -> [[i32; 2]; 4] {

@@ -5,7 +5,7 @@ use super::residual::{Residuals, SIZES, class_of};
 use super::siblings::SameValue;
 use super::stencil::{CLASSES, FRACTION, PREDICTORS};
 use super::{Place, Walk};
-use crate::mesh::codec::range_coder::Coder;
+use crate::range_coder::Coder;
 
 /// Codes the colours of all new wedges. `agree` returns in which earlier kinds two wedges agree.
 pub(super) fn code<C: Coder>(

@@ -28,8 +28,8 @@ mod tests;
 
 use super::mesh::{Layout, QuantisedMesh};
 use super::quantise::{LARGEST_OFFSET, LARGEST_TURN};
-use super::range_coder::Coder;
 use super::surface::Surface;
+use crate::range_coder::Coder;
 use ring::Ring;
 use siblings::Siblings;
 use stencil::Stencils;

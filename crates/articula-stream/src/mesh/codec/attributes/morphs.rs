@@ -7,7 +7,7 @@ use super::blend::{Blend, Sample};
 use super::residual::{BOTH, Misses, NEAR, Residuals, SIZES, both, class_of, sign_of};
 use super::stencil::{CLASSES, FRACTION, PREDICTORS, Stencils};
 use crate::mesh::codec::mixing::{Weights, decide};
-use crate::mesh::codec::range_coder::{Bit, Coder};
+use crate::range_coder::{Bit, Coder};
 
 /// Models for all targets.
 struct Models {

@@ -5,7 +5,7 @@ use super::geometry::{self, Normals};
 use super::residual::{BOTH, Misses, NEAR, Residuals, SIZES, both, class_of, sign_of};
 use super::siblings::{SameAround, SameValue};
 use super::{Place, Walk};
-use crate::mesh::codec::range_coder::Coder;
+use crate::range_coder::Coder;
 
 /// Candidates: by angle and by area over the wedge's faces, by angle and area over the point's, the
 /// mean correction of the neighbours, its affine fit, the mean of the neighbours, its affine fit,

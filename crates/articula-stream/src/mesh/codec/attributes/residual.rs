@@ -1,7 +1,7 @@
 //! Differences from a prediction, each coded in several contexts at once.
 
 use super::super::mixing::{MixedNatural, Weights, decide};
-use super::super::range_coder::{Bit, Coder};
+use crate::range_coder::{Bit, Coder};
 
 /// Number of contexts of a difference.
 pub(super) const CONTEXTS: usize = 4;

@@ -5,8 +5,8 @@
 //! siblings.
 
 use super::super::mixing::{Weights, decide};
-use super::super::range_coder::{Bit, Coder};
 use super::ring::Ring;
+use crate::range_coder::{Bit, Coder};
 
 /// Maximum number of siblings tried.
 const MOST: usize = 8;
@@ -225,8 +225,8 @@ impl SameAround {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::range_coder::Encoder;
     use super::*;
+    use crate::range_coder::Encoder;
 
     #[test]
     fn siblings_are_the_wedges_of_a_point() {

@@ -8,7 +8,7 @@ use super::blend::{Blend, Sample};
 use super::residual::{BOTH, Misses, NEAR, Residuals, SIZES, both, class_of, sign_of};
 use super::stencil::{CLASSES, FRACTION, PREDICTORS};
 use crate::mesh::codec::mixing::{MixedNatural, Weights, decide};
-use crate::mesh::codec::range_coder::{Bit, Coder};
+use crate::range_coder::{Bit, Coder};
 
 /// Maximum number of neighbours' joints tried.
 const MAX_ASKED: usize = 24;

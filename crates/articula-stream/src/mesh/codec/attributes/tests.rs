@@ -1,8 +1,8 @@
 //! Properties of coded values, on random meshes and broken bytes.
 
 use super::super::mesh::MorphLayout;
-use super::super::range_coder::{Decoder, Encoder};
 use super::*;
+use crate::range_coder::{Decoder, Encoder};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 

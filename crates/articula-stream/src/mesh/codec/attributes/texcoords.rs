@@ -9,7 +9,7 @@ use super::residual::{BOTH, Misses, NEAR, Residuals, SIZES, both, class_of, sign
 use super::siblings::{SameAround, SameValue};
 use super::stencil::{self, CLASSES, FRACTION, PREDICTORS};
 use super::{Place, Walk};
-use crate::mesh::codec::range_coder::Coder;
+use crate::range_coder::Coder;
 
 const CANDIDATES: usize = PREDICTORS + 1;
 

@@ -16,7 +16,7 @@ mod truth;
 
 use super::half_edges::{self, NONE};
 use super::matching::{Coarse, Gate, Matching, SEEDS};
-use super::range_coder::{Bit, Coder};
+use crate::range_coder::{Bit, Coder};
 use border::{Beyond, Border};
 use symbols::{Symbol, Symbols};
 pub(super) use truth::Truth;

@@ -8,7 +8,7 @@ use super::super::contexts::Contexts;
 use super::super::matching::Hint;
 use super::super::mixing::{Weights, decide};
 use super::super::number::Natural;
-use super::super::range_coder::{Bit, Coder};
+use crate::range_coder::{Bit, Coder};
 
 /// Third corner of the face beyond a gate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,12 +1,12 @@
-//! Adaptive binary range coding, one model per decision.
+//! Binary range coding, and models that learn by counting.
 //!
-//! Source: `docs/methods/clustered-mesh.md` part 8.1 (g); G. N. N. Martin, "Range encoding", 1979,
-//! with the carry handling of LZMA. Differs from LZMA: probabilities are learnt by counting, at a
-//! rate that falls to 1/96. Integer arithmetic, so that all platforms produce the same bytes.
+//! Source: G. N. N. Martin, "Range encoding", 1979, with the carry handling of LZMA. Integer
+//! arithmetic, so that all platforms produce the same bytes.
 
-/// Model of one binary decision.
+/// Model of one binary decision, whose probabilities are learnt by counting, at a rate that falls to
+/// 1/96 (`docs/methods/clustered-mesh.md` part 8.1 (g)).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bit {
+pub(crate) struct Bit {
     /// Probability of a 0, in 1/[`ONE`].
     zero: u32,
     /// Number of decisions seen, up to [`SLOWEST`].
@@ -31,16 +31,16 @@ impl Default for Bit {
 
 impl Bit {
     /// Returns the probability of a 0, in 1/2^24.
-    pub(super) fn zero(self) -> u32 {
+    pub(crate) fn zero(self) -> u32 {
         self.zero
     }
 
     /// Returns the number of decisions seen, up to a limit.
-    pub(super) fn seen(self) -> u8 {
+    pub(crate) fn seen(self) -> u8 {
         self.seen
     }
 
-    pub(super) fn learn(&mut self, bit: bool) {
+    pub(crate) fn learn(&mut self, bit: bool) {
         let goal = if bit { LEAST } else { ONE - LEAST };
         // 1 / (seen + 1.5), so that the first decision has the weight two thirds.
         let step = (goal - self.zero as i32) * 2 / (2 * i32::from(self.seen) + 3);
@@ -49,19 +49,23 @@ impl Bit {
     }
 }
 
-/// The part of a range for a 0; at least 1 and less than `range`.
-fn split(range: u32, zero: u32) -> u32 {
-    ((u64::from(range) * u64::from(zero)) >> 24) as u32
-}
-
 /// Encoder or decoder. An encoder writes its arguments and returns them; a decoder ignores them and
 /// returns what was encoded, so that one implementation of a walk serves both.
-pub(super) trait Coder {
+pub(crate) trait Coder {
     /// Whether this is a decoder, which ignores the given values.
     const READS: bool;
 
+    /// Returns the current range, at least 2^24.
+    fn range(&self) -> u32;
+
+    /// Codes a decision whose outcome 0 has the lower `zero` of the range, neither 0 nor all of it.
+    fn split(&mut self, zero: u32, bit: bool) -> bool;
+
     /// Codes a decision whose outcome 0 has the probability `zero` / 2^24, neither 0 nor 1.
-    fn decide(&mut self, zero: u32, bit: bool) -> bool;
+    fn decide(&mut self, zero: u32, bit: bool) -> bool {
+        let part = (u64::from(self.range()) * u64::from(zero)) >> 24;
+        self.split(part as u32, bit)
+    }
 
     /// Codes a decision with a model and updates it.
     fn bit(&mut self, model: &mut Bit, bit: bool) -> bool {
@@ -81,7 +85,7 @@ const TOP: u32 = 1 << 24;
 
 /// Encoder of decisions.
 #[derive(Debug)]
-pub(super) struct Encoder {
+pub(crate) struct Encoder {
     low: u64,
     range: u32,
     /// The last byte that a carry may still change, and the number of 255 bytes after it.
@@ -91,7 +95,7 @@ pub(super) struct Encoder {
 }
 
 impl Encoder {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             low: 0,
             range: u32::MAX,
@@ -128,7 +132,7 @@ impl Encoder {
 
     /// Returns the bytes of all decisions; trailing zeros are left out, since a decoder reads zeros
     /// past the end.
-    pub(super) fn finish(mut self) -> Vec<u8> {
+    pub(crate) fn finish(mut self) -> Vec<u8> {
         // Any value in [low, low + range) is valid: takes the one with the most trailing zeros.
         let end = self.low + u64::from(self.range) - 1;
         for bits in (0..32).rev() {
@@ -151,8 +155,11 @@ impl Encoder {
 impl Coder for Encoder {
     const READS: bool = false;
 
-    fn decide(&mut self, zero: u32, bit: bool) -> bool {
-        let zero = split(self.range, zero);
+    fn range(&self) -> u32 {
+        self.range
+    }
+
+    fn split(&mut self, zero: u32, bit: bool) -> bool {
         if bit {
             self.low += u64::from(zero);
             self.range -= zero;
@@ -188,7 +195,7 @@ const SPARE_BYTES: usize = 16;
 
 /// Decoder of decisions.
 #[derive(Debug)]
-pub(super) struct Decoder<'a> {
+pub(crate) struct Decoder<'a> {
     bytes: &'a [u8],
     at: usize,
     code: u32,
@@ -196,7 +203,7 @@ pub(super) struct Decoder<'a> {
 }
 
 impl<'a> Decoder<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
         let mut decoder = Self {
             bytes,
             at: 0,
@@ -210,7 +217,7 @@ impl<'a> Decoder<'a> {
     }
 
     /// Returns whether all bytes were read.
-    pub(super) fn is_spent(&self) -> bool {
+    pub(crate) fn is_spent(&self) -> bool {
         self.at >= self.bytes.len()
     }
 
@@ -231,8 +238,11 @@ impl<'a> Decoder<'a> {
 impl Coder for Decoder<'_> {
     const READS: bool = true;
 
-    fn decide(&mut self, zero: u32, _: bool) -> bool {
-        let zero = split(self.range, zero);
+    fn range(&self) -> u32 {
+        self.range
+    }
+
+    fn split(&mut self, zero: u32, _: bool) -> bool {
         let bit = self.code >= zero;
         if bit {
             self.code -= zero;

@@ -1,0 +1,245 @@
+//! The steps of all tracks within a tolerance, and the planes that coarser tiers drop.
+//!
+//! Form: `docs/methods/motion-stream.md`, parts 5 and 6.
+
+use super::levers::{Mover, Rest, levers, shares};
+use super::plan::PlannedTrack;
+use super::quantise::{Coding, Levels};
+use super::skin_points::{Measure, SkinError, SkinPoints, Sums};
+use super::truth::Truth;
+use crate::abp2::pose_unit::{MOST_PLANES, MOST_TIERS, TrackForm};
+use articula_core::{Mismatch, Rig};
+use glam::Vec3;
+
+/// Halvings of the interval of a factor.
+const HALVINGS: usize = 9;
+/// Factors of all steps that are tried, in tolerances.
+const FACTORS: [f64; 2] = [0.05, 8.0];
+/// Factors of the planes of a tier, by its tolerance.
+const TIER_FACTORS: [f64; 2] = [0.02, 4.0];
+/// Rounds in which the worst vertices join the points of the search.
+const ROUNDS: usize = 3;
+/// What a factor falls by where the points of the search miss the worst vertex.
+const BACK: f64 = 0.985;
+
+/// Shares of the tolerance: of tier 0, where children take back errors of their parents, and of
+/// coarser ones, where they do not.
+pub(super) struct Shares {
+    pub(super) fine: Vec<f64>,
+    pub(super) coarse: Vec<f64>,
+}
+
+impl Shares {
+    pub(super) fn new(
+        rig: &Rig,
+        points: &SkinPoints,
+        rest: &Rest,
+        planned: &[PlannedTrack],
+        compensates: &[bool],
+    ) -> Self {
+        let mut turns = vec![false; rig.len()];
+        for track in planned.iter().filter(|track| track.moves) {
+            if let Mover::Rotation(joint) = track.mover() {
+                turns[joint] = compensates[joint];
+            }
+        }
+        Self {
+            fine: shares_of(rig, points, rest, planned, &turns, true),
+            coarse: shares_of(rig, points, rest, planned, &vec![false; rig.len()], false),
+        }
+    }
+}
+
+/// Shares of each track; rotations, vectors and morph targets each have the whole tolerance, since
+/// the factor of all steps is measured.
+fn shares_of(
+    rig: &Rig,
+    points: &SkinPoints,
+    rest: &Rest,
+    planned: &[PlannedTrack],
+    turns: &[bool],
+    compensated: bool,
+) -> Vec<f64> {
+    let mut found: Vec<f64> = planned.iter().map(|track| 1.0 / track.lever).collect();
+    let class = |mover: Mover| match mover {
+        Mover::Rotation(_) | Mover::AloneRotation(_) => 0,
+        Mover::Translation(_) | Mover::Scale(_) => 1,
+        Mover::Morph(_) => 2,
+    };
+    for wanted in 0..3 {
+        let of_class = |track: &PlannedTrack| track.moves && class(track.mover()) == wanted;
+        let tracks: Vec<usize> = (0..planned.len())
+            .filter(|t| of_class(&planned[*t]))
+            .collect();
+        let movers: Vec<Mover> = tracks
+            .iter()
+            .map(|track| match planned[*track].mover() {
+                Mover::Rotation(joint) if !compensated => Mover::AloneRotation(joint),
+                other => other,
+            })
+            .collect();
+        let of_points = levers(rig, points, rest, &movers, turns);
+        for (track, share) in tracks.iter().zip(shares(&of_points, points.len())) {
+            found[*track] = share;
+        }
+    }
+    found
+}
+
+/// The points of the search with their true places, and all points.
+pub(super) struct Judge<'a> {
+    pub(super) rig: &'a Rig,
+    pub(super) truth: &'a Truth,
+    pub(super) all: &'a SkinPoints,
+    pub(super) some: SkinPoints,
+    pub(super) shown: Vec<Vec3>,
+}
+
+impl Judge<'_> {
+    /// Measures at the points of the search.
+    pub(super) fn quick(&self) -> Measure<'_> {
+        Measure {
+            rig: self.rig,
+            points: &self.some,
+            truth: self.truth,
+            shown: Some(&self.shown),
+        }
+    }
+
+    /// Error at all points, and those that are beyond `limit` and the worst of a frame.
+    pub(super) fn whole(&self, motion: &Truth, limit: f64) -> (SkinError, Vec<usize>) {
+        let measure = Measure {
+            rig: self.rig,
+            points: self.all,
+            truth: self.truth,
+            shown: None,
+        };
+        let mut sums = Sums::default();
+        let mut worst = Vec::new();
+        for frame in 0..self.truth.frames {
+            let mut farthest = (0, limit);
+            measure.distances(motion, frame..frame + 1, |point, distance| {
+                sums.add(distance);
+                if distance > farthest.1 {
+                    farthest = (point, distance);
+                }
+            });
+            if farthest.1 > limit {
+                worst.push(farthest.0);
+            }
+        }
+        worst.sort_unstable();
+        worst.dedup();
+        (sums.error(), worst)
+    }
+}
+
+/// Searches the greatest steps with an error within the tolerance at all points. `refine` makes a
+/// judge whose search includes further points.
+pub(super) fn finest<'a>(
+    coding: &Coding<'_>,
+    shares: &[f64],
+    tolerance: f64,
+    judge: &mut Judge<'a>,
+    refine: impl Fn(&[usize]) -> (SkinPoints, Vec<Vec3>),
+) -> Result<(Levels, Truth, SkinError), Mismatch> {
+    let quantise = |factor: f64| {
+        let steps: Vec<f64> = shares
+            .iter()
+            .map(|share| share * factor * tolerance)
+            .collect();
+        coding.quantise(&steps)
+    };
+    let mut added: Vec<usize> = Vec::new();
+    let mut factor = FACTORS[0];
+    for round in 0..ROUNDS {
+        let [mut low, mut high] = FACTORS.map(f64::ln);
+        for _ in 0..HALVINGS {
+            let middle = (low + high) / 2.0;
+            let (_, shown) = quantise(middle.exp())?;
+            if judge.quick().error(&shown).max_metres <= tolerance {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        factor = low.exp();
+        let (levels, shown) = quantise(factor)?;
+        let (error, worst) = judge.whole(&shown, tolerance);
+        if error.max_metres <= tolerance {
+            return Ok((levels, shown, error));
+        }
+        if round + 1 < ROUNDS {
+            added.extend(worst);
+            (judge.some, judge.shown) = refine(&added);
+        }
+    }
+    // Steps are eighths of an octave: this ends, at the latest when each is the smallest there is.
+    for _ in 0..600 {
+        factor *= BACK;
+        let (levels, shown) = quantise(factor)?;
+        let (error, _) = judge.whole(&shown, tolerance);
+        if error.max_metres <= tolerance {
+            return Ok((levels, shown, error));
+        }
+    }
+    let what = format!("cannot be coded within {tolerance} m; give a greater tolerance");
+    Err(Mismatch::new("the motion", what))
+}
+
+/// Searches the planes that each tier drops, and writes them into the tracks. Returns the error of
+/// each tier.
+pub(super) fn tiers(
+    coding: &Coding<'_>,
+    levels: &mut Levels,
+    finest: (&Truth, SkinError),
+    shares: &Shares,
+    judge: &Judge<'_>,
+    tolerance: f64,
+) -> Vec<SkinError> {
+    let (start, error) = finest;
+    let mut errors = vec![error];
+    let mut above = vec![0_u8; levels.tracks.len()];
+    for tier in 1..coding.head.tiers {
+        let limit = tolerance * 3_f64.powi(tier as i32);
+        let planes = |factor: f64| -> Vec<u8> {
+            let ratio = shares.coarse.iter().zip(&shares.fine).map(|(c, f)| c / f);
+            let wanted = ratio.map(|r| (factor * r).log(3.0).round());
+            let wanted = wanted.zip(&above);
+            wanted
+                .map(|(w, a)| w.clamp(f64::from(*a), f64::from(MOST_PLANES)) as u8)
+                .collect()
+        };
+        let whole = 3_f64.powi(tier as i32);
+        let [mut low, mut high] = TIER_FACTORS.map(|factor| (whole * factor).ln());
+        let mut best = above.clone();
+        for _ in 0..HALVINGS {
+            let middle = (low + high) / 2.0;
+            let dropped = planes(middle.exp());
+            let shown = coding.shown(levels, &dropped, start);
+            if judge.quick().error(&shown).max_metres <= limit {
+                (low, best) = (middle, dropped);
+            } else {
+                high = middle;
+            }
+        }
+        let mut factor = low.exp();
+        let mut error = judge.whole(&coding.shown(levels, &best, start), limit).0;
+        while error.max_metres > limit && best != above {
+            factor *= 0.9;
+            let dropped = planes(factor);
+            if dropped != best {
+                best = dropped;
+                error = judge.whole(&coding.shown(levels, &best, start), limit).0;
+            }
+        }
+        for (track, dropped) in levels.tracks.iter_mut().zip(&best) {
+            if let TrackForm::Moving { planes, .. } = &mut track.form {
+                planes[tier..MOST_TIERS.min(coding.head.tiers)].fill(*dropped);
+            }
+        }
+        errors.push(error);
+        above = best;
+    }
+    errors
+}

@@ -1,0 +1,412 @@
+//! The head of a stream: what is needed before any access unit.
+//!
+//! Form: `docs/formats/abp2.md`, part 2.
+
+use super::grouping::{Group, Grouping};
+use super::pose_unit::MOST_TIERS;
+use super::wavelet::MOST_FRAMES;
+use crate::error::StreamError;
+use crate::limits::StreamLimits;
+use articula_core::{ByteReader, MAX_JOINTS, push_varint};
+use std::ops::Range;
+
+const MAGIC: [u8; 4] = *b"ABP2";
+const VERSION: u8 = 1;
+const NO_UPDATE: u8 = 4;
+const SCALES: u8 = 8;
+const MORPHS: u8 = 16;
+/// Most morph targets of a stream.
+const MOST_MORPHS: usize = 1 << 16;
+/// Bytes of the magic and the length of the head.
+pub(super) const PREFIX: usize = 8;
+
+/// The head of a motion stream.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionHead {
+    /// Name of the clip.
+    pub name: String,
+    /// How joints are grouped in the access units.
+    pub grouping: Grouping,
+    /// Whether the wavelet updates coarse samples by details, so that middle tiers are smaller; without,
+    /// the finest tier is.
+    pub updates: bool,
+    /// Number of tiers, 1 to 8.
+    pub tiers: usize,
+    /// Greatest error of tier 0 in micrometres of skin; of tier k it is 3^k as much.
+    pub tolerance_micrometres: u16,
+    /// Frames per second.
+    pub rate_hz: f32,
+    /// Number of frames, at least 1.
+    pub frames: usize,
+    /// Number of joints of the rig.
+    pub joints: usize,
+    /// Number of access units; 0 for a single frame.
+    pub access_units: usize,
+    /// Hash of the rig.
+    pub rig_hash: u64,
+    /// Whether joints have scale tracks.
+    pub scales: bool,
+    /// Labels of the groups of joints.
+    pub groups: Vec<Group>,
+    /// Labels of the groups of morph targets, numbered after those of joints.
+    pub morph_groups: Vec<Group>,
+    /// For each morph target of the mesh the index of its group.
+    pub morphs: Vec<u16>,
+}
+
+/// A head with the places of its pose units.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ReadHead {
+    pub(super) head: MotionHead,
+    pub(super) poses: Vec<PosePlace>,
+    /// Bytes up to the first access unit.
+    pub(super) bytes: usize,
+}
+
+/// Where a pose unit is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct PosePlace {
+    pub(super) number: usize,
+    /// All its bytes.
+    pub(super) bytes: Range<usize>,
+    pub(super) body: Range<usize>,
+}
+
+impl MotionHead {
+    /// Reads the head of a stream, without decoding anything.
+    ///
+    /// # Errors
+    /// A [`StreamError`] that names the byte, also if the stream ends within the head.
+    pub fn open(stream: &[u8], limits: &StreamLimits) -> Result<Self, StreamError> {
+        let at = format!("byte {}", stream.len());
+        let early = || StreamError::malformed(at, "the stream ends within its head");
+        Ok(Self::read(stream, limits)?.ok_or_else(early)?.head)
+    }
+
+    /// Returns the error in metres of skin that a tier allows, of the finest of those kept.
+    pub fn tolerance_metres(&self, tier: usize) -> f64 {
+        f64::from(self.tolerance_micrometres) * 1e-6 * 3_f64.powi(tier as i32)
+    }
+
+    /// Returns the frames of an access unit.
+    pub fn frames_of(&self, access_unit: usize) -> Range<usize> {
+        let start =
+            |i: usize| (i as u64 * self.frames as u64 / self.access_units.max(1) as u64) as usize;
+        start(access_unit)..start(access_unit + 1)
+    }
+
+    /// Number of groups of units, of joints and of morph targets.
+    pub(super) fn group_count(&self) -> usize {
+        self.groups.len() + self.morph_groups.len()
+    }
+
+    /// Labels of a group by its number.
+    pub(super) fn group(&self, number: usize) -> &Group {
+        let of_morphs = number.wrapping_sub(self.groups.len());
+        self.morph_groups
+            .get(of_morphs)
+            .unwrap_or_else(|| &self.groups[number])
+    }
+
+    /// The levels of articulation of the pose units of joints, rising.
+    pub(super) fn pose_levels(&self) -> Vec<u8> {
+        let mut levels: Vec<u8> = self.groups.iter().map(|group| group.loa).collect();
+        levels.sort_unstable();
+        levels.dedup();
+        levels
+    }
+
+    /// Writes the head with its pose units.
+    pub(super) fn write(&self, poses: &[(usize, Vec<u8>)]) -> Vec<u8> {
+        let mut out = MAGIC.to_vec();
+        out.extend([0; 4]);
+        out.push(VERSION);
+        let flag = |is_set: bool, flag: u8| if is_set { flag } else { 0 };
+        let has_morphs = !self.morphs.is_empty();
+        out.push(
+            self.grouping as u8
+                | flag(!self.updates, NO_UPDATE)
+                | flag(self.scales, SCALES)
+                | flag(has_morphs, MORPHS),
+        );
+        out.push(self.tiers as u8);
+        out.extend(self.tolerance_micrometres.to_be_bytes());
+        out.extend(self.rate_hz.to_be_bytes());
+        for number in [self.frames, self.joints, self.access_units] {
+            push_varint(&mut out, number as u64);
+        }
+        out.extend(self.rig_hash.to_be_bytes());
+        push_varint(&mut out, self.name.len() as u64);
+        out.extend(self.name.as_bytes());
+        push_varint(&mut out, self.groups.len() as u64);
+        for group in &self.groups {
+            out.extend([group.loa, group.region]);
+            if let Some(joint) = group.joint {
+                push_varint(&mut out, u64::from(joint));
+            }
+        }
+        if has_morphs {
+            push_varint(&mut out, self.morph_groups.len() as u64);
+            for group in &self.morph_groups {
+                out.extend([group.loa, group.region]);
+            }
+            push_varint(&mut out, self.morphs.len() as u64);
+            for group in &self.morphs {
+                push_varint(&mut out, u64::from(*group));
+            }
+        }
+        for (number, body) in poses {
+            push_varint(&mut out, *number as u64);
+            push_varint(&mut out, body.len() as u64);
+            out.extend(body);
+        }
+        let length = (out.len() - PREFIX) as u32;
+        out[4..PREFIX].copy_from_slice(&length.to_be_bytes());
+        out
+    }
+
+    /// Reads a head; `None` if the bytes end within it.
+    pub(super) fn read(
+        bytes: &[u8],
+        limits: &StreamLimits,
+    ) -> Result<Option<ReadHead>, StreamError> {
+        let known = bytes.len().min(4);
+        if bytes[..known] != MAGIC[..known] {
+            return Err(StreamError::malformed(
+                "byte 0",
+                "expected a motion stream, ABP2",
+            ));
+        }
+        let Some(length) = bytes.get(4..PREFIX) else {
+            return Ok(None);
+        };
+        let length = u32::from_be_bytes([length[0], length[1], length[2], length[3]]);
+        StreamLimits::check(
+            "byte 4",
+            "bytes of the head",
+            u64::from(length),
+            limits.bytes,
+        )?;
+        let end = PREFIX + length as usize;
+        let Some(head) = bytes.get(..end) else {
+            return Ok(None);
+        };
+        let mut reader = ByteReader::new(head);
+        reader.slice(PREFIX)?;
+        let mut fields = Fields { reader, limits };
+        let (head, has_morphs) = fields.fixed()?;
+        let mut head = fields.groups(head)?;
+        if has_morphs {
+            fields.morphs(&mut head)?;
+        }
+        let poses = fields.poses(&head)?;
+        Ok(Some(ReadHead {
+            head,
+            poses,
+            bytes: end,
+        }))
+    }
+}
+
+struct Fields<'a> {
+    reader: ByteReader<'a>,
+    limits: &'a StreamLimits,
+}
+
+impl Fields<'_> {
+    fn bad(&self, what: impl Into<String>) -> StreamError {
+        self.reader.bad(what).into()
+    }
+
+    fn number(&mut self, what: &str, least: usize, most: usize) -> Result<usize, StreamError> {
+        let found = self.reader.varint()?;
+        match usize::try_from(found) {
+            Ok(found) if (least..=most).contains(&found) => Ok(found),
+            _ => Err(self.bad(format!("{found} {what}, expected {least} to {most}"))),
+        }
+    }
+
+    /// The fields before the groups, and whether there are morph targets.
+    fn fixed(&mut self) -> Result<(MotionHead, bool), StreamError> {
+        let [version] = self.reader.take()?;
+        if version != VERSION {
+            return Err(StreamError::Unsupported {
+                at: format!("byte {PREFIX}"),
+                what: format!("version {version}"),
+                mend: format!("expected version {VERSION}"),
+            });
+        }
+        let [flags] = self.reader.take()?;
+        let grouping = Grouping::ALL.get(usize::from(flags & 3)).copied();
+        let grouping = grouping.filter(|_| flags < 2 * MORPHS);
+        let grouping = grouping.ok_or_else(|| self.bad(format!("unknown flags {flags:#x}")))?;
+        let [tiers] = self.reader.take()?;
+        if !(1..=MOST_TIERS).contains(&usize::from(tiers)) {
+            return Err(self.bad(format!("{tiers} tiers, expected 1 to {MOST_TIERS}")));
+        }
+        let tolerance_micrometres = u16::from_be_bytes(self.reader.take()?);
+        let rate_hz = f32::from_be_bytes(self.reader.take()?);
+        if !(rate_hz.is_finite() && rate_hz > 0.0) {
+            return Err(self.bad(format!("{rate_hz} frames a second, expected more than 0")));
+        }
+        let most = usize::try_from(self.limits.elements).unwrap_or(usize::MAX);
+        let frames = self.number("frames", 1, most)?;
+        let joints = self.number("joints", 1, MAX_JOINTS)?;
+        // An access unit has at least two frames.
+        let access_units = self.number("access units", usize::from(frames > 1), frames / 2)?;
+        let rig_hash = u64::from_be_bytes(self.reader.take()?);
+        let length = self.number("bytes of a name", 0, 1 << 12)?;
+        let name = std::str::from_utf8(self.reader.slice(length)?).map(str::to_owned);
+        let name = name.map_err(|_| self.bad("expected a name in UTF-8"))?;
+        let head = MotionHead {
+            name,
+            grouping,
+            updates: flags & NO_UPDATE == 0,
+            tiers: usize::from(tiers),
+            tolerance_micrometres,
+            rate_hz,
+            frames,
+            joints,
+            access_units,
+            rig_hash,
+            scales: flags & SCALES != 0,
+            groups: Vec::new(),
+            morph_groups: Vec::new(),
+            morphs: Vec::new(),
+        };
+        if access_units > 0 && frames.div_ceil(access_units) > MOST_FRAMES {
+            return Err(self.bad(format!("{frames} frames in {access_units} access units")));
+        }
+        Ok((head, flags & MORPHS != 0))
+    }
+
+    fn groups(&mut self, mut head: MotionHead) -> Result<MotionHead, StreamError> {
+        let count = self.number("groups", 1, head.joints)?;
+        for _ in 0..count {
+            let [loa, region] = self.reader.take()?;
+            let joint = match head.grouping {
+                Grouping::Joint => Some(self.number("as a joint", 0, head.joints - 1)? as u16),
+                _ => None,
+            };
+            head.groups.push(Group { loa, region, joint });
+        }
+        Ok(head)
+    }
+
+    fn morphs(&mut self, head: &mut MotionHead) -> Result<(), StreamError> {
+        let count = self.number("groups of morph targets", 1, MOST_MORPHS)?;
+        for _ in 0..count {
+            let [loa, region] = self.reader.take()?;
+            head.morph_groups.push(Group {
+                loa,
+                region,
+                joint: None,
+            });
+        }
+        let targets = self.number("morph targets", 1, MOST_MORPHS)?;
+        for _ in 0..targets {
+            let group = self.number("as a group", 0, count - 1)?;
+            head.morphs.push(group as u16);
+        }
+        Ok(())
+    }
+
+    fn poses(&mut self, head: &MotionHead) -> Result<Vec<PosePlace>, StreamError> {
+        let most = head.pose_levels().len() + head.morph_groups.len() - 1;
+        let mut poses: Vec<PosePlace> = Vec::new();
+        while self.reader.left() > 0 {
+            let start = self.reader.at();
+            let number = self.number("as a pose unit", 0, most)?;
+            if poses.iter().any(|pose| pose.number == number) {
+                return Err(self.bad(format!("pose unit {number} occurs twice")));
+            }
+            let length = self.reader.varint()? as usize;
+            let body = self.reader.at();
+            self.reader.slice(length)?;
+            let end = self.reader.at();
+            poses.push(PosePlace {
+                number,
+                bytes: start..end,
+                body: body..end,
+            });
+        }
+        Ok(poses)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn head() -> MotionHead {
+        let group = |loa, region| Group {
+            loa,
+            region,
+            joint: None,
+        };
+        MotionHead {
+            name: "wave".into(),
+            grouping: Grouping::LoaRegion,
+            updates: true,
+            tiers: 5,
+            tolerance_micrometres: 100,
+            rate_hz: 119.88,
+            frames: 41,
+            joints: 67,
+            access_units: 2,
+            rig_hash: 0x0123_4567_89ab_cdef,
+            scales: true,
+            groups: vec![group(0, 4), group(1, 2), group(1, 5)],
+            morph_groups: vec![group(2, 1)],
+            morphs: vec![0, 0, 0],
+        }
+    }
+
+    #[test]
+    fn a_head_comes_back() {
+        let head = head();
+        let poses = [(0, vec![1, 2, 3]), (2, vec![]), (1, vec![9])];
+        let bytes = head.write(&poses);
+        let read = MotionHead::read(&bytes, &StreamLimits::default())
+            .unwrap()
+            .unwrap();
+        assert_eq!((&read.head, read.bytes), (&head, bytes.len()));
+        for ((number, body), place) in poses.iter().zip(&read.poses) {
+            assert_eq!(
+                (number, &body[..]),
+                (&place.number, &bytes[place.body.clone()])
+            );
+            assert_eq!(place.bytes.len(), place.body.len() + 2);
+        }
+        assert_eq!((head.frames_of(0), head.frames_of(1)), (0..20, 20..41));
+        for length in 0..bytes.len() {
+            let part = MotionHead::read(&bytes[..length], &StreamLimits::default());
+            assert_eq!(part, Ok(None), "{length} bytes");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_refused() {
+        let good = head().write(&[(0, vec![1])]);
+        let refused = |at: usize, value: u8| {
+            let mut bytes = good.clone();
+            bytes[at] = value;
+            let read = MotionHead::read(&bytes, &StreamLimits::default());
+            read.unwrap_err().to_string()
+        };
+        assert!(refused(0, b'X').contains("ABP2"));
+        assert!(refused(8, 2).contains("version 2"));
+        assert!(refused(9, 0x23).contains("flags"));
+        assert!(refused(10, 0).contains("0 tiers"));
+        assert!(refused(10, 9).contains("9 tiers"));
+        assert!(refused(13, 0xff).contains("frames a second"));
+        assert!(refused(17, 0).contains("0 frames"));
+        assert!(refused(18, 0).contains("0 joints"));
+        assert!(refused(19, 40).contains("40 access units"));
+        let small = StreamLimits {
+            elements: 40,
+            ..StreamLimits::default()
+        };
+        assert!(MotionHead::read(&good, &small).is_err());
+    }
+}

@@ -1,0 +1,100 @@
+//! The map of a motion stream, by which it is cut.
+
+use super::access_unit::{AccessUnit, PREFIX};
+use super::grouping::{Group, Grouping};
+use super::head::{self, MotionHead, PosePlace, ReadHead};
+use crate::coding::Coding;
+use crate::error::StreamError;
+use crate::limits::StreamLimits;
+use crate::unit::{Field, Meaning, Unit, bits_of};
+use std::ops::Range;
+
+/// Returns the map of a stream: the head with its pose units, then the access units with their
+/// units, marked `loa`, `region`, `joint` and `tier`. Labels as in `docs/formats/abp2.md`.
+///
+/// # Errors
+/// A [`StreamError`] if the stream is malformed or ends early.
+pub fn motion_map(stream: &[u8], limits: &StreamLimits) -> Result<Unit, StreamError> {
+    let early = || StreamError::malformed(format!("byte {}", stream.len()), "unexpected end");
+    let read = MotionHead::read(stream, limits)?.ok_or_else(early)?;
+    let mut children = vec![head_unit(&read, stream)];
+    let mut at = read.bytes;
+    for number in 0..read.head.access_units {
+        let access_unit = AccessUnit::read(stream, at, number, &read.head)?;
+        let whole = access_unit.filter(|a| a.is_whole).ok_or_else(early)?;
+        children.push(access_unit_unit(&whole, number, &read.head));
+        at = whole.bytes.end;
+    }
+    if at < stream.len() {
+        let what = "bytes after the last access unit";
+        return Err(StreamError::malformed(format!("byte {at}"), what));
+    }
+    Ok(Unit {
+        children,
+        ..Unit::of_bytes("abp2", 0..at)
+    })
+}
+
+fn length(name: &'static str, bytes: Range<usize>, value: usize) -> Field {
+    Field {
+        name: name.into(),
+        bits: bits_of(bytes),
+        value: value as u64,
+        coding: Coding::BigEndian,
+        meaning: Meaning::BytesAfter,
+    }
+}
+
+fn marked(mut unit: Unit, group: &Group, grouping: Grouping) -> Unit {
+    unit = unit.marked("loa", u32::from(group.loa));
+    if grouping != Grouping::Loa || group.region != 0 {
+        unit = unit.marked("region", u32::from(group.region));
+    }
+    if let Some(joint) = group.joint {
+        unit = unit.marked("joint", u32::from(joint));
+    }
+    unit
+}
+
+fn head_unit(read: &ReadHead, stream: &[u8]) -> Unit {
+    let levels = read.head.pose_levels();
+    let pose = |place: &PosePlace| {
+        let unit = Unit::of_bytes("pose", place.bytes.clone());
+        match levels.get(place.number) {
+            Some(level) => unit.marked("pose_loa", u32::from(*level)),
+            None => unit,
+        }
+    };
+    let value = u32::from_be_bytes([stream[4], stream[5], stream[6], stream[7]]);
+    Unit {
+        fields: vec![length("head_bytes", 4..head::PREFIX, value as usize)],
+        children: read.poses.iter().map(pose).collect(),
+        ..Unit::of_bytes("head", 0..read.bytes)
+    }
+}
+
+fn access_unit_unit(access_unit: &AccessUnit, number: usize, head: &MotionHead) -> Unit {
+    let start = access_unit.bytes.start;
+    let units = access_unit.units.iter().map(|unit| {
+        let group = head.group(unit.group);
+        marked(
+            Unit::of_bytes("unit", unit.bytes.clone()),
+            group,
+            head.grouping,
+        )
+        .marked("tier", unit.tier as u32)
+    });
+    let after = start + PREFIX;
+    let mut children = vec![Unit::of_bytes("frames", after..start + access_unit.header)];
+    children.extend(units);
+    Unit {
+        fields: vec![length(
+            "au_bytes",
+            start..after,
+            access_unit.bytes.end - after,
+        )],
+        children,
+        ..Unit::of_bytes("access_unit", access_unit.bytes.clone())
+    }
+    .marked("access_unit", number as u32)
+}

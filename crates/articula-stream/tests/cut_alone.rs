@@ -1,0 +1,106 @@
+//! The cut without any codec: `cargo test -p articula-stream --no-default-features --test cut_alone`.
+//!
+//! A stored motion stream is cut by its stored index, and by hand after `docs/formats/abp2.md`.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use articula_stream::{CutRule, Meaning, Unit, cut, read_index};
+
+const STREAM: &[u8] = include_bytes!("golden/walk.abp");
+const INDEX: &[u8] = include_bytes!("golden/walk.auix");
+/// Of the stored stream.
+const TIERS: usize = 5;
+
+/// A variable-length number at `at`, which moves behind it.
+fn varint(bytes: &[u8], at: &mut usize) -> usize {
+    let mut value = 0;
+    for shift in (0..35).step_by(7) {
+        let byte = bytes[*at];
+        *at += 1;
+        value |= usize::from(byte & 0x7f) << shift;
+        if byte < 0x80 {
+            break;
+        }
+    }
+    value
+}
+
+fn length(bytes: &[u8], at: usize) -> usize {
+    let field: [u8; 4] = bytes[at..at + 4].try_into().unwrap();
+    u32::from_be_bytes(field) as usize
+}
+
+/// Deletes the units of finer tiers and sets the lengths of the access units.
+fn by_hand(stream: &[u8], keeps: impl Fn(usize, usize) -> bool) -> Vec<u8> {
+    let mut at = 8 + length(stream, 4);
+    let mut out = stream[..at].to_vec();
+    while at < stream.len() {
+        let end = at + 4 + length(stream, at);
+        let start = out.len();
+        out.extend([0; 4]);
+        at += 4;
+        let before = at;
+        varint(stream, &mut at);
+        out.extend(&stream[before..at]);
+        while at < end {
+            let first = at;
+            let id = varint(stream, &mut at);
+            at += varint(stream, &mut at);
+            if keeps(id / TIERS, TIERS - 1 - id % TIERS) {
+                out.extend(&stream[first..at]);
+            }
+        }
+        let bytes = (out.len() - start - 4) as u32;
+        out[start..start + 4].copy_from_slice(&bytes.to_be_bytes());
+    }
+    out
+}
+
+#[test]
+fn a_stored_stream_is_cut_by_its_index() {
+    let map = read_index(INDEX).unwrap();
+    map.check().unwrap();
+    map.check_values(STREAM).unwrap();
+    for tier in 0..=TIERS {
+        let rule = CutRule::default().at_least("tier", tier as u32);
+        let part = cut(STREAM, &map, |unit| rule.keeps(unit)).unwrap();
+        assert_eq!(part.bytes, by_hand(STREAM, |_, t| t >= tier), "tier {tier}");
+        part.unit.check_values(&part.bytes).unwrap();
+    }
+    // Groups of this stream are joints.
+    let rule = CutRule::default().among("joint", vec![3, 14, 15]);
+    let part = cut(STREAM, &map, |unit| rule.keeps(unit)).unwrap();
+    assert_eq!(
+        part.bytes,
+        by_hand(STREAM, |joint, _| [3, 14, 15].contains(&joint))
+    );
+}
+
+/// Gives every label, field and scheme another name.
+fn renamed(unit: &Unit) -> Unit {
+    let other = |name: &str| name.chars().rev().collect::<String>() + "?";
+    let mut unit = unit.clone();
+    unit.label = other(&unit.label).into();
+    for marker in &mut unit.markers {
+        marker.scheme = other(&marker.scheme).into();
+    }
+    for field in &mut unit.fields {
+        field.name = other(&field.name).into();
+        if let Meaning::CountOf(label) = &mut field.meaning {
+            *label = other(label).into();
+        }
+    }
+    unit.children = unit.children.iter().map(renamed).collect();
+    unit
+}
+
+#[test]
+fn names_do_not_matter() {
+    let map = read_index(INDEX).unwrap();
+    let rule = CutRule::default().at_least("tier", 2).at_most("loa", 1);
+    let other = CutRule::default().at_least("reit?", 2).at_most("aol?", 1);
+    let part = cut(STREAM, &map, |unit| rule.keeps(unit)).unwrap();
+    let same = cut(STREAM, &renamed(&map), |unit| other.keeps(unit)).unwrap();
+    assert!(part.bytes.len() < STREAM.len() / 2);
+    assert_eq!(part.bytes, same.bytes);
+    assert_eq!(renamed(&part.unit), same.unit);
+}

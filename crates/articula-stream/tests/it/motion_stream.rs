@@ -1,0 +1,430 @@
+//! ABP-2: what a stream shows, whole, cut and in pieces.
+
+use articula_build::{Asset, ClipOptions, character};
+use articula_core::{Clip, Mesh, ModelPose, PosedMesh, Rig, Wrap};
+use articula_human::{HumanOptions, human};
+use articula_mutate::{Edit, Mutations};
+use articula_stream::abp2::{
+    EncodedMotion, Grouping, MotionOptions, MotionReceiver, UnitOrder, encode, motion_map,
+};
+use articula_stream::{CutRule, StreamLimits, Unit, cut, read_index, write_index};
+use glam::{Quat, Vec3};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// A small reference human with its clips.
+fn figure() -> &'static Asset {
+    static FIGURE: OnceLock<Asset> = OnceLock::new();
+    FIGURE.get_or_init(|| {
+        let source = human(&HumanOptions { triangles: 3000 }).unwrap();
+        character(&source, None, &ClipOptions::default()).unwrap()
+    })
+}
+
+fn coded(grouping: Grouping, order: UnitOrder) -> EncodedMotion {
+    let Asset { rig, mesh, .. } = figure();
+    let options = MotionOptions {
+        grouping,
+        order,
+        access_unit_secs: 0.6,
+        manifest: true,
+        ..MotionOptions::default()
+    };
+    encode(rig, mesh, walk(), &options).unwrap()
+}
+
+fn walk() -> &'static Clip {
+    figure()
+        .clips
+        .iter()
+        .find(|clip| clip.name == "walk")
+        .unwrap()
+}
+
+fn received(bytes: &[u8]) -> MotionReceiver {
+    MotionReceiver::read(bytes, &figure().rig, &StreamLimits::default()).unwrap()
+}
+
+/// Greatest distance of the skin of two clips, at frames.
+fn farthest(rig: &Rig, mesh: &Mesh, a: &Clip, b: &Clip, frames: std::ops::Range<usize>) -> f64 {
+    let mut posed = [PosedMesh::new(rig, mesh), PosedMesh::new(rig, mesh)];
+    let mut most = 0.0_f64;
+    for frame in frames {
+        let time = frame as f64 / f64::from(a.rate_hz());
+        let [one, other] = &mut posed;
+        let weights = &mesh.morph_weights;
+        let one = one.pose_at(a, time, Wrap::Clamp).skinned(weights);
+        let other = other.pose_at(b, time, Wrap::Clamp).skinned(weights);
+        let pairs = one.positions.iter().zip(&other.positions);
+        most = pairs
+            .map(|(a, b)| f64::from(a.distance(*b)))
+            .fold(most, f64::max);
+    }
+    most
+}
+
+fn error(bytes: &[u8]) -> f64 {
+    let Asset { rig, mesh, .. } = figure();
+    let shown = received(bytes).clip().unwrap();
+    farthest(rig, mesh, walk(), &shown, 0..walk().frames())
+}
+
+#[test]
+fn every_tier_keeps_its_tolerance_at_every_vertex() {
+    for grouping in Grouping::ALL {
+        let coded = coded(grouping, UnitOrder::Tier);
+        let mut bytes = usize::MAX;
+        for tier in 0..5 {
+            let rule = CutRule::default().at_least("tier", tier);
+            let part = cut(&coded.bytes, &coded.unit, |unit| rule.keeps(unit)).unwrap();
+            let found = error(&part.bytes);
+            let limit = 1e-4 * 3_f64.powi(tier as i32);
+            assert!(
+                found <= 1.01 * limit + 2e-7,
+                "{grouping:?} tier {tier}: {found}"
+            );
+            let told = coded.errors[tier as usize].max_metres;
+            assert!(
+                (found - told).abs() < 1e-6,
+                "tier {tier}: {found}, told {told}"
+            );
+            assert!(part.bytes.len() < bytes);
+            bytes = part.bytes.len();
+        }
+    }
+}
+
+/// The units of an access unit by their markers, with their bytes.
+fn units<'a>(stream: &'a [u8], map: &Unit) -> BTreeMap<Vec<u32>, &'a [u8]> {
+    let mut units = BTreeMap::new();
+    for access_unit in &map.children {
+        for unit in &access_unit.children {
+            if let Some(tier) = unit.marker("tier") {
+                let of = |scheme| unit.marker(scheme).unwrap_or(u32::MAX);
+                let number = access_unit.marker("access_unit").unwrap();
+                let key = vec![number, of("loa"), of("region"), of("joint"), tier];
+                let bytes = unit.bits.start as usize / 8..unit.bits.end as usize / 8;
+                assert!(units.insert(key, &stream[bytes]).is_none());
+            }
+        }
+    }
+    units
+}
+
+#[test]
+fn every_cut_decodes_and_keeps_its_units_as_they_are() {
+    for grouping in Grouping::ALL {
+        let coded = coded(grouping, UnitOrder::Tier);
+        let all = units(&coded.bytes, &coded.unit);
+        let joints: Vec<u32> = match grouping {
+            Grouping::Joint => vec![0, 5, 40, 88, 999],
+            _ => vec![999],
+        };
+        for loa in 0..=5 {
+            for mask in [0b1111_1110, 0b0011_0000, 0b0000_1100, 0] {
+                for tier in 0..=5 {
+                    for joint in &joints {
+                        let joint = *joint;
+                        let body = CutRule::default().at_most("loa", loa);
+                        let body = match grouping {
+                            Grouping::Loa => body,
+                            _ => body.in_mask("region", mask),
+                        };
+                        let keeps =
+                            |unit: &Unit| body.keeps(unit) && unit.marker("joint") != Some(joint);
+                        let tiers = CutRule::default().at_least("tier", tier);
+                        let once = cut(&coded.bytes, &coded.unit, |unit| {
+                            keeps(unit) && tiers.keeps(unit)
+                        });
+                        let once = once.unwrap();
+                        let first = cut(&coded.bytes, &coded.unit, keeps).unwrap();
+                        let twice = cut(&first.bytes, &first.unit, |unit| tiers.keeps(unit));
+                        assert_eq!(twice.unwrap(), once);
+                        let map = motion_map(&once.bytes, &StreamLimits::default()).unwrap();
+                        assert_eq!(map, once.unit);
+                        assert!(received(&once.bytes).is_whole());
+                        let kept = units(&once.bytes, &once.unit);
+                        assert!(kept.iter().all(|(key, bytes)| all[key] == *bytes));
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_dropped_group_shows_its_reference_and_others_move_as_before() {
+    let coded = coded(Grouping::LoaRegion, UnitOrder::Tier);
+    let legs = CutRule::default().in_mask("region", 0b0111_0000);
+    let part = cut(&coded.bytes, &coded.unit, |unit| legs.keeps(unit)).unwrap();
+    let whole = received(&coded.bytes).clip().unwrap();
+    let shown = received(&part.bytes).clip().unwrap();
+    let articulation = figure().rig.articulation();
+    let (mut kept, mut held) = (0, 0);
+    for (a, b) in whole
+        .tracks()
+        .rotations
+        .iter()
+        .zip(&shown.tracks().rotations)
+    {
+        let region = 1 + articulation.joints[usize::from(a.target)].region as u32;
+        if a.values.len() == 1 {
+            continue;
+        }
+        if 0b0111_0000 >> region & 1 == 1 {
+            assert_eq!(a, b);
+            kept += 1;
+        } else {
+            assert!(b.values.iter().all(|q| *q == b.values[0]));
+            held += 1;
+        }
+    }
+    assert!(kept > 5 && held > 10, "{kept} kept, {held} held");
+}
+
+#[test]
+fn every_prefix_decodes_to_what_the_manifest_says() {
+    for order in [UnitOrder::Tier, UnitOrder::Value] {
+        let coded = coded(Grouping::LoaRegion, order);
+        for length in 0..coded.bytes.len() {
+            let part = received(&coded.bytes[..length]);
+            assert!(!part.is_whole());
+            assert_eq!(part.head().is_none(), part.clip().is_err());
+        }
+        let Asset { rig, mesh, .. } = figure();
+        let head = received(&coded.bytes).head().unwrap().clone();
+        for row in coded.manifest.iter().step_by(7) {
+            let part = received(&coded.bytes[..row.bytes]);
+            let frames = head.frames_of(row.access_unit);
+            assert_eq!(part.frames(), frames.end);
+            let found = farthest(rig, mesh, walk(), &part.clip().unwrap(), frames);
+            // The manifest measures some of the vertices.
+            let told = row.error.max_metres;
+            assert!(
+                told <= found + 1e-6 && found < 1.3 * told,
+                "{found}, told {told}"
+            );
+        }
+        let last = coded.manifest.last().unwrap();
+        assert_eq!(last.bytes, coded.bytes.len());
+    }
+}
+
+#[test]
+fn the_order_by_value_falls_faster() {
+    let area = |order| {
+        let coded = coded(Grouping::LoaRegion, order);
+        let of_first = coded.manifest.iter().filter(|row| row.access_unit == 0);
+        let rows: Vec<_> = of_first.collect();
+        let mean = rows.windows(2).map(|pair| {
+            let bytes = (pair[1].bytes - pair[0].bytes) as f64;
+            pair[0].error.mean_metres * bytes
+        });
+        mean.sum::<f64>()
+    };
+    let (by_tier, by_value) = (area(UnitOrder::Tier), area(UnitOrder::Value));
+    assert!(by_value < 0.9 * by_tier, "{by_value} of {by_tier}");
+}
+
+#[test]
+fn pieces_of_any_length_make_the_same_clip() {
+    let coded = coded(Grouping::Loa, UnitOrder::Tier);
+    let whole = received(&coded.bytes);
+    for size in [1, 7, 500] {
+        let mut receiver = MotionReceiver::new(&figure().rig, &StreamLimits::default());
+        let mut shown = 0;
+        for piece in coded.bytes.chunks(size) {
+            let changed = receiver.receive(piece).unwrap();
+            assert!(changed.is_empty() || changed.end >= shown);
+            shown = receiver.frames();
+        }
+        assert!(receiver.is_whole() && receiver.hash() == whole.hash());
+        assert_eq!(receiver.clip(), whole.clip());
+    }
+}
+
+#[test]
+fn a_stream_is_for_one_rig() {
+    let coded = coded(Grouping::Loa, UnitOrder::Tier);
+    let other = human(&HumanOptions { triangles: 3000 }).unwrap();
+    let mut skeleton = other.skeleton;
+    skeleton.joints.truncate(80);
+    let mut articulation = figure().rig.articulation().clone();
+    articulation.joints.truncate(80);
+    let shorter = Rig::new(&skeleton, articulation.clone()).unwrap();
+    let refused = |rig: &Rig| {
+        let read = MotionReceiver::read(&coded.bytes, rig, &StreamLimits::default());
+        read.unwrap_err().to_string()
+    };
+    assert!(refused(&shorter).contains("89 joints"));
+    let mut moved = figure().rig.articulation().clone();
+    moved.joints.iter_mut().for_each(|joint| joint.level = 3);
+    let source = human(&HumanOptions { triangles: 3000 }).unwrap();
+    let same = Rig::new(&source.skeleton, moved).unwrap();
+    assert!(refused(&same).contains("levels of articulation"));
+}
+
+/// The stored stream with its index: `walk.abp`, written from the reference human's walk, and
+/// `walk.auix`.
+fn golden(name: &str, made: &[u8]) -> Vec<u8> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/golden")
+        .join(name);
+    if std::env::var_os("ARTICULA_GOLDEN").is_some_and(|v| v == "renew") {
+        std::fs::write(&path, made).unwrap();
+    }
+    std::fs::read(&path).unwrap()
+}
+
+#[test]
+fn a_stored_stream_decodes_to_the_same_numbers() {
+    let coded = coded(Grouping::Joint, UnitOrder::Tier);
+    let stored = golden("walk.abp", &coded.bytes);
+    let index = golden("walk.auix", &write_index(&coded.unit));
+    assert_eq!(
+        stored, coded.bytes,
+        "the encoder has changed: run `cargo xtask golden`"
+    );
+    assert_eq!(read_index(&index).unwrap(), coded.unit);
+    let hash = format!("{:016x}", received(&stored).hash());
+    let told = golden("walk.hash", hash.as_bytes());
+    assert_eq!(hash.as_bytes(), told);
+}
+
+#[test]
+fn hostile_streams_end_in_an_error_or_a_clip() {
+    let mutations = Mutations {
+        edits: &[
+            Edit::SetByte,
+            Edit::FlipBit,
+            Edit::Truncate,
+            Edit::Repeat(60),
+            Edit::Delete(60),
+        ],
+        most: 3,
+    };
+    let limits = StreamLimits {
+        bytes: 1 << 20,
+        elements: 1 << 20,
+    };
+    for grouping in Grouping::ALL {
+        let good = coded(grouping, UnitOrder::Tier).bytes;
+        mutations.read_of(&good, 700, |bytes| {
+            if let Ok(map) = motion_map(bytes, &limits) {
+                map.check().unwrap();
+                map.check_values(bytes).unwrap();
+            }
+            let Ok(read) = MotionReceiver::read(bytes, &figure().rig, &limits) else {
+                return false;
+            };
+            if let Ok(clip) = read.clip() {
+                assert_eq!(clip.joints(), figure().rig.len());
+            }
+            true
+        });
+    }
+}
+
+#[test]
+fn scales_and_morph_targets_are_coded() {
+    use articula_core::{Morph, Track, Tracks};
+    let Asset { rig, mesh, .. } = figure();
+    // Two targets that move a third of the vertices each, and a head that swells.
+    let morph = |slot: u16| Morph {
+        slot,
+        vertices: (0..mesh.len() as u32)
+            .skip(usize::from(slot))
+            .step_by(3)
+            .collect(),
+        positions: vec![Vec3::new(0.0, 0.02, 0.01); mesh.len().div_ceil(3)],
+        normals: vec![Vec3::ZERO; mesh.len().div_ceil(3)],
+    };
+    let mut mesh = mesh.clone();
+    mesh.morphs = (0..2).map(morph).collect();
+    mesh.morphs.iter_mut().for_each(|m| {
+        m.positions.truncate(m.vertices.len());
+        m.normals.truncate(m.vertices.len());
+    });
+    mesh.morph_weights = vec![0.0, 0.3];
+    let head = rig.find("skullbase").unwrap();
+    let frames = 40;
+    let wave = |i: usize, speed: f32| (i as f32 * speed).sin();
+    let track = |target, values| Track {
+        target,
+        step: false,
+        values,
+    };
+    let tracks = Tracks {
+        scales: vec![Track {
+            target: head as u16,
+            step: false,
+            values: (0..frames)
+                .map(|i| Vec3::splat(1.0 + 0.2 * wave(i, 0.3)))
+                .collect(),
+        }],
+        morphs: vec![
+            track(0, (0..frames).map(|i| 0.5 + 0.5 * wave(i, 0.2)).collect()),
+            track(1, vec![0.0]),
+        ],
+        ..Tracks::default()
+    };
+    let clip = Clip::new("swell", 30.0, frames, rig.len(), tracks).unwrap();
+    let coded = encode(rig, &mesh, &clip, &MotionOptions::default()).unwrap();
+    let shown = received(&coded.bytes).clip().unwrap();
+    let at = |clip: &Clip, frame: usize| {
+        let mut weights = mesh.morph_weights.clone();
+        articula_core::sample_morphs(clip, frame as f64 / 30.0, Wrap::Clamp, &mut weights);
+        let mut posed = PosedMesh::new(rig, &mesh);
+        posed
+            .pose_at(clip, frame as f64 / 30.0, Wrap::Clamp)
+            .skinned(&weights)
+            .positions
+    };
+    for frame in 0..frames {
+        let (a, b) = (at(&clip, frame), at(&shown, frame));
+        let most = a
+            .iter()
+            .zip(&b)
+            .map(|(a, b)| a.distance(*b))
+            .fold(0.0, f32::max);
+        assert!(most <= 1.01e-4, "frame {frame}: {most}");
+    }
+    assert_eq!(shown.tracks().morphs[1].values, [0.0]);
+    let whole = shown.tracks().scales[0].values.len();
+    assert_eq!(whole, frames);
+}
+
+#[test]
+fn a_rig_without_a_mesh_and_a_clip_of_one_frame() {
+    let Asset { rig, .. } = figure();
+    let mesh = Mesh::default();
+    let coded = encode(rig, &mesh, walk(), &MotionOptions::default()).unwrap();
+    let shown = received(&coded.bytes).clip().unwrap();
+    let (mut a, mut b) = (ModelPose::new(rig.len()), ModelPose::new(rig.len()));
+    let mut posed = PosedMesh::new(rig, &mesh);
+    for frame in 0..walk().frames() {
+        let time = frame as f64 / f64::from(walk().rate_hz());
+        a.matrices
+            .clone_from(&posed.pose_at(walk(), time, Wrap::Clamp).model.matrices);
+        b.matrices
+            .clone_from(&posed.pose_at(&shown, time, Wrap::Clamp).model.matrices);
+        for joint in 0..rig.len() {
+            assert!(a.position(joint).distance(b.position(joint)) < 1.01e-4);
+        }
+    }
+    let still = articula_core::Tracks {
+        rotations: vec![articula_core::Track {
+            target: 0,
+            step: false,
+            values: vec![Quat::from_rotation_y(0.7)],
+        }],
+        ..articula_core::Tracks::default()
+    };
+    let still = Clip::new("still", 24.0, 1, rig.len(), still).unwrap();
+    let coded = encode(rig, &mesh, &still, &MotionOptions::default()).unwrap();
+    let shown = received(&coded.bytes);
+    assert!(shown.is_whole() && shown.frames() == 1);
+    let turn = shown.clip().unwrap().tracks().rotations[0].values[0];
+    assert!(turn.angle_between(Quat::from_rotation_y(0.7)) < 1e-3);
+}
