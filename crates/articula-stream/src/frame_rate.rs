@@ -71,7 +71,9 @@ mod tests {
         for sixteenths in 1..4096 {
             for ntsc in [false, true] {
                 let rate = FrameRate { sixteenths, ntsc };
-                assert_eq!(FrameRate::nearest(rate.hz()), Some(rate));
+                // 1001 sixteenths with the factor are 1000 without it.
+                let nearest = FrameRate::nearest(rate.hz()).map(FrameRate::hz);
+                assert_eq!(nearest, Some(rate.hz()));
                 let mut out = BitWriter::default();
                 rate.write(&mut out);
                 assert_eq!(out.bits, u64::from(BITS));
@@ -86,6 +88,8 @@ mod tests {
         for hz in [0.0, 0.02, -1.0, 300.0, f64::NAN, f64::INFINITY] {
             assert_eq!(FrameRate::nearest(hz), None, "{hz}");
         }
-        assert_eq!(FrameRate::nearest(0.05).map(FrameRate::hz), Some(0.0625));
+        // The smallest: one sixteenth with the factor.
+        let least = FrameRate::nearest(0.05).map(FrameRate::hz);
+        assert_eq!(least, Some(0.0625 * 1000.0 / 1001.0));
     }
 }

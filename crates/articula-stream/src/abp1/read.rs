@@ -81,7 +81,7 @@ impl Decoding {
         }
         let plane = &unit.plane;
         let before = *self.interpolated.get_or_insert(plane.interpolated);
-        if plane.rate != opened.rate || plane.interpolated != before {
+        if plane.rate.hz() != opened.rate.hz() || plane.interpolated != before {
             let what = "another frame rate or number of interpolated frames than before";
             return Err(StreamError::malformed(at(), what));
         }

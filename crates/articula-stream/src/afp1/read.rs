@@ -63,7 +63,7 @@ pub fn read(
     for range in &container.access_units {
         let unit = access_unit::read(bytes, range.clone())?;
         let bad = |what: String| StreamError::malformed(format!("byte {}", range.start), what);
-        if unit.plane.rate != rate {
+        if unit.plane.rate.hz() != rate.hz() {
             return Err(bad("another frame rate than that of the head".into()));
         }
         let count = frames.len() + unit.plane.frames;
