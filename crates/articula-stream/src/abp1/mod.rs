@@ -6,11 +6,11 @@
 //!
 //! An access unit has 16 frames. In it each bone has a mask, which tells its components, and values
 //! that depend on no other bone and no other access unit, so that [`crate::cut()`] can remove both
-//! by the map of [`unit`].
+//! by the map of [`unit()`].
 //!
 //! - [`Abp1Clip`], [`Bone`], [`BoneTracks`]: the plain form
 //! - [`write()`], [`read`]: to bytes and back
-//! - [`unit`]: the map of the bytes
+//! - [`unit()`]: the map of the bytes
 //! - [`write_text`], [`read_text`]: the ASCII twin
 //!
 //! ```

@@ -2,12 +2,12 @@
 //!
 //! The form is described in `docs/formats/afp1.md`. An access unit has up to 16 frames. In it each
 //! facial animation parameter (FAP) has values that depend on no other parameter and no other access
-//! unit, so that [`crate::cut()`] can remove both by the map of [`unit`]. Parameters that copy others
+//! unit, so that [`crate::cut()`] can remove both by the map of [`unit()`]. Parameters that copy others
 //! at the level of their region are not written; a reader restores them.
 //!
 //! - [`Afp1Clip`], [`FaceFrame`]: the plain form
 //! - [`write()`], [`read`]: to bytes and back
-//! - [`unit`]: the map of the bytes
+//! - [`unit()`]: the map of the bytes
 //!
 //! ```
 //! use articula_stream::afp1::{Afp1Clip, Afp1Options, Afp1ReadOptions, FaceFrame, read, unit, write};

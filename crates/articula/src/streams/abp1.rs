@@ -21,14 +21,16 @@ use std::f32::consts::TAU;
 const STILL: f32 = 0.5e-4;
 /// Ratio of two scales of a joint below which they count as equal.
 const EVEN: f32 = 1e-4;
+/// Angle of axes of scale beyond which they count as turned, in radians: ten times the finest step.
+const TURNED: f32 = 1e-3;
 /// Maximum number of frames.
 const MAX_FRAMES: f64 = (1 << 20) as f64;
 
 /// Returns a clip of a character in the form of ABP-1, sampled at the rate of its keys.
 ///
 /// Bones are the joints of the skeleton, with the same numbers. Motion of morph targets and
-/// expressions is left out. Joints whose rest pose is scaled differently along its axes move only
-/// approximately as in the character.
+/// expressions is left out. Joints below one whose rest pose is scaled differently along its axes
+/// move only approximately as in the character.
 ///
 /// # Errors
 /// An [`Error`] if the clip does not exist, or its rate or length cannot be written.
@@ -205,22 +207,31 @@ fn bones(skeleton: &Skeleton, articulation: &Articulation, rest: &RestAxes) -> V
         .collect()
 }
 
-/// Returns the character of an ABP-1 clip: the skeleton of its bone table, and the clip. Warnings
-/// name what a joint cannot do.
+/// Returns the character of an ABP-1 clip: the skeleton of its bone table, and the clip. Joints have
+/// the axes of the figure at rest, those that are scaled the axes of scale. Warnings name what a joint
+/// cannot do.
 pub fn to_character(clip: &Abp1Clip) -> (Character, Vec<Warning>) {
     let bones = &clip.bones;
-    let joint = |bone: &Bone| {
-        let parent = bone.parent.map(usize::from);
-        let from = parent.map_or(Vec3::ZERO, |p| bones[p].center.into());
+    let axes: Vec<Quat> = clip.tracks.iter().map(scale_axes).collect();
+    let above = |bone: &Bone| match bone.parent.map(usize::from) {
+        None => (Vec3::ZERO, Quat::IDENTITY),
+        Some(p) => (bones[p].center.into(), axes[p].conjugate()),
+    };
+    let joint = |(bone, own): (&Bone, &Quat)| {
+        let (from, into_parent) = above(bone);
         Joint {
             name: bone.name.clone(),
-            parent,
-            rest: Transform::from_translation(Vec3::from(bone.center) - from),
+            parent: bone.parent.map(usize::from),
+            rest: Transform {
+                translation: into_parent * (Vec3::from(bone.center) - from),
+                rotation: into_parent * *own,
+                scale: Vec3::ONE,
+            },
             in_skin: true,
         }
     };
     let skeleton = Skeleton {
-        joints: bones.iter().map(joint).collect(),
+        joints: bones.iter().zip(&axes).map(joint).collect(),
     };
     let secs = |frame: usize| (frame as f64 / clip.rate.hz()) as f32;
     let times_secs: Vec<f32> = (0..clip.frames).map(secs).collect();
@@ -229,15 +240,18 @@ pub fn to_character(clip: &Abp1Clip) -> (Character, Vec<Warning>) {
         duration_secs: times_secs.last().copied().unwrap_or(0.0),
         channels: Vec::new(),
     };
-    let mut uneven = 0;
+    let mut turning = 0;
     if clip.frames > 0 {
         for (target, tracks) in clip.tracks.iter().enumerate() {
+            let bone = &bones[target];
             let joint = Moving {
-                bone: &bones[target],
+                bone,
+                into_parent: above(bone).1,
+                axes: axes[target],
                 rest: skeleton.joints[target].rest.translation,
                 tracks,
             };
-            uneven += usize::from(joint.is_uneven());
+            turning += usize::from(joint.has_turning_axes());
             raw.channels.extend(joint.channels(target, &times_secs));
         }
     }
@@ -246,9 +260,10 @@ pub fn to_character(clip: &Abp1Clip) -> (Character, Vec<Warning>) {
         what,
         guess: None,
     };
-    let warnings = (uneven > 0).then(|| {
+    let warnings = (turning > 0).then(|| {
         warning(format!(
-            "{uneven} are scaled along turned axes, which a joint cannot be; they are scaled evenly"
+            "{turning} are scaled along axes that turn, which a joint cannot be; they are scaled \
+             along the first ones"
         ))
     });
     let character = Character {
@@ -258,6 +273,14 @@ pub fn to_character(clip: &Abp1Clip) -> (Character, Vec<Warning>) {
         ..Character::default()
     };
     (character, warnings.into_iter().collect())
+}
+
+/// The first axes of scale that are not those of the figure.
+fn scale_axes(tracks: &BoneTracks) -> Quat {
+    let track = tracks.get(TrackKind::ScaleOrientation);
+    let mut values = track.into_iter().flatten().map(|axes| Vec3::from(*axes));
+    let first = values.find(|axes| axes.length() > STILL);
+    first.map_or(Quat::IDENTITY, Quat::from_scaled_axis)
 }
 
 /// Sets level and region of joints as the bone table has them; other region numbers than 1 to 7
@@ -274,6 +297,10 @@ pub(crate) fn set_articulation(bones: &[Bone], articulation: &mut Articulation) 
 /// A bone whose tracks become channels.
 struct Moving<'a> {
     bone: &'a Bone,
+    /// Rotation from the axes of the figure into those of the parent at rest.
+    into_parent: Quat,
+    /// Its own axes at rest.
+    axes: Quat,
     /// Translation at rest.
     rest: Vec3,
     tracks: &'a BoneTracks,
@@ -282,28 +309,27 @@ struct Moving<'a> {
 impl Moving<'_> {
     fn value(&self, kind: TrackKind, frame: usize) -> Vec3 {
         let track = self.tracks.get(kind);
-        track
-            .map_or(kind.rest(self.bone), |track| track[frame])
-            .into()
+        let value = track.map_or(kind.rest(self.bone), |track| track[frame]);
+        value.into()
     }
 
     fn has(&self, kind: TrackKind) -> bool {
         self.tracks.get(kind).is_some()
     }
 
-    /// Whether it is scaled differently along axes that are not its own.
-    fn is_uneven(&self) -> bool {
-        let Some(axes) = self.tracks.get(TrackKind::ScaleOrientation) else {
+    /// Whether it is scaled differently along axes that are not always the same.
+    fn has_turning_axes(&self) -> bool {
+        let Some(track) = self.tracks.get(TrackKind::ScaleOrientation) else {
             return false;
         };
-        (0..axes.len()).any(|frame| {
-            let axes = self.value(TrackKind::ScaleOrientation, frame);
-            axes.length() > STILL && !is_even(self.value(TrackKind::Scale, frame))
+        (0..track.len()).any(|frame| {
+            let axes = Quat::from_scaled_axis(self.value(TrackKind::ScaleOrientation, frame));
+            let turned = articula_core::angle_between(self.axes, axes);
+            turned > TURNED && !is_even(self.value(TrackKind::Scale, frame))
         })
     }
 
     fn channels(&self, target: usize, times_secs: &[f32]) -> Vec<Channel> {
-        let is_uneven = self.is_uneven();
         let mut channels = Vec::new();
         let mut add = |property, value: &dyn Fn(Transform) -> Vec<f32>| {
             let frames = 0..times_secs.len();
@@ -312,9 +338,7 @@ impl Moving<'_> {
                 property,
                 interpolation: Interpolation::Linear,
                 times_secs: times_secs.to_vec(),
-                values: frames
-                    .flat_map(|f| value(self.local(f, is_uneven)))
-                    .collect(),
+                values: frames.flat_map(|f| value(self.local(f))).collect(),
             });
         };
         if self.has(TrackKind::Translation) || self.has(TrackKind::Center) {
@@ -332,18 +356,17 @@ impl Moving<'_> {
     }
 
     /// The local transform in a frame.
-    fn local(&self, frame: usize, is_uneven: bool) -> Transform {
-        let rotation = Quat::from_scaled_axis(self.value(TrackKind::Rotation, frame));
-        let mut scale = self.value(TrackKind::Scale, frame);
-        if is_uneven {
-            scale = Vec3::splat(scale.element_product().abs().cbrt());
-        }
+    fn local(&self, frame: usize) -> Transform {
+        let turn = Quat::from_scaled_axis(self.value(TrackKind::Rotation, frame));
+        let rotation = turn * self.axes;
+        let scale = self.value(TrackKind::Scale, frame);
         // About another centre than that of the table, rotation and scale also move the joint.
         let center = self.value(TrackKind::Center, frame) - Vec3::from(self.bone.center);
-        let moved = center - rotation * (scale * center);
+        let scaled = rotation * (scale * (self.axes.conjugate() * center));
+        let moved = self.value(TrackKind::Translation, frame) + center - scaled;
         Transform {
-            translation: self.rest + self.value(TrackKind::Translation, frame) + moved,
-            rotation,
+            translation: self.rest + self.into_parent * moved,
+            rotation: (self.into_parent * rotation).normalize(),
             scale,
         }
     }
