@@ -92,15 +92,13 @@ impl Block {
 
     /// Number of bits after the parameter.
     fn bits(&self) -> u64 {
-        let mut first = BitWriter::default();
-        golomb::write_exp_golomb(&mut first, self.first);
         let last = match (self.coding, self.parameter) {
             (CodingType::Dct, 0..CONSTANT) => 4,
             _ => 0,
         };
         let rest = self.rest[..self.count].iter();
         let rest = rest.map(|level| golomb::rice_bits(self.parameter, *level));
-        first.bits + last + rest.sum::<u64>()
+        golomb::exp_golomb_bits(self.first) + last + rest.sum::<u64>()
     }
 
     /// Writes the block.

@@ -25,6 +25,12 @@ fn signed(value: u64) -> i64 {
     (value >> 1) as i64 ^ -((value & 1) as i64)
 }
 
+/// Number of bits of a signed Exp-Golomb code of order 8.
+pub(crate) fn exp_golomb_bits(value: i64) -> u64 {
+    let bits = (unsigned(value) + (1 << ORDER)).ilog2() + 1;
+    u64::from(2 * bits - 1 - ORDER)
+}
+
 /// Writes a number below 2^32 in magnitude as a signed Exp-Golomb code of order 8.
 pub(crate) fn write_exp_golomb(out: &mut BitWriter, value: i64) {
     let shifted = unsigned(value) + (1 << ORDER);
@@ -122,7 +128,9 @@ mod tests {
             let mut out = BitWriter::default();
             let values: Vec<i64> = values.iter().map(|(value, shift)| value >> shift).collect();
             for value in &values {
+                let before = out.bits;
                 write_exp_golomb(&mut out, *value);
+                prop_assert_eq!(out.bits - before, exp_golomb_bits(*value));
                 let before = out.bits;
                 // The greatest difference of two numbers.
                 write_rice(&mut out, parameter, 2 * value);

@@ -116,10 +116,16 @@ fn stream(opened: &CharacterFile, format: Format, options: &ConvertOptions) -> R
             abp1::write(character, &articulation, 0, &options)?
         }
     };
+    let sites = opened.end_sites.len();
+    let sites = (sites > 0).then(|| format!("the ends of {sites} joints"));
+    let channels = character.clips.iter().flat_map(|clip| &clip.channels);
+    let others = channels.filter(|c| !c.property.is_of_joint()).count();
+    let others = (others > 0).then(|| "motion of morph targets and expressions".to_owned());
+    let notes = sites.into_iter().chain(others).map(LossyPart::Note);
     Ok(EncodedFile {
         bytes,
         beside: None,
-        left_out: meshes(opened).into_iter().collect(),
+        left_out: meshes(opened).into_iter().chain(notes).collect(),
     })
 }
 

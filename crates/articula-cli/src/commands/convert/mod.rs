@@ -81,10 +81,10 @@ pub(crate) struct ConvertArgs {
     /// Pose of held joints: hold, rest, key-pose, blend-to-rest:SECS [default: key-pose]
     #[arg(long, value_name = "POLICY", value_parser = reduction::passive)]
     passive: Option<PassivePolicy>,
-    /// Level of articulation of FAP and AFP files: high, medium, low or very-low, and those of regions that
-    /// differ, such as low,jaw=high,cheeks=medium; regions are high-level, jaw, eyeballs, eyebrows,
-    /// cheeks, head, nose and ears. OUT.fap and OUT.afp hold what is kept; with --onto the face shows what a
-    /// receiver makes of it
+    /// Level of articulation of FAP and AFP files: high, medium, low or very-low, and those of
+    /// regions that differ, such as low,jaw=high,cheeks=medium; regions are high-level, jaw,
+    /// eyeballs, eyebrows, cheeks, head, nose and ears. OUT.fap or OUT.afp holds what is kept; with
+    /// --onto the face shows what a receiver makes of it
     #[arg(long, value_name = "LEVEL,REGION=LEVEL,...", value_parser = face_level::levels)]
     face_level: Option<FaceLevels>,
     /// Write the draft glTF extensions for characters: skeleton mapping and reference pose
