@@ -1,12 +1,10 @@
 //! Contexts of binary decisions: their numbers, and how they learn.
 //!
-//! Form: `docs/formats/abp2.md`, part 6 and 7.
+//! Form: `docs/formats/abp2.md`, parts 6 and 7.
 
-use super::start_contexts::START;
+use super::start_contexts::{COUNT, START};
 use crate::range_coder::Coder;
 
-/// Number of contexts of a unit.
-pub(super) const COUNT: usize = 1288;
 /// Number of decisions after which the learning rate stays constant.
 const SLOWEST: u8 = 60;
 /// Goals of the probability of a 0, in 1/65536, after a 1 and after a 0.

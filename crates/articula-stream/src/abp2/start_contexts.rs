@@ -1,6 +1,9 @@
-//! State in which the contexts of every unit start: written by `articula-lab train-contexts`.
+//! State in which the contexts of every unit start. It is part of the form and never changes.
+//!
+//! Form: `docs/formats/abp2.md`, part 6, which names the clips that it was trained on.
 
-use super::contexts::COUNT;
+/// Number of contexts of a unit.
+pub(super) const COUNT: usize = 1288;
 
 /// For each context, the probability of a 0 in 1/65536 and the number of decisions that it counts
 /// as having seen.

@@ -1,3 +1,5 @@
+//! Cuts of maps made by hand, and of random ones.
+
 use super::*;
 use crate::coding::Coding;
 use proptest::prelude::*;

@@ -1,3 +1,5 @@
+//! Indices: round trips, and every refusal of a changed one.
+
 use super::*;
 use articula_mutate::{Edit, Mutations};
 
