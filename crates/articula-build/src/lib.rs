@@ -82,7 +82,7 @@ pub use mesh_levels::{
 pub use motion_bounds::motion_bounds;
 pub use motion_error::{
     ChainTolerance, JointLever, contact_intervals, contact_table, joint_bounds, key_table, levers,
-    moving_joints, pose_keys, table_hashes,
+    moving_joints, pose_keys, rig_hash, table_hashes,
 };
 pub use occluders::occluders;
 pub use points::draw_vertices;

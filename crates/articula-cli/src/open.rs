@@ -5,7 +5,8 @@ use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::files::{self, Files};
 use anyhow::Context;
 use articula::face::fdp_points;
-use articula::{CharacterFile, DataFile, DataFormat, Figure, OpenOptions, open_data};
+use articula::streams::{StreamKind, abp2, sniff};
+use articula::{CharacterFile, DataFile, DataFormat, Figure, Format, OpenOptions, open_data};
 use articula_core::feature_points::PointId;
 use articula_core::joint_names::JointMap;
 use articula_formats::{Assumption, Limits, Warning, face_points as points_file, joint_map, mpeg4};
@@ -19,6 +20,22 @@ pub(crate) fn character(
     args: &ReadArgs,
 ) -> anyhow::Result<CharacterFile> {
     Ok(files.open(path, &options(args)?)?)
+}
+
+/// Reads a motion stream onto the character that it was made from; `None` if the file is not one.
+pub(crate) fn motion_stream(
+    path: &Path,
+    of: &CharacterFile,
+) -> anyhow::Result<Option<CharacterFile>> {
+    if files::format(path) != Some(Format::Abp) {
+        return Ok(None);
+    }
+    let limits = Limits::default();
+    let bytes = files::read(path, limits.bytes)?;
+    if sniff(&bytes) != Some(StreamKind::Abp2) {
+        return Ok(None);
+    }
+    Ok(Some(abp2::read(&bytes, &files::shown(path), of, &limits)?))
 }
 
 /// Opens a character, leaves out unwanted meshes and builds the figure.

@@ -78,7 +78,8 @@ impl Fnv {
     }
 }
 
-fn rig_hash(rig: &Rig) -> u64 {
+/// Computes the hash of a rig: the tree of its joints, their names and rest poses.
+pub fn rig_hash(rig: &Rig) -> u64 {
     let mut h = Fnv::new();
     for j in 0..rig.len() {
         h.number(rig.parent(j).map_or(u64::MAX, |p| p as u64));

@@ -10,6 +10,12 @@ fn sum(rows: &Value, field: &str) -> f64 {
     rows.iter().map(|row| row[field].as_f64().unwrap()).sum()
 }
 
+/// Sum of numbers.
+fn sum_of(numbers: &Value) -> f64 {
+    let numbers = numbers.as_array().unwrap();
+    numbers.iter().map(|n| n.as_f64().unwrap()).sum()
+}
+
 /// Every bit belongs to a level and a region, or to what all have in common.
 fn check_shares(found: &Value) {
     let stream = &found["stream"];
@@ -50,10 +56,106 @@ fn a_motion_goes_through_abp1_and_its_text() {
         assert_eq!(other["clips"][0]["frames"], found["clips"][0]["frames"]);
         assert_eq!(other["stream"], Value::Null);
     }
-    let why = fault(&here, 2, &["convert", word(&walk), "other.abp"]);
-    assert!(why.contains("--abp1"), "{why}");
     let why = fault(&here, 2, &["convert", word(&walk), "other.glb", "--abp1"]);
     assert!(why.contains("requires an .abp output"), "{why}");
+}
+
+#[test]
+fn a_motion_stream_comes_back_onto_its_character() {
+    let Some(figure) = real::file("glb/pab_arnaud.glb") else {
+        return;
+    };
+    let here = folder("abp2");
+    let figure = word(&figure);
+    let options = ["--clip", "walk", "--tolerance-mm", "0.2", "--tiers", "3"];
+    let written = json(
+        &here,
+        &[
+            &["convert", figure, "walk.abp", "--group-by", "region"][..],
+            &options,
+        ]
+        .concat(),
+    );
+    let tiers = written["tiers"].as_array().unwrap();
+    assert_eq!(tiers.len(), 3);
+    for (tier, tolerance_mm) in tiers.iter().zip([0.2, 0.6, 1.8]) {
+        assert!((tier["tolerance_mm"].as_f64().unwrap() - tolerance_mm).abs() < 1e-9);
+        assert!(
+            tier["error_mm_max"].as_f64().unwrap() <= tolerance_mm,
+            "{tier}"
+        );
+    }
+    // What a cut to a tier has is told when it is written, by its map, and after a real cut.
+    let found = json(&here, &["inspect", "walk.abp"]);
+    let layers = json(
+        &here,
+        &["lod", "walk.abp", "--onto", figure, "--distances", "2"],
+    );
+    for (i, tier) in tiers.iter().enumerate() {
+        assert_eq!(found["tiers"][i]["bytes"], tier["bytes"]);
+        assert_eq!(layers["tiers"][i]["bytes"], tier["bytes"]);
+    }
+    let units: f64 = found["groups"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|group| sum_of(&group["bytes"]))
+        .sum();
+    let frames = found["access_units"].as_f64().unwrap() * 5.0;
+    let bytes = found["bytes"].as_f64().unwrap();
+    assert_eq!(
+        units + frames + found["bytes_head"].as_f64().unwrap(),
+        bytes
+    );
+    for layer in layers["groups"].as_array().unwrap() {
+        assert!(layer["bytes"].as_f64().unwrap() < bytes, "{layer}");
+        assert!(layer["error_mm_max"].as_f64().unwrap() > 0.0, "{layer}");
+        assert!(layer["worst"]["vertex"].is_number(), "{layer}");
+    }
+    let back = json(
+        &here,
+        &["convert", "walk.abp", "back.glb", "--onto", figure],
+    );
+    assert_eq!(back["onto"]["motions"][0]["by_name"], true);
+    let [before, after] = [&[figure, "--clip", "walk"][..], &["back.glb"]]
+        .map(|words| json(&here, &[&["inspect"], words].concat()));
+    assert_eq!(before["clips"][0]["frames"], after["clips"][0]["frames"]);
+}
+
+#[test]
+fn a_motion_stream_needs_its_character() {
+    let (Some(figure), Some(other)) = (
+        real::file("glb/pab_arnaud.glb"),
+        real::file("glb/CesiumMan.glb"),
+    ) else {
+        return;
+    };
+    let here = folder("abp2-faults");
+    json(&here, &["convert", word(&figure), "walk.abp"]);
+    let why = fault(&here, 1, &["convert", "walk.abp", "out.glb"]);
+    assert!(why.contains("--onto"), "{why}");
+    let why = fault(
+        &here,
+        1,
+        &["convert", "walk.abp", "out.glb", "--onto", word(&other)],
+    );
+    assert!(
+        why.contains("walk.abp") && why.contains("67 joints"),
+        "{why}"
+    );
+    let why = fault(
+        &here,
+        2,
+        &["convert", word(&figure), "out.glb", "--tiers", "3"],
+    );
+    assert!(why.contains("--tiers requires an .abp output"), "{why}");
+    std::fs::write(
+        here.join("torn.abp"),
+        &std::fs::read(here.join("walk.abp")).unwrap()[..500],
+    )
+    .unwrap();
+    let why = fault(&here, 1, &["inspect", "torn.abp"]);
+    assert!(why.contains("torn.abp") && why.contains("byte"), "{why}");
 }
 
 #[test]

@@ -15,8 +15,7 @@ pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
         if !opened.clips_changed {
             return Ok(EncodedFile {
                 bytes: bap::write(parameters),
-                beside: None,
-                left_out: Vec::new(),
+                ..EncodedFile::default()
             });
         }
         return parameters_of(&opened.character, opened);
@@ -48,8 +47,8 @@ fn parameters_of(figure: &Character, source: &CharacterFile) -> Result<EncodedFi
     let unsaid = unsaid(&sampled.residuals);
     Ok(EncodedFile {
         bytes: bap::write(&sampled.clip),
-        beside: None,
         left_out: meshes(source).into_iter().chain(unsaid).collect(),
+        ..EncodedFile::default()
     })
 }
 

@@ -1,10 +1,11 @@
 //! An encoded file, and the data that its format cannot hold.
 
 use crate::open::{CharacterFile, Format};
+use crate::streams::abp2::TierReport;
 use articula_core::source::RawMesh;
 
 /// The bytes of a file, and the data that was left out.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct EncodedFile {
     /// Contents of the file.
     pub bytes: Vec<u8>,
@@ -13,6 +14,8 @@ pub struct EncodedFile {
     pub beside: Option<(Format, Vec<u8>)>,
     /// Data that the format cannot hold.
     pub left_out: Vec<LossyPart>,
+    /// Of a motion stream (ABP-2), its tiers, finest first.
+    pub tiers: Vec<TierReport>,
 }
 
 /// A kind of data that was left out because the file format cannot hold it, with its amount.

@@ -53,6 +53,7 @@ use crate::mesh_levels::{self, ShownLevelOptions, ShownLevels};
 use crate::open::{CharacterFile, Format, WriteSupport, choose, conversions};
 use crate::work::Executor;
 use articula_stream::abp1::Abp1Options;
+use articula_stream::abp2::MotionOptions;
 
 /// Options of [`convert`]; the default changes nothing.
 #[derive(Debug, Clone, Default)]
@@ -69,8 +70,17 @@ pub struct ConvertOptions {
     /// GLB: whether the draft glTF extensions for characters are written, with a skeleton mapping
     /// and a reference pose.
     pub khr_character: bool,
-    /// ABP: steps and form of a stream of profile ABP-1, the only one that can be written.
-    pub abp1: Option<Abp1Options>,
+    /// ABP: profile and options of the stream; `None` is ABP-2 with its defaults.
+    pub abp: Option<AbpProfile>,
+}
+
+/// Profile of an `.abp` file, with its options.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AbpProfile {
+    /// ABP-1: bones, BBA-style.
+    Abp1(Abp1Options),
+    /// ABP-2: a motion within a tolerance of the skin.
+    Abp2(MotionOptions),
 }
 
 /// A converted file with a report.
@@ -181,9 +191,9 @@ impl ConvertOptions {
                 to.name()
             )));
         }
-        if self.abp1.is_some() != (to == Format::Abp) {
+        if self.abp.is_some() && to != Format::Abp {
             return Err(Error::argument(format!(
-                "the profile ABP-1 goes with an .abp file and must be chosen for it; the file is .{}",
+                "the profile of a stream needs an .abp file, not .{}",
                 to.name()
             )));
         }

@@ -3,10 +3,10 @@
 //! **A new format is one arm of [`written`] and one function below it.**
 
 use super::left_out::{EncodedFile, LossyPart, counted, mesh_levels, meshes};
-use super::{ConvertOptions, body, joint_names, khr_character};
+use super::{AbpProfile, ConvertOptions, body, joint_names, khr_character};
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Data, DataFormat, Format};
-use crate::streams::{abp1, afp1};
+use crate::streams::{abp1, abp2, afp1};
 use articula_build::source_rate_hz;
 use articula_core::face_levels::FaceLevels;
 use articula_core::fap_table::FAP_COUNT;
@@ -14,6 +14,7 @@ use articula_formats::gltf::Document;
 use articula_formats::mpeg4::fap::{self, FapClip};
 use articula_formats::x3d::{self, Site};
 use articula_formats::{acclaim, bvh, live_link};
+use articula_stream::abp2::MotionOptions;
 use articula_stream::afp1::Afp1Options;
 
 /// Writes a character; formats that hold one clip get the first.
@@ -42,8 +43,7 @@ pub fn write_data(data: &Data) -> Result<EncodedFile> {
         Data::LiveLink(capture) => {
             return Ok(EncodedFile {
                 bytes: live_link::write(capture),
-                beside: None,
-                left_out: Vec::new(),
+                ..EncodedFile::default()
             });
         }
         Data::Epf(_) => DataFormat::Epf,
@@ -75,8 +75,8 @@ pub fn write_faps(
     };
     Ok(EncodedFile {
         bytes,
-        beside: None,
         left_out: left_out.into_iter().collect(),
+        ..EncodedFile::default()
     })
 }
 
@@ -105,28 +105,46 @@ fn still(clip: &FapClip) -> Option<LossyPart> {
 
 /// A stream of the first clip, or its text.
 fn stream(opened: &CharacterFile, format: Format, options: &ConvertOptions) -> Result<EncodedFile> {
-    let (character, articulation) = (&opened.character, opened.articulation());
-    let bytes = match format {
-        Format::Abpt => {
-            let clip = abp1::from_character(character, &articulation, 0)?;
-            articula_stream::abp1::write_text(&clip)?.into_bytes()
+    let plain = AbpProfile::Abp2(MotionOptions::default());
+    match (format, options.abp.as_ref().unwrap_or(&plain)) {
+        (Format::Abpt, _) => {
+            let clip = abp1::from_character(&opened.character, &opened.articulation(), 0)?;
+            let bytes = articula_stream::abp1::write_text(&clip)?.into_bytes();
+            Ok(bones(opened, bytes))
         }
-        _ => {
-            let options = options.abp1.unwrap_or_default();
-            abp1::write(character, &articulation, 0, &options)?
+        (_, AbpProfile::Abp1(options)) => {
+            let articulation = opened.articulation();
+            let bytes = abp1::write(&opened.character, &articulation, 0, options)?;
+            Ok(bones(opened, bytes))
         }
-    };
+        (_, AbpProfile::Abp2(options)) => {
+            let coded = abp2::write(opened, 0, options)?;
+            Ok(EncodedFile {
+                tiers: abp2::tiers(&coded, options.tolerance_metres)?,
+                bytes: coded.bytes,
+                ..EncodedFile::default()
+            })
+        }
+    }
+}
+
+/// A stream of bones, with what it cannot hold.
+fn bones(opened: &CharacterFile, bytes: Vec<u8>) -> EncodedFile {
     let sites = opened.end_sites.len();
     let sites = (sites > 0).then(|| format!("the ends of {sites} joints"));
-    let channels = character.clips.iter().flat_map(|clip| &clip.channels);
+    let channels = opened
+        .character
+        .clips
+        .iter()
+        .flat_map(|clip| &clip.channels);
     let others = channels.filter(|c| !c.property.is_of_joint()).count();
     let others = (others > 0).then(|| "motion of morph targets and expressions".to_owned());
     let notes = sites.into_iter().chain(others).map(LossyPart::Note);
-    Ok(EncodedFile {
+    EncodedFile {
         bytes,
-        beside: None,
         left_out: meshes(opened).into_iter().chain(notes).collect(),
-    })
+        ..EncodedFile::default()
+    }
 }
 
 /// An ASF skeleton and, if there is a clip, an AMC motion; the requested one is the main file.
@@ -152,6 +170,7 @@ fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
             .chain(renamed)
             .chain(notes)
             .collect(),
+        ..EncodedFile::default()
     })
 }
 
@@ -166,8 +185,8 @@ fn motion(opened: &CharacterFile) -> Result<EncodedFile> {
     let (character, renamed) = joint_names::for_names_alone(opened);
     Ok(EncodedFile {
         bytes: bvh::write(&character, 0, &options)?,
-        beside: None,
         left_out: meshes(opened).into_iter().chain(renamed).collect(),
+        ..EncodedFile::default()
     })
 }
 
@@ -183,8 +202,8 @@ fn humanoid(opened: &CharacterFile) -> Result<EncodedFile> {
     let notes = written.left_out.into_iter().map(LossyPart::Note);
     Ok(EncodedFile {
         bytes: written.bytes,
-        beside: None,
         left_out: mesh_levels(opened).into_iter().chain(notes).collect(),
+        ..EncodedFile::default()
     })
 }
 
@@ -211,7 +230,7 @@ fn container(opened: &CharacterFile, khr_character: bool) -> Result<EncodedFile>
     }
     Ok(EncodedFile {
         bytes: document.write_glb()?,
-        beside: None,
         left_out: left_out.into_iter().collect(),
+        ..EncodedFile::default()
     })
 }

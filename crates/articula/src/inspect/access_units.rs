@@ -49,7 +49,7 @@ pub fn inspect_access_units(
     let (profile, map, item) = match sniff(bytes) {
         Some(StreamKind::Abp1) => ("ABP-1", abp1::unit(bytes, limits), "joint"),
         Some(StreamKind::Afp1) => ("AFP-1", afp1::unit(bytes, limits), "parameter"),
-        None => {
+        Some(StreamKind::Abp2) | None => {
             let what = "neither a stream of bones nor one of facial animation parameters";
             return Err(Error::unsuited(what)).context(file);
         }
@@ -93,7 +93,7 @@ fn shares(map: &Unit, scheme: &str, item: &str) -> BTreeMap<u32, (BTreeSet<u32>,
 }
 
 /// Name of a region by its number, if it has one.
-fn region_name(item: &str, number: u32) -> String {
+pub(super) fn region_name(item: &str, number: u32) -> String {
     let number = number as usize;
     let name = if item == "joint" {
         let region = number.checked_sub(1).and_then(|n| Region::ALL.get(n));

@@ -8,6 +8,7 @@ mod extent;
 mod human;
 mod joint_levels;
 mod mesh_levels;
+mod motion_stream;
 mod skeletons;
 mod stream;
 
@@ -25,6 +26,7 @@ pub use joint_levels::{
     FAR_FROM_METRES, JointLevelError, JointLevelInspection, JointLevelsInspection, joint_levels,
 };
 pub use mesh_levels::{CoarserMesh, MeshLevelInspection, MeshLevelsInspection};
+pub use motion_stream::{MotionStreamInspection, StreamGroup, StreamTier, inspect_motion_stream};
 pub use stream::{StreamInspection, StreamLevel, inspect_stream};
 
 use crate::error::Result;

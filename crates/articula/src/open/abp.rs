@@ -2,36 +2,30 @@
 
 use super::{CharacterFile, Input};
 use crate::error::{Error, Result};
-use crate::streams::{StreamKind, abp1, sniff};
-use articula_formats::Limits;
-use articula_stream::StreamLimits;
+use crate::streams::{StreamKind, abp1, sniff, stream_limits};
 use articula_stream::abp1::{Abp1Clip, AbsentBone, read, read_text};
 
 /// Reads a stream, by how it begins.
 pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     match sniff(input.bytes) {
         Some(StreamKind::Abp1) => {
-            let limits = limits(&input.options.limits);
+            let limits = stream_limits(&input.options.limits);
             opened(input, &read(input.bytes, AbsentBone::Rest, &limits)?)
         }
+        Some(StreamKind::Abp2) => Err(Error::unsuited(
+            "a motion stream (ABP-2) has no skeleton; give the character that it was made from, as \
+             in `articula convert walk.abp out.glb --onto figure.glb`",
+        )),
         _ => Err(Error::unsuited(
-            "the file does not begin as a stream of a motion does, with ABPF",
+            "the file does not begin as a stream of a motion does, with ABPF or ABP2",
         )),
     }
 }
 
 /// Reads the text of an ABP-1 stream.
 pub(super) fn open_text(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
-    let limits = limits(&input.options.limits);
+    let limits = stream_limits(&input.options.limits);
     opened(input, &read_text(input.bytes, &limits)?)
-}
-
-/// The limits of streams that correspond to those of files.
-pub(super) fn limits(limits: &Limits) -> StreamLimits {
-    StreamLimits {
-        bytes: limits.bytes,
-        elements: limits.elements,
-    }
 }
 
 fn opened(input: &Input<'_, '_>, clip: &Abp1Clip) -> Result<CharacterFile> {

@@ -2,7 +2,7 @@
 
 use super::OpenOptions;
 use crate::error::{Context, Result};
-use crate::streams::afp1;
+use crate::streams::{afp1, stream_limits};
 use articula_formats::live_link::{self, LiveLinkClip};
 use articula_formats::mpeg4::epf::EpfFrame;
 use articula_formats::mpeg4::fap::FapClip;
@@ -124,7 +124,7 @@ pub fn open_data(
             Data::Fap,
         ),
         DataFormat::Afp => {
-            let limits = super::abp::limits(limits);
+            let limits = stream_limits(limits);
             let clip = afp1::read(bytes, &Afp1ReadOptions::default(), &limits).context(name)?;
             (Data::Fap(clip), Vec::new())
         }

@@ -174,7 +174,7 @@ impl Format {
         };
         if bytes.starts_with(b"glTF") {
             gltf(Self::Glb)
-        } else if bytes.starts_with(b"ABPF") {
+        } else if bytes.starts_with(b"ABPF") || bytes.starts_with(b"ABP2") {
             Some(Self::Abp)
         } else if text.starts_with(b"abpt ") {
             Some(Self::Abpt)
@@ -306,6 +306,7 @@ mod tests {
         assert_eq!(of(b"\x1f\x8b", "a.x3dz"), Some(Format::X3d));
         assert_eq!(of(b"\x89PNG", "a.png"), None);
         assert_eq!(of(b"ABPF\0\0", "a"), Some(Format::Abp));
+        assert_eq!(of(b"ABP2\0\0", "a"), Some(Format::Abp));
         assert_eq!(of(b"abpt 1\n", "a.txt"), Some(Format::Abpt));
     }
 

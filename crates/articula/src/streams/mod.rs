@@ -2,18 +2,29 @@
 //!
 //! - [`sniff`]: which stream some bytes are
 //! - [`abp1`]: the motion of a character as ABP-1, and back
+//! - [`abp2`]: the motion of a character as ABP-2, and back
 //! - [`afp1`]: facial animation parameters as AFP-1, and back
+//! - [`layers()`]: the error of leaving out parts of a motion stream
 //!
 //! The streams themselves, and the map by which they are cut, are those of `articula_stream`.
 
 pub mod abp1;
+pub mod abp2;
 pub mod afp1;
+mod layers;
+
+pub use layers::{LayerOptions, LayerReport, LayersReport, WorstVertex, layers};
+
+use articula_formats::Limits;
+use articula_stream::StreamLimits;
 
 /// A stream of an animation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StreamKind {
     /// Bones, BBA-style, profile ABP-1.
     Abp1,
+    /// A motion within a tolerance of the skin, profile ABP-2.
+    Abp2,
     /// Facial animation parameters, profile AFP-1.
     Afp1,
 }
@@ -22,7 +33,16 @@ pub enum StreamKind {
 pub fn sniff(bytes: &[u8]) -> Option<StreamKind> {
     match bytes.first_chunk()? {
         b"ABPF" => Some(StreamKind::Abp1),
+        b"ABP2" => Some(StreamKind::Abp2),
         b"AFPF" => Some(StreamKind::Afp1),
         _ => None,
+    }
+}
+
+/// The limits of streams that correspond to those of files.
+pub(crate) fn stream_limits(limits: &Limits) -> StreamLimits {
+    StreamLimits {
+        bytes: limits.bytes,
+        elements: limits.elements,
     }
 }

@@ -226,7 +226,8 @@ fn check_flags(args: &ConvertArgs, place: &str) -> anyhow::Result<()> {
     let own = files::data_format(&args.inputs[0]);
     let chosen =
         args.loa.is_some() || args.loa_profile.is_some() || own.is_some() && args.clip.is_some();
-    let other = args.to.is_some() || args.onto.is_some() || args.khr_character || args.abp1;
+    let other =
+        args.to.is_some() || args.onto.is_some() || args.khr_character || args.stream.asks();
     if chosen || other || args.hygiene.asks() || args.shapes.asks() {
         return Err(fault::usage(format!(
             "{place}: flags that choose or change body clips do not apply to a face clip; leave them out"

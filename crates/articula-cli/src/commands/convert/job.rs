@@ -182,6 +182,7 @@ impl Recipe<'_> {
                 .extend(self.args.mesh.draw(&shown, self.files)?);
             report.mesh = Some(shown.report);
         }
+        report.tiers = made.written.tiers;
         report.edits = made.edits;
         let reduction = self.selected.as_ref().zip(made.reduction);
         report.reduction = reduction.map(|(selected, saved)| Reduction::new(selected, saved));
@@ -199,7 +200,7 @@ impl Recipe<'_> {
             edits: self.args.hygiene.edits(),
             reduction: self.selected.as_ref().map(|s| s.reduction.clone()),
             khr_character: self.args.khr_character,
-            abp1: self.args.abp1.then(Default::default),
+            abp: self.args.stream.profile(),
         }
     }
 

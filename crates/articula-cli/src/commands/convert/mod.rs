@@ -12,6 +12,7 @@ mod onto;
 mod plan;
 mod reduction;
 mod report;
+mod stream;
 
 use crate::arguments::{ReadArgs, finite};
 use crate::console::Console;
@@ -91,9 +92,8 @@ pub(crate) struct ConvertArgs {
     /// (.glb only)
     #[arg(long)]
     khr_character: bool,
-    /// Write profile ABP-1 of streams of bones (.abp only)
-    #[arg(long)]
-    abp1: bool,
+    #[command(flatten)]
+    stream: stream::StreamArgs,
     #[command(flatten)]
     shapes: face_shapes::FaceShapeArgs,
     #[command(flatten)]
@@ -116,7 +116,7 @@ pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     for job in &plan.jobs {
         args.hygiene.check(job.format)?;
         args.check_khr_character(job.format)?;
-        args.check_abp1(job.format)?;
+        args.stream.check(job.format)?;
     }
     plan.check_files(args, &console.files)?;
     let recipe = Recipe {
@@ -225,20 +225,6 @@ impl ConvertArgs {
             ));
         }
         Ok(())
-    }
-
-    fn check_abp1(&self, out: Format) -> anyhow::Result<()> {
-        match (self.abp1, out) {
-            (true, Format::Abp) => Ok(()),
-            (false, Format::Abp) => Err(fault::usage(
-                "an .abp output needs --abp1, the only profile that is written",
-            )),
-            (true, other) => {
-                let what = "--abp1 requires an .abp output, not";
-                Err(fault::usage(format!("{what} .{}", other.name())))
-            }
-            (false, _) => Ok(()),
-        }
     }
 
     fn check_khr_character(&self, out: Format) -> anyhow::Result<()> {

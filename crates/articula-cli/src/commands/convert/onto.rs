@@ -117,7 +117,10 @@ impl Hero {
         if let Some(format) = format {
             return self.face(input, format, args).map(Some);
         }
-        let mut source = open::character(files, &input.path, &args.names)?;
+        let mut source = match open::motion_stream(&input.path, &self.opened)? {
+            Some(source) => source,
+            None => open::character(files, &input.path, &args.names)?,
+        };
         if args.skip_first_frame {
             source.skip_first_frames()?;
         }

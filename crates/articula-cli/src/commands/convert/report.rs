@@ -4,13 +4,14 @@ use super::mesh;
 use super::onto;
 use super::plan::Job;
 use super::reduction::Reduction;
-use super::{capture, face_level, face_shapes, hygiene};
+use super::{capture, face_level, face_shapes, hygiene, stream};
 use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
 use articula::ShownLevelsReport;
 use articula::convert::{ClipEdited, LossyPart, TransferReport};
 use articula::face::{CaptureReport, FaceLevelReport, FaceShapes, FaceTableTargets, FaceTransfer};
+use articula::streams::abp2::TierReport;
 use serde::Serialize;
 use std::path::Path;
 
@@ -46,6 +47,8 @@ pub(super) struct ConvertReport {
     pub(super) reduction: Option<Reduction>,
     /// The mesh levels that were written, if any were asked for.
     pub(super) mesh: Option<ShownLevelsReport>,
+    /// The tiers of a motion stream that was written, finest first.
+    pub(super) tiers: Vec<TierReport>,
     /// Pictures that were written.
     pub(super) written: Vec<String>,
     /// Content that the output format cannot hold.
@@ -167,6 +170,7 @@ impl ConvertReport {
             edits: Vec::new(),
             reduction: None,
             mesh: None,
+            tiers: Vec::new(),
             written: Vec::new(),
             left_out: Vec::new(),
             warnings: Vec::new(),
@@ -213,6 +217,7 @@ impl ConvertReport {
         if let Some(reduction) = &self.reduction {
             text.push_str(&reduction.text());
         }
+        text.push_str(&stream::text(&self.tiers));
         text.push_str(&lines("picture", &self.written));
         text.push_str(&lines("left out", &self.left_out));
         text.push_str(&lines("warning", &self.warnings));

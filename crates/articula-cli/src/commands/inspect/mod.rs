@@ -6,6 +6,7 @@ mod face;
 mod human;
 mod joint_levels;
 mod mesh_levels;
+mod motion_stream;
 mod stream;
 mod text;
 
@@ -14,9 +15,9 @@ use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use articula::inspect::{FAR_FROM_METRES, WarningInspection, inspect, joint_levels};
-use articula::{Figure, Format, MotionTables, rig_joint_map};
+use articula::{DataFormat, Figure, Format, MotionTables, rig_joint_map};
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `inspect`.
 #[derive(Debug, Args)]
@@ -52,22 +53,8 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
     let inputs = args.character.inputs().chain(args.face.input());
     console.files.plan(inputs, outputs)?;
     args.face.check()?;
-    let is_stream = stream::is_one(&args.character.file);
-    let data_format = files::data_format(&args.character.file);
-    if is_stream || data_format.is_some() {
-        check_without_joints(args)?;
-    }
-    if let Some(format) = data_format {
-        if args.clip.is_some() {
-            return Err(fault::usage(format!(
-                "--clip chooses a motion of joints; a .{} file has none",
-                format.name()
-            )));
-        }
-        return data::run(&args.character, format, args.map, console);
-    }
-    if is_stream {
-        return stream::run(&args.character, console);
+    if let Some(kind) = Jointless::of(&args.character.file)? {
+        return kind.run(args, console);
     }
     let figure = open::figure(&console.files, &args.character)?;
     let clips: Vec<usize> = match &args.clip {
@@ -127,6 +114,44 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         findings.written.push(shown);
     }
     console.result(&findings, |found| text::of(found, args.map))
+}
+
+/// A file without joints.
+enum Jointless {
+    MeshStream,
+    MotionStream(Vec<u8>),
+    Data(DataFormat),
+}
+
+impl Jointless {
+    /// What a file is, if it has no joints.
+    fn of(path: &Path) -> anyhow::Result<Option<Self>> {
+        if let Some(format) = files::data_format(path) {
+            return Ok(Some(Self::Data(format)));
+        }
+        if stream::is_one(path) {
+            return Ok(Some(Self::MeshStream));
+        }
+        Ok(motion_stream::read(path)?.map(Self::MotionStream))
+    }
+
+    /// Prints the contents.
+    fn run(&self, args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
+        check_without_joints(args)?;
+        match self {
+            Self::Data(format) => {
+                if args.clip.is_some() {
+                    return Err(fault::usage(format!(
+                        "--clip chooses a motion of joints; a .{} file has none",
+                        format.name()
+                    )));
+                }
+                data::run(&args.character, *format, args.map, console)
+            }
+            Self::MotionStream(bytes) => motion_stream::run(bytes, &args.character, console),
+            Self::MeshStream => stream::run(&args.character, console),
+        }
+    }
 }
 
 /// Refuses flags that ask for the joints or the face of a character.

@@ -4,6 +4,7 @@ mod face;
 mod moving_camera;
 mod report;
 mod schedule;
+mod stream;
 
 use crate::arguments::{CharacterArgs, ViewArgs, not_negative, positive};
 use crate::console::Console;
@@ -50,8 +51,9 @@ pub(crate) struct LodArgs {
     clip: Option<String>,
     #[command(flatten)]
     method: MethodArgs,
-    /// With a FAP file: head on which its levels of articulation are measured
-    #[arg(long, value_name = "HEAD", conflicts_with_all = face::BODY_ALONE)]
+    /// With a FAP file, the head on which its levels of articulation are measured; with a motion
+    /// stream (.abp), the character on which its tiers and groups are measured
+    #[arg(long, value_name = "CHARACTER", conflicts_with_all = face::BODY_ALONE)]
     onto: Option<PathBuf>,
     /// Write the FAP clip with the parameters alone that the error at one distance asks for
     #[arg(long, value_name = "OUT.fap", requires = "onto")]
@@ -102,8 +104,11 @@ pub(crate) struct LodArgs {
 
 /// Plays the clip and prints the report.
 pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
-    if let Some(head) = &args.onto {
-        return face::run(args, head, console);
+    if let Some(character) = &args.onto {
+        if stream::is_one(&args.character.file) {
+            return stream::run(args, character, console);
+        }
+        return face::run(args, character, console);
     }
     args.check()?;
     console.files.plan(args.inputs(), args.outputs())?;

@@ -1,0 +1,85 @@
+//! Motion streams (ABP-2) without their character: tiers and groups with their bytes.
+
+use super::text::head_line;
+use crate::arguments::CharacterArgs;
+use crate::console::Console;
+use crate::fault::clean;
+use crate::table::{Table, counted};
+use crate::{fault, files};
+use articula::Format;
+use articula::inspect::{MotionStreamInspection, inspect_motion_stream};
+use articula::streams::{StreamKind, sniff};
+use articula_stream::StreamLimits;
+use std::path::Path;
+
+/// The bytes of a file if they are a motion stream.
+pub(super) fn read(path: &Path) -> anyhow::Result<Option<Vec<u8>>> {
+    if files::format(path) != Some(Format::Abp) {
+        return Ok(None);
+    }
+    let bytes = files::read(path, StreamLimits::default().bytes)?;
+    let is_one = sniff(&bytes) == Some(StreamKind::Abp2);
+    Ok(is_one.then_some(bytes))
+}
+
+/// Prints the contents of a motion stream.
+pub(super) fn run(bytes: &[u8], args: &CharacterArgs, console: &Console) -> anyhow::Result<()> {
+    if args.leaves_out() {
+        let what = "--hide and --only choose meshes of a character; a motion stream has none";
+        return Err(fault::usage(what));
+    }
+    let limits = StreamLimits::default();
+    let found = inspect_motion_stream(bytes, &files::shown(&args.file), &limits)?;
+    console.result(&found, text)
+}
+
+fn text(found: &MotionStreamInspection) -> String {
+    let mut text = head_line(&found.file, found.format, found.bytes, &found.clip);
+    text.push_str(&format!(
+        "motion stream {}: {} frames at {} fps, {:.3} s, {}, head of {} bytes\n",
+        found.profile,
+        found.frames,
+        found.fps,
+        found.duration_secs,
+        counted(found.access_units, "access unit", "access units"),
+        found.bytes_head,
+    ));
+    let morphs = match found.morph_targets {
+        0 => String::new(),
+        count => format!(" and {}", counted(count, "morph target", "morph targets")),
+    };
+    text.push_str(&format!(
+        "for {}{morphs}; `lod {} --onto CHARACTER` measures errors\n\ncut to a tier\n",
+        counted(found.joints, "joint", "joints"),
+        clean(&found.file),
+    ));
+    let mut tiers = Table::new(&["tier", "tolerance mm", "bytes"]);
+    for tier in &found.tiers {
+        tiers.row([
+            tier.tier.to_string(),
+            format!("{:.1}", tier.tolerance_mm),
+            tier.bytes.to_string(),
+        ]);
+    }
+    text.push_str(&tiers.text());
+    text.push_str("\nbytes of the units of each group\n");
+    let names: Vec<String> = (0..found.tiers.len())
+        .map(|t| format!("tier {t}"))
+        .collect();
+    let mut columns = vec!["LoA", "region", "joint"];
+    columns.extend(names.iter().map(String::as_str));
+    let mut groups = Table::new(&columns);
+    for group in &found.groups {
+        let mut cells = vec![
+            group.loa.to_string(),
+            group.region.clone().unwrap_or_default(),
+            group
+                .joint
+                .map_or_else(String::new, |joint| joint.to_string()),
+        ];
+        cells.extend(group.bytes.iter().map(usize::to_string));
+        groups.row(cells);
+    }
+    text.push_str(&groups.text());
+    text
+}

@@ -1,0 +1,207 @@
+//! The motion of a character as ABP-2, and back.
+//!
+//! Form: `docs/formats/abp2.md`. Such a stream has no skeleton: it is decoded onto the character
+//! that it was made from, which it knows by a hash of the joints.
+
+use super::{StreamKind, sniff, stream_limits};
+use crate::error::{Context, Error, Result};
+use crate::open::{CharacterFile, Format};
+
+use articula_build::{ClipOptions, character, rig_hash};
+use articula_core::source::{Channel, Interpolation, Property, RawClip, RawMesh};
+use articula_core::{Clip, Rig, Track};
+use articula_formats::Limits;
+use articula_stream::CutRule;
+use articula_stream::abp2::{EncodedMotion, MotionOptions, MotionReceiver, encode};
+use serde::Serialize;
+
+/// A tier of a motion stream.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TierReport {
+    /// Number of the tier; 0 is the finest.
+    pub tier: usize,
+    /// Size of the stream cut to this tier, in bytes.
+    pub bytes: usize,
+    /// Greatest error that the tier allows, in millimetres of skin.
+    pub tolerance_mm: f64,
+    /// Greatest error over all frames and vertices, in millimetres.
+    pub error_mm_max: f64,
+    /// Mean error in millimetres.
+    pub error_mm_mean: f64,
+}
+
+/// Encodes a clip of a character as an ABP-2 stream.
+///
+/// Expressions become the morph weights and joint motions that show them. Options get the hash of
+/// the rig.
+///
+/// # Errors
+/// An [`Error`] if the clip does not exist, an option is out of range, or a value is too large.
+pub fn write(
+    opened: &CharacterFile,
+    clip: usize,
+    options: &MotionOptions,
+) -> Result<EncodedMotion> {
+    let source = &opened.character;
+    let Some(of_source) = source.clips.get(clip) else {
+        return Err(Error::unsuited("clips: the file has no clip to write"));
+    };
+    let alone = articula_core::source::Character {
+        clips: vec![of_source.clone()],
+        ..source.clone()
+    };
+    let asset = character(&alone, Some(opened.articulation()), &ClipOptions::default())?;
+    let options = MotionOptions {
+        rig_hash: rig_hash(&asset.rig),
+        ..options.clone()
+    };
+    let place = || format!("clip \"{}\"", of_source.name);
+    encode(&asset.rig, &asset.mesh, &asset.clips[0], &options).with_context(place)
+}
+
+/// Lists the tiers of an encoded motion, finest first.
+///
+/// # Errors
+/// An [`Error`] if the map does not belong to the bytes.
+pub fn tiers(coded: &EncodedMotion, tolerance_metres: f64) -> Result<Vec<TierReport>> {
+    let tier = |(tier, error): (usize, &articula_stream::abp2::SkinError)| {
+        let rule = CutRule::default().at_least("tier", tier as u32);
+        let cut = articula_stream::cut(&coded.bytes, &coded.unit, |unit| rule.keeps(unit))?;
+        Ok(TierReport {
+            tier,
+            bytes: cut.bytes.len(),
+            tolerance_mm: 1e3 * tolerance_metres * 3_f64.powi(tier as i32),
+            error_mm_max: 1e3 * error.max_metres,
+            error_mm_mean: 1e3 * error.mean_metres,
+        })
+    };
+    coded.errors.iter().enumerate().map(tier).collect()
+}
+
+/// Decodes a stream, or a prefix of one, onto the character that it was made from. The result is this
+/// character with the clip alone; `name` identifies the stream in errors.
+///
+/// # Errors
+/// An [`Error`] that names the file: the bytes are no ABP-2 stream or are malformed, or the stream was
+/// made for another character.
+pub fn read(
+    bytes: &[u8],
+    name: &str,
+    of: &CharacterFile,
+    limits: &Limits,
+) -> Result<CharacterFile> {
+    let rig = Rig::new(&of.character.skeleton, of.articulation()).context(name)?;
+    let clip = decode(bytes, &rig, &of.name, limits).context(name)?;
+    let mut opened = of.clone();
+    let meshes = &opened.character.meshes;
+    opened.character.clips = vec![raw_clip(&clip, meshes)];
+    opened.clips_changed = true;
+    Ok(CharacterFile {
+        name: name.to_owned(),
+        format: Format::Abp,
+        bytes: bytes.len(),
+        warnings: Vec::new(),
+        ..opened
+    })
+}
+
+/// Decodes a stream with the rig of the character called `of`.
+pub(super) fn decode(bytes: &[u8], rig: &Rig, of: &str, limits: &Limits) -> Result<Clip> {
+    if sniff(bytes) != Some(StreamKind::Abp2) {
+        let what = "the file does not begin as a motion stream does, with ABP2";
+        return Err(Error::unsuited(what));
+    }
+    let received = MotionReceiver::read(bytes, rig, &stream_limits(limits))?;
+    if let Some(head) = received.head()
+        && head.rig_hash != 0
+        && head.rig_hash != rig_hash(rig)
+    {
+        return Err(Error::unsuited(format!(
+            "the stream was made for another character than {of}: joint names or rest poses differ"
+        )));
+    }
+    Ok(received.clip()?)
+}
+
+/// A clip as keys at every frame, for a character with these meshes.
+fn raw_clip(clip: &Clip, meshes: &[RawMesh]) -> RawClip {
+    let secs = |frame: usize| frame as f32 / clip.rate_hz();
+    let times_secs: Vec<f32> = (0..clip.frames()).map(secs).collect();
+    let tracks = clip.tracks();
+    let mut channels = Vec::new();
+    keys(
+        &tracks.rotations,
+        Property::Rotation,
+        &times_secs,
+        &mut channels,
+        |q| q.to_array().to_vec(),
+    );
+    keys(
+        &tracks.translations,
+        Property::Translation,
+        &times_secs,
+        &mut channels,
+        |t| t.to_array().to_vec(),
+    );
+    keys(
+        &tracks.scales,
+        Property::Scale,
+        &times_secs,
+        &mut channels,
+        |s| s.to_array().to_vec(),
+    );
+    let mut first = 0;
+    for (target, mesh) in meshes.iter().enumerate() {
+        let slots = first..first + mesh.morph_weights.len();
+        first = slots.end;
+        let mut rows: Vec<f32> = mesh.morph_weights.repeat(times_secs.len());
+        let mut moves = false;
+        for track in &tracks.morphs {
+            let slot = usize::from(track.target);
+            if slots.contains(&slot) {
+                moves = true;
+                let of_slot = rows.iter_mut().skip(slot - slots.start);
+                for (frame, weight) in of_slot.step_by(slots.len()).enumerate() {
+                    *weight = track.values[frame.min(track.values.len() - 1)];
+                }
+            }
+        }
+        if moves {
+            channels.push(Channel {
+                target,
+                property: Property::Weights,
+                interpolation: Interpolation::Linear,
+                times_secs: times_secs.clone(),
+                values: rows,
+            });
+        }
+    }
+    RawClip {
+        name: clip.name.clone(),
+        duration_secs: times_secs.last().copied().unwrap_or(0.0),
+        channels,
+    }
+}
+
+/// Appends the channels of some tracks.
+fn keys<T: Copy>(
+    tracks: &[Track<T>],
+    property: Property,
+    times_secs: &[f32],
+    channels: &mut Vec<Channel>,
+    numbers: impl Fn(T) -> Vec<f32>,
+) {
+    channels.extend(tracks.iter().map(|track| {
+        Channel {
+            target: usize::from(track.target),
+            property,
+            interpolation: Interpolation::Linear,
+            times_secs: times_secs[..track.values.len().min(times_secs.len())].to_vec(),
+            values: track
+                .values
+                .iter()
+                .flat_map(|value| numbers(*value))
+                .collect(),
+        }
+    }));
+}
