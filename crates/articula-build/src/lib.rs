@@ -66,7 +66,7 @@ mod split_mix;
 mod surface_distance;
 
 pub use character::{Asset, character, rig_and_mesh};
-pub use clip::{ClipOptions, source_rate_hz};
+pub use clip::{ClipOptions, resample, source_rate_hz};
 pub use clusters::{ClusterOrder, Clustered, cluster};
 pub use decimate::decimate;
 pub use expression::{bake, resolve};

@@ -158,6 +158,13 @@ pub(crate) fn positive(text: &str) -> Result<f32, String> {
     number.ok_or_else(|| "expected a number above 0".into())
 }
 
+/// Parses a tolerance that a motion stream can state.
+pub(crate) fn skin_millimetres(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok();
+    let number = number.filter(|mm| (0.001..=65.535).contains(mm));
+    number.ok_or_else(|| "expected millimetres from 0.001 to 65.535".into())
+}
+
 /// Parses a finite number that is not negative.
 pub(crate) fn not_negative(text: &str) -> Result<f32, String> {
     let number = text.parse::<f32>().ok();

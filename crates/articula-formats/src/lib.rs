@@ -71,8 +71,8 @@ pub use error::{Assumption, Parsed, ReadError, Warning};
 pub use limits::Limits;
 pub use motion_file::{MotionFile, ReadOptions};
 pub use motion_table::{
-    read_contact_table, read_error_matrix, read_key_table, read_pose_keys, write_contact_table,
-    write_error_matrix, write_key_table, write_pose_keys,
+    read_compact_clip, read_contact_table, read_error_matrix, read_key_table, read_pose_keys,
+    write_compact_clip, write_contact_table, write_error_matrix, write_key_table, write_pose_keys,
 };
 pub use units::UpAxis;
 pub use written::{WriteError, WrittenFile};

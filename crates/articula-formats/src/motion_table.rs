@@ -17,6 +17,7 @@ const SEGS: &[u8; 4] = b"ASEG";
 const POSE_KEYS: &[u8; 4] = b"APKY";
 const CONTACTS: &[u8; 4] = b"ACON";
 const ERRORS: &[u8; 4] = b"AERR";
+const COMPACT: &[u8; 4] = b"ACLP";
 const VERSION: u8 = 1;
 /// Upper bound on the number of levels: tolerances double from level to level, so no table needs
 /// more.
@@ -136,6 +137,29 @@ pub fn read_pose_keys(bytes: &[u8], limits: &Limits) -> Result<PoseKeys, ReadErr
         base_metres,
         levels,
     })
+}
+
+/// Encodes a motion stream (ABP-2) of a clip, with the hashes of what it was made of.
+pub fn write_compact_clip(hashes: &TableHashes, stream: &[u8]) -> Vec<u8> {
+    let mut out = COMPACT.to_vec();
+    out.extend([VERSION, 0, 0, 0]);
+    put_hashes(&mut out, hashes);
+    out.extend(stream);
+    out
+}
+
+/// Decodes the output of [`write_compact_clip`]: the hashes and the stream, which is not checked.
+///
+/// # Errors
+/// As [`read_key_table`].
+pub fn read_compact_clip<'a>(
+    bytes: &'a [u8],
+    limits: &Limits,
+) -> Result<(TableHashes, &'a [u8]), ReadError> {
+    Limits::check("byte 0", "bytes", bytes.len() as u64, limits.bytes)?;
+    let mut r = ByteReader::new(bytes);
+    let (_, hashes) = start_of(&mut r, COMPACT)?;
+    Ok((hashes, &bytes[r.at()..]))
 }
 
 /// Encodes contacts.

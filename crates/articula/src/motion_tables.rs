@@ -5,7 +5,7 @@
 
 use crate::figure::Figure;
 use crate::prepared::PrepareOptions;
-use crate::prepared::part::{CONTACTS, ERROR_MATRIX, POSE_KEYS, PreparedPart, SEGS};
+use crate::prepared::part::{COMPACT, CONTACTS, ERROR_MATRIX, POSE_KEYS, PreparedPart, SEGS};
 use articula_build::evaluate::error_matrix_table;
 use articula_build::{
     Asset, JointLever, contact_table, key_table, levers, pose_keys, table_hashes,
@@ -14,9 +14,11 @@ use articula_core::playback::ErrorMatrixTable;
 use articula_core::{ContactTable, KeyMode, KeyTable, Mismatch, PoseKeys};
 use articula_formats::{Limits, ReadError};
 use articula_formats::{
-    read_contact_table, read_error_matrix, read_key_table, read_pose_keys, write_contact_table,
-    write_error_matrix, write_key_table, write_pose_keys,
+    read_compact_clip, read_contact_table, read_error_matrix, read_key_table, read_pose_keys,
+    write_compact_clip, write_contact_table, write_error_matrix, write_key_table, write_pose_keys,
 };
+use articula_stream::StreamLimits;
+use articula_stream::abp2::{MotionOptions, MotionReceiver, encode};
 use serde::Serialize;
 
 /// Number of vertices that whole-pose keys are computed from.
@@ -33,6 +35,10 @@ pub struct ClipTables {
     pub error_matrix: Vec<u8>,
     /// Intervals in which feet stand still.
     pub contacts: Vec<u8>,
+    /// Motion stream of the clip.
+    pub compact: Vec<u8>,
+    /// Greatest error of the motion stream in metres of skin.
+    pub compact_error_metres: f64,
     /// Number of keys over all joints at each level, finest first.
     pub keys: Vec<usize>,
 }
@@ -51,6 +57,7 @@ impl ClipTables {
             (POSE_KEYS, &self.pose_keys),
             (ERROR_MATRIX, &self.error_matrix),
             (CONTACTS, &self.contacts),
+            (COMPACT, &self.compact),
         ];
         all.into_iter().filter(|(_, bytes)| !bytes.is_empty())
     }
@@ -75,7 +82,14 @@ impl<'a> TableMaker<'a> {
     }
 
     /// Computes the tables of one clip.
-    pub(crate) fn tables(&self, clip: usize, options: &PrepareOptions) -> ClipTables {
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if the clip cannot be coded as a motion stream.
+    pub(crate) fn tables(
+        &self,
+        clip: usize,
+        options: &PrepareOptions,
+    ) -> Result<ClipTables, Mismatch> {
         let clip = &self.asset.clips[clip];
         let is_wanted = |part| options.wants(part);
         let mut tables = ClipTables::default();
@@ -97,7 +111,23 @@ impl<'a> TableMaker<'a> {
         if is_wanted(PreparedPart::ErrorMatrix) {
             tables.error_matrix = write_error_matrix(&error_matrix_table(self.asset, clip));
         }
-        tables
+        if let Some(compact) = &options.compact_clips
+            && is_wanted(PreparedPart::CompactClips)
+        {
+            let Asset { rig, mesh, .. } = self.asset;
+            let hashes = table_hashes(rig, clip, mesh);
+            let options = MotionOptions {
+                rig_hash: hashes.rig,
+                ..compact.clone()
+            };
+            let coded = encode(rig, mesh, clip, &options).map_err(|mut e| {
+                e.at = format!("clip \"{}\": {}", clip.name, e.at);
+                e
+            })?;
+            tables.compact = write_compact_clip(&hashes, &coded.bytes);
+            tables.compact_error_metres = coded.errors.first().map_or(0.0, |e| e.max_metres);
+        }
+        Ok(tables)
     }
 }
 
@@ -108,12 +138,14 @@ pub struct StoredTables {
     pub segs: usize,
     /// Size of the whole-pose keys.
     pub posekeys: usize,
+    /// Size of the motion stream.
+    pub compact: usize,
 }
 
 impl StoredTables {
     /// Returns whether the clip has any table.
     pub fn any(self) -> bool {
-        self.segs + self.posekeys > 0
+        self.segs + self.posekeys + self.compact > 0
     }
 }
 
@@ -128,7 +160,9 @@ pub struct MotionTables {
     pub contacts: Option<ContactTable>,
     /// Error of each joint at each frame, after the thesis, with default options.
     pub error_matrix: Option<ErrorMatrixTable>,
-    /// Sizes of the first two in bytes; 0 for a table that is not used.
+    /// The clip as a motion stream (ABP-2).
+    pub compact: Option<Vec<u8>>,
+    /// Sizes of tables in bytes; 0 for a table that is not used.
     pub bytes: StoredTables,
     /// Tables that are damaged or were made for another rig, clip or mesh, as text for the user.
     pub warnings: Vec<String>,
@@ -166,6 +200,21 @@ impl MotionTables {
         found.error_matrix = reader.read(ERROR_MATRIX, read_error_matrix, |table| {
             table.hashes.check(&hashes)
         });
+        let compact = |bytes: &[u8], limits: &Limits| {
+            let (hashes, stream) = read_compact_clip(bytes, limits)?;
+            Ok((hashes, stream.to_vec()))
+        };
+        let compact = reader.read(COMPACT, compact, |(found, stream)| {
+            found.check(&hashes)?;
+            let limits = StreamLimits::default();
+            let received = MotionReceiver::read(stream, &asset.rig, &limits);
+            match received {
+                Ok(received) if received.is_whole() => Ok(()),
+                Ok(_) => Err(Mismatch::new("stream", "it ends early")),
+                Err(e) => Err(Mismatch::new("stream", e.to_string())),
+            }
+        });
+        found.compact = compact.map(|(_, stream)| stream);
         found.warnings = reader.warnings;
         let size = |name| {
             gltf.document
@@ -175,6 +224,7 @@ impl MotionTables {
         found.bytes = StoredTables {
             segs: found.joint_keys.as_ref().map_or(0, |_| size(SEGS)),
             posekeys: found.pose_keys.as_ref().map_or(0, |_| size(POSE_KEYS)),
+            compact: found.compact.as_ref().map_or(0, |_| size(COMPACT)),
         };
         found
     }

@@ -92,7 +92,7 @@ pub fn prepare(
     let maker = TableMaker::new(&figure.asset, options.seed);
     let clips: Vec<usize> = (0..figure.asset.clips.len()).collect();
     let tables = work.map("building motion tables", clips, |clip| {
-        Ok(maker.tables(clip, options))
+        maker.tables(clip, options).context(&name)
     })?;
     let orders = orders.as_deref();
     let parts = write::parts(&figure, DocumentLevels { triangles, orders }, options, work);

@@ -32,7 +32,14 @@ fn same_reports(name: &str, source: &Path, runs: &[&[&str]]) {
     let asset = folders[1].join("a.glb");
     let built = json(
         &folders[0],
-        &["build", "a.glb", word(&asset), "--levels", "5"],
+        &[
+            "build",
+            "a.glb",
+            word(&asset),
+            "--levels",
+            "5",
+            "--compact-clips",
+        ],
     );
     let parts = built["parts"].as_array().unwrap();
     assert!(
@@ -88,6 +95,42 @@ fn six_characters_play_the_same_from_their_assets() {
         let lod: &[&str] = &["lod", "a.glb", "--method", "thesis", "--distances", "9"];
         same_reports(&short, &path, &[CROWD, lod]);
     }
+}
+
+#[test]
+fn clips_are_stored_as_motion_streams_beside_their_keys() {
+    let here = folder("compact");
+    let words = ["build", word(human()), "a.glb", "--compact-clips=0.5"];
+    let built = json(&here, &words);
+    for clip in built["clips"].as_array().unwrap() {
+        let compact = &clip["compact"];
+        let number = |name: &str| compact[name].as_f64().unwrap();
+        assert!(
+            number("error_mm") <= 0.5 && number("decode_ms") > 0.0,
+            "{clip}"
+        );
+        assert!(number("bytes") < 0.2 * number("keys_bytes"), "{clip}");
+    }
+    let found = json(&here, &["build", "--check", "a.glb"]);
+    let parts = found["parts"].as_array().unwrap();
+    let compact = parts.iter().find(|p| p["part"] == "compact-clips").unwrap();
+    assert_eq!(compact["state"], "current");
+    let inspected = json(&here, &["inspect", "a.glb"]);
+    for (made, stored) in built["clips"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(inspected["clips"].as_array().unwrap())
+    {
+        // A head of 32 bytes comes before the stream.
+        let expected = made["compact"]["bytes"].as_u64().unwrap() + 32;
+        assert_eq!(stored["motion_tables"]["compact"], expected);
+    }
+    json(&here, &["build", word(human()), "plain.glb"]);
+    let found = json(&here, &["build", "--check", "plain.glb"]);
+    let parts = found["parts"].as_array().unwrap();
+    let compact = parts.iter().find(|p| p["part"] == "compact-clips").unwrap();
+    assert_eq!(compact["state"], "not-needed");
 }
 
 #[test]

@@ -238,7 +238,7 @@ fn convert_writes_a_mix_of_levels_and_draws_it() {
     let triangles: f64 = numbers(&found["meshes"], "triangles").iter().sum();
     assert_eq!(triangles, sum);
     assert_eq!(found["clips"].as_array().unwrap().len(), 3);
-    let none = serde_json::json!({"segs": 0, "posekeys": 0});
+    let none = serde_json::json!({"segs": 0, "posekeys": 0, "compact": 0});
     assert_eq!(found["clips"][0]["motion_tables"], none);
     // The text says the same, and a distance alone chooses the level.
     let ran = articula(

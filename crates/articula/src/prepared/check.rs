@@ -82,6 +82,7 @@ pub fn check_prepared(opened: CharacterFile) -> Result<PreparedCheck> {
             PreparedPart::PoseKeys => tables.iter().all(|t| t.pose_keys.is_some()),
             PreparedPart::ErrorMatrix => tables.iter().all(|t| t.error_matrix.is_some()),
             PreparedPart::Contacts => tables.iter().all(|t| t.contacts.is_some()),
+            PreparedPart::CompactClips => tables.iter().all(|t| t.compact.is_some()),
             part => usable.contains(&part),
         };
         let state = match () {
@@ -112,6 +113,8 @@ fn is_needed(figure: &Figure, part: PreparedPart) -> bool {
     let levels = figure.stored_mesh_levels();
     match part {
         _ if asset.clips.is_empty() => false,
+        // It is stored where it is asked for.
+        PreparedPart::CompactClips => stored_bytes(figure, part) > 0,
         PreparedPart::PairedLevels => {
             levels.is_some_and(|levels| can_be_paired(&levels)) && !asset.mesh.is_empty()
         }

@@ -27,11 +27,13 @@ pub enum PreparedPart {
     ErrorMatrix,
     /// Intervals in which feet stand still.
     Contacts,
+    /// Motion streams; only if they are asked for.
+    CompactClips,
 }
 
 impl PreparedPart {
     /// All parts, in the order of reports.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Clips,
         Self::JointLevels,
         Self::Skins,
@@ -42,6 +44,7 @@ impl PreparedPart {
         Self::PoseKeys,
         Self::ErrorMatrix,
         Self::Contacts,
+        Self::CompactClips,
     ];
 
     /// Name of the part on the command line and in reports.
@@ -57,6 +60,7 @@ impl PreparedPart {
             Self::PoseKeys => "pose-keys",
             Self::ErrorMatrix => "error-matrix",
             Self::Contacts => "contacts",
+            Self::CompactClips => "compact-clips",
         }
     }
 
@@ -80,6 +84,7 @@ impl PreparedPart {
             Self::PoseKeys => Some(POSE_KEYS),
             Self::ErrorMatrix => Some(ERROR_MATRIX),
             Self::Contacts => Some(CONTACTS),
+            Self::CompactClips => Some(COMPACT),
             _ => None,
         }
     }
@@ -90,6 +95,7 @@ pub(crate) const SEGS: &str = "segs";
 pub(crate) const POSE_KEYS: &str = "posekeys";
 pub(crate) const ERROR_MATRIX: &str = "errors";
 pub(crate) const CONTACTS: &str = "contacts";
+pub(crate) const COMPACT: &str = "compact";
 
 /// Names of the entries of `ARTICULA_prepared`.
 pub(crate) const VERTEX_ORDER: &str = "vertexOrder";

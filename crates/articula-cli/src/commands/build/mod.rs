@@ -3,9 +3,10 @@
 
 mod arguments;
 mod check;
+mod compact;
 pub(crate) mod levels;
 
-use crate::arguments::ReadArgs;
+use crate::arguments::{ReadArgs, skin_millimetres};
 use crate::console::Console;
 use crate::fault::clean;
 use crate::open;
@@ -18,7 +19,9 @@ use articula::{
     AddClipsOptions, CharacterFile, ClipTables, Format, PartBytes, PrepareOptions, PreparedAsset,
     PreparedPart, prepare,
 };
+use articula_stream::abp2::MotionOptions;
 use clap::Args;
+use compact::CompactClip;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -35,6 +38,11 @@ pub(crate) struct BuildArgs {
     /// Parts of the preparation to leave out
     #[arg(long, value_name = "PART,…", value_delimiter = ',', value_parser = part, conflicts_with = "check")]
     without: Vec<PreparedPart>,
+    /// Store every clip also as a motion stream (ABP-2), within a tolerance in millimetres of skin
+    /// [default without a value: 0.1]
+    #[arg(long, value_name = "MM", num_args = 0..=1, require_equals = true,
+          default_missing_value = "0.1", value_parser = skin_millimetres, conflicts_with = "check")]
+    compact_clips: Option<f64>,
     #[command(flatten)]
     names: ReadArgs,
     /// Seed for choosing the vertices and frames that errors are measured on
@@ -89,6 +97,9 @@ struct ClipTableSizes {
     segs_bytes: usize,
     posekeys_bytes: usize,
     contacts_bytes: usize,
+    /// The clip as a motion stream, if it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    compact: Option<CompactClip>,
     /// Keys of all joints at each tolerance, from 0.5 mm, doubling.
     keys: Vec<usize>,
 }
@@ -124,6 +135,10 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     let mut options = PrepareOptions {
         seed: args.seed,
         mesh_levels,
+        compact_clips: args.compact_clips.map(|mm| MotionOptions {
+            tolerance_metres: 1e-3 * mm,
+            ..MotionOptions::default()
+        }),
         without: args.without.clone(),
         face_points: Vec::new(),
     };
@@ -149,7 +164,7 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         written.push((path, &levels.stream.bytes));
     }
     console.files.write_all(&written)?;
-    let mut report = BuildReport::new(args, out, &built);
+    let mut report = BuildReport::new(args, out, &built)?;
     report.added = added;
     for motion in &motions {
         let warnings = open::warnings(&motion.warnings).into_iter();
@@ -199,19 +214,27 @@ fn added(
 }
 
 impl BuildReport {
-    fn new(args: &BuildArgs, out: &Path, built: &PreparedAsset) -> Self {
+    fn new(args: &BuildArgs, out: &Path, built: &PreparedAsset) -> anyhow::Result<Self> {
         let (figure, made) = (&built.figure, built.mesh_levels.as_ref());
         let asset = &figure.asset;
         let articulation = asset.rig.articulation();
-        let clip = |(clip, tables): (&articula_core::Clip, &ClipTables)| ClipTableSizes {
-            name: clip.name.clone(),
-            frames: clip.frames(),
-            segs_bytes: tables.segs.len(),
-            posekeys_bytes: tables.pose_keys.len(),
-            contacts_bytes: tables.contacts.len(),
-            keys: tables.keys.clone(),
+        let clip = |(index, tables): (usize, &ClipTables)| {
+            let clip = &asset.clips[index];
+            let compact = (!tables.compact.is_empty()).then(|| {
+                CompactClip::measure(figure, index, &tables.compact, tables.compact_error_metres)
+            });
+            Ok(ClipTableSizes {
+                name: clip.name.clone(),
+                frames: clip.frames(),
+                segs_bytes: tables.segs.len(),
+                posekeys_bytes: tables.pose_keys.len(),
+                contacts_bytes: tables.contacts.len(),
+                compact: compact.transpose()?,
+                keys: tables.keys.clone(),
+            })
         };
-        Self {
+        let clips = built.tables.iter().enumerate().map(clip);
+        Ok(Self {
             input: figure.opened.name.clone(),
             out: files::shown(out),
             bytes_in: figure.opened.bytes,
@@ -219,7 +242,7 @@ impl BuildReport {
             joints: asset.rig.skin_joints().len(),
             mapped: articulation.mapped(),
             profile: articulation.profile.clone(),
-            clips: asset.clips.iter().zip(&built.tables).map(clip).collect(),
+            clips: clips.collect::<anyhow::Result<_>>()?,
             parts: built.parts.clone(),
             pose_cache_bytes: built.pose_cache_bytes,
             face_points: built.face_points,
@@ -236,7 +259,7 @@ impl BuildReport {
                 warnings.extend(of_levels);
                 warnings
             },
-        }
+        })
     }
 
     fn text(&self) -> String {
@@ -291,6 +314,9 @@ impl BuildReport {
         } else {
             text.push_str(&table.text());
         }
+        let compact = self.clips.iter();
+        let compact = compact.filter_map(|c| Some((c.name.as_str(), c.compact.as_ref()?)));
+        text.push_str(&compact::text(compact));
         text.push('\n');
         text.push_str(&parts_text(&self.parts, self.pose_cache_bytes));
         if self.face_points > 0 {

@@ -1,5 +1,6 @@
 //! `convert IN OUT.abp`: profile and options of the stream, and the report of its tiers.
 
+use crate::arguments::skin_millimetres;
 use crate::fault;
 use crate::table::Table;
 use articula::Format;
@@ -15,7 +16,7 @@ pub(super) struct StreamArgs {
     #[arg(long, conflicts_with_all = ["tolerance_mm", "tiers", "group_by", "by_value"])]
     pub(super) abp1: bool,
     /// Greatest error of a motion stream, in millimetres of skin (.abp only) [default: 0.1]
-    #[arg(long, value_name = "MM", value_parser = tolerance)]
+    #[arg(long, value_name = "MM", value_parser = skin_millimetres)]
     tolerance_mm: Option<f64>,
     /// Tiers of a motion stream; leaving out the finest triples the error (.abp only)
     /// [default: 5]
@@ -101,13 +102,6 @@ impl StreamArgs {
             .find(|(given, _)| *given)
             .map(|(_, flag)| *flag)
     }
-}
-
-/// Parses a tolerance that a stream can state.
-fn tolerance(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok();
-    let number = number.filter(|mm| (0.001..=65.535).contains(mm));
-    number.ok_or_else(|| "expected millimetres from 0.001 to 65.535".into())
 }
 
 /// Table of what a cut to each tier leaves.

@@ -189,7 +189,7 @@ fn clips(found: &Inspection) -> Table {
         "keys",
         "height",
     ];
-    let tables = any.then_some("segs / posekeys");
+    let tables = any.then_some("segs / posekeys / stream");
     let face = found.clips.iter().any(|c| c.expressions_keyed > 0);
     let expressions = face.then_some("expressions");
     let headings = headings.into_iter().chain(expressions).chain(tables);
@@ -212,7 +212,8 @@ fn clips(found: &Inspection) -> Table {
             cells.push(clip.expressions_keyed.to_string());
         }
         if any {
-            let bytes = stored(clip).map(|t| format!("{} / {} bytes", t.segs, t.posekeys));
+            let bytes =
+                stored(clip).map(|t| format!("{} / {} / {} bytes", t.segs, t.posekeys, t.compact));
             cells.push(bytes.unwrap_or("-".into()));
         }
         table.row(cells);
