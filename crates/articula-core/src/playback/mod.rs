@@ -20,7 +20,10 @@
 //! - [`TableController`]: stored key frames, at the tolerance of each joint
 //! - [`ThesisController`]: error matrix and distance threshold of the thesis
 //!
-//! No call but constructors allocates, none reads a clock, and the same calls give the same pose.
+//! While a clip arrives as a stream, [`FigurePlayer::suspend`] and [`FigurePlayer::resume`] go on with
+//! what has arrived; what is shown moves there within a given time.
+//!
+//! No call but constructors, `suspend` and `resume` allocates, none reads a clock, and the same calls give the same pose.
 //! The controllers in this crate are deterministic; a controller of a caller runs in the same
 //! playback and is measured in the same way.
 
@@ -33,6 +36,7 @@ mod loa;
 mod model;
 mod player;
 mod report;
+mod state;
 mod tables;
 mod thesis;
 mod views;
@@ -45,6 +49,7 @@ pub use loa::LoaController;
 pub use model::FigureModel;
 pub use player::{FigurePlayer, PlayedEvent};
 pub use report::FrameReport;
+pub use state::SuspendedFigure;
 pub use tables::{StoredKeys, TableController};
 pub use thesis::{ErrorMatrix, ErrorMatrixTable, ThesisController, Threshold, ThresholdCurve};
 pub use views::FigureViews;

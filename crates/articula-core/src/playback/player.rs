@@ -4,12 +4,13 @@ use super::controller::{ClipFrame, FrameContext, MotionController};
 use super::layer::MotionLayer;
 use super::model::FigureModel;
 use super::report::FrameReport;
+use super::state::{FigureState, Refinement, SuspendedFigure};
 use super::views::FigureViews;
 use crate::Mismatch;
 use crate::blend::blend;
+use crate::clip::Clip;
 use crate::crowd::{CharacterState, ClipEvent, ClipState, RootDelta};
 use crate::drift::MAX_VIEWS;
-use crate::hierarchy::local_to_model;
 use crate::joint_set::JointSet;
 use crate::pose::{LocalPose, ModelPose};
 use crate::sample::{frame_position_f32, sample_at, sample_morphs_at};
@@ -33,39 +34,15 @@ pub struct PlayedEvent {
 
 /// One figure in motion. See the [module](super) for the stages of a frame.
 ///
-/// Only [`FigurePlayer::new`] and [`FigurePlayer::add_layer`] allocate.
+/// Only [`FigurePlayer::new`], [`FigurePlayer::add_layer`] and those that suspend and resume allocate.
 #[derive(Debug, Clone)]
 pub struct FigurePlayer<'a> {
     model: &'a FigureModel<'a>,
-    base: Option<CharacterState>,
-    layers: Vec<MotionLayer>,
-    /// Joints that are always sampled and shown as wanted.
-    pinned: JointSet,
     /// Tolerance factor of each joint, 1 by default: below 1 where errors are noticed more.
     pub attention: Vec<f32>,
     /// Joints that a controller may sample in a frame.
     pub max_joints: usize,
-    now_secs: f64,
-    dt_secs: f32,
-    cut: bool,
-    /// Whether two clips were blended in the last frame, and the joints that layers moved: bounds
-    /// on the motion of a clip do not hold where these change.
-    mixed: (bool, JointSet),
-    wanted: LocalPose,
-    layer_pose: LocalPose,
-    fade_pose: LocalPose,
-    controlled: LocalPose,
-    pose: LocalPose,
-    /// The pose of which `joints` are the model matrices.
-    posed: LocalPose,
-    joints: ModelPose,
-    rest_morphs: Vec<f32>,
-    morphs: Vec<f32>,
-    layer_morphs: Vec<f32>,
-    fade_morphs: Vec<f32>,
-    pixels_per_metre: Vec<f32>,
-    directions: [Vec3; MAX_VIEWS],
-    report: FrameReport,
+    state: FigureState,
 }
 
 impl<'a> FigurePlayer<'a> {
@@ -73,51 +50,81 @@ impl<'a> FigurePlayer<'a> {
     /// `morph_weights` are the weights of morph targets without a track
     /// ([`Mesh::morph_weights`](crate::Mesh::morph_weights)).
     pub fn new(model: &'a FigureModel<'a>, morph_weights: &[f32]) -> Self {
-        let rig = model.rig();
-        let rest = rig.rest_pose();
-        let mut joints = ModelPose::new(rig.len());
-        local_to_model(rig, rest, &mut joints);
-        let first = !model.clips().is_empty();
         Self {
-            base: first.then(|| ClipState::new(model, 0).into()),
-            layers: Vec::new(),
-            pinned: JointSet::EMPTY,
-            attention: vec![1.0; rig.len()],
+            attention: vec![1.0; model.rig().len()],
             max_joints: usize::MAX,
-            now_secs: 0.0,
-            dt_secs: 0.0,
-            cut: true,
-            mixed: (false, JointSet::EMPTY),
-            wanted: rest.clone(),
-            layer_pose: rest.clone(),
-            fade_pose: rest.clone(),
-            controlled: rest.clone(),
-            pose: rest.clone(),
-            posed: rest.clone(),
-            joints,
-            rest_morphs: morph_weights.to_vec(),
-            morphs: morph_weights.to_vec(),
-            layer_morphs: morph_weights.to_vec(),
-            fade_morphs: morph_weights.to_vec(),
-            pixels_per_metre: vec![0.0; rig.len()],
-            directions: [Vec3::ZERO; MAX_VIEWS],
-            report: FrameReport::default(),
+            state: FigureState::new(model, morph_weights),
             model,
+        }
+    }
+
+    /// Goes on with a figure that was suspended, with a model of the same rig whose clips may have
+    /// changed. What is shown moves from the old clips to the new ones within `secs` seconds; with 0
+    /// it jumps. Allocates.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if the model is of another rig, or the number of clips or a duration differs.
+    pub fn resume(
+        model: &'a FigureModel<'a>,
+        suspended: SuspendedFigure,
+        secs: f32,
+    ) -> Result<Self, Mismatch> {
+        suspended.check(model)?;
+        let SuspendedFigure {
+            attention,
+            max_joints,
+            mut state,
+            ..
+        } = suspended;
+        let before = state.wanted.clone();
+        let morphs = std::mem::take(&mut state.wanted_morphs);
+        state.refinement = None;
+        let mut player = Self {
+            model,
+            attention,
+            max_joints,
+            state,
+        };
+        player.sample(&model.rig().all());
+        player.sample_morphs();
+        if secs > 0.0 {
+            let state = &mut player.state;
+            let now = (&state.wanted, &state.morphs[..]);
+            let found = Refinement::new((&before, &morphs), now, secs);
+            state.refinement = found;
+        } else {
+            player.state.cut = true;
+        }
+        Ok(player)
+    }
+
+    /// Gives up the model, so that its clips can be changed, as when more of a stream has arrived;
+    /// [`FigurePlayer::resume`] goes on. Allocates.
+    pub fn suspend(mut self) -> SuspendedFigure {
+        let durations = self.model.clips().iter().map(Clip::duration_secs).collect();
+        self.sample(&self.model.rig().all());
+        self.sample_morphs();
+        self.state.wanted_morphs.clone_from(&self.state.morphs);
+        SuspendedFigure {
+            attention: self.attention,
+            max_joints: self.max_joints,
+            durations,
+            state: self.state,
         }
     }
 
     /// Plays another motion from now on, without a fade.
     pub fn play(&mut self, state: impl Into<CharacterState>) {
-        self.base = Some(state.into());
-        self.cut = true;
+        self.state.base = Some(state.into());
+        self.state.cut = true;
     }
 
     /// Starts a cross-fade to another clip over `secs` seconds; without a motion it starts at once.
     pub fn fade_to(&mut self, clip_state: ClipState, secs: f32) {
-        match &mut self.base {
+        match &mut self.state.base {
             Some(base) => {
                 base.fade_to(clip_state, secs);
-                self.cut |= !base.is_fading();
+                self.state.cut |= !base.is_fading();
             }
             None => self.play(clip_state),
         }
@@ -125,7 +132,7 @@ impl<'a> FigurePlayer<'a> {
 
     /// The base motion.
     pub fn state(&self) -> Option<&CharacterState> {
-        self.base.as_ref()
+        self.state.base.as_ref()
     }
 
     /// Adds a layer on top of the others; returns its index. Allocates.
@@ -138,13 +145,13 @@ impl<'a> FigurePlayer<'a> {
             let what = format!("{found} joints, the rig has {joints}");
             return Err(Mismatch::new("layer", what));
         }
-        self.layers.push(layer);
-        Ok(self.layers.len() - 1)
+        self.state.layers.push(layer);
+        Ok(self.state.layers.len() - 1)
     }
 
     /// A layer, to change its weight or motion.
     pub fn layer_mut(&mut self, layer: usize) -> Option<&mut MotionLayer> {
-        self.layers.get_mut(layer)
+        self.state.layers.get_mut(layer)
     }
 
     /// Keeps a joint and its ancestors at full detail, whatever a controller holds, as for an
@@ -155,12 +162,12 @@ impl<'a> FigurePlayer<'a> {
     pub fn pin(&mut self, joint: usize) {
         let rig = self.model.rig();
         let chain = std::iter::successors(Some(joint), |j| rig.parent(*j));
-        self.pinned.extend(chain);
+        self.state.pinned.extend(chain);
     }
 
     /// Sets the joints that are kept at full detail, without their ancestors.
     pub fn set_pinned(&mut self, joints: JointSet) {
-        self.pinned = joints.intersection(&self.model.rig().all());
+        self.state.pinned = joints.intersection(&self.model.rig().all());
     }
 
     /// Advances all clocks by a time step in seconds, from 0 to 60, and reports the events passed;
@@ -168,17 +175,18 @@ impl<'a> FigurePlayer<'a> {
     pub fn advance(&mut self, dt_secs: f32, tell: &mut dyn FnMut(PlayedEvent)) -> RootDelta {
         let dt_secs = if dt_secs.is_nan() { 0.0 } else { dt_secs };
         let dt_secs = dt_secs.clamp(0.0, MAX_STEP_SECS);
-        self.dt_secs = dt_secs;
-        self.now_secs += f64::from(dt_secs);
+        self.state.dt_secs = dt_secs;
+        self.state.now_secs += f64::from(dt_secs);
+        self.state.refine(dt_secs);
         let mut way = RootDelta::default();
-        if let Some(base) = &mut self.base {
+        if let Some(base) = &mut self.state.base {
             let (step, wrapped) = base.advance(self.model, dt_secs, &mut |clip, event, weight| {
                 tell(played(None, clip, event, weight));
             });
             way = step;
-            self.cut |= wrapped;
+            self.state.cut |= wrapped;
         }
-        for (l, layer) in self.layers.iter_mut().enumerate() {
+        for (l, layer) in self.state.layers.iter_mut().enumerate() {
             layer
                 .state
                 .advance(self.model, dt_secs, &mut |clip, event, weight| {
@@ -192,12 +200,13 @@ impl<'a> FigurePlayer<'a> {
     /// does in place of [`FigurePlayer::advance`]; the motion goes on from the frame before, and
     /// jumps only where the clip starts again. Reports no events and no root motion.
     pub fn advance_to(&mut self, now_secs: f64, clip_secs: f32) {
-        self.dt_secs = (now_secs - self.now_secs) as f32;
-        self.now_secs = now_secs;
-        if let Some(base) = &mut self.base {
+        self.state.dt_secs = (now_secs - self.state.now_secs) as f32;
+        self.state.now_secs = now_secs;
+        self.state.refine(self.state.dt_secs);
+        if let Some(base) = &mut self.state.base {
             let before = base.from.secs();
             base.from = base.from.at_secs(self.model, clip_secs);
-            self.cut |= base.from.secs() < before;
+            self.state.cut |= base.from.secs() < before;
         }
     }
 
@@ -213,32 +222,32 @@ impl<'a> FigurePlayer<'a> {
         controller: &mut dyn MotionController,
         views: FigureViews<'_>,
     ) -> &FrameReport {
-        let fading = self.base.is_some_and(|base| base.is_fading());
+        let fading = self.state.base.is_some_and(|base| base.is_fading());
         let mixed = (fading, self.layered());
-        self.cut |= mixed != self.mixed;
-        self.mixed = mixed;
+        self.state.cut |= mixed != self.state.mixed;
+        self.state.mixed = mixed;
         let carriers = *self.model.carriers();
         let mut sampled = self.sample(&carriers);
         let (distance_metres, count) = self.look(views);
         let asked = controller.due(&self.context(distance_metres, count));
         let due = asked
             .intersection(&self.model.rig().all())
-            .union(&self.pinned);
+            .union(&self.state.pinned);
         sampled += self.sample(&due.difference(&carriers));
         // Taken out while the context borrows the player.
-        let mut shown = std::mem::take(&mut self.pose);
-        shown.copy_from(&self.controlled);
+        let mut shown = std::mem::take(&mut self.state.pose);
+        shown.copy_from(&self.state.controlled);
         let frame = self.context(distance_metres, count);
-        let result = controller.control(&frame, &due, &self.wanted, &mut shown);
-        for joint in self.pinned.iter() {
-            shown.set(joint, self.wanted.get(joint));
+        let result = controller.control(&frame, &due, &self.state.wanted, &mut shown);
+        for joint in self.state.pinned.iter() {
+            shown.set(joint, self.state.wanted.get(joint));
         }
-        self.controlled.copy_from(&shown);
-        self.pose = shown;
-        self.cut = false;
+        self.state.controlled.copy_from(&shown);
+        self.state.pose = shown;
+        self.state.cut = false;
         self.sample_morphs();
-        let updated = result.updated.union(&self.pinned);
-        self.report = FrameReport {
+        let updated = result.updated.union(&self.state.pinned);
+        self.state.report = FrameReport {
             sampled: due.union(&carriers).intersection(&self.animated()),
             updated,
             in_transition: result.in_transition,
@@ -247,13 +256,13 @@ impl<'a> FigurePlayer<'a> {
             transforms_sampled: sampled + result.keys_read,
             matrices: 0,
         };
-        &self.report
+        &self.state.report
     }
 
     /// Calls a hook that may change the pose before the hierarchy, as inverse kinematics and
     /// ragdolls do. Controllers do not see its changes.
     pub fn edit(&mut self, hook: &mut dyn FnMut(&mut LocalPose)) {
-        hook(&mut self.pose);
+        hook(&mut self.state.pose);
     }
 
     /// Computes the model matrices of the joints that changed since the last call, and of those
@@ -266,27 +275,28 @@ impl<'a> FigurePlayer<'a> {
         let mut changed = JointSet::EMPTY;
         for joint in 0..rig.len() {
             let parent = rig.parent(joint);
-            let local = self.pose.get(joint);
-            if local == self.posed.get(joint) && !parent.is_some_and(|p| changed.contains(p)) {
+            let local = self.state.pose.get(joint);
+            if local == self.state.posed.get(joint) && !parent.is_some_and(|p| changed.contains(p))
+            {
                 continue;
             }
             changed.insert(joint);
-            let above = parent.map_or(Affine3A::IDENTITY, |p| self.joints.matrices[p]);
-            self.joints.matrices[joint] = above * local.to_affine();
+            let above = parent.map_or(Affine3A::IDENTITY, |p| self.state.joints.matrices[p]);
+            self.state.joints.matrices[joint] = above * local.to_affine();
         }
-        self.posed.copy_from(&self.pose);
-        self.report.matrices = changed.len();
+        self.state.posed.copy_from(&self.state.pose);
+        self.state.report.matrices = changed.len();
         changed.len()
     }
 
     /// The pose shown.
     pub fn pose(&self) -> &LocalPose {
-        &self.pose
+        &self.state.pose
     }
 
     /// The model matrices of the last [`FigurePlayer::hierarchy`].
     pub fn model_pose(&self) -> &ModelPose {
-        &self.joints
+        &self.state.joints
     }
 
     /// Model-from-joint matrix of a joint, exact if it is [pinned](FigurePlayer::pin).
@@ -294,23 +304,27 @@ impl<'a> FigurePlayer<'a> {
     /// # Panics
     /// If there is no such joint.
     pub fn joint(&self, joint: usize) -> Affine3A {
-        self.joints.matrices[joint]
+        self.state.joints.matrices[joint]
     }
 
     /// Morph weights of the last [`FigurePlayer::control`].
     pub fn morph_weights(&self) -> &[f32] {
-        &self.morphs
+        &self.state.morphs
     }
 
     /// Counts of the last frame.
     pub fn report(&self) -> &FrameReport {
-        &self.report
+        &self.state.report
     }
 
     /// Joints that the base motion or a layer moves.
     fn animated(&self) -> JointSet {
-        let states = self.base.iter().map(|base| (base, self.model.rig().all()));
-        let layers = self.layers.iter().map(|l| (&l.state, l.moved()));
+        let states = self
+            .state
+            .base
+            .iter()
+            .map(|base| (base, self.model.rig().all()));
+        let layers = self.state.layers.iter().map(|l| (&l.state, l.moved()));
         let moved = states.chain(layers).map(|(state, masked)| {
             let (from, to) = state.clips();
             let both = self.model.animated(from).union(self.model.animated(to));
@@ -320,18 +334,18 @@ impl<'a> FigurePlayer<'a> {
     }
 
     fn layered(&self) -> JointSet {
-        let moved = self.layers.iter().map(MotionLayer::moved);
+        let moved = self.state.layers.iter().map(MotionLayer::moved);
         moved.fold(JointSet::EMPTY, |all, some| all.union(&some))
     }
 
     fn context(&self, distance_metres: f32, views: usize) -> FrameContext<'_> {
-        let alone = self.base.filter(|base| !base.is_fading());
+        let alone = self.state.base.filter(|base| !base.is_fading());
         FrameContext {
-            now_secs: self.now_secs,
-            dt_secs: self.dt_secs,
-            pixels_per_metre: &self.pixels_per_metre,
+            now_secs: self.state.now_secs,
+            dt_secs: self.state.dt_secs,
+            pixels_per_metre: &self.state.pixels_per_metre,
             attention: &self.attention,
-            view_directions: &self.directions[..views],
+            view_directions: &self.state.directions[..views],
             distance_metres,
             allowed: self.model.rig().all(),
             max_joints: self.max_joints,
@@ -345,9 +359,9 @@ impl<'a> FigurePlayer<'a> {
                 }
             }),
             layered: self.layered(),
-            cut: self.cut,
-            shown: &self.controlled,
-            model: &self.joints,
+            cut: self.state.cut,
+            shown: &self.state.controlled,
+            model: &self.state.joints,
         }
     }
 
@@ -355,30 +369,30 @@ impl<'a> FigurePlayer<'a> {
     /// the number of directions.
     fn look(&mut self, views: FigureViews<'_>) -> (f32, usize) {
         let root = self.wanted_root();
-        let moved = root - self.joints.position(self.model.rig().root());
+        let moved = root - self.state.joints.position(self.model.rig().root());
         match views {
             FigureViews::Parallel {
                 pixels_per_metre,
                 distance_metres,
                 directions,
             } => {
-                self.pixels_per_metre.fill(pixels_per_metre);
+                self.state.pixels_per_metre.fill(pixels_per_metre);
                 let told = directions.iter().take(MAX_VIEWS);
-                for (place, direction) in self.directions.iter_mut().zip(told) {
+                for (place, direction) in self.state.directions.iter_mut().zip(told) {
                     *place = *direction;
                 }
                 (distance_metres, some_views(directions.len()))
             }
             FigureViews::Cameras(cameras) => {
-                for (joint, scale) in self.pixels_per_metre.iter_mut().enumerate() {
-                    let at = self.joints.position(joint) + moved;
+                for (joint, scale) in self.state.pixels_per_metre.iter_mut().enumerate() {
+                    let at = self.state.joints.position(joint) + moved;
                     let seen = cameras.iter().map(|camera| {
                         let depth = camera.view(at).z.abs();
                         camera.viewport.pixels_per_metre(depth)
                     });
                     *scale = seen.fold(0.0, f32::max);
                 }
-                for (place, camera) in self.directions.iter_mut().zip(cameras) {
+                for (place, camera) in self.state.directions.iter_mut().zip(cameras) {
                     *place = (camera.eye - root).try_normalize().unwrap_or(Vec3::Z);
                 }
                 let distances = cameras.iter().map(|camera| camera.eye.distance(root));
@@ -395,46 +409,49 @@ impl<'a> FigurePlayer<'a> {
         let rig = self.model.rig();
         let chain = std::iter::successors(Some(rig.root()), |j| rig.parent(*j));
         let model = chain.fold(Affine3A::IDENTITY, |below, j| {
-            self.wanted.get(j).to_affine() * below
+            self.state.wanted.get(j).to_affine() * below
         });
         model.translation.into()
     }
 
     /// Samples some joints from the base motion and the layers; returns the number of transforms.
     fn sample(&mut self, joints: &JointSet) -> usize {
-        let mut count = match &self.base {
+        let mut count = match &self.state.base {
             Some(base) => {
-                let (out, fade) = (&mut self.wanted, &mut self.fade_pose);
+                let (out, fade) = (&mut self.state.wanted, &mut self.state.fade_pose);
                 sample_state(self.model, base, joints, out, fade)
             }
             None => {
-                reset(self.model, joints, &mut self.wanted);
+                reset(self.model, joints, &mut self.state.wanted);
                 0
             }
         };
-        for layer in &self.layers {
+        for layer in &self.state.layers {
             let moved = layer.moved().intersection(joints);
             if moved.is_empty() {
                 continue;
             }
-            let (out, fade) = (&mut self.layer_pose, &mut self.fade_pose);
+            let (out, fade) = (&mut self.state.layer_pose, &mut self.state.fade_pose);
             count += sample_state(self.model, &layer.state, &moved, out, fade);
-            layer.apply(&moved, &self.layer_pose, &mut self.wanted);
+            layer.apply(&moved, &self.state.layer_pose, &mut self.state.wanted);
+        }
+        if let Some(refinement) = &self.state.refinement {
+            refinement.apply(joints, &mut self.state.wanted);
         }
         count
     }
 
     fn sample_morphs(&mut self) {
-        if self.rest_morphs.is_empty() {
+        if self.state.rest_morphs.is_empty() {
             return;
         }
-        let (rest, fade) = (&self.rest_morphs, &mut self.fade_morphs);
-        self.morphs.copy_from_slice(rest);
-        if let Some(base) = &self.base {
-            morphs_of(self.model, base, rest, &mut self.morphs, fade);
+        let (rest, fade) = (&self.state.rest_morphs, &mut self.state.fade_morphs);
+        self.state.morphs.copy_from_slice(rest);
+        if let Some(base) = &self.state.base {
+            morphs_of(self.model, base, rest, &mut self.state.morphs, fade);
         }
-        for layer in &self.layers {
-            let over = &mut self.layer_morphs;
+        for layer in &self.state.layers {
+            let over = &mut self.state.layer_morphs;
             over.copy_from_slice(rest);
             morphs_of(self.model, &layer.state, rest, over, fade);
             let (from, to) = layer.state.clips();
@@ -447,11 +464,14 @@ impl<'a> FigurePlayer<'a> {
                             .morphs
                             .iter()
                             .any(|t| t.target == track.target);
-                    if let (Some(weight), false) = (self.morphs.get_mut(slot), told_before) {
+                    if let (Some(weight), false) = (self.state.morphs.get_mut(slot), told_before) {
                         *weight = layer.morph(*weight, over[slot]);
                     }
                 }
             }
+        }
+        if let Some(refinement) = &self.state.refinement {
+            refinement.apply_morphs(&mut self.state.morphs);
         }
     }
 }

@@ -15,8 +15,9 @@ use std::ops::Range;
 
 /// Receives a motion stream, whole or in pieces of any length, and decodes what is there.
 ///
-/// A group whose units are missing in an access unit keeps its reference pose there; frames of
-/// access units that have not arrived hold the last frame that has. The decoded whole numbers are
+/// A group whose units are missing in a whole access unit keeps its reference pose there. While an
+/// access unit is arriving, groups that are not there yet hold the frame before it; frames of access
+/// units that have not arrived hold the last frame that has. The decoded whole numbers are
 /// the same on every platform, and so are the rotations and translations made of them.
 #[derive(Debug, Clone)]
 pub struct MotionReceiver {
@@ -172,7 +173,11 @@ impl Started {
             };
             let frames = head.frames_of(number);
             let mut hash = self.hash;
-            rest(&mut self.tracks, &self.table, &self.shown, &frames, rig);
+            if access_unit.is_whole || frames.start == 0 {
+                rest(&mut self.tracks, &self.table, &self.shown, &frames, rig);
+            } else {
+                hold(&mut self.tracks, frames.clone());
+            }
             let Self {
                 table,
                 tracks,
@@ -200,7 +205,7 @@ impl Started {
             self.next = (access_unit.bytes.end, number + 1);
         }
         if !changed.is_empty() && self.frames < head.frames {
-            hold(&mut self.tracks, self.frames);
+            hold(&mut self.tracks, self.frames..head.frames);
             changed.end = head.frames;
         }
         let is_whole = self.next.1 == head.access_units;
@@ -347,16 +352,17 @@ fn real(x: i64) -> f32 {
     x as f32 * (1.0 / (1_u32 << POINT) as f32)
 }
 
-/// Fills the frames from `from` with the frame before.
-fn hold(tracks: &mut Tracks, from: usize) {
-    fn each<T: Copy>(tracks: &mut [Track<T>], from: usize) {
-        for track in tracks.iter_mut().filter(|track| track.values.len() > from) {
-            let last = track.values[from - 1];
-            track.values[from..].fill(last);
+/// Fills frames of the tracks that move with the frame before them.
+fn hold(tracks: &mut Tracks, frames: Range<usize>) {
+    fn each<T: Copy>(tracks: &mut [Track<T>], frames: &Range<usize>) {
+        let moving = tracks.iter_mut();
+        for track in moving.filter(|track| track.values.len() > frames.start) {
+            let last = track.values[frames.start - 1];
+            track.values[frames.clone()].fill(last);
         }
     }
-    each::<Quat>(&mut tracks.rotations, from);
-    each::<Vec3>(&mut tracks.translations, from);
-    each::<Vec3>(&mut tracks.scales, from);
-    each::<f32>(&mut tracks.morphs, from);
+    each::<Quat>(&mut tracks.rotations, &frames);
+    each::<Vec3>(&mut tracks.translations, &frames);
+    each::<Vec3>(&mut tracks.scales, &frames);
+    each::<f32>(&mut tracks.morphs, &frames);
 }

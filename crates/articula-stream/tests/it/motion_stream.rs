@@ -1,6 +1,9 @@
 //! ABP-2: what a stream shows, whole, cut and in pieces.
 
 use articula_build::{Asset, ClipOptions, character};
+use articula_core::playback::{
+    FigureModel, FigurePlayer, FigureViews, FullDetail, SuspendedFigure,
+};
 use articula_core::{Clip, Mesh, ModelPose, PosedMesh, Rig, Wrap};
 use articula_human::{HumanOptions, human};
 use articula_mutate::{Edit, Mutations};
@@ -241,6 +244,70 @@ fn pieces_of_any_length_make_the_same_clip() {
         }
         assert!(receiver.is_whole() && receiver.hash() == whole.hash());
         assert_eq!(receiver.clip(), whole.clip());
+    }
+}
+
+#[test]
+fn a_player_plays_what_has_arrived_and_refines_without_a_jump() {
+    let Asset { rig, mesh, .. } = figure();
+    let coded = coded(Grouping::LoaRegion, UnitOrder::Value);
+    let mut receiver = MotionReceiver::new(rig, &StreamLimits::default());
+    let mut pieces = coded.bytes.chunks(coded.bytes.len() / 12);
+    while receiver.frames() == 0 {
+        receiver.receive(pieces.next().unwrap()).unwrap();
+    }
+    let step = 1.0 / 60.0;
+    let mut controller = FullDetail::default();
+    let mut suspended: Option<SuspendedFigure> = None;
+    let mut before: Option<Vec<Vec3>> = None;
+    let mut moved: f32 = 0.0;
+    let mut pieces = pieces.peekable();
+    loop {
+        let clips = [receiver.clip().unwrap()];
+        let model = FigureModel::new(rig, &clips).unwrap();
+        let mut player = match suspended.take() {
+            Some(suspended) => FigurePlayer::resume(&model, suspended, 0.2).unwrap(),
+            None => FigurePlayer::new(&model, &mesh.morph_weights),
+        };
+        for _ in 0..6 {
+            player.advance(step, &mut |_| {});
+            player.control(&mut controller, FigureViews::Cameras(&[]));
+            player.hierarchy();
+            let joints = (0..rig.len()).map(|j| player.model_pose().position(j));
+            let joints: Vec<Vec3> = joints.collect();
+            if let Some(before) = &before {
+                let steps = joints.iter().zip(before).map(|(a, b)| a.distance(*b));
+                moved = steps.fold(moved, f32::max);
+            }
+            before = Some(joints);
+        }
+        suspended = Some(player.suspend());
+        match pieces.next() {
+            Some(piece) => {
+                receiver.receive(piece).unwrap();
+            }
+            None => break,
+        }
+    }
+    assert!(receiver.is_whole());
+    // A joint of a walk moves at up to 6 m/s; frames that jumped to what arrives would show more.
+    assert!((0.01..0.1).contains(&moved), "{moved} m in a frame");
+    // After the time of the refinement, the whole stream is shown.
+    let clips = [receiver.clip().unwrap()];
+    let model = FigureModel::new(rig, &clips).unwrap();
+    let mut player = FigurePlayer::resume(&model, suspended.unwrap(), 0.2).unwrap();
+    player.advance(0.25, &mut |_| {});
+    player.control(&mut controller, FigureViews::Cameras(&[]));
+    player.hierarchy();
+    let state = player.state().unwrap().clip_state();
+    let mut posed = PosedMesh::new(rig, mesh);
+    posed.pose_at(&clips[0], f64::from(state.secs()), Wrap::Loop);
+    for joint in 0..rig.len() {
+        let apart = posed
+            .model
+            .position(joint)
+            .distance(player.model_pose().position(joint));
+        assert!(apart < 1e-4, "joint {joint}: {apart} m");
     }
 }
 

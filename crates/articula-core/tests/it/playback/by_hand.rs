@@ -321,3 +321,48 @@ fn the_skin_is_that_of_plain_skinning_and_nothing_is_skinned_twice() {
         player.advance(0.1, &mut |_| {});
     }
 }
+
+#[test]
+fn a_suspended_figure_moves_to_changed_clips_within_the_time() {
+    let rig = chain(2);
+    let (coarse, fine) = ([turning(2, 0.1)], [turning(2, 0.3)]);
+    let model = FigureModel::new(&rig, &coarse).unwrap();
+    let mut player = FigurePlayer::new(&model, &[0.0]);
+    player.max_joints = 7;
+    let mut controller = FullDetail::default();
+    let mut shown = |player: &mut FigurePlayer<'_>, secs: f32| {
+        player.advance(secs, &mut |_| {});
+        player.control(&mut controller, seen_at(5.0));
+        player.pose().clone()
+    };
+    assert!(about_x(&shown(&mut player, 0.2), 1, 0.2));
+    let suspended = player.suspend();
+
+    let finer = FigureModel::new(&rig, &fine).unwrap();
+    let mut jumping = FigurePlayer::resume(&finer, suspended.clone(), 0.0).unwrap();
+    assert!(about_x(&shown(&mut jumping, 0.0), 1, 0.6));
+    // The difference at 0.2 s is -0.4 rad; half of it is left after half of the time, during which
+    // the new clip turns on by 0.3 rad.
+    let mut player = FigurePlayer::resume(&finer, suspended.clone(), 0.2).unwrap();
+    assert_eq!(player.max_joints, 7);
+    assert!(about_x(&shown(&mut player, 0.0), 1, 0.2));
+    let half = shown(&mut player, 0.1);
+    assert!(angle_between(half.rotations[1], Quat::from_rotation_x(0.9 - 0.2)) < 2e-3);
+    assert!(about_x(&shown(&mut player, 0.1), 1, 1.2));
+    assert!(about_x(&shown(&mut player, 0.1), 1, 1.5));
+    // Suspended again in the middle, it goes on from where it was.
+    let mut player = FigurePlayer::resume(&finer, suspended.clone(), 0.2).unwrap();
+    let half = shown(&mut player, 0.1);
+    let mut again = FigurePlayer::resume(&finer, player.suspend(), 0.2).unwrap();
+    let after = shown(&mut again, 0.0);
+    assert!(angle_between(half.rotations[1], after.rotations[1]) < 1e-5);
+
+    let shorter = [Clip::new("still", 10.0, 2, 2, Tracks::default()).unwrap()];
+    let other = FigureModel::new(&rig, &shorter).unwrap();
+    let why = FigurePlayer::resume(&other, suspended.clone(), 0.2).unwrap_err();
+    assert!(why.to_string().contains("durations"), "{why}");
+    let rig = chain(3);
+    let clips = [turning(3, 0.1)];
+    let other = FigureModel::new(&rig, &clips).unwrap();
+    assert!(FigurePlayer::resume(&other, suspended, 0.2).is_err());
+}

@@ -1,7 +1,9 @@
 //! The motion to be coded: local values of every joint and morph target at every frame.
 
+use crate::abp2::pose_unit::Kind;
 use articula_core::{Clip, LocalPose, Mesh, Rig, Track};
 use glam::{DQuat, Quat, Vec3};
+use std::ops::Range;
 
 /// Local values at every frame; index `frame * joints + joint`, and the same of morph targets.
 #[derive(Debug, Clone)]
@@ -50,6 +52,24 @@ impl Truth {
     /// Weights of the morph targets at a frame.
     pub(super) fn weights(&self, frame: usize) -> &[f32] {
         &self.weights[frame * self.targets..(frame + 1) * self.targets]
+    }
+
+    /// Gives a track at some frames the value of the frame before them.
+    pub(super) fn hold(&mut self, kind: Kind, target: usize, frames: Range<usize>) {
+        let before = frames.start - 1;
+        let (joints, targets) = (self.joints, self.targets);
+        for frame in frames {
+            let [from, to] = [before, frame].map(|frame| frame * joints + target);
+            match kind {
+                Kind::Rotation => self.rotations[to] = self.rotations[from],
+                Kind::Translation => self.translations[to] = self.translations[from],
+                Kind::Scale => self.scales[to] = self.scales[from],
+                Kind::Morph => {
+                    let [from, to] = [before, frame].map(|frame| frame * targets + target);
+                    self.weights[to] = self.weights[from];
+                }
+            }
+        }
     }
 
     /// The rotation of a joint at a frame in double precision.

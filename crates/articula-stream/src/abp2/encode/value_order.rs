@@ -8,6 +8,7 @@ use super::skin_points::{Measure, SkinError, Sums};
 use super::truth::Truth;
 use super::units::{CodedUnit, UnitCoder};
 use crate::abp2::pose_unit::Kind;
+use std::ops::Range;
 
 /// Bytes of the number and the length of a unit.
 const HEADER_BYTES: usize = 2;
@@ -47,19 +48,24 @@ impl<'a> Prefixes<'a> {
         }
     }
 
-    /// Shows a group at a tier in an access unit.
+    /// Shows a group at a tier in an access unit; without one, as a receiver does that waits for it.
     fn set(&mut self, access_unit: usize, group: usize, tier: Option<usize>) {
         let frames = self.coding.head.frames_of(access_unit);
+        let Some(tier) = tier else {
+            self.wait(group, frames);
+            return;
+        };
         let mut values = Vec::new();
         for track in &self.coder.table.of_group[group] {
             let place = &self.coder.table.tracks[*track];
             let levels = &self.coder.levels.levels[*track][access_unit];
-            let dropped = tier.and_then(|tier| place.moving().map(|(_, planes)| planes[tier]));
-            let known = dropped.map(|dropped| {
-                self.coding
-                    .values(place, levels, access_unit, dropped, &mut values);
-                &values[..]
-            });
+            let Some((_, planes)) = place.moving() else {
+                continue;
+            };
+            let dropped = planes[tier];
+            self.coding
+                .values(place, levels, access_unit, dropped, &mut values);
+            let known = Some(&values[..]);
             show(
                 place,
                 self.coding.rig,
@@ -67,6 +73,39 @@ impl<'a> Prefixes<'a> {
                 known,
                 &mut self.shown,
             );
+        }
+    }
+
+    /// Shows the reference of a group, or the frame before the access unit.
+    fn wait(&mut self, group: usize, frames: Range<usize>) {
+        for track in &self.coder.table.of_group[group] {
+            let place = &self.coder.table.tracks[*track];
+            if frames.start == 0 {
+                show(
+                    place,
+                    self.coding.rig,
+                    frames.clone(),
+                    None,
+                    &mut self.shown,
+                );
+            } else {
+                self.shown
+                    .hold(place.kind, usize::from(place.target), frames.clone());
+            }
+        }
+    }
+
+    /// Shows no unit of an access unit.
+    fn start(&mut self, access_unit: usize) {
+        for group in 0..self.coder.table.of_group.len() {
+            self.set(access_unit, group, None);
+        }
+    }
+
+    /// Shows all units of an access unit, which later ones start from.
+    fn end(&mut self, access_unit: usize) {
+        for group in 0..self.coder.table.of_group.len() {
+            self.set(access_unit, group, Some(0));
         }
     }
 
@@ -81,6 +120,7 @@ impl<'a> Prefixes<'a> {
     /// Orders the units of an access unit, given by tier, by their value. The value of a unit is taken
     /// to be that from before where the units in between move other parts of the body.
     pub(super) fn by_value(&mut self, access_unit: usize, units: Vec<CodedUnit>) -> Vec<CodedUnit> {
+        self.start(access_unit);
         let groups = self.coder.table.of_group.len();
         // Of each group the units from coarse to fine, in reverse; they are in this order already.
         let mut waiting: Vec<Vec<CodedUnit>> = vec![Vec::new(); groups];
@@ -129,25 +169,20 @@ impl<'a> Prefixes<'a> {
             }
             ordered.push(unit);
         }
-        self.rest(access_unit);
+        self.end(access_unit);
         ordered
     }
 
     /// Returns the error after each of the units of an access unit, in their order.
     pub(super) fn errors(&mut self, access_unit: usize, units: &[CodedUnit]) -> Vec<SkinError> {
+        self.start(access_unit);
         let mut errors = Vec::with_capacity(units.len());
         for (group, tier, _) in units {
             self.set(access_unit, *group, Some(*tier));
             errors.push(self.sums(access_unit).error());
         }
-        self.rest(access_unit);
+        self.end(access_unit);
         errors
-    }
-
-    fn rest(&mut self, access_unit: usize) {
-        for group in 0..self.coder.table.of_group.len() {
-            self.set(access_unit, group, None);
-        }
     }
 }
 
