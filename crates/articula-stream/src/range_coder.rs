@@ -221,12 +221,14 @@ impl<'a> Decoder<'a> {
         self.at >= self.bytes.len()
     }
 
+    #[inline]
     fn take(&mut self) {
         let byte = self.bytes.get(self.at).copied().unwrap_or(0);
         self.code = self.code << 8 | u32::from(byte);
         self.at += 1;
     }
 
+    #[inline]
     fn settle(&mut self) {
         while self.range < TOP {
             self.range <<= 8;
@@ -238,10 +240,12 @@ impl<'a> Decoder<'a> {
 impl Coder for Decoder<'_> {
     const READS: bool = true;
 
+    #[inline]
     fn range(&self) -> u32 {
         self.range
     }
 
+    #[inline]
     fn split(&mut self, zero: u32, _: bool) -> bool {
         let bit = self.code >= zero;
         if bit {
@@ -254,6 +258,7 @@ impl Coder for Decoder<'_> {
         bit
     }
 
+    #[inline]
     fn raw(&mut self, count: u32, _: u32) -> u32 {
         let mut value = 0;
         for _ in 0..count {

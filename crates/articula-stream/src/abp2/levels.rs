@@ -14,7 +14,7 @@ use crate::range_coder::Coder;
 /// Greatest magnitude of a level.
 pub(super) const MOST_LEVEL: i32 = 1 << 24;
 /// Most values at a time: the axes of a rotation, translation or scale.
-pub(super) const AXES: usize = 3;
+const MOST_AXES: usize = 3;
 /// Bucket of a value with no neighbour.
 const ALONE: usize = 6;
 
@@ -31,6 +31,13 @@ fn at(levels: &[i32], place: u32) -> u32 {
         .map_or(0, |level| level.unsigned_abs())
 }
 
+/// The levels of each axis.
+#[inline]
+fn rows<const AXES: usize>(levels: &mut [i32], frames: usize) -> [&mut [i32]; AXES] {
+    let mut rows = levels.chunks_exact_mut(frames);
+    std::array::from_fn(|_| rows.next().unwrap_or_default())
+}
+
 /// Codes the levels of the coarsest tier: `levels` has those of each axis one after the other, in
 /// coded order; a decoder fills it in.
 pub(super) fn code_coarsest<C: Coder>(
@@ -39,24 +46,35 @@ pub(super) fn code_coarsest<C: Coder>(
     places: &[Place],
     levels: &mut [i32],
 ) {
-    let frames = places.len();
-    let axes = levels.len() / frames;
-    let mut active = [false; AXES];
-    for (axis, active) in active.iter_mut().enumerate().take(axes) {
-        let is_zero = levels[axis * frames..][..frames]
-            .iter()
-            .all(|level| *level == 0);
-        *active = !contexts.bit(coder, flag(0), is_zero);
+    if levels.len() == places.len() {
+        coarsest_of::<C, 1>(coder, contexts, places, levels);
+    } else {
+        coarsest_of::<C, MOST_AXES>(coder, contexts, places, levels);
     }
+}
+
+fn coarsest_of<C: Coder, const AXES: usize>(
+    coder: &mut C,
+    contexts: &mut Contexts,
+    places: &[Place],
+    levels: &mut [i32],
+) {
+    let rows = rows::<AXES>(levels, places.len());
+    let active: [bool; AXES] = std::array::from_fn(|axis| {
+        let is_zero = rows[axis].iter().all(|level| *level == 0);
+        !contexts.bit(coder, flag(0), is_zero)
+    });
     for (i, place) in places.iter().enumerate() {
         let (mut others, mut other_weight) = (0, 0);
-        for axis in (0..axes).filter(|axis| active[*axis]) {
-            let of_axis = &levels[axis * frames..][..frames];
+        for axis in 0..AXES {
+            if !active[axis] {
+                continue;
+            }
             let mut sum = others;
             let mut weight = other_weight;
             for (neighbour, factor) in [(place.before, 2), (place.second, 1), (place.parent, 1)] {
                 if neighbour != Place::NONE {
-                    sum += factor * at(of_axis, neighbour);
+                    sum += factor * at(rows[axis], neighbour);
                     weight += factor;
                 }
             }
@@ -65,7 +83,7 @@ pub(super) fn code_coarsest<C: Coder>(
                 let mean = u64::from(sum.min(65_536)) * u64::from(factor);
                 bucket(16 + (mean >> 16) as u32)
             });
-            let level = &mut levels[axis * frames + i];
+            let level = &mut rows[axis][i];
             *level = contexts.value(coder, place.class, q, *level);
             others += level.unsigned_abs();
             other_weight += 1;
@@ -84,17 +102,31 @@ pub(super) fn code_plane<C: Coder>(
     levels: &mut [i32],
     finer: &[i32],
 ) -> bool {
+    if levels.len() == places.len() {
+        plane_of::<C, 1>(coder, contexts, tier, places, levels, finer)
+    } else {
+        plane_of::<C, MOST_AXES>(coder, contexts, tier, places, levels, finer)
+    }
+}
+
+fn plane_of<C: Coder, const AXES: usize>(
+    coder: &mut C,
+    contexts: &mut Contexts,
+    tier: usize,
+    places: &[Place],
+    levels: &mut [i32],
+    finer: &[i32],
+) -> bool {
     let frames = places.len();
-    let axes = levels.len() / frames;
+    let rows = rows::<AXES>(levels, frames);
     let mut active = [true; AXES];
-    for (axis, active) in active.iter_mut().enumerate().take(axes) {
-        let range = axis * frames..(axis + 1) * frames;
-        if levels[range.clone()].iter().all(|level| *level == 0) {
+    for axis in 0..AXES {
+        if rows[axis].iter().all(|level| *level == 0) {
             let stays = finer
-                .get(range)
+                .get(axis * frames..(axis + 1) * frames)
                 .is_some_and(|f| f.iter().all(|level| *level == 0));
-            *active = !contexts.bit(coder, flag(1), stays);
-        } else if levels[range]
+            active[axis] = !contexts.bit(coder, flag(1), stays);
+        } else if rows[axis]
             .iter()
             .any(|level| level.unsigned_abs() > MOST_LEVEL as u32)
         {
@@ -102,15 +134,20 @@ pub(super) fn code_plane<C: Coder>(
         }
     }
     for (i, place) in places.iter().enumerate() {
-        for axis in (0..axes).filter(|axis| active[*axis]) {
-            let of_axis = &levels[axis * frames..][..frames];
+        for axis in 0..AXES {
+            if !active[axis] {
+                continue;
+            }
+            let of_axis = &*rows[axis];
             let mut sum = 2 * at(of_axis, place.before)
                 + at(of_axis, place.second)
                 + at(of_axis, place.parent)
                 + 3 * at(of_axis, i as u32 + 1);
-            for other in (0..axes).filter(|other| *other != axis) {
-                let known = levels[other * frames + i].unsigned_abs();
-                sum += if other < axis { known } else { 3 * known };
+            for (other, row) in rows.iter().enumerate() {
+                if other != axis {
+                    let known = row[i].unsigned_abs();
+                    sum += if other < axis { known } else { 3 * known };
+                }
             }
             let q = bucket(16 + 8 * sum.min(65_536));
             let coarse = of_axis[i];
@@ -119,7 +156,7 @@ pub(super) fn code_plane<C: Coder>(
                 _ => 0,
             };
             let digit = code_digit(coder, contexts, tier, q, coarse, digit);
-            levels[axis * frames + i] = 3 * coarse + digit;
+            rows[axis][i] = 3 * coarse + digit;
         }
     }
     true

@@ -101,8 +101,8 @@ impl MotionReceiver {
         started.is_some_and(|s| s.next.1 == s.read.head.access_units)
     }
 
-    /// Returns a hash (FNV-1a) of all whole numbers decoded from whole access units, to compare
-    /// platforms.
+    /// Returns a hash (FNV-1a, over 64 bits at a time) of all whole numbers decoded from whole access
+    /// units, to compare platforms.
     pub fn hash(&self) -> u64 {
         self.started
             .as_ref()
@@ -126,10 +126,8 @@ impl MotionReceiver {
 const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
 
 fn hashed(hash: u64, values: &[i64]) -> u64 {
-    let bytes = values.iter().flat_map(|x| x.to_le_bytes());
-    bytes.fold(hash, |h, byte| {
-        (h ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    })
+    let words = values.iter().map(|x| *x as u64);
+    words.fold(hash, |h, word| (h ^ word).wrapping_mul(0x0100_0000_01b3))
 }
 
 impl Started {

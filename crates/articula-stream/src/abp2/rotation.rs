@@ -31,11 +31,13 @@ const COSINE: [f32; 9] = [
     1.0 / 20_922_789_888_000.0,
 ];
 
-fn series(terms: &[f32], x: f32) -> f32 {
+#[inline]
+fn series<const TERMS: usize>(terms: &[f32; TERMS], x: f32) -> f32 {
     terms.iter().rev().fold(0.0, |sum, term| sum * x + term)
 }
 
 /// Returns the rotation by a rotation vector (axis times angle, radians).
+#[inline]
 pub(super) fn exp(vector: [f32; 3]) -> Quat {
     let mut h = vector.map(|x| x * 0.5);
     let mut halvings = 0;
@@ -53,6 +55,7 @@ pub(super) fn exp(vector: [f32; 3]) -> Quat {
 }
 
 /// Returns the product of two rotations. That of `glam` adds in another order with SIMD.
+#[inline]
 pub(super) fn product(a: Quat, b: Quat) -> Quat {
     Quat::from_xyzw(
         a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,

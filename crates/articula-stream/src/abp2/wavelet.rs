@@ -77,34 +77,69 @@ pub(super) fn order(frames: usize) -> Vec<Place> {
     places
 }
 
-/// Index in `0..=last` of `i`, mirrored at the ends.
-fn mirrored(i: i64, last: i64) -> usize {
-    let period = (2 * last).max(1);
-    let i = i.rem_euclid(period);
-    (if i > last { period - i } else { i }) as usize
+/// Samples of a power of 2 apart, mirrored at the ends.
+#[derive(Clone, Copy)]
+struct Grid {
+    stride: usize,
+    /// Index of the last sample.
+    last: usize,
 }
 
-/// Value of sample `i` of those `stride` frames apart, mirrored at the ends.
-fn sample(x: &[i64], stride: usize, i: i64) -> i64 {
-    let last = ((x.len() - 1) / stride) as i64;
-    x[mirrored(i, last) * stride]
-}
+impl Grid {
+    fn new(frames: usize, stride: usize) -> Self {
+        Self {
+            stride,
+            last: (frames - 1) >> stride.trailing_zeros(),
+        }
+    }
 
-/// What the neighbours of an odd sample predict for it.
-fn prediction(x: &[i64], stride: usize, i: i64) -> i64 {
-    let near = sample(x, stride, i - 1) + sample(x, stride, i + 1);
-    let far = sample(x, stride, i - 3) + sample(x, stride, i + 3);
-    (9 * near - far + 8) >> 4
-}
+    /// Frame of sample `i`.
+    #[inline]
+    fn frame(self, i: usize) -> usize {
+        i * self.stride
+    }
 
-/// What the details beside an even sample add to it.
-fn update(x: &[i64], stride: usize, i: i64) -> i64 {
-    (sample(x, stride, i - 1) + sample(x, stride, i + 1) + 2) >> 2
-}
+    /// Value of the samples `apart` before and after `i`, at most three; sum of both.
+    #[inline]
+    fn beside(self, x: &[i64], i: usize, apart: usize) -> i64 {
+        let mirrored = |i: i64| {
+            let period = (2 * self.last as i64).max(1);
+            let i = i.rem_euclid(period);
+            x[self.frame(i.min(period - i) as usize)]
+        };
+        let before = match i.checked_sub(apart) {
+            Some(before) => x[self.frame(before)],
+            None => mirrored(i as i64 - apart as i64),
+        };
+        let after = if i + apart <= self.last {
+            x[self.frame(i + apart)]
+        } else {
+            mirrored((i + apart) as i64)
+        };
+        before + after
+    }
 
-/// Number of samples `stride` apart.
-fn count(x: &[i64], stride: usize) -> i64 {
-    ((x.len() - 1) / stride + 1) as i64
+    /// What the neighbours of an odd sample predict for it.
+    #[inline]
+    fn prediction(self, x: &[i64], i: usize) -> i64 {
+        (9 * self.beside(x, i, 1) - self.beside(x, i, 3) + 8) >> 4
+    }
+
+    /// What the details beside an even sample add to it.
+    #[inline]
+    fn update(self, x: &[i64], i: usize) -> i64 {
+        (self.beside(x, i, 1) + 2) >> 2
+    }
+
+    /// The odd samples, which have details.
+    fn odd(self) -> impl Iterator<Item = usize> {
+        (1..=self.last).step_by(2)
+    }
+
+    /// The even samples.
+    fn even(self) -> impl Iterator<Item = usize> {
+        (0..=self.last).step_by(2)
+    }
 }
 
 /// Replaces frames by coefficients, each at the place of its frame.
@@ -112,11 +147,12 @@ pub(super) fn forward(x: &mut [i64], updates: bool) {
     let h = coarsest(x.len());
     let mut stride = 1;
     while stride < h {
-        for i in (1..count(x, stride)).step_by(2) {
-            x[i as usize * stride] -= prediction(x, stride, i);
+        let grid = Grid::new(x.len(), stride);
+        for i in grid.odd() {
+            x[grid.frame(i)] -= grid.prediction(x, i);
         }
-        for i in (0..count(x, stride)).step_by(2).filter(|_| updates) {
-            x[i as usize * stride] += update(x, stride, i);
+        for i in grid.even().filter(|_| updates) {
+            x[grid.frame(i)] += grid.update(x, i);
         }
         stride *= 2;
     }
@@ -126,11 +162,12 @@ pub(super) fn forward(x: &mut [i64], updates: bool) {
 pub(super) fn inverse(x: &mut [i64], updates: bool) {
     let mut stride = coarsest(x.len()) / 2;
     while stride > 0 {
-        for i in (0..count(x, stride)).step_by(2).filter(|_| updates) {
-            x[i as usize * stride] -= update(x, stride, i);
+        let grid = Grid::new(x.len(), stride);
+        for i in grid.even().filter(|_| updates) {
+            x[grid.frame(i)] -= grid.update(x, i);
         }
-        for i in (1..count(x, stride)).step_by(2) {
-            x[i as usize * stride] += prediction(x, stride, i);
+        for i in grid.odd() {
+            x[grid.frame(i)] += grid.prediction(x, i);
         }
         stride /= 2;
     }
@@ -146,9 +183,10 @@ pub(super) fn closed_loop(x: &mut [i64], mut code: impl FnMut(usize, i64) -> i64
     }
     let mut stride = h / 2;
     while stride > 0 {
-        for i in (1..count(x, stride)).step_by(2) {
-            let predicted = prediction(x, stride, i);
-            let frame = i as usize * stride;
+        let grid = Grid::new(x.len(), stride);
+        for i in grid.odd() {
+            let predicted = grid.prediction(x, i);
+            let frame = grid.frame(i);
             x[frame] = predicted + code(frame, x[frame] - predicted);
         }
         stride /= 2;
