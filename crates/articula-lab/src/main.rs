@@ -79,6 +79,8 @@ enum Table {
     FacePoints,
     /// Face animation tables made from feature points alone, beside the expressions of the faces.
     FaceTables,
+    /// Motion streams: bytes at equal error beside other forms, layers and speeds.
+    Streams,
     /// All tables, one after the other; names and times go to standard error.
     All,
 }
@@ -121,6 +123,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::FaceBridges => tables::face_bridges::write(run),
         Table::FacePoints => tables::face_points::write(run),
         Table::FaceTables => tables::face_tables::write(run),
+        Table::Streams => tables::streams::write(run),
         Table::All => all(run),
     }
 }

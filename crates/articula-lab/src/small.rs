@@ -37,6 +37,7 @@ tables! {
     mesh_levels: "mesh-levels" writes "mesh-levels.md";
     motion_lod: "motion-lod" writes "motion-lod.md";
     retargets: "retargets" writes "retargets.md";
+    streams: "streams" writes "streams.md";
     thesis_grid: "thesis-grid" writes "thesis-grid.md";
 }
 
