@@ -24,10 +24,10 @@ impl Grouping {
 /// The labels of a group of joints or morph targets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Group {
-    /// Level of articulation, 0 to 5.
+    /// Level of articulation: of joints 0 (coarsest) to 5, of morph targets 0 (very low) to 3 (high).
     pub loa: u8,
-    /// Number of the region: of the body 1 to 7 as in [`Region::ALL`], of a face as the writer
-    /// numbers them; 0 if the group is of several.
+    /// Number of the region: of the body 1 to 7 as in [`Region::ALL`], 0 if the group is of several; of
+    /// morph targets that of the face, 0 to 7.
     pub region: u8,
     /// The joint of a group of one.
     pub joint: Option<u16>,

@@ -1,7 +1,7 @@
 //! The map of a motion stream, by which it is cut.
 
 use super::access_unit::{AccessUnit, PREFIX};
-use super::grouping::{Group, Grouping};
+use super::grouping::Grouping;
 use super::head::{self, MotionHead, PosePlace, ReadHead};
 use crate::coding::Coding;
 use crate::error::StreamError;
@@ -10,7 +10,7 @@ use crate::unit::{Field, Meaning, Unit, bits_of};
 use std::ops::Range;
 
 /// Returns the map of a stream: the head with its pose units, then the access units with their
-/// units, marked `loa`, `region`, `joint` and `tier`. Labels as in `docs/formats/abp2.md`.
+/// units, marked `loa`, `region`, `joint` (of morph targets `face_loa`, `face_region`) and `tier`. Labels as in `docs/formats/abp2.md`.
 ///
 /// # Errors
 /// A [`StreamError`] if the stream is malformed or ends early.
@@ -45,15 +45,22 @@ fn length(name: &'static str, bytes: Range<usize>, value: usize) -> Field {
     }
 }
 
-fn marked(mut unit: Unit, group: &Group, grouping: Grouping) -> Unit {
-    unit = unit.marked("loa", u32::from(group.loa));
-    if grouping != Grouping::Loa || group.region != 0 {
+/// Marks a unit with the labels of its group.
+fn marked(unit: Unit, number: usize, head: &MotionHead) -> Unit {
+    let group = head.group(number);
+    if number >= head.groups.len() {
+        return unit
+            .marked("face_loa", u32::from(group.loa))
+            .marked("face_region", u32::from(group.region));
+    }
+    let mut unit = unit.marked("loa", u32::from(group.loa));
+    if head.grouping != Grouping::Loa {
         unit = unit.marked("region", u32::from(group.region));
     }
-    if let Some(joint) = group.joint {
-        unit = unit.marked("joint", u32::from(joint));
+    match group.joint {
+        Some(joint) => unit.marked("joint", u32::from(joint)),
+        None => unit,
     }
-    unit
 }
 
 fn head_unit(read: &ReadHead, stream: &[u8]) -> Unit {
@@ -76,13 +83,8 @@ fn head_unit(read: &ReadHead, stream: &[u8]) -> Unit {
 fn access_unit_unit(access_unit: &AccessUnit, number: usize, head: &MotionHead) -> Unit {
     let start = access_unit.bytes.start;
     let units = access_unit.units.iter().map(|unit| {
-        let group = head.group(unit.group);
-        marked(
-            Unit::of_bytes("unit", unit.bytes.clone()),
-            group,
-            head.grouping,
-        )
-        .marked("tier", unit.tier as u32)
+        let of_bytes = Unit::of_bytes("unit", unit.bytes.clone());
+        marked(of_bytes, unit.group, head).marked("tier", unit.tier as u32)
     });
     let after = start + PREFIX;
     let mut children = vec![Unit::of_bytes("frames", after..start + access_unit.header)];

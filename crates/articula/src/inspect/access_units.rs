@@ -1,9 +1,7 @@
 //! Access units of a stream of a motion: what a cut by level or region leaves out.
 
 use crate::error::{Context, Error, Result};
-use crate::streams::{StreamKind, sniff};
-use articula_core::Region;
-use articula_core::face_levels::FaceRegion;
+use crate::streams::{StreamKind, region_name, sniff};
 use articula_stream::{StreamLimits, Unit, abp1, afp1};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -70,7 +68,7 @@ pub fn inspect_access_units(
         bytes_common: bytes.len() as f64 - of_items,
         regions: regions
             .iter()
-            .map(|(number, share)| row(region_name(item, *number), share))
+            .map(|(number, share)| row(region_name(item != "joint", *number), share))
             .collect(),
         loa: loa
             .iter()
@@ -90,16 +88,4 @@ fn shares(map: &Unit, scheme: &str, item: &str) -> BTreeMap<u32, (BTreeSet<u32>,
         }
     });
     shares
-}
-
-/// Name of a region by its number, if it has one.
-pub(super) fn region_name(item: &str, number: u32) -> String {
-    let number = number as usize;
-    let name = if item == "joint" {
-        let region = number.checked_sub(1).and_then(|n| Region::ALL.get(n));
-        region.map(ToString::to_string)
-    } else {
-        FaceRegion::ALL.get(number).map(ToString::to_string)
-    };
-    name.unwrap_or_else(|| number.to_string())
 }

@@ -1,7 +1,7 @@
 //! Contents of a motion stream, without its character.
 
-use super::access_units::region_name;
 use crate::error::{Context, Result};
+use crate::streams::region_name;
 use articula_stream::abp2::{Grouping, MotionHead, motion_map};
 use articula_stream::{CutRule, StreamLimits, Unit, cut};
 use serde::Serialize;
@@ -57,9 +57,11 @@ pub struct StreamTier {
 /// A group of joints or morph targets.
 #[derive(Debug, Serialize)]
 pub struct StreamGroup {
-    /// Level of articulation.
+    /// Whether it is a group of morph targets.
+    pub is_face: bool,
+    /// Level of articulation, of the body or of the face.
     pub loa: u32,
-    /// Region of the body; `None` if the group is of several.
+    /// Region of the body or of the face; `None` if the group is of several.
     pub region: Option<String>,
     /// Index of the joint, if the group has one.
     pub joint: Option<u32>,
@@ -114,17 +116,21 @@ pub fn inspect_motion_stream(
     })
 }
 
-/// Level of articulation, region and joint of a group.
-type Marks = (u32, Option<u32>, Option<u32>);
+/// Whether a group is of a face, its level of articulation, region and joint.
+type Marks = (bool, u32, Option<u32>, Option<u32>);
 
 /// The groups in the order in which they first occur.
 fn groups(map: &Unit, tiers: usize) -> Vec<StreamGroup> {
     let mut groups: Vec<(Marks, Vec<usize>)> = Vec::new();
     map.visit(&mut |unit| {
-        let (Some(loa), Some(tier)) = (unit.marker("loa"), unit.marker("tier")) else {
+        let Some(tier) = unit.marker("tier") else {
             return;
         };
-        let key = (loa, unit.marker("region"), unit.marker("joint"));
+        let key = match (unit.marker("loa"), unit.marker("face_loa")) {
+            (Some(loa), _) => (false, loa, unit.marker("region"), unit.marker("joint")),
+            (_, Some(loa)) => (true, loa, unit.marker("face_region"), None),
+            _ => return,
+        };
         let at = groups.iter().position(|(known, _)| *known == key);
         let at = at.unwrap_or_else(|| {
             groups.push((key, vec![0; tiers]));
@@ -133,9 +139,10 @@ fn groups(map: &Unit, tiers: usize) -> Vec<StreamGroup> {
         groups[at].1[tier as usize] += unit.bytes() as usize;
     });
     groups.sort_by_key(|(key, _)| *key);
-    let group = |((loa, region, joint), bytes): (Marks, Vec<usize>)| StreamGroup {
+    let group = |((is_face, loa, region, joint), bytes): (Marks, Vec<usize>)| StreamGroup {
+        is_face,
         loa,
-        region: region.map(|number| region_name("joint", number)),
+        region: region.map(|number| region_name(is_face, number)),
         joint,
         bytes,
     };

@@ -7,12 +7,15 @@ use super::{StreamKind, sniff, stream_limits};
 use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, Format};
 
+use articula_build::face::{blend_shape, unit_mm, vrm_preset};
 use articula_build::{ClipOptions, character, rig_hash};
+use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion, FapRole, FapRoles};
+use articula_core::fap_table::LOW_FAPS;
 use articula_core::source::{Channel, Interpolation, Property, RawClip, RawMesh};
 use articula_core::{Clip, Rig, Track};
 use articula_formats::Limits;
 use articula_stream::CutRule;
-use articula_stream::abp2::{EncodedMotion, MotionOptions, MotionReceiver, encode};
+use articula_stream::abp2::{EncodedMotion, Group, MotionOptions, MotionReceiver, encode};
 use serde::Serialize;
 
 /// A tier of a motion stream.
@@ -51,12 +54,46 @@ pub fn write(
         ..source.clone()
     };
     let asset = character(&alone, Some(opened.articulation()), &ClipOptions::default())?;
-    let options = MotionOptions {
+    let mut options = MotionOptions {
         rig_hash: rig_hash(&asset.rig),
         ..options.clone()
     };
+    if options.morph_groups.is_empty() {
+        options.morph_groups = morph_groups(&source.meshes);
+    }
     let place = || format!("clip \"{}\"", of_source.name);
     encode(&asset.rig, &asset.mesh, &asset.clips[0], &options).with_context(place)
+}
+
+/// Returns for each morph target of these meshes its level of articulation and region of the face: of
+/// the parameter that it shows most, by its name. Of other names, those that are dropped last: level
+/// very low of the region of visemes and expressions.
+pub fn morph_groups(meshes: &[RawMesh]) -> Vec<Group> {
+    let roles = FaceLevel::ALL.map(|level| FaceLevels::all(level).roles());
+    let group = |name: &str| {
+        let values = blend_shape(name).or_else(|| vrm_preset(name))?;
+        let moved = |fap: &usize| (values.get(*fap) * unit_mm(*fap)).abs();
+        let most = LOW_FAPS.max_by(|a, b| moved(a).total_cmp(&moved(b)));
+        let most = most.filter(|fap| moved(fap) > 0.0)?;
+        // A parameter that copies another one still moves.
+        let shows = |roles: &FapRoles| !matches!(roles.role(most), FapRole::Removed);
+        let finer = roles.iter().rev().take_while(|roles| !shows(roles)).count();
+        let region = FaceRegion::of(most)?;
+        Some([finer as u8, region as u8])
+    };
+    let mut groups = Vec::new();
+    for mesh in meshes {
+        for target in 0..mesh.morph_weights.len() {
+            let name = mesh.morph_names.get(target);
+            let [loa, region] = name.and_then(|name| group(name)).unwrap_or_default();
+            groups.push(Group {
+                loa,
+                region,
+                joint: None,
+            });
+        }
+    }
+    groups
 }
 
 /// Lists the tiers of an encoded motion, finest first.

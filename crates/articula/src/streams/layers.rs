@@ -1,10 +1,11 @@
 //! What each part of a motion stream shows: the error of leaving it out.
 
 use super::abp2::decode;
+use super::region_name;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::work::Executor;
-use articula_core::{Clip, PosedMesh, Region, SkinnedMesh, Viewport, Wrap, sample_morphs};
+use articula_core::{Clip, PosedMesh, SkinnedMesh, Viewport, Wrap, sample_morphs};
 use articula_formats::Limits;
 use articula_stream::abp2::{Grouping, MotionHead, motion_map};
 use articula_stream::{StreamLimits, Unit, cut};
@@ -69,6 +70,9 @@ pub struct LayerReport {
     /// Joint of the group.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
+    /// Whether it is a group of morph targets, with a level and a region of the face.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub is_face: bool,
     /// Finest tier that is kept; `None` if none is.
     pub finest_tier: Option<usize>,
     /// Size of what is left, in bytes.
@@ -99,6 +103,7 @@ struct Wanted {
     loa: Option<u8>,
     region: Option<u8>,
     joint: Option<u16>,
+    is_face: bool,
     finest_tier: Option<usize>,
     scope: Scope,
 }
@@ -125,8 +130,13 @@ impl Wanted {
             Scope::Whole => is_fine_enough,
             Scope::Levels => unit.marker("loa") <= self.loa.map(u32::from),
             Scope::Group => {
-                let is_of_group = is("loa", self.loa.map(u32::from))
-                    && is("region", self.region.map(u32::from))
+                let [loa, region] = if self.is_face {
+                    ["face_loa", "face_region"]
+                } else {
+                    ["loa", "region"]
+                };
+                let is_of_group = is(loa, self.loa.map(u32::from))
+                    && is(region, self.region.map(u32::from))
                     && is("joint", self.joint.map(u32::from));
                 !is_of_group || is_fine_enough
             }
@@ -159,14 +169,12 @@ pub fn layers(
         let shown = decoded(&cut.bytes)?;
         let found = compare(of, &clip, &shown, every);
         let px = |distance: &f32| options.viewport.pixels_per_metre(*distance) * found.max_metres;
-        let region = |number: u8| {
-            let region = usize::from(number).checked_sub(1);
-            let region = region.and_then(|n| Region::ALL.get(n));
-            region.map_or_else(|| number.to_string(), ToString::to_string)
-        };
         let report = LayerReport {
             loa: wanted.loa,
-            region: wanted.region.map(region),
+            region: wanted
+                .region
+                .map(|number| region_name(wanted.is_face, number)),
+            is_face: wanted.is_face,
             joint: wanted.joint.map(|j| rig.name(usize::from(j)).to_owned()),
             finest_tier: wanted.finest_tier,
             bytes: cut.bytes.len(),
@@ -213,30 +221,28 @@ fn wanted(head: &MotionHead) -> Vec<Wanted> {
         loa: None,
         region: None,
         joint: None,
+        is_face: false,
         finest_tier,
         scope,
     };
     let mut all: Vec<Wanted> = (0..head.tiers)
         .map(|tier| plain(Scope::Whole, Some(tier)))
         .collect();
-    let groups = || head.groups.iter().chain(&head.morph_groups);
-    let levels: BTreeSet<u8> = groups().map(|group| group.loa).collect();
+    let levels: BTreeSet<u8> = head.groups.iter().map(|group| group.loa).collect();
     all.extend(levels.iter().rev().map(|loa| Wanted {
         loa: Some(*loa),
         ..plain(Scope::Levels, Some(0))
     }));
-    let mut known = BTreeSet::new();
-    for group in groups() {
-        let region = (head.grouping != Grouping::Loa || group.region != 0).then_some(group.region);
-        // Morph targets may share the marks of joints, and are then cut with them.
-        if !known.insert((group.loa, region, group.joint)) {
-            continue;
-        }
+    let joints = head.groups.iter().map(|group| (group, false));
+    let faces = head.morph_groups.iter().map(|group| (group, true));
+    for (group, is_face) in joints.chain(faces) {
+        let has_region = is_face || head.grouping != Grouping::Loa;
         let tiers = (1..head.tiers).map(Some).chain([None]);
         all.extend(tiers.map(|tier| Wanted {
             loa: Some(group.loa),
-            region,
+            region: has_region.then_some(group.region),
             joint: group.joint,
+            is_face,
             ..plain(Scope::Group, tier)
         }));
     }

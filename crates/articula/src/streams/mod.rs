@@ -15,6 +15,8 @@ mod layers;
 
 pub use layers::{LayerOptions, LayerReport, LayersReport, WorstVertex, layers};
 
+use articula_core::Region;
+use articula_core::face_levels::FaceRegion;
 use articula_formats::Limits;
 use articula_stream::StreamLimits;
 
@@ -45,4 +47,16 @@ pub(crate) fn stream_limits(limits: &Limits) -> StreamLimits {
         bytes: limits.bytes,
         elements: limits.elements,
     }
+}
+
+/// Name of a region by its number in a stream, if it has one.
+pub(crate) fn region_name(is_face: bool, number: impl Into<u32>) -> String {
+    let number = number.into() as usize;
+    let name = if is_face {
+        FaceRegion::ALL.get(number).map(ToString::to_string)
+    } else {
+        let region = number.checked_sub(1).and_then(|n| Region::ALL.get(n));
+        region.map(ToString::to_string)
+    };
+    name.unwrap_or_else(|| number.to_string())
 }

@@ -11,9 +11,9 @@ use articula::{
     open_data, reference_human,
 };
 use articula_core::LocalPose;
-use articula_core::face_levels::{FaceLevel, FaceLevels};
+use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion};
 use articula_core::source::{
-    Channel, Character, Interpolation, Joint, Property, RawClip, Skeleton, evaluate,
+    Channel, Character, Interpolation, Joint, Property, RawClip, RawMesh, Skeleton, evaluate,
 };
 use articula_core::{Articulation, PosedMesh, Transform, Wrap, sample_morphs};
 use articula_formats::Limits;
@@ -303,6 +303,72 @@ fn a_character_shows_the_same_after_abp2() {
         let most = farthest(&before, &after);
         assert!(most > 0.0 && most < 1.01e-4, "{name}: {most} m");
     }
+}
+
+#[test]
+fn the_face_of_a_motion_stream_is_cut_by_its_regions() {
+    let mesh = |names: &[&str]| RawMesh {
+        morph_names: names.iter().map(|name| (*name).to_owned()).collect(),
+        morph_weights: vec![0.0; names.len()],
+        ..RawMesh::default()
+    };
+    let meshes = [
+        mesh(&["jawOpen", "eyeBlinkLeft"]),
+        mesh(&["browInnerUp", "hat"]),
+    ];
+    let groups = abp2::morph_groups(&meshes);
+    let regions: Vec<u8> = groups.iter().map(|group| group.region).collect();
+    let of = |region: FaceRegion| region as u8;
+    assert_eq!(
+        regions,
+        [
+            of(FaceRegion::Jaw),
+            of(FaceRegion::Eyeballs),
+            of(FaceRegion::Eyebrows),
+            0
+        ]
+    );
+    // Jaw and lids move at every level, the other lid or not.
+    assert_eq!([groups[0].loa, groups[1].loa, groups[3].loa], [0; 3]);
+
+    let Some(path) = real::file("glb/ict_head_talk_554.glb") else {
+        return;
+    };
+    let file = fs::open(&path).unwrap();
+    let coded = abp2::write(&file, 0, &MotionOptions::default()).unwrap();
+    let jaw = u64::from(FaceRegion::Jaw as u8);
+    let rule = CutRule::default().in_mask("face_region", !(1 << jaw));
+    let part = cut(&coded.bytes, &coded.unit, |unit| rule.keeps(unit)).unwrap();
+    assert!(part.bytes.len() < coded.bytes.len());
+    let weights = |bytes: &[u8]| {
+        let read = abp2::read(bytes, "a.abp", &file, &Limits::default()).unwrap();
+        Figure::new(read).unwrap().asset
+    };
+    let (whole, part) = (weights(&coded.bytes), weights(&part.bytes));
+    let names: Vec<String> = file
+        .character
+        .meshes
+        .iter()
+        .flat_map(|m| m.morph_names.clone())
+        .collect();
+    let mut counts = [0; 2];
+    for (a, b) in whole.clips[0]
+        .tracks()
+        .morphs
+        .iter()
+        .zip(&part.clips[0].tracks().morphs)
+    {
+        let moves = |t: &articula_core::Track<f32>| t.values.iter().any(|w| *w != t.values[0]);
+        let of_jaw = names[usize::from(a.target)].starts_with("jaw")
+            || names[usize::from(a.target)].starts_with("mouth");
+        if of_jaw && moves(a) {
+            assert!(!moves(b), "{}", names[usize::from(a.target)]);
+        } else if !of_jaw {
+            assert_eq!(a.values, b.values);
+        }
+        counts[usize::from(of_jaw)] += usize::from(moves(a));
+    }
+    assert!(counts[0] > 1 && counts[1] > 1, "{counts:?}");
 }
 
 #[test]

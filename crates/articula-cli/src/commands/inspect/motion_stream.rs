@@ -66,11 +66,12 @@ fn text(found: &MotionStreamInspection) -> String {
     let names: Vec<String> = (0..found.tiers.len())
         .map(|t| format!("tier {t}"))
         .collect();
-    let mut columns = vec!["LoA", "region", "joint"];
+    let mut columns = vec!["", "LoA", "region", "joint"];
     columns.extend(names.iter().map(String::as_str));
     let mut groups = Table::new(&columns);
     for group in &found.groups {
         let mut cells = vec![
+            if group.is_face { "face" } else { "body" }.to_owned(),
             group.loa.to_string(),
             group.region.clone().unwrap_or_default(),
             group

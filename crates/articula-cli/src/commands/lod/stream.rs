@@ -96,7 +96,12 @@ fn cells(row: &LayerReport, column: &str) -> Vec<String> {
         "group" => {
             let parts = [row.region.as_deref(), row.joint.as_deref()];
             let parts = parts.into_iter().flatten().map(clean);
-            let group: Vec<String> = std::iter::once(format!("LoA {loa}")).chain(parts).collect();
+            let group: Vec<String> = std::iter::once(format!(
+                "{}LoA {loa}",
+                if row.is_face { "face " } else { "" }
+            ))
+            .chain(parts)
+            .collect();
             format!("{}, tier {tier}", group.join(" "))
         }
         _ => loa,
