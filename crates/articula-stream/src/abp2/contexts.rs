@@ -37,10 +37,22 @@ pub(super) struct Contexts([Context; COUNT]);
 /// Whether a value is in the scaling band (0) or a detail band (1) of the wavelet.
 pub(super) type Class = usize;
 
+/// The trained state.
+static TRAINED: Contexts = {
+    let mut contexts = [Context { zero: 0, seen: 0 }; COUNT];
+    let mut at = 0;
+    while at < COUNT {
+        let (zero, seen) = START[at];
+        contexts[at] = Context { zero, seen };
+        at += 1;
+    }
+    Contexts(contexts)
+};
+
 impl Contexts {
     /// Returns the trained state in which the units of a motion start.
     pub(super) fn trained() -> Self {
-        Self(START.map(|(zero, seen)| Context { zero, seen }))
+        TRAINED.clone()
     }
 
     /// Returns the state in which pose units start, in which nothing is known.

@@ -6,6 +6,7 @@ use articula::Figure;
 use articula::convert::write;
 use articula::streams::abp1;
 use articula::{Format, OpenOptions};
+use articula_build::clip_edit::resample_keys;
 use articula_build::{Asset, clip_size};
 use articula_core::source::{Character, RawClip, evaluate};
 use articula_core::{Clip, LocalPose, ModelPose, Tracks};
@@ -176,7 +177,11 @@ pub(super) fn abp1(figure: &Figure, clip: usize, tolerance_mm: f64) -> Result<Pe
 }
 
 fn abp1_with(figure: &Figure, clip: usize, quantizer: u8) -> Result<Peer> {
-    let opened = &figure.opened;
+    // At the rate of the runtime clip, which may be above that of the keys.
+    let mut opened = figure.opened.clone();
+    let rate_hz = figure.asset.clips[clip].rate_hz();
+    let keys = resample_keys(&opened.character.clips[clip], rate_hz)?;
+    opened.character.clips[clip] = keys;
     let options = Abp1Options {
         quantizer,
         ..Abp1Options::default()
