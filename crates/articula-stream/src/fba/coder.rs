@@ -173,3 +173,67 @@ impl<'a> Decoder<'a> {
         self.ends[(self.read - 15) % 16]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::model::Adaptive;
+    use super::*;
+    use articula_mutate::Dice;
+
+    /// Symbols, then raw bits that must not disturb them.
+    fn round_trip(seed: u64, symbols: u32, count: usize, skew: bool) -> u64 {
+        let mut dice = Dice::new(seed);
+        let mut one = |n: u32| dice.roll(n as usize) as u32;
+        let list: Vec<u32> = (0..count)
+            .map(|_| {
+                if skew && one(50) > 0 {
+                    symbols - 1
+                } else {
+                    one(symbols)
+                }
+            })
+            .collect();
+        let tail = u64::from(one(1 << 16)) & u64::from(one(1 << 16));
+        let mut out = BitWriter::default();
+        let mut model = Adaptive::new(symbols);
+        let mut encoder = Encoder::new(&mut out);
+        for symbol in &list {
+            encoder.encode(&mut Model::Adaptive(&mut model), *symbol);
+        }
+        encoder.finish();
+        let end = out.bits;
+        out.push(16, tail);
+        let mut model = Adaptive::new(symbols);
+        let mut decoder = Decoder::new(&BitReader::new(&out.bytes, 0..out.bytes.len()));
+        for symbol in &list {
+            assert_eq!(decoder.decode(&mut Model::Adaptive(&mut model)), *symbol);
+        }
+        assert_eq!(decoder.finish(), Some(end));
+        // No 23 zeros in the run.
+        let bit = |at: u64| out.bytes[(at / 8) as usize] >> (7 - at % 8) & 1;
+        let mut zeros = 0;
+        for at in 0..end {
+            zeros = if bit(at) == 0 { zeros + 1 } else { 0 };
+            assert!(zeros < 23);
+        }
+        end
+    }
+
+    #[test]
+    fn symbols_come_back_and_the_end_is_found() {
+        for seed in 0..400 {
+            let symbols = [1, 2, 15, 121, 3721][seed as usize % 5];
+            round_trip(seed, symbols, seed as usize % 90, seed % 2 == 0);
+        }
+    }
+
+    #[test]
+    fn the_length_is_near_the_entropy() {
+        // 4000 even symbols of 64 need 6 bits each; adaptation and 16-bit registers add some.
+        let bits = round_trip(1, 64, 4000, false) as f64 / 4000.0;
+        assert!((5.9..6.1).contains(&bits), "{bits}");
+        // 98 % one of 64: 0.02 * (6 + log2 50) + 0.98 * log2(1 / 0.98) = 0.26.
+        let bits = round_trip(2, 64, 4000, true) as f64 / 4000.0;
+        assert!((0.2..0.4).contains(&bits), "{bits}");
+    }
+}
