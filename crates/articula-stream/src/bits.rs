@@ -81,6 +81,16 @@ impl<'a> BitReader<'a> {
         self.at
     }
 
+    /// Goes on at another bit, at most the end.
+    pub(crate) fn go_to(&mut self, at: u64) {
+        self.at = at.min(self.end);
+    }
+
+    /// Returns the position of the end.
+    pub(crate) fn end_at(&self) -> u64 {
+        self.end
+    }
+
     /// Returns an error at the next bit.
     pub(crate) fn bad(&self, what: impl Into<String>) -> StreamError {
         StreamError::malformed(format!("bit {}", self.at), what)

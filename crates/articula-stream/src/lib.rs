@@ -10,6 +10,7 @@
 //! - `abp2`: body animations within a tolerance of the skin, that can be cut by joints and by tolerance
 //!   (`codecs`)
 //! - `afp1`: face animations that can be cut by parameters (`codecs`)
+//! - `fba`: face animations as MPEG-4's binary stream, for interchange (`codecs`)
 //! - [`StreamError`], [`StreamLimits`]: errors, and limits on memory and time
 //!
 //! A program that only cuts streams disables the feature `codecs` and depends on neither codec, hash
@@ -64,6 +65,8 @@ mod cut;
 #[cfg(feature = "codecs")]
 mod dct;
 mod error;
+#[cfg(feature = "codecs")]
+pub mod fba;
 #[cfg(feature = "codecs")]
 mod frame_rate;
 #[cfg(feature = "codecs")]

@@ -40,7 +40,7 @@ impl FaceFrame {
     }
 
     /// Value of a field of a FAP, by its number.
-    pub(super) fn field(&self, fap: usize, field: usize) -> i32 {
+    pub(crate) fn field(&self, fap: usize, field: usize) -> i32 {
         match fap {
             1 => i32::from(self.viseme[field]),
             2 => i32::from(self.expression[field]),
@@ -49,7 +49,7 @@ impl FaceFrame {
     }
 
     /// Sets a field of a FAP, by its number, unless the value is out of the range of the field.
-    pub(super) fn set_field(&mut self, fap: usize, field: usize, value: i32) -> Option<()> {
+    pub(crate) fn set_field(&mut self, fap: usize, field: usize, value: i32) -> Option<()> {
         let (target, most) = match fap {
             1 => (&mut self.viseme[field], VISEME[field]),
             2 => (&mut self.expression[field], EXPRESSION[field]),

@@ -12,6 +12,7 @@ mod abp1;
 mod afp1;
 mod clustered_stream;
 mod cut_streams;
+mod fba;
 mod mesh_levels;
 mod motion_stream;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
