@@ -51,6 +51,7 @@ const SEEDS: &[Seeds] = &[
     seeds("afp1", b"", &["afp"]),
     seeds("bva", b"", &["bva"]),
     seeds("bvh", b"", &["bvh"]),
+    seeds("fba", b"", &["fba"]),
     seeds("gltf", b"", &["glb", "gltf", "vrm", "vrma"]),
     Seeds {
         folder: Some("joint_maps"),

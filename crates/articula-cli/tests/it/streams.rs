@@ -159,6 +159,37 @@ fn a_motion_stream_needs_its_character() {
 }
 
 #[test]
+fn a_face_clip_goes_through_fba() {
+    let Some(talk) = real::file("fap/xface_joy.fap") else {
+        return;
+    };
+    let here = folder("fba");
+    let talk = word(&talk);
+    let written = json(&here, &["convert", talk, "talk.fba"]);
+    assert_eq!(written["format_out"], "fba");
+    let [before, after] = [talk, "talk.fba"].map(|file| json(&here, &["inspect", file, "--map"]));
+    assert_eq!(before["clips"][0]["frames"], after["clips"][0]["frames"]);
+    let moving = |found: &Value| {
+        let rows = found["parameters"].as_array().unwrap().iter();
+        rows.filter(|row| row["moves"] == true)
+            .map(|row| row["fap"].clone())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(moving(&before), moving(&after));
+    // Quantiser 1 changes no whole number; a FAP file selects what moves.
+    json(&here, &["convert", "talk.fba", "talk.fap"]);
+    std::fs::create_dir_all(here.join("again")).unwrap();
+    json(&here, &["convert", "talk.fap", "again/talk.fba"]);
+    json(&here, &["convert", "again/talk.fba", "again/talk.fap"]);
+    let read = |name: &str| std::fs::read(here.join(name)).unwrap();
+    assert!(read("talk.fap") == read("again/talk.fap"));
+    let first = read("talk.fba");
+    std::fs::write(here.join("torn.fba"), &first[..first.len() / 2]).unwrap();
+    let why = fault(&here, 1, &["inspect", "torn.fba"]);
+    assert!(why.contains("torn.fba") && why.contains("byte"), "{why}");
+}
+
+#[test]
 fn a_face_clip_goes_through_afp1() {
     let Some(talk) = real::file("fap/speech_synthetic.fap") else {
         return;

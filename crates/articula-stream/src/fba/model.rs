@@ -138,7 +138,7 @@ mod tests {
             for round in 0..17_000 {
                 let symbol = dice.roll(symbols as usize).min(dice.roll(symbols as usize)) as u32;
                 if plain.iter().sum::<u32>() == 16383 {
-                    plain.iter_mut().for_each(|f| *f = (*f + 1) / 2);
+                    plain.iter_mut().for_each(|f| *f = f.div_ceil(2));
                 }
                 plain[symbol as usize] += 1;
                 let mut model = Model::Adaptive(&mut model);

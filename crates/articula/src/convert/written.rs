@@ -6,7 +6,7 @@ use super::left_out::{EncodedFile, LossyPart, counted, mesh_levels, meshes};
 use super::{AbpProfile, ConvertOptions, body, joint_names, khr_character};
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Data, DataFormat, Format};
-use crate::streams::{abp1, abp2, afp1};
+use crate::streams::{abp1, abp2, afp1, fba};
 use articula_build::source_rate_hz;
 use articula_core::face_levels::FaceLevels;
 use articula_core::fap_table::FAP_COUNT;
@@ -16,6 +16,7 @@ use articula_formats::x3d::{self, Site};
 use articula_formats::{acclaim, bvh, live_link};
 use articula_stream::abp2::MotionOptions;
 use articula_stream::afp1::Afp1Options;
+use articula_stream::fba::FbaOptions;
 
 /// Writes a character; formats that hold one clip get the first.
 ///
@@ -52,8 +53,8 @@ pub fn write_data(data: &Data) -> Result<EncodedFile> {
     Err(Error::unsuited(format.advice()))
 }
 
-/// Writes a FAP clip as a FAP file, or as an AFP stream with the parameters that the levels keep;
-/// a FAP file gets all of them.
+/// Writes a FAP clip as a FAP file or an FBA stream, or as an AFP stream with the parameters that the
+/// levels keep; the others get all of them.
 ///
 /// # Errors
 /// An [`Error`] if the rate, the frames or a value cannot be written, or the format is of another
@@ -71,6 +72,7 @@ pub fn write_faps(
     let (bytes, left_out) = match format {
         DataFormat::Fap => (fap::write(clip), still(clip)),
         DataFormat::Afp => (afp1::write(clip, &options)?, None),
+        DataFormat::Fba => (fba::write(clip, &FbaOptions::default())?, columns(clip)),
         _ => return Err(Error::unsuited(format.advice())),
     };
     Ok(EncodedFile {
@@ -94,6 +96,14 @@ pub(super) fn written(
         Format::Abp | Format::Abpt => stream(opened, format, options),
         _ => container(opened, options.khr_character),
     }
+}
+
+/// The name of the columns by which blend shapes became parameters, which FBA cannot hold.
+fn columns(clip: &FapClip) -> Option<LossyPart> {
+    let name = clip.bridge.as_ref()?;
+    let what =
+        format!("the name of the columns of the blend shapes, {name} (.fap and .afp hold it)");
+    Some(LossyPart::Note(what))
 }
 
 /// Parameters that the masks select but that never change.

@@ -2,7 +2,7 @@
 
 use super::OpenOptions;
 use crate::error::{Context, Result};
-use crate::streams::{afp1, stream_limits};
+use crate::streams::{afp1, fba, stream_limits};
 use articula_formats::live_link::{self, LiveLinkClip};
 use articula_formats::mpeg4::epf::EpfFrame;
 use articula_formats::mpeg4::fap::FapClip;
@@ -18,6 +18,8 @@ pub enum DataFormat {
     Fap,
     /// Facial animation parameters as a stream of which single ones can be cut.
     Afp,
+    /// Facial animation parameters as MPEG-4's binary stream.
+    Fba,
     /// MPEG-4 encoder parameters.
     Epf,
     /// Xface's facial definition parameters.
@@ -51,7 +53,14 @@ pub struct DataFile {
 }
 
 impl DataFormat {
-    const ALL: [Self; 5] = [Self::Fap, Self::Afp, Self::Epf, Self::Fdp, Self::Csv];
+    const ALL: [Self; 6] = [
+        Self::Fap,
+        Self::Afp,
+        Self::Fba,
+        Self::Epf,
+        Self::Fdp,
+        Self::Csv,
+    ];
 
     /// Returns the format for a file name's extension.
     pub fn from_name(name: &str) -> Option<Self> {
@@ -64,6 +73,7 @@ impl DataFormat {
         match self {
             Self::Fap => "fap",
             Self::Afp => "afp",
+            Self::Fba => "fba",
             Self::Epf => "epf",
             Self::Fdp => "fdp",
             Self::Csv => "csv",
@@ -72,7 +82,7 @@ impl DataFormat {
 
     /// Returns whether a file has facial animation parameters by frame.
     pub fn has_faps(self) -> bool {
-        matches!(self, Self::Fap | Self::Afp)
+        matches!(self, Self::Fap | Self::Afp | Self::Fba)
     }
 
     /// Returns whether a file animates a face: by parameters or by blend shapes.
@@ -85,15 +95,21 @@ impl DataFormat {
         match self {
             Self::Fap => {
                 "a FAP file animates a face and has no joints; use convert --onto CHARACTER to move a \
-                 face by it, inspect to list its content, or convert to write it as .fap, .afp or .csv"
+                 face by it, inspect to list its content, or convert to write it as .fap, .afp, .fba or \
+                 .csv"
             }
             Self::Afp => {
                 "an AFP stream animates a face and has no joints; use convert --onto CHARACTER to move \
-                 a face by it, inspect to list its content, or convert to write it as .fap or .csv"
+                 a face by it, inspect to list its content, or convert to write it as .fap, .fba or .csv"
+            }
+            Self::Fba => {
+                "an FBA stream animates a face and has no joints; use convert --onto CHARACTER to move \
+                 a face by it, inspect to list its content, or convert to write it as .fap, .afp or .csv"
             }
             Self::Csv => {
                 "a CSV capture animates a face and has no joints; use convert --onto CHARACTER to move \
-                 a face by it, inspect to list its content, or convert to write it as .fap or .afp"
+                 a face by it, inspect to list its content, or convert to write it as .fap, .afp or \
+                 .fba"
             }
             Self::Epf => {
                 "an EPF file controls an encoder and has no joints; use inspect to list its \
@@ -126,6 +142,12 @@ pub fn open_data(
         DataFormat::Afp => {
             let limits = stream_limits(limits);
             let clip = afp1::read(bytes, &Afp1ReadOptions::default(), &limits).context(name)?;
+            (Data::Fap(clip), Vec::new())
+        }
+        DataFormat::Fba => {
+            let stem = name.rsplit(['/', '\\']).next().unwrap_or(name);
+            let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
+            let clip = fba::read(bytes, stem, &stream_limits(limits)).context(name)?;
             (Data::Fap(clip), Vec::new())
         }
         DataFormat::Epf => parts(epf::read(bytes, limits).context(name)?, Data::Epf),

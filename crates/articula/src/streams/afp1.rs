@@ -2,9 +2,10 @@
 //!
 //! Form: `docs/formats/afp1.md`.
 
+use super::face_frame::{fap_frame, plain};
 use crate::error::{Error, Result};
 use crate::face::with_inner_lips;
-use articula_formats::mpeg4::fap::{FapClip, FapExpression, FapFrame, Viseme};
+use articula_formats::mpeg4::fap::FapClip;
 use articula_stream::afp1::{Afp1Clip, Afp1Options, Afp1ReadOptions, FaceFrame};
 use articula_stream::{FrameRate, StreamLimits};
 
@@ -82,49 +83,4 @@ pub fn read(bytes: &[u8], options: &Afp1ReadOptions, limits: &StreamLimits) -> R
         *coded |= moves;
     }
     Ok(clip)
-}
-
-fn plain(frame: &FapFrame) -> FaceFrame {
-    let (viseme, expression) = (&frame.viseme, &frame.expression);
-    FaceFrame {
-        viseme: [
-            viseme.select1,
-            viseme.select2,
-            viseme.blend,
-            u8::from(viseme.defines),
-        ],
-        expression: [
-            expression.select1,
-            expression.intensity1,
-            expression.select2,
-            expression.intensity2,
-            u8::from(expression.init_face),
-            u8::from(expression.defines),
-        ],
-        low: frame.low,
-    }
-}
-
-fn fap_frame(frame: &FaceFrame, number: u32) -> FapFrame {
-    let [select1, select2, blend, defines] = frame.viseme;
-    let viseme = Viseme {
-        select1,
-        select2,
-        blend,
-        defines: defines == 1,
-    };
-    let [select1, intensity1, select2, intensity2, init_face, defines] = frame.expression;
-    FapFrame {
-        number,
-        viseme,
-        expression: FapExpression {
-            select1,
-            intensity1,
-            select2,
-            intensity2,
-            init_face: init_face == 1,
-            defines: defines == 1,
-        },
-        low: frame.low,
-    }
 }

@@ -4,6 +4,7 @@
 //! - [`abp1`]: the motion of a character as ABP-1, and back
 //! - [`abp2`]: the motion of a character as ABP-2, and back
 //! - [`afp1`]: facial animation parameters as AFP-1, and back
+//! - [`fba`]: facial animation parameters as MPEG-4's binary stream, and back
 //! - [`layers()`]: the error of leaving out parts of a motion stream
 //!
 //! The streams themselves, and the map by which they are cut, are those of `articula_stream`.
@@ -11,6 +12,8 @@
 pub mod abp1;
 pub mod abp2;
 pub mod afp1;
+mod face_frame;
+pub mod fba;
 mod layers;
 
 pub use layers::{LayerOptions, LayerReport, LayersReport, WorstVertex, layers};

@@ -91,6 +91,15 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 impl Case {
+    /// Size of the BVH file that the clip is from, in Brotli; `None` for other sources.
+    pub(super) fn source_bvh(&self, data: &Path) -> Result<Option<usize>> {
+        if !self.file.ends_with(".bvh") {
+            return Ok(None);
+        }
+        let text = std::fs::read(data.join(self.file)).context(self.file)?;
+        Ok(Some(super::peers::brotli(&text)?))
+    }
+
     /// Whether it is in the small run.
     pub(super) fn is_small(&self) -> bool {
         self.file.is_empty()

@@ -148,17 +148,22 @@ fn rounded(v: Vec3) -> ([i32; 3], Vec3) {
     )
 }
 
-/// A BVH file in Brotli, which packs text no worse than Zstandard.
+/// Size in Brotli.
+pub(super) fn brotli(bytes: &[u8]) -> Result<usize> {
+    let mut packed = Vec::new();
+    let params = brotli::enc::BrotliEncoderParams::default();
+    brotli::BrotliCompress(&mut &*bytes, &mut packed, &params)?;
+    Ok(packed.len())
+}
+
+/// A BVH file as we write it, in Brotli.
 pub(super) fn bvh(figure: &Figure, clip: usize) -> Result<Peer> {
     let mut alone = figure.opened.clone();
     alone.character.clips = vec![alone.character.clips[clip].clone()];
     alone.clips_changed = true;
     let text = write(&alone, Format::Bvh)?.bytes;
-    let mut packed = Vec::new();
-    let params = brotli::enc::BrotliEncoderParams::default();
-    brotli::BrotliCompress(&mut text.as_slice(), &mut packed, &params)?;
     Ok(Peer {
-        bytes: packed.len(),
+        bytes: brotli(&text)?,
         errors: None,
     })
 }
