@@ -286,8 +286,8 @@ gltfpack and written again here, its own vertex codec, then gzip; its error is n
 else our text with six decimals, in Brotli at its best (Zstandard is not among our libraries); not judged. *ABP-1*: a
 frame for each of the runtime clip, the greatest steps within 0.1 mm, or its least steps (0.0001) where these do not
 suffice: they do not depend on how far a joint moves the skin; no morph targets. The dancer's error is that of its
-face, and the fox is 155 m long; elsewhere steps, of which the transform form may err by two, add up along a chain of
-joints. ACL and ozz are quoted from elsewhere for a walk of pab, not run here: 7.4 and 11.2 KB.
+face, and the fox is 155 m long; elsewhere steps add up along a chain of joints, which was not traced further. ACL and
+ozz are quoted from elsewhere for a walk of pab, not run here: 7.4 and 11.2 KB.
 
 | clip | keys | gzip | meshoptimizer | BVH | ABP-1 | ABP-2, one tier |
 | --- | --- | --- | --- | --- | --- | --- |
