@@ -2,7 +2,7 @@
 
 use crate::clip::{ClipOptions, MAX_NUMBERS, resample};
 use crate::expression::bake;
-use articula_core::source::{Character, RawMesh, Skeleton};
+use articula_core::source::{Character, RawClip, RawMesh, Skeleton};
 use articula_core::{Articulation, Clip, Mesh, Mismatch, Rig};
 
 /// A character in runtime form: rig, mesh and clips.
@@ -38,16 +38,10 @@ pub fn character(
             )
         })?;
     let (rig, mesh) = rig_and_mesh(&source.skeleton, &source.meshes, articulation)?;
-    let counts: Vec<usize> = source
-        .meshes
-        .iter()
-        .map(|m| m.morph_weights.len())
-        .collect();
     let mut clips = Vec::with_capacity(source.clips.len());
     let mut numbers = 0usize;
     for c in &source.clips {
-        let c = bake(source, c)?;
-        let clip = resample(&c, &source.skeleton, &mesh.morph_slots, &counts, opts)?;
+        let clip = sampled_clip(source, c, &mesh, opts)?;
         numbers += numbers_of(&clip);
         if numbers > MAX_NUMBERS {
             let what = format!("all clips together hold more than {MAX_NUMBERS} numbers");
@@ -56,6 +50,25 @@ pub fn character(
         clips.push(clip);
     }
     Ok(Asset { rig, mesh, clips })
+}
+
+/// Builds one clip of a source character, at a uniform rate; `mesh` is that of the character.
+///
+/// # Errors
+/// A [`Mismatch`] if the clip names something that does not exist, or would exceed the memory limit.
+///
+/// # Panics
+/// If the mesh is of another character.
+pub fn sampled_clip(
+    source: &Character,
+    clip: &RawClip,
+    mesh: &Mesh,
+    opts: &ClipOptions,
+) -> Result<Clip, Mismatch> {
+    let meshes = source.meshes.iter();
+    let counts: Vec<usize> = meshes.map(|m| m.morph_weights.len()).collect();
+    let baked = bake(source, clip)?;
+    resample(&baked, &source.skeleton, &mesh.morph_slots, &counts, opts)
 }
 
 /// Builds the rig and the mesh of a source character.

@@ -64,13 +64,13 @@ pub fn source_rate_hz(clip: &source::RawClip) -> f32 {
 ///
 /// # Errors
 /// A [`Mismatch`] if a channel names a joint or mesh that does not exist, has no key or fewer
-/// values than its keys need, or drives an expression ([`bake`](crate::bake) resolves
+/// values than its keys need, or drives an expression ([`bake`](crate::expression::bake) resolves
 /// those), or if the clip would have more than a million frames or more floats than the memory
 /// limit allows.
 ///
 /// # Panics
 /// If `morph_slots` and `morph_counts` differ in length.
-pub fn resample(
+pub(crate) fn resample(
     clip: &source::RawClip,
     skeleton: &source::Skeleton,
     morph_slots: &[usize],

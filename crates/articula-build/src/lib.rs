@@ -65,8 +65,8 @@ mod simplify;
 mod split_mix;
 mod surface_distance;
 
-pub use character::{Asset, character, rig_and_mesh};
-pub use clip::{ClipOptions, resample, source_rate_hz};
+pub use character::{Asset, character, rig_and_mesh, sampled_clip};
+pub use clip::{ClipOptions, source_rate_hz};
 pub use clusters::{ClusterOrder, Clustered, cluster};
 pub use decimate::decimate;
 pub use expression::{bake, resolve};
@@ -90,7 +90,7 @@ pub use pose_cache::{
     CacheDecision, CacheOptions, CacheReport, CachedPoses, cache_of_keys, cached_poses,
 };
 pub use poses::{PoseOptions, PoseOrigin, Poses, SkinPose, SkinPoseSource, poses, positions};
-pub use reduce::{ClipSize, clip_size, hold_joints_in_clip};
+pub use reduce::{ClipSize, clip_size, hold_joints_in_clip, whole_clip_size};
 pub use scene::{ClipPlayback, CrossFade, PLAZA_COUNT, Plaza, Scene, SceneCharacter, plaza};
 pub use simplify::{
     ErrorWeighting, LevelTriangles, Simplified, SimplifyOptions, region_weights, simplify,

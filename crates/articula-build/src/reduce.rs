@@ -28,8 +28,13 @@ pub fn clip_size(clip: &RawClip) -> ClipSize {
     size_of(clip.channels.iter().filter(|c| c.property.is_of_joint()))
 }
 
+/// Measures all channels of a clip, those of morph weights and expressions included.
+pub fn whole_clip_size(clip: &RawClip) -> ClipSize {
+    size_of(clip.channels.iter())
+}
+
 /// Measures channels, those of morph weights and expressions included.
-pub(crate) fn size_of<'a>(channels: impl Iterator<Item = &'a Channel>) -> ClipSize {
+fn size_of<'a>(channels: impl Iterator<Item = &'a Channel>) -> ClipSize {
     let channels: Vec<&Channel> = channels.collect();
     let moving: JointSet = channels
         .iter()

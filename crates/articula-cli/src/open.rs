@@ -5,7 +5,7 @@ use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::files::{self, Files};
 use anyhow::Context;
 use articula::face::fdp_points;
-use articula::streams::{StreamKind, abp2, sniff};
+use articula::streams::{StreamKind, sniff};
 use articula::{CharacterFile, DataFile, DataFormat, Figure, Format, OpenOptions, open_data};
 use articula_core::feature_points::PointId;
 use articula_core::joint_names::JointMap;
@@ -22,20 +22,14 @@ pub(crate) fn character(
     Ok(files.open(path, &options(args)?)?)
 }
 
-/// Reads a motion stream onto the character that it was made from; `None` if the file is not one.
-pub(crate) fn motion_stream(
-    path: &Path,
-    of: &CharacterFile,
-) -> anyhow::Result<Option<CharacterFile>> {
+/// The bytes of a motion stream; `None` if the file is not one.
+pub(crate) fn motion_stream(path: &Path) -> anyhow::Result<Option<Vec<u8>>> {
     if files::format(path) != Some(Format::Abp) {
         return Ok(None);
     }
-    let limits = Limits::default();
-    let bytes = files::read(path, limits.bytes)?;
-    if sniff(&bytes) != Some(StreamKind::Abp2) {
-        return Ok(None);
-    }
-    Ok(Some(abp2::read(&bytes, &files::shown(path), of, &limits)?))
+    let bytes = files::read(path, Limits::default().bytes)?;
+    let is_one = sniff(&bytes) == Some(StreamKind::Abp2);
+    Ok(is_one.then_some(bytes))
 }
 
 /// Opens a character, leaves out unwanted meshes and builds the figure.

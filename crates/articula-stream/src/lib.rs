@@ -66,6 +66,8 @@ mod cut;
 mod dct;
 mod error;
 #[cfg(feature = "codecs")]
+mod face_frame;
+#[cfg(feature = "codecs")]
 pub mod fba;
 #[cfg(feature = "codecs")]
 mod frame_rate;
@@ -84,6 +86,8 @@ pub use coding::Coding;
 pub use component::CodingType;
 pub use cut::{Cut, CutRule, cut};
 pub use error::StreamError;
+#[cfg(feature = "codecs")]
+pub use face_frame::FaceFrame;
 #[cfg(feature = "codecs")]
 pub use frame_rate::FrameRate;
 pub use index::{read_index, write_index};

@@ -76,8 +76,7 @@ impl<'a> FigurePlayer<'a> {
             mut state,
             ..
         } = suspended;
-        let before = state.wanted.clone();
-        let morphs = std::mem::take(&mut state.wanted_morphs);
+        let (before, morphs) = (state.wanted.clone(), state.morphs.clone());
         state.refinement = None;
         let mut player = Self {
             model,
@@ -90,8 +89,7 @@ impl<'a> FigurePlayer<'a> {
         if secs > 0.0 {
             let state = &mut player.state;
             let now = (&state.wanted, &state.morphs[..]);
-            let found = Refinement::new((&before, &morphs), now, secs);
-            state.refinement = found;
+            state.refinement = Refinement::new((&before, &morphs), now, secs);
         } else {
             player.state.cut = true;
         }
@@ -104,7 +102,6 @@ impl<'a> FigurePlayer<'a> {
         let durations = self.model.clips().iter().map(Clip::duration_secs).collect();
         self.sample(&self.model.rig().all());
         self.sample_morphs();
-        self.state.wanted_morphs.clone_from(&self.state.morphs);
         SuspendedFigure {
             attention: self.attention,
             max_joints: self.max_joints,

@@ -40,8 +40,6 @@ pub(super) struct FigureState {
     pub(super) joints: ModelPose,
     pub(super) rest_morphs: Vec<f32>,
     pub(super) morphs: Vec<f32>,
-    /// Of a suspended figure, the weights of the moment.
-    pub(super) wanted_morphs: Vec<f32>,
     pub(super) layer_morphs: Vec<f32>,
     pub(super) fade_morphs: Vec<f32>,
     pub(super) pixels_per_metre: Vec<f32>,
@@ -75,7 +73,6 @@ impl FigureState {
             joints,
             rest_morphs: morph_weights.to_vec(),
             morphs: morph_weights.to_vec(),
-            wanted_morphs: Vec::new(),
             layer_morphs: morph_weights.to_vec(),
             fade_morphs: morph_weights.to_vec(),
             pixels_per_metre: vec![0.0; rig.len()],

@@ -1,13 +1,13 @@
 //! Levels of articulation of faces: parameters, errors and time (docs/methods/face-levels.md).
 
 use super::Run;
+use super::fap_clips::{CLIPS, read};
 use crate::measure::{Contestant, race};
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use articula::face::{FaceDetailOptions, FaceDetailReport, MeasuredFace, face_detail};
-use articula::{Data, DataFormat, Executor, Figure, OpenOptions, open_data};
+use articula::{Executor, Figure};
 use articula_build::face::FapValues;
 use articula_core::face_levels::{FaceLevel, FaceLevels};
-use articula_formats::mpeg4::fap::FapClip;
 use glam::Vec3;
 use std::fmt::Write as _;
 
@@ -15,15 +15,6 @@ use std::fmt::Write as _;
 const HEADS: [(&str, &str); 2] = [
     ("ICT", "face/ict_facekit_expressions.glb"),
     ("MakeHuman", "glb/mh_female_default163_arkit52.glb"),
-];
-
-const CLIPS: [&str; 6] = [
-    "xface_joy",
-    "xface_anger",
-    "xface_beg",
-    "xface_disgust",
-    "speech_synthetic",
-    "expressions_synthetic",
 ];
 
 /// Rounds of the timings.
@@ -54,15 +45,6 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     page.push_str(TIMES);
     page.push_str(&times);
     run.save("face-levels", &page, &csv)
-}
-
-fn read(run: &Run, name: &str) -> Result<FapClip> {
-    let path = run.data.join("fap").join(name).with_extension("fap");
-    let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
-    match open_data(&bytes, name, DataFormat::Fap, &OpenOptions::default())?.data {
-        Data::Fap(clip) => Ok(clip),
-        _ => bail!("{}: no FAP clip", path.display()),
-    }
 }
 
 /// One row for each distance, and one line of CSV for each choice.

@@ -7,6 +7,7 @@ pub(crate) mod face_levels;
 pub(crate) mod face_mesh_levels;
 pub(crate) mod face_points;
 pub(crate) mod face_tables;
+mod fap_clips;
 pub(crate) mod flat;
 mod lids;
 pub(crate) mod loa_cost;

@@ -2,10 +2,10 @@
 //!
 //! Form: `docs/formats/afp1.md`, part 3.
 
-use super::clip::FaceFrame;
 use crate::bits::{BitReader, BitWriter};
 use crate::component::{Block, CodingType};
 use crate::error::StreamError;
+use crate::face_frame::FaceFrame;
 use crate::frame_rate::FrameRate;
 use articula_core::fap_table::{FAP_COUNT, TABLE};
 use std::ops::Range;

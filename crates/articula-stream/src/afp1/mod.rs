@@ -5,12 +5,13 @@
 //! unit, so that [`crate::cut()`] can remove both by the map of [`unit()`]. Parameters that copy others
 //! at the level of their region are not written; a reader restores them.
 //!
-//! - [`Afp1Clip`], [`FaceFrame`]: the plain form
+//! - [`Afp1Clip`], of [`FaceFrame`](crate::FaceFrame)s: the plain form
 //! - [`write()`], [`read`]: to bytes and back
 //! - [`unit()`]: the map of the bytes
 //!
 //! ```
-//! use articula_stream::afp1::{Afp1Clip, Afp1Options, Afp1ReadOptions, FaceFrame, read, unit, write};
+//! use articula_stream::FaceFrame;
+//! use articula_stream::afp1::{Afp1Clip, Afp1Options, Afp1ReadOptions, read, unit, write};
 //! use articula_stream::{CutRule, FrameRate, StreamLimits, cut};
 //!
 //! // Both upper eyelids, FAP 19 and 20, close.
@@ -44,6 +45,6 @@ mod head;
 mod read;
 mod write;
 
-pub use clip::{Afp1Clip, FaceFrame};
+pub use clip::Afp1Clip;
 pub use read::{Afp1ReadOptions, Decoded, read, unit};
 pub use write::{Afp1Options, write};

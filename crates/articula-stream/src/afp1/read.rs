@@ -1,11 +1,12 @@
 //! Decoding of a file, and its map.
 
 use super::access_unit::{self, AccessUnit, CodedFap};
-use super::clip::{Afp1Clip, FaceFrame};
+use super::clip::Afp1Clip;
 use super::fade::Fade;
 use super::head;
 use crate::coding::Coding;
 use crate::error::StreamError;
+use crate::face_frame::FaceFrame;
 use crate::limits::StreamLimits;
 use crate::unit::{Field, Meaning, Unit};
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion};

@@ -1,10 +1,11 @@
 //! Encoding of a clip: access units of up to 16 frames.
 
 use super::access_unit::{self, CodedFap, Plane};
-use super::clip::{Afp1Clip, FaceFrame};
+use super::clip::Afp1Clip;
 use super::head;
 use crate::component::{Block, CodingType, FRAMES};
 use crate::container;
+use crate::face_frame::FaceFrame;
 use articula_core::Mismatch;
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion};
 use articula_core::fap_table::FAP_COUNT;

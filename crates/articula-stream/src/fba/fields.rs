@@ -26,9 +26,8 @@ impl Fields<'_> {
     }
 
     pub(super) fn take(&mut self, field: &str, count: u32) -> Result<u64, StreamError> {
-        let place = || self.bad(field, "unexpected end");
-        let end = place();
-        self.reader.take(count).map_err(|_| end)
+        let taken = self.reader.take(count);
+        taken.map_err(|_| self.bad(field, "unexpected end"))
     }
 
     pub(super) fn flag(&mut self, field: &str) -> Result<bool, StreamError> {

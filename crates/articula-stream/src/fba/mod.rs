@@ -6,9 +6,8 @@
 //! refused.
 //!
 //! ```
-//! use articula_stream::afp1::FaceFrame;
 //! use articula_stream::fba::{FbaClip, FbaFrame, FbaOptions, read, write};
-//! use articula_stream::{FrameRate, StreamLimits};
+//! use articula_stream::{FaceFrame, FrameRate, StreamLimits};
 //!
 //! // The jaw opens, FAP 3.
 //! let frame = |number| {

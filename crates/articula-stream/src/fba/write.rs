@@ -7,8 +7,8 @@ use super::quantise;
 use super::ranges::{self, Ranges};
 use super::read::MOST_NUMBER;
 use super::slot::{Models, Slot, slots};
-use crate::afp1::{Afp1Clip, FaceFrame};
 use crate::bits::BitWriter;
+use crate::face_frame::{FaceFrame, check_frames};
 use articula_core::Mismatch;
 use articula_core::fap_table::FAP_COUNT;
 
@@ -97,13 +97,7 @@ fn check(clip: &FbaClip, options: &FbaOptions) -> Result<(), Mismatch> {
         }
         next = frame.number + 1;
     }
-    Afp1Clip {
-        name: String::new(),
-        bridge: None,
-        rate: clip.rate,
-        frames: clip.frames.iter().map(|frame| frame.face).collect(),
-    }
-    .check()
+    check_frames(clip.frames.iter().map(|frame| &frame.face))
 }
 
 /// The coded numbers of a frame, in their order.

@@ -4,10 +4,8 @@ use crate::cut_streams::{bits_of, check_golden, cut_checked};
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion, FapRole};
 use articula_core::fap_table::{FAP_COUNT, TABLE};
 use articula_mutate::{Dice, Edit, Mutations, cut_off};
-use articula_stream::afp1::{
-    Afp1Clip, Afp1Options, Afp1ReadOptions, Decoded, FaceFrame, read, unit, write,
-};
-use articula_stream::{CodingType, CutRule, FrameRate, StreamLimits, Unit};
+use articula_stream::afp1::{Afp1Clip, Afp1Options, Afp1ReadOptions, Decoded, read, unit, write};
+use articula_stream::{CodingType, CutRule, FaceFrame, FrameRate, StreamLimits, Unit};
 use proptest::prelude::*;
 
 const LIMITS: StreamLimits = StreamLimits {

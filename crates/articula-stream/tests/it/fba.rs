@@ -1,13 +1,9 @@
 //! FBA: bits by hand, round trips, hostile bytes.
 
-use crate::real;
 use articula_core::fap_table::{FAP_COUNT, TABLE};
-use articula_formats::Limits;
-use articula_formats::mpeg4::fap::{self, AbsentPolicy, FapFrame};
 use articula_mutate::{Edit, Mutations, cut_off};
-use articula_stream::afp1::FaceFrame;
 use articula_stream::fba::{FbaClip, FbaFrame, FbaOptions, TimeCode, read, write};
-use articula_stream::{FrameRate, StreamError, StreamLimits};
+use articula_stream::{FaceFrame, FrameRate, StreamError, StreamLimits};
 use proptest::prelude::*;
 
 const LIMITS: StreamLimits = StreamLimits {
@@ -184,69 +180,5 @@ fn no_mutation_panics() {
     mutations.read_of(&bytes, 3000, whole);
     for bytes in cut_off(&bytes) {
         assert!(!whole(bytes));
-    }
-}
-
-fn face(frame: &FapFrame) -> FaceFrame {
-    let (v, e) = (&frame.viseme, &frame.expression);
-    FaceFrame {
-        viseme: [v.select1, v.select2, v.blend, u8::from(v.defines)],
-        expression: [
-            e.select1,
-            e.intensity1,
-            e.select2,
-            e.intensity2,
-            u8::from(e.init_face),
-            u8::from(e.defines),
-        ],
-        low: frame.low,
-    }
-}
-
-/// A FAP file of the data.
-fn of_file(name: &str) -> Option<FbaClip> {
-    let bytes = real::bytes(&format!("fap/{name}.fap"))?;
-    let text = fap::read(&bytes, AbsentPolicy::default(), &Limits::default());
-    let text = text.unwrap().value;
-    let frame = |frame: &FapFrame| FbaFrame {
-        number: frame.number,
-        face: face(frame),
-    };
-    Some(FbaClip {
-        rate: FrameRate::nearest(f64::from(text.rate_hz)).unwrap(),
-        time_code: None,
-        coded: text.moving(),
-        frames: text.frames.iter().map(frame).collect(),
-    })
-}
-
-#[test]
-fn files_come_back_within_half_a_step() {
-    let names = [
-        "speech_synthetic",
-        "expressions_synthetic",
-        "xface_anger",
-        "xface_beg",
-        "xface_disgust",
-        "xface_joy",
-    ];
-    for name in names {
-        let Some(clip) = of_file(name) else { return };
-        for quant in [1, 4, 8] {
-            let options = FbaOptions {
-                quant,
-                intra_every: None,
-            };
-            let read = read(&write(&clip, &options).unwrap(), &LIMITS).unwrap();
-            assert_eq!(read.clip.frames.len(), clip.frames.len());
-            for (a, b) in read.clip.frames.iter().zip(&clip.frames) {
-                let exact = |f: &FbaFrame| (f.number, f.face.viseme, f.face.expression);
-                assert_eq!(exact(a), exact(b));
-                for (i, (a, b)) in a.face.low.iter().zip(&b.face.low).enumerate() {
-                    let step = i32::from(TABLE[i + 2].step) * i32::from(read.quantizer);
-                    assert!(2 * (a - b).abs() <= step, "FAP {}", i + 3);
-                }
-            }
-        }
     }
 }

@@ -10,6 +10,7 @@ use articula_formats::mpeg4::fdp::FdpFile;
 use articula_formats::mpeg4::{epf, fap, fdp};
 use articula_formats::{Parsed, Warning};
 use articula_stream::afp1::Afp1ReadOptions;
+use std::path::Path;
 
 /// A file format without a character.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -145,9 +146,9 @@ pub fn open_data(
             (Data::Fap(clip), Vec::new())
         }
         DataFormat::Fba => {
-            let stem = name.rsplit(['/', '\\']).next().unwrap_or(name);
-            let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
-            let clip = fba::read(bytes, stem, &stream_limits(limits)).context(name)?;
+            let stem = Path::new(name).file_stem().unwrap_or_default();
+            let limits = stream_limits(limits);
+            let clip = fba::read(bytes, &stem.to_string_lossy(), &limits).context(name)?;
             (Data::Fap(clip), Vec::new())
         }
         DataFormat::Epf => parts(epf::read(bytes, limits).context(name)?, Data::Epf),

@@ -8,7 +8,7 @@ use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, Format};
 
 use articula_build::face::{blend_shape, unit_mm, vrm_preset};
-use articula_build::{ClipOptions, character, rig_hash};
+use articula_build::{ClipOptions, rig_and_mesh, rig_hash, sampled_clip};
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion, FapRole, FapRoles};
 use articula_core::fap_table::LOW_FAPS;
 use articula_core::source::{Channel, Interpolation, Property, RawClip, RawMesh};
@@ -49,20 +49,18 @@ pub fn write(
     let Some(of_source) = source.clips.get(clip) else {
         return Err(Error::unsuited("clips: the file has no clip to write"));
     };
-    let alone = articula_core::source::Character {
-        clips: vec![of_source.clone()],
-        ..source.clone()
-    };
-    let asset = character(&alone, Some(opened.articulation()), &ClipOptions::default())?;
+    let (rig, mesh) = rig_and_mesh(&source.skeleton, &source.meshes, opened.articulation())?;
     let mut options = MotionOptions {
-        rig_hash: rig_hash(&asset.rig),
+        rig_hash: rig_hash(&rig),
         ..options.clone()
     };
     if options.morph_groups.is_empty() {
         options.morph_groups = morph_groups(&source.meshes);
     }
     let place = || format!("clip \"{}\"", of_source.name);
-    encode(&asset.rig, &asset.mesh, &asset.clips[0], &options).with_context(place)
+    let clip = sampled_clip(source, of_source, &mesh, &ClipOptions::default());
+    let clip = clip.with_context(place)?;
+    encode(&rig, &mesh, &clip, &options).with_context(place)
 }
 
 /// Returns for each morph target of these meshes its level of articulation and region of the face: of

@@ -2,12 +2,12 @@
 //!
 //! Form: `docs/formats/afp1.md`.
 
-use super::face_frame::{fap_frame, plain};
+use super::face_frame::{fap_frame, frame_rate, plain};
 use crate::error::{Error, Result};
 use crate::face::with_inner_lips;
 use articula_formats::mpeg4::fap::FapClip;
-use articula_stream::afp1::{Afp1Clip, Afp1Options, Afp1ReadOptions, FaceFrame};
-use articula_stream::{FrameRate, StreamLimits};
+use articula_stream::afp1::{Afp1Clip, Afp1Options, Afp1ReadOptions};
+use articula_stream::{FaceFrame, StreamLimits};
 
 /// Maximum number of frames.
 const MAX_FRAMES: u32 = 1 << 20;
@@ -21,11 +21,7 @@ const MAX_FRAMES: u32 = 1 << 20;
 /// # Errors
 /// An [`Error`] if the rate or the number of frames cannot be written.
 pub fn from_faps(clip: &FapClip) -> Result<Afp1Clip> {
-    let rate = FrameRate::nearest(f64::from(clip.rate_hz));
-    let rate = rate.ok_or_else(|| {
-        let hz = clip.rate_hz;
-        Error::unsuited(format!("{hz} frames per second; AFP-1 holds 1/16 to 255"))
-    })?;
+    let rate = frame_rate(clip, "AFP-1")?;
     let clip = with_inner_lips(clip);
     let ends = clip.frames.first().zip(clip.frames.last());
     let span = ends.map_or(0, |(first, last)| last.number.saturating_sub(first.number));

@@ -1,7 +1,18 @@
-//! Frames of facial animation parameters, as files and streams have them.
+//! Frames and rates of facial animation parameters, as files and streams have them.
 
-use articula_formats::mpeg4::fap::{FapExpression, FapFrame, Viseme};
-use articula_stream::afp1::FaceFrame;
+use crate::error::{Error, Result};
+use articula_formats::mpeg4::fap::{FapClip, FapExpression, FapFrame, Viseme};
+use articula_stream::{FaceFrame, FrameRate};
+
+/// The rate of a clip in a stream of this name.
+pub(super) fn frame_rate(clip: &FapClip, stream: &str) -> Result<FrameRate> {
+    let hz = clip.rate_hz;
+    FrameRate::nearest(f64::from(hz)).ok_or_else(|| {
+        Error::unsuited(format!(
+            "{hz} frames per second; {stream} holds 1/16 to 255"
+        ))
+    })
+}
 
 /// The values of a frame.
 pub(super) fn plain(frame: &FapFrame) -> FaceFrame {

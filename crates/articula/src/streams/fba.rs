@@ -3,28 +3,23 @@
 //! Form: `docs/formats/fba.md`. A stream holds neither the name of the clip nor that of the columns
 //! by which blend shapes became parameters.
 
-use super::face_frame::{fap_frame, plain};
-use crate::error::{Error, Result};
+use super::face_frame::{fap_frame, frame_rate, plain};
+use crate::error::Result;
 use articula_formats::mpeg4::fap::{FapClip, FapFrame};
+use articula_stream::StreamLimits;
 use articula_stream::fba::{FbaClip, FbaFrame, FbaOptions};
-use articula_stream::{FrameRate, StreamLimits};
 
 /// Encodes a FAP clip as an FBA stream, with the parameters of its masks.
 ///
 /// # Errors
-/// An [`Error`] if the rate or a value cannot be written, or the clip has no frame.
+/// An [`Error`](crate::Error) if the rate or a value cannot be written, or the clip has no frame.
 pub fn write(clip: &FapClip, options: &FbaOptions) -> Result<Vec<u8>> {
-    let rate = FrameRate::nearest(f64::from(clip.rate_hz));
-    let rate = rate.ok_or_else(|| {
-        let hz = clip.rate_hz;
-        Error::unsuited(format!("{hz} frames per second; FBA holds 1/16 to 255"))
-    })?;
     let frame = |frame: &FapFrame| FbaFrame {
         number: frame.number,
         face: plain(frame),
     };
     let clip = FbaClip {
-        rate,
+        rate: frame_rate(clip, "FBA")?,
         time_code: None,
         coded: clip.coded,
         frames: clip.frames.iter().map(frame).collect(),
@@ -35,7 +30,7 @@ pub fn write(clip: &FapClip, options: &FbaOptions) -> Result<Vec<u8>> {
 /// Decodes an FBA stream as a FAP clip; `name` becomes that of the clip.
 ///
 /// # Errors
-/// An [`Error`] that names the position in the stream.
+/// An [`Error`](crate::Error) that names the position in the stream.
 pub fn read(bytes: &[u8], name: &str, limits: &StreamLimits) -> Result<FapClip> {
     let clip = articula_stream::fba::read(bytes, limits)?.clip;
     let frames = clip.frames.iter();

@@ -19,7 +19,7 @@ use super::channel;
 use super::grid::{VERIFIED_HZ, grid};
 use super::subject::EditSubject;
 use crate::clip::steps_at;
-use crate::reduce::{ClipSize, size_of};
+use crate::reduce::{ClipSize, whole_clip_size};
 use articula_core::Mismatch;
 use articula_core::source::RawClip;
 use choice::{Choice, KeptKeys};
@@ -97,8 +97,8 @@ pub fn reduce_keys(
     Ok(ReducedClip {
         worst_metres,
         times: times.len(),
-        before: size_of(clip.channels.iter()),
-        after: size_of(out.channels.iter()),
+        before: whole_clip_size(clip),
+        after: whole_clip_size(&out),
         clip: out,
     })
 }

@@ -3,8 +3,7 @@
 use crate::table::Table;
 use anyhow::Context;
 use articula::Figure;
-use articula_build::{ClipOptions, bake, clip_size, resample};
-use articula_core::source::RawClip;
+use articula_build::{ClipOptions, sampled_clip, whole_clip_size};
 use articula_formats::{Limits, read_compact_clip};
 use articula_stream::StreamLimits;
 use articula_stream::abp2::MotionReceiver;
@@ -48,23 +47,15 @@ impl CompactClip {
         })?;
         let character = &figure.opened.character;
         let raw = &character.clips[clip];
-        let counts: Vec<usize> = character
-            .meshes
-            .iter()
-            .map(|m| m.morph_weights.len())
-            .collect();
         let options = ClipOptions::default();
         let resample_ms = least_ms(|| {
-            let baked = bake(character, raw)?;
-            let slots = &asset.mesh.morph_slots;
-            let made = resample(&baked, &character.skeleton, slots, &counts, &options)?;
-            black_box(made);
+            black_box(sampled_clip(character, raw, &asset.mesh, &options)?);
             Ok(())
         })
         .with_context(|| format!("clip \"{}\"", raw.name))?;
         Ok(Self {
             bytes: stream.len(),
-            keys_bytes: keys_bytes(raw),
+            keys_bytes: whole_clip_size(raw).bytes,
             error_mm: 1e3 * error_metres,
             decode_ms,
             resample_ms,
@@ -80,12 +71,6 @@ fn least_ms(mut each: impl FnMut() -> anyhow::Result<()>) -> anyhow::Result<f64>
         least = least.min(1e3 * start.elapsed().as_secs_f64());
     }
     Ok(least)
-}
-
-fn keys_bytes(clip: &RawClip) -> usize {
-    let others = clip.channels.iter().filter(|c| !c.property.is_of_joint());
-    let floats: usize = others.map(|c| c.times_secs.len() + c.values.len()).sum();
-    clip_size(clip).bytes + 4 * floats
 }
 
 /// Table of the streams, if there are any.

@@ -16,7 +16,9 @@ use articula::convert::{
 use articula::face::{
     FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
 };
+use articula::streams::abp2;
 use articula::{CharacterFile, Data, DataFormat};
+use articula_formats::Limits;
 use clap::ValueEnum;
 use std::path::Path;
 
@@ -117,8 +119,11 @@ impl Hero {
         if let Some(format) = format {
             return self.face(input, format, args).map(Some);
         }
-        let mut source = match open::motion_stream(&input.path, &self.opened)? {
-            Some(source) => source,
+        let mut source = match open::motion_stream(&input.path)? {
+            Some(bytes) => {
+                let name = files::shown(&input.path);
+                abp2::read(&bytes, &name, &self.opened, &Limits::default())?
+            }
             None => open::character(files, &input.path, &args.names)?,
         };
         if args.skip_first_frame {

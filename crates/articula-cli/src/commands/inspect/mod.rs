@@ -132,7 +132,7 @@ impl Jointless {
         if stream::is_one(path) {
             return Ok(Some(Self::MeshStream));
         }
-        Ok(motion_stream::read(path)?.map(Self::MotionStream))
+        Ok(open::motion_stream(path)?.map(Self::MotionStream))
     }
 
     /// Prints the contents.

@@ -6,21 +6,8 @@ use crate::console::Console;
 use crate::fault::clean;
 use crate::table::{Table, counted};
 use crate::{fault, files};
-use articula::Format;
 use articula::inspect::{MotionStreamInspection, inspect_motion_stream};
-use articula::streams::{StreamKind, sniff};
 use articula_stream::StreamLimits;
-use std::path::Path;
-
-/// The bytes of a file if they are a motion stream.
-pub(super) fn read(path: &Path) -> anyhow::Result<Option<Vec<u8>>> {
-    if files::format(path) != Some(Format::Abp) {
-        return Ok(None);
-    }
-    let bytes = files::read(path, StreamLimits::default().bytes)?;
-    let is_one = sniff(&bytes) == Some(StreamKind::Abp2);
-    Ok(is_one.then_some(bytes))
-}
 
 /// Prints the contents of a motion stream.
 pub(super) fn run(bytes: &[u8], args: &CharacterArgs, console: &Console) -> anyhow::Result<()> {

@@ -2,11 +2,12 @@
 
 use super::judge::{Sampled, errors};
 use crate::tables::Run;
-use anyhow::{Context, Result, bail};
+use crate::tables::fap_clips::{CLIPS, read};
+use anyhow::Result;
 use articula::convert::write_faps;
 use articula::face::{expand_face, fit_face};
 use articula::streams::afp1;
-use articula::{CharacterFile, Data, DataFormat, Figure, OpenOptions, open_data};
+use articula::{CharacterFile, DataFormat, Figure};
 use articula_build::Asset;
 use articula_core::face_levels::{FaceLevel, FaceLevels};
 use articula_formats::mpeg4::fap::FapClip;
@@ -14,15 +15,6 @@ use articula_stream::StreamLimits;
 use articula_stream::abp2::{Grouping, MotionOptions, encode};
 use articula_stream::afp1::{Afp1Options, Afp1ReadOptions};
 use std::fmt::Write as _;
-
-const CLIPS: [&str; 6] = [
-    "xface_joy",
-    "xface_anger",
-    "xface_beg",
-    "xface_disgust",
-    "speech_synthetic",
-    "expressions_synthetic",
-];
 
 /// Quantisers of AFP-1 that are compared.
 const QUANTIZERS: [u8; 3] = [4, 10, 31];
@@ -129,15 +121,6 @@ fn shown(head: &CharacterFile, name: &str, clip: &FapClip) -> Result<Asset> {
 fn apart(a: &Asset, b: &Asset) -> f64 {
     let mut sampled = Sampled::new(b, &b.clips[0]);
     errors(a, &a.clips[0], &mut sampled).frames_mm
-}
-
-fn read(run: &Run, name: &str) -> Result<FapClip> {
-    let path = run.data.join("fap").join(name).with_extension("fap");
-    let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
-    match open_data(&bytes, name, DataFormat::Fap, &OpenOptions::default())?.data {
-        Data::Fap(clip) => Ok(clip),
-        _ => bail!("{}: no FAP clip", path.display()),
-    }
 }
 
 const LEVELS: &str = "

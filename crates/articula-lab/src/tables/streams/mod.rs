@@ -90,12 +90,16 @@ fn sizes(page: &mut String, csv: &mut String, rows: &[Row]) -> Result<()> {
     for row in rows {
         let (motion, name) = (&row.motion, &row.name);
         let single = motion.single.bytes;
+        let tiers = match motion.single_tiers {
+            1 => String::new(),
+            more => format!(", {more} tiers"),
+        };
         let ratio = |bytes: usize| format!("{bytes} ({:.2})", bytes as f64 / single as f64);
         let [by_level, by_region, by_joint] = motion.layered;
         let share = |part: usize, whole: usize| 100.0 * part as f64 / whole as f64;
         writeln!(
             page,
-            "| {name} | {} | {} | {} of {} | {single} | {} | {} | {} | {:.3} | {:.3} | {:.0} % | {:.0} % |",
+            "| {name} | {} | {} | {} of {} | {single}{tiers} | {} | {} | {} | {:.3} | {:.3} | {:.0} % | {:.0} % |",
             if row.trained { "trained" } else { "held out" },
             row.frames,
             motion.joints_moving,
@@ -268,9 +272,9 @@ with many, up to four.
 const SIZES: &str = "
 ## Sizes
 
-*One tier*: nothing but access units and levels of articulation can be cut. The others have five tiers (the fox seven, and two
-where others have one: it moves too far for one) by level of articulation, level and region, and joint; in brackets the ratio to
-one tier. *Level 0*: bytes of the units of root, hips and shoulders at all tiers, and at the coarsest, in the file by level.
+*One tier*: nothing but access units and levels of articulation can be cut; a motion that is too large for one has as few as it
+needs. The others have five tiers (the fox seven) by level of articulation, level and region, and joint; in brackets the ratio to
+the first. *Level 0*: bytes of the units of root, hips and shoulders at all tiers, and at the coarsest, in the file by level.
 
 | clip | | frames | joints moving | one tier | by level | level and region | joint | mm | between, mm | level 0 | coarsest |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |

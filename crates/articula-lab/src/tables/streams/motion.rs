@@ -24,13 +24,15 @@ pub(super) struct Form {
 
 /// All that is measured of a clip.
 pub(super) struct Motion {
-    /// One tier; without the updates that middle tiers need.
+    /// As few tiers as the motion allows.
     pub(super) single: Form,
+    /// Their number, mostly 1.
+    pub(super) single_tiers: usize,
     /// Sizes by level of articulation, by level and region, and by joint, all with tiers.
     pub(super) layered: [usize; 3],
     /// The stream by level of articulation cut to each tier, finest first.
     pub(super) tiers: Vec<Form>,
-    /// Bytes of the units and the pose unit of level 0 at all tiers, and at the coarsest.
+    /// Bytes of the units of level 0 at all tiers, and at the coarsest.
     pub(super) level_0: [usize; 2],
     pub(super) joints_moving: usize,
     /// Joints decoded per second in one thread, in millions, by tier: those that move.
@@ -51,8 +53,11 @@ pub(super) fn measured(asset: &Asset, clip: &Clip, tiers: usize) -> Result<Motio
         encode(&asset.rig, &asset.mesh, clip, &options)
     };
     // One tier, or as few as the motion allows.
-    let single = (1..=tiers).find_map(|tiers| coded(Grouping::Loa, tiers).ok());
-    let single = single.map_or_else(|| coded(Grouping::Loa, tiers), Ok)?;
+    let found = (1..tiers).find_map(|few| Some((few, coded(Grouping::Loa, few).ok()?)));
+    let (single_tiers, single) = match found {
+        Some(found) => found,
+        None => (tiers, coded(Grouping::Loa, tiers)?),
+    };
     let start = thread_ns();
     let by_level = coded(Grouping::Loa, tiers)?;
     let encode_secs = 1e-9 * (thread_ns() - start) as f64;
@@ -69,6 +74,7 @@ pub(super) fn measured(asset: &Asset, clip: &Clip, tiers: usize) -> Result<Motio
     }
     Ok(Motion {
         single: form(asset, clip, &single.bytes)?,
+        single_tiers,
         layered: [&by_level, &by_region, &by_joint].map(|coded| coded.bytes.len()),
         level_0: [0, tiers - 1].map(|tier| level_0(&by_level, tier)),
         tiers: forms,

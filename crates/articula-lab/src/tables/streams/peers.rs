@@ -7,7 +7,7 @@ use articula::convert::write;
 use articula::streams::abp1;
 use articula::{Format, OpenOptions};
 use articula_build::clip_edit::resample_keys;
-use articula_build::{Asset, clip_size};
+use articula_build::{Asset, whole_clip_size};
 use articula_core::source::{Character, RawClip, evaluate};
 use articula_core::{Clip, LocalPose, ModelPose, Tracks};
 use articula_stream::abp1::Abp1Options;
@@ -35,10 +35,8 @@ pub(super) fn keys(clip: &RawClip) -> Result<[usize; 2]> {
         }
         bytes.extend(channel.values.iter().flat_map(|v| v.to_le_bytes()));
     }
-    let others = clip.channels.iter().filter(|c| !c.property.is_of_joint());
-    let floats: usize = others.map(|c| c.values.len() + c.times_secs.len()).sum();
     // Equal times count once, wherever they are.
-    Ok([clip_size(clip).bytes + 4 * floats, gzip(&bytes)?])
+    Ok([whole_clip_size(clip).bytes, gzip(&bytes)?])
 }
 
 fn gzip(bytes: &[u8]) -> Result<usize> {
