@@ -2,8 +2,8 @@
 //! error. What can be mapped can be cut, and is then mapped alike.
 #![no_main]
 
-use articula_stream::afp1::{Afp1Options, Afp1ReadOptions, read, unit, write};
-use articula_stream::{CutRule, StreamLimits, cut};
+use articula_stream::afp1::{Afp1Options, read, unit, write};
+use articula_stream::{CutRule, FaceReadOptions, StreamLimits, cut};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -17,7 +17,7 @@ fuzz_target!(|bytes: &[u8]| {
         let shorter = cut(bytes, &map, |unit| rule.keeps(unit)).unwrap();
         assert_eq!(unit(&shorter.bytes, &limits).unwrap(), shorter.unit);
     }
-    if let Ok(decoded) = read(bytes, &Afp1ReadOptions::default(), &limits) {
+    if let Ok(decoded) = read(bytes, &FaceReadOptions::default(), &limits) {
         decoded.clip.check().unwrap();
         // Values may be too great for the steps of the writer.
         let _ = write(&decoded.clip, &Afp1Options::default());

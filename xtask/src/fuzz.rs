@@ -49,6 +49,10 @@ const fn seeds(
 const SEEDS: &[Seeds] = &[
     seeds("abp1", b"", &["abp", "abpt"]),
     seeds("afp1", b"", &["afp"]),
+    Seeds {
+        folder: Some("golden"),
+        ..seeds("afp2", b"", &["afp"])
+    },
     seeds("bva", b"", &["bva"]),
     seeds("bvh", b"", &["bvh"]),
     seeds("fba", b"", &["fba"]),

@@ -10,6 +10,7 @@
 //! - `abp2`: body animations within a tolerance of the skin, that can be cut by joints and by tolerance
 //!   (`codecs`)
 //! - `afp1`: face animations that can be cut by parameters (`codecs`)
+//! - `afp2`: face animations within a tolerance, in the units of `abp2` (`codecs`)
 //! - `fba`: face animations as MPEG-4's binary stream, for interchange (`codecs`)
 //! - [`StreamError`], [`StreamLimits`]: errors, and limits on memory and time
 //!
@@ -55,6 +56,8 @@ pub mod abp1;
 pub mod abp2;
 #[cfg(feature = "codecs")]
 pub mod afp1;
+#[cfg(feature = "codecs")]
+pub mod afp2;
 mod bits;
 mod coding;
 #[cfg(feature = "codecs")]
@@ -66,7 +69,7 @@ mod cut;
 mod dct;
 mod error;
 #[cfg(feature = "codecs")]
-mod face_frame;
+mod face;
 #[cfg(feature = "codecs")]
 pub mod fba;
 #[cfg(feature = "codecs")]
@@ -87,7 +90,7 @@ pub use component::CodingType;
 pub use cut::{Cut, CutRule, cut};
 pub use error::StreamError;
 #[cfg(feature = "codecs")]
-pub use face_frame::FaceFrame;
+pub use face::{DecodedFace, FaceClip, FaceFrame, FaceReadOptions};
 #[cfg(feature = "codecs")]
 pub use frame_rate::FrameRate;
 pub use index::{read_index, write_index};

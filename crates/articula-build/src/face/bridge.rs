@@ -1,10 +1,10 @@
 //! Between weights of a face's controls and FAP values.
 
 use super::bounded::BoundedSolver;
-use super::fap_values::{FapValues, unit_mm};
+use super::fap_values::FapValues;
 use super::intervals::FapInterval;
 use articula_core::arkit_table::twin_lip;
-use articula_core::fap_table::{LOW_FAP_COUNT, LOW_FAPS, TABLE};
+use articula_core::fap_table::{LOW_FAP_COUNT, LOW_FAPS, TABLE, unit_mm};
 
 /// Weight of the lengths of the weighted columns (in mm) beside half the squared errors, in mm. It
 /// prefers one control to several that together show the same.

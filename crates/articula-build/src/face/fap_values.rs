@@ -1,7 +1,7 @@
-//! Values of the low-level FAPs, and their length in millimetres.
+//! Values of the low-level FAPs.
 
 use articula_core::arkit_table::outer_lip;
-use articula_core::fap_table::{FapUnit, LOW_FAP_COUNT, LOW_FAPS, TABLE};
+use articula_core::fap_table::{LOW_FAP_COUNT, LOW_FAPS};
 
 /// Numbers and values of some FAPs.
 pub(super) type FapList = &'static [(u8, i32)];
@@ -57,38 +57,5 @@ impl FapValues {
         let sum = self.0.iter_mut().zip(&other.0);
         sum.for_each(|(a, b)| *a += weight * b);
         self
-    }
-}
-
-/// Returns the length of one unit of a FAP (3 to 68) on an average face, in millimetres.
-///
-/// Distances are those of the neutral head of ICT-FaceKit; angles count at 12 mm, the radius of an
-/// eye.
-pub fn unit_mm(fap: usize) -> f32 {
-    let action = fap.checked_sub(1).and_then(|i| TABLE.get(i)?.action);
-    let length = match action.map(|a| a.unit) {
-        None => return 0.0,
-        Some(FapUnit::Angle) => return 12.0e-5,
-        Some(FapUnit::IrisDiameter) => 8.3,
-        Some(FapUnit::EyeSeparation) => 62.3,
-        Some(FapUnit::EyeNose) => 48.0,
-        Some(FapUnit::MouthNose) => 21.2,
-        Some(FapUnit::MouthWidth) => 50.7,
-    };
-    length / 1024.0
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lengths_of_units() {
-        // 1024 units of MNS are the distance between mouth and nose.
-        assert!((1024.0 * unit_mm(3) - 21.2).abs() < 1e-4);
-        // A quarter turn of an eye of 12 mm.
-        let quarter = std::f32::consts::FRAC_PI_2 * 1e5;
-        assert!((quarter * unit_mm(23) - 12.0 * std::f32::consts::FRAC_PI_2).abs() < 1e-3);
-        assert_eq!([unit_mm(0), unit_mm(1), unit_mm(2), unit_mm(69)], [0.0; 4]);
     }
 }

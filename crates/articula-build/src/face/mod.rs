@@ -1,6 +1,6 @@
 //! Faces: between MPEG-4 facial animation parameters (FAP) and the controls of today's faces.
 //!
-//! - `fap_values`: values of the low-level parameters, and their lengths
+//! - `fap_values`: values of the low-level parameters
 //! - `high_level`: visemes and expressions (FAP 1 and 2) as low-level parameters
 //! - `controls`: the parameters that a blend shape or a VRM expression amounts to, by its name
 //! - `bridge`: weights of controls to parameters, and back by bounded least squares
@@ -31,7 +31,7 @@ mod table;
 pub use bridge::{FaceBridge, FaceSolver, ShownFace};
 pub use controls::{arkit_name, arkit_shape, blend_shape, vrm_preset};
 pub use detail::{FaceDetail, FaceFrames};
-pub use fap_values::{FapValues, unit_mm};
+pub use fap_values::FapValues;
 pub use field_fit::FieldFit;
 pub use fields::FaceFields;
 pub use high_level::{add_expression, add_viseme};

@@ -196,13 +196,20 @@ fn a_face_clip_goes_through_afp1() {
     };
     let here = folder("afp1");
     let talk = word(&talk);
-    json(&here, &["convert", talk, "talk.afp"]);
+    json(&here, &["convert", talk, "talk.afp", "--afp1"]);
     let found = json(&here, &["inspect", "talk.afp"]);
     assert_eq!(found["stream"]["profile"], "AFP-1");
     check_shares(&found);
     json(
         &here,
-        &["convert", "talk.afp", "low.afp", "--face-level", "low"],
+        &[
+            "convert",
+            "talk.afp",
+            "low.afp",
+            "--afp1",
+            "--face-level",
+            "low",
+        ],
     );
     let low = json(&here, &["inspect", "low.afp"]);
     check_shares(&low);
@@ -214,4 +221,52 @@ fn a_face_clip_goes_through_afp1() {
     assert_eq!(before["clips"][0]["frames"], after["clips"][0]["frames"]);
     json(&here, &["convert", "talk.afp", "shapes.csv"]);
     json(&here, &["convert", "shapes.csv", "shapes.afp"]);
+}
+
+#[test]
+fn a_face_clip_goes_through_afp2() {
+    let Some(talk) = real::file("fap/speech_synthetic.fap") else {
+        return;
+    };
+    let here = folder("afp2");
+    let talk = word(&talk);
+    let made = json(&here, &["convert", talk, "talk.afp"]);
+    let found = json(&here, &["inspect", "talk.afp"]);
+    assert_eq!(found["stream"]["profile"], "AFP-2");
+    let (tiers, groups) = (&found["stream"]["tiers"], &found["stream"]["groups"]);
+    assert_eq!(tiers.as_array().unwrap().len(), 3);
+    for tier in 0..3 {
+        assert_eq!(made["tiers"][tier]["bytes"], tiers[tier]["bytes"]);
+    }
+    // Only the jaw moves: one group for each of its levels.
+    let groups: Vec<_> = groups.as_array().unwrap().iter().collect();
+    assert_eq!(groups.len(), 4);
+    assert!(groups.iter().all(|group| group["region"] == "jaw"));
+    let low = json(
+        &here,
+        &[
+            "convert",
+            "talk.afp",
+            "low.afp",
+            "--face-level",
+            "low",
+            "--tiers",
+            "1",
+        ],
+    );
+    assert_eq!(low["tiers"].as_array().unwrap().len(), 1);
+    let groups = &json(&here, &["inspect", "low.afp"])["stream"]["groups"];
+    assert_eq!(groups.as_array().unwrap().len(), 2);
+    json(&here, &["convert", "talk.afp", "back.fap"]);
+    let [before, after] = [talk, "back.fap"].map(|file| json(&here, &["inspect", file]));
+    assert_eq!(before["clips"][0]["frames"], after["clips"][0]["frames"]);
+    json(&here, &["convert", "talk.afp", "shapes.csv"]);
+    json(
+        &here,
+        &["convert", "shapes.csv", "shapes.afp", "--by-value"],
+    );
+    for (flag, out) in [("--group-by=joint", "a.afp"), ("--tiers=2", "a.fap")] {
+        let why = fault(&here, 2, &["convert", "talk.afp", out, flag]);
+        assert!(why.contains("requires an"), "{why}");
+    }
 }

@@ -12,33 +12,33 @@ pub(super) const PREFIX: usize = 4;
 
 /// A unit of an access unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct UnitPlace {
-    pub(super) group: usize,
-    pub(super) tier: usize,
+pub(crate) struct UnitPlace {
+    pub(crate) group: usize,
+    pub(crate) tier: usize,
     /// All its bytes.
-    pub(super) bytes: Range<usize>,
-    pub(super) body: Range<usize>,
+    pub(crate) bytes: Range<usize>,
+    pub(crate) body: Range<usize>,
 }
 
 /// An access unit, or the part of it that was received.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct AccessUnit {
+pub(crate) struct AccessUnit {
     /// The whole units, in the order of the bytes.
-    pub(super) units: Vec<UnitPlace>,
+    pub(crate) units: Vec<UnitPlace>,
     /// Its frames in the motion.
-    pub(super) frames: Range<usize>,
+    pub(crate) frames: Range<usize>,
     /// All its bytes, also those that were not received.
-    pub(super) bytes: Range<usize>,
+    pub(crate) bytes: Range<usize>,
     /// Bytes before the first unit.
     pub(super) header: usize,
     /// Whether all bytes were received.
-    pub(super) is_whole: bool,
+    pub(crate) is_whole: bool,
 }
 
 impl AccessUnit {
     /// Reads access unit `number` at `start` of a stream; `None` if the stream ends before its
     /// first unit. A unit that is cut off is left out.
-    pub(super) fn read(
+    pub(crate) fn read(
         stream: &[u8],
         start: usize,
         number: usize,

@@ -6,17 +6,21 @@ use super::grouping::{Group, Grouping};
 use super::pose_unit::MOST_TIERS;
 use super::wavelet::MOST_FRAMES;
 use crate::error::StreamError;
+use crate::face::channels;
 use crate::limits::StreamLimits;
 use articula_core::{ByteReader, MAX_JOINTS, push_varint};
 use std::ops::Range;
 
 const MAGIC: [u8; 4] = *b"ABP2";
+const MAGIC_OF_FACES: [u8; 4] = *b"AFP2";
 const VERSION: u8 = 1;
 const NO_UPDATE: u8 = 4;
 const SCALES: u8 = 8;
 const MORPHS: u8 = 16;
 /// Most morph targets of a stream.
 const MOST_MORPHS: usize = 1 << 16;
+/// Most bytes of a name.
+const MOST_NAME: usize = 1 << 12;
 /// Bytes of the magic and the length of the head.
 pub(super) const PREFIX: usize = 8;
 
@@ -50,8 +54,19 @@ pub struct MotionHead {
     pub groups: Vec<Group>,
     /// Labels of the groups of morph targets, numbered after those of joints.
     pub morph_groups: Vec<Group>,
-    /// For each morph target of the mesh the index of its group.
+    /// For each morph target of the mesh the index of its group. Of a face stream, for each channel;
+    /// those that the stream does not have are in none, `u16::MAX`.
     pub morphs: Vec<u16>,
+    /// What only the head of a face stream (AFP-2) has: there, morph targets are the channels of facial
+    /// animation parameters.
+    pub face: Option<FaceHead>,
+}
+
+/// What only the head of a face stream has.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FaceHead {
+    /// If the parameters were made from blend shapes, the name of the columns by which.
+    pub bridge: Option<String>,
 }
 
 /// A head with the places of its pose units.
@@ -118,7 +133,12 @@ impl MotionHead {
 
     /// Writes the head with its pose units.
     pub(super) fn write(&self, poses: &[(usize, Vec<u8>)]) -> Vec<u8> {
-        let mut out = MAGIC.to_vec();
+        let magic = if self.face.is_some() {
+            MAGIC_OF_FACES
+        } else {
+            MAGIC
+        };
+        let mut out = magic.to_vec();
         out.extend([0; 4]);
         out.push(VERSION);
         let flag = |is_set: bool, flag: u8| if is_set { flag } else { 0 };
@@ -136,8 +156,11 @@ impl MotionHead {
             push_varint(&mut out, number as u64);
         }
         out.extend(self.rig_hash.to_be_bytes());
-        push_varint(&mut out, self.name.len() as u64);
-        out.extend(self.name.as_bytes());
+        let bridge = |face: &FaceHead| face.bridge.clone().unwrap_or_default();
+        for text in std::iter::once(self.name.clone()).chain(self.face.as_ref().map(bridge)) {
+            push_varint(&mut out, text.len() as u64);
+            out.extend(text.as_bytes());
+        }
         push_varint(&mut out, self.groups.len() as u64);
         for group in &self.groups {
             out.extend([group.loa, group.region]);
@@ -150,8 +173,16 @@ impl MotionHead {
             for group in &self.morph_groups {
                 out.extend([group.loa, group.region]);
             }
-            push_varint(&mut out, self.morphs.len() as u64);
-            for group in &self.morphs {
+            // The channels of a face are in groups by their labels.
+            let of_mesh = if self.face.is_none() {
+                &self.morphs[..]
+            } else {
+                &[]
+            };
+            if !of_mesh.is_empty() {
+                push_varint(&mut out, of_mesh.len() as u64);
+            }
+            for group in of_mesh {
                 push_varint(&mut out, u64::from(*group));
             }
         }
@@ -171,10 +202,11 @@ impl MotionHead {
         limits: &StreamLimits,
     ) -> Result<Option<ReadHead>, StreamError> {
         let known = bytes.len().min(4);
-        if bytes[..known] != MAGIC[..known] {
+        let is_face = bytes[..known] == MAGIC_OF_FACES[..known];
+        if !is_face && bytes[..known] != MAGIC[..known] {
             return Err(StreamError::malformed(
                 "byte 0",
-                "expected a motion stream, ABP2",
+                "expected a motion stream, ABP2, or a face stream, AFP2",
             ));
         }
         let Some(length) = bytes.get(4..PREFIX) else {
@@ -194,7 +226,7 @@ impl MotionHead {
         let mut reader = ByteReader::new(head);
         reader.slice(PREFIX)?;
         let mut fields = Fields { reader, limits };
-        let (head, has_morphs) = fields.fixed()?;
+        let (head, has_morphs) = fields.fixed(is_face)?;
         let mut head = fields.groups(head)?;
         if has_morphs {
             fields.morphs(&mut head)?;
@@ -227,7 +259,7 @@ impl Fields<'_> {
     }
 
     /// The fields before the groups, and whether there are morph targets.
-    fn fixed(&mut self) -> Result<(MotionHead, bool), StreamError> {
+    fn fixed(&mut self, is_face: bool) -> Result<(MotionHead, bool), StreamError> {
         let [version] = self.reader.take()?;
         if version != VERSION {
             return Err(StreamError::Unsupported {
@@ -255,9 +287,13 @@ impl Fields<'_> {
         // An access unit has at least two frames.
         let access_units = self.number("access units", usize::from(frames > 1), frames / 2)?;
         let rig_hash = u64::from_be_bytes(self.reader.take()?);
-        let length = self.number("bytes of a name", 0, 1 << 12)?;
-        let name = std::str::from_utf8(self.reader.slice(length)?).map(str::to_owned);
-        let name = name.map_err(|_| self.bad("expected a name in UTF-8"))?;
+        let name = self.text()?;
+        let face = if is_face {
+            let bridge = Some(self.text()?).filter(|text| !text.is_empty());
+            Some(FaceHead { bridge })
+        } else {
+            None
+        };
         let head = MotionHead {
             name,
             grouping,
@@ -273,11 +309,18 @@ impl Fields<'_> {
             groups: Vec::new(),
             morph_groups: Vec::new(),
             morphs: Vec::new(),
+            face,
         };
         if access_units > 0 && frames.div_ceil(access_units) > MOST_FRAMES {
             return Err(self.bad(format!("{frames} frames in {access_units} access units")));
         }
         Ok((head, flags & MORPHS != 0))
+    }
+
+    fn text(&mut self) -> Result<String, StreamError> {
+        let length = self.number("bytes of a name", 0, MOST_NAME)?;
+        let text = std::str::from_utf8(self.reader.slice(length)?).map(str::to_owned);
+        text.map_err(|_| self.bad("expected a name in UTF-8"))
     }
 
     fn groups(&mut self, mut head: MotionHead) -> Result<MotionHead, StreamError> {
@@ -302,6 +345,13 @@ impl Fields<'_> {
                 region,
                 joint: None,
             });
+        }
+        if head.face.is_some() {
+            if !head.morph_groups.is_sorted_by(|a, b| a < b) {
+                return Err(self.bad("groups that do not rise by level, then region"));
+            }
+            head.morphs = channels::groups_of(&head.morph_groups);
+            return Ok(());
         }
         let targets = self.number("morph targets", 1, MOST_MORPHS)?;
         for _ in 0..targets {
@@ -359,6 +409,7 @@ mod tests {
             groups: vec![group(0, 4), group(1, 2), group(1, 5)],
             morph_groups: vec![group(2, 1)],
             morphs: vec![0, 0, 0],
+            face: None,
         }
     }
 

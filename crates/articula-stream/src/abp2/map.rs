@@ -31,7 +31,14 @@ pub fn motion_map(stream: &[u8], limits: &StreamLimits) -> Result<Unit, StreamEr
     }
     Ok(Unit {
         children,
-        ..Unit::of_bytes("abp2", 0..at)
+        ..Unit::of_bytes(
+            if read.head.face.is_some() {
+                "afp2"
+            } else {
+                "abp2"
+            },
+            0..at,
+        )
     })
 }
 

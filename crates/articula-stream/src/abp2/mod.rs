@@ -61,6 +61,9 @@ mod wavelet;
 
 pub use encode::{EncodedMotion, ManifestRow, MotionOptions, SkinError, UnitOrder, encode};
 pub use grouping::{Group, Grouping};
-pub use head::MotionHead;
+pub use head::{FaceHead, MotionHead};
+
+pub(crate) use access_unit::AccessUnit;
+pub(crate) use encode::encode_face;
 pub use map::motion_map;
 pub use receiver::MotionReceiver;

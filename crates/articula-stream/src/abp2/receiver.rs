@@ -22,6 +22,8 @@ use std::ops::Range;
 #[derive(Debug, Clone)]
 pub struct MotionReceiver {
     rig: Rig,
+    /// Whether face streams are received, in place of motions.
+    of_face: bool,
     limits: StreamLimits,
     bytes: Vec<u8>,
     started: Option<Started>,
@@ -47,9 +49,18 @@ impl MotionReceiver {
     pub fn new(rig: &Rig, limits: &StreamLimits) -> Self {
         Self {
             rig: rig.clone(),
+            of_face: false,
             limits: *limits,
             bytes: Vec::new(),
             started: None,
+        }
+    }
+
+    /// Creates a receiver of the channels of a face, which are those of this rig.
+    pub(crate) fn of_face(rig: &Rig, limits: &StreamLimits) -> Self {
+        Self {
+            of_face: true,
+            ..Self::new(rig, limits)
         }
     }
 
@@ -77,6 +88,17 @@ impl MotionReceiver {
             let Some(read) = MotionHead::read(&self.bytes, &self.limits)? else {
                 return Ok(0..0);
             };
+            if read.head.face.is_some() != self.of_face {
+                let expected = if self.of_face {
+                    "a face stream, AFP2"
+                } else {
+                    "a motion stream, ABP2"
+                };
+                return Err(StreamError::malformed(
+                    "byte 0",
+                    format!("expected {expected}"),
+                ));
+            }
             self.started = Some(Started::new(&self.bytes, read, &self.rig, &self.limits)?);
         }
         match &mut self.started {
@@ -107,6 +129,22 @@ impl MotionReceiver {
         self.started
             .as_ref()
             .map_or(FNV_START, |started| started.hash)
+    }
+
+    /// The access units of which something has arrived.
+    pub(crate) fn access_units(&self) -> Vec<AccessUnit> {
+        let Some(started) = &self.started else {
+            return Vec::new();
+        };
+        let mut at = started.read.bytes;
+        let mut found = Vec::new();
+        while found.len() < started.read.head.access_units {
+            let read = AccessUnit::read(&self.bytes, at, found.len(), &started.read.head);
+            let Ok(Some(access_unit)) = read else { break };
+            at = access_unit.bytes.end;
+            found.push(access_unit);
+        }
+        found
     }
 
     /// Returns the motion as received so far.

@@ -6,6 +6,7 @@ use super::pose_unit::{self, Kind, MOST_TIERS, REFERENCE, TrackForm};
 use super::rotation::{exp, product};
 use super::step::step;
 use crate::error::StreamError;
+use crate::face::channels;
 use articula_core::{Mismatch, Rig};
 use glam::{Quat, Vec3};
 
@@ -61,6 +62,14 @@ impl TrackPlace {
     /// The reference translation or scale.
     pub(super) fn vector(&self, rest: Vec3) -> Vec3 {
         rest + Vec3::from(self.reference())
+    }
+}
+
+impl MotionHead {
+    /// Whether a track has numbers that mean nothing in between, so that no tier drops planes of it.
+    pub(super) fn is_exact(&self, track: &TrackPlace) -> bool {
+        let is_exact = channels::is_exact(usize::from(track.target));
+        self.face.is_some() && track.kind == Kind::Morph && is_exact
     }
 }
 

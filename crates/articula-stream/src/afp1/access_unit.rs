@@ -5,7 +5,7 @@
 use crate::bits::{BitReader, BitWriter};
 use crate::component::{Block, CodingType};
 use crate::error::StreamError;
-use crate::face_frame::FaceFrame;
+use crate::face::FaceFrame;
 use crate::frame_rate::FrameRate;
 use articula_core::fap_table::{FAP_COUNT, TABLE};
 use std::ops::Range;

@@ -1,8 +1,8 @@
 //! The JSON head of an AFP-1 file.
 
-use super::clip::Afp1Clip;
 use crate::container::{self, Container};
 use crate::error::StreamError;
+use crate::face::FaceClip;
 use crate::frame_rate::FrameRate;
 use crate::limits::StreamLimits;
 use serde::{Deserialize, Serialize};
@@ -33,7 +33,7 @@ pub(super) fn open(
 }
 
 /// The head of a clip.
-pub(super) fn of_clip(clip: &Afp1Clip) -> Head {
+pub(super) fn of_clip(clip: &FaceClip) -> Head {
     Head {
         version: container::VERSION,
         name: clip.name.clone(),

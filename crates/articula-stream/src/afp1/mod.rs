@@ -5,14 +5,12 @@
 //! unit, so that [`crate::cut()`] can remove both by the map of [`unit()`]. Parameters that copy others
 //! at the level of their region are not written; a reader restores them.
 //!
-//! - [`Afp1Clip`], of [`FaceFrame`](crate::FaceFrame)s: the plain form
 //! - [`write()`], [`read`]: to bytes and back
 //! - [`unit()`]: the map of the bytes
 //!
 //! ```
-//! use articula_stream::FaceFrame;
-//! use articula_stream::afp1::{Afp1Clip, Afp1Options, Afp1ReadOptions, read, unit, write};
-//! use articula_stream::{CutRule, FrameRate, StreamLimits, cut};
+//! use articula_stream::afp1::{Afp1Options, read, unit, write};
+//! use articula_stream::{CutRule, FaceClip, FaceFrame, FaceReadOptions, FrameRate, StreamLimits, cut};
 //!
 //! // Both upper eyelids, FAP 19 and 20, close.
 //! let frame = |value| {
@@ -20,7 +18,7 @@
 //!     (frame.low[19 - 3], frame.low[20 - 3]) = (value, value);
 //!     frame
 //! };
-//! let clip = Afp1Clip {
+//! let clip = FaceClip {
 //!     name: "blink".into(),
 //!     bridge: None,
 //!     rate: FrameRate::nearest(25.0).ok_or("25 Hz")?,
@@ -32,19 +30,16 @@
 //! let limits = StreamLimits::default();
 //! let coarse = CutRule::default().at_most("loa", 0);
 //! let cut = cut(&bytes, &unit(&bytes, &limits)?, |unit| coarse.keeps(unit))?;
-//! let read = read(&cut.bytes, &Afp1ReadOptions::default(), &limits)?;
+//! let read = read(&cut.bytes, &FaceReadOptions::default(), &limits)?;
 //! assert_eq!((read.coded[19 - 1], read.coded[20 - 1]), (false, true));
 //! assert_eq!(read.clip.frames[9].low[19 - 3], 90);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod access_unit;
-mod clip;
-mod fade;
 mod head;
 mod read;
 mod write;
 
-pub use clip::Afp1Clip;
-pub use read::{Afp1ReadOptions, Decoded, read, unit};
+pub use read::{read, unit};
 pub use write::{Afp1Options, write};

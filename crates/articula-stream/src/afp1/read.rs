@@ -1,46 +1,16 @@
 //! Decoding of a file, and its map.
 
 use super::access_unit::{self, AccessUnit, CodedFap};
-use super::clip::Afp1Clip;
-use super::fade::Fade;
 use super::head;
 use crate::coding::Coding;
 use crate::error::StreamError;
-use crate::face_frame::FaceFrame;
+use crate::face::fade::Fade;
+use crate::face::levels::{labels, levels_of};
+use crate::face::{DecodedFace, FaceClip, FaceFrame, FaceReadOptions};
 use crate::limits::StreamLimits;
 use crate::unit::{Field, Meaning, Unit};
-use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion};
 use articula_core::fap_table::FAP_COUNT;
 use std::ops::Range;
-
-/// Seconds of the fade after a change of level.
-const FADE_SECS: f32 = 0.2;
-
-/// How a file is read.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Afp1ReadOptions {
-    /// Seconds in which a parameter goes to its new value where the level of its region changes; 0
-    /// for none.
-    pub fade_secs: f32,
-}
-
-/// A fade of 0.2 s.
-impl Default for Afp1ReadOptions {
-    fn default() -> Self {
-        Self {
-            fade_secs: FADE_SECS,
-        }
-    }
-}
-
-/// A decoded file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Decoded {
-    /// The clip, with all parameters.
-    pub clip: Afp1Clip,
-    /// Parameters that at least one access unit has; index 0 is FAP 1.
-    pub coded: [bool; FAP_COUNT],
-}
 
 /// Decodes a file. It may have been cut in any way.
 ///
@@ -53,12 +23,11 @@ pub struct Decoded {
 /// another version, [`StreamError::LimitExceeded`].
 pub fn read(
     bytes: &[u8],
-    options: &Afp1ReadOptions,
+    options: &FaceReadOptions,
     limits: &StreamLimits,
-) -> Result<Decoded, StreamError> {
+) -> Result<DecodedFace, StreamError> {
     let (rate, container) = head::open(bytes, limits)?;
-    let fade_frames = (f64::from(options.fade_secs) * rate.hz()).round();
-    let mut fade = Fade::new(fade_frames.min(f64::from(u16::MAX)) as usize);
+    let mut fade = Fade::new(options.fade_frames(rate));
     let mut coded = [false; FAP_COUNT];
     let mut frames = Vec::new();
     for range in &container.access_units {
@@ -89,13 +58,13 @@ pub fn read(
         }
     }
     let head = container.head;
-    let clip = Afp1Clip {
+    let clip = FaceClip {
         name: head.name,
         bridge: head.bridge,
         rate,
         frames,
     };
-    Ok(Decoded { clip, coded })
+    Ok(DecodedFace { clip, coded })
 }
 
 /// Sets a parameter in some frames.
@@ -109,25 +78,6 @@ fn decode(coded: &CodedFap, quantizer: u8, frames: &mut [FaceFrame]) -> Result<(
         }
     }
     Ok(())
-}
-
-/// The coarsest level of each region that keeps all its parameters that are there (index 0 is FAP
-/// 1).
-fn levels_of(is_there: &[bool; FAP_COUNT]) -> FaceLevels {
-    let mut levels = FaceLevels::all(FaceLevel::VeryLow);
-    for fap in (1..=FAP_COUNT).filter(|fap| is_there[fap - 1]) {
-        if let (Some(region), Some(level)) = (FaceRegion::of(fap), coarsest(fap)) {
-            // Levels are ordered from the finest.
-            levels = levels.with(region, levels.level(region).min(level));
-        }
-    }
-    levels
-}
-
-/// The coarsest level that keeps a parameter, by its number.
-fn coarsest(fap: usize) -> Option<FaceLevel> {
-    let mut levels = FaceLevel::ALL.into_iter().rev();
-    levels.find(|level| FaceLevels::all(*level).roles().keeps(fap))
 }
 
 /// Returns the map of a file, by which [`crate::cut()`] removes parameters and access units.
@@ -155,10 +105,10 @@ fn parts(unit: &AccessUnit) -> (Vec<Field>, Vec<Unit>) {
     };
     let of_fap = |label, fap: usize, bits| {
         let mut unit = part(label, bits);
-        if let (Some(region), Some(level)) = (FaceRegion::of(fap), coarsest(fap)) {
+        if let Some([loa, region]) = labels(fap) {
             unit = unit
-                .marked("loa", FaceLevel::VeryLow as u32 - level as u32)
-                .marked("region", region as u32);
+                .marked("loa", u32::from(loa))
+                .marked("region", u32::from(region));
         }
         unit.marked("parameter", fap as u32)
     };

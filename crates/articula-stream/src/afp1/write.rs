@@ -1,11 +1,10 @@
 //! Encoding of a clip: access units of up to 16 frames.
 
 use super::access_unit::{self, CodedFap, Plane};
-use super::clip::Afp1Clip;
 use super::head;
 use crate::component::{Block, CodingType, FRAMES};
 use crate::container;
-use crate::face_frame::FaceFrame;
+use crate::face::{FaceClip, FaceFrame};
 use articula_core::Mismatch;
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion};
 use articula_core::fap_table::FAP_COUNT;
@@ -52,8 +51,8 @@ impl Afp1Options {
 ///
 /// # Errors
 /// A [`Mismatch`] if the quantiser is above 31, a field of FAP 1 or 2 is out of its range
-/// ([`Afp1Clip::check`]), or a value is too great for the step.
-pub fn write(clip: &Afp1Clip, options: &Afp1Options) -> Result<Vec<u8>, Mismatch> {
+/// ([`FaceClip::check`]), or a value is too great for the step.
+pub fn write(clip: &FaceClip, options: &Afp1Options) -> Result<Vec<u8>, Mismatch> {
     if options.quantizer > 31 {
         let what = format!("{}, expected 0 to 31", options.quantizer);
         return Err(Mismatch::new("quantizer", what));
@@ -68,7 +67,7 @@ pub fn write(clip: &Afp1Clip, options: &Afp1Options) -> Result<Vec<u8>, Mismatch
 }
 
 /// The parameters that are written, rising: those that the levels keep, of regions that move.
-fn faps(clip: &Afp1Clip, levels: &FaceLevels) -> Vec<usize> {
+fn faps(clip: &FaceClip, levels: &FaceLevels) -> Vec<usize> {
     let all = 1..=FAP_COUNT;
     let moves = |fap: usize| clip.frames.iter().any(|frame| frame.moves(fap));
     let moving: Vec<FaceRegion> = all
@@ -84,7 +83,7 @@ fn faps(clip: &Afp1Clip, levels: &FaceLevels) -> Vec<usize> {
 
 /// Writes an access unit in the form that was asked for, or the smaller one.
 fn access_unit(
-    clip: &Afp1Clip,
+    clip: &FaceClip,
     frames: &[FaceFrame],
     faps: &[usize],
     options: &Afp1Options,

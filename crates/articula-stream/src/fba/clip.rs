@@ -1,6 +1,6 @@
 //! The plain form of a face animation: numbered frames of all parameters.
 
-use crate::face_frame::FaceFrame;
+use crate::face::FaceFrame;
 use crate::frame_rate::FrameRate;
 use articula_core::fap_table::FAP_COUNT;
 

@@ -9,7 +9,7 @@ use super::ranges::Ranges;
 use super::slot::{Models, Slot, slots};
 use crate::bits::BitReader;
 use crate::error::StreamError;
-use crate::face_frame::FaceFrame;
+use crate::face::FaceFrame;
 use crate::frame_rate::FrameRate;
 use crate::limits::StreamLimits;
 use articula_core::fap_table::FAP_COUNT;

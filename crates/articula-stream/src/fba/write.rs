@@ -8,7 +8,7 @@ use super::ranges::{self, Ranges};
 use super::read::MOST_NUMBER;
 use super::slot::{Models, Slot, slots};
 use crate::bits::BitWriter;
-use crate::face_frame::{FaceFrame, check_frames};
+use crate::face::{FaceFrame, check_frames};
 use articula_core::Mismatch;
 use articula_core::fap_table::FAP_COUNT;
 

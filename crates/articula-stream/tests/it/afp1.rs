@@ -4,18 +4,21 @@ use crate::cut_streams::{bits_of, check_golden, cut_checked};
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion, FapRole};
 use articula_core::fap_table::{FAP_COUNT, TABLE};
 use articula_mutate::{Dice, Edit, Mutations, cut_off};
-use articula_stream::afp1::{Afp1Clip, Afp1Options, Afp1ReadOptions, Decoded, read, unit, write};
-use articula_stream::{CodingType, CutRule, FaceFrame, FrameRate, StreamLimits, Unit};
+use articula_stream::afp1::{Afp1Options, read, unit, write};
+use articula_stream::{
+    CodingType, CutRule, DecodedFace, FaceClip, FaceFrame, FaceReadOptions, FrameRate,
+    StreamLimits, Unit,
+};
 use proptest::prelude::*;
 
 const LIMITS: StreamLimits = StreamLimits {
     bytes: 1 << 20,
     elements: 1 << 20,
 };
-const NO_FADE: Afp1ReadOptions = Afp1ReadOptions { fade_secs: 0.0 };
+const NO_FADE: FaceReadOptions = FaceReadOptions { fade_secs: 0.0 };
 
 /// Every low-level parameter moves, each in its own way; so do FAP 1 and 2.
-fn clip(frames: usize) -> Afp1Clip {
+fn clip(frames: usize) -> FaceClip {
     let frame = |f: usize| {
         let value = |i: usize| {
             let phase = 0.13 * (f * (1 + i % 4)) as f32 + i as f32;
@@ -32,7 +35,7 @@ fn clip(frames: usize) -> Afp1Clip {
             low: std::array::from_fn(value),
         }
     };
-    Afp1Clip {
+    FaceClip {
         name: "face".into(),
         bridge: Some("names".into()),
         rate: FrameRate::nearest(25.0).unwrap(),
@@ -40,7 +43,7 @@ fn clip(frames: usize) -> Afp1Clip {
     }
 }
 
-fn decoded(bytes: &[u8]) -> Decoded {
+fn decoded(bytes: &[u8]) -> DecodedFace {
     read(bytes, &NO_FADE, &LIMITS).unwrap()
 }
 
@@ -55,7 +58,7 @@ fn found<'a>(map: &'a Unit, label: &str) -> Vec<&'a Unit> {
 }
 
 /// What a receiver shows of a clip at some levels.
-fn expanded(clip: &Afp1Clip, levels: &FaceLevels) -> Vec<FaceFrame> {
+fn expanded(clip: &FaceClip, levels: &FaceLevels) -> Vec<FaceFrame> {
     let roles = levels.roles();
     let mut frames = clip.frames.clone();
     frames
@@ -209,7 +212,7 @@ fn a_level_that_changes_at_an_access_unit_fades() {
         part(&bytes, &map, 3),
     ]
     .concat();
-    let left = |options: &Afp1ReadOptions| {
+    let left = |options: &FaceReadOptions| {
         let read = read(&mixed, options, &LIMITS).unwrap().clip;
         assert!(read.frames.iter().all(|frame| frame.low[17] == 200));
         read.frames.iter().map(|f| f.low[16]).collect::<Vec<_>>()
@@ -221,10 +224,10 @@ fn a_level_that_changes_at_an_access_unit_fades() {
     );
     assert_eq!(steps[32..], [600; 16]);
     // 0.2 s are 5 frames: the sixth is there.
-    let faded = left(&Afp1ReadOptions::default());
+    let faded = left(&FaceReadOptions::default());
     assert_eq!(faded[15..23], [600, 533, 467, 400, 333, 267, 200, 200]);
     assert_eq!(faded[31..39], [200, 267, 333, 400, 467, 533, 600, 600]);
-    let whole = read(&bytes, &Afp1ReadOptions::default(), &LIMITS).unwrap();
+    let whole = read(&bytes, &FaceReadOptions::default(), &LIMITS).unwrap();
     assert_eq!(whole.clip, clip);
 }
 
@@ -331,7 +334,7 @@ fn no_mutation_panics() {
         map.check_values(bytes).unwrap();
         let cut = cut_checked(bytes, &map, &CutRule::default().at_most("loa", 1));
         unit(&cut.bytes, &LIMITS).unwrap();
-        if let Ok(read) = read(bytes, &Afp1ReadOptions::default(), &LIMITS) {
+        if let Ok(read) = read(bytes, &FaceReadOptions::default(), &LIMITS) {
             read.clip.check().unwrap();
         }
         true

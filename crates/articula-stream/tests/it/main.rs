@@ -10,6 +10,7 @@
 
 mod abp1;
 mod afp1;
+mod afp2;
 mod clustered_stream;
 mod cut_streams;
 mod fba;

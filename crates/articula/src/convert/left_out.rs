@@ -14,7 +14,7 @@ pub struct EncodedFile {
     pub beside: Option<(Format, Vec<u8>)>,
     /// Data that the format cannot hold.
     pub left_out: Vec<LossyPart>,
-    /// Of a motion stream (ABP-2), its tiers, finest first.
+    /// Of a motion stream (ABP-2) or a face stream (AFP-2), its tiers, finest first.
     pub tiers: Vec<TierReport>,
 }
 

@@ -52,8 +52,11 @@ use crate::error::{Context, Error, Result};
 use crate::mesh_levels::{self, ShownLevelOptions, ShownLevels};
 use crate::open::{CharacterFile, Format, WriteSupport, choose, conversions};
 use crate::work::Executor;
+use articula_core::face_levels::FaceLevels;
 use articula_stream::abp1::Abp1Options;
 use articula_stream::abp2::MotionOptions;
+use articula_stream::afp1::Afp1Options;
+use articula_stream::afp2::Afp2Options;
 
 /// Options of [`convert`]; the default changes nothing.
 #[derive(Debug, Clone, Default)]
@@ -81,6 +84,33 @@ pub enum AbpProfile {
     Abp1(Abp1Options),
     /// ABP-2: a motion within a tolerance of the skin.
     Abp2(MotionOptions),
+}
+
+/// Profile of an `.afp` file, with its options.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum AfpProfile {
+    /// AFP-1: parameters that can be cut one by one, in steps of the standard's table.
+    Afp1(Afp1Options),
+    /// AFP-2: parameters within a tolerance of feature points.
+    Afp2(Afp2Options),
+}
+
+/// AFP-2 with its defaults.
+impl Default for AfpProfile {
+    fn default() -> Self {
+        Self::Afp2(Afp2Options::default())
+    }
+}
+
+impl AfpProfile {
+    /// Returns this profile with the parameters that these levels keep.
+    #[must_use]
+    pub fn with_levels(self, levels: FaceLevels) -> Self {
+        match self {
+            Self::Afp1(options) => Self::Afp1(Afp1Options { levels, ..options }),
+            Self::Afp2(options) => Self::Afp2(Afp2Options { levels, ..options }),
+        }
+    }
 }
 
 /// A converted file with a report.

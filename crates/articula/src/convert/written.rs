@@ -3,19 +3,17 @@
 //! **A new format is one arm of [`written`] and one function below it.**
 
 use super::left_out::{EncodedFile, LossyPart, counted, mesh_levels, meshes};
-use super::{AbpProfile, ConvertOptions, body, joint_names, khr_character};
+use super::{AbpProfile, AfpProfile, ConvertOptions, body, joint_names, khr_character};
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Data, DataFormat, Format};
-use crate::streams::{abp1, abp2, afp1, fba};
+use crate::streams::{abp1, abp2, afp1, afp2, fba};
 use articula_build::source_rate_hz;
-use articula_core::face_levels::FaceLevels;
 use articula_core::fap_table::FAP_COUNT;
 use articula_formats::gltf::Document;
 use articula_formats::mpeg4::fap::{self, FapClip};
 use articula_formats::x3d::{self, Site};
 use articula_formats::{acclaim, bvh, live_link};
 use articula_stream::abp2::MotionOptions;
-use articula_stream::afp1::Afp1Options;
 use articula_stream::fba::FbaOptions;
 
 /// Writes a character; formats that hold one clip get the first.
@@ -40,7 +38,7 @@ pub fn write(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
 /// [`Error::Unsupported`] for formats that can only be read.
 pub fn write_data(data: &Data) -> Result<EncodedFile> {
     let format = match data {
-        Data::Fap(clip) => return write_faps(clip, DataFormat::Fap, None),
+        Data::Fap(clip) => return write_faps(clip, DataFormat::Fap, &AfpProfile::default()),
         Data::LiveLink(capture) => {
             return Ok(EncodedFile {
                 bytes: live_link::write(capture),
@@ -53,30 +51,28 @@ pub fn write_data(data: &Data) -> Result<EncodedFile> {
     Err(Error::unsuited(format.advice()))
 }
 
-/// Writes a FAP clip as a FAP file or an FBA stream, or as an AFP stream with the parameters that the
-/// levels keep; the others get all of them.
+/// Writes a FAP clip as a FAP file, an FBA stream, or an AFP stream of the given profile, which alone
+/// has options.
 ///
 /// # Errors
 /// An [`Error`] if the rate, the frames or a value cannot be written, or the format is of another
 /// kind of data.
-pub fn write_faps(
-    clip: &FapClip,
-    format: DataFormat,
-    levels: Option<&FaceLevels>,
-) -> Result<EncodedFile> {
-    let options = Afp1Options::default();
-    let options = Afp1Options {
-        levels: levels.copied().unwrap_or(options.levels),
-        ..options
-    };
-    let (bytes, left_out) = match format {
-        DataFormat::Fap => (fap::write(clip), still(clip)),
-        DataFormat::Afp => (afp1::write(clip, &options)?, None),
-        DataFormat::Fba => (fba::write(clip, &FbaOptions::default())?, columns(clip)),
+pub fn write_faps(clip: &FapClip, format: DataFormat, profile: &AfpProfile) -> Result<EncodedFile> {
+    let mut tiers = Vec::new();
+    let (bytes, left_out) = match (format, profile) {
+        (DataFormat::Fap, _) => (fap::write(clip), still(clip)),
+        (DataFormat::Fba, _) => (fba::write(clip, &FbaOptions::default())?, columns(clip)),
+        (DataFormat::Afp, AfpProfile::Afp1(options)) => (afp1::write(clip, options)?, None),
+        (DataFormat::Afp, AfpProfile::Afp2(options)) => {
+            let coded = afp2::write(clip, options)?;
+            tiers = abp2::tiers(&coded, options.tolerance_metres)?;
+            (coded.bytes, None)
+        }
         _ => return Err(Error::unsuited(format.advice())),
     };
     Ok(EncodedFile {
         bytes,
+        tiers,
         left_out: left_out.into_iter().collect(),
         ..EncodedFile::default()
     })

@@ -47,7 +47,7 @@ pub fn inspect_access_units(
     let (profile, map, item) = match sniff(bytes) {
         Some(StreamKind::Abp1) => ("ABP-1", abp1::unit(bytes, limits), "joint"),
         Some(StreamKind::Afp1) => ("AFP-1", afp1::unit(bytes, limits), "parameter"),
-        Some(StreamKind::Abp2) | None => {
+        Some(StreamKind::Abp2 | StreamKind::Afp2) | None => {
             let what = "neither a stream of bones nor one of facial animation parameters";
             return Err(Error::unsuited(what)).context(file);
         }

@@ -1,6 +1,6 @@
 //! Contents of MPEG-4 data files: parameters, their ranges and units.
 
-use super::{AccessUnitsInspection, FaceInspection, WarningInspection};
+use super::{AccessUnitsInspection, FaceInspection, MotionStreamInspection, WarningInspection};
 use crate::open::{Data, DataFile, DataFormat};
 use articula_core::arkit_table::{BLEND_SHAPES, BlendShape};
 use articula_core::fap_table::{FAP_COUNT, GROUPS, TABLE};
@@ -40,10 +40,20 @@ pub struct DataInspection {
     pub shapes: Vec<CaptureShape>,
     /// EPF files: encoder settings.
     pub coding: Option<EncoderSettings>,
-    /// AFP streams: access units ([`inspect_access_units`](super::inspect_access_units)).
-    pub stream: Option<AccessUnitsInspection>,
+    /// AFP streams: how they can be cut.
+    pub stream: Option<FaceStreamInspection>,
     /// Warnings.
     pub warnings: Vec<WarningInspection>,
+}
+
+/// How a face stream can be cut, by its profile.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub enum FaceStreamInspection {
+    /// AFP-1 ([`inspect_access_units`](super::inspect_access_units)).
+    Afp1(AccessUnitsInspection),
+    /// AFP-2 ([`inspect_motion_stream`](super::inspect_motion_stream)).
+    Afp2(MotionStreamInspection),
 }
 
 /// Motion of a FAP file.

@@ -14,8 +14,8 @@ mod stream;
 
 pub use access_units::{AccessUnitsInspection, StreamShare, inspect_access_units};
 pub use data::{
-    CaptureShape, DataClip, DataInspection, EncoderSettings, FaceUnits, FapGroup, FapParameter,
-    FeaturePointInspection, inspect_data,
+    CaptureShape, DataClip, DataInspection, EncoderSettings, FaceStreamInspection, FaceUnits,
+    FapGroup, FapParameter, FeaturePointInspection, inspect_data,
 };
 pub use extent::Extent;
 pub use human::{

@@ -1,4 +1,4 @@
-//! Contents of a motion stream, without its character.
+//! Contents of a motion stream, without its character, or of a face stream.
 
 use crate::error::{Context, Result};
 use crate::streams::region_name;
@@ -6,7 +6,7 @@ use articula_stream::abp2::{Grouping, MotionHead, motion_map};
 use articula_stream::{CutRule, StreamLimits, Unit, cut};
 use serde::Serialize;
 
-/// Contents of a motion stream (ABP-2).
+/// Contents of a motion stream (ABP-2) or a face stream (AFP-2).
 #[derive(Debug, Serialize)]
 pub struct MotionStreamInspection {
     /// Name of the file, as in errors.
@@ -27,9 +27,9 @@ pub struct MotionStreamInspection {
     pub fps: f32,
     /// Duration in seconds.
     pub duration_secs: f32,
-    /// Number of joints of the character.
+    /// Number of joints of the character; 1 for a face stream, which moves none.
     pub joints: usize,
-    /// Number of its morph targets, if any is coded.
+    /// Number of its morph targets, if any is coded; of a face stream, of fields of parameters.
     pub morph_targets: usize,
     /// Hash of the character's joints, as hexadecimal digits; all 0 if it is not stated.
     pub rig_hash: String,
@@ -43,21 +43,22 @@ pub struct MotionStreamInspection {
     pub groups: Vec<StreamGroup>,
 }
 
-/// A tier of a motion stream.
+/// A tier of a motion stream or face stream.
 #[derive(Debug, Serialize)]
 pub struct StreamTier {
     /// Number of the tier; 0 is the finest.
     pub tier: usize,
-    /// Greatest error of a stream that is cut to it, in millimetres of skin.
+    /// Greatest error of a stream that is cut to it, in millimetres of skin, or of feature points of an
+    /// average face.
     pub tolerance_mm: f64,
     /// Size of the stream that is cut to it, in bytes.
     pub bytes: usize,
 }
 
-/// A group of joints or morph targets.
+/// A group of joints, morph targets or parameters.
 #[derive(Debug, Serialize)]
 pub struct StreamGroup {
-    /// Whether it is a group of morph targets.
+    /// Whether it is a group of morph targets or facial animation parameters.
     pub is_face: bool,
     /// Level of articulation, of the body or of the face.
     pub loa: u32,
@@ -92,10 +93,11 @@ pub fn inspect_motion_stream(
             bytes: cut.bytes.len(),
         })
     };
+    let is_face = head.face.is_some();
     Ok(MotionStreamInspection {
         file: file.to_owned(),
-        format: "abp",
-        profile: "ABP-2",
+        format: if is_face { "afp" } else { "abp" },
+        profile: if is_face { "AFP-2" } else { "ABP-2" },
         bytes: bytes.len(),
         bytes_head: map.children[0].bytes() as usize,
         frames: head.frames,

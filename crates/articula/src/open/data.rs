@@ -2,14 +2,14 @@
 
 use super::OpenOptions;
 use crate::error::{Context, Result};
-use crate::streams::{afp1, fba, stream_limits};
+use crate::streams::{StreamKind, afp1, afp2, fba, sniff, stream_limits};
 use articula_formats::live_link::{self, LiveLinkClip};
 use articula_formats::mpeg4::epf::EpfFrame;
 use articula_formats::mpeg4::fap::FapClip;
 use articula_formats::mpeg4::fdp::FdpFile;
 use articula_formats::mpeg4::{epf, fap, fdp};
 use articula_formats::{Parsed, Warning};
-use articula_stream::afp1::Afp1ReadOptions;
+use articula_stream::FaceReadOptions;
 use std::path::Path;
 
 /// A file format without a character.
@@ -142,8 +142,12 @@ pub fn open_data(
         ),
         DataFormat::Afp => {
             let limits = stream_limits(limits);
-            let clip = afp1::read(bytes, &Afp1ReadOptions::default(), &limits).context(name)?;
-            (Data::Fap(clip), Vec::new())
+            let options = FaceReadOptions::default();
+            let clip = match sniff(bytes) {
+                Some(StreamKind::Afp2) => afp2::read(bytes, &options, &limits),
+                _ => afp1::read(bytes, &options, &limits),
+            };
+            (Data::Fap(clip.context(name)?), Vec::new())
         }
         DataFormat::Fba => {
             let stem = Path::new(name).file_stem().unwrap_or_default();

@@ -7,10 +7,10 @@ use super::{StreamKind, sniff, stream_limits};
 use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, Format};
 
-use articula_build::face::{blend_shape, unit_mm, vrm_preset};
+use articula_build::face::{blend_shape, vrm_preset};
 use articula_build::{ClipOptions, rig_and_mesh, rig_hash, sampled_clip};
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion, FapRole, FapRoles};
-use articula_core::fap_table::LOW_FAPS;
+use articula_core::fap_table::{LOW_FAPS, unit_mm};
 use articula_core::source::{Channel, Interpolation, Property, RawClip, RawMesh};
 use articula_core::{Clip, Rig, Track};
 use articula_formats::Limits;

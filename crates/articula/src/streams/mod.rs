@@ -4,6 +4,7 @@
 //! - [`abp1`]: the motion of a character as ABP-1, and back
 //! - [`abp2`]: the motion of a character as ABP-2, and back
 //! - [`afp1`]: facial animation parameters as AFP-1, and back
+//! - [`afp2`]: facial animation parameters as AFP-2, and back
 //! - [`fba`]: facial animation parameters as MPEG-4's binary stream, and back
 //! - [`layers()`]: the error of leaving out parts of a motion stream
 //!
@@ -12,6 +13,8 @@
 pub mod abp1;
 pub mod abp2;
 pub mod afp1;
+pub mod afp2;
+mod face_clip;
 mod face_frame;
 pub mod fba;
 mod layers;
@@ -32,6 +35,8 @@ pub enum StreamKind {
     Abp2,
     /// Facial animation parameters, profile AFP-1.
     Afp1,
+    /// Facial animation parameters within a tolerance, profile AFP-2.
+    Afp2,
 }
 
 /// Returns which stream some bytes are, by how they begin.
@@ -40,6 +45,7 @@ pub fn sniff(bytes: &[u8]) -> Option<StreamKind> {
         b"ABPF" => Some(StreamKind::Abp1),
         b"ABP2" => Some(StreamKind::Abp2),
         b"AFPF" => Some(StreamKind::Afp1),
+        b"AFP2" => Some(StreamKind::Afp2),
         _ => None,
     }
 }

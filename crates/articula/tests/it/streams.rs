@@ -1,18 +1,18 @@
 //! Motions of bodies and faces as streams: what is shown after a round trip, and after a cut.
 
 use crate::real;
-use articula::convert::{AbpProfile, ConvertOptions, write_faps};
+use articula::convert::{AbpProfile, AfpProfile, ConvertOptions, write_faps};
 use articula::face::{expand_face, reduce_face};
 use articula::glam::Quat;
 use articula::glam::{Affine3A, Vec3};
-use articula::streams::{StreamKind, abp1, abp2, afp1, fba, sniff};
+use articula::streams::{StreamKind, abp1, abp2, afp1, afp2, fba, sniff};
 use articula::{
     CharacterFile, Data, DataFormat, Executor, Figure, Format, OpenOptions, convert, fs, open,
     open_data, reference_human,
 };
 use articula_core::LocalPose;
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion};
-use articula_core::fap_table::TABLE;
+use articula_core::fap_table::{TABLE, unit_mm};
 use articula_core::source::{
     Channel, Character, Interpolation, Joint, Property, RawClip, RawMesh, Skeleton, evaluate,
 };
@@ -21,9 +21,9 @@ use articula_formats::Limits;
 use articula_formats::mpeg4::fap::{FapClip, FapFrame, Viseme};
 use articula_stream::abp1::{Abp1Options, TrackKind, unit};
 use articula_stream::abp2::MotionOptions;
-use articula_stream::afp1::{Afp1Options, Afp1ReadOptions};
+use articula_stream::afp1::Afp1Options;
 use articula_stream::fba::FbaOptions;
-use articula_stream::{CutRule, StreamLimits, Unit, cut};
+use articula_stream::{CutRule, FaceReadOptions, StreamLimits, Unit, cut};
 use std::path::PathBuf;
 
 fn opened(bytes: &[u8], name: &str) -> CharacterFile {
@@ -458,7 +458,12 @@ fn a_face_clip_shows_the_same_after_afp1() {
         return;
     };
     let clip = read_faps(&bytes, "a.fap", DataFormat::Fap);
-    let written = write_faps(&clip, DataFormat::Afp, None).unwrap();
+    let written = write_faps(
+        &clip,
+        DataFormat::Afp,
+        &AfpProfile::Afp1(Afp1Options::default()),
+    )
+    .unwrap();
     assert_eq!(sniff(&written.bytes), Some(StreamKind::Afp1));
     let again = read_faps(&written.bytes, "a.afp", DataFormat::Afp);
     let high = FaceLevels::all(FaceLevel::High).roles();
@@ -488,10 +493,50 @@ fn a_face_clip_shows_the_same_after_afp1() {
     {
         let rule = CutRule::default().at_most("loa", loa as u32);
         let cut = cut(&written.bytes, &map, |unit: &Unit| rule.keeps(unit)).unwrap();
-        let shown = afp1::read(&cut.bytes, &Afp1ReadOptions::default(), &limits).unwrap();
+        let shown = afp1::read(&cut.bytes, &FaceReadOptions::default(), &limits).unwrap();
         let roles = FaceLevels::all(level).roles();
         assert_eq!(shown.frames, expand_face(&again, &roles).frames);
     }
+}
+
+#[test]
+fn a_face_clip_shows_the_same_after_afp2() {
+    let Some(bytes) = real::bytes("fap/speech_synthetic.fap") else {
+        return;
+    };
+    let clip = read_faps(&bytes, "a.fap", DataFormat::Fap);
+    let written = write_faps(&clip, DataFormat::Afp, &AfpProfile::default()).unwrap();
+    assert_eq!(sniff(&written.bytes), Some(StreamKind::Afp2));
+    let again = read_faps(&written.bytes, "a.afp", DataFormat::Afp);
+    let expected = reduce_face(&clip, &FaceLevels::all(FaceLevel::High).roles());
+    assert_eq!(again.frames.len(), expected.frames.len());
+    for (a, b) in again.frames.iter().zip(&expected.frames) {
+        assert_eq!((a.viseme, a.expression), (b.viseme, b.expression));
+        for (fap, (a, b)) in (3..).zip(a.low.iter().zip(&b.low)) {
+            // 0.1 mm on an average face, and half a unit of rounding; a head turns with ten times
+            // the lever of an eye.
+            let lever = if (48..=50).contains(&fap) { 10.0 } else { 1.0 };
+            let unit = lever * unit_mm(fap);
+            let mm = unit * (a - b).abs() as f32;
+            assert!(mm <= 0.1001 + unit / 2.0, "FAP {fap}: {a} {b}");
+        }
+    }
+    let limits = StreamLimits::default();
+    let map = articula_stream::abp2::motion_map(&written.bytes, &limits).unwrap();
+    for (loa, level) in [FaceLevel::VeryLow, FaceLevel::Low, FaceLevel::Medium]
+        .into_iter()
+        .enumerate()
+    {
+        let rule = CutRule::default().at_most("face_loa", loa as u32);
+        let cut = cut(&written.bytes, &map, |unit: &Unit| rule.keeps(unit)).unwrap();
+        let shown = afp2::read(&cut.bytes, &FaceReadOptions::default(), &limits).unwrap();
+        let roles = FaceLevels::all(level).roles();
+        assert_eq!(shown.frames, expand_face(&again, &roles).frames);
+    }
+    let [whole, coarser, _] = &written.tiers[..] else {
+        panic!("three tiers");
+    };
+    assert!(whole.error_mm_max <= 0.1 && coarser.bytes < whole.bytes);
 }
 
 #[test]
@@ -527,5 +572,5 @@ fn missing_frame_numbers_hold_the_frame_before() {
         frames: vec![frame(0, 1), frame(1 << 20, 1)],
         ..clip
     };
-    assert!(afp1::from_faps(&far).is_err());
+    assert!(afp1::write(&far, &Afp1Options::default()).is_err());
 }

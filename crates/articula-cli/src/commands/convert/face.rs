@@ -90,7 +90,12 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         (data, _) => (data, None),
     };
     let written = match &data {
-        Data::Fap(clip) => write_faps(clip, format, args.face_level.as_ref())?,
+        Data::Fap(clip) => {
+            let profile = args.stream.face_profile();
+            let levels = args.face_level;
+            let profile = levels.map_or(profile, |levels| profile.with_levels(levels));
+            write_faps(clip, format, &profile).with_context(|| place.clone())?
+        }
         other => write_data(other)?,
     };
     console.files.write(&args.out, &written.bytes)?;
@@ -112,6 +117,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         clips,
         capture,
         face_level,
+        tiers: written.tiers,
         warnings: open::warnings(&source.warnings),
         ..ConvertReport::default()
     };
@@ -226,8 +232,14 @@ fn check_flags(args: &ConvertArgs, place: &str) -> anyhow::Result<()> {
     let own = files::data_format(&args.inputs[0]);
     let chosen =
         args.loa.is_some() || args.loa_profile.is_some() || own.is_some() && args.clip.is_some();
-    let other =
-        args.to.is_some() || args.onto.is_some() || args.khr_character || args.stream.asks();
+    let other = args.to.is_some() || args.onto.is_some() || args.khr_character;
+    let is_afp = files::data_format(&args.out) == Some(DataFormat::Afp);
+    if let Some(flag) = args.stream.idle_for_a_face(is_afp) {
+        let expected = if is_afp { "an .abp" } else { "an .afp" };
+        return Err(fault::usage(format!(
+            "{place}: {flag} requires {expected} output; leave it out"
+        )));
+    }
     if chosen || other || args.hygiene.asks() || args.shapes.asks() {
         return Err(fault::usage(format!(
             "{place}: flags that choose or change body clips do not apply to a face clip; leave them out"

@@ -1,12 +1,13 @@
-//! `convert IN OUT.abp`: profile and options of the stream, and the report of its tiers.
+//! `convert IN OUT.abp` and `OUT.afp`: profile and options of the stream, and the report of its tiers.
 
 use crate::arguments::skin_millimetres;
 use crate::fault;
 use crate::table::Table;
 use articula::Format;
-use articula::convert::AbpProfile;
+use articula::convert::{AbpProfile, AfpProfile};
 use articula::streams::abp2::TierReport;
 use articula_stream::abp2::{Grouping, MotionOptions, UnitOrder};
+use articula_stream::afp2::Afp2Options;
 use clap::{Args, ValueEnum, value_parser};
 
 /// Profile and options of a stream.
@@ -15,19 +16,23 @@ pub(super) struct StreamArgs {
     /// Write profile ABP-1, a stream of bones, in place of ABP-2 (.abp only)
     #[arg(long, conflicts_with_all = ["tolerance_mm", "tiers", "group_by", "by_value"])]
     pub(super) abp1: bool,
-    /// Greatest error of a motion stream, in millimetres of skin (.abp only) [default: 0.1]
+    /// Write profile AFP-1, in which parameters can be cut one by one, in place of AFP-2 (.afp only)
+    #[arg(long, conflicts_with_all = ["abp1", "tolerance_mm", "tiers", "group_by", "by_value"])]
+    afp1: bool,
+    /// Greatest error of a motion stream, in millimetres of skin, or of a face stream, in
+    /// millimetres of feature points of an average face (.abp and .afp only) [default: 0.1]
     #[arg(long, value_name = "MM", value_parser = skin_millimetres)]
     tolerance_mm: Option<f64>,
-    /// Tiers of a motion stream; leaving out the finest triples the error (.abp only)
-    /// [default: 5]
+    /// Tiers of a stream; leaving out the finest triples the error (.abp and .afp only) [default:
+    /// 5, of a face 3]
     #[arg(long, value_name = "N", value_parser = value_parser!(u8).range(1..=8))]
     tiers: Option<u8>,
     /// What the joints have in common that are cut from a motion stream together (.abp only)
     /// [default: loa]
     #[arg(long, value_enum)]
     group_by: Option<GroupBy>,
-    /// Order the units of a motion stream by the error that they take away for their bytes, for
-    /// receivers that get a part (.abp only)
+    /// Order the units of a stream by the error that they take away for their bytes, for
+    /// receivers that get a part (.abp and .afp only)
     #[arg(long)]
     by_value: bool,
 }
@@ -44,14 +49,14 @@ enum GroupBy {
 }
 
 impl StreamArgs {
-    /// Whether any of the flags is given.
-    pub(super) fn asks(&self) -> bool {
-        self.flag().is_some()
-    }
-
     /// Refuses flags that have no effect on a file of this format.
     pub(super) fn check(&self, out: Format) -> anyhow::Result<()> {
-        match self.flag() {
+        if self.afp1 {
+            let what = format!("--afp1 requires an .afp output, not .{}", out.name());
+            return Err(fault::usage(what));
+        }
+        let flag = self.of_bodies().or_else(|| self.of_both());
+        match flag {
             Some(flag) if out != Format::Abp => {
                 let what = format!("{flag} requires an .abp output, not .{}", out.name());
                 Err(fault::usage(what))
@@ -60,14 +65,19 @@ impl StreamArgs {
         }
     }
 
+    /// The flag that has no effect on the output of a face clip, if one is given; `is_afp` if that is
+    /// a face stream.
+    pub(super) fn idle_for_a_face(&self, is_afp: bool) -> Option<&'static str> {
+        let of_faces = self.of_both().or(self.afp1.then_some("--afp1"));
+        self.of_bodies().or(of_faces.filter(|_| !is_afp))
+    }
+
     /// The options of the library, if any is chosen.
     pub(super) fn profile(&self) -> Option<AbpProfile> {
         if self.abp1 {
             return Some(AbpProfile::Abp1(Default::default()));
         }
-        if !self.asks() {
-            return None;
-        }
+        self.of_bodies().or_else(|| self.of_both())?;
         let plain = MotionOptions::default();
         Some(AbpProfile::Abp2(MotionOptions {
             tolerance_metres: self
@@ -79,22 +89,46 @@ impl StreamArgs {
                 Some(GroupBy::Region) => Grouping::LoaRegion,
                 Some(GroupBy::Joint) => Grouping::Joint,
             },
-            order: if self.by_value {
-                UnitOrder::Value
-            } else {
-                UnitOrder::Tier
-            },
+            order: self.order(),
             ..plain
         }))
     }
 
-    /// The first flag that is given.
-    fn flag(&self) -> Option<&'static str> {
+    /// Profile and options of a face stream.
+    pub(super) fn face_profile(&self) -> AfpProfile {
+        if self.afp1 {
+            return AfpProfile::Afp1(Default::default());
+        }
+        let plain = Afp2Options::default();
+        AfpProfile::Afp2(Afp2Options {
+            tolerance_metres: self
+                .tolerance_mm
+                .map_or(plain.tolerance_metres, |mm| 1e-3 * mm),
+            tiers: self.tiers.map_or(plain.tiers, usize::from),
+            order: self.order(),
+            ..plain
+        })
+    }
+
+    fn order(&self) -> UnitOrder {
+        if self.by_value {
+            UnitOrder::Value
+        } else {
+            UnitOrder::Tier
+        }
+    }
+
+    /// The first flag about streams of bodies that is given.
+    fn of_bodies(&self) -> Option<&'static str> {
+        let group_by = self.group_by.is_some().then_some("--group-by");
+        self.abp1.then_some("--abp1").or(group_by)
+    }
+
+    /// The first flag about streams of bodies or faces that is given.
+    fn of_both(&self) -> Option<&'static str> {
         let flags = [
-            (self.abp1, "--abp1"),
             (self.tolerance_mm.is_some(), "--tolerance-mm"),
             (self.tiers.is_some(), "--tiers"),
-            (self.group_by.is_some(), "--group-by"),
             (self.by_value, "--by-value"),
         ];
         flags

@@ -1,14 +1,14 @@
 //! MPEG-4 files without a character: parameters that move, their ranges and units.
 
-use super::access_units;
 use super::text::{head_line, warnings_text};
+use super::{access_units, motion_stream};
 use crate::arguments::CharacterArgs;
 use crate::console::Console;
 use crate::open;
-use crate::table::Table;
+use crate::table::{Table, counted};
 use crate::{fault, files};
 use articula::DataFormat;
-use articula::inspect::{DataInspection, inspect_data};
+use articula::inspect::{DataInspection, FaceStreamInspection, inspect_data};
 
 /// Reads the file and prints its contents.
 pub(super) fn run(
@@ -26,7 +26,10 @@ pub(super) fn run(
     let opened = open::data(&args.file, format, &args.names)?;
     let mut found = inspect_data(opened, &files::shown(&args.file), format);
     if format == DataFormat::Afp {
-        found.stream = Some(access_units::of(&args.file)?);
+        found.stream = Some(match motion_stream::of_face(&args.file)? {
+            Some(stream) => FaceStreamInspection::Afp2(stream),
+            None => FaceStreamInspection::Afp1(access_units::of(&args.file)?),
+        });
     }
     console.result(&found, |found| text(found, map))
 }
@@ -83,8 +86,20 @@ fn text(found: &DataInspection, map: bool) -> String {
             found.shapes.len()
         ));
     }
-    if let Some(stream) = &found.stream {
-        text.push_str(&access_units::text(stream, "parameters"));
+    match &found.stream {
+        Some(FaceStreamInspection::Afp1(stream)) => {
+            text.push_str(&access_units::text(stream, "parameters"));
+        }
+        Some(FaceStreamInspection::Afp2(stream)) => {
+            text.push_str(&format!(
+                "\nstream {}: {}, head of {} bytes\n",
+                stream.profile,
+                counted(stream.access_units, "access unit", "access units"),
+                stream.bytes_head,
+            ));
+            text.push_str(&motion_stream::tables(stream));
+        }
+        None => {}
     }
     if map && !found.shapes.is_empty() {
         let mut table = Table::new(&["blend shape", "min", "max"]);

@@ -1,4 +1,5 @@
-//! Motion streams (ABP-2) without their character: tiers and groups with their bytes.
+//! Motion streams (ABP-2) without their character, and face streams (AFP-2): tiers and groups with
+//! their bytes.
 
 use super::text::head_line;
 use crate::arguments::CharacterArgs;
@@ -7,7 +8,9 @@ use crate::fault::clean;
 use crate::table::{Table, counted};
 use crate::{fault, files};
 use articula::inspect::{MotionStreamInspection, inspect_motion_stream};
+use articula::streams::{StreamKind, sniff};
 use articula_stream::StreamLimits;
+use std::path::Path;
 
 /// Prints the contents of a motion stream.
 pub(super) fn run(bytes: &[u8], args: &CharacterArgs, console: &Console) -> anyhow::Result<()> {
@@ -36,10 +39,31 @@ fn text(found: &MotionStreamInspection) -> String {
         count => format!(" and {}", counted(count, "morph target", "morph targets")),
     };
     text.push_str(&format!(
-        "for {}{morphs}; `lod {} --onto CHARACTER` measures errors\n\ncut to a tier\n",
+        "for {}{morphs}; `lod {} --onto CHARACTER` measures errors\n\n",
         counted(found.joints, "joint", "joints"),
         clean(&found.file),
     ));
+    text.push_str(&tables(found));
+    text
+}
+
+/// The face stream in a file; `None` if the file is none.
+pub(super) fn of_face(path: &Path) -> anyhow::Result<Option<MotionStreamInspection>> {
+    let limits = StreamLimits::default();
+    let bytes = files::read(path, limits.bytes)?;
+    if sniff(&bytes) != Some(StreamKind::Afp2) {
+        return Ok(None);
+    }
+    Ok(Some(inspect_motion_stream(
+        &bytes,
+        &files::shown(path),
+        &limits,
+    )?))
+}
+
+/// Formats the tables of tiers and groups.
+pub(super) fn tables(found: &MotionStreamInspection) -> String {
+    let mut text = String::from("cut to a tier\n");
     let mut tiers = Table::new(&["tier", "tolerance mm", "bytes"]);
     for tier in &found.tiers {
         tiers.row([

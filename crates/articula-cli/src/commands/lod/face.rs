@@ -6,7 +6,7 @@ use crate::console::Console;
 use crate::fault::{self, clean};
 use crate::table::Table;
 use crate::{files, open};
-use articula::convert::write_faps;
+use articula::convert::{AfpProfile, write_faps};
 use articula::face::{
     FACE_DISTANCES_M, FaceDetailOptions, FaceDetailReport, face_detail, reduce_face,
 };
@@ -101,7 +101,7 @@ pub(super) fn run(args: &LodArgs, head: &Path, console: &Console) -> anyhow::Res
             .for_each(|fap| keeps[fap - 1] = true);
         let chosen = reduce_face(&clip, &FapRoles::keeping(&keeps));
         let format = has_faps(out).unwrap_or(DataFormat::Fap);
-        let bytes = write_faps(&chosen, format, None)?.bytes;
+        let bytes = write_faps(&chosen, format, &AfpProfile::default())?.bytes;
         console.files.write(out, &bytes)?;
         written.push(files::shown(out));
     }

@@ -10,9 +10,11 @@
 //! - `plan`: which tracks move, and around which values
 //! - `quantise`: levels at given steps, and what a decoder shows of them
 //! - `search`: steps within the tolerance, planes of coarser tiers
+//! - `alone`: the same where each track has a point of its own
 //! - `units`: the coded units
 //! - `value_order`: units by the error that they take away for their bytes
 
+mod alone;
 mod levers;
 mod plan;
 mod quantise;
@@ -26,12 +28,13 @@ pub use skin_points::SkinError;
 
 use super::access_unit::{self, AccessUnit};
 use super::grouping::{Group, Grouping, groups};
-use super::head::MotionHead;
+use super::head::{FaceHead, MotionHead};
 use super::map::motion_map;
 use super::pose_unit::{self, MOST_TIERS, TrackForm};
 use super::receiver::MotionReceiver;
 use super::tracks::{TrackPlace, TrackTable, pose_tracks};
 use super::wavelet::MOST_FRAMES;
+use crate::face::channels;
 use crate::limits::StreamLimits;
 use crate::unit::Unit;
 use articula_core::{Clip, Mesh, Mismatch, Rig};
@@ -141,8 +144,44 @@ pub fn encode(
     clip: &Clip,
     options: &MotionOptions,
 ) -> Result<EncodedMotion, Mismatch> {
+    let head = head(rig, mesh, clip, options)?;
+    encode_with(rig, mesh, clip, options, head)
+}
+
+/// Encodes a clip of the channels of a face as a face stream: the morph targets of the mesh are the
+/// channels ([`channels`]), of which the stream has those of some groups.
+///
+/// # Errors
+/// As [`encode()`].
+pub(crate) fn encode_face(
+    rig: &Rig,
+    mesh: &Mesh,
+    clip: &Clip,
+    options: &MotionOptions,
+    (face, groups): (FaceHead, Vec<Group>),
+) -> Result<EncodedMotion, Mismatch> {
+    let head = MotionHead {
+        face: Some(face),
+        morphs: if groups.is_empty() {
+            Vec::new()
+        } else {
+            channels::groups_of(&groups)
+        },
+        morph_groups: groups,
+        ..head(rig, mesh, clip, options)?
+    };
+    encode_with(rig, mesh, clip, options, head)
+}
+
+/// Encodes a clip under a head.
+fn encode_with(
+    rig: &Rig,
+    mesh: &Mesh,
+    clip: &Clip,
+    options: &MotionOptions,
+    mut head: MotionHead,
+) -> Result<EncodedMotion, Mismatch> {
     let truth = Truth::new(rig, mesh, clip);
-    let mut head = head(rig, mesh, clip, options)?;
     let offsets = offsets_by_vertex(mesh);
     let all = if mesh.is_empty() {
         SkinPoints::of_bones(rig)
@@ -187,19 +226,24 @@ pub fn encode(
         let shown = points.shown(rig, &truth);
         (points, shown)
     };
-    let (mut levels, shown, error) = finest(&coding, &shares.fine, tolerance, &mut judge, refine)?;
-    let errors = tiers(
-        &coding,
-        &mut levels,
-        (&shown, error),
-        &shares,
-        &judge,
-        tolerance,
-    );
+    let (mut levels, shown, error) = match head.face {
+        Some(_) => alone::finest(&coding, tolerance, &judge)?,
+        None => finest(&coding, &shares.fine, tolerance, &mut judge, refine)?,
+    };
+    let found = (&shown, error);
+    let errors = match head.face {
+        Some(_) => alone::tiers(&coding, &mut levels, found, &judge, tolerance),
+        None => tiers(&coding, &mut levels, found, &shares, &judge, tolerance),
+    };
     let (bytes, manifest) = write(&coding, &levels, &judge, options)?;
-    checked(&bytes, rig, mesh, &judge, error)?;
+    let limits = StreamLimits::default();
+    let receiver = match head.face {
+        Some(_) => MotionReceiver::of_face(rig, &limits),
+        None => MotionReceiver::new(rig, &limits),
+    };
+    checked(&bytes, receiver, mesh, &judge, error)?;
     Ok(EncodedMotion {
-        unit: motion_map(&bytes, &StreamLimits::default())
+        unit: motion_map(&bytes, &limits)
             .map_err(|e| Mismatch::new("the stream", e.to_string()))?,
         bytes,
         errors,
@@ -221,20 +265,7 @@ fn head(
         );
         return Err(Mismatch::new("clip", what));
     }
-    let micrometres = (options.tolerance_metres * 1e6).round();
-    if !(1.0..=65535.0).contains(&micrometres) {
-        let what = format!("{} m, expected 1 µm to 65 mm", options.tolerance_metres);
-        return Err(Mismatch::new("tolerance_metres", what));
-    }
-    if !(1..=MOST_TIERS).contains(&options.tiers) {
-        let what = format!("{}, expected 1 to {MOST_TIERS}", options.tiers);
-        return Err(Mismatch::new("tiers", what));
-    }
-    let longest = options.access_unit_secs * f64::from(clip.rate_hz());
-    if longest.is_nan() || longest <= 0.0 {
-        let what = format!("{}, expected more than 0", options.access_unit_secs);
-        return Err(Mismatch::new("access_unit_secs", what));
-    }
+    let (micrometres, longest) = checked_numbers(clip, options)?;
     let longest = (longest as usize).clamp(3, MOST_FRAMES);
     let frames = clip.frames();
     let slots = mesh.morph_weights.len();
@@ -292,7 +323,27 @@ fn head(
         } else {
             Vec::new()
         },
+        face: None,
     })
+}
+
+/// The tolerance in micrometres, and the longest access unit in frames.
+fn checked_numbers(clip: &Clip, options: &MotionOptions) -> Result<(f64, f64), Mismatch> {
+    let micrometres = (options.tolerance_metres * 1e6).round();
+    if !(1.0..=65535.0).contains(&micrometres) {
+        let what = format!("{} m, expected 1 µm to 65 mm", options.tolerance_metres);
+        return Err(Mismatch::new("tolerance_metres", what));
+    }
+    if !(1..=MOST_TIERS).contains(&options.tiers) {
+        let what = format!("{}, expected 1 to {MOST_TIERS}", options.tiers);
+        return Err(Mismatch::new("tiers", what));
+    }
+    let longest = options.access_unit_secs * f64::from(clip.rate_hz());
+    if longest.is_nan() || longest <= 0.0 {
+        let what = format!("{}, expected more than 0", options.access_unit_secs);
+        return Err(Mismatch::new("access_unit_secs", what));
+    }
+    Ok((micrometres, longest))
 }
 
 /// Writes the stream of a motion.
@@ -376,15 +427,14 @@ fn in_table_order(table: &TrackTable, levels: &Levels) -> Levels {
 /// Decodes the stream and compares its error with the one that the search measured.
 fn checked(
     bytes: &[u8],
-    rig: &Rig,
+    mut receiver: MotionReceiver,
     mesh: &Mesh,
     judge: &Judge<'_>,
     expected: SkinError,
 ) -> Result<(), Mismatch> {
     let wrong = |what: String| Mismatch::new("the coded stream", what);
-    let limits = StreamLimits::default();
-    let received = MotionReceiver::read(bytes, rig, &limits).map_err(|e| wrong(e.to_string()))?;
-    let shown = Truth::new(rig, mesh, &received.clip()?);
+    receiver.receive(bytes).map_err(|e| wrong(e.to_string()))?;
+    let shown = Truth::new(judge.rig, mesh, &receiver.clip()?);
     let error = judge.quick().error(&shown);
     if error.max_metres > expected.max_metres * 1.001 + 1e-7 {
         return Err(wrong(format!(

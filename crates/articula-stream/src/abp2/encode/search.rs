@@ -20,7 +20,7 @@ const TIER_FACTORS: [f64; 2] = [0.02, 4.0];
 /// Rounds in which the worst vertices join the points of the search.
 const ROUNDS: usize = 3;
 /// What a factor falls by where the points of the search miss the worst vertex.
-const BACK: f64 = 0.985;
+pub(super) const BACK: f64 = 0.985;
 
 /// Shares of the tolerance: of tier 0, where children take back errors of their parents, and of
 /// coarser ones, where they do not.

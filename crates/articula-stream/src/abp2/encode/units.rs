@@ -39,14 +39,20 @@ impl UnitCoder<'_> {
         let mut units = Vec::new();
         for group in 0..self.table.of_group.len() {
             let mut of_group = self.group(access_unit, places, group)?;
-            // Zeros at the end say nothing.
-            while of_group.last().is_some_and(|(is_zero, _)| *is_zero) {
+            // Zeros at the end say nothing. In a face, the first unit of a group says that it is there.
+            let least = usize::from(self.says_presence(group));
+            while of_group.len() > least && of_group.last().is_some_and(|(is_zero, _)| *is_zero) {
                 of_group.pop();
             }
             units.extend(of_group.into_iter().map(|(_, unit)| unit));
         }
         units.sort_by_key(|(group, tier, _)| (std::cmp::Reverse(*tier), *group));
         Ok(units)
+    }
+
+    /// Whether a group has a unit in every access unit: in a face stream, where it shows the level.
+    fn says_presence(&self, group: usize) -> bool {
+        self.head.face.is_some() && group >= self.head.groups.len()
     }
 
     /// The units of a group from coarse to fine, and whether all digits of each are 0.
@@ -63,7 +69,9 @@ impl UnitCoder<'_> {
         } = self;
         let tracks = &table.of_group[group];
         if tracks.is_empty() {
-            return Ok(Vec::new());
+            let present = (true, (group, head.tiers - 1, Vec::new()));
+            let present = self.says_presence(group).then_some(present);
+            return Ok(present.into_iter().collect());
         }
         let planes = |track: usize, tier: usize| {
             let moving = table.tracks[track].moving();

@@ -11,7 +11,7 @@ use articula_core::fap_table::{LOW_FAP_COUNT, LOW_FAPS};
 type Sources = [Option<u8>; LOW_FAP_COUNT];
 
 /// State of the fade.
-pub(super) struct Fade {
+pub(crate) struct Fade {
     /// Number of frames of a fade.
     frames: usize,
     sources: Option<Sources>,
@@ -22,7 +22,7 @@ pub(super) struct Fade {
 }
 
 impl Fade {
-    pub(super) fn new(frames: usize) -> Self {
+    pub(crate) fn new(frames: usize) -> Self {
         Self {
             frames,
             sources: None,
@@ -33,7 +33,7 @@ impl Fade {
 
     /// Begins an access unit, in which the parameters have some roles and those of `is_there` (index
     /// 0 is FAP 1) have values.
-    pub(super) fn access_unit(&mut self, roles: &FapRoles, is_there: &[bool]) {
+    pub(crate) fn access_unit(&mut self, roles: &FapRoles, is_there: &[bool]) {
         let first = *LOW_FAPS.start();
         let source = |index: usize| {
             let source = match roles.role(first + index) {
@@ -54,7 +54,7 @@ impl Fade {
     }
 
     /// Applies the fade to the values of a frame.
-    pub(super) fn frame(&mut self, values: &mut [i32; LOW_FAP_COUNT]) {
+    pub(crate) fn frame(&mut self, values: &mut [i32; LOW_FAP_COUNT]) {
         let whole = self.frames as i64 + 1;
         for (value, from) in values.iter_mut().zip(&mut self.from) {
             if let Some((start, passed)) = from.filter(|(_, passed)| *passed < self.frames) {

@@ -1,0 +1,197 @@
+//! Client side of a face stream: bytes as they arrive, frames that refine.
+
+use super::points;
+use crate::abp2::{AccessUnit, MotionHead, MotionReceiver};
+use crate::error::StreamError;
+use crate::face::channels::{faps_of, field_of, weight_of_unit};
+use crate::face::fade::Fade;
+use crate::face::levels::levels_of;
+use crate::face::{DecodedFace, FaceClip, FaceFrame, FaceReadOptions};
+use crate::frame_rate::FrameRate;
+use crate::limits::StreamLimits;
+use articula_core::Track;
+use articula_core::face_levels::FapRoles;
+use articula_core::fap_table::FAP_COUNT;
+use std::ops::Range;
+
+/// Receives a face stream, whole or in pieces of any length, and decodes what is there.
+///
+/// A group without units in a whole access unit is not there: its parameters copy others or are
+/// neutral at the level that is left of their region. While an access unit is arriving, groups that
+/// are not there yet hold the frame before it.
+#[derive(Debug, Clone)]
+pub struct FaceReceiver {
+    motion: MotionReceiver,
+    options: FaceReadOptions,
+    limits: StreamLimits,
+}
+
+/// Reads a stream, or a prefix of one; it may have been cut in any way.
+///
+/// # Errors
+/// As [`FaceReceiver::receive`] and [`FaceReceiver::decoded`].
+pub fn read(
+    bytes: &[u8],
+    options: &FaceReadOptions,
+    limits: &StreamLimits,
+) -> Result<DecodedFace, StreamError> {
+    let mut receiver = FaceReceiver::new(options, limits)?;
+    receiver.receive(bytes)?;
+    receiver.decoded()
+}
+
+impl FaceReceiver {
+    /// Creates a receiver.
+    ///
+    /// # Errors
+    /// None is known.
+    pub fn new(options: &FaceReadOptions, limits: &StreamLimits) -> Result<Self, StreamError> {
+        Ok(Self {
+            motion: MotionReceiver::of_face(&points::rig()?, limits),
+            options: *options,
+            limits: *limits,
+        })
+    }
+
+    /// Takes the next bytes of the stream, decodes the units that they complete, and returns the
+    /// frames that changed.
+    ///
+    /// # Errors
+    /// A [`StreamError`] that names the byte: malformed bytes, more than the limits allow. The
+    /// receiver keeps what it had decoded before.
+    pub fn receive(&mut self, more: &[u8]) -> Result<Range<usize>, StreamError> {
+        let changed = self.motion.receive(more)?;
+        if let Some(head) = self.motion.head() {
+            let elements = (head.frames * FAP_COUNT) as u64;
+            StreamLimits::check("the head", "elements", elements, self.limits.elements)?;
+        }
+        Ok(changed)
+    }
+
+    /// Returns the head, if it has arrived.
+    pub fn head(&self) -> Option<&MotionHead> {
+        self.motion.head()
+    }
+
+    /// Returns the number of frames that can be shown, from the first.
+    pub fn frames(&self) -> usize {
+        self.motion.frames()
+    }
+
+    /// Returns whether every access unit has arrived whole.
+    pub fn is_whole(&self) -> bool {
+        self.motion.is_whole()
+    }
+
+    /// Returns the frames received so far, from the first.
+    ///
+    /// # Errors
+    /// A [`StreamError`] if the head has not arrived, has a rate that no face has, or a field of FAP 1
+    /// or 2 is out of its range.
+    pub fn decoded(&self) -> Result<DecodedFace, StreamError> {
+        let motion = self.motion.clip()?;
+        let Some((head, face)) = self.motion.head().and_then(|h| Some((h, h.face.as_ref()?)))
+        else {
+            return Err(StreamError::malformed("byte 0", "the head has not arrived"));
+        };
+        let rate = FrameRate::nearest(f64::from(head.rate_hz)).ok_or_else(|| {
+            StreamError::malformed("the head", format!("a frame rate of {}", head.rate_hz))
+        })?;
+        let mut decoding = Decoding {
+            head,
+            tracks: &motion.tracks().morphs,
+            fade: Fade::new(self.options.fade_frames(rate)),
+            coded: [false; FAP_COUNT],
+            frames: Vec::with_capacity(self.motion.frames()),
+        };
+        if head.access_units == 0 {
+            // The pose of the head alone.
+            decoding.add(&faps_of(&head.morph_groups), 0..head.frames)?;
+        }
+        let mut before = [false; FAP_COUNT];
+        for access_unit in self.motion.access_units() {
+            let mut is_there = faps_in(&access_unit, head);
+            if !access_unit.is_whole {
+                for (is_there, before) in is_there.iter_mut().zip(before) {
+                    *is_there |= before;
+                }
+            }
+            decoding.add(&is_there, access_unit.frames.clone())?;
+            before = is_there;
+        }
+        Ok(DecodedFace {
+            clip: FaceClip {
+                name: head.name.clone(),
+                bridge: face.bridge.clone(),
+                rate,
+                frames: decoding.frames,
+            },
+            coded: decoding.coded,
+        })
+    }
+}
+
+/// The FAPs (index 0 is FAP 1) that have units in an access unit.
+fn faps_in(access_unit: &AccessUnit, head: &MotionHead) -> [bool; FAP_COUNT] {
+    let numbers = access_unit.units.iter();
+    let groups = numbers.filter_map(|unit| unit.group.checked_sub(head.groups.len()));
+    let groups: Vec<_> = groups.map(|at| head.morph_groups[at]).collect();
+    faps_of(&groups)
+}
+
+/// Frames of a face from the weights of its channels.
+struct Decoding<'a> {
+    head: &'a MotionHead,
+    tracks: &'a [Track<f32>],
+    fade: Fade,
+    coded: [bool; FAP_COUNT],
+    frames: Vec<FaceFrame>,
+}
+
+impl Decoding<'_> {
+    /// Adds frames in which some FAPs (index 0 is FAP 1) are there.
+    fn add(
+        &mut self,
+        is_there: &[bool; FAP_COUNT],
+        range: Range<usize>,
+    ) -> Result<(), StreamError> {
+        for (coded, there) in self.coded.iter_mut().zip(is_there) {
+            *coded |= there;
+        }
+        let roles = levels_of(is_there).roles();
+        self.fade.access_unit(&roles, is_there);
+        for frame in range {
+            let shown = self.frame(frame, is_there, &roles)?;
+            self.frames.push(shown);
+        }
+        Ok(())
+    }
+
+    fn frame(
+        &mut self,
+        frame: usize,
+        is_there: &[bool; FAP_COUNT],
+        roles: &FapRoles,
+    ) -> Result<FaceFrame, StreamError> {
+        let mut shown = FaceFrame::NEUTRAL;
+        for track in self.tracks {
+            let (fap, field) = field_of(usize::from(track.target));
+            if !is_there[fap - 1] {
+                continue;
+            }
+            let at = if track.values.len() == self.head.frames {
+                frame
+            } else {
+                0
+            };
+            let value = (track.values[at] / weight_of_unit(fap)).round() as i32;
+            shown.set_field(fap, field, value).ok_or_else(|| {
+                let what = format!("a field of FAP {fap} is {value}");
+                StreamError::malformed(format!("frame {frame}"), what)
+            })?;
+        }
+        roles.expand(&mut shown.low);
+        self.fade.frame(&mut shown.low);
+        Ok(shown)
+    }
+}
