@@ -194,11 +194,18 @@ impl Coder for Encoder {
 const SPARE_BYTES: usize = 16;
 
 /// Decoder of decisions.
+///
+/// Decisions of a stream are as likely to go either way as the model cannot foretell them, so that
+/// a branch on one is mispredicted often: the state is updated without.
 #[derive(Debug)]
 pub(crate) struct Decoder<'a> {
     bytes: &'a [u8],
+    /// Bytes taken into the window, zeros past the end among them.
     at: usize,
-    code: u32,
+    /// The code in the upper 32 bits, then what follows it.
+    window: u64,
+    /// Bits of the window after the code, whole bytes.
+    ahead: u32,
     range: u32,
 }
 
@@ -207,33 +214,65 @@ impl<'a> Decoder<'a> {
         let mut decoder = Self {
             bytes,
             at: 0,
-            code: 0,
+            window: 0,
+            ahead: 0,
             range: u32::MAX,
         };
-        for _ in 0..4 {
-            decoder.take();
-        }
+        let first = decoder.take();
+        let second = decoder.take();
+        decoder.window = u64::from(first) << 32 | u64::from(second);
+        decoder.ahead = 32;
         decoder
     }
 
     /// Returns whether all bytes were read.
     pub(crate) fn is_spent(&self) -> bool {
-        self.at >= self.bytes.len()
+        self.read() >= self.bytes.len()
     }
 
-    #[inline]
-    fn take(&mut self) {
-        let byte = self.bytes.get(self.at).copied().unwrap_or(0);
-        self.code = self.code << 8 | u32::from(byte);
-        self.at += 1;
+    /// Number of bytes up to the end of the code.
+    fn read(&self) -> usize {
+        self.at - self.ahead as usize / 8
     }
 
+    /// The next four bytes.
     #[inline]
-    fn settle(&mut self) {
-        while self.range < TOP {
-            self.range <<= 8;
-            self.take();
+    fn take(&mut self) -> u32 {
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        self.at += 4;
+        match rest.first_chunk() {
+            Some(whole) => u32::from_be_bytes(*whole),
+            None => {
+                let mut padded = [0; 4];
+                padded[..rest.len()].copy_from_slice(rest);
+                u32::from_be_bytes(padded)
+            }
         }
+    }
+
+    /// Takes the upper part of the range if `bit`, else the lower one of `zero`.
+    #[inline(always)]
+    fn narrow(&mut self, zero: u32, bit: bool) {
+        let mask = u32::from(bit).wrapping_neg();
+        self.window -= u64::from(zero & mask) << 32;
+        let upper = self.range - zero;
+        self.range = zero ^ ((zero ^ upper) & mask);
+        let shift = self.range.leading_zeros() & !7;
+        self.range <<= shift;
+        self.window <<= shift;
+        // At most three bytes are shifted out at a time.
+        if self.ahead < shift {
+            self.refill(shift);
+        } else {
+            self.ahead -= shift;
+        }
+    }
+
+    /// Goes on by `shift` bits, of which the window lacked some.
+    #[inline]
+    fn refill(&mut self, shift: u32) {
+        self.ahead += 32 - shift;
+        self.window |= u64::from(self.take()) << (32 - self.ahead);
     }
 }
 
@@ -245,16 +284,10 @@ impl Coder for Decoder<'_> {
         self.range
     }
 
-    #[inline]
+    #[inline(always)]
     fn split(&mut self, zero: u32, _: bool) -> bool {
-        let bit = self.code >= zero;
-        if bit {
-            self.code -= zero;
-            self.range -= zero;
-        } else {
-            self.range = zero;
-        }
-        self.settle();
+        let bit = self.window >= u64::from(zero) << 32;
+        self.narrow(zero, bit);
         bit
     }
 
@@ -262,22 +295,14 @@ impl Coder for Decoder<'_> {
     fn raw(&mut self, count: u32, _: u32) -> u32 {
         let mut value = 0;
         for _ in 0..count {
-            let half = self.range >> 1;
-            let bit = self.code >= half;
-            if bit {
-                self.code -= half;
-                self.range -= half;
-            } else {
-                self.range = half;
-            }
+            let bit = self.split(self.range >> 1, false);
             value = value << 1 | u32::from(bit);
-            self.settle();
         }
         value
     }
 
     fn is_exhausted(&self) -> bool {
-        self.at > self.bytes.len() + SPARE_BYTES
+        self.read() > self.bytes.len() + SPARE_BYTES
     }
 }
 

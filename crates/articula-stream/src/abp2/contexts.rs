@@ -66,7 +66,7 @@ impl Contexts {
     }
 
     /// Codes one decision and learns from it.
-    #[inline]
+    #[inline(always)]
     pub(super) fn bit(&mut self, coder: &mut impl Coder, context: usize, bit: bool) -> bool {
         let state = &mut self.0[context];
         let zero = (coder.range() >> 16) * u32::from(state.zero);

@@ -162,7 +162,7 @@ fn plane_of<C: Coder, const AXES: usize>(
     true
 }
 
-#[inline]
+#[inline(always)]
 fn code_digit(
     coder: &mut impl Coder,
     contexts: &mut Contexts,
