@@ -12,7 +12,7 @@ use super::targets::{Target, section, table};
 use anyhow::{Context, Result};
 use articula::Figure;
 use cases::{CASES, Case};
-use motion::{Motion, TOLERANCE_METRES, measured};
+use motion::{Form, Motion, TOLERANCE_METRES, measured};
 use peers::Peer;
 use std::fmt::Write as _;
 
@@ -94,8 +94,11 @@ fn sizes(page: &mut String, csv: &mut String, rows: &[Row]) -> Result<()> {
             1 => String::new(),
             more => format!(", {more} tiers"),
         };
-        let ratio = |bytes: usize| format!("{bytes} ({:.2})", bytes as f64 / single as f64);
-        let [by_level, by_region, by_joint] = motion.layered;
+        let layered = |form: &Form| {
+            let (bytes, mm) = (form.bytes, form.errors.frames_mm);
+            format!("{bytes} ({:.2}; {mm:.3})", bytes as f64 / single as f64)
+        };
+        let [by_level, by_region, by_joint] = &motion.layered;
         let share = |part: usize, whole: usize| 100.0 * part as f64 / whole as f64;
         writeln!(
             page,
@@ -104,20 +107,19 @@ fn sizes(page: &mut String, csv: &mut String, rows: &[Row]) -> Result<()> {
             row.frames,
             motion.joints_moving,
             row.joints,
-            ratio(by_level),
-            ratio(by_region),
-            ratio(by_joint),
+            layered(by_level),
+            layered(by_region),
+            layered(by_joint),
             motion.single.errors.frames_mm,
             motion.single.errors.between_mm,
-            share(motion.level_0[0], by_level),
-            share(motion.level_0[1], by_level),
+            share(motion.level_0[0], by_level.bytes),
+            share(motion.level_0[1], by_level.bytes),
         )?;
         let mm = motion.single.errors.frames_mm;
         writeln!(csv, "body,\"{name}\",abp2 single,{single},{mm:.4}")?;
-        // Those by region and joint keep the same tolerance; their errors are not measured again.
-        let forms = [("abp2 region", by_region), ("abp2 joint", by_joint)];
-        for (form, bytes) in forms {
-            writeln!(csv, "body,\"{name}\",{form},{bytes},")?;
+        for (name_of_form, form) in [("abp2 region", by_region), ("abp2 joint", by_joint)] {
+            let (bytes, mm) = (form.bytes, form.errors.frames_mm);
+            writeln!(csv, "body,\"{name}\",{name_of_form},{bytes},{mm:.4}")?;
         }
     }
     Ok(())
@@ -220,9 +222,11 @@ fn speeds(page: &mut String, rows: &[Row]) -> Result<()> {
 fn targets(walk: &Row) -> [Vec<Target>; 2] {
     let motion = &walk.motion;
     let single = motion.single.bytes as f64;
-    let [by_level, by_region, by_joint] = motion.layered.map(|bytes| bytes as f64 / single);
-    let layered = motion.layered[0] as f64;
-    let level_0 = motion.level_0.map(|bytes| 100.0 * bytes as f64 / layered);
+    let layered = motion.layered.each_ref().map(|form| form.bytes as f64);
+    let [by_level, by_region, by_joint] = layered.map(|bytes| bytes / single);
+    let level_0 = motion
+        .level_0
+        .map(|bytes| 100.0 * bytes as f64 / layered[0]);
     let mut targets = [Vec::new(), Vec::new()];
     for (what, found, most) in [
         ("bytes, one tier", single, [3000.0, 2400.0]),
@@ -273,8 +277,8 @@ const SIZES: &str = "
 ## Sizes
 
 *One tier*: nothing but access units and levels of articulation can be cut; a motion that is too large for one has as few as it
-needs. The others have five tiers (the fox seven) by level of articulation, level and region, and joint; in brackets the ratio to
-the first. *Level 0*: bytes of the units of root, hips and shoulders at all tiers, and at the coarsest, in the file by level.
+needs, with its errors in *mm* and *between, mm*. The others have five tiers (the fox seven) by level of articulation, level and
+region, and joint; in brackets the ratio to the first, and the error in mm. *Level 0*: bytes of the units of root, hips and shoulders at all tiers, and at the coarsest, in the file by level.
 
 | clip | | frames | joints moving | one tier | by level | level and region | joint | mm | between, mm | level 0 | coarsest |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |

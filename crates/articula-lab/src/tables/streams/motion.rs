@@ -28,8 +28,8 @@ pub(super) struct Motion {
     pub(super) single: Form,
     /// Their number, mostly 1.
     pub(super) single_tiers: usize,
-    /// Sizes by level of articulation, by level and region, and by joint, all with tiers.
-    pub(super) layered: [usize; 3],
+    /// By level of articulation, by level and region, and by joint, all with tiers.
+    pub(super) layered: [Form; 3],
     /// The stream by level of articulation cut to each tier, finest first.
     pub(super) tiers: Vec<Form>,
     /// Bytes of the units of level 0 at all tiers, and at the coarsest.
@@ -75,7 +75,11 @@ pub(super) fn measured(asset: &Asset, clip: &Clip, tiers: usize) -> Result<Motio
     Ok(Motion {
         single: form(asset, clip, &single.bytes)?,
         single_tiers,
-        layered: [&by_level, &by_region, &by_joint].map(|coded| coded.bytes.len()),
+        layered: [
+            form(asset, clip, &by_level.bytes)?,
+            form(asset, clip, &by_region.bytes)?,
+            form(asset, clip, &by_joint.bytes)?,
+        ],
         level_0: [0, tiers - 1].map(|tier| level_0(&by_level, tier)),
         tiers: forms,
         joints_moving: joints,
