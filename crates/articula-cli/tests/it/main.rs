@@ -21,6 +21,7 @@ mod conversion;
 mod crowd;
 mod face_shapes;
 mod faces;
+mod fba_oracle;
 mod flatten;
 mod flatten_browser;
 mod flatten_judged;

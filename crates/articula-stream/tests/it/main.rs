@@ -14,6 +14,7 @@ mod afp2;
 mod clustered_stream;
 mod cut_streams;
 mod fba;
+mod fba_judged;
 mod mesh_levels;
 mod motion_stream;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]

@@ -64,14 +64,29 @@ pub(crate) fn judges_are_here() -> bool {
     ];
     let packages = packages.map(|name| oracle_folder().join("node_modules").join(name));
     let packages = packages.iter().all(|folder| folder.is_dir());
-    let node = || Command::new("node").arg("--version").output().is_ok();
-    let here = packages && node();
+    here(
+        packages && node_starts(),
+        "no node, or `npm ci` was not run in oracle",
+    )
+}
+
+/// Whether node is installed, for the scripts that need no package.
+pub(crate) fn node_is_here() -> bool {
+    here(node_starts(), "no node")
+}
+
+fn node_starts() -> bool {
+    Command::new("node").arg("--version").output().is_ok()
+}
+
+/// Prints what is missing, or fails where tools are required.
+fn here(is_here: bool, why: &str) -> bool {
     assert!(
-        here || !is_required("ARTICULA_REQUIRE_TOOLS"),
+        is_here || !is_required("ARTICULA_REQUIRE_TOOLS"),
         "no node oracle"
     );
-    if !here {
-        println!("skipped: node oracle (no node, or `npm ci` was not run in oracle)");
+    if !is_here {
+        println!("skipped: node oracle ({why})");
     }
-    here
+    is_here
 }
