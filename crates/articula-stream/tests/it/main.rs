@@ -16,6 +16,7 @@ mod cut_streams;
 mod fba;
 mod mesh_levels;
 mod motion_stream;
+mod mp4;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod stored_levels;
