@@ -12,6 +12,8 @@
 //! - `afp1`: face animations that can be cut by parameters (`codecs`)
 //! - `afp2`: face animations within a tolerance, in the units of `abp2` (`codecs`)
 //! - `fba`: face animations as MPEG-4's binary stream, for interchange (`codecs`)
+//! - [`StreamKind`]: which stream some bytes are
+//! - `mp4`: MP4 files around these streams, and the streams in MP4 files (`codecs`)
 //! - [`StreamError`], [`StreamLimits`]: errors, and limits on memory and time
 //!
 //! A program that only cuts streams disables the feature `codecs` and depends on neither codec, hash
@@ -77,9 +79,12 @@ mod frame_rate;
 #[cfg(feature = "codecs")]
 mod golomb;
 mod index;
+mod kind;
 mod limits;
 #[cfg(feature = "codecs")]
 pub mod mesh;
+#[cfg(feature = "codecs")]
+pub mod mp4;
 #[cfg(feature = "codecs")]
 mod range_coder;
 mod unit;
@@ -94,5 +99,6 @@ pub use face::{DecodedFace, FaceClip, FaceFrame, FaceReadOptions};
 #[cfg(feature = "codecs")]
 pub use frame_rate::FrameRate;
 pub use index::{read_index, write_index};
+pub use kind::StreamKind;
 pub use limits::StreamLimits;
 pub use unit::{Field, Marker, Meaning, Unit};

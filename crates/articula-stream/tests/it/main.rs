@@ -17,6 +17,7 @@ mod fba;
 mod fba_judged;
 mod mesh_levels;
 mod motion_stream;
+mod mp4;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod stored_levels;

@@ -73,11 +73,11 @@ pub struct ConvertOptions {
     /// GLB: whether the draft glTF extensions for characters are written, with a skeleton mapping
     /// and a reference pose.
     pub khr_character: bool,
-    /// ABP: profile and options of the stream; `None` is ABP-2 with its defaults.
+    /// ABP, MP4: profile and options of the stream; `None` is ABP-2 with its defaults.
     pub abp: Option<AbpProfile>,
 }
 
-/// Profile of an `.abp` file, with its options.
+/// Profile of an `.abp` file or of the stream in an `.mp4` file, with its options.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AbpProfile {
     /// ABP-1: bones, BBA-style.
@@ -86,7 +86,7 @@ pub enum AbpProfile {
     Abp2(MotionOptions),
 }
 
-/// Profile of an `.afp` file, with its options.
+/// Profile of an `.afp` file or of the stream in an `.mp4` file, with its options.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AfpProfile {
     /// AFP-1: parameters that can be cut one by one, in steps of the standard's table.
@@ -221,9 +221,9 @@ impl ConvertOptions {
                 to.name()
             )));
         }
-        if self.abp.is_some() && to != Format::Abp {
+        if self.abp.is_some() && !matches!(to, Format::Abp | Format::Mp4) {
             return Err(Error::argument(format!(
-                "the profile of a stream needs an .abp file, not .{}",
+                "the profile of a stream needs an .abp or .mp4 file, not .{}",
                 to.name()
             )));
         }

@@ -115,14 +115,17 @@ impl Hero {
         args: &ConvertArgs,
         files: &Files,
     ) -> anyhow::Result<Option<Motions>> {
-        let format = files::data_format(&input.path).filter(|f| f.animates_a_face());
+        let format = open::data_format(&input.path)?.filter(|f| f.animates_a_face());
         if let Some(format) = format {
             return self.face(input, format, args).map(Some);
         }
         let mut source = match open::motion_stream(&input.path)? {
-            Some(bytes) => {
+            Some(stream) => {
                 let name = files::shown(&input.path);
-                abp2::read(&bytes, &name, &self.opened, &Limits::default())?
+                let read = abp2::read(&stream.bytes, &name, &self.opened, &Limits::default());
+                let mut source = read?;
+                source.warnings.extend(stream.warnings);
+                source
             }
             None => open::character(files, &input.path, &args.names)?,
         };

@@ -106,7 +106,7 @@ pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
             let why = match format {
                 "bap" => "BAP holds one clip of a body",
                 "bvh" => "BVH holds joints and one clip",
-                "abp" | "abpt" => "ABP holds joints and one clip",
+                "abp" | "abpt" | "mp4" => "ABP holds joints and one clip",
                 _ => "ASF and AMC hold joints and one clip",
             };
             format!("{} ({why})", counted(*count, "mesh", "meshes"))
