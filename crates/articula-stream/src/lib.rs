@@ -5,6 +5,7 @@
 //!   the codec; numbers in them can be rewritten
 //! - [`cut()`], [`CutRule`]: removes units from a stream, by its map alone
 //! - [`write_index`], [`read_index`]: the map as bytes
+//! - [`decide`]: what to send and to show, by network, device, view and user
 //! - `mesh`: mesh levels as a progressive stream (cargo feature `codecs`, on by default)
 //! - `abp1`: body animations that can be cut by bones, in a BBA-style form (`codecs`)
 //! - `abp2`: body animations within a tolerance of the skin, that can be cut by joints and by tolerance
@@ -47,8 +48,8 @@
 //! Levels and tiers count from 0, the finest; the bytes start with the coarsest. Levels of
 //! articulation count as in H-Anim, from the coarsest.
 //!
-//! There are no files, sockets, clocks or threads here (bytes in, bytes out), and no decision on
-//! what to send. No input causes a panic.
+//! There are no files, sockets, clocks or threads here: bytes in, bytes out, and time is an argument.
+//! Codecs and cut decide nothing. No input causes a panic.
 
 #[cfg(feature = "codecs")]
 pub mod abp1;
@@ -67,6 +68,7 @@ mod container;
 mod cut;
 #[cfg(feature = "codecs")]
 mod dct;
+pub mod decide;
 mod error;
 #[cfg(feature = "codecs")]
 mod face;
