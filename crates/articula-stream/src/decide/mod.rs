@@ -5,12 +5,34 @@
 //!
 //! - [`NetworkShare`], [`DeviceBenchmark`], [`finest_level`]: the adaptation ratio of the thesis, and
 //!   the level that it allows
+//! - [`choose`]: the joint choice, one option for each of the [`Part`]s, with the least visible error
+//!   for bytes and time
+//! - [`decide()`]: the whole decision, with [`Preference`]s, the fall to another [`Representation`], and
+//!   its reasons
 //! - [`combine`]: one level from the limits of network, device, view and user
 //!
 //! Levels count from 0, the finest.
 
+mod choice;
+mod decision;
+#[cfg(test)]
+mod decision_tests;
+mod explanation;
 mod levels;
+mod part;
+mod preference;
 mod ratio;
+mod representation;
 
+pub use choice::{
+    Budget, Choice, ChoiceRequest, choose, choose_exhaustively, cut_equally, cut_one,
+};
+pub use decision::{Bound, Decision, DecisionRequest, NextStep, Outcome, PartDecision, decide};
 pub use levels::{LevelChoice, LevelLimit, LimitSource, combine};
+pub use part::{
+    Layer, LayeredOption, MAX_OPTIONS, MAX_PARTS, Part, PartKind, PartOption, options_of_layers,
+    pixels_per_metre,
+};
+pub use preference::{Preference, Rule};
 pub use ratio::{DeviceBenchmark, NetworkShare, finest_level};
+pub use representation::{Representation, choose_representation};
