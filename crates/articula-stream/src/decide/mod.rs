@@ -10,9 +10,13 @@
 //! - [`decide()`]: the whole decision, with [`Preference`]s, the fall to another [`Representation`], and
 //!   its reasons
 //! - [`combine`]: one level from the limits of network, device, view and user
+//! - [`ThroughputEstimator`], [`LayerSwitch`], [`TableSwitch`], [`FrameTimeSwitch`]: what changes over
+//!   time, as state machines on the caller's clock
+//! - [`simulate()`]: plays content over a bandwidth trace under a [`Policy`]
 //!
 //! Levels count from 0, the finest.
 
+mod bandwidth_trace;
 mod choice;
 mod decision;
 #[cfg(test)]
@@ -23,7 +27,11 @@ mod part;
 mod preference;
 mod ratio;
 mod representation;
+mod simulate;
+mod switching;
+mod throughput;
 
+pub use bandwidth_trace::BandwidthTrace;
 pub use choice::{
     Budget, Choice, ChoiceRequest, choose, choose_exhaustively, cut_equally, cut_one,
 };
@@ -36,3 +44,9 @@ pub use part::{
 pub use preference::{Preference, Rule};
 pub use ratio::{DeviceBenchmark, NetworkShare, finest_level};
 pub use representation::{Representation, choose_representation};
+pub use simulate::{
+    Action, BufferBased, Content, Delivery, FixedVersion, Layered, Playback, PlayerView, Policy,
+    RateBased, Request, Segment, Shown, SimulationOptions, ThesisRatio, Versions, simulate,
+};
+pub use switching::{FrameTimeSwitch, LayerSwitch, SwitchRule, TableSwitch};
+pub use throughput::{ThroughputEstimator, ThroughputOptions, Transfer};
