@@ -12,6 +12,8 @@
 //! - `afp1`: face animations that can be cut by parameters (`codecs`)
 //! - `afp2`: face animations within a tolerance, in the units of `abp2` (`codecs`)
 //! - `fba`: face animations as MPEG-4's binary stream, for interchange (`codecs`)
+//! - [`description`]: descriptions after MPEG-21: of streams (gBSD), of their adaptation, of the context
+//!   of use
 //! - [`StreamError`], [`StreamLimits`]: errors, and limits on memory and time
 //!
 //! A program that only cuts streams disables the feature `codecs` and depends on neither codec, hash
@@ -67,6 +69,7 @@ mod container;
 mod cut;
 #[cfg(feature = "codecs")]
 mod dct;
+pub mod description;
 mod error;
 #[cfg(feature = "codecs")]
 mod face;
