@@ -11,7 +11,8 @@
 //! - [`simplify`], [`decimate`], [`cluster`], [`mesh_levels`]: simplify the mesh of an animated
 //!   character into levels that are ranges of one object
 //! - [`surface_distances`]: measures the distance of a mesh level from the original, at rest and in
-//!   motion; [`RegionMix`], [`measure_levels`]: each region of a mesh at a level of its own
+//!   motion; [`RegionMix`], [`measure_levels`]: each region of a mesh at a level of its own;
+//!   [`measure_mesh`]: the error of a decoded mesh
 //! - [`figure_levels`]: pairs levels of joints and mesh that are shown together
 //! - [`cached_poses`], [`motion_bounds`], [`occluders`]: data that a crowd reads instead of
 //!   computing it
@@ -77,7 +78,7 @@ pub use joint_lods::{
 };
 pub use mesh_levels::{
     LeftOutLevel, LeftOutReason, MeasurementPoses, MeshLevelOptions, MeshLevels, RegionMix,
-    measure_levels, mesh_level_triangles, mesh_levels,
+    measure_levels, measure_mesh, mesh_level_triangles, mesh_levels,
 };
 pub use motion_bounds::motion_bounds;
 pub use motion_error::{

@@ -9,6 +9,7 @@ pub(crate) mod flatten;
 pub(crate) mod human;
 pub(crate) mod inspect;
 pub(crate) mod lod;
+pub(crate) mod package;
 
 use crate::command_line::{Command, CommandLine};
 use crate::console::Console;
@@ -25,6 +26,7 @@ pub(crate) fn run(command: &Command, console: &Console) -> anyhow::Result<()> {
         Command::Lod(args) => lod::run(args, console),
         Command::Crowd(args) => crowd::run(args, console),
         Command::Flatten(args) => flatten::run(args, console),
+        Command::Package(args) => package::run(args, console),
         Command::Completions(args) => completions::run(args, CommandLine::command(), console),
     }
 }

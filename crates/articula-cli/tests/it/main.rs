@@ -27,6 +27,7 @@ mod flatten_browser;
 mod flatten_judged;
 mod folders;
 mod hostile;
+mod items;
 mod joint_levels;
 mod joint_maps;
 mod judges;

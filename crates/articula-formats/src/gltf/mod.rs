@@ -20,6 +20,7 @@
 //! - `face`: the extension `ARTICULA_face`
 //! - `append`, `arrays`, `clips`, `bounds`, `prune`, `samplers`, `unit`: changes to a document
 //! - `fresh`, `geometry`: a new document from a character
+//! - `exchange`, `plain_textures`: a document without geometry and pictures, and with others
 //! - `weight`: size of meshes in bytes
 //! - `write`: back to bytes
 //!
@@ -37,6 +38,7 @@ mod compression;
 mod container;
 mod credits;
 mod document;
+mod exchange;
 mod extension;
 mod face;
 mod fresh;
@@ -52,6 +54,7 @@ mod node_meshes;
 mod open;
 mod origin;
 mod place;
+mod plain_textures;
 mod pointer;
 mod prepared;
 mod primitive;
@@ -69,6 +72,7 @@ mod write;
 
 pub use clustered::{MeshParts, PartLevels};
 pub use document::Document;
+pub use exchange::{MeshGeometry, placeholder};
 pub use face::{StoredFace, StoredPoint};
 pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
 pub use prepared::{PreparedEntry, PreparedHeader, PreparedState};

@@ -141,7 +141,7 @@ pub fn read(
 }
 
 /// Decodes a stream with the rig of the character called `of`.
-pub(super) fn decode(bytes: &[u8], rig: &Rig, of: &str, limits: &Limits) -> Result<Clip> {
+pub(crate) fn decode(bytes: &[u8], rig: &Rig, of: &str, limits: &Limits) -> Result<Clip> {
     if StreamKind::of(bytes) != Some(StreamKind::Abp2) {
         let what = "the file does not begin as a motion stream does, with ABP2";
         return Err(Error::unsuited(what));
@@ -159,7 +159,7 @@ pub(super) fn decode(bytes: &[u8], rig: &Rig, of: &str, limits: &Limits) -> Resu
 }
 
 /// A clip as keys at every frame, for a character with these meshes.
-fn raw_clip(clip: &Clip, meshes: &[RawMesh]) -> RawClip {
+pub(crate) fn raw_clip(clip: &Clip, meshes: &[RawMesh]) -> RawClip {
     let secs = |frame: usize| frame as f32 / clip.rate_hz();
     let times_secs: Vec<f32> = (0..clip.frames()).map(secs).collect();
     let tracks = clip.tracks();

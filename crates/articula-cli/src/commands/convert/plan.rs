@@ -88,9 +88,14 @@ fn file_format(args: &ConvertArgs) -> anyhow::Result<Option<Format>> {
     }
 }
 
+/// Whether a path is a folder of files; the folder of a digital item is one character.
+fn is_folder(path: &Path) -> bool {
+    path.is_dir() && !files::is_item(path)
+}
+
 /// Whether more than one file may be read.
 pub(super) fn reads_many(args: &ConvertArgs) -> bool {
-    args.inputs.len() > 1 || args.inputs.iter().any(|path| path.is_dir())
+    args.inputs.len() > 1 || args.inputs.iter().any(|path| is_folder(path))
 }
 
 fn into_one(args: &ConvertArgs, format: Format) -> anyhow::Result<Plan> {
@@ -166,7 +171,7 @@ pub(super) fn stem(path: &Path) -> OsString {
 fn inputs(args: &ConvertArgs) -> anyhow::Result<Vec<Input>> {
     let mut all = Vec::new();
     for path in &args.inputs {
-        if path.is_dir() {
+        if is_folder(path) {
             all.extend(inside(path, args.onto.is_some())?);
         } else {
             all.push(Input {

@@ -4,6 +4,7 @@ mod access_units;
 mod data;
 mod face;
 mod human;
+mod item;
 mod joint_levels;
 mod mesh_levels;
 mod motion_stream;
@@ -120,6 +121,7 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
 
 /// A file without joints.
 enum Jointless {
+    Item,
     MeshStream,
     MotionStream(open::Stream),
     Data(DataFormat),
@@ -128,6 +130,9 @@ enum Jointless {
 impl Jointless {
     /// What a file is, if it has no joints.
     fn of(path: &Path) -> anyhow::Result<Option<Self>> {
+        if files::is_item(path) {
+            return Ok(Some(Self::Item));
+        }
         if let Some(format) = open::data_format(path)? {
             return Ok(Some(Self::Data(format)));
         }
@@ -150,6 +155,7 @@ impl Jointless {
                 }
                 data::run(&args.character, *format, args.map, console)
             }
+            Self::Item => item::run(&args.character, console),
             Self::MotionStream(stream) => motion_stream::run(stream, &args.character, console),
             Self::MeshStream => stream::run(&args.character, console),
         }
