@@ -206,32 +206,34 @@ impl State<'_> {
         }
     }
 
-    /// Leaves out a unit; one whose length is told elsewhere stays, empty.
+    /// Leaves out a unit; one whose length is told elsewhere stays, empty, and so does one with such a
+    /// part.
     fn dropped(&mut self, unit: &Unit) -> Option<Unit> {
         let number = self.numbers.len() as u32;
-        let is_named = self.named.binary_search(&number).is_ok();
-        if is_named {
-            self.number();
-        } else {
-            self.numbers.push(None);
+        let next = number + units_in(unit);
+        let first = self.named.partition_point(|named| *named < number);
+        if self.named.get(first).is_none_or(|named| *named >= next) {
+            self.numbers.resize(next as usize, None);
+            return None;
         }
-        let empty = is_named.then(|| Unit {
+        self.number();
+        let children = unit.children.iter();
+        Some(Unit {
             label: unit.label.clone(),
             bits: self.out.bits..self.out.bits,
             markers: unit.markers.clone(),
             fields: Vec::new(),
-            children: Vec::new(),
+            children: children.filter_map(|child| self.dropped(child)).collect(),
             padding: false,
-        });
-        let mut inner = Vec::new();
-        for child in &unit.children {
-            inner.extend(self.dropped(child));
-        }
-        Some(Unit {
-            children: inner,
-            ..empty?
         })
     }
+}
+
+/// Number of units in a unit, itself included.
+fn units_in(unit: &Unit) -> u32 {
+    let mut count = 0;
+    unit.visit(&mut |_| count += 1);
+    count
 }
 
 /// Moves the fields of a unit and its parts to their new places, and writes their new values.
