@@ -19,6 +19,7 @@
 //! - `prepared`: the extension `ARTICULA_prepared`
 //! - `face`: the extension `ARTICULA_face`
 //! - `append`, `arrays`, `clips`, `bounds`, `prune`, `samplers`, `unit`: changes to a document
+//! - `joints`, `renumbered_skin`: joints that are inserted and removed
 //! - `fresh`, `geometry`: a new document from a character
 //! - `weight`: size of meshes in bytes
 //! - `write`: back to bytes
@@ -42,6 +43,7 @@ mod face;
 mod fresh;
 mod geometry;
 mod influences;
+mod joints;
 mod khr_character;
 mod lod;
 mod material;
@@ -57,6 +59,7 @@ mod prepared;
 mod primitive;
 mod prune;
 mod reader;
+mod renumbered_skin;
 mod samplers;
 mod single_weights;
 mod skeleton;
@@ -70,6 +73,7 @@ mod write;
 pub use clustered::{MeshParts, PartLevels};
 pub use document::Document;
 pub use face::{StoredFace, StoredPoint};
+pub use joints::{NewJoint, OldJoint};
 pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
 pub use prepared::{PreparedEntry, PreparedHeader, PreparedState};
 pub use vrm::PassThrough;
