@@ -154,7 +154,8 @@ struct Place {
 }
 
 /// Where the subtalar of a foot is inserted, and its offset from the ankle; `None` if it is there,
-/// or if ankle or foot are missing.
+/// or if ankle or foot are missing. A foot of several mapped branches, such as five toes on the
+/// ankle, has no single joint below a subtalar, and stays as it is.
 fn foot(
     tree: &Tree,
     [subtalar, ankle]: [&str; 2],
@@ -167,6 +168,9 @@ fn foot(
         else {
             continue;
         };
+        if tree.has_other_branch(place) {
+            return Ok(None);
+        }
         let rows = [ankle, subtalar, &below].map(row);
         let [from, center, to] = rows;
         let shape = Shape::of(from?.center, center?.center, to?.center);

@@ -286,6 +286,27 @@ fn a_rig_without_feet_or_thumbs_gets_no_joint() {
     );
 }
 
+#[test]
+fn a_foot_of_several_toes_gets_no_subtalar() {
+    let mut figure = Figure::plain();
+    figure.set(JointScheme::Thesis).unwrap();
+    let toe = Joint {
+        name: "toe".into(),
+        parent: Some(figure.joint("l_ankle")),
+        rest: Transform::IDENTITY,
+        in_skin: true,
+    };
+    figure.character.skeleton.joints.push(toe);
+    figure.articulation.joints.push(JointArticulation {
+        hanim: Some("l_metatarsophalangeal_1".into()),
+        level: 5,
+        region: articula_core::Region::Feet,
+    });
+    let change = figure.set(JointScheme::Hanim).unwrap();
+    let names: Vec<&str> = change.edits.iter().map(name).collect();
+    assert_eq!(names, ["l_thumb0", "r_thumb0", "r_subtalar"]);
+}
+
 /// A mesh of three vertices on ankle, subtalar and both, and one on the toes.
 fn shoe(figure: &Figure) -> RawMesh {
     let names = ["l_ankle", "l_subtalar", "l_midtarsal"];

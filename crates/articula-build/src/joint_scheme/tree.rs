@@ -93,6 +93,24 @@ impl Tree {
         children.map(|(j, _)| j).collect()
     }
 
+    /// Whether a joint with an H-Anim name hangs from the parent of a place by another child.
+    pub(super) fn has_other_branch(&self, Place { parent, child }: Place) -> bool {
+        let joints = &self.character.skeleton.joints;
+        let mut is_other = vec![false; joints.len()];
+        for (j, joint) in joints.iter().enumerate() {
+            is_other[j] = match joint.parent {
+                Some(above) if above == parent => j != child,
+                Some(above) => is_other[above],
+                None => false,
+            };
+        }
+        let named = self.joints.iter().map(|entry| entry.hanim.is_some());
+        is_other
+            .into_iter()
+            .zip(named)
+            .any(|(other, named)| other && named)
+    }
+
     /// Inserts a joint that does not turn at rest.
     pub(super) fn insert(
         &mut self,

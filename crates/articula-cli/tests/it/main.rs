@@ -28,6 +28,7 @@ mod folders;
 mod hostile;
 mod joint_levels;
 mod joint_maps;
+mod joint_schemes;
 mod judges;
 mod kept_files;
 mod levels_oracle;

@@ -15,6 +15,7 @@ mod crowd_faces;
 mod face_errors;
 mod face_joints;
 mod faces;
+mod joint_schemes;
 mod kept_faces;
 mod mesh_levels;
 mod prepared;

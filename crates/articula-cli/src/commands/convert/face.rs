@@ -232,7 +232,10 @@ fn check_flags(args: &ConvertArgs, place: &str) -> anyhow::Result<()> {
     let own = files::data_format(&args.inputs[0]);
     let chosen =
         args.loa.is_some() || args.loa_profile.is_some() || own.is_some() && args.clip.is_some();
-    let other = args.to.is_some() || args.onto.is_some() || args.khr_character;
+    let other = args.to.is_some()
+        || args.onto.is_some()
+        || args.khr_character
+        || args.joint_scheme.is_some();
     let is_afp = files::data_format(&args.out) == Some(DataFormat::Afp);
     if let Some(flag) = args.stream.idle_for_a_face(is_afp) {
         let expected = if is_afp { "an .abp" } else { "an .afp" };
