@@ -1,6 +1,6 @@
 //! Conversion of a character and its clips between the joint schemes of H-Anim and of the thesis.
 //!
-//! - `tree`: joints are inserted and removed, with everything that refers to joints
+//! - `tree`, `skin`: joints are inserted and removed, with everything that refers to joints
 //! - `motion`: clips in which the motion of a removed joint goes on in others
 //! - `measure`: how far joints and skin are from where they were
 //!
@@ -18,6 +18,7 @@
 
 mod measure;
 mod motion;
+mod skin;
 mod tree;
 
 use articula_core::hanim_table::{HanimJoint, named};
