@@ -1,6 +1,6 @@
 //! Conversion of a character to a joint scheme, with the document that it came from.
 
-use crate::error::{Context, Result};
+use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, GltfSource};
 use articula_build::joint_names::{JointMapping, MappingEvidence};
 use articula_build::{JointEdit, set_joint_scheme};
@@ -63,6 +63,7 @@ impl CharacterFile {
     /// inconsistent; the file is then unchanged.
     pub fn set_joint_scheme(&mut self, scheme: JointScheme) -> Result<JointSchemeReport> {
         let place = self.name.clone();
+        self.check_joints().with_context(|| &place)?;
         let mut character = self.character.clone();
         let mut articulation = self.articulation();
         let mut ends = self.end_sites.clone();
@@ -109,6 +110,25 @@ impl CharacterFile {
         self.gltf = gltf;
         self.clips_changed = true;
         Ok(report)
+    }
+}
+
+impl CharacterFile {
+    /// Checks that mapping and document are those of the skeleton, which a caller may have changed.
+    fn check_joints(&self) -> Result<()> {
+        let count = self.character.skeleton.joints.len();
+        let nodes = self.gltf.as_ref().map(|gltf| gltf.node_of_joint.len());
+        let mapping = &self.mapping;
+        let lists = [
+            Some(mapping.articulation.joints.len()),
+            Some(mapping.evidence.len()),
+            nodes,
+        ];
+        if lists.into_iter().flatten().any(|len| len != count) {
+            let what = "joints: the mapping or the document is that of another skeleton";
+            return Err(Error::unsuited(what));
+        }
+        Ok(())
     }
 }
 

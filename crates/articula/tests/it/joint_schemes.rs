@@ -280,3 +280,11 @@ fn what_was_prepared_for_other_joints_is_dropped() {
             .is_none()
     );
 }
+
+#[test]
+fn a_mapping_of_another_skeleton_is_refused() {
+    let mut human = stored_human();
+    human.mapping.articulation.joints.pop();
+    let why = human.set_joint_scheme(JointScheme::Thesis).unwrap_err();
+    assert!(why.to_string().contains("another skeleton"), "{why}");
+}
