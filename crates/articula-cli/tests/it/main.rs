@@ -30,6 +30,7 @@ mod hostile;
 mod items;
 mod joint_levels;
 mod joint_maps;
+mod joint_schemes;
 mod judges;
 mod kept_files;
 mod levels_oracle;

@@ -16,6 +16,7 @@ mod face_errors;
 mod face_joints;
 mod faces;
 mod items;
+mod joint_schemes;
 mod kept_faces;
 mod mesh_levels;
 mod prepared;

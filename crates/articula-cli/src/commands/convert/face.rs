@@ -259,7 +259,10 @@ fn check_flags(args: &ConvertArgs, place: &str) -> anyhow::Result<()> {
     let own = format_in(args)?;
     let chosen =
         args.loa.is_some() || args.loa_profile.is_some() || own.is_some() && args.clip.is_some();
-    let other = args.to.is_some() || args.onto.is_some() || args.khr_character;
+    let other = args.to.is_some()
+        || args.onto.is_some()
+        || args.khr_character
+        || args.joint_scheme.is_some();
     let is_afp = matches!(format_out(args), Some(DataFormat::Afp | DataFormat::Mp4));
     if let Some(flag) = args.stream.idle_for_a_face(is_afp) {
         let expected = if is_afp { "an .abp" } else { "an .afp" };

@@ -1,5 +1,6 @@
 //! One job of a conversion: files are read, changed as asked for, and written.
 
+use super::joint_scheme::SchemeName;
 use super::onto::{Hero, MotionReport};
 use super::plan::{Input, Job};
 use super::reduction::{Reduction, Selected};
@@ -190,6 +191,12 @@ impl Recipe<'_> {
             report.mesh = Some(shown.report);
         }
         report.tiers = made.written.tiers;
+        if made.joint_scheme.as_ref().is_some_and(|s| s.drops_prepared) {
+            let what =
+                "the prepared data, which was computed for the joints before (build makes it anew)";
+            report.left_out.push(what.to_owned());
+        }
+        report.joint_scheme = made.joint_scheme;
         report.edits = made.edits;
         let reduction = self.selected.as_ref().zip(made.reduction);
         report.reduction = reduction.map(|(selected, saved)| Reduction::new(selected, saved));
@@ -204,6 +211,7 @@ impl Recipe<'_> {
         ConvertOptions {
             clip,
             mesh: self.args.mesh.options(),
+            joint_scheme: self.args.joint_scheme.map(SchemeName::of_library),
             edits: self.args.hygiene.edits(),
             reduction: self.selected.as_ref().map(|s| s.reduction.clone()),
             khr_character: self.args.khr_character,

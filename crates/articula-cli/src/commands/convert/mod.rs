@@ -8,6 +8,7 @@ mod face_level;
 mod face_shapes;
 mod hygiene;
 mod job;
+mod joint_scheme;
 mod mesh;
 mod onto;
 mod plan;
@@ -71,6 +72,10 @@ pub(crate) struct ConvertArgs {
     /// rest pose
     #[arg(long)]
     skip_first_frame: bool,
+    /// Set of joints of the body: subtalars are merged into ankles and thumb0 joints inserted, or the
+    /// other way round [default: the joints stay as they are]
+    #[arg(long, value_name = "SCHEME", value_enum)]
+    joint_scheme: Option<joint_scheme::SchemeName>,
     /// Joints that may move, such as "loa(Low) + zone(hands)"; all others are held
     #[arg(long, value_name = "EXPR")]
     loa: Option<String>,
