@@ -68,7 +68,7 @@ impl TakenStream {
 pub fn left_out(track: &Mp4Track) -> Warning {
     let what = match track.kind {
         Some(kind) => format!(
-            "a stream {} is left out; convert the file to .{} for it",
+            "{} is left out; convert the file to .{} for it",
             kind.name(),
             kind.extension()
         ),
