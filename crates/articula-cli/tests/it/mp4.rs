@@ -318,8 +318,11 @@ fn access_units(stream: &[u8]) -> (Vec<u8>, Vec<Vec<u8>>) {
     (bytes(&map.children[0]), units.collect())
 }
 
+/// A file and the streams in it.
+type Boxed = (&'static str, [&'static str; 2]);
+
 /// Two files of two streams each, of all profiles, and their streams.
-fn boxes(name: &str) -> Option<(PathBuf, Vec<(&'static str, [&'static str; 2])>)> {
+fn boxes(name: &str) -> Option<(PathBuf, [Boxed; 2])> {
     let (here, _) = made(name)?;
     let walk = real::file("bvh/cmu_12_01_walk.bvh")?;
     json(&here, &["convert", word(&walk), "bones.abp", "--abp1"]);
@@ -334,7 +337,7 @@ fn boxes(name: &str) -> Option<(PathBuf, Vec<(&'static str, [&'static str; 2])>)
     );
     Some((
         here,
-        vec![
+        [
             ("new.mp4", ["walk.abp", "talk.afp"]),
             ("old.mp4", ["bones.abp", "old.afp"]),
         ],
