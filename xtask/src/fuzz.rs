@@ -65,6 +65,7 @@ const SEEDS: &[Seeds] = &[
         folder: Some("golden"),
         ..seeds("motion_stream", b"", &["abp"])
     },
+    seeds("mp4", b"", &["mp4"]),
     seeds("mpeg4", b"\0", &["fap"]),
     seeds("mpeg4", b"\x01", &["bap"]),
     seeds("mpeg4", b"\x02", &["epf"]),

@@ -28,6 +28,8 @@ pub(crate) struct Stream {
     /// Which one it is, by how it begins.
     pub(crate) kind: Option<StreamKind>,
     pub(crate) bytes: Vec<u8>,
+    /// Size of the file.
+    pub(crate) file_bytes: usize,
     /// Warnings about the file around it, if there is one.
     pub(crate) warnings: Vec<Warning>,
 }
@@ -39,6 +41,7 @@ pub(crate) fn stream(path: &Path, of_face: bool) -> anyhow::Result<Stream> {
     if files::format(path) != Some(Format::Mp4) {
         return Ok(Stream {
             kind: StreamKind::of(&bytes),
+            file_bytes: bytes.len(),
             bytes,
             warnings: Vec::new(),
         });
@@ -53,6 +56,7 @@ pub(crate) fn stream(path: &Path, of_face: bool) -> anyhow::Result<Stream> {
         kind: Some(taken.kind),
         warnings: taken.warnings(),
         bytes: taken.bytes,
+        file_bytes: bytes.len(),
     })
 }
 

@@ -36,6 +36,7 @@ mod kept_files;
 mod levels_oracle;
 mod mesh_levels;
 mod meshopt_oracle;
+mod mp4;
 mod mpeg4;
 mod oracle;
 mod playing;

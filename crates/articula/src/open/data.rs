@@ -125,11 +125,7 @@ impl DataFormat {
                  a face by it, inspect to list its content, or convert to write it as .fap, .afp or \
                  .fba"
             }
-            Self::Mp4 => {
-                "the MP4 file has a stream of a face, which has no joints; use convert --onto CHARACTER \
-                 to move a face by it, inspect to list its content, or convert to write it as .afp, .fap, \
-                 .fba or .csv"
-            }
+            Self::Mp4 => mp4::NO_JOINTS,
             Self::Epf => {
                 "an EPF file controls an encoder and has no joints; use inspect to list its \
                  content"

@@ -11,6 +11,10 @@ use std::borrow::Cow;
 
 pub use articula_stream::mp4::{Mp4Track, is_mp4};
 
+/// Explains why a file with a stream of a face has no character, and how to use it.
+pub(crate) const NO_JOINTS: &str = "the MP4 file has a stream of a face, which has no joints; use convert --onto CHARACTER to move a \
+     face by it, inspect to list its content, or convert to write it as .afp, .fap, .fba or .csv";
+
 /// A stream that was taken out of a file.
 #[derive(Debug, Clone)]
 pub struct TakenStream {
@@ -68,7 +72,7 @@ impl TakenStream {
 pub fn left_out(track: &Mp4Track) -> Warning {
     let what = match track.kind {
         Some(kind) => format!(
-            "a stream {} is left out; convert the file to .{} for it",
+            "{} is left out; convert the file to .{} for it",
             kind.name(),
             kind.extension()
         ),

@@ -68,7 +68,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         bytes_in,
         bytes_out: written.len(),
         clips: clips(&written, &place, &limits)?,
-        left_out: open::warnings(&left_out),
+        warnings: open::warnings(&left_out),
         input: place,
         ..ConvertReport::default()
     };

@@ -17,7 +17,7 @@ use articula::face::{
     FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
 };
 use articula::streams::abp2;
-use articula::{CharacterFile, Data, DataFormat};
+use articula::{CharacterFile, Data, DataFormat, Format};
 use articula_formats::Limits;
 use clap::ValueEnum;
 use std::path::Path;
@@ -125,6 +125,9 @@ impl Hero {
                 let read = abp2::read(&stream.bytes, &name, &self.opened, &Limits::default());
                 let mut source = read?;
                 source.warnings.extend(stream.warnings);
+                if files::format(&input.path) == Some(Format::Mp4) {
+                    (source.format, source.bytes) = (Format::Mp4, stream.file_bytes);
+                }
                 source
             }
             None => open::character(files, &input.path, &args.names)?,

@@ -22,6 +22,7 @@ pub(super) fn run(stream: &Stream, args: &CharacterArgs, console: &Console) -> a
     }
     let limits = StreamLimits::default();
     let mut found = inspect_motion_stream(&stream.bytes, &files::shown(&args.file), &limits)?;
+    found.bytes = stream.file_bytes;
     found.tracks = open::tracks(&args.file)?;
     if !found.tracks.is_empty() {
         found.format = Format::Mp4.name();
