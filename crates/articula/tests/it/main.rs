@@ -17,6 +17,7 @@ mod face_joints;
 mod faces;
 mod kept_faces;
 mod mesh_levels;
+mod mp4;
 mod prepared;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
