@@ -19,6 +19,7 @@ mod items;
 mod joint_schemes;
 mod kept_faces;
 mod mesh_levels;
+mod mp4;
 mod prepared;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
