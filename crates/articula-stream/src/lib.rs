@@ -5,6 +5,8 @@
 //!   the codec; numbers in them can be rewritten
 //! - [`cut()`], [`CutRule`]: removes units from a stream, by its map alone
 //! - [`write_index`], [`read_index`]: the map as bytes
+//! - [`description`]: descriptions after MPEG-21: of streams (gBSD), of their adaptation, of the context
+//!   of use
 //! - [`decide`]: what to send and to show, by network, device, view and user
 //! - `mesh`: mesh levels as a progressive stream (cargo feature `codecs`, on by default)
 //! - `abp1`: body animations that can be cut by bones, in a BBA-style form (`codecs`)
@@ -15,8 +17,6 @@
 //! - `fba`: face animations as MPEG-4's binary stream, for interchange (`codecs`)
 //! - [`StreamKind`]: which stream some bytes are
 //! - `mp4`: MP4 files around these streams, and the streams in MP4 files (`codecs`)
-//! - [`description`]: descriptions after MPEG-21: of streams (gBSD), of their adaptation, of the context
-//!   of use
 //! - [`StreamError`], [`StreamLimits`]: errors, and limits on memory and time
 //!
 //! A program that only cuts streams disables the feature `codecs` and depends on neither codec, hash

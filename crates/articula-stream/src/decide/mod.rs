@@ -8,7 +8,8 @@
 //! - [`choose`]: the joint choice, one option for each of the [`Part`]s, with the least visible error
 //!   for bytes and time
 //! - [`decide()`]: the whole decision, with [`Preference`]s, the fall to another [`Representation`], and
-//!   its reasons
+//!   its reasons; [`Assumptions`], [`weigh_parts`] and [`wanted_modality`] take its input from a
+//!   [`Context`](crate::description::Context)
 //! - [`combine`]: one level from the limits of network, device, view and user
 //! - [`ThroughputEstimator`], [`LayerSwitch`], [`TableSwitch`], [`FrameTimeSwitch`]: what changes over
 //!   time, as state machines on the caller's clock
@@ -22,6 +23,7 @@ mod decision;
 #[cfg(test)]
 mod decision_tests;
 mod explanation;
+mod from_context;
 mod levels;
 mod part;
 mod preference;
@@ -36,6 +38,7 @@ pub use choice::{
     Budget, Choice, ChoiceRequest, choose, choose_exhaustively, cut_equally, cut_one,
 };
 pub use decision::{Bound, Decision, DecisionRequest, NextStep, Outcome, PartDecision, decide};
+pub use from_context::{Assumptions, wanted_modality, weigh_parts};
 pub use levels::{LevelChoice, LevelLimit, LimitSource, combine};
 pub use part::{
     Layer, LayeredOption, MAX_OPTIONS, MAX_PARTS, Part, PartKind, PartOption, options_of_layers,
