@@ -97,5 +97,5 @@ pub use face::{DecodedFace, FaceClip, FaceFrame, FaceReadOptions};
 #[cfg(feature = "codecs")]
 pub use frame_rate::FrameRate;
 pub use index::{read_index, write_index};
-pub use limits::StreamLimits;
+pub use limits::{DescriptionLimits, StreamLimits};
 pub use unit::{Field, Marker, Meaning, Unit};

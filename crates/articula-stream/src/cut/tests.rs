@@ -109,6 +109,43 @@ fn lengths_told_elsewhere_become_zero() {
 }
 
 #[test]
+fn parts_of_a_dropped_unit_whose_lengths_are_told_stay_empty() {
+    let stream = [1, 1, 7, 9];
+    let map = Unit {
+        children: vec![
+            Unit {
+                fields: vec![
+                    field("length", 0..8, 1, Meaning::BytesOf(3)),
+                    field("length", 8..16, 1, Meaning::BytesOf(5)),
+                ],
+                ..Unit::of_bytes("head", 0..2)
+            },
+            Unit {
+                children: vec![Unit::of_bytes("chunk", 2..3).marked("object", 0)],
+                ..Unit::of_bytes("level", 2..3).marked("level", 1)
+            },
+            Unit {
+                children: vec![Unit::of_bytes("chunk", 3..4).marked("object", 0)],
+                ..Unit::of_bytes("level", 3..4).marked("level", 0)
+            },
+        ],
+        ..Unit::of_bytes("whole", 0..4)
+    };
+    let coarse = cut(&stream, &map, |unit| unit.marker("level") != Some(0)).unwrap();
+    assert_eq!(coarse.bytes, [1, 0, 7]);
+    assert_eq!(coarse.unit.children[2].label, "chunk");
+    coarse.unit.check_values(&coarse.bytes).unwrap();
+    let fine = cut(&stream, &map, |unit| unit.marker("level") != Some(1)).unwrap();
+    assert_eq!(fine.bytes, [0, 1, 9]);
+    fine.unit.check_values(&fine.bytes).unwrap();
+    let none = cut(&fine.bytes, &fine.unit, |unit| {
+        unit.marker("object").is_none()
+    })
+    .unwrap();
+    assert_eq!(none.bytes, [0, 0]);
+}
+
+#[test]
 fn numbers_that_cannot_be_written_are_refused() {
     let (stream, map) = counted();
     let at = |map: &Unit, label: &str| {
