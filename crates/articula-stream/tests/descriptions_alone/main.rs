@@ -9,6 +9,7 @@
 
 mod adapt;
 mod annex_b;
+mod documents;
 mod gbsd;
 mod random;
 mod tools;
