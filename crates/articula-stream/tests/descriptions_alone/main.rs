@@ -11,5 +11,6 @@ mod adapt;
 mod annex_b;
 mod documents;
 mod gbsd;
+mod hostile;
 mod random;
 mod tools;
