@@ -105,5 +105,5 @@ pub use face::{DecodedFace, FaceClip, FaceFrame, FaceReadOptions};
 pub use frame_rate::FrameRate;
 pub use index::{read_index, write_index};
 pub use kind::StreamKind;
-pub use limits::StreamLimits;
+pub use limits::{DescriptionLimits, StreamLimits};
 pub use unit::{Field, Marker, Meaning, Unit};

@@ -13,6 +13,9 @@ mod afp1;
 mod afp2;
 mod clustered_stream;
 mod cut_streams;
+#[path = "../descriptions_alone/tools.rs"]
+mod description_tools;
+mod descriptions;
 mod fba;
 mod fba_judged;
 mod mesh_levels;

@@ -3,11 +3,18 @@
 //! Source: ISO/IEC 21000-7 (usage environment description, in its XML form XDI), thesis 3.1.1. A
 //! context says what is there and what is wanted, never what to send; that is a decision.
 
+mod xdi;
+
 use articula_core::Mismatch;
 
 /// What is known of the place where a stream is used. Every number is optional: `None` is unknown,
 /// not 0.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(
+    feature = "json",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Context {
     /// The way from server to client.
     pub network: Network,
@@ -21,6 +28,11 @@ pub struct Context {
 
 /// Capability and condition of a network, from server to client.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(
+    feature = "json",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Network {
     /// Bits per second that the link can carry at most.
     pub max_capacity_bps: Option<f64>,
@@ -46,6 +58,11 @@ pub struct Network {
 
 /// Display, speed and memory of a device.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(
+    feature = "json",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Terminal {
     /// Width of the display, or of the part that shows the character, in pixels.
     pub width_px: Option<f64>,
@@ -69,12 +86,16 @@ pub struct Terminal {
 
 /// In what form a character is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "json", derive(serde::Serialize, serde::Deserialize))]
 pub enum Modality {
     /// A mesh in three dimensions.
+    #[cfg_attr(feature = "json", serde(rename = "3D"))]
     Mesh,
     /// A warped portrait.
+    #[cfg_attr(feature = "json", serde(rename = "2DWarp"))]
     Warp,
     /// Vector graphics.
+    #[cfg_attr(feature = "json", serde(rename = "2DVector"))]
     Vector,
 }
 
@@ -94,6 +115,11 @@ impl Modality {
 
 /// What a viewer asks for. Preferences never exceed what network and terminal allow.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(
+    feature = "json",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Preferences {
     /// Weight of the shape, at least 0, relative to the other two.
     pub geometry_emphasis: Option<f64>,
@@ -125,6 +151,11 @@ pub struct Preferences {
 
 /// How a character is seen.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(
+    feature = "json",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct View {
     /// Metres from the camera to the character.
     pub distance_m: Option<f64>,
@@ -249,6 +280,11 @@ impl Context {
             inside("face_loa", whole(Some(level)), 3.0)?;
         }
         inside("fov_rad", self.view.fov_rad, std::f64::consts::PI)?;
+        let is_word = |name: &&String| !name.is_empty() && !name.contains(char::is_whitespace);
+        if let Some(name) = self.terminal.codecs.iter().find(|name| !is_word(name)) {
+            let what = format!("found \"{name}\", expected names without white space");
+            return Err(Mismatch::new("codecs", what));
+        }
         let network = &self.network;
         let rising = [
             network.min_available_bps,
