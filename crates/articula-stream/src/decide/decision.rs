@@ -3,8 +3,8 @@
 //!
 //! Source: thesis 3.2.
 
-use super::choice::{Choice, ChoiceRequest, check, choose_among};
-use super::part::{MOST, Part, PartKind};
+use super::choice::{Budget, Choice, ChoiceRequest, check, choose_among};
+use super::part::{Part, PartKind};
 use super::preference::Preference;
 use super::representation::{Representation, choose_representation, supports};
 use articula_core::Mismatch;
@@ -234,8 +234,8 @@ fn too_little(request: &DecisionRequest<'_>) -> Vec<Bound> {
 fn lifted(request: &ChoiceRequest, bound: Bound) -> ChoiceRequest {
     let mut wide = *request;
     match bound {
-        Bound::Bytes => wide.budget.bytes = MOST * 16,
-        Bound::FrameTime => wide.budget.frame_ns = MOST * 16,
+        Bound::Bytes => wide.budget.bytes = Budget::UNBOUNDED,
+        Bound::FrameTime => wide.budget.frame_ns = Budget::UNBOUNDED,
         Bound::View | Bound::Preference(_) | Bound::Capability => wide.enough_px = 0.0,
     }
     wide

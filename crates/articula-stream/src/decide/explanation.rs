@@ -1,5 +1,6 @@
 //! Decisions in words.
 
+use super::choice::Budget;
 use super::decision::{Bound, Decision, NextStep, Outcome, PartDecision};
 use std::fmt::{Display, Formatter, Result};
 
@@ -38,12 +39,17 @@ impl Display for Decision {
     /// The budget, what was chosen, what limits it, and a line for each part.
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let of = &self.request;
+        match of.budget.bytes {
+            Budget::UNBOUNDED.. => f.write_str("allowed: any number of bytes")?,
+            bytes => write!(f, "allowed: {bytes} bytes for {} s", of.window_secs)?,
+        }
+        match of.budget.frame_ns {
+            Budget::UNBOUNDED.. => f.write_str(", any time")?,
+            ns => write!(f, ", {:.3} ms", ms(ns as f64))?,
+        }
         writeln!(
             f,
-            "allowed: {} bytes for {} s, {:.3} ms per frame, at {:.1} pixels per metre",
-            of.budget.bytes,
-            of.window_secs,
-            ms(of.budget.frame_ns as f64),
+            " per frame, at {:.1} pixels per metre",
             of.pixels_per_metre
         )?;
         match &self.outcome {

@@ -4,7 +4,7 @@ use crate::fault::clean;
 use crate::table::Table;
 use articula::item::{AdaptedItem, Item, ItemDecision};
 use articula_core::Region;
-use articula_stream::decide::{Bound, PartDecision, PartKind};
+use articula_stream::decide::{Bound, Budget, PartDecision, PartKind};
 use serde::Serialize;
 
 /// Name of the file with the decision, in the folder of what is sent.
@@ -166,7 +166,7 @@ impl DecisionReport {
                 .chosen(PartKind::Texture)
                 .map(|option| option.name.clone()),
             error_px: decision.error_px.is_finite().then_some(decision.error_px),
-            bytes_allowed: (budget < 1 << 51).then_some(budget + decided.bytes_always),
+            bytes_allowed: (budget < Budget::UNBOUNDED).then_some(budget + decided.bytes_always),
             pixels_per_metre: decision.request.pixels_per_metre,
             network_ratio: decided.network_ratio,
             bounds: words(&decision.bounds),

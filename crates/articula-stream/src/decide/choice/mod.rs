@@ -31,6 +31,11 @@ pub struct Budget {
     pub frame_ns: u64,
 }
 
+impl Budget {
+    /// Bytes or nanoseconds that no choice exceeds, where nothing bounds them.
+    pub const UNBOUNDED: u64 = MOST * MAX_PARTS as u64;
+}
+
 /// What the options of parts are compared by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChoiceRequest {

@@ -7,20 +7,19 @@ use crate::error::{Error, Result};
 use crate::item::files::Item;
 use crate::item::part::PartKind as ItemKind;
 use crate::streams::StreamKind;
-use articula_core::Viewport;
 use articula_stream::decide::{
-    self, Budget, ChoiceRequest, Decision, DecisionRequest, LimitSource, NetworkShare, Outcome,
-    PartKind, Preference, Representation, Rule, pixels_per_metre,
+    self, Assumptions, Budget, ChoiceRequest, Decision, DecisionRequest, NetworkShare, Outcome,
+    PartKind, Preference, Representation, wanted_modality, weigh_parts,
 };
-use articula_stream::description::{Context, Modality};
+use articula_stream::description::Context;
 
 /// Distance at which errors are compared where the context has none, metres.
-const DISTANCE_M: f64 = 3.5;
+const DISTANCE_M: f32 = 3.5;
 /// Error that is not seen, in pixels, where a context tells how the character is seen, but no
 /// tolerance.
 const TOLERANCE_PX: f64 = 1.0;
 /// Bytes and nanoseconds of a budget that nothing bounds.
-const UNBOUNDED: u64 = 1 << 52;
+const UNBOUNDED: u64 = Budget::UNBOUNDED;
 
 /// A decision about an item.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,33 +71,34 @@ pub fn decide(item: &Item, context: &Context, options: &AdaptOptions) -> Result<
     }
     let regions = Regions::of(&context.preferences);
     let item = &regions.applied(item)?;
-    let px = pixels_per_metre(&viewport(context), distance(context) as f32);
-    let parts = ItemParts::of(item, context, options, px);
+    let unbounded = UNBOUNDED as f64;
+    let assumed = Assumptions {
+        bits_per_second: 8.0 * unbounded / options.wait_secs,
+        window_secs: options.wait_secs,
+        frame_ns: UNBOUNDED,
+        distance_m: DISTANCE_M,
+        ..Assumptions::default()
+    };
+    let mut request = ChoiceRequest::of_context(context, &assumed);
+    let mut parts = ItemParts::of(item, context, options, request.pixels_per_metre);
+    weigh_parts(&mut parts.parts, context);
     let whole: u64 = item.manifest.whole.iter().map(|file| file.bytes).sum();
     let bytes_always = item.manifest.figure.bytes + whole;
-
+    let allowed = request
+        .budget
+        .bytes
+        .min(options.max_bytes.unwrap_or(UNBOUNDED));
+    request.budget.bytes = allowed.saturating_sub(bytes_always).min(UNBOUNDED);
+    request.effort = options.effort;
+    if context.view.distance_m.is_some() && context.preferences.tolerance_px.is_none() {
+        request.enough_px = TOLERANCE_PX;
+    }
     let network = context.network.usable_bps().map(|bps| NetworkShare {
         bits_per_second: bps,
         window_secs: options.wait_secs,
         content_bits: 8.0 * item.without_flat().bytes() as f64,
     });
-    let allowed = network.map_or(UNBOUNDED, |n| n.bytes_allowed());
-    let allowed = allowed.min(options.max_bytes.unwrap_or(UNBOUNDED));
     let terminal = &context.terminal;
-    let frame_ns = terminal
-        .frame_budget_ms
-        .map_or(UNBOUNDED as f64, |ms| 1e6 * ms);
-    let seen = context.view.distance_m.map_or(0.0, |_| TOLERANCE_PX);
-    let request = ChoiceRequest {
-        budget: Budget {
-            bytes: allowed.saturating_sub(bytes_always).min(UNBOUNDED),
-            frame_ns: frame_ns.min(UNBOUNDED as f64) as u64,
-        },
-        window_secs: options.wait_secs,
-        pixels_per_metre: px,
-        enough_px: context.preferences.tolerance_px.unwrap_or(seen),
-        effort: options.effort,
-    };
     let representations: Vec<Representation> = representations(item, allowed, whole);
     let needs = needs(item);
     let capabilities = match terminal.codecs.as_slice() {
@@ -109,7 +109,7 @@ pub fn decide(item: &Item, context: &Context, options: &AdaptOptions) -> Result<
         }
         known => known.to_vec(),
     };
-    let preferences = preferences(context);
+    let preferences = Preference::of_context(context);
     let mut decision = decide::decide(&DecisionRequest {
         parts: &parts.parts,
         parts_need: &needs,
@@ -117,11 +117,7 @@ pub fn decide(item: &Item, context: &Context, options: &AdaptOptions) -> Result<
         preferences: &preferences,
         representations: &representations,
         capabilities: &capabilities,
-        modality: match context.preferences.modality {
-            None | Some(Modality::Mesh) => None,
-            Some(Modality::Warp) => Some("portrait"),
-            Some(Modality::Vector) => Some("vector"),
-        },
+        modality: wanted_modality(context),
     })?;
     if let Outcome::Representation(form) = decision.outcome {
         decision.bytes = item.manifest.flat[form].bytes;
@@ -135,21 +131,6 @@ pub fn decide(item: &Item, context: &Context, options: &AdaptOptions) -> Result<
         network_ratio: network.map(|n| n.ratio()),
         regions,
     })
-}
-
-fn distance(context: &Context) -> f64 {
-    context.view.distance_m.unwrap_or(DISTANCE_M)
-}
-
-fn viewport(context: &Context) -> Viewport {
-    let plain = Viewport::default();
-    let terminal = &context.terminal;
-    let known = |value: Option<f64>, plain: f32| value.map_or(plain, |v| v as f32);
-    Viewport {
-        width_px: known(terminal.width_px, plain.width_px),
-        height_px: known(terminal.height_px, plain.height_px),
-        fov_y_radians: known(context.view.fov_rad, plain.fov_y_radians),
-    }
 }
 
 /// The forms in 2D, of which none is too large that the bytes allow together with the files that are
@@ -189,26 +170,6 @@ fn needs(item: &Item) -> Vec<String> {
         }
     }
     needs
-}
-
-/// The limits that a user sets.
-fn preferences(context: &Context) -> Vec<Preference> {
-    let wanted = &context.preferences;
-    let limit = |part, rule| Preference {
-        part,
-        rule,
-        source: LimitSource::User,
-        is_wish: false,
-    };
-    let body = wanted
-        .body_loa
-        .map(|loa| limit(PartKind::BodyMotion, Rule::LoaAtMost(loa.into())));
-    let face = wanted.face_loa.and_then(|all| all.into_iter().max());
-    let face = face.map(|loa| limit(PartKind::FaceMotion, Rule::LoaAtMost(loa.into())));
-    let mesh = wanted
-        .mesh_level
-        .map(|level| limit(PartKind::Mesh, Rule::FinestLevel(level)));
-    body.into_iter().chain(face).chain(mesh).collect()
 }
 
 /// The layers of the item that a decision keeps.

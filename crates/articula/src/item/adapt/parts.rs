@@ -29,8 +29,6 @@ impl ItemParts {
         options: &AdaptOptions,
         pixels_per_metre: f64,
     ) -> Self {
-        let emphasis = context.preferences.emphasis().map(|share| 3.0 * share);
-        let [geometry, pictures, animation] = emphasis;
         let mut made = Self {
             parts: Vec::new(),
             layers: Vec::new(),
@@ -44,27 +42,26 @@ impl ItemParts {
         let faps = motion::Cost::per_ms(terminal.faps_per_ms);
         let finest = options.finest_tier;
         let bodies = motion::options(of_kind(ItemKind::BodyMotion), finest, joints);
-        made.add("body", PartKind::BodyMotion, animation, bodies);
+        made.add("body", PartKind::BodyMotion, bodies);
         let faces = motion::options(of_kind(ItemKind::FaceMotion), finest, faps);
-        made.add("face", PartKind::FaceMotion, animation, faces);
+        made.add("face", PartKind::FaceMotion, faces);
         let meshes: Vec<_> = of_kind(ItemKind::Mesh);
         for (index, part) in meshes {
             let found = mesh::options(index, part, terminal.triangles_per_s);
-            made.add(&part.name, PartKind::Mesh, geometry, found);
+            made.add(&part.name, PartKind::Mesh, found);
         }
         let textures = of_kind(ItemKind::Texture);
         let found = texture::options(textures, options.max_texture_px, pixels_per_metre);
-        made.add("textures", PartKind::Texture, pictures, found);
+        made.add("textures", PartKind::Texture, found);
         made
     }
 
-    fn add(&mut self, name: &str, kind: PartKind, weight: f64, found: Vec<OptionOfPart>) {
+    fn add(&mut self, name: &str, kind: PartKind, found: Vec<OptionOfPart>) {
         if found.is_empty() {
             return;
         }
         let (options, layers) = found.into_iter().map(|o| (o.option, o.layers)).unzip();
-        let part = Part::new(name, kind, options);
-        self.parts.push(Part { weight, ..part });
+        self.parts.push(Part::new(name, kind, options));
         self.layers.push(layers);
     }
 }
