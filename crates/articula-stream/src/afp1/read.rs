@@ -84,7 +84,7 @@ fn decode(coded: &CodedFap, quantizer: u8, frames: &mut [FaceFrame]) -> Result<(
 /// Returns the map of a file, by which [`crate::cut()`] removes parameters and access units.
 ///
 /// The parameters of an access unit have the markers `loa` (0 very low to 3 high: the coarsest level
-/// that keeps it), `region` (index in [`FaceRegion::ALL`]) and `parameter`, access units
+/// that keeps it), `region` (index in [`FaceRegion::ALL`](articula_core::face_levels::FaceRegion::ALL)) and `parameter`, access units
 /// `access_unit`.
 ///
 /// # Errors
