@@ -82,6 +82,14 @@ fn selections(map: &Unit) -> Vec<Selection> {
             ..Selection::default()
         });
     }
+    if has("level") {
+        let regions = values(map, "region");
+        let mixed = regions.iter().zip([1, 0, 2].into_iter().cycle());
+        all.push(Selection {
+            mesh_levels: mixed.map(|(region, level)| (*region, level)).collect(),
+            ..Selection::default()
+        });
+    }
     if has("parameter") {
         let faps = values(map, "parameter").into_iter().step_by(2).collect();
         all.push(Selection {

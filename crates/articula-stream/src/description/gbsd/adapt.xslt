@@ -17,6 +17,8 @@
 <xsl:param name="tierOut"/>
 <!-- Finest mesh level that stays, 0 is the finest: markers M. -->
 <xsl:param name="meshLevelOut"/>
+<!-- Finest levels of regions of a mesh, region:level with spaces between: markers R and M. -->
+<xsl:param name="meshLevels"/>
 <!-- Level of articulation of each of the eight regions of a face, eight digits 0 to 3. -->
 <xsl:param name="faceLevels"/>
 <!-- Regions of the face that stay, bit r for region r. -->

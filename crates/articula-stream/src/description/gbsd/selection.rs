@@ -22,6 +22,9 @@ pub struct Selection {
     pub tier: Option<u32>,
     /// Mesh level, 0 is the finest: marker `level` from it on.
     pub mesh_level: Option<u32>,
+    /// Finest levels of regions of a mesh, as region and level, on top of `mesh_level`: markers
+    /// `region` and `level`. Regions that are not listed are kept.
+    pub mesh_levels: Vec<(u32, u32)>,
     /// Level of articulation of each region of the face, 0 (very low) to 3 (high): markers
     /// `face_loa` with `face_region`, or `loa` with `region` of a unit with `parameter`.
     pub face_levels: Option<[u8; 8]>,
@@ -99,10 +102,16 @@ impl Selection {
             )
             && at_most(self.tier, of("tier"))
             && at_most(self.mesh_level, level)
+            && at_most(self.level_of_mesh_region(level.and(region)), level)
             && among(of("joint"), &self.joints)
             && among(parameter, &self.parameters)
             && in_mask(face.1, self.face_regions)
             && self.keeps_face(face)
+    }
+
+    fn level_of_mesh_region(&self, region: Option<u32>) -> Option<u32> {
+        let mut listed = self.mesh_levels.iter();
+        listed.find(|(r, _)| Some(*r) == region).map(|(_, l)| *l)
     }
 
     fn keeps_face(&self, (loa, region): (Option<u32>, Option<u32>)) -> bool {
@@ -125,6 +134,10 @@ impl Selection {
                 words.join(" ")
             }
         };
+        let pairs = |pairs: &[(u32, u32)]| {
+            let words: Vec<String> = pairs.iter().map(|(r, l)| format!("{r}:{l}")).collect();
+            words.join(" ")
+        };
         let digits = |levels: [u8; 8]| levels.iter().map(u8::to_string).collect::<String>();
         let all = [
             ("nLayersOut", self.body_loa.map(|loa| loa.to_string())),
@@ -134,6 +147,10 @@ impl Selection {
             (
                 "meshLevelOut",
                 self.mesh_level.map(|level| level.to_string()),
+            ),
+            (
+                "meshLevels",
+                (!self.mesh_levels.is_empty()).then(|| pairs(&self.mesh_levels)),
             ),
             ("faceLevels", self.face_levels.map(digits)),
             (
@@ -183,6 +200,14 @@ impl Selection {
             "joints" => self.joints = list()?,
             "tierOut" => self.tier = number()?,
             "meshLevelOut" => self.mesh_level = number()?,
+            "meshLevels" => {
+                let pair = |word: &str| {
+                    let (region, level) = word.split_once(':')?;
+                    Some((region.parse().ok()?, level.parse().ok()?))
+                };
+                let pairs: Option<Vec<_>> = value.split_ascii_whitespace().map(pair).collect();
+                self.mesh_levels = pairs.ok_or_else(|| wrong("pairs such as 0:2 1:3"))?;
+            }
             "faceRegionMask" => self.face_regions = mask()?,
             "fapsOut" => self.parameters = list()?,
             "faceLevels" => {
@@ -204,12 +229,13 @@ impl Selection {
 }
 
 /// Names of the parameters of the stylesheet.
-const PARAMETERS: [&str; 8] = [
+const PARAMETERS: [&str; 9] = [
     "nLayersOut",
     "regionMask",
     "joints",
     "tierOut",
     "meshLevelOut",
+    "meshLevels",
     "faceLevels",
     "faceRegionMask",
     "fapsOut",
@@ -303,6 +329,7 @@ mod tests {
             body_regions: Some(127),
             joints: Some(vec![]),
             tier: Some(1),
+            mesh_levels: vec![(0, 2), (4, 1)],
             mesh_level: Some(3),
             face_levels: Some([3, 2, 1, 0, 0, 1, 2, 3]),
             face_regions: Some(255),

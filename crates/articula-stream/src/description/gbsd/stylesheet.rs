@@ -95,6 +95,14 @@ fn keep() -> String {
             number("M")
         ),
         format!(
+            "$meshLevels = '' or not({has_m} and {has_r}) or not(contains({pairs}, {region})) or {level} &gt;= number(substring-before(substring-after({pairs}, {region}), ' '))",
+            has_m = has("M"),
+            has_r = has("R"),
+            pairs = list("$meshLevels"),
+            region = format_args!("concat(' ', {}, ':')", text("R")),
+            level = number("M")
+        ),
+        format!(
             "$fapsOut = '' or not({}) or {}",
             has("P"),
             listed("P", &list("$fapsOut"))
