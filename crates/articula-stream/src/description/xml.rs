@@ -292,54 +292,81 @@ impl<'a> Parser<'a> {
         }
     }
 
+    /// Compares a number of things with a limit.
+    fn limit(
+        &self,
+        offset: usize,
+        which: &'static str,
+        found: usize,
+        limit: u64,
+    ) -> Result<(), StreamError> {
+        if found as u64 <= limit {
+            return Ok(());
+        }
+        let at = line(self.document.source, offset);
+        StreamLimits::check(&at, which, found as u64, limit)
+    }
+
     fn start(&mut self, start: usize, end: usize, is_empty: bool) -> Result<(), StreamError> {
         let number = self.document.elements.len();
-        let parent = self.open.last().copied();
-        if parent.is_none() && number > 0 {
+        if self.open.is_empty() && number > 0 {
             return Err(self.bad(start, "an element after the end of the document"));
         }
-        let at = |this: &Self| line(this.document.source, start);
-        let exceeded = |this: &Self, which, found: usize, limit: u64| {
-            let at = if found as u64 > limit {
-                at(this)
-            } else {
-                String::new()
-            };
-            StreamLimits::check(&at, which, found as u64, limit)
-        };
-        exceeded(self, "elements", number + 1, self.limits.nodes)?;
-        exceeded(
-            self,
-            "elements within each other",
-            self.open.len() + 1,
-            MOST as u64,
-        )?;
+        self.limit(start, "elements", number + 1, self.limits.nodes)?;
+        let depth = self.open.len() + 1;
+        self.limit(start, "elements within each other", depth, MOST as u64)?;
         // Without the signs around it.
         let trimmed = end - if is_empty { 2 } else { 1 };
         let source: &'a str = self.document.source;
         let inner = source.get(start + 1..trimmed).unwrap_or_default();
-        let name_end = inner
-            .find(|c: char| c.is_ascii_whitespace())
-            .unwrap_or(inner.len());
+        let name_end = inner.find(|c: char| c.is_ascii_whitespace());
+        let name_end = name_end.unwrap_or(inner.len());
         let name = &inner[..name_end];
+        let attributes = self.attributes(start, inner, name_end)?;
+        let (prefix, local) = name.split_once(':').unwrap_or(("", name));
+        let namespace = self.namespace(prefix, start)?;
+        self.document.elements.push(Element {
+            namespace,
+            name: local,
+            prefix: &name[..name.len() - local.len()],
+            end: number + 1,
+            tag: start..end,
+            span: start..end,
+            attributes,
+            text: None,
+        });
+        self.open.push(number);
+        if is_empty {
+            self.end(end);
+        }
+        Ok(())
+    }
+
+    /// Reads the attributes behind the name of an element, and the namespaces that it declares.
+    fn attributes(
+        &mut self,
+        offset: usize,
+        inner: &'a str,
+        name_end: usize,
+    ) -> Result<Range<usize>, StreamError> {
+        let source: &'a str = self.document.source;
         let first = self.document.attributes.len();
         let depth = self.open.len() + 1;
         let mut prefixes: [&'a str; MOST] = [""; MOST];
-        let mut count = 0;
-        for attribute in Attributes::new(inner, name_end) {
-            let attribute = attribute
-                .map_err(|e| self.bad(start, format!("an attribute cannot be read: {e}")))?;
-            count += 1;
-            exceeded(self, "attributes", count, MOST as u64)?;
-            let value = attribute
-                .normalized_value(XmlVersion::Implicit1_0)
-                .map_err(|e| self.bad(start, format!("an attribute cannot be read: {e}")))?;
+        for (count, attribute) in Attributes::new(inner, name_end).enumerate() {
+            let unreadable = |e: &dyn std::fmt::Display| {
+                self.bad(offset, format!("an attribute cannot be read: {e}"))
+            };
+            let attribute = attribute.map_err(|e| unreadable(&e))?;
+            let value = attribute.normalized_value(XmlVersion::Implicit1_0);
+            let value = value.map_err(|e| unreadable(&e))?;
+            self.limit(offset, "attributes", count + 1, MOST as u64)?;
             let key = attribute.key.into_inner();
             let (prefix, local) = key.split_once(':').unwrap_or(("", key));
             if prefix == "xmlns" || key == "xmlns" {
                 let prefix = if prefix.is_empty() { "" } else { local };
                 self.scopes.push((prefix, Namespace::of(&value), depth));
-                exceeded(self, "namespaces", self.scopes.len(), MOST as u64)?;
+                self.limit(offset, "namespaces", self.scopes.len(), MOST as u64)?;
                 continue;
             }
             let place = match &attribute.value {
@@ -359,33 +386,14 @@ impl<'a> Parser<'a> {
             });
         }
         let all = self.document.attributes.len();
-        exceeded(self, "attributes", all, ATTRIBUTES * self.limits.nodes)?;
+        let most = ATTRIBUTES.saturating_mul(self.limits.nodes);
+        self.limit(offset, "attributes", all, most)?;
         for (number, prefix) in (first..all).zip(prefixes) {
             if !prefix.is_empty() {
-                self.document.attributes[number].namespace = self.namespace(prefix, start)?;
+                self.document.attributes[number].namespace = self.namespace(prefix, offset)?;
             }
         }
-        let (prefix, local) = match name.split_once(':') {
-            Some((prefix, local)) => (prefix, local),
-            None => ("", name),
-        };
-        let namespace = self.namespace(prefix, start)?;
-        let prefix = &name[..name.len() - local.len()];
-        self.document.elements.push(Element {
-            namespace,
-            name: local,
-            prefix,
-            end: number + 1,
-            tag: start..end,
-            span: start..end,
-            attributes: first..all,
-            text: None,
-        });
-        self.open.push(number);
-        if is_empty {
-            self.end(end);
-        }
-        Ok(())
+        Ok(first..all)
     }
 
     fn namespace(&self, prefix: &str, offset: usize) -> Result<Namespace, StreamError> {
@@ -482,70 +490,4 @@ pub(crate) fn escape(text: &str) -> Cow<'_, str> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn parsed(text: &str) -> Result<Document<'_>, StreamError> {
-        Document::parse(text.as_bytes(), &DescriptionLimits::default())
-    }
-
-    #[test]
-    fn elements_with_places_names_and_texts() {
-        let text = "<?xml version=\"1.0\"?><a xmlns='urn:articula:VH:1' xmlns:x='urn:mpeg:mpeg21:2003:01-dia-ns'>\
-                    <x:b n='1 &lt; 2' x:n='3'/>t&amp;<![CDATA[<u>]]><c><d/></c></a>";
-        let document = parsed(text).unwrap();
-        let [a, b, c, d] = document.elements.as_slice() else {
-            panic!("four elements");
-        };
-        assert_eq!((a.namespace, b.namespace), (Namespace::Vh, Namespace::Dia));
-        assert_eq!((b.prefix, b.name, c.end, d.end), ("x:", "b", 4, 4));
-        assert_eq!(&text[b.span.clone()], "<x:b n='1 &lt; 2' x:n='3'/>");
-        assert_eq!(&text[c.span.clone()], "<c><d/></c>");
-        assert_eq!(document.value(1, "N"), Some("1 < 2"));
-        let other = document.attribute(1, Namespace::Dia, "n").unwrap();
-        assert_eq!(&text[other.place.clone()], "3");
-        assert_eq!(document.text(0), "t&<u>");
-        assert_eq!(document.children(0).collect::<Vec<_>>(), [1, 2]);
-    }
-
-    #[test]
-    fn what_is_refused() {
-        let refused = |text: &str| parsed(text).unwrap_err().to_string();
-        assert!(refused("<!DOCTYPE a [<!ENTITY e 'x'>]><a>&e;</a>").contains("document type"));
-        assert!(refused("<a>&e;</a>").contains("entity"));
-        assert!(refused("<a b='&e;'/>").contains("cannot be read"));
-        assert!(refused("<a>\n<b></a>").starts_with("line 2"));
-        assert!(refused("<a><b/>").contains("truncated"));
-        assert!(refused("<a/><b/>").contains("after the end"));
-        assert!(refused("<a/>x").contains("outside"));
-        assert!(refused("").contains("expected an element"));
-        assert!(refused("<x:a/>").contains("prefix x"));
-        assert!(refused("<a b='1' b='2'/>").contains("cannot be read"));
-        assert!(refused("<?xml version='1.0' encoding='UTF-16'?><a/>").contains("UTF-16"));
-        assert!(refused(&"<a>".repeat(65)).contains("the limit is 64"));
-        let many: String = (0..65).map(|i| format!(" a{i}=''")).collect();
-        assert!(refused(&format!("<a{many}/>")).contains("65 attributes"));
-        assert!(Document::parse(b"\xff\xfe<\0a\0", &DescriptionLimits::default()).is_err());
-        let limits = DescriptionLimits {
-            bytes: 10,
-            nodes: 2,
-        };
-        assert!(Document::parse(b"<a><b/></a>", &limits).is_err());
-        let limits = DescriptionLimits {
-            bytes: 100,
-            nodes: 2,
-        };
-        assert!(Document::parse(b"<a><b/></a>", &limits).is_ok());
-        assert!(Document::parse(b"<a><b/><b/></a>", &limits).is_err());
-    }
-
-    #[test]
-    fn what_is_escaped_comes_back() {
-        let text = "a <b> & \"c\"\t\n\r'ü";
-        let document = format!("<a b=\"{0}\">{0}</a>", escape(text));
-        let document = parsed(&document).unwrap();
-        assert_eq!(document.value(0, "b"), Some(text));
-        assert_eq!(document.text(0), text);
-        assert_eq!(escape("\u{1}"), "\u{fffd}");
-    }
-}
+mod tests;

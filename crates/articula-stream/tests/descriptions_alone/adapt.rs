@@ -2,13 +2,13 @@
 //! in node and the cut.
 
 use crate::annex_b;
+use crate::random::bba as random_bba;
 use crate::tools::{Judges, LIMITS, canonical, xsltproc_is_here};
 use articula_mutate::Dice;
 use articula_stream::description::{
     AdaptMode, GbsdOptions, Holes, Selection, adapt_gbsd, gbsd_to_bin, read_gbsd, write_gbsd,
 };
 use articula_stream::read_index;
-use std::fmt::Write;
 
 fn adapted(text: &str, selection: &Selection, mode: AdaptMode) -> String {
     adapt_gbsd(text.as_bytes(), selection, mode, &LIMITS).unwrap()
@@ -144,96 +144,6 @@ fn the_literal_mode_is_that_of_xsltproc() {
             assert_eq!(squeezed(&native), squeezed(&other), "level {level}");
         }
     }
-}
-
-/// A random description of BBA access units as annex B has them, and a stream for it.
-fn random_bba(dice: &mut Dice, prefix: &str) -> (String, Vec<u8>) {
-    let p = prefix;
-    let mut out = String::from(
-        "<DIA xmlns:g=\"urn:mpeg:mpeg21:dia:schema:gBSD:2003\" xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\">\
-         <Description xsi:type=\"gBSDType\" addressUnit=\"bit\" addressMode=\"Absolute\">\n",
-    );
-    let (mut at, mut bits) = (0u64, Vec::<u8>::new());
-    for _ in 0..1 + dice.roll(5) {
-        let start = at;
-        let bones = 1 + dice.roll(30);
-        let levels: Vec<usize> = (0..bones).map(|_| dice.roll(6)).collect();
-        let mut inner = String::new();
-        let mut unit = |dice: &mut Dice, at: &mut u64, label: &str, length: u64, marker: &str| {
-            let mut attributes = [
-                format!(" syntacticalLabel=\":MG4:{label}\""),
-                format!(" start='{at}'"),
-                format!(" length=\"{length}\""),
-                if marker.is_empty() {
-                    String::new()
-                } else {
-                    format!(" marker=\"{marker}\"")
-                },
-            ];
-            attributes.swap(0, dice.roll(4));
-            attributes.swap(1, dice.roll(4));
-            writeln!(inner, "<{p}gBSDUnit{}/>", attributes.concat()).unwrap();
-            if dice.roll(5) == 0 {
-                inner.push_str("<!-- L:0 <gBSDUnit/> -->");
-            }
-            *at += length;
-        };
-        let segment = at + 82;
-        at = segment;
-        for level in &levels {
-            let length = 1 + dice.roll(40) as u64;
-            unit(dice, &mut at, "BoneMask", length, &format!("L:{level}"));
-        }
-        unit(dice, &mut at, "BBACodingType", 1, "codingType");
-        for level in &levels {
-            let length = 1 + dice.roll(400) as u64;
-            unit(dice, &mut at, "BoneValue", length, &format!(" L:{level}"));
-        }
-        let padding = (8 - at % 8) % 8;
-        if padding > 0 {
-            write!(
-                inner,
-                "<{p}Parameter name=\":MG4:Padding\" start=\"{at}\" length=\"{padding}\"><{p}Value xsi:type=\"b{padding}\">\
-                 <![CDATA[{padding}]]></{p}Value></{p}Parameter>"
-            )
-            .unwrap();
-        }
-        at += padding;
-        let end = at;
-        at += 32;
-        writeln!(
-            out,
-            "<{p}gBSDUnit start=\"{start}\" length=\"{}\" marker=\"access_unit\"><{p}gBSDUnit syntacticalLabel=\":MG4:BBAPlane\" \
-             start=\"{start}\" length=\"49\"/><{p}gBSDUnit syntacticalLabel=\":MG4:MainHeader\" start=\"{}\" length=\"33\">\
-             <{p}gBSDUnit start=\"{}\" length=\"13\"/><{p}Parameter name=\":MG4:NoOfBones\" start=\"{}\" length=\"10\">\
-             <{p}Value xsi:type=\"b10\"> {bones}</{p}Value></{p}Parameter><{p}gBSDUnit start=\"{}\" length=\"10\"/></{p}gBSDUnit>\n\
-             <{p}gBSDUnit syntacticalLabel=\":MG4:BoneSegment\" start=\"{segment}\" length=\"{}\">{inner}</{p}gBSDUnit>\
-             <{p}gBSDUnit syntacticalLabel=\":MG4:BBAPlaneEnd\" start=\"{end}\" length=\"32\"/></{p}gBSDUnit>",
-            at - start,
-            start + 49,
-            start + 49,
-            start + 62,
-            start + 72,
-            end - segment
-        )
-        .unwrap();
-        bits.resize((at) as usize, 0);
-        for bit in &mut bits[start as usize..] {
-            *bit = dice.roll(2) as u8;
-        }
-        let mut set = |from: u64, count: u64, value: u64| {
-            for place in 0..count {
-                bits[(from + count - 1 - place) as usize] = (value >> place & 1) as u8;
-            }
-        };
-        set(start + 62, 10, bones as u64);
-        set(end - padding, padding, padding);
-    }
-    out.push_str("</Description></DIA>");
-    let bytes = bits
-        .chunks(8)
-        .map(|eight| eight.iter().fold(0, |byte, bit| byte << 1 | bit));
-    (out, bytes.collect())
 }
 
 #[test]

@@ -205,7 +205,7 @@ fn no_mutation_of_a_description_panics() {
             readers(bytes, &LIMITS).iter().any(Result::is_ok)
         });
         for bytes in cut_off(document.as_bytes()).step_by(13) {
-            for said in readers(&bytes, &LIMITS).into_iter().filter_map(Result::err) {
+            for said in readers(bytes, &LIMITS).into_iter().filter_map(Result::err) {
                 assert_eq!(said.lines().count(), 1);
             }
         }

@@ -3,9 +3,11 @@
 //!
 //! Source: ISO/IEC 21000-7 (transformation of a description), thesis 3.1.1 and annex B.
 
+use super::edits::{Edit, apply, close_of};
 use super::literal;
 use super::names;
 use super::parse::{Item, Parsed};
+use super::parts;
 use super::selection::Selection;
 use crate::description::xml::{Namespace, escape, whole};
 use crate::error::StreamError;
@@ -51,25 +53,6 @@ pub fn adapt_gbsd(
     plan.places()?;
     plan.edits()?;
     Ok(apply(parsed.document.source, plan.edits))
-}
-
-/// A place of the text and what stands there instead.
-pub(super) type Edit = (Range<usize>, String);
-
-/// Puts edits into a text; those that lie in others, which come before them, are left out.
-pub(super) fn apply(source: &str, mut edits: Vec<Edit>) -> String {
-    edits.sort_by_key(|(place, _)| place.start);
-    let mut out = String::with_capacity(source.len());
-    let mut at = 0;
-    for (place, text) in edits {
-        if place.start >= at {
-            out.push_str(&source[at..place.start]);
-            out.push_str(&text);
-            at = place.end;
-        }
-    }
-    out.push_str(&source[at..]);
-    out
 }
 
 struct Plan<'a> {
@@ -339,19 +322,17 @@ impl<'a> Plan<'a> {
 
     fn set_value(&mut self, number: usize, value: u64) -> Result<(), StreamError> {
         let parsed = self.parsed;
-        let parts = self.parts(number)?;
-        let items = &parsed.items[number..number + parts];
+        let items = &parsed.items[number..number + self.parts(number)?];
         let widths: Vec<u32> = items
             .iter()
             .flat_map(|i| &i.parameter)
             .map(|p| p.width)
             .collect();
-        let values = split(value, &widths, parsed.own(number, "coding"));
+        let coding = parts::coding(parsed.own(number, "coding"));
+        let values = coding.and_then(|coding| parts::split(coding, value, &widths));
         let values = values.ok_or_else(|| {
-            parsed.bad(
-                number,
-                format!("{value} does not fit in its {widths:?} bits"),
-            )
+            let what = format!("{value} does not fit in its {widths:?} bits");
+            parsed.bad(number, what)
         })?;
         for (item, value) in items.iter().zip(values) {
             let Some(parameter) = item.parameter.as_ref().filter(|p| p.value != value) else {
@@ -466,31 +447,4 @@ fn level(markers: &[Marker]) -> Option<u32> {
 
 fn padding_at(bit: u64) -> u64 {
     (8 - bit % 8) % 8
-}
-
-/// Where the end tag of an element begins.
-pub(super) fn close_of(source: &str, span: &Range<usize>) -> usize {
-    source[span.clone()]
-        .rfind("</")
-        .map_or(span.end, |at| span.start + at)
-}
-
-/// The values of the parts of a number, by their bits; `None` if it does not fit.
-fn split(value: u64, widths: &[u32], coding: Option<&str>) -> Option<Vec<u64>> {
-    let mut left = value;
-    let mut parts = vec![0; widths.len()];
-    let last = widths.len().saturating_sub(1);
-    let order: Vec<usize> = match coding {
-        None | Some("bigEndian") => (0..widths.len()).rev().collect(),
-        _ => (0..widths.len()).collect(),
-    };
-    for place in order {
-        let is_varint = coding == Some("varint");
-        let width = if is_varint { 7 } else { widths[place] };
-        let more = if is_varint && place < last { 0x80 } else { 0 };
-        let mask = u64::MAX >> (64 - width.clamp(1, 64));
-        parts[place] = left & mask | more;
-        left = left.checked_shr(width).unwrap_or(0);
-    }
-    (left == 0).then_some(parts)
 }

@@ -1,6 +1,6 @@
 //! The transformation that the stylesheet printed in annex B of the thesis makes, with its faults.
 
-use super::adapt::{Edit, apply, close_of};
+use super::edits::{Edit, apply, close_of};
 use super::selection::Selection;
 use crate::description::xml::{Document, Namespace, escape};
 use crate::error::StreamError;
@@ -36,10 +36,10 @@ pub(super) fn adapt(
                 has_segment = true;
                 segment(&document, number, most, &mut edits);
             }
-            ("gBSDUnit", ":MG4:BoneMask" | ":MG4:BoneValue", _) => {
-                if !stays(&document, number, most) {
-                    edits.push((element.span.clone(), String::new()));
-                }
+            ("gBSDUnit", ":MG4:BoneMask" | ":MG4:BoneValue", _)
+                if !stays(&document, number, most) =>
+            {
+                edits.push((element.span.clone(), String::new()));
             }
             ("Parameter", _, ":MG4:NoOfBones") => {
                 if let Some(value) = document.child(number, "Value") {

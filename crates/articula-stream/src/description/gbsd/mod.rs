@@ -5,9 +5,11 @@
 //! thesis 3.1.1 and annex B.
 
 mod adapt;
+mod edits;
 mod literal;
 mod names;
 mod parse;
+mod parts;
 mod selection;
 mod stylesheet;
 mod to_bin;

@@ -2,8 +2,8 @@
 
 use super::names;
 use super::parse::Parsed;
+use super::parts;
 use super::to_bin::{Holes, to_bin};
-use crate::coding::Coding;
 use crate::description::xml::{Namespace, whole};
 use crate::error::StreamError;
 use crate::limits::DescriptionLimits;
@@ -327,14 +327,14 @@ impl<'a> Tree<'a> {
     fn field(&self, items: &[usize], meaning: Meaning) -> Result<(Field, usize), StreamError> {
         let parsed = self.parsed;
         let first = items[0];
-        let parts = parsed.own(first, "parts").map_or(Some(1), whole);
-        let parts = parts.filter(|parts| (1..=9).contains(parts));
-        let parts = parts
-            .and_then(|parts| items.get(..parts as usize))
+        let count = parsed.own(first, "parts").map_or(Some(1), whole);
+        let count = count.filter(|count| (1..=9).contains(count));
+        let items = count
+            .and_then(|count| items.get(..count as usize))
             .ok_or_else(|| parsed.bad(first, "vh:parts, expected the number of its Parameters"))?;
-        let mut found = Vec::with_capacity(parts.len());
+        let mut found = Vec::with_capacity(items.len());
         let mut end = parsed.items[first].bits.start;
-        for item in parts {
+        for item in items {
             let here = &parsed.items[*item];
             match &here.parameter {
                 Some(parameter) if here.bits.start == end => {
@@ -348,24 +348,21 @@ impl<'a> Tree<'a> {
                 }
             }
         }
-        let coding = match parsed.own(first, "coding") {
-            None | Some("bigEndian") => Coding::BigEndian,
-            Some("littleEndian") => Coding::LittleEndian,
-            Some("varint") => Coding::Varint,
-            Some(other) => {
-                let what = format!("vh:coding {other}, expected bigEndian, littleEndian or varint");
-                return Err(parsed.bad(first, what));
-            }
-        };
+        let told = parsed.own(first, "coding");
+        let coding = parts::coding(told).ok_or_else(|| {
+            let told = told.unwrap_or_default();
+            let what = format!("vh:coding {told}, expected bigEndian, littleEndian or varint");
+            parsed.bad(first, what)
+        })?;
         let field = Field {
             name: names::read_owned(parsed.label(first).unwrap_or_default()),
             bits: parsed.items[first].bits.start..end,
-            value: number(coding, &found)
+            value: parts::join(coding, &found)
                 .ok_or_else(|| parsed.bad(first, format!("parts that are no {coding:?} number")))?,
             coding,
             meaning,
         };
-        Ok((field, parts.len()))
+        Ok((field, items.len()))
     }
 
     /// Puts numbers of units in the place of their names.
@@ -383,29 +380,5 @@ impl<'a> Tree<'a> {
         unit.children
             .iter_mut()
             .try_for_each(|child| self.resolve(child))
-    }
-}
-
-/// The number of some parts, in bits and value; those of seven or eight bits are whole bytes.
-fn number(coding: Coding, parts: &[(u32, u64)]) -> Option<u64> {
-    let total: u32 = parts.iter().map(|part| part.0).sum();
-    let are_bytes = parts.iter().all(|part| part.0 == 8);
-    match coding {
-        Coding::BigEndian if total <= 64 => Some(parts.iter().fold(0, |value, part| {
-            value.checked_shl(part.0).unwrap_or(0) | part.1
-        })),
-        Coding::LittleEndian if are_bytes && total <= 64 => {
-            let from_the_top = parts.iter().rev();
-            Some(from_the_top.fold(0, |value, part| value << 8 | part.1))
-        }
-        Coding::Varint if are_bytes && total <= 72 => {
-            let last = parts.len() - 1;
-            if parts.iter().position(|part| part.1 & 0x80 == 0) != Some(last) {
-                return None;
-            }
-            let from_the_top = parts.iter().rev();
-            Some(from_the_top.fold(0, |value, part| value << 7 | part.1 & 0x7f))
-        }
-        _ => None,
     }
 }

@@ -1,6 +1,7 @@
 //! From a map to its gBSD.
 
 use super::names::{self, ACCESS_UNIT, Family};
+use super::parts;
 use crate::coding::Coding;
 use crate::description::xml::escape;
 use crate::unit::{Field, Marker, Meaning, Unit};
@@ -16,8 +17,6 @@ pub struct GbsdOptions {
     pub bitstream: Option<String>,
 }
 
-/// Bits of a value of the most common type that other programs know.
-const MOST_BITS: u64 = 32;
 /// Depth down to which elements have a line of their own: an access unit is one line.
 const LINES: usize = 2;
 
@@ -251,23 +250,28 @@ impl<'a> Writer<'a> {
         }
         self.filler(at..field.bits.start, depth);
         let name = self.family.written(&field.name).into_owned();
-        let parts = parts(field);
-        for (number, (bits, value)) in parts.iter().enumerate() {
+        let widths = parts::widths(field.coding, field.bits.end - field.bits.start);
+        // The map is checked, so that the number fits.
+        let values = parts::split(field.coding, field.value, &widths).unwrap_or_default();
+        let mut start = field.bits.start;
+        for (number, (width, value)) in widths.iter().zip(values).enumerate() {
+            let bits = start..start + u64::from(*width);
+            start = bits.end;
             self.out.push_str("<Parameter");
             self.attribute("name", &name)?;
-            self.place(bits);
+            self.place(&bits);
             if number > 0 {
                 let _ = write!(self.out, " vh:part=\"{number}\"");
             } else {
-                self.meaning(field, up, parts.len())?;
+                self.meaning(field, up, widths.len())?;
             }
-            self.value(bits.end - bits.start, *value);
+            self.value(u64::from(*width), value);
             self.line(depth);
         }
         Ok(field.bits.end)
     }
 
-    fn meaning(&mut self, field: &Field, up: usize, parts: usize) -> Result<(), Mismatch> {
+    fn meaning(&mut self, field: &Field, up: usize, count: usize) -> Result<(), Mismatch> {
         match &field.meaning {
             Meaning::BytesAfter => self.out.push_str(" vh:bytesAfter=\"true\""),
             Meaning::BytesOf(number) => {
@@ -281,43 +285,11 @@ impl<'a> Writer<'a> {
         if up > 0 {
             let _ = write!(self.out, " vh:up=\"{up}\"");
         }
-        let coding = match field.coding {
-            Coding::BigEndian if parts == 1 => return Ok(()),
-            Coding::BigEndian => "bigEndian",
-            Coding::LittleEndian => "littleEndian",
-            Coding::Varint => "varint",
-        };
-        let _ = write!(self.out, " vh:coding=\"{coding}\" vh:parts=\"{parts}\"");
+        if field.coding == Coding::BigEndian && count == 1 {
+            return Ok(());
+        }
+        let coding = parts::name(field.coding);
+        let _ = write!(self.out, " vh:coding=\"{coding}\" vh:parts=\"{count}\"");
         Ok(())
     }
-}
-
-/// The parts of a number that are unsigned numbers of at most 32 bits, most significant bit first.
-pub(super) fn parts(field: &Field) -> Vec<(Range<u64>, u64)> {
-    let bits = &field.bits;
-    let count = bits.end - bits.start;
-    let mut parts = Vec::new();
-    let mut at = bits.start;
-    while at < bits.end {
-        let width = match field.coding {
-            Coding::BigEndian => (count - 1 - (at - bits.start)) % MOST_BITS + 1,
-            Coding::LittleEndian | Coding::Varint => 8,
-        };
-        let place = parts.len() as u64;
-        let value = match field.coding {
-            Coding::BigEndian => field.value >> (bits.end - at - width),
-            Coding::LittleEndian => field.value >> (8 * place),
-            // A number of nine bytes has 63 bits.
-            Coding::Varint => field.value.checked_shr(7 * place as u32).unwrap_or(0),
-        };
-        let value = match field.coding {
-            Coding::BigEndian => value & ((1 << width) - 1),
-            Coding::LittleEndian => value & 0xff,
-            Coding::Varint if at + 8 < bits.end => value & 0x7f | 0x80,
-            Coding::Varint => value & 0x7f,
-        };
-        parts.push((at..at + width, value));
-        at += width;
-    }
-    parts
 }
