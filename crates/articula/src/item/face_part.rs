@@ -1,8 +1,9 @@
 //! Motions of the face of an item: AFP-2 streams by level and tier, with their errors on this head.
 
 use super::files::NewFiles;
+use super::governed::charge;
 use super::motion_error::measured;
-use super::motion_part::{charge, keep, kept, without_units};
+use super::motion_part::{keep, kept, without_units};
 use super::options::FaceMotion;
 use super::part::{ItemLayer, ItemPart, PartKind, RegionEntry};
 use crate::error::{Context, Result};

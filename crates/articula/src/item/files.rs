@@ -1,8 +1,8 @@
 //! An item: its manifest and files, whole or cut.
 
 use super::check;
+use super::governed::{Governed, charge, numbers_of_regions};
 use super::manifest::Manifest;
-use super::motion_part::charge;
 use super::name::check_name;
 use super::part::{ItemLayer, ItemPart, PartKind};
 use crate::error::{Context, Error, Result};
@@ -10,7 +10,7 @@ use articula_formats::{Limits, Resolver};
 use articula_stream::abp2::motion_map;
 use articula_stream::mesh::MeshStream;
 use articula_stream::{StreamKind, StreamLimits, Unit, cut, read_index, write_index};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Name of the manifest's file.
 pub const MANIFEST: &str = "manifest.json";
@@ -202,48 +202,6 @@ impl Item {
     }
 }
 
-/// Which units a choice of layers keeps.
-///
-/// A unit belongs to the layers whose markers it has: of each scheme that both have, the same value.
-/// It is kept if it belongs to a kept layer, or has no marker of any layer.
-pub(super) struct Governed<'a> {
-    schemes: BTreeSet<&'a str>,
-    kept: Vec<&'a ItemLayer>,
-}
-
-impl<'a> Governed<'a> {
-    pub(super) fn of(part: &'a ItemPart, kept: &[bool]) -> Self {
-        let layers = part.layers.iter();
-        Self {
-            schemes: layers
-                .clone()
-                .flat_map(|l| l.keep.keys())
-                .map(String::as_str)
-                .collect(),
-            kept: layers
-                .zip(kept)
-                .filter(|(_, kept)| **kept)
-                .map(|(l, _)| l)
-                .collect(),
-        }
-    }
-
-    pub(super) fn keeps(&self, unit: &Unit) -> bool {
-        let mut markers = unit.markers.iter();
-        if !markers.any(|m| self.schemes.contains(m.scheme.as_ref())) {
-            return true;
-        }
-        self.kept.iter().any(|layer| belongs(unit, layer))
-    }
-}
-
-/// Whether a unit belongs to a layer.
-pub(super) fn belongs(unit: &Unit, layer: &ItemLayer) -> bool {
-    let differs =
-        |(scheme, value): (&String, &u32)| unit.marker(scheme).is_some_and(|v| v != *value);
-    !layer.keep.iter().any(differs)
-}
-
 /// The part with some layers, numbered anew.
 fn with_layers(part: &ItemPart, kept: &[bool]) -> ItemPart {
     let mut numbers = Vec::with_capacity(kept.len());
@@ -283,15 +241,6 @@ fn sizes(
     let mut made = with_layers(part, kept);
     made.bytes = made.bytes_of(&vec![true; made.layers.len()]);
     (!made.layers.is_empty()).then_some(made)
-}
-
-/// Numbers of the regions that units of a stream have.
-fn numbers_of_regions(unit: &Unit) -> BTreeSet<u32> {
-    let mut numbers = BTreeSet::new();
-    unit.visit(&mut |unit| {
-        numbers.extend(unit.marker("region").or_else(|| unit.marker("face_region")));
-    });
-    numbers
 }
 
 /// Files of an item that is being made.

@@ -3,7 +3,8 @@
 
 use super::decoded_mesh::{DecodedMeshes, decoded};
 use super::files::NewFiles;
-use super::motion_part::{charge, keep};
+use super::governed::charge;
+use super::motion_part::keep;
 use super::options::PackageOptions;
 use super::part::{ItemLayer, ItemPart, MeshLevelEntry, PartKind, RegionEntry};
 use crate::error::{Context, Result};
@@ -39,6 +40,93 @@ enum CutOf {
     },
 }
 
+/// The cuts whose errors are measured: all levels, and each region at each of its own levels beside
+/// others at the finest and at the coarsest of these.
+fn wanted(count: usize, base: usize, regions: &BTreeSet<u32>) -> Vec<CutOf> {
+    let mut wanted: Vec<CutOf> = (0..count).map(CutOf::Level).collect();
+    for region in regions {
+        for level in 0..base {
+            let mix = |others| CutOf::Region {
+                region: *region,
+                level,
+                others,
+            };
+            wanted.extend([mix(0), mix(base)]);
+        }
+    }
+    wanted
+}
+
+/// Cuts with their errors.
+struct Measured {
+    cuts: Vec<Cut>,
+    distances: Vec<LevelDistances>,
+}
+
+impl Measured {
+    fn found(&self, of: CutOf) -> Option<(&Cut, &LevelDistances)> {
+        let found = self.cuts.iter().position(|cut| cut.of == of);
+        found.map(|i| (&self.cuts[i], &self.distances[i]))
+    }
+
+    /// The layer that makes a cut of what it needs; `None` if the cut was not measured.
+    fn layer(&self, of: CutOf, name: String, markers: &[(&str, u32)]) -> Option<ItemLayer> {
+        let (cut, distances) = self.found(of)?;
+        Some(ItemLayer {
+            name,
+            keep: keep(markers),
+            error_m: greatest(distances),
+            error_mean_m: Some(f64::from(distances.motion.mean_metres)),
+            triangles: Some(cut.triangles.len() as u64),
+            vertices: Some(vertices(&cut.triangles)),
+            ..ItemLayer::default()
+        })
+    }
+
+    /// The layers: levels of all regions at once, coarsest first, then those of each region.
+    fn layers(
+        &self,
+        count: usize,
+        base: usize,
+        regions: &BTreeSet<u32>,
+        names: &[String],
+    ) -> Vec<ItemLayer> {
+        let mut layers = Vec::new();
+        for (i, level) in (base..count).rev().enumerate() {
+            let name = format!("level {level}");
+            let layer = self.layer(CutOf::Level(level), name, &[("level", level as u32)]);
+            layers.extend(layer.map(|layer| ItemLayer {
+                needs: i.checked_sub(1).into_iter().collect(),
+                ..layer
+            }));
+        }
+        let combined = count - base;
+        for (r, region) in regions.iter().enumerate() {
+            for (step, level) in (0..base).rev().enumerate() {
+                let below = match step {
+                    0 => combined - 1,
+                    _ => combined + r * base + step - 1,
+                };
+                let of = |others| CutOf::Region {
+                    region: *region,
+                    level,
+                    others,
+                };
+                let alone = self.found(of(0)).map(|(_, distances)| greatest(distances));
+                let name = format!("level {level}, {}", region_name(names, *region));
+                let markers = [("level", level as u32), ("region", *region)];
+                let layer = self.layer(of(base), name, &markers);
+                layers.extend(layer.map(|layer| ItemLayer {
+                    needs: vec![below],
+                    error_alone_m: alone,
+                    ..layer
+                }));
+            }
+        }
+        layers
+    }
+}
+
 /// Adds the stream of a character's mesh levels, and measures its layers.
 pub(super) fn part(
     figure: &Figure,
@@ -60,86 +148,19 @@ pub(super) fn part(
     } else {
         0
     };
-    let mut wanted: Vec<CutOf> = (0..count).map(CutOf::Level).collect();
-    for region in &regions {
-        for level in 0..base {
-            let mix = |others| CutOf::Region {
-                region: *region,
-                level,
-                others,
-            };
-            wanted.extend([mix(0), mix(base)]);
-        }
-    }
-    let cuts: Vec<Cut> = wanted.iter().map(|of| shown.cut(*of)).collect();
+    let cuts: Vec<Cut> = wanted(count, base, &regions)
+        .into_iter()
+        .map(|of| shown.cut(of))
+        .collect();
     work.step(WHAT, 0, 1)?;
     let (distances, poses) = shown.measured(figure, &cuts)?;
     work.step(WHAT, 1, 1)?;
-    let found = |of: CutOf| {
-        cuts.iter()
-            .position(|cut| cut.of == of)
-            .map(|i| (&cuts[i], &distances[i]))
-    };
-
-    let mut layers: Vec<ItemLayer> = Vec::new();
-    let mut add = |of: CutOf, name: String, markers: &[(&str, u32)], needs: Vec<usize>, alone| {
-        let Some((cut, distances)) = found(of) else {
-            return;
-        };
-        layers.push(ItemLayer {
-            name,
-            keep: keep(markers),
-            needs,
-            error_m: greatest(distances),
-            error_mean_m: Some(f64::from(distances.motion.mean_metres)),
-            error_alone_m: alone,
-            triangles: Some(cut.triangles.len() as u64),
-            vertices: Some(vertices(&cut.triangles)),
-            ..ItemLayer::default()
-        });
-    };
-    let mut last = None;
-    for (i, level) in (base..count).rev().enumerate() {
-        let needs = last.into_iter().collect();
-        add(
-            CutOf::Level(level),
-            format!("level {level}"),
-            &[("level", level as u32)],
-            needs,
-            None,
-        );
-        last = Some(i);
-    }
-    let combined = count - base;
-    for (r, region) in regions.iter().enumerate() {
-        for (step, level) in (0..base).rev().enumerate() {
-            let below = match step {
-                0 => combined - 1,
-                _ => combined + r * base + step - 1,
-            };
-            let of = CutOf::Region {
-                region: *region,
-                level,
-                others: base,
-            };
-            let alone = CutOf::Region {
-                region: *region,
-                level,
-                others: 0,
-            };
-            let alone = found(alone).map(|(_, distances)| greatest(distances));
-            let name = format!(
-                "level {level}, {}",
-                region_name(table.regions.as_slice(), *region)
-            );
-            let markers = [("level", level as u32), ("region", *region)];
-            add(of, name, &markers, vec![below], alone);
-        }
-    }
+    let measured = Measured { cuts, distances };
+    let mut layers = measured.layers(count, base, &regions, &table.regions);
     let base_bytes = charge(&unit, &mut layers, bytes.len());
     let whole = bytes.len() as u64;
     let levels = (0..count).filter_map(|level| {
-        let (cut, distances) = found(CutOf::Level(level))?;
+        let (cut, distances) = measured.found(CutOf::Level(level))?;
         Some(MeshLevelEntry {
             level: level as u32,
             triangles: cut.triangles.len() as u64,

@@ -18,6 +18,7 @@
 //! - `mesh_part`, `motion_part`, `face_part`, `texture_part`, `flat`: its parts, with measured errors
 //! - `motion_error`: the error of motions at the skin
 //! - `manifest`, `part`, `check`: what an item holds, as JSON
+//! - `governed`: which units belong to which layers
 //! - `name`, `files`: names of files, and the item itself
 //! - `adapt`: from an item to one that a context asks for
 //! - `decoded_mesh`, `assemble`: from an item to a character
@@ -48,6 +49,7 @@ mod face_part;
 mod figure;
 mod files;
 mod flat;
+mod governed;
 mod manifest;
 mod mesh_part;
 mod motion_error;

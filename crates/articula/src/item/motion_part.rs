@@ -1,6 +1,7 @@
 //! Motions of an item: ABP-2 streams by level of articulation, region and tier.
 
 use super::files::NewFiles;
+use super::governed::charge;
 use super::motion_error::measured;
 use super::part::{ItemLayer, ItemPart, PartKind, RegionEntry};
 use crate::error::{Context, Result};
@@ -142,31 +143,4 @@ pub(super) fn keep(markers: &[(&str, u32)]) -> BTreeMap<String, u32> {
         .iter()
         .map(|(scheme, value)| ((*scheme).to_owned(), *value));
     owned.collect()
-}
-
-/// Sets the bytes of layers: each outermost unit that belongs to a layer counts for the first one.
-/// Returns the bytes of the stream that no layer has.
-pub(super) fn charge(unit: &Unit, layers: &mut [ItemLayer], bytes: usize) -> u64 {
-    let schemes: BTreeSet<String> = layers.iter().flat_map(|l| l.keep.keys().cloned()).collect();
-    let mut open = vec![unit];
-    let mut charged = 0;
-    while let Some(unit) = open.pop() {
-        let is_governed = unit
-            .markers
-            .iter()
-            .any(|m| schemes.contains(m.scheme.as_ref()));
-        // What has parts is left out with the last of them.
-        if !is_governed || !unit.children.is_empty() {
-            open.extend(&unit.children);
-            continue;
-        }
-        let of = layers
-            .iter_mut()
-            .find(|layer| super::files::belongs(unit, layer));
-        if let Some(layer) = of {
-            layer.bytes += unit.bytes();
-            charged += unit.bytes();
-        }
-    }
-    (bytes as u64).saturating_sub(charged)
 }

@@ -160,7 +160,7 @@ impl ItemPart {
     /// Returns the first kept layer that needs one which is not kept.
     pub(super) fn unmet(&self, kept: &[bool]) -> Option<usize> {
         let has = |i: &usize| kept.get(*i) == Some(&true);
-        (0..self.layers.len()).find(|i| has(i) && !self.layers[*i].needs.iter().all(|n| has(n)))
+        (0..self.layers.len()).find(|i| has(i) && !self.layers[*i].needs.iter().all(&has))
     }
 
     /// Returns for each layer whether it is one of these, or one of these needs it, directly or not.

@@ -47,25 +47,44 @@ fn bits(mask: &str, first: u32) -> String {
     })
 }
 
+/// All tokens of a unit, each between spaces.
+const MARKERS: &str = "concat(' ', normalize-space(@marker), ' ')";
+
+/// Whether a unit has a token.
+fn has(token: &str) -> String {
+    format!("contains({MARKERS}, ' {token}:')")
+}
+
+/// The text of a token's value.
+fn text(token: &str) -> String {
+    format!("substring-before(substring-after({MARKERS}, ' {token}:'), ' ')")
+}
+
+fn number(token: &str) -> String {
+    format!("number({})", text(token))
+}
+
+/// A list of words, each between spaces.
+fn list(name: &str) -> String {
+    format!("concat(' ', normalize-space({name}), ' ')")
+}
+
+/// Whether a list has the value of a token.
+fn listed(token: &str, list: &str) -> String {
+    format!("contains({list}, concat(' ', {}, ' '))", text(token))
+}
+
 /// Whether a unit stays by its markers, as [`super::Selection::keeps`].
 fn keep() -> String {
-    let markers = "concat(' ', normalize-space(@marker), ' ')";
-    let has = |token: &str| format!("contains({markers}, ' {token}:')");
-    let text =
-        |token: &str| format!("substring-before(substring-after({markers}, ' {token}:'), ' ')");
-    let number = |token: &str| format!("number({})", text(token));
-    let listed =
-        |token: &str, list: &str| format!("contains({list}, concat(' ', {}, ' '))", text(token));
-    let list = |name: &str| format!("concat(' ', normalize-space({name}), ' ')");
-    // Of a parameter, level and region are those of the face.
-    let levels = |loa: &str, region: &str| {
-        format!(
-            "{} &lt;= number(substring($faceLevels, {} + 1, 1))",
-            number(loa),
-            number(region)
-        )
-    };
-    let clauses = [
+    let clauses = body().into_iter().chain(mesh()).chain(face());
+    let all: Vec<String> = clauses.map(|clause| format!("({clause})")).collect();
+    format!("not(@marker) or {}", all.join(" and "))
+}
+
+/// Of a parameter, level and region are those of the face, and the region of a mesh has another
+/// numbering.
+fn body() -> [String; 4] {
+    [
         format!(
             "$nLayersOut = '' or not({}) or {} or {} &lt;= $nLayersOut",
             has("L"),
@@ -89,19 +108,37 @@ fn keep() -> String {
             has("T"),
             number("T")
         ),
+    ]
+}
+
+fn mesh() -> [String; 2] {
+    let pairs = list("$meshLevels");
+    let region = format!("concat(' ', {}, ':')", text("R"));
+    [
         format!(
             "$meshLevelOut = '' or not({}) or {} &gt;= $meshLevelOut",
             has("M"),
             number("M")
         ),
         format!(
-            "$meshLevels = '' or not({has_m} and {has_r}) or not(contains({pairs}, {region})) or {level} &gt;= number(substring-before(substring-after({pairs}, {region}), ' '))",
-            has_m = has("M"),
-            has_r = has("R"),
-            pairs = list("$meshLevels"),
-            region = format_args!("concat(' ', {}, ':')", text("R")),
-            level = number("M")
+            "$meshLevels = '' or not({} and {}) or not(contains({pairs}, {region})) \
+             or {} &gt;= number(substring-before(substring-after({pairs}, {region}), ' '))",
+            has("M"),
+            has("R"),
+            number("M")
         ),
+    ]
+}
+
+fn face() -> [String; 5] {
+    let levels = |loa: &str, region: &str| {
+        format!(
+            "{} &lt;= number(substring($faceLevels, {} + 1, 1))",
+            number(loa),
+            number(region)
+        )
+    };
+    [
         format!(
             "$fapsOut = '' or not({}) or {}",
             has("P"),
@@ -133,7 +170,5 @@ fn keep() -> String {
             has("FR"),
             levels("FL", "FR")
         ),
-    ];
-    let all: Vec<String> = clauses.iter().map(|clause| format!("({clause})")).collect();
-    format!("not(@marker) or {}", all.join(" and "))
+    ]
 }

@@ -1,6 +1,6 @@
 //! Meshes of an item: a level for each region, where regions may differ.
 
-use super::parts::OptionOfPart;
+use super::option_of_part::OptionOfPart;
 use crate::item::part::{ItemLayer, ItemPart};
 use articula_stream::decide::PartOption;
 use std::collections::BTreeMap;

@@ -8,21 +8,23 @@
 //! ```
 //!
 //! - `options`: what a caller may ask for beyond the context
-//! - `parts`, `mesh`, `motion`, `texture`: the parts of an item as those of a decision
+//! - `option_of_part`, `parts`, `mesh`, `motion`, `texture`: the parts of an item as those of a decision
 //! - `regions`: leaving out regions of body and face
 //! - `decision`: from a context to the request of a decision, and its answer
 
 mod decision;
 mod mesh;
 mod motion;
+mod option_of_part;
 mod options;
 mod parts;
 mod regions;
 mod texture;
 
 pub use decision::{ItemDecision, decide};
+pub use option_of_part::PartLayers;
 pub use options::AdaptOptions;
-pub use parts::{ItemParts, PartLayers};
+pub use parts::ItemParts;
 
 use super::files::Item;
 use super::manifest::FlatEntry;

@@ -1,7 +1,7 @@
 //! Motions of an item: all of one kind get the same level of articulation and tier, since one of them
 //! plays at a time.
 
-use super::parts::OptionOfPart;
+use super::option_of_part::OptionOfPart;
 use crate::item::part::{ItemLayer, ItemPart};
 use articula_stream::decide::{MAX_OPTIONS, PartOption};
 use std::collections::BTreeSet;

@@ -1,15 +1,12 @@
 //! The parts of an item as those of a decision: options, and the layers that each keeps.
 
+use super::option_of_part::{OptionOfPart, PartLayers};
 use super::options::AdaptOptions;
 use super::{mesh, motion, texture};
 use crate::item::files::Item;
 use crate::item::part::PartKind as ItemKind;
 use articula_stream::decide::{Part, PartKind};
 use articula_stream::description::Context;
-
-/// Layers of the parts of an item that an option keeps: index of the part, and for each of its layers
-/// whether it is kept.
-pub type PartLayers = Vec<(usize, Vec<bool>)>;
 
 /// The parts of an item as those of a decision.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,10 +61,4 @@ impl ItemParts {
         self.parts.push(Part::new(name, kind, options));
         self.layers.push(layers);
     }
-}
-
-/// An option with the layers that it keeps.
-pub(super) struct OptionOfPart {
-    pub(super) option: articula_stream::decide::PartOption,
-    pub(super) layers: PartLayers,
 }

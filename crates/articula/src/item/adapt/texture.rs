@@ -1,6 +1,6 @@
 //! Textures of an item: all at one greatest size.
 
-use super::parts::OptionOfPart;
+use super::option_of_part::OptionOfPart;
 use crate::item::part::{ItemLayer, ItemPart, TextureView};
 use articula_stream::decide::{MAX_OPTIONS, PartOption};
 use std::collections::BTreeSet;
