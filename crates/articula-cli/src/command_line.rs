@@ -1,7 +1,7 @@
 //! The top level of the command line.
 
 use crate::commands::{
-    build, completions, convert, crowd, demo, flatten, human, inspect, lod, package,
+    adapt, build, completions, convert, crowd, demo, flatten, human, inspect, lod, package,
 };
 use crate::console::{Answer, Console, Progress};
 use articula::fs::Existing;
@@ -74,6 +74,8 @@ pub(crate) enum Command {
     Flatten(flatten::FlattenArgs),
     /// Package a character as a digital item: a folder of streams that can be cut, with their errors
     Package(package::PackageArgs),
+    /// Cut a digital item to what network, device, viewer and view allow, with the least visible error
+    Adapt(adapt::AdaptArgs),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArgs),
 }

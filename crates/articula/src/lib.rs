@@ -18,7 +18,7 @@
 //! Entry points:
 //!
 //! - [`fs::open`], [`open()`], [`CharacterFile`]: reads GLB, glTF, VRM, VRMA, BVH, ASF and AMC,
-//!   BVA, X3D, BAP and ABP files into one editable [`Character`](articula_core::source::Character), with
+//!   BVA, X3D, BAP, ABP and MP4 files into one editable [`Character`](articula_core::source::Character), with
 //!   the data needed to write them back; [`CharacterFile::add_clips`] adds the motions of other
 //!   files
 //! - [`Figure`]: rig, mesh and clips in the form that a frame reads

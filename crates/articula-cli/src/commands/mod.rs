@@ -1,5 +1,6 @@
 //! One module per command; a command reads files, calls the libraries and prints the result.
 
+pub(crate) mod adapt;
 pub(crate) mod build;
 pub(crate) mod completions;
 pub(crate) mod convert;
@@ -27,6 +28,7 @@ pub(crate) fn run(command: &Command, console: &Console) -> anyhow::Result<()> {
         Command::Crowd(args) => crowd::run(args, console),
         Command::Flatten(args) => flatten::run(args, console),
         Command::Package(args) => package::run(args, console),
+        Command::Adapt(args) => adapt::run(args, console),
         Command::Completions(args) => completions::run(args, CommandLine::command(), console),
     }
 }

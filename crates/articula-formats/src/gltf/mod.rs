@@ -19,6 +19,7 @@
 //! - `prepared`: the extension `ARTICULA_prepared`
 //! - `face`: the extension `ARTICULA_face`
 //! - `append`, `arrays`, `clips`, `bounds`, `prune`, `samplers`, `unit`: changes to a document
+//! - `joints`, `renumbered_skin`: joints that are inserted and removed
 //! - `fresh`, `geometry`: a new document from a character
 //! - `exchange`, `plain_textures`: a document without geometry and pictures, and with others
 //! - `weight`: size of meshes in bytes
@@ -44,6 +45,7 @@ mod face;
 mod fresh;
 mod geometry;
 mod influences;
+mod joints;
 mod khr_character;
 mod lod;
 mod material;
@@ -60,6 +62,7 @@ mod prepared;
 mod primitive;
 mod prune;
 mod reader;
+mod renumbered_skin;
 mod samplers;
 mod single_weights;
 mod skeleton;
@@ -74,6 +77,7 @@ pub use clustered::{MeshParts, PartLevels};
 pub use document::Document;
 pub use exchange::{MeshGeometry, placeholder};
 pub use face::{StoredFace, StoredPoint};
+pub use joints::{NewJoint, OldJoint};
 pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
 pub use prepared::{PreparedEntry, PreparedHeader, PreparedState};
 pub use vrm::PassThrough;

@@ -8,7 +8,7 @@ use crate::error::{Context, Error, Result};
 use crate::face::fit_face;
 use crate::open::{CharacterFile, OpenOptions, open};
 use crate::streams::abp2::{decode, raw_clip};
-use crate::streams::{StreamKind, afp1, afp2, sniff, stream_limits};
+use crate::streams::{StreamKind, afp1, afp2, stream_limits};
 use articula_core::Rig;
 use articula_core::source::{Primitive, RawClip};
 use articula_formats::gltf::MeshGeometry;
@@ -126,7 +126,7 @@ fn largest(part: &ItemPart) -> Option<&String> {
 /// The parameters of a face stream.
 fn faps(bytes: &[u8], limits: &articula_stream::StreamLimits) -> Result<FapClip> {
     let options = FaceReadOptions::default();
-    match sniff(bytes) {
+    match StreamKind::of(bytes) {
         Some(StreamKind::Afp1) => afp1::read(bytes, &options, limits),
         Some(StreamKind::Afp2) => afp2::read(bytes, &options, limits),
         _ => Err(Error::unsuited(

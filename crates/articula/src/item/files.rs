@@ -2,14 +2,14 @@
 
 use super::check;
 use super::manifest::Manifest;
+use super::motion_part::charge;
 use super::name::check_name;
 use super::part::{ItemLayer, ItemPart, PartKind};
 use crate::error::{Context, Error, Result};
-use crate::streams::{StreamKind, sniff};
 use articula_formats::{Limits, Resolver};
 use articula_stream::abp2::motion_map;
 use articula_stream::mesh::MeshStream;
-use articula_stream::{StreamLimits, Unit, cut, read_index, write_index};
+use articula_stream::{StreamKind, StreamLimits, Unit, cut, read_index, write_index};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Name of the manifest's file.
@@ -118,6 +118,46 @@ impl Item {
                 None => sizes(part, &kept, &mut made.files),
             };
             made.manifest.parts.extend(cut);
+        }
+        Ok(made)
+    }
+
+    /// Returns the item without its forms in 2D.
+    #[must_use]
+    pub fn without_flat(&self) -> Self {
+        let mut made = self.clone();
+        for form in std::mem::take(&mut made.manifest.flat) {
+            made.files.remove(&form.file);
+        }
+        made
+    }
+
+    /// Returns the item without some units of its streams, whatever layers they belong to, such as those
+    /// of regions that nobody wants. The bytes of layers follow; their errors stay, and so do not count
+    /// what is left out.
+    ///
+    /// # Errors
+    /// As [`Self::kept`].
+    pub fn without_units(&self, drops: impl Fn(&ItemPart, &Unit) -> bool) -> Result<Self> {
+        let mut made = self.clone();
+        for part in &mut made.manifest.parts {
+            let (Some(file), Some(index)) = (part.file.clone(), part.index.clone()) else {
+                continue;
+            };
+            let missing = || Error::unsuited("the item lacks this file");
+            let stream = self.file(&file).ok_or_else(missing).context(&file)?;
+            let unit = self.unit(part, stream).context(&file)?;
+            let cut = cut(stream, &unit, |unit| !drops(part, unit)).context(&file)?;
+            if cut.bytes.len() == stream.len() {
+                continue;
+            }
+            let left = numbers_of_regions(&cut.unit);
+            part.regions.retain(|region| left.contains(&region.number));
+            part.layers.iter_mut().for_each(|layer| layer.bytes = 0);
+            part.base_bytes = charge(&cut.unit, &mut part.layers, cut.bytes.len());
+            part.bytes = cut.bytes.len() as u64;
+            made.files.insert(index, write_index(&cut.unit));
+            made.files.insert(file, cut.bytes);
         }
         Ok(made)
     }
@@ -245,6 +285,15 @@ fn sizes(
     (!made.layers.is_empty()).then_some(made)
 }
 
+/// Numbers of the regions that units of a stream have.
+fn numbers_of_regions(unit: &Unit) -> BTreeSet<u32> {
+    let mut numbers = BTreeSet::new();
+    unit.visit(&mut |unit| {
+        numbers.extend(unit.marker("region").or_else(|| unit.marker("face_region")));
+    });
+    numbers
+}
+
 /// Files of an item that is being made.
 #[derive(Debug, Default)]
 pub(super) struct NewFiles(pub(super) BTreeMap<String, Vec<u8>>);
@@ -279,7 +328,7 @@ impl NewFiles {
 /// The unit tree of a stream of an item, made from its bytes.
 fn unit_of(part: &ItemPart, stream: &[u8]) -> Result<Unit> {
     let limits = StreamLimits::default();
-    Ok(match (part.kind, sniff(stream)) {
+    Ok(match (part.kind, StreamKind::of(stream)) {
         (PartKind::Mesh, _) => MeshStream::open(stream, &limits)?.unit(),
         (_, Some(StreamKind::Abp1)) => articula_stream::abp1::unit(stream, &limits)?,
         (_, Some(StreamKind::Afp1)) => articula_stream::afp1::unit(stream, &limits)?,

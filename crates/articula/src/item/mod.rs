@@ -7,6 +7,7 @@
 //! ```text
 //! CharacterFile ─ package ─▶ Item: files by name, Manifest
 //! Item ─ Item::kept ─▶ Item: fewer layers, cut by unit tree alone
+//! Item, Context ─ decide ─▶ ItemDecision ─ adapt ─▶ AdaptedItem: what is sent in a context
 //! Item ─ assemble ─▶ CharacterFile: what the item holds, whole or cut
 //! ```
 //!
@@ -18,6 +19,7 @@
 //! - `motion_error`: the error of motions at the skin
 //! - `manifest`, `part`, `check`: what an item holds, as JSON
 //! - `name`, `files`: names of files, and the item itself
+//! - `adapt`: from an item to one that a context asks for
 //! - `decoded_mesh`, `assemble`: from an item to a character
 //!
 //! ```no_run
@@ -38,6 +40,7 @@
 //! # }
 //! ```
 
+mod adapt;
 mod assemble;
 mod check;
 mod decoded_mesh;
@@ -55,6 +58,7 @@ mod package;
 mod part;
 mod texture_part;
 
+pub use adapt::{AdaptOptions, AdaptedItem, ItemDecision, ItemParts, PartLayers, adapt, decide};
 pub use assemble::assemble;
 pub use files::{INDEX_EXTENSION, Item, MANIFEST};
 pub use manifest::{FigureEntry, FlatEntry, Manifest, WholeFile};

@@ -16,8 +16,10 @@ mod face_errors;
 mod face_joints;
 mod faces;
 mod items;
+mod joint_schemes;
 mod kept_faces;
 mod mesh_levels;
+mod mp4;
 mod prepared;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;

@@ -3,6 +3,7 @@
 use super::ConvertArgs;
 use crate::fault;
 use crate::files::{self, Files};
+use crate::open;
 use anyhow::{Context, bail};
 use articula::{DataFormat, Format};
 use std::collections::HashMap;
@@ -192,6 +193,10 @@ fn inside(folder: &Path, with_faces: bool) -> anyhow::Result<Vec<Input>> {
     let mut paths = files::in_folder(folder).with_context(place)?;
     let is_face = |path: &Path| files::data_format(path).is_some_and(DataFormat::animates_a_face);
     paths.retain(|path| files::format(path).is_some() || with_faces && is_face(path));
+    // Videos have the names of MP4 files with streams.
+    let has_none =
+        |path: &Path| open::streams_in(path).is_ok_and(|s| s.is_some_and(|s| s.is_empty()));
+    paths.retain(|path| !has_none(path));
     // In a folder with motions, skeleton files are not inputs themselves.
     let is = |path: &PathBuf, format| files::format(path) == Some(format);
     if paths.iter().any(|path| is(path, Format::Amc)) {

@@ -8,6 +8,7 @@ mod item;
 mod joint_levels;
 mod mesh_levels;
 mod motion_stream;
+mod mp4;
 mod stream;
 mod text;
 
@@ -79,8 +80,9 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
                 .extend(tables.warnings.into_iter().map(told));
         }
     }
-    if figure.opened.format == Format::Abp {
+    if matches!(figure.opened.format, Format::Abp | Format::Mp4) {
         findings.stream = Some(access_units::of(&args.character.file)?);
+        findings.tracks = open::tracks(&args.character.file)?;
     }
     if args.joint_levels {
         let far_from_metres = 1e-3 * args.far_from_mm;
@@ -121,7 +123,7 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
 enum Jointless {
     Item,
     MeshStream,
-    MotionStream(Vec<u8>),
+    MotionStream(open::Stream),
     Data(DataFormat),
 }
 
@@ -131,7 +133,7 @@ impl Jointless {
         if files::is_item(path) {
             return Ok(Some(Self::Item));
         }
-        if let Some(format) = files::data_format(path) {
+        if let Some(format) = open::data_format(path)? {
             return Ok(Some(Self::Data(format)));
         }
         if stream::is_one(path) {
@@ -154,7 +156,7 @@ impl Jointless {
                 data::run(&args.character, *format, args.map, console)
             }
             Self::Item => item::run(&args.character, console),
-            Self::MotionStream(bytes) => motion_stream::run(bytes, &args.character, console),
+            Self::MotionStream(stream) => motion_stream::run(stream, &args.character, console),
             Self::MeshStream => stream::run(&args.character, console),
         }
     }
