@@ -87,8 +87,6 @@ pub(super) fn part(
     let file = format!("faces/{stem}.afp");
     let (file, index) = files.put_stream(&file, coded.bytes, &coded.unit)?;
     Ok(ItemPart {
-        name: stem.to_owned(),
-        kind: PartKind::FaceMotion,
         file: Some(file),
         index: Some(index),
         bytes,
@@ -97,10 +95,9 @@ pub(super) fn part(
         duration_secs: Some(f64::from(truth.duration_secs())),
         rate_hz: Some(f64::from(head.rate_hz)),
         frames_measured: Some(frames as u64),
-        image: None,
         layers,
-        levels: Vec::new(),
         regions: regions.collect(),
+        ..ItemPart::new(stem, PartKind::FaceMotion)
     })
 }
 

@@ -174,17 +174,11 @@ pub(super) fn part(
     let levels = levels.collect();
     let (file, index) = files.put_stream(FILE, bytes, &unit)?;
     Ok(ItemPart {
-        name: "mesh".to_owned(),
-        kind: PartKind::Mesh,
         file: Some(file),
         index: Some(index),
         bytes: whole,
         base_bytes,
-        base_error_m: None,
-        duration_secs: None,
-        rate_hz: None,
         frames_measured: Some((poses.clips + poses.bends + poses.morphs) as u64),
-        image: None,
         layers,
         levels,
         regions: regions
@@ -196,6 +190,7 @@ pub(super) fn part(
                 error_without_m: None,
             })
             .collect(),
+        ..ItemPart::new("mesh", PartKind::Mesh)
     })
 }
 

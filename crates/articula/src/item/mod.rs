@@ -23,20 +23,20 @@
 //! - `adapt`: from an item to one that a context asks for
 //! - `decoded_mesh`, `assemble`: from an item to a character
 //!
-//! ```
-//! use articula::item::{PackageOptions, assemble, package};
-//! use articula::{Executor, reference_human};
+//! ```no_run
+//! use articula::item::{PackageOptions, PartKind, assemble, package};
+//! use articula::{Executor, OpenOptions, fs};
 //!
 //! # fn main() -> articula::Result<()> {
-//! let options = PackageOptions { mesh_levels: 2, flat: false, ..PackageOptions::default() };
-//! let human = reference_human(600, &Default::default())?;
-//! # let human = { let mut human = human; human.character.clips.truncate(1); human };
-//! let item = package(human, &options, &Executor::default())?;
-//! let mesh = &item.manifest.parts[0];
-//! // The coarsest level alone is a usable character.
-//! let coarse = item.kept(|part, layer| part.kind != mesh.kind || layer == 0)?;
+//! let human = fs::open("human.glb")?;
+//! let item = package(human, &PackageOptions::default(), &Executor::default())?;
+//! // The coarsest mesh level, all motions, textures at their smallest size.
+//! let coarse = item.kept(|part, layer| {
+//!     layer == 0 || matches!(part.kind, PartKind::BodyMotion | PartKind::FaceMotion)
+//! })?;
 //! assert!(coarse.bytes() < item.bytes());
-//! assert!(assemble(&coarse, &Default::default())?.character.meshes.len() > 0);
+//! let shown = assemble(&coarse, &OpenOptions::default())?;
+//! # let _ = shown;
 //! # Ok(())
 //! # }
 //! ```

@@ -1,9 +1,11 @@
-//! The error of motions at the skin: all vertices, frame by frame, against the packaged clip.
+//! The error of motions at the skin: all vertices, frame by frame, against the packaged clip. Without
+//! a mesh, all joints.
 
 use crate::error::Result;
 use crate::work::Executor;
 use articula_build::Asset;
 use articula_core::{Clip, PosedMesh, SkinnedMesh, Wrap, sample_morphs};
+use glam::Vec3;
 
 /// Most frames that are measured; of a longer clip, every n-th.
 const MOST_FRAMES: usize = 600;
@@ -40,7 +42,11 @@ pub(super) fn measured(
     let sums = work.map("measuring motions", jobs, |frames: Vec<usize>| {
         Ok(of_frames(asset, truth, clips, &frames))
     })?;
-    let count = (frames.len() * asset.mesh.len()).max(1) as f64;
+    let points = match asset.mesh.is_empty() {
+        true => asset.rig.len(),
+        false => asset.mesh.len(),
+    };
+    let count = (frames.len() * points).max(1) as f64;
     let total = |i: usize| {
         let of_clip = sums.iter().map(|sums| sums[i]);
         MotionError {
@@ -53,21 +59,29 @@ pub(super) fn measured(
 
 /// Greatest distances, and sums of distances, in some frames.
 fn of_frames(asset: &Asset, truth: &Clip, clips: &[Clip], frames: &[usize]) -> Vec<MotionError> {
-    let (rig, mesh) = (&asset.rig, &asset.mesh);
-    let mut posed = PosedMesh::new(rig, mesh);
-    let (mut right, mut shown) = (SkinnedMesh::new(mesh), SkinnedMesh::new(mesh));
-    let mut show = |clip: &Clip, secs: f64, out: &mut SkinnedMesh| {
+    let mesh = &asset.mesh;
+    let mut posed = PosedMesh::new(&asset.rig, mesh);
+    let mut skinned = SkinnedMesh::new(mesh);
+    let mut points = |clip: &Clip, secs: f64, out: &mut Vec<Vec3>| {
         let mut weights = mesh.morph_weights.clone();
         sample_morphs(clip, secs, Wrap::Clamp, &mut weights);
-        posed.pose_at(clip, secs, Wrap::Clamp).skin(&weights, out);
+        out.clear();
+        posed.pose_at(clip, secs, Wrap::Clamp);
+        if mesh.is_empty() {
+            out.extend((0..asset.rig.len()).map(|joint| posed.model.position(joint)));
+        } else {
+            posed.skin(&weights, &mut skinned);
+            out.extend_from_slice(&skinned.positions);
+        }
     };
+    let (mut right, mut shown) = (Vec::new(), Vec::new());
     let mut errors = vec![MotionError::default(); clips.len()];
     for frame in frames {
         let secs = *frame as f64 / f64::from(truth.rate_hz());
-        show(truth, secs, &mut right);
+        points(truth, secs, &mut right);
         for (clip, error) in clips.iter().zip(&mut errors) {
-            show(clip, secs, &mut shown);
-            for (a, b) in right.positions.iter().zip(&shown.positions) {
+            points(clip, secs, &mut shown);
+            for (a, b) in right.iter().zip(&shown) {
                 let distance = f64::from(a.distance(*b));
                 error.max_metres = error.max_metres.max(distance);
                 error.mean_metres += distance;

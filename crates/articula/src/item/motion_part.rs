@@ -86,8 +86,6 @@ pub(super) fn part(
     let file = format!("clips/{stem}.abp");
     let (file, index) = files.put_stream(&file, coded.bytes, &coded.unit)?;
     Ok(ItemPart {
-        name: truth.name.clone(),
-        kind: PartKind::BodyMotion,
         file: Some(file),
         index: Some(index),
         bytes,
@@ -96,10 +94,9 @@ pub(super) fn part(
         duration_secs: Some(f64::from(truth.duration_secs())),
         rate_hz: Some(f64::from(truth.rate_hz())),
         frames_measured: Some(frames as u64),
-        image: None,
         layers,
-        levels: Vec::new(),
         regions: regions.collect(),
+        ..ItemPart::new(&truth.name, PartKind::BodyMotion)
     })
 }
 

@@ -157,6 +157,26 @@ pub struct TextureView {
 }
 
 impl ItemPart {
+    /// A part without a file or layers.
+    pub(super) fn new(name: impl Into<String>, kind: PartKind) -> Self {
+        Self {
+            name: name.into(),
+            kind,
+            file: None,
+            index: None,
+            bytes: 0,
+            base_bytes: 0,
+            base_error_m: None,
+            duration_secs: None,
+            rate_hz: None,
+            frames_measured: None,
+            image: None,
+            layers: Vec::new(),
+            levels: Vec::new(),
+            regions: Vec::new(),
+        }
+    }
+
     /// Returns the first kept layer that needs one which is not kept.
     pub(super) fn unmet(&self, kept: &[bool]) -> Option<usize> {
         let has = |i: &usize| kept.get(*i) == Some(&true);

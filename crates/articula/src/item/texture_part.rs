@@ -94,7 +94,7 @@ fn part(
     work: &Executor<'_>,
 ) -> Result<ItemPart> {
     let texel_m = scene.texel_metres(sizes.image);
-    let is_shown = texel_m.is_some() && scene.appearance.has_texture(sizes.image);
+    let is_shown = scene.appearance.has_texture(sizes.image);
     let original = sizes.picture;
     let jobs: Vec<(usize, usize)> = (0..sizes.files.len())
         .flat_map(|size| (0..scene.views.len()).map(move |view| (size, view)))
@@ -151,20 +151,10 @@ fn part(
         });
     }
     Ok(ItemPart {
-        name: stem.to_owned(),
-        kind: PartKind::Texture,
-        file: None,
-        index: None,
         bytes: layers.iter().map(|layer| layer.bytes).sum(),
-        base_bytes: 0,
-        base_error_m: None,
-        duration_secs: None,
-        rate_hz: None,
-        frames_measured: None,
         image: Some(sizes.image),
         layers,
-        levels: Vec::new(),
-        regions: Vec::new(),
+        ..ItemPart::new(stem, PartKind::Texture)
     })
 }
 
