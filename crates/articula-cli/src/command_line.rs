@@ -1,7 +1,7 @@
 //! The top level of the command line.
 
 use crate::commands::{
-    adapt, build, completions, convert, crowd, demo, flatten, human, inspect, lod, package,
+    adapt, build, completions, convert, crowd, demo, flatten, gbsd, human, inspect, lod, package,
 };
 use crate::console::{Answer, Console, Progress};
 use articula::fs::Existing;
@@ -76,6 +76,8 @@ pub(crate) enum Command {
     Package(package::PackageArgs),
     /// Cut a digital item to what network, device, viewer and view allow, with the least visible error
     Adapt(adapt::AdaptArgs),
+    /// Print the description of a stream after MPEG-21 (gBSD), or the stylesheet that adapts it
+    Gbsd(gbsd::GbsdArgs),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArgs),
 }

@@ -6,11 +6,13 @@ use crate::files::{self, Files};
 use anyhow::Context;
 use articula::face::fdp_points;
 use articula::inspect::{TrackInspection, inspect_mp4};
-use articula::streams::{StreamKind, mp4};
+use articula::streams::{StreamKind, mp4, unit_tree};
 use articula::{CharacterFile, DataFile, DataFormat, Figure, Format, OpenOptions, open_data};
 use articula_core::feature_points::PointId;
 use articula_core::joint_names::JointMap;
 use articula_formats::{Assumption, Limits, Warning, face_points as points_file, joint_map, mpeg4};
+use articula_stream::StreamLimits;
+use articula_stream::description::{GbsdOptions, write_gbsd};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
@@ -58,6 +60,21 @@ pub(crate) fn stream(path: &Path, of_face: bool) -> anyhow::Result<Stream> {
         bytes: taken.bytes,
         file_bytes: bytes.len(),
     })
+}
+
+/// The description (gBSD) of a stream in a file of its own, or in an MP4 file.
+pub(crate) fn description(path: &Path) -> anyhow::Result<String> {
+    let bytes = match files::format(path) {
+        Some(Format::Mp4) => stream(path, false)?.bytes,
+        _ => files::read(path, Limits::default().bytes)?,
+    };
+    let place = || files::shown(path);
+    let unit = unit_tree(&bytes, &StreamLimits::default()).with_context(place)?;
+    let name = path
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned());
+    let options = GbsdOptions { bitstream: name };
+    write_gbsd(&unit, &options).with_context(place)
 }
 
 /// A motion stream (ABP-2); `None` if the file is not one.

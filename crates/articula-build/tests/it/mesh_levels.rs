@@ -4,8 +4,8 @@ use crate::random_figure::{character_of, flat};
 use crate::simplify::shapes::{ball, sheet};
 use articula_build::{
     Asset, ClipOptions, LeftOutLevel, LeftOutReason, MeshLevelOptions, PoseOrigin, RegionMix,
-    SimplifyOptions, character, measure_levels, measure_mesh, mesh_level_triangles, mesh_levels, poses,
-    positions, simplify, surface_distances,
+    SimplifyOptions, character, measure_levels, measure_mesh, mesh_level_triangles, mesh_levels,
+    poses, positions, simplify, surface_distances,
 };
 use articula_core::Mesh;
 use articula_core::source::{Character, Primitive, RawMesh};

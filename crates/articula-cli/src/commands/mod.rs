@@ -7,6 +7,7 @@ pub(crate) mod convert;
 pub(crate) mod crowd;
 pub(crate) mod demo;
 pub(crate) mod flatten;
+pub(crate) mod gbsd;
 pub(crate) mod human;
 pub(crate) mod inspect;
 pub(crate) mod lod;
@@ -29,6 +30,7 @@ pub(crate) fn run(command: &Command, console: &Console) -> anyhow::Result<()> {
         Command::Flatten(args) => flatten::run(args, console),
         Command::Package(args) => package::run(args, console),
         Command::Adapt(args) => adapt::run(args, console),
+        Command::Gbsd(args) => gbsd::run(args, console),
         Command::Completions(args) => completions::run(args, CommandLine::command(), console),
     }
 }

@@ -4,18 +4,20 @@ use super::check;
 use super::governed::{Governed, charge, numbers_of_regions};
 use super::manifest::Manifest;
 use super::name::check_name;
-use super::part::{ItemLayer, ItemPart, PartKind};
+use super::part::{ItemLayer, ItemPart};
 use crate::error::{Context, Error, Result};
+use crate::streams::unit_tree;
 use articula_formats::{Limits, Resolver};
-use articula_stream::abp2::motion_map;
-use articula_stream::mesh::MeshStream;
-use articula_stream::{StreamKind, StreamLimits, Unit, cut, read_index, write_index};
+use articula_stream::{Cut, StreamLimits, Unit, cut, read_index, write_index};
 use std::collections::BTreeMap;
 
 /// Name of the manifest's file.
 pub const MANIFEST: &str = "manifest.json";
 /// Extension of unit indices.
 pub const INDEX_EXTENSION: &str = "auix";
+
+/// Cuts a stream: part, kept layers, stream, its unit tree.
+type Cutter<'a> = dyn FnMut(&ItemPart, &[bool], &[u8], &Unit) -> Result<Cut> + 'a;
 
 /// A digital item: a manifest, and files by their names in the item.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,6 +99,18 @@ impl Item {
     /// [`Error::Argument`] if a kept layer needs one that is not kept ([`ItemPart::closure`] tells
     /// them); an [`Error`] that names the file if an index does not belong to its stream.
     pub fn kept(&self, keeps: impl Fn(&ItemPart, usize) -> bool) -> Result<Self> {
+        self.kept_by(&keeps, &mut |part, kept, stream, unit| {
+            let governed = Governed::of(part, kept);
+            Ok(cut(stream, unit, |unit| governed.keeps(unit))?)
+        })
+    }
+
+    /// The same with streams cut by `cutter`, which gets part, kept layers, stream and unit tree.
+    pub(super) fn kept_by(
+        &self,
+        keeps: &dyn Fn(&ItemPart, usize) -> bool,
+        cutter: &mut Cutter<'_>,
+    ) -> Result<Self> {
         let mut made = Self {
             manifest: Manifest {
                 parts: Vec::new(),
@@ -114,7 +128,10 @@ impl Item {
                 return Err(Error::argument(what)).context(&part.name);
             }
             let cut = match &part.file {
-                Some(file) => Some(self.cut(part, &kept, &mut made.files).context(file)?),
+                Some(file) => {
+                    let cut = self.cut(part, &kept, &mut made.files, cutter);
+                    Some(cut.context(file)?)
+                }
                 None => sizes(part, &kept, &mut made.files),
             };
             made.manifest.parts.extend(cut);
@@ -162,11 +179,21 @@ impl Item {
         Ok(made)
     }
 
+    /// Returns the unit tree of the stream of a part.
+    ///
+    /// # Errors
+    /// An [`Error`] for a part without a stream, or an index that does not belong to it.
+    pub fn unit_tree(&self, part: &ItemPart) -> Result<Unit> {
+        let stream = part.file.as_deref().and_then(|file| self.file(file));
+        let missing = || Error::unsuited("the item has no such stream");
+        self.unit(part, stream.ok_or_else(missing)?)
+    }
+
     /// The unit tree of a stream: its index, or made anew.
     fn unit(&self, part: &ItemPart, stream: &[u8]) -> Result<Unit> {
         let index = part.index.as_ref().and_then(|name| self.file(name));
         let Some(index) = index else {
-            return unit_of(part, stream);
+            return unit_tree(stream, &StreamLimits::default());
         };
         let unit = read_index(index).context("unit index")?;
         unit.check_values(stream).context("unit index")?;
@@ -179,6 +206,7 @@ impl Item {
         part: &ItemPart,
         kept: &[bool],
         files: &mut BTreeMap<String, Vec<u8>>,
+        cutter: &mut Cutter<'_>,
     ) -> Result<ItemPart> {
         let (Some(file), Some(index)) = (&part.file, &part.index) else {
             return Ok(part.clone());
@@ -186,18 +214,17 @@ impl Item {
         let missing = || Error::unsuited("the item lacks this file");
         let stream = self.file(file).ok_or_else(missing)?;
         let unit = self.unit(part, stream)?;
-        let governed = Governed::of(part, kept);
-        let cut = cut(stream, &unit, |unit| governed.keeps(unit))?;
+        let Cut { bytes, unit } = cutter(part, kept, stream, &unit)?;
         let part = ItemPart {
-            bytes: cut.bytes.len() as u64,
+            bytes: bytes.len() as u64,
             ..with_layers(part, kept)
         };
         if part.bytes != part.bytes_of(&vec![true; part.layers.len()]) {
             let what = "the layers of the manifest are not those of the stream";
             return Err(Error::unsuited(what));
         }
-        files.insert(index.clone(), write_index(&cut.unit));
-        files.insert(file.clone(), cut.bytes);
+        files.insert(index.clone(), write_index(&unit));
+        files.insert(file.clone(), bytes);
         Ok(part)
     }
 }
@@ -272,15 +299,4 @@ impl NewFiles {
         self.put(&index, write_index(unit))?;
         Ok((file.to_owned(), index))
     }
-}
-
-/// The unit tree of a stream of an item, made from its bytes.
-fn unit_of(part: &ItemPart, stream: &[u8]) -> Result<Unit> {
-    let limits = StreamLimits::default();
-    Ok(match (part.kind, StreamKind::of(stream)) {
-        (PartKind::Mesh, _) => MeshStream::open(stream, &limits)?.unit(),
-        (_, Some(StreamKind::Abp1)) => articula_stream::abp1::unit(stream, &limits)?,
-        (_, Some(StreamKind::Afp1)) => articula_stream::afp1::unit(stream, &limits)?,
-        _ => motion_map(stream, &limits)?,
-    })
 }

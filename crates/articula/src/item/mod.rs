@@ -21,6 +21,7 @@
 //! - `governed`: which units belong to which layers
 //! - `name`, `files`: names of files, and the item itself
 //! - `adapt`: from an item to one that a context asks for
+//! - `documents`: declaration, descriptions, table and stylesheet after MPEG-21
 //! - `decoded_mesh`, `assemble`: from an item to a character
 //!
 //! ```no_run
@@ -45,6 +46,7 @@ mod adapt;
 mod assemble;
 mod check;
 mod decoded_mesh;
+mod documents;
 mod face_part;
 mod figure;
 mod files;
@@ -60,8 +62,12 @@ mod package;
 mod part;
 mod texture_part;
 
-pub use adapt::{AdaptOptions, AdaptedItem, ItemDecision, ItemParts, PartLayers, adapt, decide};
+pub use adapt::{
+    AdaptOptions, AdaptedItem, ItemCut, ItemDecision, ItemParts, PartLayers, Regions, Transform,
+    adapt, adapt_by_description, aqos, decide, decide_by_table,
+};
 pub use assemble::assemble;
+pub use documents::{AQOS, DID, STYLESHEET, declaration, documents, gbsd};
 pub use files::{INDEX_EXTENSION, Item, MANIFEST};
 pub use manifest::{FigureEntry, FlatEntry, Manifest, WholeFile};
 pub use options::{CarriedFile, FaceMotion, PackageOptions};

@@ -7,6 +7,7 @@
 //! - [`afp2`]: facial animation parameters as AFP-2, and back
 //! - [`fba`]: facial animation parameters as MPEG-4's binary stream, and back
 //! - [`mp4`]: these streams in MP4 files
+//! - [`unit_tree()`]: the map of any of them and of mesh levels, by how the bytes begin
 //! - [`layers()`]: the error of leaving out parts of a motion stream
 //!
 //! The streams themselves, and the map by which they are cut, are those of `articula_stream`.
@@ -20,8 +21,10 @@ mod face_frame;
 pub mod fba;
 mod layers;
 pub mod mp4;
+mod unit_tree;
 
 pub use layers::{LayerOptions, LayerReport, LayersReport, WorstVertex, layers};
+pub use unit_tree::unit_tree;
 
 use crate::error::Result;
 use articula_core::Region;

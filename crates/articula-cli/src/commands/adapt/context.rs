@@ -1,6 +1,9 @@
 //! The context of use as flags.
 
+use crate::files;
+use anyhow::Context as _;
 use articula_core::{Region, Zone};
+use articula_stream::DescriptionLimits;
 use articula_stream::description::{Context, Modality};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -20,6 +23,10 @@ enum ModalityArgument {
 /// The context: what network, device, viewer and view are like. What is not given is unknown.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ContextArgs {
+    /// Context of use, as XDI (.xml) or JSON; flags replace what it says (repeatable: client first,
+    /// then server)
+    #[arg(long, value_name = "F.xml|F.json")]
+    context: Vec<PathBuf>,
     /// Bandwidth in kilobits (1000 bits) per second
     #[arg(long, value_name = "KBPS", value_parser = at_least_0)]
     bandwidth_kbps: Option<f64>,
@@ -63,14 +70,17 @@ pub(crate) struct ContextArgs {
 }
 
 impl ContextArgs {
-    /// The file of the context, if one is named.
-    pub(crate) fn file(&self) -> Option<&Path> {
-        None::<&PathBuf>.map(PathBuf::as_path)
+    /// The files of contexts.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.context.iter().map(PathBuf::as_path)
     }
 
-    /// The context that the flags describe.
+    /// The context of all files, aggregated, with what flags tell.
     pub(crate) fn context(&self) -> anyhow::Result<Context> {
         let mut context = Context::default();
+        for path in self.files() {
+            context = Context::aggregate(&context, &read(path)?);
+        }
         self.add_to(&mut context);
         Ok(context)
     }
@@ -112,6 +122,18 @@ impl ContextArgs {
         });
         wanted.modality = modality.or(wanted.modality);
     }
+}
+
+/// Reads a context, as XML by its first character, else as JSON.
+fn read(path: &Path) -> anyhow::Result<Context> {
+    let limits = DescriptionLimits::default();
+    let bytes = files::read(path, limits.bytes)?;
+    let first = bytes.iter().find(|byte| !byte.is_ascii_whitespace());
+    let read = match first {
+        Some(b'{') => Context::read_json(&bytes, &limits),
+        _ => Context::read_xdi(&bytes, &limits),
+    };
+    read.with_context(|| files::shown(path))
 }
 
 /// The regions of some zones: bit `n - 1` is region `n`.

@@ -1,18 +1,34 @@
 //! `articula adapt ITEM/ OUT/`: decides what of a digital item suits a context, and cuts it to that.
 
 mod context;
-pub(crate) mod report;
+mod report;
+mod xsltproc;
 
 use crate::console::Console;
 use crate::{fault, files};
-use articula::item::{AdaptOptions, AdaptedItem, Item, MANIFEST, adapt, assemble, decide};
+use anyhow::Context as _;
+use articula::item::{
+    AdaptOptions, AdaptedItem, Item, ItemCut, MANIFEST, adapt, adapt_by_description, assemble,
+    decide, decide_by_table, documents,
+};
 use articula_formats::Limits;
-use clap::Args;
+use articula_stream::DescriptionLimits;
+use articula_stream::description::{Aqos, Context};
+use clap::{Args, ValueEnum};
 use context::ContextArgs;
-use report::{AdaptReport, DECISION};
+use report::{AdaptReport, DECISION, Decided};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// What cuts the streams.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Engine {
+    /// Unit indices and bytes alone
+    Native,
+    /// Descriptions (gBSD), transformed by the stylesheet in the installed xsltproc
+    Xslt,
+}
 
 /// Arguments of `adapt`.
 #[derive(Debug, Args)]
@@ -38,6 +54,13 @@ pub(crate) struct AdaptArgs {
     /// Most pixels on the longer side of a texture
     #[arg(long, value_name = "PX")]
     max_texture: Option<u32>,
+    /// Decide by a table (AQoS) in place of the joint choice: levels, region mask and tier by the
+    /// bandwidth
+    #[arg(long, value_name = "F.xml", conflicts_with_all = ["max_bytes", "max_texture"])]
+    aqos: Option<PathBuf>,
+    /// What cuts the streams; both give the same bytes
+    #[arg(long, value_enum, default_value_t = Engine::Native)]
+    engine: Engine,
     #[command(flatten)]
     context: ContextArgs,
 }
@@ -77,16 +100,16 @@ pub(crate) fn run(args: &AdaptArgs, console: &Console) -> anyhow::Result<()> {
     };
     let item = console.files.open_item(&args.item, &Limits::default())?;
     let start = Instant::now();
-    let decision = decide(&item, &context, &options)?;
+    let decided = args.decided(&item, &context, &options)?;
     let decided_secs = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let adapted = adapt(&item, &decision)?;
+    let adapted = args.adapted(&item, &decided)?;
     let cut_secs = start.elapsed().as_secs_f64();
     let report = AdaptReport::new(
         files::shown(&args.item),
-        &item,
-        &decision,
-        &adapted,
+        (&item, &adapted),
+        &decided,
+        args.engine,
         [decided_secs, cut_secs],
     );
     if let Some(out) = &args.out {
@@ -97,7 +120,41 @@ pub(crate) fn run(args: &AdaptArgs, console: &Console) -> anyhow::Result<()> {
 
 impl AdaptArgs {
     fn inputs(&self) -> impl Iterator<Item = &Path> {
-        self.context.file().into_iter()
+        self.context.files().chain(self.aqos.as_deref())
+    }
+
+    /// What is kept, and why.
+    fn decided(
+        &self,
+        item: &Item,
+        context: &Context,
+        options: &AdaptOptions,
+    ) -> anyhow::Result<Decided> {
+        let Some(path) = &self.aqos else {
+            return Ok(Decided::Jointly(Box::new(decide(item, context, options)?)));
+        };
+        let limits = DescriptionLimits::default();
+        let bytes = files::read(path, limits.bytes)?;
+        let aqos = Aqos::read(&bytes, &limits).with_context(|| files::shown(path))?;
+        let by_table = decide_by_table(item, &aqos, context).with_context(|| files::shown(path))?;
+        Ok(Decided::ByTable(by_table.0, by_table.1))
+    }
+
+    /// The cut item.
+    fn adapted(&self, item: &Item, decided: &Decided) -> anyhow::Result<AdaptedItem> {
+        let cut: &ItemCut = decided.cut().with_context(|| {
+            let what = "nothing of the item fits; allow more bytes, or more time by --wait-secs";
+            format!("{}: {what}", files::shown(&self.item))
+        })?;
+        Ok(match self.engine {
+            Engine::Native => adapt(item, cut)?,
+            Engine::Xslt => {
+                let mut xsltproc = xsltproc::Xsltproc::new(&self.item)?;
+                adapt_by_description(item, cut, &mut |description, parameters| {
+                    xsltproc.transform(description, parameters)
+                })?
+            }
+        })
     }
 
     fn outputs(&self) -> Vec<PathBuf> {
@@ -116,7 +173,7 @@ fn write(
     console: &Console,
 ) -> anyhow::Result<()> {
     let mut written: Vec<(PathBuf, Vec<u8>)> = match adapted {
-        AdaptedItem::Layers(item) => item.files(),
+        AdaptedItem::Layers(item) => item.files().into_iter().chain(documents(item)?).collect(),
         AdaptedItem::Flat { files, .. } => files.clone(),
     }
     .into_iter()

@@ -1,14 +1,44 @@
 //! What `adapt` prints, and writes beside what is sent.
 
+use super::Engine;
 use crate::fault::clean;
 use crate::table::Table;
-use articula::item::{AdaptedItem, Item, ItemDecision};
+use articula::item::{AdaptedItem, Item, ItemCut, ItemDecision};
 use articula_core::Region;
 use articula_stream::decide::{Bound, Budget, PartDecision, PartKind};
 use serde::Serialize;
 
 /// Name of the file with the decision, in the folder of what is sent.
 pub(crate) const DECISION: &str = "decision.json";
+
+/// A decision, and how it was made.
+pub(crate) enum Decided {
+    /// By the joint choice.
+    Jointly(Box<ItemDecision>),
+    /// By a table, with the values of its pins and reasons.
+    ByTable(articula_stream::description::Decided, ItemCut),
+}
+
+impl Decided {
+    /// What is kept, if anything fits.
+    pub(super) fn cut(&self) -> Option<&ItemCut> {
+        match self {
+            Self::Jointly(decided) => decided.cut.as_ref(),
+            Self::ByTable(_, cut) => Some(cut),
+        }
+    }
+
+    fn words(&self) -> String {
+        match self {
+            Self::Jointly(decided) => decided.decision.to_string(),
+            Self::ByTable(decided, _) => {
+                let mut words = decided.reasons.join("\n");
+                words.push('\n');
+                words
+            }
+        }
+    }
+}
 
 /// The answer of `adapt`.
 #[derive(Debug, Serialize)]
@@ -34,6 +64,8 @@ pub(crate) struct AdaptReport {
 struct DecisionReport {
     /// `3d`, or the kind of the form in 2D.
     modality: String,
+    /// `joint choice` or `aqos`.
+    by: &'static str,
     loa: Option<u32>,
     /// Regions of the body whose motion is kept.
     zones: Vec<String>,
@@ -45,7 +77,7 @@ struct DecisionReport {
     error_px: Option<f64>,
     /// Bytes that may be sent in all; null without a bound.
     bytes_allowed: Option<u64>,
-    pixels_per_metre: f64,
+    pixels_per_metre: Option<f64>,
     /// Share of the item that the network carries in the time; null without a bandwidth.
     network_ratio: Option<f64>,
     /// What keeps the error from being smaller.
@@ -85,9 +117,9 @@ struct StreamReport {
 impl AdaptReport {
     pub(crate) fn new(
         name: String,
-        item: &Item,
-        decided: &ItemDecision,
-        adapted: &AdaptedItem,
+        (item, adapted): (&Item, &AdaptedItem),
+        decided: &Decided,
+        engine: Engine,
         [decide_seconds, cut_seconds]: [f64; 2],
     ) -> Self {
         let sent: Vec<(String, u64)> = match adapted {
@@ -106,7 +138,10 @@ impl AdaptReport {
         });
         Self {
             item: name,
-            engine: "native",
+            engine: match engine {
+                Engine::Native => "native",
+                Engine::Xslt => "xslt",
+            },
             decision: DecisionReport::new(decided, adapted),
             streams: streams.collect(),
             bytes_in: item.bytes(),
@@ -115,7 +150,7 @@ impl AdaptReport {
             seconds: decide_seconds + cut_seconds,
             decide_seconds,
             cut_seconds,
-            words: decided.decision.to_string(),
+            words: decided.words(),
         }
     }
 
@@ -149,12 +184,42 @@ fn sizes(files: Vec<(&str, u64)>) -> Vec<(String, u64)> {
 }
 
 impl DecisionReport {
-    fn new(decided: &ItemDecision, adapted: &AdaptedItem) -> Self {
+    fn new(decided: &Decided, adapted: &AdaptedItem) -> Self {
+        match decided {
+            Decided::Jointly(joint) => Self::of_choice(joint, adapted),
+            Decided::ByTable(table, _) => Self::of_table(table, adapted),
+        }
+    }
+
+    /// What a table says, by the names of the pins of an item's own.
+    fn of_table(table: &articula_stream::description::Decided, adapted: &AdaptedItem) -> Self {
+        let of = |pin: &str| table.values.get(pin).map(|value| *value as u32);
+        Self {
+            modality: "3d".to_owned(),
+            by: "aqos",
+            loa: of(articula_stream::description::LAYERS),
+            zones: zones(adapted),
+            tier: of("TIER"),
+            face_loa: of("FACE_LEVELS").map(|digits| digits / 10_000_000),
+            mesh_level: of("MESH_LEVEL"),
+            texture: None,
+            error_px: None,
+            bytes_allowed: None,
+            pixels_per_metre: None,
+            network_ratio: None,
+            bounds: Vec::new(),
+            parts: Vec::new(),
+            explanation: table.reasons.join("\n"),
+        }
+    }
+
+    fn of_choice(decided: &ItemDecision, adapted: &AdaptedItem) -> Self {
         let decision = &decided.decision;
         let body = decided.chosen(PartKind::BodyMotion);
         let budget = decision.request.budget.bytes;
         Self {
             modality: decision.modality.clone(),
+            by: "joint choice",
             loa: body.and_then(|option| option.loa),
             zones: zones(adapted),
             tier: body.map(|option| option.level),
@@ -167,7 +232,7 @@ impl DecisionReport {
                 .map(|option| option.name.clone()),
             error_px: decision.error_px.is_finite().then_some(decision.error_px),
             bytes_allowed: (budget < Budget::UNBOUNDED).then_some(budget + decided.bytes_always),
-            pixels_per_metre: decision.request.pixels_per_metre,
+            pixels_per_metre: Some(decision.request.pixels_per_metre),
             network_ratio: decided.network_ratio,
             bounds: words(&decision.bounds),
             parts: decision.parts.iter().map(PartReport::new).collect(),

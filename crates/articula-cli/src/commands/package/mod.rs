@@ -8,7 +8,7 @@ use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use articula::Data;
-use articula::item::{CarriedFile, FaceMotion, MANIFEST, PackageOptions, package};
+use articula::item::{CarriedFile, FaceMotion, MANIFEST, PackageOptions, documents, package};
 use articula_formats::Limits;
 use clap::Args;
 use report::ItemReport;
@@ -61,6 +61,7 @@ pub(crate) fn run(args: &PackageArgs, console: &Console) -> anyhow::Result<()> {
     let written: Vec<(PathBuf, Vec<u8>)> = item
         .files()
         .into_iter()
+        .chain(documents(&item)?)
         .map(|(name, bytes)| (args.item.join(name), bytes))
         .collect();
     let folders: BTreeSet<&Path> = written

@@ -1,5 +1,6 @@
 //! From a context to the request of a decision, and its answer.
 
+use super::cut::ItemCut;
 use super::options::AdaptOptions;
 use super::parts::ItemParts;
 use super::regions::Regions;
@@ -28,14 +29,13 @@ pub struct ItemDecision {
     pub decision: Decision,
     /// The parts that were decided on, with their options.
     pub parts: ItemParts,
-    /// For each part of the item and each of its layers, whether it is kept.
-    pub kept: Vec<Vec<bool>>,
+    /// What is kept of the item; `None` if nothing fits.
+    pub cut: Option<ItemCut>,
     /// Bytes that are sent whatever is chosen: the figure, and files that are carried whole.
     pub bytes_always: u64,
     /// Share of the item that the network carries in the time, 0 to 1 (`R_A` of the thesis); `None`
     /// without a bandwidth.
     pub network_ratio: Option<f64>,
-    pub(super) regions: Regions,
 }
 
 impl ItemDecision {
@@ -122,14 +122,20 @@ pub fn decide(item: &Item, context: &Context, options: &AdaptOptions) -> Result<
     if let Outcome::Representation(form) = decision.outcome {
         decision.bytes = item.manifest.flat[form].bytes;
     }
-    let kept = kept(item, &parts, &decision);
+    let cut = match &decision.outcome {
+        Outcome::Nothing => None,
+        Outcome::Representation(form) => Some(ItemCut::Flat(*form)),
+        Outcome::Parts(choice) => {
+            let kept = kept(item, &parts, &choice.options);
+            Some(ItemCut::Layers { kept, regions })
+        }
+    };
     Ok(ItemDecision {
         decision,
         parts,
-        kept,
+        cut,
         bytes_always,
         network_ratio: network.map(|n| n.ratio()),
-        regions,
     })
 }
 
@@ -172,14 +178,11 @@ fn needs(item: &Item) -> Vec<String> {
     needs
 }
 
-/// The layers of the item that a decision keeps.
-fn kept(item: &Item, parts: &ItemParts, decision: &Decision) -> Vec<Vec<bool>> {
+/// The layers of the item that the chosen options keep.
+fn kept(item: &Item, parts: &ItemParts, options: &[usize]) -> Vec<Vec<bool>> {
     let none = |part: &crate::item::ItemPart| vec![false; part.layers.len()];
     let mut kept: Vec<Vec<bool>> = item.manifest.parts.iter().map(none).collect();
-    let Outcome::Parts(choice) = &decision.outcome else {
-        return kept;
-    };
-    for (layers, option) in parts.layers.iter().zip(&choice.options) {
+    for (layers, option) in parts.layers.iter().zip(options) {
         for (part, of_part) in &layers[*option] {
             kept[*part].clone_from(of_part);
         }

@@ -9,7 +9,7 @@ use articula_stream::description::Preferences;
 
 /// Which regions of motions stay; `None` keeps all.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Regions {
+pub struct Regions {
     /// Of the body: bit `n - 1` is region `n`.
     body: Option<u8>,
     /// Finest level of articulation of each region of the face, in the order of [`FaceRegion`].
