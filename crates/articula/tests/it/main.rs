@@ -8,6 +8,7 @@
     reason = "a test may panic, looks for the folder of real files, and says what it skips"
 )]
 
+mod adapted_items;
 mod bare;
 mod convert;
 mod crowd;
