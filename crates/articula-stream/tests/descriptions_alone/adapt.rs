@@ -220,7 +220,7 @@ fn what_cannot_be_transformed_says_why() {
     assert!(malformed.contains("marker L:two"), "{malformed}");
     let other = conformant(&text.replacen("L:2", "L:1", 1));
     assert!(other.contains("11 masks and 10 values"), "{other}");
-    let none = conformant(&text.replace("dia-gBSD-NS", "other"));
+    let none = conformant(&text.replace("DIA-gBSD-NS", "other"));
     assert!(none.contains("no gBSDUnit"), "{none}");
     let consecutive = text
         .replace("Absolute", "Consecutive")
@@ -235,7 +235,7 @@ fn what_cannot_be_transformed_says_why() {
         for text in [
             &without,
             &text.replacen("L:2", "L:1", 1),
-            &text.replace("dia-gBSD-NS", "other"),
+            &text.replace("DIA-gBSD-NS", "other"),
             &consecutive,
         ] {
             assert!(

@@ -62,7 +62,7 @@ pub(crate) fn stream() -> Vec<u8> {
 /// The description, with the prefix that the elements of gBSD have (`g:`), or without a namespace.
 pub(crate) fn description(prefix: &str) -> String {
     let mut out = String::from(
-        "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<dia:DIA xmlns:g=\"urn:mpeg:mpeg21:2003:01-dia-gBSD-NS\" \
+        "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<dia:DIA xmlns:g=\"urn:mpeg:mpeg21:2003:01-DIA-gBSD-NS\" \
          xmlns:dia=\"urn:mpeg:mpeg21:2003:01-DIA-NS\" xmlns:bsdl-1=\"urn:mpeg:mpeg21:2003:01-DIA-BSDL1-NS\" \
          xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\">\n<dia:Description xsi:type=\"gBSDType\" \
          addressUnit=\"bit\" addressMode=\"Absolute\" bsdl-1:bitstreamURI=\".\\sequ.raw\">\n",

@@ -4,7 +4,8 @@
      A parameter that is left out keeps everything. -->
 <xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
     xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xmlns:vh="urn:articula:vh:1"
-    exclude-result-prefixes="vh">
+    xmlns:g="urn:mpeg:mpeg21:2003:01-DIA-gBSD-NS" xmlns:cd="urn:mpeg:mpeg21:dia:schema:gBSD:2003"
+    exclude-result-prefixes="vh g cd">
 <xsl:output method="xml" encoding="UTF-8"/>
 
 <!-- Level of articulation of the body up to which bones stay, 0 to 5: markers L. -->
@@ -49,11 +50,13 @@
   <xsl:if test="$nLayersOut != '' and not($nLayersOut &gt;= 0 and $nLayersOut &lt;= 5)">
     <xsl:message terminate="yes">nLayersOut: level out of range, expected 0 to 5</xsl:message>
   </xsl:if>
-  <xsl:if test="$nLayersOut != '' and //{{UNIT}}[@syntacticalLabel=':MG4:BoneMask' or @syntacticalLabel=':MG4:BoneValue'][not(number(substring-before(substring-after(concat(' ', normalize-space(@marker), ' '), ' L:'), ' ')) &gt;= 0)]">
-    <xsl:message terminate="yes">a bone has no marker L: with a level</xsl:message>
-  </xsl:if>
   <xsl:for-each select="//{{UNIT}}[@syntacticalLabel=':MG4:BoneSegment']">
-    <xsl:if test="count(.//{{UNIT}}[@syntacticalLabel=':MG4:BoneMask'][{{KEEP}}]) != count(.//{{UNIT}}[@syntacticalLabel=':MG4:BoneValue'][{{KEEP}}])">
+    <xsl:variable name="masks" select=".//{{UNIT}}[@syntacticalLabel=':MG4:BoneMask']"/>
+    <xsl:variable name="values" select=".//{{UNIT}}[@syntacticalLabel=':MG4:BoneValue']"/>
+    <xsl:if test="$nLayersOut != '' and ($masks | $values)[not(number(substring-before(substring-after(concat(' ', normalize-space(@marker), ' '), ' L:'), ' ')) &gt;= 0)]">
+      <xsl:message terminate="yes">a bone has no marker L: with a level</xsl:message>
+    </xsl:if>
+    <xsl:if test="count($masks[{{KEEP}}]) != count($values[{{KEEP}}])">
       <xsl:message terminate="yes">a BoneSegment keeps other numbers of masks and of values</xsl:message>
     </xsl:if>
   </xsl:for-each>
@@ -67,7 +70,7 @@
   </xsl:copy>
 </xsl:template>
 
-<xsl:template match="{{UNIT}}" priority="1">
+<xsl:template match="{{UNITS}}" priority="1">
   <xsl:choose>
     <xsl:when test="not({{KEEP}})">
       <xsl:apply-templates select="." mode="emptied"/>
@@ -77,7 +80,7 @@
     </xsl:when>
     <xsl:when test="*">
       <xsl:copy>
-        <xsl:apply-templates select="@*"/>
+        <xsl:copy-of select="@*"/>
         <xsl:if test="@length">
           <xsl:attribute name="length">
             <xsl:apply-templates select="." mode="length"/>
@@ -105,16 +108,14 @@
       </xsl:copy>
     </xsl:when>
     <xsl:otherwise>
-      <xsl:copy>
-        <xsl:apply-templates select="@*|node()"/>
-      </xsl:copy>
+      <xsl:copy-of select="."/>
     </xsl:otherwise>
   </xsl:choose>
 </xsl:template>
 
 <!-- What is left of a removed unit: units whose bytes a parameter counts stay, without bits. -->
 <xsl:template match="node()" mode="emptied"/>
-<xsl:template match="{{UNIT}}" mode="emptied" priority="1">
+<xsl:template match="{{UNITS}}" mode="emptied" priority="1">
   <xsl:choose>
     <xsl:when test="@vh:id">
       <xsl:copy>
@@ -129,7 +130,7 @@
   </xsl:choose>
 </xsl:template>
 
-<xsl:template match="{{PARAMETER}}" priority="1">
+<xsl:template match="{{PARAMETERS}}" priority="1">
   <xsl:choose>
     <xsl:when test="@vh:padding or $foreign and @name=':MG4:Padding'">
       <xsl:call-template name="padding"/>
@@ -183,7 +184,7 @@
 </xsl:template>
 
 <!-- The value of a parameter that counts something, or a part of it. -->
-<xsl:template match="{{VALUE}}" priority="1">
+<xsl:template match="{{VALUES}}" priority="1">
   <xsl:variable name="part" select="sum(../@vh:part)"/>
   <xsl:variable name="first" select="parent::*[$part = 0] | ../preceding-sibling::*[position() = $part]"/>
   <xsl:choose>
@@ -194,7 +195,7 @@
         </xsl:call-template>
       </xsl:variable>
       <xsl:copy>
-        <xsl:apply-templates select="@*"/>
+        <xsl:copy-of select="@*"/>
         <xsl:choose>
           <xsl:when test="$first/@vh:coding='littleEndian'">
             <xsl:call-template name="digit">
@@ -356,7 +357,7 @@
 
 <!-- Bits of a node in the output. -->
 <xsl:template match="node()" mode="length">0</xsl:template>
-<xsl:template match="{{PARAMETER}}" mode="length" priority="1">
+<xsl:template match="{{PARAMETERS}}" mode="length" priority="1">
   <xsl:choose>
     <xsl:when test="@vh:padding or $foreign and @name=':MG4:Padding'">
       <xsl:call-template name="paddingLength"/>
@@ -364,7 +365,7 @@
     <xsl:otherwise><xsl:value-of select="@length"/></xsl:otherwise>
   </xsl:choose>
 </xsl:template>
-<xsl:template match="{{UNIT}}" mode="length" priority="1">
+<xsl:template match="{{UNITS}}" mode="length" priority="1">
   <xsl:choose>
     <xsl:when test="not({{KEEP}})">0</xsl:when>
     <xsl:when test="@vh:padding">

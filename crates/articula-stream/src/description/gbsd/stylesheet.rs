@@ -7,30 +7,40 @@ const TEMPLATE: &str = include_str!("adapt.xslt");
 /// The stylesheet that transforms a description as [`super::adapt_gbsd`] does, for any XSLT 1.0
 /// processor; [`super::Selection::parameters`] are its parameters.
 ///
-/// Addresses must be absolute and in bits, and names in the case of the standard. It stops with a
-/// message where no unit is of the namespace of gBSD or of none, a level does not exist or a bone
-/// has none.
+/// Addresses must be absolute and in bits, and names and namespaces in the case of the standard. It
+/// stops with a message where no unit is of the namespace of gBSD or of none, a level does not exist
+/// or a bone has none.
 pub fn stylesheet() -> String {
-    let element = |name: &str| format!("*[local-name()='{name}'][{}]", namespaces());
     TEMPLATE
         .replace("{{BODY}}", &bits("regionMask", 1))
         .replace("{{FACE}}", &bits("faceRegionMask", 0))
-        .replace("{{UNIT}}", &element("gBSDUnit"))
-        .replace("{{PARAMETER}}", &element("Parameter"))
         .replace(
-            "{{VALUE}}",
-            "*[local-name()='Parameter']/*[local-name()='Value']",
+            "{{UNITS}}",
+            &named(|prefix| format!("{prefix}gBSDUnit"), " | "),
         )
+        .replace(
+            "{{PARAMETERS}}",
+            &named(|prefix| format!("{prefix}Parameter"), " | "),
+        )
+        .replace(
+            "{{VALUES}}",
+            &named(|prefix| format!("{prefix}Parameter/{prefix}Value"), " | "),
+        )
+        .replace("{{UNIT}}", &step("gBSDUnit"))
+        .replace("{{PARAMETER}}", &step("Parameter"))
         .replace("{{KEEP}}", &keep())
 }
 
-/// Whether the namespace is that of gBSD, in any case, or none.
-fn namespaces() -> String {
-    let (upper, lower) = ("ABCDEFGHIJKLMNOPQRSTUVWXYZ", "abcdefghijklmnopqrstuvwxyz");
-    let known = "||urn:mpeg:mpeg21:2003:01-dia-gbsd-ns|urn:mpeg:mpeg21:dia:schema:gbsd:2003|";
-    format!(
-        "contains('{known}', concat('|', translate(namespace-uri(), '{upper}', '{lower}'), '|'))"
-    )
+/// A name with the prefix of each namespace of gBSD, and without one. Processors find templates by
+/// whole names at once.
+fn named(name: impl Fn(&str) -> String, between: &str) -> String {
+    ["", "g:", "cd:"].map(|prefix| name(prefix)).join(between)
+}
+
+/// A step of a path to elements of a name.
+fn step(name: &str) -> String {
+    let is_it = named(|prefix| format!("self::{prefix}{name}"), " or ");
+    format!("*[{is_it}]")
 }
 
 /// The numbers of the bits of a mask, from `first` on.
