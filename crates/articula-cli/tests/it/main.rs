@@ -10,6 +10,7 @@
 )]
 
 mod acclaim;
+mod adaptation;
 mod assets;
 mod bounded_files;
 mod browser;

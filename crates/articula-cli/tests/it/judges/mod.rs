@@ -47,7 +47,7 @@ fn oracle_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle")
 }
 
-fn is_required(variable: &str) -> bool {
+pub(crate) fn is_required(variable: &str) -> bool {
     std::env::var_os(variable).is_some_and(|v| v == "1")
 }
 
