@@ -34,7 +34,7 @@ pub fn stylesheet() -> String {
 /// A name with the prefix of each namespace of gBSD, and without one. Processors find templates by
 /// whole names at once.
 fn named(name: impl Fn(&str) -> String, between: &str) -> String {
-    ["", "g:", "cd:"].map(|prefix| name(prefix)).join(between)
+    ["", "g:", "cd:"].map(name).join(between)
 }
 
 /// A step of a path to elements of a name.
