@@ -36,7 +36,8 @@ struct Planned {
 
 /// Returns a primitive of a single triangle whose corners are one vertex, in the middle of another
 /// primitive: it shows nothing, and keeps mesh, skin, material and the number of morph targets in
-/// use. The vertex follows the joints of the other's first one; its morph targets do not move it.
+/// use. The vertex follows the joints of the other's first one, or the first joint of the skin if the
+/// other has no vertex; its morph targets do not move it.
 #[must_use]
 pub fn placeholder(of: &Primitive) -> Primitive {
     let first = of.positions.first().copied().unwrap_or_default();
@@ -54,15 +55,27 @@ pub fn placeholder(of: &Primitive) -> Primitive {
             .into_iter()
             .collect(),
     };
-    let first_of = |count: usize| 0..count.min(influences);
+    let (joints, weights) = if of.positions.is_empty() {
+        let weight_of = |i| if i == 0 { 1.0 } else { 0.0 };
+        (
+            vec![0; influences],
+            (0..influences).map(weight_of).collect(),
+        )
+    } else {
+        let first_of = |count: usize| 0..count.min(influences);
+        (
+            of.joints[first_of(of.joints.len())].to_vec(),
+            of.weights[first_of(of.weights.len())].to_vec(),
+        )
+    };
     Primitive {
         positions: vec![0.5 * (low + high)],
         normals: of.normals.iter().take(1).copied().collect(),
         texcoords: of.texcoords.iter().take(1).copied().collect(),
         colors: of.colors.iter().take(1).copied().collect(),
         influences,
-        joints: of.joints[first_of(of.joints.len())].to_vec(),
-        weights: of.weights[first_of(of.weights.len())].to_vec(),
+        joints,
+        weights,
         morphs: of.morphs.iter().map(still).collect(),
         triangles: vec![[0; 3]],
         material: of.material,
@@ -289,6 +302,26 @@ mod tests {
         let bytes = document.write_glb().unwrap();
         let read = super::super::read(&bytes, &Limits::default(), &mut |_| Err("none".into()));
         read.unwrap().value
+    }
+
+    #[test]
+    fn a_primitive_without_anything_becomes_a_placeholder_of_the_first_joint() {
+        let original = character();
+        let mut document = Document::from_character(&original).unwrap();
+        let nothing = Primitive {
+            influences: 2,
+            morphs: vec![MorphTarget::default()],
+            ..Primitive::default()
+        };
+        let meshes = [MeshGeometry {
+            node: 2,
+            parts: vec![&nothing],
+        }];
+        document.set_geometry(&meshes).unwrap();
+        let shown = &read(&document).character.meshes[0].primitives[0];
+        assert_eq!(shown.positions, [Vec3::ZERO]);
+        assert_eq!((shown.joints[0], shown.weights[0]), (0, 1.0));
+        assert_eq!(shown.morphs[0].positions, [Vec3::ZERO]);
     }
 
     #[test]

@@ -44,8 +44,13 @@ pub fn assemble(item: &Item, options: &OpenOptions) -> Result<CharacterFile> {
     }
     let parts = |m: usize| -> Vec<&Primitive> {
         let own = character.meshes[m].primitives.iter().enumerate();
-        own.map(|(p, own)| primitives.get(&(m, p)).unwrap_or(own))
-            .collect()
+        // A coarse level may have nothing of a primitive: it stays as it is in the figure.
+        let shown = |p| {
+            primitives
+                .get(&(m, p))
+                .filter(|made| !made.triangles.is_empty())
+        };
+        own.map(|(p, own)| shown(p).unwrap_or(own)).collect()
     };
     let meshes = (0..character.meshes.len()).filter(|m| {
         let first = primitives.range((*m, 0)..).next();
