@@ -11,7 +11,9 @@ use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::mesh_levels::CodedMeshLevels;
 use crate::work::Executor;
-use articula_build::{LevelDistances, MeasurementPoses, MeshLevelOptions, measure_mesh};
+use articula_build::{
+    Asset, LevelDistances, MeasurementPoses, MeshLevelOptions, PoseOptions, measure_mesh,
+};
 use articula_core::source::RawMesh;
 use articula_core::{Mesh, Mismatch};
 use articula_stream::mesh::MeshStream;
@@ -20,6 +22,8 @@ use std::collections::BTreeSet;
 
 /// Name of the stream.
 const FILE: &str = "mesh.ams";
+/// Most poses that errors are measured on.
+const MEASURED_POSES: usize = 96;
 
 /// Triangles that are measured, and where the result belongs.
 struct Cut {
@@ -130,6 +134,7 @@ impl Measured {
 /// Adds the stream of a character's mesh levels, and measures its layers.
 pub(super) fn part(
     figure: &Figure,
+    clips: &[usize],
     made: CodedMeshLevels,
     files: &mut NewFiles,
     work: &Executor<'_>,
@@ -153,7 +158,7 @@ pub(super) fn part(
         .map(|of| shown.cut(of))
         .collect();
     work.step(WHAT, 0, 1)?;
-    let (distances, poses) = shown.measured(figure, &cuts)?;
+    let (distances, poses) = shown.measured(figure, clips, &cuts)?;
     work.step(WHAT, 1, 1)?;
     let measured = Measured { cuts, distances };
     let mut layers = measured.layers(count, base, &regions, &table.regions);
@@ -298,17 +303,30 @@ impl Shown {
         Cut { of, triangles }
     }
 
+    /// Measures cuts in frames of the packaged clips, since no others are shown.
     fn measured(
         &self,
         figure: &Figure,
+        clips: &[usize],
         cuts: &[Cut],
     ) -> Result<(Vec<LevelDistances>, MeasurementPoses), Mismatch> {
         let triangles: Vec<&[[u32; 3]]> = cuts.iter().map(|c| c.triangles.as_slice()).collect();
-        measure_mesh(
-            &figure.asset,
-            &self.mesh,
-            &triangles,
-            &MeshLevelOptions::default(),
-        )
+        let of_figure = &figure.asset.clips;
+        let packaged = Asset {
+            clips: clips.iter().map(|clip| of_figure[*clip].clone()).collect(),
+            ..figure.asset.clone()
+        };
+        let poses = PoseOptions {
+            // Frames that shaped the levels are shown too.
+            shaping: 0,
+            morphs: 0,
+            measuring: MEASURED_POSES,
+            ..PoseOptions::default()
+        };
+        let opts = MeshLevelOptions {
+            poses,
+            ..MeshLevelOptions::default()
+        };
+        measure_mesh(&packaged, &self.mesh, &triangles, &opts)
     }
 }

@@ -65,7 +65,7 @@ fn packaged(opened: CharacterFile, options: &PackageOptions, work: &Executor<'_>
         let source = (&gltf, orders.as_deref());
         let made = mesh_part::coded(&figure, source, face.as_ref(), options, work)?;
         warnings.extend(made.warnings.iter().cloned());
-        parts.push(mesh_part::part(&figure, made, &mut files, work)?);
+        parts.push(mesh_part::part(&figure, &clips, made, &mut files, work)?);
     }
     let character = &figure.opened.character;
     let articulation = figure.opened.articulation();

@@ -27,15 +27,24 @@ const fn case(name: &'static str, file: &'static str, clips: &'static [&'static 
 }
 
 pub(super) const CASES: [Case; 5] = [
-    case("KayKit Knight", "glb/KayKit_Knight.glb", &["Walking_A"]),
-    case("pab", "glb/pab_arnaud.glb", &["walk", "jog"]),
+    case(
+        "KayKit Knight",
+        "glb/KayKit_Knight.glb",
+        &[
+            "Idle",
+            "Walking_A",
+            "Running_A",
+            "Jump_Full_Long",
+            "1H_Melee_Attack_Chop",
+            "Block",
+            "Hit_A",
+            "Cheer",
+        ],
+    ),
+    case("pab", "glb/pab_arnaud.glb", &[]),
     Case {
         is_small: true,
-        ..case(
-            "RobotExpressive",
-            "glb/RobotExpressive.glb",
-            &["Robot_Walking"],
-        )
+        ..case("RobotExpressive", "glb/RobotExpressive.glb", &[])
     },
     case("CesiumMan", "glb/CesiumMan.glb", &[]),
     Case {

@@ -42,7 +42,7 @@ pub(crate) fn write(run: &Run) -> Result<()> {
         ),
         Target::at_most(
             ["error of the chosen combination, posed, above its bound, %"],
-            10.0,
+            0.0,
             sweeps.posed_above_bound_percent,
         ),
     ];

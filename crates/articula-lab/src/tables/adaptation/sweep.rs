@@ -93,7 +93,7 @@ pub(super) fn write(
                 title: format!("{}, {distance_m:.0} m", packaged.case.name),
                 x_label: "bytes for what can be cut".into(),
                 y_label: "error, px".into(),
-                x: Scale::Linear,
+                x: Scale::Logarithmic,
                 y: ValueFormat::Plain,
                 target: None,
             };
@@ -178,9 +178,9 @@ fn sweep(
     let mut lines = Lines::default();
     let mut row = Vec::new();
     for step in 0..BUDGETS {
-        // From the coarsest of everything up to everything.
+        // From the coarsest of everything up to everything, each as many times the one before.
         let share = step as f64 / (BUDGETS - 1) as f64;
-        let bytes = least as f64 + share * (most - least) as f64;
+        let bytes = least as f64 * (most as f64 / least as f64).powf(share);
         let budget = bytes.ceil() as u64;
         let decision = at(Some(budget + full.bytes_always))?;
         let Outcome::Parts(joint) = &decision.decision.outcome else {
@@ -294,8 +294,8 @@ fn vertices(rig: &Rig, mesh: &Mesh, clip: &Clip, secs: f64) -> Vec<Vec3> {
 const SWEEP: &str = "
 ## One budget over motion, mesh and textures
 
-For each item and distance 24 budgets between the coarsest and the finest of everything. At a quarter, a half and three quarters of
-them: bytes for what can be cut, and the error of the joint choice, in px; in brackets the greatest distance when the chosen
+For each item and distance 24 budgets from the coarsest to the finest of everything, each as many times the one before. At a quarter, a
+half and three quarters of the way: bytes for what can be cut, and the error of the joint choice, in px; in brackets the greatest distance when the chosen
 combination is posed (without textures), and the least error of those cuts that meet the budget: one part cut alone and the others
 whole, or all cut to equal shares (–: none does). The CSV file has all points.
 
