@@ -89,7 +89,7 @@ fn packaged(opened: CharacterFile, options: &PackageOptions, work: &Executor<'_>
         &figure, &stripped, options, &mut files, work,
     )?);
     let flat = match options.flat && has_mesh {
-        true => flat::entries(&figure, options, &mut files, work)?,
+        true => flat::entries(&figure, clips.first().copied(), options, &mut files, work)?,
         false => Vec::new(),
     };
     let whole = carried(options, &mut files)?;

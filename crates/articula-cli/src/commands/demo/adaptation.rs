@@ -65,18 +65,25 @@ pub(super) fn of(
     let item = console.work(|work| package(opened, &options, work))?;
     let whole = item.without_flat().bytes();
     let kbps = |share: f64| 8e-3 * share * whole as f64 / WAIT_SECS;
+    let of_pictures: Vec<String> = item
+        .manifest
+        .flat
+        .iter()
+        .flat_map(|f| f.needs.clone())
+        .collect();
     let contexts = [
-        ("a desktop, near", None, 2.0),
-        ("a phone", Some(kbps(0.6)), 3.0),
-        ("far away in a street", Some(kbps(0.9)), 16.0),
-        ("too little for 3D", Some(kbps(0.2)), 3.0),
+        ("a desktop, near", None, 2.0, &[][..]),
+        ("a phone", Some(kbps(0.5)), 3.0, &[]),
+        ("far away in a street", None, 40.0, &[]),
+        ("a page of pictures", None, 3.0, &of_pictures),
     ];
     let mut found = Vec::new();
     let mut cells = Vec::new();
-    for (name, bandwidth_kbps, distance_m) in contexts {
+    for (name, bandwidth_kbps, distance_m, codecs) in contexts {
         let mut context = Context::default();
         context.network.available_bps = bandwidth_kbps.map(|kbps| 1e3 * kbps);
         context.view.distance_m = Some(distance_m);
+        context.terminal.codecs = codecs.to_vec();
         let options = AdaptOptions {
             wait_secs: WAIT_SECS,
             ..AdaptOptions::default()
@@ -86,7 +93,8 @@ pub(super) fn of(
         let adapted = adapt(&item, cut)?;
         let decision = &decided.decision;
         let parts = decision.parts.iter();
-        cells.push(SheetCell::of(drawn(&adapted)?, name));
+        let label = format!("{name}: {:.1} kB", adapted.bytes() as f64 / 1e3);
+        cells.push(SheetCell::of(drawn(&adapted)?, label));
         found.push(InContext {
             name,
             bandwidth_kbps,

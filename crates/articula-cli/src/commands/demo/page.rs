@@ -313,7 +313,7 @@ fn adaptation(report: &DemoReport) -> String {
         "<section>\n<h2>One item, four contexts</h2>\n\
          <p>The character as a digital item of {:.1} kB: joints, mesh levels by region, the motion in levels of \
          articulation and tiers, textures at several sizes. Each context gets the combination with the least visible \
-         error for its bytes, or no more than it can see; below the least 3D it gets a form in 2D.</p>\n{}\
+         error for its bytes, or no more than it can see; what cannot play it gets a form in 2D.</p>\n{}\
          <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n\
          <caption><span>{caption}</span></caption>\n<thead><tr><th scope=\"col\">context</th>\
          <th scope=\"col\">bandwidth</th><th scope=\"col\">distance</th><th scope=\"col\">form</th>\
