@@ -29,7 +29,7 @@ pub struct DecisionRequest<'a> {
 }
 
 /// What keeps a decision from a smaller error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bound {
     /// The bytes within the window.
     Bytes,
@@ -37,8 +37,8 @@ pub enum Bound {
     FrameTime,
     /// A smaller error is not seen.
     View,
-    /// A limit or a wish, by its index.
-    Preference(usize),
+    /// A limit or a wish.
+    Preference(Preference),
     /// The client lacks a feature.
     Capability,
 }
@@ -111,9 +111,9 @@ pub struct Decision {
     pub bounds: Vec<Bound>,
     /// What each part got; empty for another representation.
     pub parts: Vec<PartDecision>,
-    /// Indices of the preferences that are not met: limits that no option of a part meets, and
-    /// wishes that gave way.
-    pub unmet: Vec<usize>,
+    /// The preferences that are not met: limits that no option of a part meets, and wishes that gave
+    /// way.
+    pub unmet: Vec<Preference>,
 }
 
 /// Decides what to send of a character, and to show.
@@ -166,7 +166,9 @@ pub fn decide(request: &DecisionRequest<'_>) -> Result<Decision, Mismatch> {
 const THREE_D: &str = "3d";
 
 /// Options within limits and wishes, the choice among them, and the preferences that gave way.
-fn choose_parts(request: &DecisionRequest<'_>) -> (Vec<Vec<usize>>, Option<Choice>, Vec<usize>) {
+fn choose_parts(
+    request: &DecisionRequest<'_>,
+) -> (Vec<Vec<usize>>, Option<Choice>, Vec<Preference>) {
     let parts = request.parts;
     let all = |part: &Part| (0..part.options.len()).collect();
     let mut allowed: Vec<Vec<usize>> = parts.iter().map(all).collect();
@@ -175,7 +177,7 @@ fn choose_parts(request: &DecisionRequest<'_>) -> (Vec<Vec<usize>>, Option<Choic
     for (index, limit) in preferences.clone().filter(|p| !p.1.is_wish) {
         match limit.narrow(parts, &allowed) {
             Some(left) => allowed = left,
-            None => unmet.push(index),
+            None => unmet.push((index, limit)),
         }
     }
     let mut choice = choose_among(parts, &allowed, &request.choice);
@@ -187,10 +189,11 @@ fn choose_parts(request: &DecisionRequest<'_>) -> (Vec<Vec<usize>>, Option<Choic
         });
         match chosen {
             Some((left, with_wish)) => (allowed, choice) = (left, Some(with_wish)),
-            None => unmet.push(index),
+            None => unmet.push((index, wish)),
         }
     }
-    unmet.sort_unstable();
+    unmet.sort_unstable_by_key(|unmet| unmet.0);
+    let unmet = unmet.into_iter().map(|unmet| *unmet.1).collect();
     (allowed, choice, unmet)
 }
 
@@ -198,7 +201,7 @@ fn flat(
     request: &DecisionRequest<'_>,
     form: usize,
     bounds: Vec<Bound>,
-    unmet: Vec<usize>,
+    unmet: Vec<Preference>,
 ) -> Decision {
     let of = &request.representations[form];
     Decision {
@@ -245,7 +248,7 @@ fn three_d(
     request: &DecisionRequest<'_>,
     allowed: &[Vec<usize>],
     choice: Choice,
-    unmet: Vec<usize>,
+    unmet: Vec<Preference>,
 ) -> Decision {
     let parts: Vec<PartDecision> = (0..request.parts.len())
         .map(|i| part_decision(request, allowed, &choice, i))
@@ -282,7 +285,7 @@ fn bounds(request: &DecisionRequest<'_>, allowed: &[Vec<usize>], choice: &Choice
         bounds.extend(one);
     }
     // A preference binds if one of its parts could take an option of smaller error without it.
-    for (index, preference) in request.preferences.iter().enumerate() {
+    for preference in request.preferences {
         let better = |(i, part): (usize, &Part)| {
             let k = request.choice.pixels_per_metre;
             let now = part.options[choice.options[i]].pixels(k);
@@ -293,7 +296,7 @@ fn bounds(request: &DecisionRequest<'_>, allowed: &[Vec<usize>], choice: &Choice
                 && options.any(|o| !preference.rule.allows(o) && o.pixels(k) < now)
         };
         if request.parts.iter().enumerate().any(better) {
-            bounds.push(Bound::Preference(index));
+            bounds.push(Bound::Preference(*preference));
         }
     }
     bounds
@@ -331,11 +334,9 @@ fn part_decision(
             bounds.push(Bound::View);
         }
         if !allowed[index].contains(&i) {
-            let refuses = |p: &(usize, &Preference)| {
-                p.1.part == part.kind && !p.1.rule.allows(&part.options[i])
-            };
-            let refusing = request.preferences.iter().enumerate().filter(refuses);
-            bounds.extend(refusing.map(|p| Bound::Preference(p.0)));
+            let refuses = |p: &&Preference| p.part == part.kind && !p.rule.allows(&part.options[i]);
+            let refusing = request.preferences.iter().filter(refuses);
+            bounds.extend(refusing.map(|p| Bound::Preference(*p)));
         }
         NextStep {
             option: i,

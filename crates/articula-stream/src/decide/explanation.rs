@@ -2,6 +2,8 @@
 
 use super::choice::Budget;
 use super::decision::{Bound, Decision, NextStep, Outcome, PartDecision};
+use super::part::PartKind;
+use super::preference::{Preference, Rule};
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Bound {
@@ -10,8 +12,51 @@ impl Display for Bound {
             Self::Bytes => f.write_str("the bytes"),
             Self::FrameTime => f.write_str("the time per frame"),
             Self::View => f.write_str("what can be seen"),
-            Self::Preference(index) => write!(f, "preference {}", index + 1),
+            Self::Preference(preference) => preference.fmt(f),
             Self::Capability => f.write_str("what the client supports"),
+        }
+    }
+}
+
+impl Display for PartKind {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        f.write_str(match self {
+            Self::BodyMotion => "body",
+            Self::FaceMotion => "face",
+            Self::Mesh => "mesh",
+            Self::Texture => "textures",
+            Self::Other => "others",
+        })
+    }
+}
+
+impl Display for Preference {
+    /// What is wanted, such as `the limit "body: level of articulation 2 or less"`.
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let strength = if self.is_wish { "wish" } else { "limit" };
+        write!(f, "the {strength} \"{}: ", self.part)?;
+        match self.rule {
+            Rule::FinestLevel(level) => write!(f, "level {level} or coarser")?,
+            Rule::CoarsestLevel(level) => write!(f, "level {level} or finer")?,
+            Rule::LoaAtMost(loa) => write!(f, "level of articulation {loa} or less")?,
+            Rule::LoaAtLeast(loa) => write!(f, "level of articulation {loa} or more")?,
+            Rule::RegionsWithin(mask) => write!(f, "no regions but {}", Regions(mask))?,
+            Rule::RegionsWith(mask) => write!(f, "regions {}", Regions(mask))?,
+        }
+        f.write_str("\"")
+    }
+}
+
+/// Numbers of the bits of a mask.
+struct Regions(u32);
+
+impl Display for Regions {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let bits = (0..u32::BITS).filter(|bit| self.0 >> bit & 1 == 1);
+        let numbers: Vec<String> = bits.map(|bit| (bit + 1).to_string()).collect();
+        match numbers.as_slice() {
+            [] => f.write_str("none"),
+            numbers => f.write_str(&numbers.join(", ")),
         }
     }
 }
@@ -54,10 +99,13 @@ impl Display for Decision {
         )?;
         match &self.outcome {
             Outcome::Parts(choice) => {
-                let (bytes, time) = (self.bytes, ms(choice.frame_ns as f64));
-                write!(f, "chosen: 3D, {bytes} bytes, {time:.3} ms per frame, ")?;
+                write!(f, "chosen: 3D, {} bytes, ", self.bytes)?;
+                if choice.frame_ns > 0 {
+                    write!(f, "{:.3} ms per frame, ", ms(choice.frame_ns as f64))?;
+                }
                 write!(f, "error at most {:.2} px", self.error_px)?;
-                if choice.bound_px < choice.error_px {
+                // Within what cannot be seen, fewer bytes are better than a smaller error.
+                if choice.bound_px < choice.error_px && !choice.is_enough {
                     let least = choice.bound_px;
                     write!(
                         f,
@@ -83,8 +131,8 @@ impl Display for Decision {
         for part in &self.parts {
             writeln!(f, "{part}")?;
         }
-        for index in &self.unmet {
-            writeln!(f, "preference {} is not met", index + 1)?;
+        for preference in &self.unmet {
+            writeln!(f, "{preference} is not met")?;
         }
         Ok(())
     }
@@ -92,15 +140,12 @@ impl Display for Decision {
 
 impl Display for PartDecision {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        write!(
-            f,
-            "{}: {}, {} bytes, {:.3} ms, {:.2} px; ",
-            self.name,
-            self.option_name,
-            self.bytes,
-            ms(self.frame_ns as f64),
-            self.error_px
-        )?;
+        let (name, option) = (&self.name, &self.option_name);
+        write!(f, "{name}: {option}, {} bytes, ", self.bytes)?;
+        if self.frame_ns > 0 {
+            write!(f, "{:.3} ms, ", ms(self.frame_ns as f64))?;
+        }
+        write!(f, "{:.2} px; ", self.error_px)?;
         match &self.next {
             Some(next) => next.fmt(f),
             None => f.write_str("the finest"),
@@ -112,12 +157,13 @@ impl Display for NextStep {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         write!(
             f,
-            "next {}: {:+} bytes, {:+.3} ms, {:.2} px less, ",
-            self.option_name,
-            self.more_bytes,
-            ms(self.more_frame_ns as f64),
-            self.gain_px
+            "next {}: {:+} bytes, ",
+            self.option_name, self.more_bytes
         )?;
+        if self.more_frame_ns != 0 {
+            write!(f, "{:+.3} ms, ", ms(self.more_frame_ns as f64))?;
+        }
+        write!(f, "{:.2} px less, ", self.gain_px)?;
         if self.bounds.is_empty() {
             f.write_str("gains less than what another part has for it")
         } else {

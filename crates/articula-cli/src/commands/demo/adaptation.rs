@@ -64,7 +64,9 @@ pub(super) fn of(
     let opened = scene.figure.opened.clone();
     let item = console.work(|work| package(opened, &options, work))?;
     let whole = item.without_flat().bytes();
-    let kbps = |share: f64| 8e-3 * share * whole as f64 / WAIT_SECS;
+    // For the joints, and half of the rest.
+    let half = 0.5 * (whole + item.manifest.figure.bytes) as f64;
+    let half_kbps = 8e-3 * half / WAIT_SECS;
     let of_pictures: Vec<String> = item
         .manifest
         .flat
@@ -73,7 +75,7 @@ pub(super) fn of(
         .collect();
     let contexts = [
         ("a desktop, near", None, 2.0, &[][..]),
-        ("a phone", Some(kbps(0.5)), 3.0, &[]),
+        ("a phone", Some(half_kbps), 3.0, &[]),
         ("far away in a street", None, 40.0, &[]),
         ("a page of pictures", None, 3.0, &of_pictures),
     ];

@@ -94,12 +94,11 @@ pub(super) fn write(
                 x_label: "bytes for what can be cut".into(),
                 y_label: "error, px".into(),
                 x: Scale::Logarithmic,
+                y_scale: Scale::Logarithmic,
                 y: ValueFormat::Plain,
                 target: None,
             };
-            let path = run.out.join(format!("{name}.svg"));
-            std::fs::write(&path, line_plot(&options, &lines))?;
-            println!("{}", path.display());
+            run.save_text(&name, "svg", &line_plot(&options, &lines))?;
         }
     }
     page.push_str("\nPlots, error over bytes:\n\n");

@@ -88,7 +88,10 @@ pub fn decide(item: &Item, context: &Context, options: &AdaptOptions) -> Result<
         .budget
         .bytes
         .min(options.max_bytes.unwrap_or(UNBOUNDED));
-    request.budget.bytes = allowed.saturating_sub(bytes_always).min(UNBOUNDED);
+    request.budget.bytes = match allowed {
+        UNBOUNDED.. => UNBOUNDED,
+        bounded => bounded.saturating_sub(bytes_always),
+    };
     request.effort = options.effort;
     if context.view.distance_m.is_some() && context.preferences.tolerance_px.is_none() {
         request.enough_px = TOLERANCE_PX;
