@@ -44,6 +44,14 @@ const fn seeds(
     }
 }
 
+/// The stored descriptions, which every reader of descriptions gets.
+const fn documents(target: &'static str) -> Seeds {
+    Seeds {
+        folder: Some("descriptions"),
+        ..seeds(target, b"", &["xml"])
+    }
+}
+
 /// Seeds of the targets; those of `acclaim` are pairs of files. Targets without seeds start from
 /// nothing.
 const SEEDS: &[Seeds] = &[
@@ -53,9 +61,13 @@ const SEEDS: &[Seeds] = &[
         folder: Some("golden"),
         ..seeds("afp2", b"", &["afp"])
     },
+    documents("aqos"),
     seeds("bva", b"", &["bva"]),
     seeds("bvh", b"", &["bvh"]),
+    documents("context"),
+    documents("did"),
     seeds("fba", b"", &["fba"]),
+    documents("gbsd"),
     seeds("gltf", b"", &["glb", "gltf", "vrm", "vrma"]),
     Seeds {
         folder: Some("joint_maps"),
@@ -65,6 +77,7 @@ const SEEDS: &[Seeds] = &[
         folder: Some("golden"),
         ..seeds("motion_stream", b"", &["abp"])
     },
+    seeds("mp4", b"", &["mp4"]),
     seeds("mpeg4", b"\0", &["fap"]),
     seeds("mpeg4", b"\x01", &["bap"]),
     seeds("mpeg4", b"\x02", &["epf"]),

@@ -165,7 +165,7 @@ fn documentation() -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Runs the test of cuts with a library that has no codec.
+/// Runs the tests of cuts and descriptions with a library that has no codec.
 fn cut_alone() -> Result<Outcome> {
     let words = [
         "test",
@@ -174,7 +174,8 @@ fn cut_alone() -> Result<Outcome> {
         "articula-stream",
         "--no-default-features",
     ];
-    run(cargo().args(words).args(["--test", "cut_alone"]))?;
+    let tests = ["--test", "cut_alone", "--test", "descriptions_alone"];
+    run(cargo().args(words).args(tests))?;
     Ok(Outcome::Done)
 }
 
@@ -184,8 +185,9 @@ fn tidy_step() -> Result<Outcome> {
 }
 
 /// Runs the examples of the library's first page: on the reference human, and on characters of
-/// `assets`, of which one has no clips and plays those of the other. The library's tests run the
-/// same calls on every kind of file, where vertices must move.
+/// `assets`, of which one has no clips and plays those of the other; that of descriptions on the
+/// reference human alone. The library's tests run the same calls on every kind of file, where
+/// vertices must move.
 fn examples() -> Result<Outcome> {
     const FILES: [&str; 2] = [
         "assets/glb/Quaternius_modular_men__Worker.glb",
@@ -194,8 +196,11 @@ fn examples() -> Result<Outcome> {
     // The tests have just built them.
     let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
     let built = target.unwrap_or_else(|| root().join("target"));
-    for files in [&[][..], &FILES] {
-        for example in ["crowd", "hero"] {
+    for (files, names) in [
+        (&[][..], &["crowd", "describe", "hero"][..]),
+        (&FILES, &["crowd", "hero"]),
+    ] {
+        for example in names {
             let program = built.join("debug/examples").join(example);
             let ran = Command::new(program)
                 .args(files)

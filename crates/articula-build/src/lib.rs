@@ -3,6 +3,7 @@
 //! - [`character`]: builds rig, mesh and clips from a source character
 //! - [`clip_edit`]: trims, loops and reduces source clips
 //! - [`joint_names`]: recognises the joints of a skeleton by their names
+//! - [`set_joint_scheme`]: converts a character between the joint schemes of H-Anim and the thesis
 //! - [`retarget`]: transfers a motion from one skeleton to another
 //! - [`bake`], [`resolve`]: convert expressions to morph weights and joint transforms
 //! - [`levers`], [`contact_intervals`], [`key_table`], [`pose_keys`]: tables for the error of held
@@ -11,7 +12,8 @@
 //! - [`simplify`], [`decimate`], [`cluster`], [`mesh_levels`]: simplify the mesh of an animated
 //!   character into levels that are ranges of one object
 //! - [`surface_distances`]: measures the distance of a mesh level from the original, at rest and in
-//!   motion; [`RegionMix`], [`measure_levels`]: each region of a mesh at a level of its own
+//!   motion; [`RegionMix`], [`measure_levels`]: each region of a mesh at a level of its own;
+//!   [`measure_mesh`]: the error of a decoded mesh
 //! - [`figure_levels`]: pairs levels of joints and mesh that are shown together
 //! - [`cached_poses`], [`motion_bounds`], [`occluders`]: data that a crowd reads instead of
 //!   computing it
@@ -52,6 +54,7 @@ mod expression;
 mod figure_levels;
 mod influences;
 mod joint_lods;
+mod joint_scheme;
 mod mesh_levels;
 mod motion_bounds;
 mod motion_error;
@@ -75,9 +78,10 @@ pub use joint_lods::{
     FarLevels, JointLodOptions, MergedLevels, far_levels, far_order, joint_lods, level_skins,
     levels_of, lod_errors, mean_pose, merged_levels, named_joint_lods, skin_of,
 };
+pub use joint_scheme::{InsertedJoint, JointEdit, MergedJoint, SchemeChange, set_joint_scheme};
 pub use mesh_levels::{
     LeftOutLevel, LeftOutReason, MeasurementPoses, MeshLevelOptions, MeshLevels, RegionMix,
-    measure_levels, mesh_level_triangles, mesh_levels,
+    measure_levels, measure_mesh, mesh_level_triangles, mesh_levels,
 };
 pub use motion_bounds::motion_bounds;
 pub use motion_error::{

@@ -83,6 +83,15 @@ impl ReadArgs {
         all.map(PathBuf::as_path)
     }
 
+    /// Whether a flag is given.
+    pub(crate) fn asks(&self) -> bool {
+        self.inputs().next().is_some()
+            || self.unit_metres.is_some()
+            || self.up.is_some()
+            || self.amc_rate_hz.is_some()
+            || self.absent.is_some()
+    }
+
     /// Up axis of a file that does not state it.
     pub(crate) fn up(&self) -> UpAxis {
         match self.up {

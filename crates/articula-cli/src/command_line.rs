@@ -1,6 +1,8 @@
 //! The top level of the command line.
 
-use crate::commands::{build, completions, convert, crowd, demo, flatten, human, inspect, lod};
+use crate::commands::{
+    adapt, build, completions, convert, crowd, demo, flatten, gbsd, human, inspect, lod, package,
+};
 use crate::console::{Answer, Console, Progress};
 use articula::fs::Existing;
 use clap::{Parser, Subcommand};
@@ -70,6 +72,12 @@ pub(crate) enum Command {
     Crowd(crowd::CrowdArgs),
     /// Convert an animated character to 2D: animated SVG, Lottie, talking portrait, still picture
     Flatten(flatten::FlattenArgs),
+    /// Package a character as a digital item: a folder of streams that can be cut, with their errors
+    Package(package::PackageArgs),
+    /// Cut a digital item to what network, device, viewer and view allow, with the least visible error
+    Adapt(adapt::AdaptArgs),
+    /// Print the description of a stream after MPEG-21 (gBSD), or the stylesheet that adapts it
+    Gbsd(gbsd::GbsdArgs),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArgs),
 }

@@ -3,7 +3,7 @@
 use articula::{DataFormat, Format};
 use std::path::Path;
 
-pub(crate) use articula::fs::{Files, in_folder, shown};
+pub(crate) use articula::fs::{Files, in_folder, is_item, shown};
 
 /// The character format that a file name implies.
 pub(crate) fn format(path: &Path) -> Option<Format> {

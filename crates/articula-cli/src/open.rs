@@ -5,11 +5,14 @@ use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::files::{self, Files};
 use anyhow::Context;
 use articula::face::fdp_points;
-use articula::streams::{StreamKind, sniff};
+use articula::inspect::{TrackInspection, inspect_mp4};
+use articula::streams::{StreamKind, mp4, unit_tree};
 use articula::{CharacterFile, DataFile, DataFormat, Figure, Format, OpenOptions, open_data};
 use articula_core::feature_points::PointId;
 use articula_core::joint_names::JointMap;
 use articula_formats::{Assumption, Limits, Warning, face_points as points_file, joint_map, mpeg4};
+use articula_stream::StreamLimits;
+use articula_stream::description::{GbsdOptions, write_gbsd};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
@@ -22,14 +25,95 @@ pub(crate) fn character(
     Ok(files.open(path, &options(args)?)?)
 }
 
-/// The bytes of a motion stream; `None` if the file is not one.
-pub(crate) fn motion_stream(path: &Path) -> anyhow::Result<Option<Vec<u8>>> {
-    if files::format(path) != Some(Format::Abp) {
+/// A stream that was read.
+pub(crate) struct Stream {
+    /// Which one it is, by how it begins.
+    pub(crate) kind: Option<StreamKind>,
+    pub(crate) bytes: Vec<u8>,
+    /// Size of the file.
+    pub(crate) file_bytes: usize,
+    /// Warnings about the file around it, if there is one.
+    pub(crate) warnings: Vec<Warning>,
+}
+
+/// Reads a stream: the file itself, or the first stream of a body, or of a face, in an MP4 file.
+pub(crate) fn stream(path: &Path, of_face: bool) -> anyhow::Result<Stream> {
+    let limits = Limits::default();
+    let bytes = files::read(path, limits.bytes)?;
+    if files::format(path) != Some(Format::Mp4) {
+        return Ok(Stream {
+            kind: StreamKind::of(&bytes),
+            file_bytes: bytes.len(),
+            bytes,
+            warnings: Vec::new(),
+        });
+    }
+    let place = || files::shown(path);
+    let fits = |kind: StreamKind| kind.is_of_face() == of_face;
+    let taken = mp4::take(&bytes, &limits, fits).with_context(place)?;
+    let which = if of_face { "face" } else { "body" };
+    let taken = taken.with_context(|| format!("no track of the MP4 file moves a {which}"));
+    let taken = taken.with_context(place)?;
+    Ok(Stream {
+        kind: Some(taken.kind),
+        warnings: taken.warnings(),
+        bytes: taken.bytes,
+        file_bytes: bytes.len(),
+    })
+}
+
+/// The description (gBSD) of a stream in a file of its own, or in an MP4 file.
+pub(crate) fn description(path: &Path) -> anyhow::Result<String> {
+    let bytes = match files::format(path) {
+        Some(Format::Mp4) => stream(path, false)?.bytes,
+        _ => files::read(path, Limits::default().bytes)?,
+    };
+    let place = || files::shown(path);
+    let unit = unit_tree(&bytes, &StreamLimits::default()).with_context(place)?;
+    let name = path
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned());
+    let options = GbsdOptions { bitstream: name };
+    write_gbsd(&unit, &options).with_context(place)
+}
+
+/// A motion stream (ABP-2); `None` if the file is not one.
+pub(crate) fn motion_stream(path: &Path) -> anyhow::Result<Option<Stream>> {
+    if !matches!(files::format(path), Some(Format::Abp | Format::Mp4)) {
         return Ok(None);
     }
-    let bytes = files::read(path, Limits::default().bytes)?;
-    let is_one = sniff(&bytes) == Some(StreamKind::Abp2);
-    Ok(is_one.then_some(bytes))
+    let stream = stream(path, false)?;
+    Ok(Some(stream).filter(|stream| stream.kind == Some(StreamKind::Abp2)))
+}
+
+/// The streams in a file that is named as an MP4 file, in their order; `None` for other files.
+pub(crate) fn streams_in(path: &Path) -> anyhow::Result<Option<Vec<StreamKind>>> {
+    if files::format(path) != Some(Format::Mp4) {
+        return Ok(None);
+    }
+    let limits = Limits::default();
+    let bytes = files::read(path, limits.bytes)?;
+    let tracks = mp4::tracks(&bytes, &limits).with_context(|| files::shown(path))?;
+    Ok(Some(tracks.iter().filter_map(|track| track.kind).collect()))
+}
+
+/// The format without a character of a file to read: by its name, of an MP4 file by its first stream.
+pub(crate) fn data_format(path: &Path) -> anyhow::Result<Option<DataFormat>> {
+    let Some(streams) = streams_in(path)? else {
+        return Ok(files::data_format(path));
+    };
+    let is_face = streams.first().is_some_and(|kind| kind.is_of_face());
+    Ok(is_face.then_some(DataFormat::Mp4))
+}
+
+/// The tracks of a file that is named as an MP4 file; none of other files.
+pub(crate) fn tracks(path: &Path) -> anyhow::Result<Vec<TrackInspection>> {
+    if files::format(path) != Some(Format::Mp4) {
+        return Ok(Vec::new());
+    }
+    let limits = Limits::default();
+    let bytes = files::read(path, limits.bytes)?;
+    Ok(inspect_mp4(&bytes, &files::shown(path), &limits)?)
 }
 
 /// Opens a character, leaves out unwanted meshes and builds the figure.

@@ -8,7 +8,8 @@
 //! chosen to meet its counts (`docs/methods/hanim.md` part 3).
 //!
 //! The region counts of the thesis (feet 4, hands 40) fit no partition of the standard joints; here
-//! the subtalars belong to the feet (6) and the hands have 38.
+//! the subtalars belong to the feet (6) and the hands have 38. The joints with which they fit are
+//! those of a [`JointScheme`](crate::JointScheme).
 
 use crate::articulation::Region;
 use glam::Vec3;
@@ -137,6 +138,22 @@ pub static JOINTS: [HanimJoint; 94] = [
     joint(("temporomandibular", "temporomandibular"), Some(38), [0.0, 1.63, 0.015], (3, 5), Region::Face),
 ];
 
+/// The joints that the joint scheme of the thesis has beyond the standard's: a fourth joint of each
+/// thumb, between wrist and `thumb1`, with the centre of the wrist.
+#[rustfmt::skip]
+pub static THUMB_BASES: [HanimJoint; 2] = [
+    joint(("l_thumb0", "l_thumb0"), Some(45), [0.1984, 0.8663, -0.0583], (2, 5), Region::Hands),
+    joint(("r_thumb0", "r_thumb0"), Some(69), [-0.1984, 0.8663, -0.0583], (2, 5), Region::Hands),
+];
+
+/// Returns the joint of this name, ignoring case: of the standard, as [`find`] does, or of
+/// [`THUMB_BASES`].
+pub fn named(name: &str) -> Option<&'static HanimJoint> {
+    let is_named = |joint: &&HanimJoint| joint.name.eq_ignore_ascii_case(name);
+    let standard = find(name).map(|index| &JOINTS[index]);
+    standard.or_else(|| THUMB_BASES.iter().find(is_named))
+}
+
 /// Returns the index of the joint with this H-Anim 1.1 or 2 name, ignoring case.
 ///
 /// The root's old spelling `HumanoidRoot` is accepted as well.
@@ -222,5 +239,17 @@ mod tests {
         }
         assert_eq!(find("HumanoidRoot"), Some(0));
         assert_eq!(find("tail"), None);
+    }
+
+    #[test]
+    fn thumb_bases_rest_at_the_wrists() {
+        for base in &THUMB_BASES {
+            assert!(find(base.name).is_none(), "the standard does not have it");
+            assert_eq!(named(&base.name.to_uppercase()), Some(base));
+            let wrist = &JOINTS[base.parent.unwrap()];
+            assert_eq!(wrist.name, base.name.replace("thumb0", "wrist"));
+            assert_eq!(base.center, wrist.center);
+        }
+        assert_eq!(named("l_radiocarpal").unwrap().name, "l_wrist");
     }
 }

@@ -101,9 +101,10 @@ pub enum JointTarget {
 }
 
 impl JointTarget {
-    /// Returns the joint of the standard with an H-Anim name; `None` if there is none.
+    /// Returns the joint of the standard, or of a joint scheme, with an H-Anim name; `None` if there
+    /// is none.
     pub fn standard(hanim: &str) -> Option<Self> {
-        let row = hanim_table::find(hanim).map(|row| &hanim_table::JOINTS[row]);
+        let row = hanim_table::named(hanim);
         row.map(|row| Self::Joint(StandardJoint::from(row)))
     }
 }

@@ -89,6 +89,7 @@ mod drift;
 mod figure_level;
 mod hierarchy;
 mod joint_lods;
+mod joint_scheme;
 mod joint_set;
 mod key_table;
 mod level_choice;
@@ -131,6 +132,7 @@ pub use drift::{DriftController, DriftOptions, JointErrorBounds, JointViewScales
 pub use figure_level::FigureLevel;
 pub use hierarchy::{local_to_model, local_to_model_from};
 pub use joint_lods::JointLods;
+pub use joint_scheme::JointScheme;
 pub use joint_set::{JointSet, MAX_JOINTS};
 pub use key_table::{KeyMode, KeyTable, PoseKeys, TableHashes};
 pub use level_skins::{LevelSkin, LevelSkins};

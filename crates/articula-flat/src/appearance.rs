@@ -3,13 +3,14 @@
 use crate::picture::{Picture, linear_table};
 use articula_core::source::{Image, Material};
 use glam::{Vec2, Vec4};
+use std::sync::Arc;
 
 /// Materials of a character with their decoded textures.
 #[derive(Debug, Clone, Default)]
 pub struct Appearance {
     /// Materials, indexed by the material index of mesh parts.
     pub materials: Vec<Material>,
-    textures: Vec<Option<Texture>>,
+    textures: Vec<Option<Arc<Texture>>>,
 }
 
 /// A texture that could not be decoded; its material is drawn in its base colour.
@@ -32,7 +33,7 @@ impl Appearance {
             let decoded = named.then(|| Picture::decode(&image.bytes));
             textures.push(match decoded {
                 None => None,
-                Some(Ok(picture)) => Some(Texture::new(picture)),
+                Some(Ok(picture)) => Some(Arc::new(Texture::new(picture))),
                 Some(Err(e)) => {
                     let what = e.to_string();
                     faults.push(UndecodedTexture { image: i, what });
@@ -48,9 +49,25 @@ impl Appearance {
         (appearance, faults)
     }
 
+    /// Returns the appearance with another picture as one of its textures; an index of no image
+    /// changes nothing. The other textures are shared, not copied.
+    #[must_use]
+    pub fn with_texture(&self, image: usize, picture: Picture) -> Self {
+        let mut changed = self.clone();
+        if let Some(texture) = changed.textures.get_mut(image) {
+            *texture = Some(Arc::new(Texture::new(picture)));
+        }
+        changed
+    }
+
+    /// Returns whether an image was decoded as a texture of a material.
+    pub fn has_texture(&self, image: usize) -> bool {
+        self.textures.get(image).is_some_and(Option::is_some)
+    }
+
     /// Returns the decoded texture of a material; `None` without one.
     pub(crate) fn texture_of(&self, material: &Material) -> Option<&Texture> {
-        self.textures.get(material.base_color_image?)?.as_ref()
+        self.textures.get(material.base_color_image?)?.as_deref()
     }
 }
 

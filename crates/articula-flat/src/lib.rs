@@ -7,7 +7,8 @@
 //! - [`render()`]: renders a skinned character to a lit [`Picture`] through a [`Screen`];
 //!   [`Appearance`]: materials and textures; [`orbit_view`], [`tight_view`]: camera placement;
 //!   [`Ground`]: the floor
-//! - [`Picture::to_png`], [`Picture::decode`]: picture files; [`rmse`], [`ssim`]: image differences
+//! - [`Picture::to_png`], [`Picture::decode`]: picture files; [`Picture::resized`]: smaller textures
+//! - [`rmse`], [`ssim`], [`equal_shift`]: image differences
 //! - [`planar`]: a clip projected to the screen, ready to be written in 2D
 //! - [`flatten`]: writes a planar clip to a file and measures size and error, in one call
 //! - [`vector`]: writers, readers and samplers of the vector formats
@@ -84,6 +85,8 @@ pub mod planar;
 pub mod portrait;
 mod projection;
 mod render;
+mod resize;
+mod shift;
 pub mod vector;
 
 pub use appearance::{Appearance, UndecodedTexture};
@@ -96,3 +99,5 @@ pub use markup::escaped;
 pub use picture::{Picture, Rgba, linear_table};
 pub use projection::{Projection, Screen};
 pub use render::{Light, PartSelection, RenderOptions, render};
+pub use resize::Averaging;
+pub use shift::{PictureShift, equal_shift};

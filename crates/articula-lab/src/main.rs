@@ -81,6 +81,8 @@ enum Table {
     FaceTables,
     /// Motion streams: bytes at equal error beside other forms, layers and speeds.
     Streams,
+    /// Digital items: the joint choice beside cuts of single parts, sizes and costs of levels.
+    Adaptation,
     /// All tables, one after the other; names and times go to standard error.
     All,
 }
@@ -124,6 +126,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::FacePoints => tables::face_points::write(run),
         Table::FaceTables => tables::face_tables::write(run),
         Table::Streams => tables::streams::write(run),
+        Table::Adaptation => tables::adaptation::write(run),
         Table::All => all(run),
     }
 }

@@ -39,6 +39,8 @@ pub struct PlotOptions {
     pub y_label: String,
     /// Scale of the x axis; bar plots ignore it.
     pub x: Scale,
+    /// Scale of the y axis, which begins at zero if it is linear; bar plots ignore it.
+    pub y_scale: Scale,
     /// Format of y values.
     pub y: ValueFormat,
     /// A y value to mark with a labelled line, such as a target.
@@ -51,8 +53,18 @@ pub enum Scale {
     /// Linear.
     #[default]
     Linear,
-    /// Logarithmic; the points' own x values are labelled. Points at or below zero are left out.
+    /// Logarithmic; of an x axis the points' own values are labelled. Points at or below zero are
+    /// left out.
     Logarithmic,
+}
+
+impl Scale {
+    fn spacing(self) -> Spacing {
+        match self {
+            Self::Linear => Spacing::Linear,
+            Self::Logarithmic => Spacing::Logarithmic,
+        }
+    }
 }
 
 /// Number format of the values of a plot.
@@ -89,19 +101,22 @@ pub struct BarSeries {
 /// Returns a line plot as SVG text. Points have markers while a series has at most forty of them.
 pub fn line_plot(options: &PlotOptions, series: &[Series]) -> String {
     let finite = |p: &(f64, f64)| {
-        let positive = options.x == Scale::Linear || p.0 > 0.0;
-        p.0.is_finite() && p.1.is_finite() && positive
+        let is_shown = |scale: Scale, v: f64| v.is_finite() && (scale == Scale::Linear || v > 0.0);
+        is_shown(options.x, p.0) && is_shown(options.y_scale, p.1)
     };
     let all: Vec<(f64, f64)> = series
         .iter()
         .flat_map(|s| s.points.iter().copied().filter(finite))
         .collect();
-    let spacing = match options.x {
-        Scale::Linear => Spacing::Linear,
-        Scale::Logarithmic => Spacing::Logarithmic,
+    let x = Axis::through(all.iter().map(|p| p.0), options.x.spacing());
+    let y = match options.y_scale {
+        Scale::Linear => vertical(options, all.iter().map(|p| p.1)),
+        Scale::Logarithmic => {
+            let target = options.target.iter().map(|(value, _)| *value);
+            let target = target.filter(|v| v.is_finite() && *v > 0.0);
+            Axis::through(all.iter().map(|p| p.1).chain(target), Spacing::Logarithmic)
+        }
     };
-    let x = Axis::through(all.iter().map(|p| p.0), spacing);
-    let y = vertical(options, all.iter().map(|p| p.1));
     let names: Vec<&str> = series.iter().map(|s| s.name.as_str()).collect();
     let mut plot = Canvas::new(options, &names, y);
     plot.grid(options);
@@ -202,7 +217,7 @@ impl Canvas {
             ValueFormat::Plain => 1.0,
             ValueFormat::Percent => 100.0,
         };
-        for (value, _) in self.y.ticks(std::iter::empty()) {
+        for value in self.y.grid_values() {
             let y = self.y_at(value);
             let color = if value == 0.0 { "#8a8f99" } else { "#e3e6eb" };
             let unit = if options.y == ValueFormat::Percent {
@@ -271,7 +286,8 @@ impl Canvas {
 
     /// A dotted line at the target, over the data so that its label stays readable.
     fn target(&mut self, options: &PlotOptions) {
-        if let Some((value, label)) = options.target.as_ref().filter(|(v, _)| v.is_finite()) {
+        let target = options.target.as_ref();
+        if let Some((value, label)) = target.filter(|(v, _)| self.y.share(*v).is_finite()) {
             let (y, right) = (self.y_at(*value), WIDTH - RIGHT);
             let label = escaped(label);
             let _ = write!(
@@ -479,8 +495,15 @@ mod tests {
             x: Scale::Logarithmic,
             ..options("odd")
         };
+        let both = PlotOptions {
+            y_scale: Scale::Logarithmic,
+            target: Some((0.0, "zero".into())),
+            ..logarithmic.clone()
+        };
         for svg in [
             line_plot(&logarithmic, &odd),
+            line_plot(&both, &odd),
+            line_plot(&both, &[point((2.0, 3.0)), point((4.0, 0.0))]),
             line_plot(&options("none"), &[]),
             line_plot(&options("huge"), &[point((1e300, -1e300))]),
             bar_plot(&options("none"), &[], &[]),

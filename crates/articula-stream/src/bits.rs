@@ -37,20 +37,37 @@ impl BitWriter {
         self.push(count, u64::from(count));
     }
 
-    /// Copies bits of a stream.
+    /// Copies bits of a stream: whole bytes of the output at a time.
     pub(crate) fn copy(&mut self, stream: &[u8], bits: Range<u64>) {
         let mut at = bits.start;
-        if at.is_multiple_of(8) && self.bits.is_multiple_of(8) {
-            let whole = (bits.end / 8) as usize;
-            self.bytes.extend(&stream[(at / 8) as usize..whole]);
-            self.bits += 8 * whole as u64 - at;
-            at = 8 * whole as u64;
+        let to_whole = (8 - self.bits % 8) % 8;
+        let few = to_whole.min(bits.end.saturating_sub(at));
+        self.copy_few(stream, at..at + few);
+        at += few;
+        let whole = (bits.end.saturating_sub(at) / 8) as usize;
+        if whole > 0 {
+            let (from, shift) = ((at / 8) as usize, at % 8);
+            if shift == 0 {
+                self.bytes.extend_from_slice(&stream[from..from + whole]);
+            } else {
+                let pairs = stream[from..=from + whole].windows(2);
+                let byte = |pair: &[u8]| pair[0] << shift | pair[1] >> (8 - shift);
+                self.bytes.extend(pairs.map(byte));
+            }
+            self.bits += 8 * whole as u64;
+            at += 8 * whole as u64;
         }
+        self.copy_few(stream, at..bits.end);
+    }
+
+    /// Copies less than eight bits.
+    fn copy_few(&mut self, stream: &[u8], bits: Range<u64>) {
+        let mut at = bits.start;
         while at < bits.end {
-            let count = (8 - at % 8).min(bits.end - at);
-            let byte = stream[(at / 8) as usize] >> (8 - at % 8 - count);
-            self.push(count as u32, u64::from(byte));
-            at += count;
+            let part = (8 - at % 8).min(bits.end - at);
+            let byte = stream[(at / 8) as usize] >> (8 - at % 8 - part);
+            self.push(part as u32, u64::from(byte));
+            at += part;
         }
     }
 }

@@ -113,12 +113,14 @@ pub fn cut(stream: &[u8], map: &Unit, keeps: impl Fn(&Unit) -> bool) -> Result<C
     let mut state = State {
         stream,
         out: BitWriter::default(),
+        waiting: 0..0,
         moved: Vec::new(),
         numbers: Vec::new(),
         counted: 0,
         named: named(map),
     };
     let mut unit = state.unit(map, &keeps);
+    state.flush();
     let State {
         out,
         moved,
@@ -154,6 +156,8 @@ fn lengths(unit: &Unit) -> Vec<u64> {
 struct State<'a> {
     stream: &'a [u8],
     out: BitWriter,
+    /// Bits of the stream that stay and are not yet written: those next to each other at once.
+    waiting: Range<u64>,
     /// Bits of the stream that stayed, and where they begin in the output.
     moved: Vec<(Range<u64>, u64)>,
     /// For each unit of the map its new number, unless it was removed.
@@ -165,10 +169,25 @@ struct State<'a> {
 
 impl State<'_> {
     fn copy(&mut self, bits: Range<u64>) {
-        if !bits.is_empty() {
-            self.moved.push((bits.clone(), self.out.bits));
-            self.out.copy(self.stream, bits);
+        if bits.is_empty() {
+            return;
         }
+        self.moved.push((bits.clone(), self.at()));
+        if self.waiting.end != bits.start {
+            self.flush();
+            self.waiting.start = bits.start;
+        }
+        self.waiting.end = bits.end;
+    }
+
+    fn flush(&mut self) {
+        self.out.copy(self.stream, self.waiting.clone());
+        self.waiting = 0..0;
+    }
+
+    /// Number of bits of the output.
+    fn at(&self) -> u64 {
+        self.out.bits + (self.waiting.end - self.waiting.start)
     }
 
     fn number(&mut self) {
@@ -179,9 +198,10 @@ impl State<'_> {
     /// Writes a unit that stays; its fields keep their old places and values.
     fn unit(&mut self, unit: &Unit, keeps: &impl Fn(&Unit) -> bool) -> Unit {
         self.number();
-        let start = self.out.bits;
-        let mut children = Vec::new();
+        let start = self.at();
+        let mut children = Vec::with_capacity(unit.children.len());
         if unit.padding {
+            self.flush();
             self.out.pad();
         } else {
             let mut at = unit.bits.start;
@@ -198,7 +218,7 @@ impl State<'_> {
         }
         Unit {
             label: unit.label.clone(),
-            bits: start..self.out.bits,
+            bits: start..self.at(),
             markers: unit.markers.clone(),
             fields: unit.fields.clone(),
             children,
@@ -206,32 +226,34 @@ impl State<'_> {
         }
     }
 
-    /// Leaves out a unit; one whose length is told elsewhere stays, empty.
+    /// Leaves out a unit; one whose length is told elsewhere stays, empty, and so does one with such a
+    /// part.
     fn dropped(&mut self, unit: &Unit) -> Option<Unit> {
         let number = self.numbers.len() as u32;
-        let is_named = self.named.binary_search(&number).is_ok();
-        if is_named {
-            self.number();
-        } else {
-            self.numbers.push(None);
+        let next = number + units_in(unit);
+        let first = self.named.partition_point(|named| *named < number);
+        if self.named.get(first).is_none_or(|named| *named >= next) {
+            self.numbers.resize(next as usize, None);
+            return None;
         }
-        let empty = is_named.then(|| Unit {
+        self.number();
+        let children = unit.children.iter();
+        Some(Unit {
             label: unit.label.clone(),
-            bits: self.out.bits..self.out.bits,
+            bits: self.at()..self.at(),
             markers: unit.markers.clone(),
             fields: Vec::new(),
-            children: Vec::new(),
+            children: children.filter_map(|child| self.dropped(child)).collect(),
             padding: false,
-        });
-        let mut inner = Vec::new();
-        for child in &unit.children {
-            inner.extend(self.dropped(child));
-        }
-        Some(Unit {
-            children: inner,
-            ..empty?
         })
     }
+}
+
+/// Number of units in a unit, itself included.
+fn units_in(unit: &Unit) -> u32 {
+    let mut count = 0;
+    unit.visit(&mut |_| count += 1);
+    count
 }
 
 /// Moves the fields of a unit and its parts to their new places, and writes their new values.

@@ -47,6 +47,26 @@ impl FrameRate {
         if self.ntsc { hz * 1000.0 / 1001.0 } else { hz }
     }
 
+    /// Returns frames and the seconds that they take, in lowest terms.
+    ///
+    /// ```
+    /// use articula_stream::FrameRate;
+    ///
+    /// assert_eq!(FrameRate::nearest(24.5).map(|rate| rate.fraction()), Some([49, 2]));
+    /// let ntsc = FrameRate::nearest(29.97).map(|rate| rate.fraction());
+    /// assert_eq!(ntsc, Some([30_000, 1001]));
+    /// ```
+    pub fn fraction(self) -> [u32; 2] {
+        let frames = u32::from(self.sixteenths);
+        let [frames, secs] = if self.ntsc {
+            [1000 * frames, 16 * 1001]
+        } else {
+            [frames, 16]
+        };
+        let common = common_divisor(frames, secs);
+        [frames / common, secs / common]
+    }
+
     pub(crate) fn write(self, out: &mut BitWriter) {
         out.push(12, u64::from(self.sixteenths));
         out.push(1, u64::from(self.ntsc));
@@ -62,6 +82,11 @@ impl FrameRate {
     }
 }
 
+/// Greatest common divisor of two positive numbers.
+fn common_divisor(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { common_divisor(b, a % b) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -74,6 +99,8 @@ mod tests {
                 // 1001 sixteenths with the factor are 1000 without it.
                 let nearest = FrameRate::nearest(rate.hz()).map(FrameRate::hz);
                 assert_eq!(nearest, Some(rate.hz()));
+                let [frames, secs] = rate.fraction().map(f64::from);
+                assert!((frames / secs - rate.hz()).abs() < 1e-12 * rate.hz());
                 let mut out = BitWriter::default();
                 rate.write(&mut out);
                 assert_eq!(out.bits, u64::from(BITS));

@@ -17,6 +17,29 @@ const FIELD: usize = 32;
 /// Greatest depth of a map that is read.
 const DEPTH: usize = 32;
 const PADDING: u32 = 1;
+/// Names of the units and markers of our codecs that are frequent: each takes no memory of its own.
+const FREQUENT: &[&str] = &[
+    "unit",
+    "access_unit",
+    "frames",
+    "au_bytes",
+    "BoneMask",
+    "BoneValue",
+    "FapMask",
+    "FapValue",
+    "chunk",
+    "length",
+    "loa",
+    "region",
+    "joint",
+    "tier",
+    "parameter",
+    "face_loa",
+    "face_region",
+    "level",
+    "object",
+    "mesh",
+];
 
 /// Writes a map as an index.
 ///
@@ -152,7 +175,10 @@ pub fn read_index(bytes: &[u8]) -> Result<Unit, StreamError> {
         let length = u16::from_le_bytes(reader.take()?);
         let at = reader.at();
         let text = std::str::from_utf8(reader.slice(usize::from(length))?);
-        text.map_err(|_| StreamError::malformed(format!("byte {at}"), "expected UTF-8"))
+        let text =
+            text.map_err(|_| StreamError::malformed(format!("byte {at}"), "expected UTF-8"))?;
+        let known = FREQUENT.iter().find(|name| **name == text);
+        Ok(known.map_or_else(|| Cow::Owned(text.to_owned()), |name| Cow::Borrowed(*name)))
     });
     let names = names.collect::<Result<Vec<_>, StreamError>>()?;
     reader.end()?;
@@ -210,21 +236,21 @@ impl Records<'_> {
 }
 
 struct Reading<'a> {
-    names: &'a [&'a str],
+    names: &'a [Cow<'static, str>],
     markers: Records<'a>,
     fields: Records<'a>,
 }
 
 /// The name of a number read from `records`.
 fn name(
-    names: &[&str],
+    names: &[Cow<'static, str>],
     records: &Records<'_>,
     number: u16,
 ) -> Result<Cow<'static, str>, StreamError> {
     let found = names.get(usize::from(number));
     let found = found
         .ok_or_else(|| records.bad(format!("name {number}, the index has {}", names.len())))?;
-    Ok(Cow::Owned((*found).to_owned()))
+    Ok(found.clone())
 }
 
 impl Reading<'_> {

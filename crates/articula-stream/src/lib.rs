@@ -5,6 +5,9 @@
 //!   the codec; numbers in them can be rewritten
 //! - [`cut()`], [`CutRule`]: removes units from a stream, by its map alone
 //! - [`write_index`], [`read_index`]: the map as bytes
+//! - [`description`]: descriptions after MPEG-21: of streams (gBSD), of their adaptation, of the context
+//!   of use
+//! - [`decide`]: what to send and to show, by network, device, view and user
 //! - `mesh`: mesh levels as a progressive stream (cargo feature `codecs`, on by default)
 //! - `abp1`: body animations that can be cut by bones, in a BBA-style form (`codecs`)
 //! - `abp2`: body animations within a tolerance of the skin, that can be cut by joints and by tolerance
@@ -12,6 +15,8 @@
 //! - `afp1`: face animations that can be cut by parameters (`codecs`)
 //! - `afp2`: face animations within a tolerance, in the units of `abp2` (`codecs`)
 //! - `fba`: face animations as MPEG-4's binary stream, for interchange (`codecs`)
+//! - [`StreamKind`]: which stream some bytes are
+//! - `mp4`: MP4 files around these streams, and the streams in MP4 files (`codecs`)
 //! - [`StreamError`], [`StreamLimits`]: errors, and limits on memory and time
 //!
 //! A program that only cuts streams disables the feature `codecs` and depends on neither codec, hash
@@ -47,8 +52,8 @@
 //! Levels and tiers count from 0, the finest; the bytes start with the coarsest. Levels of
 //! articulation count as in H-Anim, from the coarsest.
 //!
-//! There are no files, sockets, clocks or threads here (bytes in, bytes out), and no decision on
-//! what to send. No input causes a panic.
+//! There are no files, sockets, clocks or threads here: bytes in, bytes out, and time is an argument.
+//! Codecs and cut decide nothing. No input causes a panic.
 
 #[cfg(feature = "codecs")]
 pub mod abp1;
@@ -67,6 +72,8 @@ mod container;
 mod cut;
 #[cfg(feature = "codecs")]
 mod dct;
+pub mod decide;
+pub mod description;
 mod error;
 #[cfg(feature = "codecs")]
 mod face;
@@ -77,9 +84,12 @@ mod frame_rate;
 #[cfg(feature = "codecs")]
 mod golomb;
 mod index;
+mod kind;
 mod limits;
 #[cfg(feature = "codecs")]
 pub mod mesh;
+#[cfg(feature = "codecs")]
+pub mod mp4;
 #[cfg(feature = "codecs")]
 mod range_coder;
 mod unit;
@@ -94,5 +104,6 @@ pub use face::{DecodedFace, FaceClip, FaceFrame, FaceReadOptions};
 #[cfg(feature = "codecs")]
 pub use frame_rate::FrameRate;
 pub use index::{read_index, write_index};
-pub use limits::StreamLimits;
+pub use kind::StreamKind;
+pub use limits::{DescriptionLimits, StreamLimits};
 pub use unit::{Field, Marker, Meaning, Unit};

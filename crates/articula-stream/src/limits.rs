@@ -1,6 +1,5 @@
 //! Limits on decoding, so that a hostile stream cannot exhaust memory or time.
 
-#[cfg(feature = "codecs")]
 use crate::error::StreamError;
 
 /// Upper bounds that every decoder observes. The defaults admit any realistic character.
@@ -21,7 +20,25 @@ impl Default for StreamLimits {
     }
 }
 
-#[cfg(feature = "codecs")]
+/// Upper bounds of a reader of descriptions. Besides, no element lies deeper than 64, has more than
+/// 64 attributes or is within more than 64 namespace declarations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DescriptionLimits {
+    /// Maximum size of a document in bytes.
+    pub bytes: u64,
+    /// Maximum number of elements of a document; it may have eight times as many attributes.
+    pub nodes: u64,
+}
+
+impl Default for DescriptionLimits {
+    fn default() -> Self {
+        Self {
+            bytes: 64 << 20,
+            nodes: 1_000_000,
+        }
+    }
+}
+
 impl StreamLimits {
     /// Returns an error if `found` exceeds `limit`.
     pub(crate) fn check(

@@ -3,7 +3,7 @@
 //! A stored motion stream is cut by its stored index, and by hand after `docs/formats/abp2.md`.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use articula_stream::{CutRule, Meaning, Unit, cut, read_index};
+use articula_stream::{CutRule, Meaning, Unit, cut, read_index, write_index};
 
 const STREAM: &[u8] = include_bytes!("golden/walk.abp");
 const INDEX: &[u8] = include_bytes!("golden/walk.auix");
@@ -103,4 +103,44 @@ fn names_do_not_matter() {
     assert!(part.bytes.len() < STREAM.len() / 2);
     assert_eq!(part.bytes, same.bytes);
     assert_eq!(renamed(&part.unit), same.unit);
+}
+
+#[test]
+fn memory_of_a_cut_follows_the_units_and_the_output() {
+    const UNITS: usize = 100_000;
+    const BYTES: usize = 64;
+    let stream = vec![7; UNITS * BYTES];
+    let part = |unit: usize| {
+        let bytes = unit * BYTES..(unit + 1) * BYTES;
+        Unit::of_bytes("unit", bytes).marked("loa", (unit % 6) as u32)
+    };
+    let map = Unit {
+        children: (0..UNITS).map(part).collect(),
+        ..Unit::of_bytes("abp2", 0..stream.len())
+    };
+    let index = write_index(&map);
+    let reading = allocation_counter::measure(|| drop(read_index(&index).unwrap()));
+    let rule = CutRule::default().at_most("loa", 2);
+    let mut kept = 0;
+    let cutting = allocation_counter::measure(|| {
+        kept = cut(&stream, &map, |unit| rule.keeps(unit))
+            .unwrap()
+            .bytes
+            .len();
+    });
+    assert_eq!(
+        kept,
+        BYTES * (0..UNITS).filter(|unit| unit % 6 <= 2).count()
+    );
+    let of_unit = |bytes: u64| bytes / UNITS as u64;
+    println!(
+        "reading {} bytes a unit, cutting {}",
+        of_unit(reading.bytes_max),
+        of_unit(cutting.bytes_max)
+    );
+    // A unit in memory is below 150 bytes, its label 32; a list that grows has up to three times its
+    // length at once.
+    assert!(of_unit(reading.bytes_max) <= 3 * 150 + 32, "{reading:?}");
+    let beyond_output = cutting.bytes_max.saturating_sub(2 * kept as u64);
+    assert!(of_unit(beyond_output) <= 3 * 150 + 32, "{cutting:?}");
 }

@@ -18,7 +18,7 @@
 //! Entry points:
 //!
 //! - [`fs::open`], [`open()`], [`CharacterFile`]: reads GLB, glTF, VRM, VRMA, BVH, ASF and AMC,
-//!   BVA, X3D, BAP and ABP files into one editable [`Character`](articula_core::source::Character), with
+//!   BVA, X3D, BAP, ABP and MP4 files into one editable [`Character`](articula_core::source::Character), with
 //!   the data needed to write them back; [`CharacterFile::add_clips`] adds the motions of other
 //!   files
 //! - [`Figure`]: rig, mesh and clips in the form that a frame reads
@@ -29,6 +29,7 @@
 //! - [`convert()`]: converts between formats, edits clips, selects levels of articulation
 //! - [`face`]: facial animation parameters of MPEG-4 on the face of a character
 //! - [`streams`]: motions of bodies and faces as streams that can be cut
+//! - [`item`]: a character as a digital item, a folder of streams that can be cut
 //! - [`flatten`]: a moving character as animated SVG, 2D player, Lottie or portrait
 //! - [`evaluate`]: error and cost of motion level-of-detail methods on a clip
 //! - [`inspect`]: contents of a file, and warnings about it; [`rig_joint_map`]: the joint map of a rig
@@ -54,6 +55,7 @@ pub mod flatten;
 pub mod fs;
 mod head;
 pub mod inspect;
+pub mod item;
 mod joint_map;
 mod keep_meshes;
 mod mesh_levels;

@@ -121,7 +121,7 @@ pub fn prepare(
 
 /// Returns the character and its glTF document: its own with the current clips, or a new document
 /// for a character from another format.
-fn with_document(mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource)> {
+pub(crate) fn with_document(mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource)> {
     let Some(mut gltf) = opened.gltf.take() else {
         let document = Document::from_character(&opened.character)?;
         return shown_by(document, opened);

@@ -7,10 +7,10 @@ use articula_core::source::{Channel, Interpolation, RawClip, evaluate};
 
 /// Two times of a clip that differ by less than this are equal: after half a minute single
 /// precision does not resolve more.
-pub(super) const SAME_SECS: f32 = 2e-6;
+pub(crate) const SAME_SECS: f32 = 2e-6;
 
 /// Number of float arrays per key: in-tangent, value and out-tangent, or the value alone.
-pub(super) fn parts(interpolation: Interpolation) -> usize {
+pub(crate) fn parts(interpolation: Interpolation) -> usize {
     match interpolation {
         Interpolation::CubicSpline => 3,
         _ => 1,
@@ -18,7 +18,7 @@ pub(super) fn parts(interpolation: Interpolation) -> usize {
 }
 
 /// Number of floats in one value of a checked channel.
-pub(super) fn width(channel: &Channel) -> usize {
+pub(crate) fn width(channel: &Channel) -> usize {
     channel.values.len() / (channel.times_secs.len() * parts(channel.interpolation))
 }
 
@@ -27,7 +27,7 @@ pub(super) fn width(channel: &Channel) -> usize {
 ///
 /// # Errors
 /// A [`Mismatch`] that names the channel.
-pub(super) fn check(clip: &RawClip) -> Result<(), Mismatch> {
+pub(crate) fn check(clip: &RawClip) -> Result<(), Mismatch> {
     let wrong = |at: String, what: &str| Err(Mismatch::new(at, what));
     if !(clip.duration_secs.is_finite() && clip.duration_secs >= 0.0) {
         return wrong(
@@ -55,14 +55,14 @@ pub(super) fn check(clip: &RawClip) -> Result<(), Mismatch> {
 }
 
 /// The exact value at a time.
-pub(super) fn value(channel: &Channel, time_secs: f32) -> Vec<f32> {
+pub(crate) fn value(channel: &Channel, time_secs: f32) -> Vec<f32> {
     let mut out = vec![0.0; width(channel)];
     evaluate::channel(channel, time_secs, &mut out);
     out
 }
 
 /// The value stored with a key.
-pub(super) fn key_value(channel: &Channel, key: usize) -> &[f32] {
+pub(crate) fn key_value(channel: &Channel, key: usize) -> &[f32] {
     let width = width(channel);
     let parts = parts(channel.interpolation);
     let first = (key * parts + parts / 2) * width;
@@ -70,7 +70,7 @@ pub(super) fn key_value(channel: &Channel, key: usize) -> &[f32] {
 }
 
 /// The value stored with a key, mutable.
-pub(super) fn key_value_mut(channel: &mut Channel, key: usize) -> &mut [f32] {
+pub(crate) fn key_value_mut(channel: &mut Channel, key: usize) -> &mut [f32] {
     let width = width(channel);
     let parts = parts(channel.interpolation);
     let first = (key * parts + parts / 2) * width;
@@ -78,7 +78,7 @@ pub(super) fn key_value_mut(channel: &mut Channel, key: usize) -> &mut [f32] {
 }
 
 /// The key at a time, if there is one.
-pub(super) fn key_at(channel: &Channel, time_secs: f32) -> Option<usize> {
+pub(crate) fn key_at(channel: &Channel, time_secs: f32) -> Option<usize> {
     let times = &channel.times_secs;
     let after = times.partition_point(|t| *t < time_secs - SAME_SECS);
     (after < times.len() && times[after] <= time_secs + SAME_SECS).then_some(after)
@@ -86,7 +86,7 @@ pub(super) fn key_at(channel: &Channel, time_secs: f32) -> Option<usize> {
 
 /// Inserts a key at a time without changing the motion and returns its index. Splines of rotations
 /// get more than one key where that is needed to keep the curve (see [`spline`]).
-pub(super) fn put_key(channel: &mut Channel, time_secs: f32) -> usize {
+pub(crate) fn put_key(channel: &mut Channel, time_secs: f32) -> usize {
     if let Some(key) = key_at(channel, time_secs) {
         return key;
     }
@@ -104,7 +104,7 @@ pub(super) fn put_key(channel: &mut Channel, time_secs: f32) -> usize {
 
 /// Gives a channel a key at the end of the clip if no channel has one: file formats store the
 /// length of a clip as the time of its last key.
-pub(super) fn keep_length(clip: &mut RawClip) {
+pub(crate) fn keep_length(clip: &mut RawClip) {
     let end = clip.duration_secs;
     let reaches = |c: &Channel| c.times_secs.last().is_some_and(|t| *t >= end - SAME_SECS);
     if clip.channels.iter().any(reaches) {

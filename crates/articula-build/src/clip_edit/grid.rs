@@ -4,11 +4,11 @@ use super::channel::SAME_SECS;
 use articula_core::source::RawClip;
 
 /// Minimum rate of the grid on which an edit is verified.
-pub(super) const VERIFIED_HZ: f32 = 120.0;
+pub(crate) const VERIFIED_HZ: f32 = 120.0;
 
 /// All key times of some clips, the ticks of [`VERIFIED_HZ`] up to `end_secs`, and the midpoints of
 /// keys that are at most two ticks apart.
-pub(super) fn grid<'a>(clips: impl IntoIterator<Item = &'a RawClip>, end_secs: f32) -> Vec<f32> {
+pub(crate) fn grid<'a>(clips: impl IntoIterator<Item = &'a RawClip>, end_secs: f32) -> Vec<f32> {
     let channels = clips.into_iter().flat_map(|clip| &clip.channels);
     let keys = channels.flat_map(|c| &c.times_secs).copied();
     let keys = rising(keys.chain([0.0, end_secs]).collect());
@@ -26,7 +26,7 @@ pub(super) fn grid<'a>(clips: impl IntoIterator<Item = &'a RawClip>, end_secs: f
 }
 
 /// Sorts times and removes those that count as equal to their predecessor.
-pub(super) fn rising(mut times: Vec<f32>) -> Vec<f32> {
+pub(crate) fn rising(mut times: Vec<f32>) -> Vec<f32> {
     times.sort_by(f32::total_cmp);
     times.dedup_by(|b, a| *b - *a <= SAME_SECS);
     times

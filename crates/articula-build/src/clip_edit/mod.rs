@@ -8,9 +8,11 @@
 //!
 //! All of them take a source clip and return a source clip, with measurements of the change.
 
-mod channel;
-mod grid;
+pub(crate) mod channel;
+pub(crate) mod grid;
 pub(crate) mod heading;
+pub(crate) mod pieces;
+pub(crate) mod similarity;
 mod spline;
 mod subject;
 #[cfg(test)]

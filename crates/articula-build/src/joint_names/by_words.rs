@@ -6,6 +6,7 @@
 //! unknown words are left out, unless most joints have these words.
 
 use super::evidence::MappingEvidence;
+use super::inserted::is_thumb_base;
 use super::part::{FINGERS, Part, is_known, meaning};
 use super::{hand, rest, words};
 use articula_core::joint_names::{JointTarget, Side};
@@ -65,11 +66,13 @@ impl<'a> Body<'a> {
         let mut names: Vec<Vec<String>> = Vec::with_capacity(skeleton.joints.len());
         names.extend(skeleton.joints.iter().map(|j| words::split(&j.name)));
         words::without_common(&mut names, is_known);
-        let meanings = names.iter().zip(eligible);
+        let meanings = names.iter().zip(eligible).zip(&skeleton.joints);
         Self {
             skeleton,
             meanings: meanings
-                .map(|(words, eligible)| meaning(words).filter(|_| *eligible))
+                .map(|((words, eligible), joint)| {
+                    meaning(words).filter(|_| *eligible && !is_thumb_base(joint))
+                })
                 .collect(),
             found: vec![None; skeleton.joints.len()],
         }

@@ -6,7 +6,7 @@
 
 use super::evidence::MappingEvidence;
 use super::gap::UnmappedReason;
-use super::{complete, hand, spine};
+use super::{complete, hand, inserted, spine};
 use articula_core::Region;
 use articula_core::joint_names::{JointMap, JointTarget, RigScope, Side, StandardJoint};
 use articula_core::source::Skeleton;
@@ -90,9 +90,11 @@ impl Candidate {
         let mut found: Vec<Option<JointTarget>> = found.into_iter().map(|f| Some(f?.0)).collect();
         let crossed = uncross(skeleton, &mut found);
         let mut meanings = without_duplicates(skeleton, found);
+        let eligible = eligible(skeleton);
         if completion == Completion::FromTree {
-            complete::complete(skeleton, &eligible(skeleton), &mut meanings, &mut evidence);
+            complete::complete(skeleton, &eligible, &mut meanings, &mut evidence);
         }
+        inserted::tell(skeleton, &eligible, &mut meanings, &mut evidence);
         spine::name_by_arc_length(skeleton, &mut meanings);
         let candidate = Self {
             profile: profile.to_owned(),

@@ -14,6 +14,7 @@ mod doubts;
 mod evidence;
 mod gap;
 mod hand;
+mod inserted;
 mod levels;
 mod matching;
 mod part;

@@ -5,10 +5,10 @@
 use super::{MeasurementPoses, MeshLevelOptions, reordered};
 use crate::character::Asset;
 use crate::clusters::{ClusterOrder, Clustered, cluster};
-use crate::poses::{Poses, poses, positions};
+use crate::poses::{Poses, SkinPose, poses, positions};
 use crate::surface_distance::{DistanceOptions, LevelDistances, surface_distances};
 use articula_core::source::{Character, RawMesh};
-use articula_core::{ClusteredTriangles, Mismatch};
+use articula_core::{ClusteredTriangles, Mesh, Mismatch};
 
 /// The triangles of a character with each region at a level, and the vertices that they use.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,6 +86,47 @@ pub fn measure_levels(
         .collect();
     let mut distances = measured(asset, &all, &poses, &opts.distance)?;
     distances.remove(0);
+    Ok((distances, MeasurementPoses::new(&poses.measuring)))
+}
+
+/// Measures the distance of the surface of an asset from that of another mesh of the same character,
+/// such as a decoded one, at several choices of the other mesh's triangles. Poses are those of
+/// [`measure_levels`].
+///
+/// # Errors
+/// A [`Mismatch`] if the other mesh has other morph targets, a triangle names a vertex that it does
+/// not have, or the asset's parts belong to another character.
+pub fn measure_mesh(
+    asset: &Asset,
+    other: &Mesh,
+    levels: &[&[[u32; 3]]],
+    opts: &MeshLevelOptions,
+) -> Result<(Vec<LevelDistances>, MeasurementPoses), Mismatch> {
+    let (found, wanted) = (other.morph_weights.len(), asset.mesh.morph_weights.len());
+    let joints = other.bindings.iter().map(|b| usize::from(b.joint));
+    if found != wanted || joints.max().is_some_and(|j| j >= asset.rig.len()) {
+        let what = format!("{found} morph targets, expected {wanted}, or joints of another rig");
+        return Err(Mismatch::new("mesh", what));
+    }
+    let poses = poses(asset, &opts.poses)?;
+    let both = |pose: &SkinPose| {
+        let mut all = pose.positions(asset);
+        all.extend(pose.positions_of(asset, other));
+        all
+    };
+    let rest = both(&poses.shaping[0]);
+    let motion: Vec<_> = poses.measuring.iter().map(both).collect();
+    let first = asset.mesh.len() as u32;
+    let moved = |level: &&[[u32; 3]]| -> Vec<[u32; 3]> {
+        level
+            .iter()
+            .map(|t| t.map(|v| v.saturating_add(first)))
+            .collect()
+    };
+    let levels: Vec<Vec<[u32; 3]>> = levels.iter().map(moved).collect();
+    let levels: Vec<&[[u32; 3]]> = levels.iter().map(Vec::as_slice).collect();
+    let original = &asset.mesh.triangles;
+    let distances = surface_distances(original, &levels, &rest, &motion, &opts.distance)?;
     Ok((distances, MeasurementPoses::new(&poses.measuring)))
 }
 

@@ -10,7 +10,7 @@ mod mix;
 mod reordered;
 
 pub use kept::{LeftOutLevel, LeftOutReason};
-pub use mix::{RegionMix, measure_levels};
+pub use mix::{RegionMix, measure_levels, measure_mesh};
 
 use crate::character::Asset;
 use crate::clusters::{ClusterOrder, Clustered, cluster};

@@ -4,8 +4,8 @@ use crate::random_figure::{character_of, flat};
 use crate::simplify::shapes::{ball, sheet};
 use articula_build::{
     Asset, ClipOptions, LeftOutLevel, LeftOutReason, MeshLevelOptions, PoseOrigin, RegionMix,
-    SimplifyOptions, character, measure_levels, mesh_level_triangles, mesh_levels, poses,
-    positions, simplify, surface_distances,
+    SimplifyOptions, character, measure_levels, measure_mesh, mesh_level_triangles, mesh_levels,
+    poses, positions, simplify, surface_distances,
 };
 use articula_core::Mesh;
 use articula_core::source::{Character, Primitive, RawMesh};
@@ -134,6 +134,30 @@ fn levels_are_those_of_the_simplifier_with_their_measured_errors() {
     assert!(found.left_out.is_empty());
     // From -1.5 - 0.4 to 1 + 0.6 along x.
     assert!((found.size_metres - 3.5).abs() < 1e-5);
+}
+
+#[test]
+fn another_mesh_is_measured_against_the_original() {
+    let source = three_parts();
+    let asset = asset(&source);
+    let opts = options();
+    let levels = mesh_levels(&asset, &opts).unwrap().triangles(&asset.mesh);
+    let shown: Vec<&[[u32; 3]]> = levels.iter().map(Vec::as_slice).collect();
+    // The same vertices give what the levels themselves have.
+    let (found, _) = measure_mesh(&asset, &asset.mesh, &shown, &opts).unwrap();
+    let (own, _) = measure_levels(&asset, &shown, &opts).unwrap();
+    for (found, own) in found.iter().zip(&own) {
+        assert!((found.motion.max_metres - own.motion.max_metres).abs() < 1e-6);
+    }
+    // Vertices off by a millimetre are off by at most as much, and somewhere by most of it.
+    let mut other = asset.mesh.clone();
+    other.positions.iter_mut().for_each(|p| p.x += 1e-3);
+    let (found, _) = measure_mesh(&asset, &other, &shown[..1], &opts).unwrap();
+    assert!(found[0].motion.max_metres < 1.001e-3 && found[0].motion.max_metres > 0.7e-3);
+    other.morph_weights.push(0.0);
+    assert!(measure_mesh(&asset, &other, &shown, &opts).is_err());
+    let outside = [[u32::MAX; 3]];
+    assert!(measure_mesh(&asset, &asset.mesh, &[&outside], &opts).is_err());
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub(crate) fn gain_plot(series: &[Series], heading: &str) -> Plot {
         y_label: "joint updates saved".into(),
         x: Scale::Logarithmic,
         y: ValueFormat::Percent,
-        target: None,
+        ..PlotOptions::default()
     };
     Plot {
         name: "gain.svg",
@@ -34,6 +34,7 @@ pub(crate) fn error_plot(series: &[Series], heading: &str, limit_px: Option<f32>
         x: Scale::Logarithmic,
         y: ValueFormat::Plain,
         target: limit_px.map(|l| (f64::from(l), format!("target {l} px"))),
+        ..PlotOptions::default()
     };
     Plot {
         name: "error.svg",

@@ -10,6 +10,7 @@
 )]
 
 mod acclaim;
+mod adaptation;
 mod assets;
 mod bounded_files;
 mod browser;
@@ -21,18 +22,22 @@ mod conversion;
 mod crowd;
 mod face_shapes;
 mod faces;
+mod fba_oracle;
 mod flatten;
 mod flatten_browser;
 mod flatten_judged;
 mod folders;
 mod hostile;
+mod items;
 mod joint_levels;
 mod joint_maps;
+mod joint_schemes;
 mod judges;
 mod kept_files;
 mod levels_oracle;
 mod mesh_levels;
 mod meshopt_oracle;
+mod mp4;
 mod mpeg4;
 mod oracle;
 mod playing;

@@ -57,7 +57,7 @@ fn a_motion_goes_through_abp1_and_its_text() {
         assert_eq!(other["stream"], Value::Null);
     }
     let why = fault(&here, 2, &["convert", word(&walk), "other.glb", "--abp1"]);
-    assert!(why.contains("requires an .abp output"), "{why}");
+    assert!(why.contains("requires an .abp or .mp4 output"), "{why}");
 }
 
 #[test]
@@ -148,7 +148,10 @@ fn a_motion_stream_needs_its_character() {
         2,
         &["convert", word(&figure), "out.glb", "--tiers", "3"],
     );
-    assert!(why.contains("--tiers requires an .abp output"), "{why}");
+    assert!(
+        why.contains("--tiers requires an .abp or .mp4 output"),
+        "{why}"
+    );
     std::fs::write(
         here.join("torn.abp"),
         &std::fs::read(here.join("walk.abp")).unwrap()[..500],

@@ -78,6 +78,39 @@ impl Primitive {
     }
 }
 
+/// Renumbers the joints of vertices with `influences` influences each. Weights of one vertex that come
+/// to the same joint are added up, in the first of their places; the other places become joint 0
+/// with weight 0, as do those that had no weight.
+///
+/// # Panics
+/// If `influences` is 0.
+pub fn renumber_influences(
+    joints: &mut [u16],
+    weights: &mut [f32],
+    influences: usize,
+    renumber: impl Fn(u16) -> u16,
+) {
+    let vertices = joints
+        .chunks_exact_mut(influences)
+        .zip(weights.chunks_exact_mut(influences));
+    for (joints, weights) in vertices {
+        for i in 0..influences {
+            let joint = if weights[i] == 0.0 {
+                0
+            } else {
+                renumber(joints[i])
+            };
+            joints[i] = joint;
+            let has = |k: &usize| weights[*k] != 0.0 && joints[*k] == joint;
+            let first = (0..i).find(has).filter(|_| weights[i] != 0.0);
+            if let Some(first) = first {
+                weights[first] += weights[i];
+                (joints[i], weights[i]) = (0, 0.0);
+            }
+        }
+    }
+}
+
 /// Selects elements of `each` values by index; empty for an absent attribute.
 fn picked<T: Copy>(values: &[T], each: usize, order: &[u32]) -> Vec<T> {
     if values.is_empty() {
@@ -119,4 +152,24 @@ pub struct RawMesh {
     /// of which are its triangles. Must be cleared when vertices or triangles of a primitive
     /// change.
     pub clustered: Vec<ClusteredTriangles>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_that_come_to_one_joint_are_added_up() {
+        let mut joints = vec![3, 7, 4, 9, 4, 3, 1, 0];
+        let mut weights = vec![0.5, 0.0, 0.25, 0.25, 0.5, 0.25, 0.25, 0.0];
+        // Joint 4 is merged into joint 3; those behind it move up.
+        renumber_influences(
+            &mut joints,
+            &mut weights,
+            4,
+            |j| if j > 3 { j - 1 } else { j },
+        );
+        assert_eq!(joints, [3, 0, 0, 8, 3, 0, 1, 0]);
+        assert_eq!(weights, [0.75, 0.0, 0.0, 0.25, 0.75, 0.0, 0.25, 0.0]);
+    }
 }

@@ -16,5 +16,5 @@ pub use character::{Character, Image, Material};
 pub use clip::{Channel, Interpolation, Property, RawClip};
 pub use credits::Credits;
 pub use expression::{Expression, JointBinding, Mask, MaskKind, MorphBinding};
-pub use mesh::{MorphTarget, Primitive, RawMesh, RawMeshLevel, Skin};
+pub use mesh::{MorphTarget, Primitive, RawMesh, RawMeshLevel, Skin, renumber_influences};
 pub use skeleton::{Joint, Skeleton};

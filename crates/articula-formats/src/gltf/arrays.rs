@@ -90,7 +90,7 @@ impl Document {
 
     /// Adds a view of elements that start at multiples of 4, as the format requires for vertices,
     /// with an explicit stride so that several accessors may use it.
-    fn add_elements(&mut self, bytes: &[u8], element_size: usize) -> usize {
+    pub(super) fn add_elements(&mut self, bytes: &[u8], element_size: usize) -> usize {
         let stride = element_size.next_multiple_of(4);
         let mut padded = Vec::with_capacity(bytes.len() / element_size * stride);
         for element in bytes.chunks_exact(element_size) {

@@ -267,7 +267,7 @@ fn hung(skin: &Skin, joint: usize, rest: Transform) -> Option<Transform> {
     }
 }
 
-fn write_transform(node: &mut Value, rest: Transform) {
+pub(super) fn write_transform(node: &mut Value, rest: Transform) {
     let identity = Transform::IDENTITY;
     if rest.translation != identity.translation {
         set(node, "translation", shorts(&rest.translation.to_array()));

@@ -19,7 +19,9 @@
 //! - `prepared`: the extension `ARTICULA_prepared`
 //! - `face`: the extension `ARTICULA_face`
 //! - `append`, `arrays`, `clips`, `bounds`, `prune`, `samplers`, `unit`: changes to a document
+//! - `joints`, `renumbered_skin`: joints that are inserted and removed
 //! - `fresh`, `geometry`: a new document from a character
+//! - `exchange`, `plain_textures`: a document without geometry and pictures, and with others
 //! - `weight`: size of meshes in bytes
 //! - `write`: back to bytes
 //!
@@ -37,11 +39,13 @@ mod compression;
 mod container;
 mod credits;
 mod document;
+mod exchange;
 mod extension;
 mod face;
 mod fresh;
 mod geometry;
 mod influences;
+mod joints;
 mod khr_character;
 mod lod;
 mod material;
@@ -52,11 +56,13 @@ mod node_meshes;
 mod open;
 mod origin;
 mod place;
+mod plain_textures;
 mod pointer;
 mod prepared;
 mod primitive;
 mod prune;
 mod reader;
+mod renumbered_skin;
 mod samplers;
 mod single_weights;
 mod skeleton;
@@ -69,7 +75,9 @@ mod write;
 
 pub use clustered::{MeshParts, PartLevels};
 pub use document::Document;
+pub use exchange::{MeshGeometry, placeholder};
 pub use face::{StoredFace, StoredPoint};
+pub use joints::{NewJoint, OldJoint};
 pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
 pub use prepared::{PreparedEntry, PreparedHeader, PreparedState};
 pub use vrm::PassThrough;

@@ -7,7 +7,7 @@
 use super::append::{entries_mut, index, object, set};
 use super::compression::take_extension;
 use super::document::Document;
-use super::extension::{ARTICULATION, CLUSTERED_MESH, PREPARED};
+use super::extension::{ARTICULATION, CLUSTERED_MESH, FACE, PREPARED};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,6 +15,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const HARMLESS: &[&str] = &[
     ARTICULATION,
     CLUSTERED_MESH,
+    FACE,
     PREPARED,
     "KHR_animation_pointer",
     "KHR_lights_punctual",
@@ -409,7 +410,7 @@ mod tests {
 
     #[test]
     fn unknown_extensions_are_found_at_any_depth() {
-        let known = json!({"extensions": {"VRMC_vrm": {}}, "materials": [
+        let known = json!({"extensions": {"VRMC_vrm": {}, "ARTICULA_face": {}}, "materials": [
             {"extensions": {"KHR_materials_unlit": {}}}]});
         assert!(!has_unknown_extension(&known));
         let unknown = json!({"meshes": [{"extensions": {"EXT_new": {"bufferView": 3}}}]});

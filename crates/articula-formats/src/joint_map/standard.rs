@@ -34,10 +34,11 @@ static ADDED: LazyLock<BTreeMap<String, Region>> = LazyLock::new(|| {
     names
 });
 
-/// Returns the joint of an H-Anim 1.1 or 2 name, under its older name if it has both.
+/// Returns the joint of an H-Anim 1.1 or 2 name, under its older name if it has both, or of a joint
+/// scheme.
 pub(super) fn joint(name: &str) -> Option<StandardJoint> {
-    if let Some(index) = hanim_table::find(name) {
-        return Some(StandardJoint::from(&hanim_table::JOINTS[index]));
+    if let Some(row) = hanim_table::named(name) {
+        return Some(StandardJoint::from(row));
     }
     let folded = name.to_ascii_lowercase();
     let region = *ADDED.get(&folded)?;
@@ -48,12 +49,16 @@ pub(super) fn joint(name: &str) -> Option<StandardJoint> {
     })
 }
 
-/// Returns every name of both standards, for the joint map that maps each to itself.
+/// Returns every name of both standards and of the joint schemes, for the joint map that maps each to
+/// itself.
 pub(super) fn all_names() -> impl Iterator<Item = &'static str> {
     let table = hanim_table::JOINTS.iter();
     let old = table.clone().map(|j| j.name);
     let renamed = table.filter(|j| j.name != j.name_v2).map(|j| j.name_v2);
-    old.chain(renamed).chain(ADDED.keys().map(String::as_str))
+    let of_schemes = hanim_table::THUMB_BASES.iter().map(|j| j.name);
+    old.chain(renamed)
+        .chain(of_schemes)
+        .chain(ADDED.keys().map(String::as_str))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The published tables, one module each.
 
+pub(crate) mod adaptation;
 pub(crate) mod crowd;
 pub(crate) mod crowd_errors;
 pub(crate) mod face_bridges;

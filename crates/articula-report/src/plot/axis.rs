@@ -64,6 +64,29 @@ impl Axis {
         }
     }
 
+    /// Values of the lines of a grid.
+    pub(super) fn grid_values(&self) -> Vec<f64> {
+        match self.spacing {
+            Spacing::Linear => self
+                .ticks(std::iter::empty())
+                .into_iter()
+                .map(|t| t.0)
+                .collect(),
+            Spacing::Logarithmic => self.round_values(),
+        }
+    }
+
+    /// Tidy values between the ends of a logarithmic axis: powers of ten, and 2 and 5 times these
+    /// where there are few.
+    fn round_values(&self) -> Vec<f64> {
+        let (first, last) = (self.low.log10().floor(), self.high.log10().ceil());
+        let few = last - first <= 3.0;
+        let times: &[f64] = if few { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        let powers = (first as i32..=last as i32).map(|power| 10_f64.powi(power));
+        let all = powers.flat_map(|power| times.iter().map(move |t| t * power));
+        all.filter(|v| (self.low..=self.high).contains(v)).collect()
+    }
+
     /// Labelled values with their labels: steps of 1, 2 or 5, or, on a logarithmic axis, as many of
     /// the `own` values as fit.
     pub(super) fn ticks(&self, own: impl Iterator<Item = f64>) -> Vec<(f64, String)> {
@@ -98,6 +121,9 @@ impl Axis {
 
     /// A value times `scale`, with as many digits as the steps need.
     pub(super) fn label(&self, value: f64, scale: f64) -> String {
+        if self.spacing == Spacing::Logarithmic {
+            return significant(value * scale);
+        }
         let digits = (-(self.step * scale).log10().floor()).clamp(0.0, 9.0) as usize;
         let (value, step) = (value * scale, self.step * scale);
         if !(1e-6..1e6).contains(&step) {
@@ -162,6 +188,16 @@ mod tests {
         let axis = Axis::through([1.0, 100.0].into_iter(), Spacing::Logarithmic);
         assert!((axis.share(10.0) - 0.5).abs() < 1e-12);
         assert!(labels(&[1.0, 1.001], Spacing::Logarithmic).len() == 1);
+    }
+
+    #[test]
+    fn round_values_of_a_logarithmic_axis() {
+        let of = |low, high| {
+            let axis = Axis::through([low, high].into_iter(), Spacing::Logarithmic);
+            axis.round_values()
+        };
+        assert_eq!(of(0.05, 2000.0), [0.1, 1.0, 10.0, 100.0, 1000.0]);
+        assert_eq!(of(3.0, 30.0), [5.0, 10.0, 20.0]);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::head::{self, Opened};
 use crate::coding::Coding;
 use crate::component::FRAMES;
 use crate::error::StreamError;
+use crate::frame_rate::FrameRate;
 use crate::limits::StreamLimits;
 use crate::unit::{Field, Meaning, Unit};
 use std::ops::Range;
@@ -197,6 +198,42 @@ pub fn unit(bytes: &[u8], limits: &StreamLimits) -> Result<Unit, StreamError> {
     });
     let parts = parts.collect::<Result<Vec<_>, StreamError>>()?;
     Ok(container.map("ABP-1", parts))
+}
+
+/// Returns the rate of a file and the number of frames that each access unit adds to the clip.
+///
+/// # Errors
+/// As [`unit`], and if access units differ in the number of interpolated frames.
+pub(crate) fn frames_of(
+    bytes: &[u8],
+    limits: &StreamLimits,
+) -> Result<(FrameRate, Vec<usize>), StreamError> {
+    let (opened, container) = head::open(bytes, limits)?;
+    let mut interpolated = None;
+    let mut frames = Vec::with_capacity(container.access_units.len());
+    let mut shown = 0;
+    for (number, range) in container.access_units.iter().enumerate() {
+        let plane = access_unit::read(bytes, range.clone(), opened.bones.len())?.plane;
+        let before = *interpolated.get_or_insert(plane.interpolated);
+        if plane.interpolated != before {
+            let what = "another number of interpolated frames than before";
+            return Err(StreamError::malformed(
+                format!("byte {}", range.start),
+                what,
+            ));
+        }
+        let stride = usize::from(before) + 1;
+        let is_last = number + 1 == container.access_units.len();
+        // After the last coded frame nothing is interpolated.
+        let coded = (number + 1) * FRAMES - usize::from(is_last);
+        let end = coded
+            .saturating_mul(stride)
+            .saturating_add(usize::from(is_last))
+            .min(opened.total_frames);
+        frames.push(end - shown);
+        shown = end;
+    }
+    Ok((opened.rate, frames))
 }
 
 /// Fields and parts of an access unit, with the names of the annex of the thesis.

@@ -41,5 +41,6 @@ mod head;
 mod read;
 mod write;
 
+pub(crate) use read::frames_of;
 pub use read::{read, unit};
 pub use write::{Afp1Options, write};

@@ -7,6 +7,7 @@ use crate::error::StreamError;
 use crate::face::fade::Fade;
 use crate::face::levels::{labels, levels_of};
 use crate::face::{DecodedFace, FaceClip, FaceFrame, FaceReadOptions};
+use crate::frame_rate::FrameRate;
 use crate::limits::StreamLimits;
 use crate::unit::{Field, Meaning, Unit};
 use articula_core::fap_table::FAP_COUNT;
@@ -83,7 +84,7 @@ fn decode(coded: &CodedFap, quantizer: u8, frames: &mut [FaceFrame]) -> Result<(
 /// Returns the map of a file, by which [`crate::cut()`] removes parameters and access units.
 ///
 /// The parameters of an access unit have the markers `loa` (0 very low to 3 high: the coarsest level
-/// that keeps it), `region` (index in [`FaceRegion::ALL`]) and `parameter`, access units
+/// that keeps it), `region` (index in [`FaceRegion::ALL`](articula_core::face_levels::FaceRegion::ALL)) and `parameter`, access units
 /// `access_unit`.
 ///
 /// # Errors
@@ -94,6 +95,20 @@ pub fn unit(bytes: &[u8], limits: &StreamLimits) -> Result<Unit, StreamError> {
     let parts = units.map(|range| Ok(parts(&access_unit::read(bytes, range.clone())?)));
     let parts = parts.collect::<Result<Vec<_>, StreamError>>()?;
     Ok(container.map("AFP-1", parts))
+}
+
+/// Returns the rate of a file and the number of frames of each access unit.
+///
+/// # Errors
+/// As [`unit`].
+pub(crate) fn frames_of(
+    bytes: &[u8],
+    limits: &StreamLimits,
+) -> Result<(FrameRate, Vec<usize>), StreamError> {
+    let (rate, container) = head::open(bytes, limits)?;
+    let units = container.access_units.iter();
+    let frames = units.map(|range| Ok(access_unit::read(bytes, range.clone())?.plane.frames));
+    Ok((rate, frames.collect::<Result<_, StreamError>>()?))
 }
 
 /// Fields and parts of an access unit.

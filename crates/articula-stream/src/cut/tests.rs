@@ -109,6 +109,38 @@ fn lengths_told_elsewhere_become_zero() {
 }
 
 #[test]
+fn units_around_those_whose_length_is_told_elsewhere_stay_empty() {
+    let stream = [2, 1, 7, 7, 9];
+    let chunks = [
+        Unit::of_bytes("chunk", 2..4).marked("level", 0),
+        Unit::of_bytes("chunk", 4..5).marked("level", 0),
+    ];
+    let map = Unit {
+        children: vec![
+            Unit {
+                fields: vec![
+                    field("length", 0..8, 2, Meaning::BytesOf(3)),
+                    field("length", 8..16, 1, Meaning::BytesOf(4)),
+                ],
+                ..Unit::of_bytes("head", 0..2)
+            },
+            Unit {
+                children: chunks.into(),
+                ..Unit::of_bytes("level", 2..5).marked("level", 0)
+            },
+        ],
+        ..Unit::of_bytes("whole", 0..5)
+    };
+    let none = cut(&stream, &map, |unit| unit.marker("level").is_none()).unwrap();
+    assert_eq!(none.bytes, [0, 0]);
+    none.unit.check().unwrap();
+    none.unit.check_values(&none.bytes).unwrap();
+    assert_eq!(none.unit.children[1].children.len(), 2);
+    let again = cut(&none.bytes, &none.unit, |_| true).unwrap();
+    assert_eq!(again, none);
+}
+
+#[test]
 fn numbers_that_cannot_be_written_are_refused() {
     let (stream, map) = counted();
     let at = |map: &Unit, label: &str| {

@@ -24,7 +24,7 @@ impl TimeCode {
 /// A frame that is coded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FbaFrame {
-    /// Its number; rising, numbers that are missing are skipped by the stream.
+    /// Its number; rising from 0. Until the next number, the frame is shown.
     pub number: u32,
     /// Values of all parameters; those that are not coded are neutral, or hold.
     pub face: FaceFrame,

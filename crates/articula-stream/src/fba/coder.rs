@@ -1,12 +1,14 @@
 //! The arithmetic coder: 16-bit registers, with a guard against 23 zero bits in a row, which only
 //! start codes have.
+//!
+//! A run has two bits more than its interval was doubled, so two if it has no symbol.
 
 use super::model::Model;
 use crate::bits::{BitReader, BitWriter};
 
 const QUARTER: u32 = 1 << 14;
 const HALF: u32 = 2 * QUARTER;
-/// Zero bits after which a 1 is inserted.
+/// Zero bits after which a 1 is inserted before a further bit of the run.
 const ZEROS: u32 = 22;
 
 /// The interval that both sides divide.
@@ -97,12 +99,12 @@ impl<'a> Encoder<'a> {
     }
 
     fn push(&mut self, bit: bool) {
-        self.out.push(1, u64::from(bit));
-        self.zeros = if bit { 0 } else { self.zeros + 1 };
         if self.zeros == ZEROS {
             self.out.push(1, 1);
             self.zeros = 0;
         }
+        self.out.push(1, u64::from(bit));
+        self.zeros = if bit { 0 } else { self.zeros + 1 };
     }
 }
 
@@ -117,6 +119,9 @@ pub(super) struct Decoder<'a> {
     read: usize,
     /// Where the last data bits end; past the end of the stream `None`.
     ends: [Option<u64>; 16],
+    /// Number of the first data bit before which the inserted 1 is missing. Bits after the run may
+    /// be such.
+    bare: Option<usize>,
 }
 
 impl<'a> Decoder<'a> {
@@ -129,24 +134,24 @@ impl<'a> Decoder<'a> {
             zeros: 0,
             read: 0,
             ends: [None; 16],
+            bare: None,
         };
         (0..16).for_each(|_| decoder.next());
         decoder
     }
 
     fn next(&mut self) {
+        if self.zeros == ZEROS {
+            if let Ok(false) = self.reader.flag() {
+                self.bare.get_or_insert(self.read);
+            }
+            self.zeros = 0;
+        }
         let bit = self.reader.flag();
-        let is_there = bit.is_ok();
+        self.ends[self.read % 16] = bit.is_ok().then(|| self.reader.at());
         let bit = bit.unwrap_or(false);
         self.code = 2 * self.code + u32::from(bit);
         self.zeros = if bit { 0 } else { self.zeros + 1 };
-        let mut is_whole = is_there;
-        if self.zeros == ZEROS {
-            is_whole &= self.reader.flag().is_ok();
-            self.zeros = 0;
-        }
-        let end = is_whole.then(|| self.reader.at());
-        self.ends[self.read % 16] = end;
         self.read += 1;
     }
 
@@ -168,9 +173,13 @@ impl<'a> Decoder<'a> {
     }
 
     /// Returns the bit after the run: the encoder has written two bits more than it doubled, the
-    /// decoder has read 16 more. `None` if the stream ends before.
-    pub(super) fn finish(self) -> Option<u64> {
-        self.ends[(self.read - 15) % 16]
+    /// decoder has read 16 more. The error is what is wrong with the bits.
+    pub(super) fn finish(self) -> Result<u64, &'static str> {
+        let last = self.read - 15;
+        if self.bare.is_some_and(|bare| bare <= last) {
+            return Err("22 zeros without a 1 after them");
+        }
+        self.ends[last % 16].ok_or("unexpected end")
     }
 }
 
@@ -208,7 +217,7 @@ mod tests {
         for symbol in &list {
             assert_eq!(decoder.decode(&mut Model::Adaptive(&mut model)), *symbol);
         }
-        assert_eq!(decoder.finish(), Some(end));
+        assert_eq!(decoder.finish(), Ok(end));
         // No 23 zeros in the run.
         let bit = |at: u64| out.bytes[(at / 8) as usize] >> (7 - at % 8) & 1;
         let mut zeros = 0;
@@ -225,6 +234,53 @@ mod tests {
             let symbols = [1, 2, 15, 121, 3721][seed as usize % 5];
             round_trip(seed, symbols, seed as usize % 90, seed % 2 == 0);
         }
+    }
+
+    /// 21 bits are pending when the upper half becomes known: a 1 and 21 zeros, and one more if the
+    /// run ends.
+    #[test]
+    fn a_1_is_inserted_only_before_a_further_bit() {
+        let run = |further: bool| {
+            let mut out = BitWriter::default();
+            let mut encoder = Encoder::new(&mut out);
+            (0..21).for_each(|_| encoder.pending += 1);
+            encoder.interval.low = QUARTER;
+            if further {
+                encoder.known(true);
+                encoder.pending = 0;
+                encoder.interval.low = 0;
+            }
+            encoder.finish();
+            (out.bits, out.bytes)
+        };
+        // 1, 22 zeros, and a byte that is not full.
+        assert_eq!(run(false), (23, vec![0x80, 0, 0]));
+        // 1, 21 zeros, then 0 and 1 of the end: a 1 is inserted between these.
+        assert_eq!(run(true), (25, vec![0x80, 0, 0x01, 0x80]));
+    }
+
+    #[test]
+    fn a_missing_1_is_an_error_within_the_run_only() {
+        // Symbols of one bit each: 23 zeros are 23 times the lower half, symbol 1 of 2.
+        let decode = |symbols: u32| {
+            let mut decoder = Decoder::new(&BitReader::new(&[0; 8], 0..8));
+            (0..symbols).for_each(|_| {
+                assert_eq!(decoder.decode(&mut Model::Uniform(2)), 1);
+            });
+            decoder.finish()
+        };
+        assert_eq!(decode(20), Ok(22));
+        assert_eq!(decode(21), Err("22 zeros without a 1 after them"));
+        assert_eq!(decode(60), Err("22 zeros without a 1 after them"));
+    }
+
+    #[test]
+    fn a_run_without_symbols_has_two_bits() {
+        let mut out = BitWriter::default();
+        Encoder::new(&mut out).finish();
+        assert_eq!((out.bits, out.bytes), (2, vec![0b0100_0000]));
+        let decoder = Decoder::new(&BitReader::new(&[0; 2], 0..2));
+        assert_eq!(decoder.finish(), Ok(2));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 
 use super::clip::TimeCode;
 use super::fields::Fields;
-use super::ranges::{self, Ranges};
+use super::ranges::{self, Bounds, Ranges};
 use crate::bits::BitWriter;
 use crate::error::StreamError;
 use crate::frame_rate::FrameRate;
@@ -31,7 +31,7 @@ pub(super) struct Plane {
     pub(super) is_intra: bool,
     pub(super) rate: Option<FrameRate>,
     pub(super) time_code: Option<TimeCode>,
-    /// Number of frames skipped before this one.
+    /// Number of frames skipped after this one, which is shown for longer.
     pub(super) skipped: u32,
 }
 
@@ -130,9 +130,13 @@ fn read_time_code(f: &mut Fields<'_>) -> Result<TimeCode, StreamError> {
 }
 
 impl Face {
-    /// Reads the head, and changes the ranges if it has new ones.
-    pub(super) fn read(f: &mut Fields<'_>, ranges: &mut Ranges) -> Result<Self, StreamError> {
+    /// Reads the head after one with some ranges, or the first; returns also the ranges from now on.
+    pub(super) fn read(
+        f: &mut Fields<'_>,
+        ranges: Option<Ranges>,
+    ) -> Result<(Self, Ranges), StreamError> {
         let quantizer = f.take("fap_quant", 5)? as u8;
+        let mut ranges = ranges.unwrap_or_else(|| Ranges::new(&ranges::of_table(), quantizer));
         let mut mask = [false; FAP_COUNT];
         let mut first = 0;
         for (_, count) in GROUPS {
@@ -162,8 +166,8 @@ impl Face {
         let lists = are_new
             .into_iter()
             .zip(RANGE_FIELDS)
-            .zip(&mut ranges.bounds);
-        for ((is_new, field), bounds) in lists {
+            .zip(&mut ranges.levels);
+        for ((is_new, field), levels) in lists {
             if !is_new {
                 continue;
             }
@@ -172,15 +176,18 @@ impl Face {
                     f.marker(field)?;
                 }
                 if mask[index + 2] {
-                    bounds[index] = f.take(field, 5)? as u8;
+                    levels[index] = ranges::reach(f.take(field, 5)? as u8, quantizer);
                 }
             }
         }
-        Ok(Self { quantizer, mask })
+        if quantizer > 0 {
+            ranges.high = ranges::high(quantizer);
+        }
+        Ok((Self { quantizer, mask }, ranges))
     }
 
     /// Writes the head, with new ranges if there are.
-    pub(super) fn write(&self, ranges: Option<&Ranges>, out: &mut BitWriter) {
+    pub(super) fn write(&self, bounds: Option<&Bounds>, out: &mut BitWriter) {
         out.push(5, u64::from(self.quantizer));
         let mut first = 0;
         for (_, count) in GROUPS {
@@ -198,8 +205,8 @@ impl Face {
         }
         // No gender is known; predictive.
         out.push(2, 0);
-        out.push(4, if ranges.is_some() { 0b1111 } else { 0 });
-        for bounds in ranges.iter().flat_map(|ranges| &ranges.bounds) {
+        out.push(4, if bounds.is_some() { 0b1111 } else { 0 });
+        for bounds in bounds.into_iter().flatten() {
             for (index, bound) in bounds.iter().enumerate() {
                 if ranges::has_marker(index) {
                     out.push(1, 1);

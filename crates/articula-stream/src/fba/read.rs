@@ -6,7 +6,7 @@ use super::fields::Fields;
 use super::header::{END, Face, PLANE, Plane, STREAM};
 use super::quantise;
 use super::ranges::Ranges;
-use super::slot::{Models, Slot, slots};
+use super::slot::{self, Models, Slot, slots};
 use crate::bits::BitReader;
 use crate::error::StreamError;
 use crate::face::FaceFrame;
@@ -19,7 +19,7 @@ pub(super) const MOST_NUMBER: u32 = 1 << 20;
 /// Greatest magnitude of a value: predictions that go on growing are refused.
 const MOST_VALUE: i64 = 1 << 30;
 /// Rate of streams that name none.
-const DEFAULT_HZ: f64 = 25.0;
+const DEFAULT_HZ: f64 = 30.0;
 
 /// A decoded stream.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,9 +34,11 @@ pub struct Decoded {
 
 /// State between frames.
 struct Receiver {
-    ranges: Ranges,
-    face: Option<Face>,
+    /// From the first intra frame on.
+    intra: Option<(Face, Ranges)>,
     models: Models,
+    /// What differences are to: the values as decoded, not yet in the range of their field.
+    decoded: [i64; slot::COUNT],
     shown: FaceFrame,
 }
 
@@ -59,20 +61,20 @@ pub fn read(bytes: &[u8], limits: &StreamLimits) -> Result<Decoded, StreamError>
         return Err(f.bad("fba_object_start_code", what));
     }
     let mut receiver = Receiver {
-        ranges: Ranges::default(),
-        face: None,
+        intra: None,
         models: Models::new(),
+        decoded: [0; slot::COUNT],
         shown: FaceFrame::NEUTRAL,
     };
     let mut rate: Option<FrameRate> = None;
     let mut time_code: Option<TimeCode> = None;
     let (mut coded, mut frames) = ([false; FAP_COUNT], Vec::<FbaFrame>::new());
     let (mut intra_frames, mut quantizer) = (0, 0);
-    let mut next = 0;
+    let mut number = 0;
     while !plane_or_end(&mut f)? {
         let elements = (frames.len() as u64 + 1) * FAP_COUNT as u64;
         StreamLimits::check(&f.place("frames"), "elements", elements, limits.elements)?;
-        let most_skipped = MOST_NUMBER.saturating_sub(next);
+        let most_skipped = MOST_NUMBER.saturating_sub(number);
         let plane = Plane::read(&mut f, most_skipped)?;
         if let Some(found) = plane.rate {
             if rate.is_some_and(|rate| rate.hz() != found.hz()) {
@@ -91,12 +93,11 @@ pub fn read(bytes: &[u8], limits: &StreamLimits) -> Result<Decoded, StreamError>
         intra_frames += usize::from(plane.is_intra);
         quantizer = quantizer.max(face.quantizer);
         coded.iter_mut().zip(face.mask).for_each(|(a, b)| *a |= b);
-        let number = next + plane.skipped;
-        next = number + 1;
         frames.push(FbaFrame {
             number,
             face: receiver.shown,
         });
+        number += 1 + plane.skipped;
     }
     let rate = rate.or_else(|| FrameRate::nearest(DEFAULT_HZ));
     let rate = rate.ok_or_else(|| f.bad("frame_rate", "none"))?;
@@ -133,13 +134,13 @@ impl Receiver {
     /// Decodes the face data of a frame.
     fn frame(&mut self, f: &mut Fields<'_>, is_intra: bool) -> Result<Face, StreamError> {
         if is_intra {
-            self.face = Some(Face::read(f, &mut self.ranges)?);
+            self.intra = Some(Face::read(f, self.intra.map(|(_, ranges)| ranges))?);
             self.models = Models::new();
         }
         let bad = || f.bad("is_intra", "a predicted frame before the first intra frame");
-        let face = self.face.ok_or_else(bad)?;
+        let (face, ranges) = self.intra.ok_or_else(bad)?;
         for fap in (1..=2).filter(|fap| face.mask[fap - 1]) {
-            self.run(f, slots(fap), is_intra, face.quantizer)?;
+            self.run(f, slots(fap), is_intra, (face.quantizer, &ranges))?;
             let flags: &[&str] = match fap {
                 1 => &["viseme_def"],
                 _ => &["init_face", "expression_def"],
@@ -151,32 +152,29 @@ impl Receiver {
             }
         }
         let low = (3..=FAP_COUNT).filter(|fap| face.mask[fap - 1]);
-        self.run(f, low.flat_map(slots), is_intra, face.quantizer)?;
+        self.run(f, low.flat_map(slots), is_intra, (face.quantizer, &ranges))?;
         Ok(face)
     }
 
-    /// Decodes a run of the arithmetic coder; none for no numbers.
+    /// Decodes a run of the arithmetic coder, which has bits also if it has no numbers.
     fn run(
         &mut self,
         f: &mut Fields<'_>,
         slots: impl Iterator<Item = Slot>,
         is_intra: bool,
-        quantizer: u8,
+        (quantizer, ranges): (u8, &Ranges),
     ) -> Result<(), StreamError> {
-        let mut slots = slots.peekable();
-        if slots.peek().is_none() {
-            return Ok(());
-        }
         let mut decoder = Decoder::new(&f.reader);
         for slot in slots {
-            let (min, max) = slot.range(&self.ranges, is_intra, quantizer);
+            let (min, max) = slot.range(ranges, is_intra);
             let symbols = (max - min + 1) as u32;
             let mut model = self.models.model(slot, is_intra, symbols);
             let level = min + i64::from(decoder.decode(&mut model));
             let mut value = quantise::value(level, slot.step(quantizer));
             if !is_intra {
-                value += i64::from(self.shown.field(slot.fap, slot.field));
+                value += self.decoded[slot.index()];
             }
+            self.decoded[slot.index()] = value;
             // A step need not divide the greatest value.
             if let Some(most) = slot.most().filter(|_| slot.step(quantizer) > 1) {
                 value = value.clamp(0, most);
@@ -189,7 +187,7 @@ impl Receiver {
             }
         }
         let end = decoder.finish();
-        let end = end.ok_or_else(|| f.bad("coded parameters", "unexpected end"))?;
+        let end = end.map_err(|what| f.bad("coded parameters", what))?;
         f.reader.go_to(end);
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::model::{Adaptive, Model};
 use super::quantise;
-use super::ranges::Ranges;
+use super::ranges::{HIGH_MOST, Ranges};
 use articula_core::fap_table::LOW_FAP_COUNT;
 
 /// A coded number.
@@ -17,12 +17,15 @@ pub(super) struct Slot {
 const HIGH: [(usize, usize, i64, bool); 7] = [
     (1, 0, 14, false),
     (1, 1, 14, false),
-    (1, 2, 63, true),
+    (1, 2, HIGH_MOST, true),
     (2, 0, 6, false),
-    (2, 1, 63, true),
+    (2, 1, HIGH_MOST, true),
     (2, 2, 6, false),
-    (2, 3, 63, true),
+    (2, 3, HIGH_MOST, true),
 ];
+
+/// How many there are.
+pub(super) const COUNT: usize = HIGH.len() + LOW_FAP_COUNT;
 
 /// The coded numbers of a parameter.
 pub(super) fn slots(fap: usize) -> impl Iterator<Item = Slot> {
@@ -35,7 +38,8 @@ pub(super) fn slots(fap: usize) -> impl Iterator<Item = Slot> {
 }
 
 impl Slot {
-    fn index(self) -> usize {
+    /// Its place among all.
+    pub(super) fn index(self) -> usize {
         match self.fap {
             1 => self.field,
             2 => 3 + self.field,
@@ -72,16 +76,11 @@ impl Slot {
     }
 
     /// Least and greatest level.
-    pub(super) fn range(self, ranges: &Ranges, is_intra: bool, quantizer: u8) -> (i64, i64) {
+    pub(super) fn range(self, ranges: &Ranges, is_intra: bool) -> (i64, i64) {
         let Some((_, _, most, is_quantised)) = HIGH.get(self.index()) else {
-            return ranges.of(self.fap - 3, is_intra, quantizer);
+            return ranges.of(self.fap - 3, is_intra);
         };
-        let q = i64::from(quantizer.max(1));
-        let max = if *is_quantised {
-            (most + q / 2) / q
-        } else {
-            *most
-        };
+        let max = if *is_quantised { ranges.high } else { *most };
         (if is_intra { 0 } else { -max }, max)
     }
 }
@@ -89,7 +88,7 @@ impl Slot {
 /// Models of the predicted numbers since the last intra frame.
 #[derive(Debug)]
 pub(super) struct Models {
-    predicted: [Option<Adaptive>; HIGH.len() + LOW_FAP_COUNT],
+    predicted: [Option<Adaptive>; COUNT],
 }
 
 impl Models {

@@ -4,13 +4,13 @@ use super::clip::FbaClip;
 use super::coder::Encoder;
 use super::header::{END, Face, PLANE, Plane, STREAM};
 use super::quantise;
-use super::ranges::{self, Ranges};
+use super::ranges::{self, Bounds, Ranges};
 use super::read::MOST_NUMBER;
 use super::slot::{Models, Slot, slots};
 use crate::bits::BitWriter;
 use crate::face::{FaceFrame, check_frames};
 use articula_core::Mismatch;
-use articula_core::fap_table::FAP_COUNT;
+use articula_core::fap_table::{FAP_COUNT, LOW_FAP_COUNT, LOW_FAPS};
 
 /// How a clip is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,7 +46,7 @@ struct Levels {
 ///
 /// # Errors
 /// A [`Mismatch`] if an option or a field of FAP 1 or 2 is out of its range, numbers of frames do not
-/// rise or are above 2^20, or a value is above 1860 steps of the table.
+/// rise from 0 or are above 2^20, or a value is above 1860 steps of the table.
 pub fn write(clip: &FbaClip, options: &FbaOptions) -> Result<Vec<u8>, Mismatch> {
     check(clip, options)?;
     let is_high = clip.coded[0] || clip.coded[1];
@@ -60,15 +60,10 @@ pub fn write(clip: &FbaClip, options: &FbaOptions) -> Result<Vec<u8>, Mismatch> 
     };
     let second = clip.rate.hz().round().max(1.0) as u32;
     let every = options.intra_every.unwrap_or(second) as usize;
-    let (frames, ranges) = plan(clip, &face, every)?;
-    let own = stream(clip, &face, &frames, Some(&ranges));
-    let default = Ranges::default();
-    let pairs = ranges
-        .bounds
-        .iter()
-        .flatten()
-        .zip(default.bounds.iter().flatten());
-    let mut pairs = pairs;
+    let (frames, bounds) = plan(clip, &face, every)?;
+    let own = stream(clip, &face, &frames, Some(&bounds));
+    let default = ranges::of_table();
+    let mut pairs = bounds.iter().flatten().zip(default.iter().flatten());
     if pairs.all(|(own, default)| own <= default) {
         let plain = stream(clip, &face, &frames, None);
         if plain.len() <= own.len() {
@@ -91,8 +86,10 @@ fn check(clip: &FbaClip, options: &FbaOptions) -> Result<(), Mismatch> {
     }
     let mut next = 0;
     for (f, frame) in clip.frames.iter().enumerate() {
-        if frame.number < next || frame.number > MOST_NUMBER {
-            let what = format!("number {}, expected {next} to {MOST_NUMBER}", frame.number);
+        // A stream begins at frame 0.
+        let most = if f == 0 { 0 } else { MOST_NUMBER };
+        if frame.number < next || frame.number > most {
+            let what = format!("number {}, expected {next} to {most}", frame.number);
             return Err(Mismatch::new(format!("frames[{f}]"), what));
         }
         next = frame.number + 1;
@@ -107,11 +104,12 @@ fn coded(face: &Face) -> Vec<Slot> {
 }
 
 /// Chooses the levels of all frames, and the least ranges that have them.
-fn plan(clip: &FbaClip, face: &Face, every: usize) -> Result<(Vec<Levels>, Ranges), Mismatch> {
+fn plan(clip: &FbaClip, face: &Face, every: usize) -> Result<(Vec<Levels>, Bounds), Mismatch> {
     let slots = coded(face);
-    let mut ranges = Ranges {
-        bounds: Ranges::default().bounds.map(|bounds| bounds.map(|_| 0)),
-    };
+    let mut bounds: Bounds = [[0; LOW_FAP_COUNT]; 4];
+    // Known decoders take bounds of 0 here for ranges that were never sent, and return to the table
+    // at the next intra frame.
+    bounds[0][4 - LOW_FAPS.start()] = 1;
     let mut shown = FaceFrame::NEUTRAL;
     let mut since = 0;
     let mut planned = Vec::with_capacity(clip.frames.len());
@@ -153,7 +151,7 @@ fn plan(clip: &FbaClip, face: &Face, every: usize) -> Result<(Vec<Levels>, Range
             shown.set_field(slot.fap, slot.field, value as i32);
             if slot.fap > 2 {
                 let list = 2 * usize::from(!is_intra) + usize::from(*level < 0);
-                let bound = &mut ranges.bounds[list][slot.fap - 3];
+                let bound = &mut bounds[list][slot.fap - 3];
                 let count = ranges::count_for(level.abs(), face.quantizer);
                 *bound = (*bound).max(count.unwrap_or(ranges::MOST));
             }
@@ -161,18 +159,16 @@ fn plan(clip: &FbaClip, face: &Face, every: usize) -> Result<(Vec<Levels>, Range
         since = if is_intra { 1 } else { since + 1 };
         planned.push(Levels { is_intra, levels });
     }
-    Ok((planned, ranges))
+    Ok((planned, bounds))
 }
 
 /// Writes the stream, with new ranges in the first frame or with the defaults.
-fn stream(clip: &FbaClip, face: &Face, planned: &[Levels], own: Option<&Ranges>) -> Vec<u8> {
+fn stream(clip: &FbaClip, face: &Face, planned: &[Levels], own: Option<&Bounds>) -> Vec<u8> {
     let mut out = BitWriter::default();
     out.push(32, u64::from(STREAM[0]));
-    let default = Ranges::default();
-    let ranges = own.unwrap_or(&default);
+    let ranges = Ranges::new(own.unwrap_or(&ranges::of_table()), face.quantizer);
     let slots = coded(face);
     let mut models = Models::new();
-    let mut next = 0;
     for (index, (frame, levels)) in clip.frames.iter().zip(planned).enumerate() {
         let is_first = index == 0;
         if levels.is_intra {
@@ -180,23 +176,23 @@ fn stream(clip: &FbaClip, face: &Face, planned: &[Levels], own: Option<&Ranges>)
             out.push(32, u64::from(PLANE[0]));
             models = Models::new();
         }
+        let next = clip.frames.get(index + 1);
         let plane = Plane {
             is_intra: levels.is_intra,
             rate: is_first.then_some(clip.rate),
             time_code: clip.time_code.filter(|_| is_first),
-            skipped: frame.number - next,
+            skipped: next.map_or(0, |next| next.number - frame.number - 1),
         };
-        next = frame.number + 1;
         plane.write(&mut out);
         if levels.is_intra {
             face.write(own.filter(|_| is_first), &mut out);
         }
         let mut rest = slots.iter().zip(&levels.levels).peekable();
-        while let Some((first, _)) = rest.peek() {
-            let run = first.fap.min(3);
+        // FAP 1, FAP 2, and a run of all others, also if there is none.
+        for run in (1..=3).filter(|run| *run == 3 || face.mask[run - 1]) {
             let mut coder = Encoder::new(&mut out);
             while let Some((slot, level)) = rest.next_if(|(slot, _)| slot.fap.min(3) == run) {
-                let (min, max) = slot.range(ranges, levels.is_intra, face.quantizer);
+                let (min, max) = slot.range(&ranges, levels.is_intra);
                 let mut model = models.model(*slot, levels.is_intra, (max - min + 1) as u32);
                 coder.encode(&mut model, (level - min) as u32);
             }

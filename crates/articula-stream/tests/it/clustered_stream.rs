@@ -9,7 +9,7 @@ use articula_mutate::{Edit, Mutations, cut_off};
 use articula_stream::Unit;
 use articula_stream::mesh::{Grid, Precision, QuantisedMesh, decode_level, quantise};
 use articula_stream::mesh::{MeshStream, ObjectLevels, Receiver, StreamObject, write};
-use articula_stream::{StreamError, StreamLimits};
+use articula_stream::{CutRule, StreamError, StreamLimits, cut};
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
@@ -387,4 +387,33 @@ fn mutated_streams_give_a_character_or_an_error() {
     };
     let added = &OLD[head.chunk(1, 0).unwrap()];
     assert!(mutations.read_of(added, 4000, refines) < 4000);
+}
+
+#[test]
+fn a_stream_cut_by_level_is_that_which_ends_there() {
+    let (table, objects) = levels();
+    let whole = write(table, objects, 0..table.levels.len()).unwrap();
+    let limits = StreamLimits::default();
+    for finest in 0..table.levels.len() as u32 {
+        let rule = CutRule::default().at_least("level", finest);
+        let part = cut(&whole.bytes, &whole.unit, |unit| rule.keeps(unit)).unwrap();
+        part.unit.check_values(&part.bytes).unwrap();
+        let received = Receiver::read(&part.bytes, &limits).unwrap();
+        let complete = Receiver::read(&whole.bytes, &limits).unwrap();
+        for object in 0..objects.len() {
+            assert_eq!(received.finest_level(object), Some(finest as usize));
+            let mut coarse = complete.clone();
+            coarse.coarsen(object, finest as usize);
+            assert_eq!(received.triangles(object), coarse.triangles(object));
+        }
+        // The map of the cut is that of its bytes.
+        assert_eq!(
+            MeshStream::open(&part.bytes, &limits).unwrap().unit(),
+            part.unit
+        );
+        let coarser = CutRule::default().at_least("level", finest + 1);
+        let twice = cut(&part.bytes, &part.unit, |unit| coarser.keeps(unit)).unwrap();
+        let once = cut(&whole.bytes, &whole.unit, |unit| coarser.keeps(unit)).unwrap();
+        assert_eq!(twice.bytes, once.bytes);
+    }
 }

@@ -103,6 +103,15 @@ fn bits_of_a_small_stream_by_hand() {
 }
 
 #[test]
+fn numbers_begin_at_0() {
+    let mut clip = clip(2, |fap| fap == 3);
+    clip.frames[0].number = 1;
+    clip.frames[1].number = 4;
+    let error = write(&clip, &FbaOptions::default()).unwrap_err();
+    assert_eq!(error.to_string(), "frames[0]: number 1, expected 0 to 0");
+}
+
+#[test]
 fn what_is_not_supported_is_named() {
     let bytes = write(&clip(3, |fap| fap == 3), &FbaOptions::default()).unwrap();
     // After both start codes and the stuffing: is_intra, then the mask.

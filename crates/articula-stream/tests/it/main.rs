@@ -13,9 +13,14 @@ mod afp1;
 mod afp2;
 mod clustered_stream;
 mod cut_streams;
+#[path = "../descriptions_alone/tools.rs"]
+mod description_tools;
+mod descriptions;
 mod fba;
+mod fba_judged;
 mod mesh_levels;
 mod motion_stream;
+mod mp4;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod stored_levels;

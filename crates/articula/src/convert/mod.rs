@@ -6,6 +6,7 @@
 //! - `fit_clips`, `same_joints`, `same_names`, `morphs`: transfer of clips to the joints and morph targets of
 //!   another character
 //! - `fit_report`, `fit_finding`: quality of the transferred clips, in numbers and in words
+//! - `joint_scheme`: the joints of H-Anim or of the thesis
 //! - `clip_edits`: trimming, looping, root motion, resampling, key reduction
 //! - `reduction`: clips in which only a selection of joints moves
 //! - `written`, `body`, `khr_character`: the bytes of each format
@@ -18,6 +19,7 @@ mod fit_clips;
 mod fit_finding;
 mod fit_report;
 mod joint_names;
+mod joint_scheme;
 mod khr_character;
 mod left_out;
 mod morphs;
@@ -41,6 +43,7 @@ pub use fit_report::{
     EndEffectorSummary, FitQuality, FootSlideSummary, JointShare, JointSourceReport,
     TransferReport, TransferredClipReport,
 };
+pub use joint_scheme::{JointInserted, JointMerged, JointSchemeReport};
 pub use left_out::{EncodedFile, LossyPart};
 pub use reduction::{
     AnimationSize, JointReduction, JointsHeld, JointsReduced, MovingJoints, hold_joints,
@@ -52,6 +55,7 @@ use crate::error::{Context, Error, Result};
 use crate::mesh_levels::{self, ShownLevelOptions, ShownLevels};
 use crate::open::{CharacterFile, Format, WriteSupport, choose, conversions};
 use crate::work::Executor;
+use articula_core::JointScheme;
 use articula_core::face_levels::FaceLevels;
 use articula_stream::abp1::Abp1Options;
 use articula_stream::abp2::MotionOptions;
@@ -66,6 +70,9 @@ pub struct ConvertOptions {
     /// Mesh levels that are written in place of the original meshes, if the file has levels;
     /// `None` keeps all levels. For glTF formats.
     pub mesh: Option<ShownLevelOptions>,
+    /// Joint scheme to which the character is converted, before its clips are edited; `None` leaves
+    /// the joints as they are.
+    pub joint_scheme: Option<JointScheme>,
     /// Edits of the clips.
     pub edits: ClipEdits,
     /// Selection of the joints that move, and the poses of the others; `None` keeps all motion.
@@ -73,11 +80,11 @@ pub struct ConvertOptions {
     /// GLB: whether the draft glTF extensions for characters are written, with a skeleton mapping
     /// and a reference pose.
     pub khr_character: bool,
-    /// ABP: profile and options of the stream; `None` is ABP-2 with its defaults.
+    /// ABP, MP4: profile and options of the stream; `None` is ABP-2 with its defaults.
     pub abp: Option<AbpProfile>,
 }
 
-/// Profile of an `.abp` file, with its options.
+/// Profile of an `.abp` file or of the stream in an `.mp4` file, with its options.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AbpProfile {
     /// ABP-1: bones, BBA-style.
@@ -86,7 +93,7 @@ pub enum AbpProfile {
     Abp2(MotionOptions),
 }
 
-/// Profile of an `.afp` file, with its options.
+/// Profile of an `.afp` file or of the stream in an `.mp4` file, with its options.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AfpProfile {
     /// AFP-1: parameters that can be cut one by one, in steps of the standard's table.
@@ -122,13 +129,15 @@ pub struct Converted {
     pub clips: Vec<String>,
     /// The mesh levels that were written, if they were requested.
     pub mesh: Option<ShownLevels>,
+    /// Report on the conversion to a joint scheme, if it was requested.
+    pub joint_scheme: Option<JointSchemeReport>,
     /// Report on the edits of each clip; empty if no edit was requested.
     pub edits: Vec<ClipEdited>,
     /// Report on the joint reduction, if it was requested.
     pub reduction: Option<JointsReduced>,
 }
 
-/// Converts a character: selects clips, edits them, reduces them to a selection of joints, drops
+/// Converts a character: selects clips, changes the joint scheme, edits the clips, reduces them to a selection of joints, drops
 /// keys, and writes the file.
 ///
 /// Other contents of a glTF document are preserved if the output is a glTF format. There is one job
@@ -188,6 +197,9 @@ pub fn convert(
     let mesh = mesh.transpose().with_context(|| &place)?;
     let dropped = choose_clips(options.clip.as_deref(), &mut opened, format);
     let dropped = dropped.with_context(|| &place)?;
+    let joint_scheme = options.joint_scheme;
+    let joint_scheme = joint_scheme.map(|scheme| opened.set_joint_scheme(scheme));
+    let joint_scheme = joint_scheme.transpose()?;
     let mut edits = options.edits.apply(&mut opened, work)?;
     let reduction = options.reduction.as_ref();
     let reduction = reduction.map(|r| r.apply(&mut opened)).transpose()?;
@@ -203,6 +215,7 @@ pub fn convert(
         written,
         clips: clips.map(|c| c.name.clone()).collect(),
         mesh,
+        joint_scheme,
         edits,
         reduction,
     })
@@ -221,9 +234,9 @@ impl ConvertOptions {
                 to.name()
             )));
         }
-        if self.abp.is_some() && to != Format::Abp {
+        if self.abp.is_some() && !matches!(to, Format::Abp | Format::Mp4) {
             return Err(Error::argument(format!(
-                "the profile of a stream needs an .abp file, not .{}",
+                "the profile of a stream needs an .abp or .mp4 file, not .{}",
                 to.name()
             )));
         }

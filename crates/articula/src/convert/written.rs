@@ -13,6 +13,7 @@ use articula_formats::gltf::Document;
 use articula_formats::mpeg4::fap::{self, FapClip};
 use articula_formats::x3d::{self, Site};
 use articula_formats::{acclaim, bvh, live_link};
+use articula_stream::StreamLimits;
 use articula_stream::abp2::MotionOptions;
 use articula_stream::fba::FbaOptions;
 
@@ -52,12 +53,15 @@ pub fn write_data(data: &Data) -> Result<EncodedFile> {
 }
 
 /// Writes a FAP clip as a FAP file, an FBA stream, or an AFP stream of the given profile, which alone
-/// has options.
+/// has options, as such or in an MP4 file.
 ///
 /// # Errors
 /// An [`Error`] if the rate, the frames or a value cannot be written, or the format is of another
 /// kind of data.
 pub fn write_faps(clip: &FapClip, format: DataFormat, profile: &AfpProfile) -> Result<EncodedFile> {
+    if format == DataFormat::Mp4 {
+        return boxed(write_faps(clip, DataFormat::Afp, profile)?);
+    }
     let mut tiers = Vec::new();
     let (bytes, left_out) = match (format, profile) {
         (DataFormat::Fap, _) => (fap::write(clip), still(clip)),
@@ -90,6 +94,7 @@ pub(super) fn written(
         Format::X3d => humanoid(opened),
         Format::Asf | Format::Amc => acclaim_pair(opened, format),
         Format::Abp | Format::Abpt => stream(opened, format, options),
+        Format::Mp4 => boxed(stream(opened, Format::Abp, options)?),
         _ => container(opened, options.khr_character),
     }
 }
@@ -132,6 +137,12 @@ fn stream(opened: &CharacterFile, format: Format, options: &ConvertOptions) -> R
             })
         }
     }
+}
+
+/// A stream in an MP4 file.
+fn boxed(stream: EncodedFile) -> Result<EncodedFile> {
+    let bytes = articula_stream::mp4::write(&[&stream.bytes], &StreamLimits::default())?;
+    Ok(EncodedFile { bytes, ..stream })
 }
 
 /// A stream of bones, with what it cannot hold.

@@ -1,9 +1,10 @@
 //! The files of one operation: what was read is never written to.
 
-use super::{in_folder, inside, output, shown, skeleton, unread};
+use super::{in_folder, inside, is_item, output, shown, skeleton, unread};
 use crate::error::{Context, Error, Result};
+use crate::item::{Item, MANIFEST, assemble};
 use crate::open::{self, CharacterFile, DataFormat, Format, OpenOptions};
-use articula_formats::{Assumption, Warning};
+use articula_formats::{Assumption, Limits, Warning};
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::Read;
@@ -54,13 +55,18 @@ impl Files {
     }
 
     /// Opens a character file; buffers, pictures and the skeleton of a motion are read from the same
-    /// folder.
+    /// folder. The folder of a digital item is opened as the character that it holds.
     ///
     /// # Errors
     /// An [`Error`] that names the file, if it cannot be read or for the reasons given at
     /// [`open()`](crate::open()).
     pub fn open(&self, path: &Path, options: &OpenOptions) -> Result<CharacterFile> {
         let name = shown(path);
+        if is_item(path) {
+            let item = self.open_item(path, &options.limits)?;
+            let opened = assemble(&item, options).with_context(|| &name)?;
+            return Ok(CharacterFile { name, ..opened });
+        }
         if let Some(data) = DataFormat::from_name(&name) {
             return Err(Error::unsuited(data.advice())).context(name);
         }
@@ -89,6 +95,23 @@ impl Files {
             opened.warnings.insert(0, warning);
         }
         Ok(opened)
+    }
+
+    /// Opens the folder of a digital item; files are read inside it alone.
+    ///
+    /// # Errors
+    /// As [`Item::open`], with the name of the folder.
+    pub fn open_item(&self, folder: &Path, limits: &Limits) -> Result<Item> {
+        let name = || shown(folder);
+        let manifest = folder.join(MANIFEST);
+        let bytes = self.read(&manifest, limits.bytes);
+        let bytes = bytes.map_err(|e| e.cause().to_string());
+        let bytes = bytes
+            .map_err(Error::Io)
+            .context(MANIFEST)
+            .with_context(name)?;
+        let mut fetch = self.beside(&manifest, limits.bytes);
+        Item::open(&bytes, limits, &mut fetch).with_context(name)
     }
 
     /// Reads a whole file, pipe or device of at most `limit` bytes.

@@ -13,6 +13,7 @@ mod skeleton;
 pub use files::{Existing, Files, read};
 
 use crate::error::{Error, Result};
+use crate::item::MANIFEST;
 use crate::open::{CharacterFile, OpenOptions};
 use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};
@@ -49,6 +50,11 @@ pub fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
     }
     all.sort();
     Ok(all)
+}
+
+/// Returns whether a path is the folder of a digital item: one with a manifest.
+pub fn is_item(path: &Path) -> bool {
+    path.is_dir() && path.join(MANIFEST).is_file()
 }
 
 /// Explains why a file could not be read, with a remedy.

@@ -1,7 +1,7 @@
 //! Access units of a stream of a motion: what a cut by level or region leaves out.
 
 use crate::error::{Context, Error, Result};
-use crate::streams::{StreamKind, region_name, sniff};
+use crate::streams::{StreamKind, region_name};
 use articula_stream::{StreamLimits, Unit, abp1, afp1};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -44,10 +44,10 @@ pub fn inspect_access_units(
     file: &str,
     limits: &StreamLimits,
 ) -> Result<AccessUnitsInspection> {
-    let (profile, map, item) = match sniff(bytes) {
+    let (profile, map, item) = match StreamKind::of(bytes) {
         Some(StreamKind::Abp1) => ("ABP-1", abp1::unit(bytes, limits), "joint"),
         Some(StreamKind::Afp1) => ("AFP-1", afp1::unit(bytes, limits), "parameter"),
-        Some(StreamKind::Abp2 | StreamKind::Afp2) | None => {
+        Some(StreamKind::Abp2 | StreamKind::Afp2 | StreamKind::Fba) | None => {
             let what = "neither a stream of bones nor one of facial animation parameters";
             return Err(Error::unsuited(what)).context(file);
         }

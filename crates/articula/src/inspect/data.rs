@@ -1,6 +1,9 @@
 //! Contents of MPEG-4 data files: parameters, their ranges and units.
 
-use super::{AccessUnitsInspection, FaceInspection, MotionStreamInspection, WarningInspection};
+use super::{
+    AccessUnitsInspection, FaceInspection, MotionStreamInspection, TrackInspection,
+    WarningInspection,
+};
 use crate::open::{Data, DataFile, DataFormat};
 use articula_core::arkit_table::{BLEND_SHAPES, BlendShape};
 use articula_core::fap_table::{FAP_COUNT, GROUPS, TABLE};
@@ -42,6 +45,9 @@ pub struct DataInspection {
     pub coding: Option<EncoderSettings>,
     /// AFP streams: how they can be cut.
     pub stream: Option<FaceStreamInspection>,
+    /// Tracks of an MP4 file; left out of others.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tracks: Vec<TrackInspection>,
     /// Warnings.
     pub warnings: Vec<WarningInspection>,
 }

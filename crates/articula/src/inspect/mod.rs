@@ -9,6 +9,7 @@ mod human;
 mod joint_levels;
 mod mesh_levels;
 mod motion_stream;
+mod mp4;
 mod skeletons;
 mod stream;
 
@@ -27,6 +28,7 @@ pub use joint_levels::{
 };
 pub use mesh_levels::{CoarserMesh, MeshLevelInspection, MeshLevelsInspection};
 pub use motion_stream::{MotionStreamInspection, StreamGroup, StreamTier, inspect_motion_stream};
+pub use mp4::{TrackInspection, inspect_mp4};
 pub use stream::{StreamInspection, StreamLevel, inspect_stream};
 
 use crate::error::Result;
@@ -71,6 +73,9 @@ pub struct Inspection {
     /// Access units; null for files that are no stream of a motion
     /// ([`inspect_access_units`]).
     pub stream: Option<AccessUnitsInspection>,
+    /// Tracks of an MP4 file; left out of others.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tracks: Vec<TrackInspection>,
     /// Number of materials.
     pub materials: usize,
     /// Number of pictures.
@@ -256,6 +261,7 @@ pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<
         meshes: character.meshes.iter().map(mesh_of).collect(),
         joint_levels: None,
         stream: None,
+        tracks: Vec::new(),
         face_layout: None,
         mesh_levels: {
             let table = character.mesh_levels.as_ref();

@@ -1,5 +1,6 @@
 //! Contents of a motion stream, without its character, or of a face stream.
 
+use super::{TrackInspection, WarningInspection};
 use crate::error::{Context, Result};
 use crate::streams::region_name;
 use articula_stream::abp2::{Grouping, MotionHead, motion_map};
@@ -41,6 +42,12 @@ pub struct MotionStreamInspection {
     pub tiers: Vec<StreamTier>,
     /// The groups that have units.
     pub groups: Vec<StreamGroup>,
+    /// Tracks of the MP4 file that the stream is in; left out if it is in none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tracks: Vec<TrackInspection>,
+    /// Warnings about that file.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<WarningInspection>,
 }
 
 /// A tier of a motion stream or face stream.
@@ -114,6 +121,8 @@ pub fn inspect_motion_stream(
         access_units: head.access_units,
         tiers: (0..head.tiers).map(tier).collect::<Result<_>>()?,
         groups: groups(&map, head.tiers),
+        tracks: Vec::new(),
+        warnings: Vec::new(),
         clip: head.name,
     })
 }

@@ -30,6 +30,9 @@ use articula_formats::gltf::{MeshParts, PartLevels};
 use articula_formats::prepared::SourceOrder;
 use glam::Vec3;
 
+/// Name of the step in progress reports.
+const BUILDING: &str = "building mesh levels";
+
 /// Measured mesh levels of a character, and the transport stream that encodes them.
 #[derive(Debug)]
 pub struct CodedMeshLevels {
@@ -52,26 +55,13 @@ pub(crate) fn add(
     wanted: &MeshLevelOptions,
     work: &Executor<'_>,
 ) -> Result<CodedMeshLevels> {
-    const WHAT: &str = "building mesh levels";
+    let made = coded(figure, (gltf, orders), face, wanted, work)?;
     let asset = &figure.asset;
-    if asset.mesh.triangles.is_empty() {
-        let what = "no mesh has triangles; build without mesh levels";
-        return Err(Error::unsuited(what));
-    }
-    work.step(WHAT, 0, 3)?;
-    let classes = vertex_classes(figure, gltf, orders)?;
-    let kept = face.filter(|_| wanted.keep_face);
-    let kept = kept.and_then(|face| KeptFace::of(figure, face));
-    let options = wanted.of(&asset.mesh, &asset.rig, classes, kept.as_ref())?;
-    let mut levels = mesh_levels(asset, &options)?;
-    levels.table.regions = wanted.region_names();
-    work.step(WHAT, 1, 3)?;
-    let stream = stream::coded(figure, &levels, &options.simplify.regions)?;
-    work.step(WHAT, 2, 3)?;
+    let levels = &made.levels;
     store(
         (&mut gltf.document, orders),
         figure,
-        &levels,
+        levels,
         &gltf.node_of_mesh,
     )?;
     if wanted.msft_lod {
@@ -87,7 +77,33 @@ pub(crate) fn add(
                 .add_level_nodes(*node, &levels.table, radius)?;
         }
     }
-    work.step(WHAT, 3, 3)?;
+    work.step(BUILDING, 3, 3)?;
+    Ok(made)
+}
+
+/// Makes the levels of a figure and codes them; the arguments are those of [`add`].
+pub(crate) fn coded(
+    figure: &Figure,
+    (gltf, orders): (&GltfSource, Option<&[SourceOrder]>),
+    face: Option<&FoundFace>,
+    wanted: &MeshLevelOptions,
+    work: &Executor<'_>,
+) -> Result<CodedMeshLevels> {
+    let asset = &figure.asset;
+    if asset.mesh.triangles.is_empty() {
+        let what = "no mesh has triangles; build without mesh levels";
+        return Err(Error::unsuited(what));
+    }
+    work.step(BUILDING, 0, 3)?;
+    let classes = vertex_classes(figure, gltf, orders)?;
+    let kept = face.filter(|_| wanted.keep_face);
+    let kept = kept.and_then(|face| KeptFace::of(figure, face));
+    let options = wanted.of(&asset.mesh, &asset.rig, classes, kept.as_ref())?;
+    let mut levels = mesh_levels(asset, &options)?;
+    levels.table.regions = wanted.region_names();
+    work.step(BUILDING, 1, 3)?;
+    let stream = stream::coded(figure, &levels, &options.simplify.regions)?;
+    work.step(BUILDING, 2, 3)?;
     let meshes = &figure.opened.character.meshes;
     let replaced =
         |m: &&articula_core::source::RawMesh| !m.levels.is_empty() && m.clustered.is_empty();

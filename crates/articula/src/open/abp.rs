@@ -2,12 +2,12 @@
 
 use super::{CharacterFile, Input};
 use crate::error::{Error, Result};
-use crate::streams::{StreamKind, abp1, sniff, stream_limits};
+use crate::streams::{StreamKind, abp1, stream_limits};
 use articula_stream::abp1::{Abp1Clip, AbsentBone, read, read_text};
 
 /// Reads a stream, by how it begins.
 pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
-    match sniff(input.bytes) {
+    match StreamKind::of(input.bytes) {
         Some(StreamKind::Abp1) => {
             let limits = stream_limits(&input.options.limits);
             opened(input, &read(input.bytes, AbsentBone::Rest, &limits)?)

@@ -2,7 +2,8 @@
 //!
 //! **A new format is one variant, one row of [`ROWS`] and one opener in this folder.**
 
-use super::{Opener, abp, acclaim, bap, bva, bvh, document, x3d};
+use super::{Opener, abp, acclaim, bap, bva, bvh, document, mp4, x3d};
+use crate::streams::mp4::is_mp4;
 use serde::Serialize;
 
 /// A character file format.
@@ -37,6 +38,8 @@ pub enum Format {
     Abp,
     /// Text of such a stream.
     Abpt,
+    /// MP4 file with such a stream.
+    Mp4,
 }
 
 /// Properties of a format.
@@ -145,6 +148,12 @@ const ROWS: &[Row] = &[
         open: abp::open_text,
         writes: WriteSupport::Any,
     },
+    Row {
+        format: Format::Mp4,
+        name: "mp4",
+        open: mp4::open,
+        writes: WriteSupport::Any,
+    },
 ];
 
 impl Format {
@@ -176,6 +185,8 @@ impl Format {
             gltf(Self::Glb)
         } else if bytes.starts_with(b"ABPF") || bytes.starts_with(b"ABP2") {
             Some(Self::Abp)
+        } else if is_mp4(bytes) {
+            Some(Self::Mp4)
         } else if text.starts_with(b"abpt ") {
             Some(Self::Abpt)
         } else if text.starts_with(b"{") {
@@ -218,14 +229,14 @@ impl Format {
 
     /// Returns whether a file has every joint in every frame, also those that rest.
     pub fn stores_every_joint(self) -> bool {
-        self.holds_one_clip() && !matches!(self, Self::Abp | Self::Abpt)
+        self.holds_one_clip() && !matches!(self, Self::Abp | Self::Abpt | Self::Mp4)
     }
 
     /// Returns whether a file needs a clip.
     pub fn needs_a_clip(self) -> bool {
         matches!(
             self,
-            Self::Bvh | Self::Amc | Self::Bap | Self::Abp | Self::Abpt
+            Self::Bvh | Self::Amc | Self::Bap | Self::Abp | Self::Abpt | Self::Mp4
         )
     }
 
@@ -307,6 +318,7 @@ mod tests {
         assert_eq!(of(b"\x89PNG", "a.png"), None);
         assert_eq!(of(b"ABPF\0\0", "a"), Some(Format::Abp));
         assert_eq!(of(b"ABP2\0\0", "a"), Some(Format::Abp));
+        assert_eq!(of(b"\0\0\0\x1cftypiso6", "a"), Some(Format::Mp4));
         assert_eq!(of(b"abpt 1\n", "a.txt"), Some(Format::Abpt));
     }
 

@@ -10,6 +10,7 @@ mod document;
 mod format;
 mod human;
 mod motion;
+mod mp4;
 mod options;
 mod size;
 mod x3d;

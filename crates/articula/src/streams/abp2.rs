@@ -3,7 +3,7 @@
 //! Form: `docs/formats/abp2.md`. Such a stream has no skeleton: it is decoded onto the character
 //! that it was made from, which it knows by a hash of the joints.
 
-use super::{StreamKind, sniff, stream_limits};
+use super::{StreamKind, stream_limits};
 use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, Format};
 
@@ -141,8 +141,8 @@ pub fn read(
 }
 
 /// Decodes a stream with the rig of the character called `of`.
-pub(super) fn decode(bytes: &[u8], rig: &Rig, of: &str, limits: &Limits) -> Result<Clip> {
-    if sniff(bytes) != Some(StreamKind::Abp2) {
+pub(crate) fn decode(bytes: &[u8], rig: &Rig, of: &str, limits: &Limits) -> Result<Clip> {
+    if StreamKind::of(bytes) != Some(StreamKind::Abp2) {
         let what = "the file does not begin as a motion stream does, with ABP2";
         return Err(Error::unsuited(what));
     }
@@ -159,7 +159,7 @@ pub(super) fn decode(bytes: &[u8], rig: &Rig, of: &str, limits: &Limits) -> Resu
 }
 
 /// A clip as keys at every frame, for a character with these meshes.
-fn raw_clip(clip: &Clip, meshes: &[RawMesh]) -> RawClip {
+pub(crate) fn raw_clip(clip: &Clip, meshes: &[RawMesh]) -> RawClip {
     let secs = |frame: usize| frame as f32 / clip.rate_hz();
     let times_secs: Vec<f32> = (0..clip.frames()).map(secs).collect();
     let tracks = clip.tracks();

@@ -56,6 +56,9 @@ pub struct LayersReport {
     /// The stream with one group cut to a tier, by group and tier, finest first; the last of each
     /// group is the stream without it. Cuts that leave nothing out are not listed.
     pub groups: Vec<LayerReport>,
+    /// Warnings about the stream's file, such as tracks that were left out.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// A cut of a stream.
@@ -212,6 +215,7 @@ pub fn layers(
         tiers: of_scope(Scope::Whole),
         levels: of_scope(Scope::Levels),
         groups: of_scope(Scope::Group),
+        warnings: Vec::new(),
     })
 }
 

@@ -1,11 +1,13 @@
 //! Animations as streams that can be cut: conversion of the clips of characters and faces.
 //!
-//! - [`sniff`]: which stream some bytes are
+//! - [`StreamKind`]: which stream some bytes are
 //! - [`abp1`]: the motion of a character as ABP-1, and back
 //! - [`abp2`]: the motion of a character as ABP-2, and back
 //! - [`afp1`]: facial animation parameters as AFP-1, and back
 //! - [`afp2`]: facial animation parameters as AFP-2, and back
 //! - [`fba`]: facial animation parameters as MPEG-4's binary stream, and back
+//! - [`mp4`]: these streams in MP4 files
+//! - [`unit_tree()`]: the map of any of them and of mesh levels, by how the bytes begin
 //! - [`layers()`]: the error of leaving out parts of a motion stream
 //!
 //! The streams themselves, and the map by which they are cut, are those of `articula_stream`.
@@ -18,36 +20,41 @@ mod face_clip;
 mod face_frame;
 pub mod fba;
 mod layers;
+pub mod mp4;
+mod unit_tree;
 
 pub use layers::{LayerOptions, LayerReport, LayersReport, WorstVertex, layers};
+pub use unit_tree::unit_tree;
 
+use crate::error::Result;
 use articula_core::Region;
 use articula_core::face_levels::FaceRegion;
 use articula_formats::Limits;
 use articula_stream::StreamLimits;
+use articula_stream::abp2::MotionHead;
 
-/// A stream of an animation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StreamKind {
-    /// Bones, BBA-style, profile ABP-1.
-    Abp1,
-    /// A motion within a tolerance of the skin, profile ABP-2.
-    Abp2,
-    /// Facial animation parameters, profile AFP-1.
-    Afp1,
-    /// Facial animation parameters within a tolerance, profile AFP-2.
-    Afp2,
-}
+pub use articula_stream::StreamKind;
 
-/// Returns which stream some bytes are, by how they begin.
-pub fn sniff(bytes: &[u8]) -> Option<StreamKind> {
-    match bytes.first_chunk()? {
-        b"ABPF" => Some(StreamKind::Abp1),
-        b"ABP2" => Some(StreamKind::Abp2),
-        b"AFPF" => Some(StreamKind::Afp1),
-        b"AFP2" => Some(StreamKind::Afp2),
-        _ => None,
-    }
+/// Returns the name of the clip of a stream; empty for FBA, which holds none.
+///
+/// # Errors
+/// An [`Error`](crate::Error) that names the position in the stream.
+pub fn clip_name(stream: &[u8], limits: &Limits) -> Result<String> {
+    let limits = stream_limits(limits);
+    Ok(match StreamKind::of(stream) {
+        Some(StreamKind::Abp1) => {
+            let absent = articula_stream::abp1::AbsentBone::Rest;
+            articula_stream::abp1::read(stream, absent, &limits)?.name
+        }
+        Some(StreamKind::Afp1) => {
+            let options = articula_stream::FaceReadOptions::default();
+            articula_stream::afp1::read(stream, &options, &limits)?
+                .clip
+                .name
+        }
+        Some(StreamKind::Abp2 | StreamKind::Afp2) => MotionHead::open(stream, &limits)?.name,
+        Some(StreamKind::Fba) | None => String::new(),
+    })
 }
 
 /// The limits of streams that correspond to those of files.

@@ -8,6 +8,7 @@
     reason = "a test may panic, looks for the folder of real files, and says what it skips"
 )]
 
+mod adapted_items;
 mod bare;
 mod convert;
 mod crowd;
@@ -15,8 +16,11 @@ mod crowd_faces;
 mod face_errors;
 mod face_joints;
 mod faces;
+mod items;
+mod joint_schemes;
 mod kept_faces;
 mod mesh_levels;
+mod mp4;
 mod prepared;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;

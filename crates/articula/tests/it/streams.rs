@@ -5,7 +5,7 @@ use articula::convert::{AbpProfile, AfpProfile, ConvertOptions, write_faps};
 use articula::face::{expand_face, reduce_face};
 use articula::glam::Quat;
 use articula::glam::{Affine3A, Vec3};
-use articula::streams::{StreamKind, abp1, abp2, afp1, afp2, fba, sniff};
+use articula::streams::{StreamKind, abp1, abp2, afp1, afp2, fba};
 use articula::{
     CharacterFile, Data, DataFormat, Executor, Figure, Format, OpenOptions, convert, fs, open,
     open_data, reference_human,
@@ -89,7 +89,7 @@ fn a_character_moves_the_same_after_abp1() {
         let articulation = file.articulation();
         let options = Abp1Options::default();
         let bytes = abp1::write(&file.character, &articulation, 0, &options).unwrap();
-        assert_eq!(sniff(&bytes), Some(StreamKind::Abp1));
+        assert_eq!(StreamKind::of(&bytes), Some(StreamKind::Abp1));
         let again = opened(&bytes, "a.abp");
         assert_eq!(again.format, Format::Abp);
         // Each ancestor turns and moves by up to two steps of 0.0001 more or less.
@@ -464,7 +464,7 @@ fn a_face_clip_shows_the_same_after_afp1() {
         &AfpProfile::Afp1(Afp1Options::default()),
     )
     .unwrap();
-    assert_eq!(sniff(&written.bytes), Some(StreamKind::Afp1));
+    assert_eq!(StreamKind::of(&written.bytes), Some(StreamKind::Afp1));
     let again = read_faps(&written.bytes, "a.afp", DataFormat::Afp);
     let high = FaceLevels::all(FaceLevel::High).roles();
     // The levels of a FAP clip give its inner lips the motion of the outer ones, as AFP-1 does.
@@ -506,7 +506,7 @@ fn a_face_clip_shows_the_same_after_afp2() {
     };
     let clip = read_faps(&bytes, "a.fap", DataFormat::Fap);
     let written = write_faps(&clip, DataFormat::Afp, &AfpProfile::default()).unwrap();
-    assert_eq!(sniff(&written.bytes), Some(StreamKind::Afp2));
+    assert_eq!(StreamKind::of(&written.bytes), Some(StreamKind::Afp2));
     let again = read_faps(&written.bytes, "a.afp", DataFormat::Afp);
     let expected = reduce_face(&clip, &FaceLevels::all(FaceLevel::High).roles());
     assert_eq!(again.frames.len(), expected.frames.len());

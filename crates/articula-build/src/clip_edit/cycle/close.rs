@@ -12,7 +12,7 @@
 use super::super::channel::{self, SAME_SECS};
 use super::super::grid::grid;
 use super::super::heading::yaw;
-use super::super::root_motion::similarity::Similarity;
+use super::super::similarity::Similarity;
 use super::super::subject::{EditSubject, Posed};
 use crate::clip::{source_rate_hz, steps_at};
 use articula_core::source::{Channel, Interpolation, Property, RawClip};

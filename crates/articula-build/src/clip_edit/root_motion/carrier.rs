@@ -1,7 +1,7 @@
 //! The joint above the hips that carries root motion.
 
+use super::super::similarity::Similarity;
 use super::super::subject::{EditSubject, Posed};
-use super::similarity::Similarity;
 use articula_core::JointSet;
 use articula_core::source::RawClip;
 

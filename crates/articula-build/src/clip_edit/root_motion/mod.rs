@@ -10,19 +10,19 @@
 //! of scale 100) need no special treatment.
 
 mod carrier;
-pub(super) mod similarity;
 pub(super) mod trajectory;
 
 pub use trajectory::TrajectoryKey;
 
 use super::channel::{self, SAME_SECS};
 use super::grid::{grid, rising};
+use super::pieces::{self, ComputedJoint, JUMP_SECS, blend};
+use super::similarity::Similarity;
 use super::subject::{EditSubject, Posed};
 use crate::clip::steps_at;
 use articula_core::source::{Channel, Interpolation, Property, RawClip};
-use articula_core::{Mismatch, Transform, angle_between, same_hemisphere};
+use articula_core::{Mismatch, Transform, angle_between};
 use carrier::Carrier;
-use similarity::Similarity;
 use trajectory::Trajectory;
 
 /// Treatment of the trajectory of the hips.
@@ -66,12 +66,6 @@ pub struct RootMotion {
 /// Maximum error between two keys of joints that move against the carrier.
 const SAME_METRES: f32 = 5e-5;
 const SAME_RADIANS: f32 = 1e-4;
-
-/// Maximum number of halvings of one interval between two keys of the source.
-const MAX_HALVINGS: usize = 5;
-
-/// A jump of a step channel becomes a move of this duration, in which the error is not measured.
-const JUMP_SECS: f32 = 1e-4;
 
 /// Separates the trajectory of the hips from a clip.
 ///
@@ -128,7 +122,6 @@ struct Split<'a> {
 
 /// Local transforms of the carrier and its children at a time, and the wanted ones.
 struct Frame {
-    secs: f32,
     parent: Similarity,
     carrier: Similarity,
     children: Vec<Transform>,
@@ -191,7 +184,6 @@ impl<'a> Split<'a> {
         let wanted: Vec<Transform> = locals.map(|t| (seen * carrier).after(t)).collect();
         let against = placed.inverse();
         Frame {
-            secs,
             parent,
             carrier: parent.inverse() * placed,
             children: wanted.iter().map(|t| against.after(*t)).collect(),
@@ -205,45 +197,12 @@ impl<'a> Split<'a> {
         let before_jumps = self.jumps.iter().map(|t| t - JUMP_SECS);
         let mut times: Vec<f32> = self.keys.iter().copied().chain(before_jumps).collect();
         times.retain(|t| (0.0..=self.clip.duration_secs).contains(t));
-        let times = rising(times);
-        let mut all = vec![times[0]];
-        let mut before = self.frame(times[0]);
-        for t in &times[1..] {
-            let after = self.frame(*t);
-            self.refine(&before, &after, MAX_HALVINGS, &mut all);
-            all.push(*t);
-            before = after;
-        }
-        all
-    }
-
-    fn refine(&mut self, a: &Frame, b: &Frame, halvings: usize, times: &mut Vec<f32>) {
-        let secs = 0.5 * (a.secs + b.secs);
-        if halvings == 0 || b.secs - a.secs <= 2.0 * JUMP_SECS {
-            return;
-        }
-        let at = |t: f32| a.secs + (b.secs - a.secs) * t;
-        if [0.25, 0.5, 0.75]
-            .iter()
-            .all(|t| follows(a, b, *t, &self.frame(at(*t))))
-        {
-            return;
-        }
-        let middle = self.frame(secs);
-        self.refine(a, &middle, halvings - 1, times);
-        times.push(secs);
-        self.refine(&middle, b, halvings - 1, times);
+        pieces::times(&rising(times), &mut |secs| self.frame(secs), &follows)
     }
 
     /// The clip with new channels for the carrier and the joints that move against it.
     fn clip(&mut self, times: &[f32]) -> RawClip {
         let frames: Vec<Frame> = times.iter().map(|t| self.frame(*t)).collect();
-        let one_way = |locals: &mut Vec<Transform>| {
-            for i in 1..locals.len() {
-                let before = locals[i - 1].rotation;
-                locals[i].rotation = same_hemisphere(before, locals[i].rotation);
-            }
-        };
         let mut moved: Vec<(usize, Vec<Transform>)> = Vec::new();
         if let Some(joint) = self.carrier.joint {
             let locals = frames.iter().map(|f| f.carrier.transform());
@@ -252,7 +211,6 @@ impl<'a> Split<'a> {
         for (i, child) in self.children.iter().enumerate() {
             moved.push((*child, frames.iter().map(|f| f.children[i]).collect()));
         }
-        moved.iter_mut().for_each(|(_, locals)| one_way(locals));
         let is_moved = |joint: usize| moved.iter().any(|(j, _)| *j == joint);
         let mut out = self.clip.clone();
         out.channels
@@ -265,42 +223,17 @@ impl<'a> Split<'a> {
     }
 
     fn channels(&self, joint: usize, times: &[f32], locals: &[Transform]) -> Vec<Channel> {
-        let rest = self.subject.rig.rest_pose().get(joint);
-        let channel = |property, width: usize, value: fn(&Transform) -> Vec<f32>| {
-            let mut out = Channel {
-                target: joint,
-                property,
-                interpolation: Interpolation::Linear,
-                times_secs: times.to_vec(),
-                values: locals.iter().flat_map(value).collect(),
-            };
-            let same = |a: &[f32], b: &[f32]| {
-                let size = b.iter().fold(1e-3f32, |s, v| s.max(v.abs()));
-                a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * size)
-            };
-            let first = out.values[..width].to_vec();
-            if out.values.chunks(width).all(|v| same(v, &first)) {
-                out.times_secs.truncate(1);
-                out.values.truncate(width);
-            }
-            let keyed = |c: &Channel| c.target == joint && c.property == property;
-            // A joint that is not keyed and is still at rest needs no channel.
-            let needed = out.times_secs.len() > 1
-                || !same(&first, &value(&rest))
-                || self.clip.channels.iter().any(keyed);
-            needed.then_some(out)
+        let channels = self.clip.channels.iter();
+        let keyed: Vec<Property> = channels
+            .filter(|c| c.target == joint)
+            .map(|c| c.property)
+            .collect();
+        let computed = ComputedJoint {
+            joint,
+            rest: self.subject.rig.rest_pose().get(joint),
+            is_keyed: &|property| keyed.contains(&property),
         };
-        let turns = |t: &Transform| t.rotation.to_array().to_vec();
-        [
-            channel(Property::Translation, 3, |t| {
-                t.translation.to_array().to_vec()
-            }),
-            channel(Property::Rotation, 4, turns),
-            channel(Property::Scale, 3, |t| t.scale.to_array().to_vec()),
-        ]
-        .into_iter()
-        .flatten()
-        .collect()
+        computed.channels(times, locals)
     }
 
     /// Maximum distance of any joint from its position in the source, with the trajectory added
@@ -345,14 +278,6 @@ fn follows(a: &Frame, b: &Frame, t: f32, between: &Frame) -> bool {
         let apart = shown.translation.distance(wanted.translation);
         apart <= SAME_METRES && angle_between(shown.rotation, wanted.rotation) <= SAME_RADIANS
     })
-}
-
-fn blend(a: Transform, b: Transform, t: f32) -> Transform {
-    Transform {
-        translation: a.translation.lerp(b.translation, t),
-        rotation: a.rotation.slerp(same_hemisphere(a.rotation, b.rotation), t),
-        scale: a.scale.lerp(b.scale, t),
-    }
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use super::super::grid::VERIFIED_HZ;
 use super::super::heading::{wrapped, yaw};
+use super::super::similarity::Similarity;
 use super::super::subject::{EditSubject, Posed};
-use super::similarity::Similarity;
 use articula_core::source::RawClip;
 use glam::{DVec2, DVec3, Quat};
 

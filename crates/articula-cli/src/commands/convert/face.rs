@@ -1,7 +1,7 @@
 //! Face clips without a character: FAP files, AFP streams and captures, written as one another.
 
 use super::report::{self, ConvertReport};
-use super::{ConvertArgs, face_level};
+use super::{ConvertArgs, boxing, face_level};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
@@ -17,10 +17,33 @@ use std::path::Path;
 
 /// Whether the input or output is named as a file of facial data that is to be written; with a
 /// character, such a file is a motion like any other.
-pub(super) fn is_meant(args: &ConvertArgs) -> bool {
-    let named = |path| files::data_format(path).is_some();
+pub(super) fn is_meant(args: &ConvertArgs) -> anyhow::Result<bool> {
     let only = args.inputs.len() == 1 && args.onto.is_none();
-    named(&args.out) || only && named(&args.inputs[0])
+    Ok(files::data_format(&args.out).is_some() || only && format_in(args)?.is_some())
+}
+
+/// The format of the input, if it has no character. Of the streams of an MP4 file that of a face is
+/// meant if the output is one of a face, else the first.
+fn format_in(args: &ConvertArgs) -> anyhow::Result<Option<DataFormat>> {
+    let input = &args.inputs[0];
+    if input.is_dir() {
+        return Ok(None);
+    }
+    if files::data_format(&args.out).is_some_and(DataFormat::animates_a_face)
+        && let Some(streams) = open::streams_in(input)?
+    {
+        let has_face = streams.iter().any(|kind| kind.is_of_face());
+        return Ok(has_face.then_some(DataFormat::Mp4));
+    }
+    open::data_format(input)
+}
+
+/// The format of the output, if it holds data of a face.
+fn format_out(args: &ConvertArgs) -> Option<DataFormat> {
+    if boxing::is_mp4(&args.out) {
+        return Some(DataFormat::Mp4);
+    }
+    files::data_format(&args.out)
 }
 
 /// What was read: a face clip, and what is reported about its file.
@@ -54,7 +77,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let format = check(args)?;
     let input = &args.inputs[0];
     console.files.plan(args.inputs(), [args.out.as_path()])?;
-    let source = match files::data_format(input) {
+    let source = match format_in(args)? {
         Some(own) => {
             let opened = open::data(input, own, &args.names)?;
             FaceSource {
@@ -98,7 +121,11 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         }
         other => write_data(other)?,
     };
-    console.files.write(&args.out, &written.bytes)?;
+    let mut bytes = written.bytes;
+    if !args.with.is_empty() {
+        bytes = boxing::with(args, &console.files, (place.clone(), bytes))?;
+    }
+    console.files.write(&args.out, &bytes)?;
     let clips = match &data {
         Data::Fap(clip) => vec![clip.name.clone()],
         _ => Vec::new(),
@@ -110,7 +137,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         format_in: source.format.to_owned(),
         format_out: format.name(),
         bytes_in: source.bytes,
-        bytes_out: written.bytes.len(),
+        bytes_out: bytes.len(),
         left_out: left_out
             .map(|what| report::left_out(what, format.name()))
             .collect(),
@@ -128,7 +155,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
 fn vrma(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let input = &args.inputs[0];
     let place = files::shown(input);
-    let format = files::data_format(input);
+    let format = format_in(args)?;
     let Some(own) = format.filter(|f| f.animates_a_face()) else {
         let advice = format.map_or("", DataFormat::advice);
         return Err(fault::usage(format!("{place}: {advice}")));
@@ -214,9 +241,9 @@ fn check(args: &ConvertArgs) -> anyhow::Result<DataFormat> {
         return Err(fault::usage("a face clip is written from one file"));
     };
     let place = files::shown(input);
-    let own = files::data_format(input);
+    let own = format_in(args)?;
     let readable = own.is_none_or(DataFormat::animates_a_face);
-    let written = files::data_format(&args.out);
+    let written = format_out(args);
     let writable = written.filter(|f| f.animates_a_face());
     let (Some(format), true) = (writable, readable) else {
         let format = own.filter(|_| written.is_none() || !readable).or(written);
@@ -229,11 +256,14 @@ fn check(args: &ConvertArgs) -> anyhow::Result<DataFormat> {
 
 /// Refuses flags about bodies.
 fn check_flags(args: &ConvertArgs, place: &str) -> anyhow::Result<()> {
-    let own = files::data_format(&args.inputs[0]);
+    let own = format_in(args)?;
     let chosen =
         args.loa.is_some() || args.loa_profile.is_some() || own.is_some() && args.clip.is_some();
-    let other = args.to.is_some() || args.onto.is_some() || args.khr_character;
-    let is_afp = files::data_format(&args.out) == Some(DataFormat::Afp);
+    let other = args.to.is_some()
+        || args.onto.is_some()
+        || args.khr_character
+        || args.joint_scheme.is_some();
+    let is_afp = matches!(format_out(args), Some(DataFormat::Afp | DataFormat::Mp4));
     if let Some(flag) = args.stream.idle_for_a_face(is_afp) {
         let expected = if is_afp { "an .abp" } else { "an .afp" };
         return Err(fault::usage(format!(

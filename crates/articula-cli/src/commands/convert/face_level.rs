@@ -1,7 +1,7 @@
 //! `convert --face-level`: FAP clips at levels of articulation.
 
 use super::ConvertArgs;
-use crate::{fault, files};
+use crate::{fault, open};
 use articula::DataFormat;
 use articula::face::FaceLevelReport;
 use articula_core::face_levels::FaceLevels;
@@ -14,14 +14,16 @@ pub(super) fn levels(text: &str) -> Result<FaceLevels, String> {
 
 /// Refuses the flag where no FAP file is named.
 pub(super) fn check(args: &ConvertArgs) -> anyhow::Result<()> {
-    let is_fap = |path: &std::path::PathBuf| {
-        path.is_dir() || files::data_format(path).is_some_and(DataFormat::has_faps)
-    };
-    if args.face_level.is_some() && !args.inputs.iter().any(is_fap) {
-        let what = "--face-level applies to FAP files; --loa reduces motions of bodies";
-        return Err(fault::usage(what));
+    if args.face_level.is_none() {
+        return Ok(());
     }
-    Ok(())
+    for path in &args.inputs {
+        if path.is_dir() || open::data_format(path)?.is_some_and(DataFormat::has_faps) {
+            return Ok(());
+        }
+    }
+    let what = "--face-level applies to FAP files; --loa reduces motions of bodies";
+    Err(fault::usage(what))
 }
 
 /// A clip as `of_level` leaves it at the level that was asked for, with the report; the clip itself

@@ -1,10 +1,11 @@
 //! One job of a conversion: files are read, changed as asked for, and written.
 
-use super::ConvertArgs;
+use super::joint_scheme::SchemeName;
 use super::onto::{Hero, MotionReport};
 use super::plan::{Input, Job};
 use super::reduction::{Reduction, Selected};
 use super::report::{self, ConvertReport, Onto};
+use super::{ConvertArgs, boxing};
 use crate::console::on_all_processors;
 use crate::files::{self, Files};
 use crate::open;
@@ -13,6 +14,7 @@ use articula::CharacterFile;
 use articula::convert::ConvertOptions;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Result of one job.
@@ -156,9 +158,15 @@ impl Recipe<'_> {
         }
         let clip = self.hero.is_none().then(|| self.args.clip.clone());
         let options = self.options(clip.flatten());
+        let opened_name = opened.name.clone();
         let made = articula::convert(opened, job.format, &options, &on_all_processors());
         let made = made.map_err(|fault| self.placed(fault))?;
-        let mut files: Vec<(PathBuf, &[u8])> = vec![(job.out.clone(), &made.written.bytes)];
+        let mut bytes = Cow::Borrowed(&made.written.bytes[..]);
+        if !self.args.with.is_empty() {
+            let first = (opened_name, bytes.into_owned());
+            bytes = Cow::Owned(boxing::with(self.args, self.files, first)?);
+        }
+        let mut files: Vec<(PathBuf, &[u8])> = vec![(job.out.clone(), &bytes)];
         if let Some((format, bytes)) = &made.written.beside {
             files.push((job.out.with_extension(format.name()), bytes));
         }
@@ -183,6 +191,12 @@ impl Recipe<'_> {
             report.mesh = Some(shown.report);
         }
         report.tiers = made.written.tiers;
+        if made.joint_scheme.as_ref().is_some_and(|s| s.drops_prepared) {
+            let what =
+                "the prepared data, which was computed for the joints before (build makes it anew)";
+            report.left_out.push(what.to_owned());
+        }
+        report.joint_scheme = made.joint_scheme;
         report.edits = made.edits;
         let reduction = self.selected.as_ref().zip(made.reduction);
         report.reduction = reduction.map(|(selected, saved)| Reduction::new(selected, saved));
@@ -197,6 +211,7 @@ impl Recipe<'_> {
         ConvertOptions {
             clip,
             mesh: self.args.mesh.options(),
+            joint_scheme: self.args.joint_scheme.map(SchemeName::of_library),
             edits: self.args.hygiene.edits(),
             reduction: self.selected.as_ref().map(|s| s.reduction.clone()),
             khr_character: self.args.khr_character,

@@ -1,12 +1,14 @@
 //! `articula convert IN... OUT`: converts between formats, retargets onto a character, cleans and
 //! reduces animations; one file or many.
 
+mod boxing;
 mod capture;
 mod face;
 mod face_level;
 mod face_shapes;
 mod hygiene;
 mod job;
+mod joint_scheme;
 mod mesh;
 mod onto;
 mod plan;
@@ -70,6 +72,10 @@ pub(crate) struct ConvertArgs {
     /// rest pose
     #[arg(long)]
     skip_first_frame: bool,
+    /// Set of joints of the body: subtalars are merged into ankles and thumb0 joints inserted, or the
+    /// other way round [default: the joints stay as they are]
+    #[arg(long, value_name = "SCHEME", value_enum)]
+    joint_scheme: Option<joint_scheme::SchemeName>,
     /// Joints that may move, such as "loa(Low) + zone(hands)"; all others are held
     #[arg(long, value_name = "EXPR")]
     loa: Option<String>,
@@ -92,6 +98,10 @@ pub(crate) struct ConvertArgs {
     /// (.glb only)
     #[arg(long)]
     khr_character: bool,
+    /// Further stream that goes into OUT.mp4, in a track of its own: .abp, .afp, .fba, .mp4, or .fap,
+    /// which becomes an AFP-2 stream (repeatable)
+    #[arg(long, value_name = "STREAM")]
+    with: Vec<PathBuf>,
     #[command(flatten)]
     stream: stream::StreamArgs,
     #[command(flatten)]
@@ -107,8 +117,12 @@ pub(crate) struct ConvertArgs {
 /// Reads, edits and writes.
 pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     args.check()?;
+    boxing::check(args)?;
     face_level::check(args)?;
-    if face::is_meant(args) {
+    if boxing::is_meant(args)? {
+        return boxing::run(args, console);
+    }
+    if face::is_meant(args)? {
         return face::run(args, console);
     }
     let plan = Plan::of(args)?;
@@ -213,7 +227,7 @@ impl ConvertArgs {
     fn inputs(&self) -> impl Iterator<Item = &Path> {
         let named = self.inputs.iter().filter(|path| !path.is_dir());
         let named = named.chain(&self.onto).chain(&self.loa_profile);
-        let named = named.chain(self.shapes.input());
+        let named = named.chain(self.shapes.input()).chain(&self.with);
         named.map(PathBuf::as_path).chain(self.names.inputs())
     }
 
@@ -225,6 +239,23 @@ impl ConvertArgs {
             ));
         }
         Ok(())
+    }
+
+    /// Whether a flag is given that chooses or changes what a motion shows, or how it is coded.
+    fn changes_motions(&self) -> bool {
+        self.to.is_some()
+            || self.onto.is_some()
+            || self.clip.is_some()
+            || self.skip_first_frame
+            || self.loa.is_some()
+            || self.loa_profile.is_some()
+            || self.face_level.is_some()
+            || self.khr_character
+            || self.stream.asks()
+            || self.shapes.asks()
+            || self.mesh.options().is_some()
+            || self.hygiene.asks()
+            || self.names.asks()
     }
 
     fn check_khr_character(&self, out: Format) -> anyhow::Result<()> {

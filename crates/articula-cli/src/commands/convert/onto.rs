@@ -17,7 +17,7 @@ use articula::face::{
     FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
 };
 use articula::streams::abp2;
-use articula::{CharacterFile, Data, DataFormat};
+use articula::{CharacterFile, Data, DataFormat, Format};
 use articula_formats::Limits;
 use clap::ValueEnum;
 use std::path::Path;
@@ -115,14 +115,20 @@ impl Hero {
         args: &ConvertArgs,
         files: &Files,
     ) -> anyhow::Result<Option<Motions>> {
-        let format = files::data_format(&input.path).filter(|f| f.animates_a_face());
+        let format = open::data_format(&input.path)?.filter(|f| f.animates_a_face());
         if let Some(format) = format {
             return self.face(input, format, args).map(Some);
         }
         let mut source = match open::motion_stream(&input.path)? {
-            Some(bytes) => {
+            Some(stream) => {
                 let name = files::shown(&input.path);
-                abp2::read(&bytes, &name, &self.opened, &Limits::default())?
+                let read = abp2::read(&stream.bytes, &name, &self.opened, &Limits::default());
+                let mut source = read?;
+                source.warnings.extend(stream.warnings);
+                if files::format(&input.path) == Some(Format::Mp4) {
+                    (source.format, source.bytes) = (Format::Mp4, stream.file_bytes);
+                }
+                source
             }
             None => open::character(files, &input.path, &args.names)?,
         };

@@ -3,6 +3,7 @@
 use super::ConvertArgs;
 use crate::fault;
 use crate::files::{self, Files};
+use crate::open;
 use anyhow::{Context, bail};
 use articula::{DataFormat, Format};
 use std::collections::HashMap;
@@ -87,9 +88,14 @@ fn file_format(args: &ConvertArgs) -> anyhow::Result<Option<Format>> {
     }
 }
 
+/// Whether a path is a folder of files; the folder of a digital item is one character.
+fn is_folder(path: &Path) -> bool {
+    path.is_dir() && !files::is_item(path)
+}
+
 /// Whether more than one file may be read.
 pub(super) fn reads_many(args: &ConvertArgs) -> bool {
-    args.inputs.len() > 1 || args.inputs.iter().any(|path| path.is_dir())
+    args.inputs.len() > 1 || args.inputs.iter().any(|path| is_folder(path))
 }
 
 fn into_one(args: &ConvertArgs, format: Format) -> anyhow::Result<Plan> {
@@ -165,7 +171,7 @@ pub(super) fn stem(path: &Path) -> OsString {
 fn inputs(args: &ConvertArgs) -> anyhow::Result<Vec<Input>> {
     let mut all = Vec::new();
     for path in &args.inputs {
-        if path.is_dir() {
+        if is_folder(path) {
             all.extend(inside(path, args.onto.is_some())?);
         } else {
             all.push(Input {
@@ -187,6 +193,10 @@ fn inside(folder: &Path, with_faces: bool) -> anyhow::Result<Vec<Input>> {
     let mut paths = files::in_folder(folder).with_context(place)?;
     let is_face = |path: &Path| files::data_format(path).is_some_and(DataFormat::animates_a_face);
     paths.retain(|path| files::format(path).is_some() || with_faces && is_face(path));
+    // Videos have the names of MP4 files with streams.
+    let has_none =
+        |path: &Path| open::streams_in(path).is_ok_and(|s| s.is_some_and(|s| s.is_empty()));
+    paths.retain(|path| !has_none(path));
     // In a folder with motions, skeleton files are not inputs themselves.
     let is = |path: &PathBuf, format| files::format(path) == Some(format);
     if paths.iter().any(|path| is(path, Format::Amc)) {

@@ -4,12 +4,12 @@ use super::mesh;
 use super::onto;
 use super::plan::Job;
 use super::reduction::Reduction;
-use super::{capture, face_level, face_shapes, hygiene, stream};
+use super::{capture, face_level, face_shapes, hygiene, joint_scheme, stream};
 use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
 use articula::ShownLevelsReport;
-use articula::convert::{ClipEdited, LossyPart, TransferReport};
+use articula::convert::{ClipEdited, JointSchemeReport, LossyPart, TransferReport};
 use articula::face::{CaptureReport, FaceLevelReport, FaceShapes, FaceTableTargets, FaceTransfer};
 use articula::streams::abp2::TierReport;
 use serde::Serialize;
@@ -42,6 +42,8 @@ pub(super) struct ConvertReport {
     /// The level of articulation of a FAP file that was written, if one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) face_level: Option<FaceLevelReport>,
+    /// Joints that were merged and inserted, if a joint scheme was asked for.
+    pub(super) joint_scheme: Option<JointSchemeReport>,
     /// Edits of each clip; empty if none were asked for.
     pub(super) edits: Vec<ClipEdited>,
     pub(super) reduction: Option<Reduction>,
@@ -106,7 +108,7 @@ pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
             let why = match format {
                 "bap" => "BAP holds one clip of a body",
                 "bvh" => "BVH holds joints and one clip",
-                "abp" | "abpt" => "ABP holds joints and one clip",
+                "abp" | "abpt" | "mp4" => "ABP holds joints and one clip",
                 _ => "ASF and AMC hold joints and one clip",
             };
             format!("{} ({why})", counted(*count, "mesh", "meshes"))
@@ -167,6 +169,7 @@ impl ConvertReport {
             face_shapes: None,
             face_table: None,
             face_level: None,
+            joint_scheme: None,
             edits: Vec::new(),
             reduction: None,
             mesh: None,
@@ -210,6 +213,9 @@ impl ConvertReport {
         }
         if let Some(shapes) = &self.face_shapes {
             text.push_str(&face_shapes::text(shapes));
+        }
+        if let Some(changed) = &self.joint_scheme {
+            text.push_str(&joint_scheme::text(changed));
         }
         for edits in &self.edits {
             text.push_str(&hygiene::text(edits));

@@ -1,4 +1,4 @@
-//! `convert IN OUT.abp` and `OUT.afp`: profile and options of the stream, and the report of its tiers.
+//! `convert IN OUT.abp`, `OUT.afp` and `OUT.mp4`: profile and options of the stream, and the report of its tiers.
 
 use crate::arguments::skin_millimetres;
 use crate::fault;
@@ -13,26 +13,28 @@ use clap::{Args, ValueEnum, value_parser};
 /// Profile and options of a stream.
 #[derive(Debug, Clone, Args)]
 pub(super) struct StreamArgs {
-    /// Write profile ABP-1, a stream of bones, in place of ABP-2 (.abp only)
+    /// Write profile ABP-1, a stream of bones, in place of ABP-2 (.abp and .mp4 only)
     #[arg(long, conflicts_with_all = ["tolerance_mm", "tiers", "group_by", "by_value"])]
     pub(super) abp1: bool,
-    /// Write profile AFP-1, in which parameters can be cut one by one, in place of AFP-2 (.afp only)
+    /// Write profile AFP-1, in which parameters can be cut one by one, in place of AFP-2 (.afp
+    /// and .mp4 only)
     #[arg(long, conflicts_with_all = ["abp1", "tolerance_mm", "tiers", "group_by", "by_value"])]
     afp1: bool,
     /// Greatest error of a motion stream, in millimetres of skin, or of a face stream, in
-    /// millimetres of feature points of an average face (.abp and .afp only) [default: 0.1]
+    /// millimetres of feature points of an average face (.abp, .afp and .mp4 only) [default: 0.1]
     #[arg(long, value_name = "MM", value_parser = skin_millimetres)]
     tolerance_mm: Option<f64>,
-    /// Tiers of a stream; leaving out the finest triples the error (.abp and .afp only) [default:
-    /// 5, of a face 3]
+    /// Tiers of a stream; leaving out the finest triples the error (.abp, .afp and .mp4 only)
+    /// [default: 5, of a face 3]
     #[arg(long, value_name = "N", value_parser = value_parser!(u8).range(1..=8))]
     tiers: Option<u8>,
-    /// What the joints have in common that are cut from a motion stream together (.abp only)
+    /// What the joints have in common that are cut from a motion stream together (.abp and .mp4
+    /// only)
     /// [default: loa]
     #[arg(long, value_enum)]
     group_by: Option<GroupBy>,
     /// Order the units of a stream by the error that they take away for their bytes, for
-    /// receivers that get a part (.abp and .afp only)
+    /// receivers that get a part (.abp, .afp and .mp4 only)
     #[arg(long)]
     by_value: bool,
 }
@@ -49,6 +51,11 @@ enum GroupBy {
 }
 
 impl StreamArgs {
+    /// Whether a flag is given.
+    pub(super) fn asks(&self) -> bool {
+        self.afp1 || self.of_bodies().is_some() || self.of_both().is_some()
+    }
+
     /// Refuses flags that have no effect on a file of this format.
     pub(super) fn check(&self, out: Format) -> anyhow::Result<()> {
         if self.afp1 {
@@ -57,8 +64,11 @@ impl StreamArgs {
         }
         let flag = self.of_bodies().or_else(|| self.of_both());
         match flag {
-            Some(flag) if out != Format::Abp => {
-                let what = format!("{flag} requires an .abp output, not .{}", out.name());
+            Some(flag) if !matches!(out, Format::Abp | Format::Mp4) => {
+                let what = format!(
+                    "{flag} requires an .abp or .mp4 output, not .{}",
+                    out.name()
+                );
                 Err(fault::usage(what))
             }
             _ => Ok(()),
@@ -66,7 +76,7 @@ impl StreamArgs {
     }
 
     /// The flag that has no effect on the output of a face clip, if one is given; `is_afp` if that is
-    /// a face stream.
+    /// a face stream, as such or in an MP4 file.
     pub(super) fn idle_for_a_face(&self, is_afp: bool) -> Option<&'static str> {
         let of_faces = self.of_both().or(self.afp1.then_some("--afp1"));
         self.of_bodies().or(of_faces.filter(|_| !is_afp))

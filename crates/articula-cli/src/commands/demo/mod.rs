@@ -3,6 +3,7 @@
 //! Character → asset → every method over distance → a crowd → pictures, plots, page. All numbers on
 //! the page are those of this run.
 
+mod adaptation;
 mod crowd;
 mod face;
 mod flatten;
@@ -81,6 +82,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     let flat = flatten::of(&folder, &scene, console)?;
     let face = face::of(&folder, &figure, console)?;
     let crowd = crowd::of(&figure, TARGET_PX, &folder, console)?;
+    let adaptation = adaptation::of(&folder, &scene, console)?;
     let found = Found {
         clips,
         levels,
@@ -89,6 +91,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
         mesh_levels,
         flat,
         face,
+        adaptation,
     };
     let name = match args.files.first() {
         Some(file) => name_of(file),

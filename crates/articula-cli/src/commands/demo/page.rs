@@ -19,6 +19,7 @@ pub(super) fn of(report: &DemoReport) -> String {
         mesh_levels(report),
         flat(report),
         face(report),
+        adaptation(report),
         crowd(report),
         more(report),
         "</main>\n".into(),
@@ -283,6 +284,46 @@ fn mesh_levels(report: &DemoReport) -> String {
             "mesh-levels.png",
             "The character, its face and a hand at five mesh levels",
             "From all triangles to 1.5 % of them: whole figure in motion, face and left hand.",
+        )
+    )
+}
+
+fn adaptation(report: &DemoReport) -> String {
+    let found = &report.adaptation;
+    let mut rows = String::new();
+    for context in &found.contexts {
+        let bandwidth = match context.bandwidth_kbps {
+            Some(kbps) => format!("{kbps:.0} kbit/s"),
+            None => "any".to_owned(),
+        };
+        let _ = writeln!(
+            rows,
+            "<tr><th scope=\"row\">{}</th><td>{bandwidth}</td><td>{} m</td><td>{}</td><td>{:.1} kB</td>\
+             <td>{:.2} px</td><td>{}</td></tr>",
+            escaped(context.name),
+            context.distance_m,
+            escaped(&context.modality),
+            context.bytes as f64 / 1e3,
+            context.error_px,
+            escaped(&context.parts.join("; "))
+        );
+    }
+    let caption = "What each context gets within two seconds of transfer";
+    format!(
+        "<section>\n<h2>One item, four contexts</h2>\n\
+         <p>The character as a digital item of {:.1} kB: joints, mesh levels by region, the motion in levels of \
+         articulation and tiers, textures at several sizes. Each context gets the combination with the least visible \
+         error for its bytes, or no more than it can see; what cannot play it gets a form in 2D.</p>\n{}\
+         <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n\
+         <caption><span>{caption}</span></caption>\n<thead><tr><th scope=\"col\">context</th>\
+         <th scope=\"col\">bandwidth</th><th scope=\"col\">distance</th><th scope=\"col\">form</th>\
+         <th scope=\"col\">sent</th><th scope=\"col\">error, at most</th><th scope=\"col\">parts</th></tr></thead>\n\
+         <tbody>\n{rows}</tbody>\n</table>\n</div>\n</section>\n",
+        found.bytes as f64 / 1e3,
+        picture(
+            "adaptation.png",
+            "The character as four contexts show it",
+            "What is left of the character in each context, all drawn at the same size.",
         )
     )
 }

@@ -1,5 +1,6 @@
 //! The results of the demo: `report.json`, and the numbers of the page.
 
+use super::adaptation::Adapted;
 use super::crowd::Crowd;
 use super::face::Face;
 use super::mesh_levels::MeshLevels;
@@ -38,6 +39,8 @@ pub(super) struct DemoReport {
     pub(super) flat: Vec<flatten::FlattenReport>,
     /// The face moved by facial animation parameters; `None` for a character whose face cannot be.
     pub(super) face: Option<Face>,
+    /// One item in four contexts.
+    pub(super) adaptation: Adapted,
 }
 
 /// Results besides those of the methods.
@@ -51,6 +54,8 @@ pub(super) struct Found {
     pub(super) flat: Vec<flatten::FlattenReport>,
     /// The face moved by facial animation parameters; `None` for a character whose face cannot be.
     pub(super) face: Option<Face>,
+    /// One item in four contexts.
+    pub(super) adaptation: Adapted,
 }
 
 /// The character.
@@ -141,6 +146,7 @@ impl DemoReport {
             mesh_levels: found.mesh_levels,
             flat: found.flat,
             face: found.face,
+            adaptation: found.adaptation,
         }
     }
 

@@ -1,16 +1,19 @@
 //! Access units of a stream of a motion: bytes by level of articulation and by region.
 
-use crate::files;
 use crate::table::{Table, counted};
+use crate::{files, open};
 use articula::inspect::{AccessUnitsInspection, StreamShare, inspect_access_units};
 use articula_stream::StreamLimits;
 use std::path::Path;
 
-/// Reads the file again and lists its access units.
+/// Reads the file again and lists its access units, in an MP4 file those of the first stream of a body.
 pub(super) fn of(path: &Path) -> anyhow::Result<AccessUnitsInspection> {
-    let limits = StreamLimits::default();
-    let bytes = files::read(path, limits.bytes)?;
-    Ok(inspect_access_units(&bytes, &files::shown(path), &limits)?)
+    let stream = open::stream(path, false)?;
+    Ok(inspect_access_units(
+        &stream.bytes,
+        &files::shown(path),
+        &StreamLimits::default(),
+    )?)
 }
 
 /// Formats the tables; `items` is what is counted.

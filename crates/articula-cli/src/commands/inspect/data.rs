@@ -1,14 +1,18 @@
 //! MPEG-4 files without a character: parameters that move, their ranges and units.
 
 use super::text::{head_line, warnings_text};
-use super::{access_units, motion_stream};
+use super::{access_units, motion_stream, mp4};
 use crate::arguments::CharacterArgs;
 use crate::console::Console;
 use crate::open;
 use crate::table::{Table, counted};
 use crate::{fault, files};
 use articula::DataFormat;
-use articula::inspect::{DataInspection, FaceStreamInspection, inspect_data};
+use articula::inspect::{
+    DataInspection, FaceStreamInspection, inspect_access_units, inspect_data, inspect_motion_stream,
+};
+use articula::streams::StreamKind;
+use articula_stream::StreamLimits;
 
 /// Reads the file and prints its contents.
 pub(super) fn run(
@@ -25,12 +29,22 @@ pub(super) fn run(
     }
     let opened = open::data(&args.file, format, &args.names)?;
     let mut found = inspect_data(opened, &files::shown(&args.file), format);
-    if format == DataFormat::Afp {
-        found.stream = Some(match motion_stream::of_face(&args.file)? {
-            Some(stream) => FaceStreamInspection::Afp2(stream),
-            None => FaceStreamInspection::Afp1(access_units::of(&args.file)?),
-        });
+    if matches!(format, DataFormat::Afp | DataFormat::Mp4) {
+        let stream = open::stream(&args.file, true)?;
+        let (name, limits) = (files::shown(&args.file), StreamLimits::default());
+        found.stream = match stream.kind {
+            Some(StreamKind::Afp2) => {
+                let stream = inspect_motion_stream(&stream.bytes, &name, &limits)?;
+                Some(FaceStreamInspection::Afp2(stream))
+            }
+            Some(StreamKind::Fba) => None,
+            _ => {
+                let stream = inspect_access_units(&stream.bytes, &name, &limits)?;
+                Some(FaceStreamInspection::Afp1(stream))
+            }
+        };
     }
+    found.tracks = open::tracks(&args.file)?;
     console.result(&found, |found| text(found, map))
 }
 
@@ -111,6 +125,7 @@ fn text(found: &DataInspection, map: bool) -> String {
     } else if map {
         text.push_str(&format!("\nparameters\n{}", parameters(found).text()));
     }
+    text.push_str(&mp4::text(&found.tracks));
     text.push_str(&warnings_text(&found.warnings));
     text
 }

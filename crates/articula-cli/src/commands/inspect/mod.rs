@@ -4,9 +4,11 @@ mod access_units;
 mod data;
 mod face;
 mod human;
+mod item;
 mod joint_levels;
 mod mesh_levels;
 mod motion_stream;
+mod mp4;
 mod stream;
 mod text;
 
@@ -78,8 +80,9 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
                 .extend(tables.warnings.into_iter().map(told));
         }
     }
-    if figure.opened.format == Format::Abp {
+    if matches!(figure.opened.format, Format::Abp | Format::Mp4) {
         findings.stream = Some(access_units::of(&args.character.file)?);
+        findings.tracks = open::tracks(&args.character.file)?;
     }
     if args.joint_levels {
         let far_from_metres = 1e-3 * args.far_from_mm;
@@ -118,15 +121,19 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
 
 /// A file without joints.
 enum Jointless {
+    Item,
     MeshStream,
-    MotionStream(Vec<u8>),
+    MotionStream(open::Stream),
     Data(DataFormat),
 }
 
 impl Jointless {
     /// What a file is, if it has no joints.
     fn of(path: &Path) -> anyhow::Result<Option<Self>> {
-        if let Some(format) = files::data_format(path) {
+        if files::is_item(path) {
+            return Ok(Some(Self::Item));
+        }
+        if let Some(format) = open::data_format(path)? {
             return Ok(Some(Self::Data(format)));
         }
         if stream::is_one(path) {
@@ -148,7 +155,8 @@ impl Jointless {
                 }
                 data::run(&args.character, *format, args.map, console)
             }
-            Self::MotionStream(bytes) => motion_stream::run(bytes, &args.character, console),
+            Self::Item => item::run(&args.character, console),
+            Self::MotionStream(stream) => motion_stream::run(stream, &args.character, console),
             Self::MeshStream => stream::run(&args.character, console),
         }
     }

@@ -1,25 +1,37 @@
 //! Motion streams (ABP-2) without their character, and face streams (AFP-2): tiers and groups with
 //! their bytes.
 
-use super::text::head_line;
+use super::mp4;
+use super::text::{head_line, warnings_text};
 use crate::arguments::CharacterArgs;
 use crate::console::Console;
 use crate::fault::clean;
+use crate::open::{self, Stream};
 use crate::table::{Table, counted};
 use crate::{fault, files};
-use articula::inspect::{MotionStreamInspection, inspect_motion_stream};
-use articula::streams::{StreamKind, sniff};
+use articula::Format;
+use articula::inspect::{MotionStreamInspection, WarningInspection, inspect_motion_stream};
+use articula_formats::Warning;
 use articula_stream::StreamLimits;
-use std::path::Path;
 
 /// Prints the contents of a motion stream.
-pub(super) fn run(bytes: &[u8], args: &CharacterArgs, console: &Console) -> anyhow::Result<()> {
+pub(super) fn run(stream: &Stream, args: &CharacterArgs, console: &Console) -> anyhow::Result<()> {
     if args.leaves_out() {
         let what = "--hide and --only choose meshes of a character; a motion stream has none";
         return Err(fault::usage(what));
     }
     let limits = StreamLimits::default();
-    let found = inspect_motion_stream(bytes, &files::shown(&args.file), &limits)?;
+    let mut found = inspect_motion_stream(&stream.bytes, &files::shown(&args.file), &limits)?;
+    found.bytes = stream.file_bytes;
+    found.tracks = open::tracks(&args.file)?;
+    if !found.tracks.is_empty() {
+        found.format = Format::Mp4.name();
+    }
+    let told = |warning: &Warning| WarningInspection {
+        at: warning.at.clone(),
+        what: warning.what.clone(),
+    };
+    found.warnings = stream.warnings.iter().map(told).collect();
     console.result(&found, text)
 }
 
@@ -44,21 +56,9 @@ fn text(found: &MotionStreamInspection) -> String {
         clean(&found.file),
     ));
     text.push_str(&tables(found));
+    text.push_str(&mp4::text(&found.tracks));
+    text.push_str(&warnings_text(&found.warnings));
     text
-}
-
-/// The face stream in a file; `None` if the file is none.
-pub(super) fn of_face(path: &Path) -> anyhow::Result<Option<MotionStreamInspection>> {
-    let limits = StreamLimits::default();
-    let bytes = files::read(path, limits.bytes)?;
-    if sniff(&bytes) != Some(StreamKind::Afp2) {
-        return Ok(None);
-    }
-    Ok(Some(inspect_motion_stream(
-        &bytes,
-        &files::shown(path),
-        &limits,
-    )?))
 }
 
 /// Formats the tables of tiers and groups.

@@ -1,6 +1,6 @@
 //! The result of `inspect` as text tables.
 
-use super::{access_units, face, human, joint_levels, mesh_levels};
+use super::{access_units, face, human, joint_levels, mesh_levels, mp4};
 use crate::fault::clean;
 use crate::table::Table;
 use articula::inspect::{
@@ -46,6 +46,7 @@ pub(super) fn of(found: &Inspection, map: bool) -> String {
     if let Some(stream) = &found.stream {
         text.push_str(&access_units::text(stream, "bones"));
     }
+    text.push_str(&mp4::text(&found.tracks));
     if let Some(levels) = &found.joint_levels {
         text.push_str(&joint_levels::text(levels));
     }

@@ -50,7 +50,7 @@ pub(super) fn run(args: &LodArgs, head: &Path, console: &Console) -> anyhow::Res
     let path = &args.character.file;
     let name = files::shown(path);
     let has_faps = |path: &Path| files::data_format(path).filter(|f| f.has_faps());
-    let Some(format) = has_faps(path) else {
+    let Some(format) = open::data_format(path)?.filter(|f| f.has_faps()) else {
         return Err(fault::usage(format!(
             "{name}: --onto measures a .fap file or .afp stream on a head, or an .abp stream on its character; leave it out for the clip of a character"
         )));

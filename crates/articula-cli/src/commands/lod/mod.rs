@@ -105,7 +105,7 @@ pub(crate) struct LodArgs {
 /// Plays the clip and prints the report.
 pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     if let Some(character) = &args.onto {
-        if stream::is_one(&args.character.file) {
+        if stream::is_one(&args.character.file)? {
             return stream::run(args, character, console);
         }
         return face::run(args, character, console);

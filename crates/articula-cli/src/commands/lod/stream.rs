@@ -7,12 +7,15 @@ use crate::table::Table;
 use crate::{files, open};
 use articula::streams::{LayerOptions, LayerReport, LayersReport, layers};
 use articula::{Figure, Format};
-use articula_formats::Limits;
 use std::path::Path;
 
-/// Whether a file is named as a stream of a motion.
-pub(super) fn is_one(path: &Path) -> bool {
-    files::format(path) == Some(Format::Abp)
+/// Whether a file is named as a stream of a motion, or is an MP4 file whose first stream is one.
+pub(super) fn is_one(path: &Path) -> anyhow::Result<bool> {
+    Ok(match files::format(path) {
+        Some(Format::Abp) => true,
+        Some(Format::Mp4) => open::data_format(path)?.is_none(),
+        _ => false,
+    })
 }
 
 /// Measures every cut and prints the report.
@@ -27,7 +30,7 @@ pub(super) fn run(args: &LodArgs, character: &Path, console: &Console) -> anyhow
     args.check_distances()?;
     let inputs = args.character.inputs().chain([character]);
     console.files.plan(inputs, None)?;
-    let bytes = files::read(path, Limits::default().bytes)?;
+    let stream = open::stream(path, false)?;
     let mut opened = open::character(&console.files, character, &args.character.names)?;
     opened.keep_meshes(&args.character.only, &args.character.hide)?;
     let figure = Figure::new(opened)?;
@@ -39,7 +42,8 @@ pub(super) fn run(args: &LodArgs, character: &Path, console: &Console) -> anyhow
         },
         viewport: args.view.viewport(),
     };
-    let report = console.work(|work| layers(&bytes, &name, &figure, &options, work))?;
+    let mut report = console.work(|work| layers(&stream.bytes, &name, &figure, &options, work))?;
+    report.warnings = open::warnings(&stream.warnings);
     console.result(&report, text)
 }
 
@@ -82,6 +86,9 @@ fn text(found: &LayersReport) -> String {
             table.row(cells(row, column));
         }
         text.push_str(&format!("\n{title}\n{}", table.text()));
+    }
+    for warning in &found.warnings {
+        text.push_str(&format!("warning: {}\n", clean(warning)));
     }
     text
 }

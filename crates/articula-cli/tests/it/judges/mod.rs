@@ -47,8 +47,28 @@ fn oracle_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle")
 }
 
-fn is_required(variable: &str) -> bool {
+pub(crate) fn is_required(variable: &str) -> bool {
     std::env::var_os(variable).is_some_and(|v| v == "1")
+}
+
+/// Whether node is installed, which suffices for scripts without packages; prints it if not.
+pub(crate) fn node_is_here() -> bool {
+    let here = is_here("node", "--version");
+    assert!(here || !is_required("ARTICULA_REQUIRE_TOOLS"), "no node");
+    here
+}
+
+/// Whether a program can be started; prints it if not. A test needs it nowhere.
+pub(crate) fn is_here(program: &str, question: &str) -> bool {
+    let here = starts(program, question);
+    if !here {
+        println!("skipped: no {program}");
+    }
+    here
+}
+
+fn starts(program: &str, question: &str) -> bool {
+    Command::new(program).arg(question).output().is_ok()
 }
 
 /// Whether node and the packages of the scripts are installed (`cargo xtask test` installs them).
@@ -64,8 +84,7 @@ pub(crate) fn judges_are_here() -> bool {
     ];
     let packages = packages.map(|name| oracle_folder().join("node_modules").join(name));
     let packages = packages.iter().all(|folder| folder.is_dir());
-    let node = || Command::new("node").arg("--version").output().is_ok();
-    let here = packages && node();
+    let here = packages && starts("node", "--version");
     assert!(
         here || !is_required("ARTICULA_REQUIRE_TOOLS"),
         "no node oracle"

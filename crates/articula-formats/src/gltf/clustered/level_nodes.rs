@@ -243,7 +243,7 @@ impl Document {
 
     /// Removes the `MSFT_lod` levels of a node. Nodes that were only levels of it no longer show a
     /// mesh.
-    pub(super) fn clear_level_nodes(&mut self, node: usize) {
+    pub(in crate::gltf) fn clear_level_nodes(&mut self, node: usize) {
         let value = &mut entries_mut(&mut self.json, "nodes")[node];
         let Some(taken) = take(value, "extensions", LOD) else {
             return;

@@ -141,7 +141,7 @@ impl Document {
     }
 
     /// Removes the table of levels if no mesh has levels any more.
-    fn drop_level_table(&mut self) {
+    pub(in crate::gltf) fn drop_level_table(&mut self) {
         let mut meshes = entries_mut(&mut self.json, "meshes").iter_mut();
         let has_levels = |p: &Value| p["extensions"].get(CLUSTERED_MESH).is_some();
         if meshes.any(|m| entries_mut(m, "primitives").iter().any(has_levels)) {
@@ -337,7 +337,7 @@ impl Document {
     }
 
     /// Returns all accessors that meshes use.
-    fn mesh_accessors(&self) -> BTreeSet<usize> {
+    pub(in crate::gltf) fn mesh_accessors(&self) -> BTreeSet<usize> {
         let mut json = json!({ "meshes": self.json.get("meshes") });
         let mut found = BTreeSet::new();
         each_accessor_reference(&mut json, &mut |i| {

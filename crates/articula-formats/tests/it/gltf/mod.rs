@@ -6,6 +6,7 @@ mod compressed;
 mod features;
 mod files;
 mod hostile;
+mod joints;
 mod khr_character;
 mod levels;
 mod mutated;

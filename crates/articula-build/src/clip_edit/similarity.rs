@@ -10,27 +10,27 @@ const SAME_SCALE: f32 = 1e-4;
 
 /// Scale first, then rotation, then translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in super::super) struct Similarity {
-    pub(in super::super) translation: DVec3,
-    pub(in super::super) rotation: DQuat,
-    pub(in super::super) scale: f64,
+pub(crate) struct Similarity {
+    pub(crate) translation: DVec3,
+    pub(crate) rotation: DQuat,
+    pub(crate) scale: f64,
 }
 
 impl Similarity {
-    pub(in super::super) const IDENTITY: Self = Self {
+    pub(crate) const IDENTITY: Self = Self {
         translation: DVec3::ZERO,
         rotation: DQuat::IDENTITY,
         scale: 1.0,
     };
 
     /// Whether a transform is a similarity: scaled uniformly, without mirroring.
-    pub(in super::super) fn is(t: Transform) -> bool {
+    pub(crate) fn is(t: Transform) -> bool {
         let (least, greatest) = (t.scale.min_element(), t.scale.max_element());
         least > 0.0 && greatest - least <= SAME_SCALE * greatest
     }
 
     /// Converts a transform; scales that differ are replaced by their mean.
-    pub(in super::super) fn of(t: Transform) -> Self {
+    pub(crate) fn of(t: Transform) -> Self {
         Self {
             translation: t.translation.as_dvec3(),
             rotation: t.rotation.as_dquat().normalize(),
@@ -39,7 +39,7 @@ impl Similarity {
     }
 
     /// A rotation about the vertical that takes one point of the ground to another.
-    pub(in super::super) fn on_ground(yaw: f64, from: DVec3, to: DVec3) -> Self {
+    pub(crate) fn on_ground(yaw: f64, from: DVec3, to: DVec3) -> Self {
         let rotation = DQuat::from_rotation_y(yaw);
         let level = |p: DVec3| DVec3::new(p.x, 0.0, p.z);
         Self {
@@ -49,7 +49,7 @@ impl Similarity {
         }
     }
 
-    pub(in super::super) fn inverse(self) -> Self {
+    pub(crate) fn inverse(self) -> Self {
         let (rotation, scale) = (self.rotation.conjugate(), 1.0 / self.scale);
         Self {
             translation: rotation * self.translation * -scale,
@@ -58,12 +58,12 @@ impl Similarity {
         }
     }
 
-    pub(in super::super) fn point(self, p: DVec3) -> DVec3 {
+    pub(crate) fn point(self, p: DVec3) -> DVec3 {
         self.rotation * (p * self.scale) + self.translation
     }
 
     /// Applies this after any transform, which may be scaled arbitrarily.
-    pub(in super::super) fn after(self, t: Transform) -> Transform {
+    pub(crate) fn after(self, t: Transform) -> Transform {
         Transform {
             translation: self.point(t.translation.as_dvec3()).as_vec3(),
             rotation: (self.rotation * t.rotation.as_dquat())
@@ -74,7 +74,7 @@ impl Similarity {
     }
 
     /// Converts it to a local transform.
-    pub(in super::super) fn transform(self) -> Transform {
+    pub(crate) fn transform(self) -> Transform {
         self.after(Transform::IDENTITY)
     }
 }

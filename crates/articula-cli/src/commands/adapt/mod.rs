@@ -1,0 +1,213 @@
+//! `articula adapt ITEM/ OUT/`: decides what of a digital item suits a context, and cuts it to that.
+
+mod context;
+mod report;
+mod xsltproc;
+
+use crate::console::Console;
+use crate::{fault, files};
+use anyhow::Context as _;
+use articula::item::{
+    AdaptOptions, AdaptedItem, Item, ItemCut, MANIFEST, adapt, adapt_by_description, assemble,
+    decide, decide_by_table, documents,
+};
+use articula_formats::Limits;
+use articula_stream::DescriptionLimits;
+use articula_stream::description::{Aqos, Context};
+use clap::{Args, ValueEnum};
+use context::ContextArgs;
+use report::{AdaptReport, DECISION, Decided};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// What cuts the streams.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Engine {
+    /// Unit indices and bytes alone
+    Native,
+    /// Descriptions (gBSD), transformed by the stylesheet in the installed xsltproc
+    Xslt,
+}
+
+/// Arguments of `adapt`.
+#[derive(Debug, Args)]
+pub(crate) struct AdaptArgs {
+    /// Folder of a digital item, made by package or adapt
+    #[arg(value_name = "ITEM")]
+    item: PathBuf,
+    /// Folder of what is sent: an item, or a form in 2D; without it the decision is only printed
+    #[arg(value_name = "OUT")]
+    out: Option<PathBuf>,
+    /// Also write the character that the adapted item shows
+    #[arg(long, value_name = "F.glb", requires = "out")]
+    glb: Option<PathBuf>,
+    /// Time to transfer the item, in seconds; with the bandwidth it gives the bytes
+    #[arg(long, value_name = "SECS", default_value_t = 2.0, value_parser = context::above_0)]
+    wait_secs: f64,
+    /// Most bytes to send
+    #[arg(long, value_name = "BYTES")]
+    max_bytes: Option<u64>,
+    /// Finest tier of motions; 0 is the finest
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    tier: u32,
+    /// Most pixels on the longer side of a texture
+    #[arg(long, value_name = "PX")]
+    max_texture: Option<u32>,
+    /// Decide by a table (AQoS) in place of the joint choice: levels, region mask and tier by the
+    /// bandwidth
+    #[arg(long, value_name = "F.xml", conflicts_with_all = ["max_bytes", "max_texture"])]
+    aqos: Option<PathBuf>,
+    /// What cuts the streams; both give the same bytes
+    #[arg(long, value_enum, default_value_t = Engine::Native)]
+    engine: Engine,
+    #[command(flatten)]
+    context: ContextArgs,
+}
+
+/// Decides, cuts, writes and reports.
+pub(crate) fn run(args: &AdaptArgs, console: &Console) -> anyhow::Result<()> {
+    if !files::is_item(&args.item) {
+        let what = format!(
+            "{}: this is no digital item (no {MANIFEST}); make one by articula package",
+            files::shown(&args.item)
+        );
+        return Err(fault::usage(what));
+    }
+    if let Some(out) = &args.out {
+        if files::is_no_folder(out) {
+            let what = format!("{}: this is a file; name a folder", files::shown(out));
+            return Err(fault::usage(what));
+        }
+        if out.canonicalize().ok() == args.item.canonicalize().ok() {
+            let what = format!(
+                "{}: this is the item itself; name another folder",
+                files::shown(out)
+            );
+            return Err(fault::usage(what));
+        }
+    }
+    console
+        .files
+        .plan(args.inputs(), args.outputs().iter().map(PathBuf::as_path))?;
+    let context = args.context.context()?;
+    let options = AdaptOptions {
+        wait_secs: args.wait_secs,
+        max_bytes: args.max_bytes,
+        finest_tier: args.tier,
+        max_texture_px: args.max_texture,
+        ..AdaptOptions::default()
+    };
+    let item = console.files.open_item(&args.item, &Limits::default())?;
+    let start = Instant::now();
+    let decided = args.decided(&item, &context, &options)?;
+    let decided_secs = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let adapted = args.adapted(&item, &decided)?;
+    let cut_secs = start.elapsed().as_secs_f64();
+    let report = AdaptReport::new(
+        files::shown(&args.item),
+        (&item, &adapted),
+        &decided,
+        args.engine,
+        [decided_secs, cut_secs],
+    );
+    if let Some(out) = &args.out {
+        write(args, out, &adapted, &report, console)?;
+    }
+    console.result(&report, AdaptReport::text)
+}
+
+impl AdaptArgs {
+    fn inputs(&self) -> impl Iterator<Item = &Path> {
+        self.context.files().chain(self.aqos.as_deref())
+    }
+
+    /// What is kept, and why.
+    fn decided(
+        &self,
+        item: &Item,
+        context: &Context,
+        options: &AdaptOptions,
+    ) -> anyhow::Result<Decided> {
+        let Some(path) = &self.aqos else {
+            return Ok(Decided::Jointly(Box::new(decide(item, context, options)?)));
+        };
+        let limits = DescriptionLimits::default();
+        let bytes = files::read(path, limits.bytes)?;
+        let aqos = Aqos::read(&bytes, &limits).with_context(|| files::shown(path))?;
+        let by_table = decide_by_table(item, &aqos, context).with_context(|| files::shown(path))?;
+        Ok(Decided::ByTable(by_table.0, by_table.1))
+    }
+
+    /// The cut item.
+    fn adapted(&self, item: &Item, decided: &Decided) -> anyhow::Result<AdaptedItem> {
+        let cut: &ItemCut = decided.cut().with_context(|| {
+            let what = "nothing of the item fits; allow more bytes, or more time by --wait-secs";
+            format!("{}: {what}", files::shown(&self.item))
+        })?;
+        Ok(match self.engine {
+            Engine::Native => adapt(item, cut)?,
+            Engine::Xslt => {
+                let mut xsltproc = xsltproc::Xsltproc::new(&self.item)?;
+                adapt_by_description(item, cut, &mut |description, parameters| {
+                    xsltproc.transform(description, parameters)
+                })?
+            }
+        })
+    }
+
+    fn outputs(&self) -> Vec<PathBuf> {
+        let out = self.out.iter().filter(|out| out.is_dir());
+        let marks = out.flat_map(|out| [out.join(MANIFEST), out.join(DECISION)]);
+        marks.chain(self.glb.clone()).collect()
+    }
+}
+
+/// Writes what is sent, the decision about it, and the character that it shows.
+fn write(
+    args: &AdaptArgs,
+    out: &Path,
+    adapted: &AdaptedItem,
+    report: &AdaptReport,
+    console: &Console,
+) -> anyhow::Result<()> {
+    let mut written: Vec<(PathBuf, Vec<u8>)> = match adapted {
+        AdaptedItem::Layers(item) => item.files().into_iter().chain(documents(item)?).collect(),
+        AdaptedItem::Flat { files, .. } => files.clone(),
+    }
+    .into_iter()
+    .map(|(name, bytes)| (out.join(name), bytes))
+    .collect();
+    written.push((out.join(DECISION), serde_json::to_vec_pretty(report)?));
+    match (&args.glb, adapted) {
+        (Some(path), AdaptedItem::Layers(item)) => written.push((path.clone(), glb(item)?)),
+        (Some(path), AdaptedItem::Flat { entry, .. }) => {
+            let what = format!(
+                "--glb {}: the decision fell to {}, which is no GLB; allow more bytes",
+                files::shown(path),
+                entry.modality
+            );
+            anyhow::bail!(what);
+        }
+        (None, _) => {}
+    }
+    console.files.make_folder(out)?;
+    let folders: BTreeSet<&Path> = written
+        .iter()
+        .filter_map(|(path, _)| path.parent())
+        .filter(|folder| folder.starts_with(out))
+        .collect();
+    for folder in folders {
+        console.files.make_folder(folder)?;
+    }
+    console.files.write_all(&written)?;
+    Ok(())
+}
+
+/// The character that an item shows, as GLB.
+fn glb(item: &Item) -> anyhow::Result<Vec<u8>> {
+    let opened = assemble(item, &Default::default())?;
+    let written = articula::convert::write(&opened, articula::Format::Glb)?;
+    Ok(written.bytes)
+}

@@ -1,0 +1,170 @@
+//! `adapt` and `gbsd`: one item in several contexts, by both engines.
+
+use crate::judges::{is_here, is_required};
+use crate::program::{articula, fault, folder, human, json, word};
+use crate::real;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Packages a walking robot without forms in 2D.
+fn item(here: &Path) -> bool {
+    let Some(robot) = real::file("glb/RobotExpressive.glb") else {
+        return false;
+    };
+    let words = ["package", word(&robot), "robot", "--clip", "Robot_Walking"];
+    json(here, &[&words[..], &["--levels", "3", "--no-2d"]].concat());
+    true
+}
+
+/// All files below a folder with their bytes, without the report of the decision, which has times.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(at) = open.pop() {
+        for entry in std::fs::read_dir(at).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.file_name().unwrap() != "decision.json" {
+                let name = path.strip_prefix(folder).unwrap();
+                found.insert(name.display().to_string(), std::fs::read(&path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn an_item_is_cut_to_its_context_by_both_engines() {
+    let here = folder("adaptation");
+    if !item(&here) {
+        return;
+    }
+    let whole = json(&here, &["adapt", "robot"]);
+    assert_eq!(whole["bytes_in"], whole["bytes_out"]);
+    assert_eq!(whole["decision"]["modality"], "3d");
+    let bytes = whole["bytes_in"].as_f64().unwrap();
+    // Two seconds at this bandwidth carry nine tenths.
+    let kbps = format!("{:.3}", 0.9 * bytes * 8.0 / 2.0 / 1000.0);
+    let less = ["adapt", "robot", "less", "--bandwidth-kbps", &kbps];
+    let cut = json(&here, &[&less[..], &["--glb", "less.glb"]].concat());
+    let sent = cut["bytes_out"].as_f64().unwrap();
+    assert!(sent <= 0.9 * bytes && sent < bytes, "{sent} of {bytes}");
+    assert!((cut["decision"]["network_ratio"].as_f64().unwrap() - 0.9).abs() < 1e-3);
+    let error = |report: &serde_json::Value| report["decision"]["error_px"].as_f64().unwrap();
+    assert!(error(&cut) > error(&whole));
+    let words = cut["decision"]["explanation"].as_str().unwrap();
+    assert!(words.contains("limited by: the bytes"), "{words}");
+    let shown = json(&here, &["inspect", "less.glb"]);
+    assert_eq!(shown["clips"][0]["name"], "Robot_Walking");
+    // An adapted item is an item.
+    let again = json(&here, &["inspect", "less"]);
+    assert_eq!(again["bytes"], cut["bytes_out"]);
+    let upper = ["--loa", "2", "--zones", "upper"];
+    let native = json(&here, &[&["adapt", "robot", "upper"][..], &upper].concat());
+    assert_eq!(native["decision"]["loa"], 2);
+    let zones = native["decision"]["zones"].as_array().unwrap();
+    assert!(
+        !zones.is_empty() && !zones.iter().any(|zone| zone == "legs"),
+        "{zones:?}"
+    );
+    if !is_here("xsltproc", "--version") {
+        assert!(!is_required("ARTICULA_REQUIRE_TOOLS"), "no xsltproc");
+        return;
+    }
+    let xslt = [
+        &["adapt", "robot", "upper-xslt", "--engine", "xslt"][..],
+        &upper,
+    ]
+    .concat();
+    assert_eq!(json(&here, &xslt)["engine"], "xslt");
+    assert_eq!(files(&here.join("upper")), files(&here.join("upper-xslt")));
+    let xslt = [
+        &["adapt", "robot", "less-xslt", "--engine", "xslt"][..],
+        &less[3..],
+    ]
+    .concat();
+    json(&here, &xslt);
+    assert_eq!(files(&here.join("less")), files(&here.join("less-xslt")));
+    // A stylesheet of somebody else is not run.
+    std::fs::write(here.join("robot/adapt.xslt"), b"<x/>").unwrap();
+    let why = fault(&here, 1, &["adapt", "robot", "x", "--engine", "xslt"]);
+    assert!(
+        why.contains("adapt.xslt") && why.contains("gbsd stylesheet"),
+        "{why}"
+    );
+}
+
+#[test]
+fn contexts_tables_and_descriptions_are_read_and_written() {
+    let here = folder("adaptation-documents");
+    if !item(&here) {
+        return;
+    }
+    let context = r#"{"network": {"available_bps": 1e9}, "view": {"distance_m": 40}}"#;
+    std::fs::write(here.join("far.json"), context).unwrap();
+    let far = json(&here, &["adapt", "robot", "--context", "far.json"]);
+    let near = json(
+        &here,
+        &[
+            "adapt",
+            "robot",
+            "--context",
+            "far.json",
+            "--distance-m",
+            "1",
+        ],
+    );
+    assert!(far["bytes_out"].as_u64() < near["bytes_out"].as_u64());
+    assert!(far["decision"]["error_px"].as_f64().unwrap() <= 1.0);
+    let table = [
+        "adapt",
+        "robot",
+        "--aqos",
+        "robot/aqos.xml",
+        "--bandwidth-kbps",
+    ];
+    let slow = json(&here, &[&table[..], &["30"]].concat());
+    let fast = json(&here, &[&table[..], &["100000"]].concat());
+    assert_eq!(fast["decision"]["by"], "aqos");
+    assert!(slow["bytes_out"].as_u64() < fast["bytes_out"].as_u64());
+    let why = fault(&here, 1, &["adapt", "robot", "--aqos", "robot/aqos.xml"]);
+    assert!(
+        why.contains("aqos.xml") && why.contains("BANDWIDTH"),
+        "{why}"
+    );
+
+    // The description of a stream is that beside it in the item.
+    let xml = articula(&here, &["gbsd", "robot", "clips/Robot_Walking.abp"]).out;
+    let stored = std::fs::read(here.join("robot/clips/Robot_Walking.gbsd.xml")).unwrap();
+    assert_eq!(xml.as_bytes(), stored);
+    let alone = articula(&here, &["gbsd", "robot/mesh.ams"]).out;
+    assert!(
+        alone.contains("bitstreamURI=\"mesh.ams\""),
+        "{}",
+        &alone[..300]
+    );
+    let sheet = articula(&here, &["gbsd", "stylesheet"]).out;
+    assert_eq!(
+        sheet.as_bytes(),
+        std::fs::read(here.join("robot/adapt.xslt")).unwrap()
+    );
+    let all = json(&here, &["gbsd", "robot", "--all", "documents"]);
+    assert_eq!(all["written"].as_array().unwrap().len(), 5);
+
+    let why = fault(&here, 2, &["gbsd", "robot"]);
+    assert!(why.contains("clips/Robot_Walking.abp"), "{why}");
+    let why = fault(&here, 2, &["gbsd", "robot", "clips/fly.abp"]);
+    assert!(why.contains("is no stream of the item"), "{why}");
+    let why = fault(&here, 1, &["gbsd", word(human())]);
+    assert!(why.contains("no stream with units"), "{why}");
+    let why = fault(&here, 2, &["adapt", word(human()), "out"]);
+    assert!(why.contains("no digital item"), "{why}");
+    let why = fault(&here, 2, &["adapt", "robot", "robot"]);
+    assert!(why.contains("the item itself"), "{why}");
+    let why = fault(&here, 1, &["adapt", "robot", "out", "--max-bytes", "10"]);
+    assert!(why.contains("allow more bytes"), "{why}");
+    std::fs::write(here.join("bad.xml"), b"<!DOCTYPE x><DIA/>").unwrap();
+    let why = fault(&here, 1, &["adapt", "robot", "--context", "bad.xml"]);
+    assert!(why.contains("bad.xml"), "{why}");
+}

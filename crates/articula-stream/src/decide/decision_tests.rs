@@ -1,0 +1,191 @@
+//! Tests of decisions: preferences, reasons, and the fall to another representation.
+
+use super::*;
+
+fn option(name: &str, bytes_once: u64, frame_ns: u64, error_px: f64) -> PartOption {
+    let level = name.parse().unwrap_or(0);
+    PartOption {
+        name: format!("level {name}"),
+        bytes_once,
+        frame_ns,
+        error_px,
+        level,
+        loa: Some(4 - level),
+        regions: Some(0b111 >> level),
+        ..Default::default()
+    }
+}
+
+fn parts() -> [Part; 2] {
+    let body = vec![
+        option("0", 8000, 400_000, 0.2),
+        option("1", 4000, 300_000, 1.0),
+        option("2", 1000, 100_000, 5.0),
+    ];
+    let mesh = vec![
+        option("0", 20_000, 900_000, 0.1),
+        option("1", 6000, 300_000, 0.8),
+        option("2", 2000, 100_000, 3.0),
+    ];
+    [
+        Part::new("body", PartKind::BodyMotion, body),
+        Part::new("mesh", PartKind::Mesh, mesh),
+    ]
+}
+
+fn request(parts: &[Part], bytes: u64, frame_ns: u64) -> DecisionRequest<'_> {
+    DecisionRequest {
+        parts,
+        parts_need: &[],
+        choice: ChoiceRequest {
+            budget: Budget { bytes, frame_ns },
+            window_secs: 1.0,
+            pixels_per_metre: 100.0,
+            enough_px: 0.0,
+            effort: ChoiceRequest::EFFORT,
+        },
+        preferences: &[],
+        representations: &[],
+        capabilities: &[],
+        modality: None,
+    }
+}
+
+fn preference(rule: Rule, is_wish: bool) -> Preference {
+    Preference {
+        part: PartKind::BodyMotion,
+        rule,
+        source: LimitSource::User,
+        is_wish,
+    }
+}
+
+fn levels(decision: &Decision) -> Vec<usize> {
+    decision.parts.iter().map(|p| p.option).collect()
+}
+
+#[test]
+fn a_decision_says_what_bound_it_and_what_comes_next() {
+    let parts = parts();
+    let decision = decide(&request(&parts, 10_500, 10_000_000)).unwrap();
+    assert_eq!(levels(&decision), [1, 1]);
+    assert_eq!(decision.bounds, [Bound::Bytes]);
+    let next = decision.parts[1].next.as_ref().unwrap();
+    assert_eq!((next.option, next.more_bytes), (0, 14_000));
+    assert!((next.gain_px - 0.7).abs() < 1e-12);
+    assert_eq!(next.bounds, [Bound::Bytes]);
+    let text = decision.to_string();
+    for line in [
+        "allowed: 10500 bytes for 1 s, 10.000 ms per frame, at 100.0 pixels per metre",
+        "chosen: 3D, 10000 bytes, 0.600 ms per frame, error at most 1.80 px",
+        "limited by: the bytes",
+        "mesh: level 1, 6000 bytes, 0.300 ms, 0.80 px; next level 0: +14000 bytes, +0.600 ms, \
+         0.70 px less, prevented by the bytes",
+    ] {
+        assert!(text.contains(line), "{text}");
+    }
+    let slow = decide(&request(&parts, 1 << 30, 550_000)).unwrap();
+    assert_eq!(slow.bounds, [Bound::FrameTime]);
+    let ample = decide(&request(&parts, 1 << 30, 1 << 30)).unwrap();
+    assert_eq!((levels(&ample), ample.bounds.len()), (vec![0, 0], 0));
+    assert!(ample.parts[0].next.is_none());
+    let mut far = request(&parts, 1 << 30, 1 << 30);
+    far.choice.enough_px = 2.0;
+    let far = decide(&far).unwrap();
+    assert_eq!((levels(&far), far.bounds), (vec![1, 1], vec![Bound::View]));
+}
+
+#[test]
+fn limits_hold_and_wishes_give_way() {
+    let parts = parts();
+    let preferences = [
+        preference(Rule::FinestLevel(1), false),
+        preference(Rule::CoarsestLevel(0), true),
+    ];
+    let mut ample = request(&parts, 1 << 30, 1 << 30);
+    ample.preferences = &preferences;
+    let decision = decide(&ample).unwrap();
+    assert_eq!(levels(&decision), [1, 0]);
+    assert_eq!(
+        decision.unmet,
+        preferences[1..],
+        "the wish would break the limit"
+    );
+    assert_eq!(decision.bounds, [Bound::Preference(preferences[0])]);
+
+    // The body is wanted fine: it takes what the mesh would gain more by.
+    let preferences = [preference(Rule::LoaAtLeast(4), true)];
+    let mut little = request(&parts, 10_500, 1 << 30);
+    little.preferences = &preferences;
+    let decision = decide(&little).unwrap();
+    assert_eq!((levels(&decision), decision.unmet.len()), (vec![0, 2], 0));
+    // With less, it gives way.
+    little.choice.budget.bytes = 9000;
+    let decision = decide(&little).unwrap();
+    assert_eq!(
+        (levels(&decision), decision.unmet),
+        (vec![1, 2], preferences.to_vec())
+    );
+
+    let preferences = [preference(Rule::RegionsWithin(0b011), false)];
+    let mut regions = request(&parts, 1 << 30, 1 << 30);
+    regions.preferences = &preferences;
+    assert_eq!(levels(&decide(&regions).unwrap()), [1, 0]);
+    // A limit that no option meets is reported, not obeyed.
+    let preferences = [preference(Rule::LoaAtMost(1), false)];
+    regions.preferences = &preferences;
+    let decision = decide(&regions).unwrap();
+    assert_eq!(
+        (levels(&decision), decision.unmet),
+        (vec![0, 0], preferences.to_vec())
+    );
+}
+
+#[test]
+fn below_the_lowest_level_the_modality_falls_to_2d() {
+    let parts = parts();
+    let form = |modality: &str, bytes, error_px, needs: &[&str]| Representation {
+        modality: modality.into(),
+        bytes,
+        error_px,
+        needs: needs.iter().map(|n| (*n).to_owned()).collect(),
+    };
+    let forms = [
+        form("vector/smil", 2500, 3.0, &["svg"]),
+        form("portrait", 1500, 6.0, &["canvas"]),
+        form("vector/still", 300, 20.0, &["svg"]),
+    ];
+    let client = ["svg".to_owned(), "webgl".to_owned()];
+    let need = ["webgl".to_owned()];
+    let mut of = request(&parts, 2900, 1 << 30);
+    (of.parts_need, of.representations, of.capabilities) = (&need, &forms, &client);
+    let decision = decide(&of).unwrap();
+    assert_eq!(decision.outcome, Outcome::Representation(0));
+    assert_eq!(decision.bounds, [Bound::Bytes]);
+    assert!(decision.to_string().contains("not 3D because of the bytes"));
+    of.choice.budget.bytes = 3000;
+    assert_eq!(decide(&of).unwrap().modality, "3d");
+    of.choice.budget.bytes = 2000;
+    assert_eq!(
+        decide(&of).unwrap().outcome,
+        Outcome::Representation(2),
+        "no canvas"
+    );
+    of.choice.budget.bytes = 200;
+    assert_eq!(decide(&of).unwrap().outcome, Outcome::Nothing);
+    // The time per frame may be too short, too, or the client without 3D.
+    of.choice.budget = Budget {
+        bytes: 1 << 30,
+        frame_ns: 150_000,
+    };
+    assert_eq!(decide(&of).unwrap().bounds, [Bound::FrameTime]);
+    of.choice.budget.frame_ns = 1 << 30;
+    of.capabilities = &client[..1];
+    assert_eq!(decide(&of).unwrap().bounds, [Bound::Capability]);
+    // Asked for, it is taken although 3D would fit.
+    of.capabilities = &client;
+    of.modality = Some("vector");
+    assert_eq!(decide(&of).unwrap().outcome, Outcome::Representation(0));
+    of.modality = Some("portrait");
+    assert_eq!(decide(&of).unwrap().modality, "3d", "no canvas");
+}

@@ -1,0 +1,55 @@
+//! Decisions of adaptation: what to send and to show, as pure functions without clock or I/O.
+//!
+//! Source: thesis 3.2, 3.2.1, 3.2.2 and 7.2.1; `docs/methods/adaptation.md` has the formulas, the proof of
+//! the joint choice and the rules of the simulator.
+//!
+//! - [`NetworkShare`], [`DeviceBenchmark`], [`finest_level`]: the adaptation ratio of the thesis, and
+//!   the level that it allows
+//! - [`choose`]: the joint choice, one option for each of the [`Part`]s, with the least visible error
+//!   for bytes and time
+//! - [`decide()`]: the whole decision, with [`Preference`]s, the fall to another [`Representation`], and
+//!   its reasons; [`Assumptions`], [`weigh_parts`] and [`wanted_modality`] take its input from a
+//!   [`Context`](crate::description::Context)
+//! - [`combine`]: one level from the limits of network, device, view and user
+//! - [`ThroughputEstimator`], [`LayerSwitch`], [`TableSwitch`], [`FrameTimeSwitch`]: what changes over
+//!   time, as state machines on the caller's clock
+//! - [`simulate()`]: plays content over a bandwidth trace under a [`Policy`]
+//!
+//! Levels count from 0, the finest.
+
+mod bandwidth_trace;
+mod choice;
+mod decision;
+#[cfg(test)]
+mod decision_tests;
+mod explanation;
+mod from_context;
+mod levels;
+mod part;
+mod preference;
+mod ratio;
+mod representation;
+mod simulate;
+mod switching;
+mod throughput;
+
+pub use bandwidth_trace::BandwidthTrace;
+pub use choice::{
+    Budget, Choice, ChoiceRequest, choose, choose_exhaustively, cut_equally, cut_one,
+};
+pub use decision::{Bound, Decision, DecisionRequest, NextStep, Outcome, PartDecision, decide};
+pub use from_context::{Assumptions, wanted_modality, weigh_parts};
+pub use levels::{LevelChoice, LevelLimit, LimitSource, combine};
+pub use part::{
+    Layer, LayeredOption, MAX_OPTIONS, MAX_PARTS, Part, PartKind, PartOption, options_of_layers,
+    pixels_per_metre,
+};
+pub use preference::{Preference, Rule};
+pub use ratio::{DeviceBenchmark, NetworkShare, finest_level};
+pub use representation::{Representation, choose_representation};
+pub use simulate::{
+    Action, BufferBased, Content, Delivery, FixedVersion, Layered, Playback, PlayerView, Policy,
+    RateBased, Request, Segment, Shown, SimulationOptions, ThesisRatio, Versions, simulate,
+};
+pub use switching::{FrameTimeSwitch, LayerSwitch, SwitchRule, TableSwitch};
+pub use throughput::{ThroughputEstimator, ThroughputOptions, Transfer};

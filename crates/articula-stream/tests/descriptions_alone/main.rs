@@ -1,0 +1,16 @@
+//! Descriptions without any codec: `cargo test -p articula-stream --no-default-features --test
+//! descriptions_alone`.
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    clippy::print_stdout,
+    reason = "a test may panic, hands files over, and says what it skips"
+)]
+
+mod adapt;
+mod annex_b;
+mod documents;
+mod gbsd;
+mod hostile;
+mod random;
+mod tools;

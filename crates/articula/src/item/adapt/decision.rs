@@ -1,0 +1,194 @@
+//! From a context to the request of a decision, and its answer.
+
+use super::cut::ItemCut;
+use super::options::AdaptOptions;
+use super::parts::ItemParts;
+use super::regions::Regions;
+use crate::error::{Error, Result};
+use crate::item::files::Item;
+use crate::item::part::PartKind as ItemKind;
+use crate::streams::StreamKind;
+use articula_stream::decide::{
+    self, Assumptions, Budget, ChoiceRequest, Decision, DecisionRequest, NetworkShare, Outcome,
+    PartKind, Preference, Representation, wanted_modality, weigh_parts,
+};
+use articula_stream::description::Context;
+
+/// Distance at which errors are compared where the context has none, metres.
+const DISTANCE_M: f32 = 3.5;
+/// Error that is not seen, in pixels, where a context tells how the character is seen, but no
+/// tolerance.
+const TOLERANCE_PX: f64 = 1.0;
+/// Bytes and nanoseconds of a budget that nothing bounds.
+const UNBOUNDED: u64 = Budget::UNBOUNDED;
+
+/// A decision about an item.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ItemDecision {
+    /// What was decided, with its reasons.
+    pub decision: Decision,
+    /// The parts that were decided on, with their options.
+    pub parts: ItemParts,
+    /// What is kept of the item; `None` if nothing fits.
+    pub cut: Option<ItemCut>,
+    /// Bytes that are sent whatever is chosen: the figure, and files that are carried whole.
+    pub bytes_always: u64,
+    /// Share of the item that the network carries in the time, 0 to 1 (`R_A` of the thesis); `None`
+    /// without a bandwidth.
+    pub network_ratio: Option<f64>,
+}
+
+impl ItemDecision {
+    /// Returns the chosen option of the first part of a kind.
+    pub fn chosen(&self, kind: PartKind) -> Option<&decide::PartOption> {
+        let Outcome::Parts(choice) = &self.decision.outcome else {
+            return None;
+        };
+        let index = self.parts.parts.iter().position(|p| p.kind == kind)?;
+        let option = *choice.options.get(index)?;
+        self.parts.parts[index].options.get(option)
+    }
+}
+
+/// Decides what of an item is sent in a context: the least visible error for the bytes and the time
+/// allowed, over motions, meshes and textures at once.
+///
+/// - Bytes: the bandwidth times [`AdaptOptions::wait_secs`], at most [`AdaptOptions::max_bytes`].
+/// - Time: `frame_budget_ms` of the terminal, with its speeds; what it does not tell costs nothing.
+/// - Errors are compared in pixels at the distance of the view (3.5 m if unknown) on the display of
+///   the terminal (1280 x 720 at 45 degrees if unknown). An error up to `tolerance_px` (1 if a
+///   distance is known, else 0) is not seen, so bytes are saved instead.
+/// - `body_loa`, `face_loa`, `body_regions` and `mesh_level` bound what is sent.
+///
+/// # Errors
+/// An [`Error`] that names a value of the context or option out of its bounds, or an index that does
+/// not belong to its stream.
+pub fn decide(item: &Item, context: &Context, options: &AdaptOptions) -> Result<ItemDecision> {
+    context.check()?;
+    if !(options.wait_secs > 0.0 && options.wait_secs.is_finite()) {
+        let what = format!("wait_secs: found {}, expected above 0", options.wait_secs);
+        return Err(Error::argument(what));
+    }
+    let regions = Regions::of(&context.preferences);
+    let item = &regions.applied(item)?;
+    let unbounded = UNBOUNDED as f64;
+    let assumed = Assumptions {
+        bits_per_second: 8.0 * unbounded / options.wait_secs,
+        window_secs: options.wait_secs,
+        frame_ns: UNBOUNDED,
+        distance_m: DISTANCE_M,
+        ..Assumptions::default()
+    };
+    let mut request = ChoiceRequest::of_context(context, &assumed);
+    let mut parts = ItemParts::of(item, context, options, request.pixels_per_metre);
+    weigh_parts(&mut parts.parts, context);
+    let whole: u64 = item.manifest.whole.iter().map(|file| file.bytes).sum();
+    let bytes_always = item.manifest.figure.bytes + whole;
+    let allowed = request
+        .budget
+        .bytes
+        .min(options.max_bytes.unwrap_or(UNBOUNDED));
+    request.budget.bytes = match allowed {
+        UNBOUNDED.. => UNBOUNDED,
+        bounded => bounded.saturating_sub(bytes_always),
+    };
+    request.effort = options.effort;
+    if context.view.distance_m.is_some() && context.preferences.tolerance_px.is_none() {
+        request.enough_px = TOLERANCE_PX;
+    }
+    let network = context.network.usable_bps().map(|bps| NetworkShare {
+        bits_per_second: bps,
+        window_secs: options.wait_secs,
+        content_bits: 8.0 * item.without_flat().bytes() as f64,
+    });
+    let terminal = &context.terminal;
+    let representations: Vec<Representation> = representations(item, allowed, whole);
+    let needs = needs(item);
+    let capabilities = match terminal.codecs.as_slice() {
+        // Nothing is known: everything is supported.
+        [] => {
+            let all = representations.iter().flat_map(|form| &form.needs);
+            all.chain(&needs).cloned().collect()
+        }
+        known => known.to_vec(),
+    };
+    let preferences = Preference::of_context(context);
+    let mut decision = decide::decide(&DecisionRequest {
+        parts: &parts.parts,
+        parts_need: &needs,
+        choice: request,
+        preferences: &preferences,
+        representations: &representations,
+        capabilities: &capabilities,
+        modality: wanted_modality(context),
+    })?;
+    if let Outcome::Representation(form) = decision.outcome {
+        decision.bytes = item.manifest.flat[form].bytes;
+    }
+    let cut = match &decision.outcome {
+        Outcome::Nothing => None,
+        Outcome::Representation(form) => Some(ItemCut::Flat(*form)),
+        Outcome::Parts(choice) => {
+            let kept = kept(item, &parts, &choice.options);
+            Some(ItemCut::Layers { kept, regions })
+        }
+    };
+    Ok(ItemDecision {
+        decision,
+        parts,
+        cut,
+        bytes_always,
+        network_ratio: network.map(|n| n.ratio()),
+    })
+}
+
+/// The forms in 2D, of which none is too large that the bytes allow together with the files that are
+/// carried whole.
+fn representations(item: &Item, allowed: u64, whole: u64) -> Vec<Representation> {
+    let forms = item.manifest.flat.iter();
+    let of = |form: &crate::item::FlatEntry| Representation {
+        modality: form.modality.clone(),
+        // The budget of the choice has the figure taken off, which these do not need.
+        bytes: if form.bytes.saturating_add(whole) <= allowed {
+            0
+        } else {
+            u64::MAX
+        },
+        error_px: form.error_px,
+        needs: form.needs.clone(),
+    };
+    forms.map(of).collect()
+}
+
+/// What a client must decode to show the item in 3D.
+fn needs(item: &Item) -> Vec<String> {
+    let mut needs: Vec<String> = Vec::new();
+    for part in &item.manifest.parts {
+        let stream = part.file.as_deref().and_then(|file| item.file(file));
+        let name = match (part.kind, stream.and_then(StreamKind::of)) {
+            (ItemKind::Texture, _) => continue,
+            (ItemKind::Mesh, _) => "ams".to_owned(),
+            (_, Some(StreamKind::Abp1)) => "abp1".to_owned(),
+            (_, Some(StreamKind::Abp2)) => "abp2".to_owned(),
+            (_, Some(StreamKind::Afp1)) => "afp1".to_owned(),
+            (_, Some(StreamKind::Afp2)) => "afp2".to_owned(),
+            (_, _) => continue,
+        };
+        if !needs.contains(&name) {
+            needs.push(name);
+        }
+    }
+    needs
+}
+
+/// The layers of the item that the chosen options keep.
+fn kept(item: &Item, parts: &ItemParts, options: &[usize]) -> Vec<Vec<bool>> {
+    let none = |part: &crate::item::ItemPart| vec![false; part.layers.len()];
+    let mut kept: Vec<Vec<bool>> = item.manifest.parts.iter().map(none).collect();
+    for (layers, option) in parts.layers.iter().zip(options) {
+        for (part, of_part) in &layers[*option] {
+            kept[*part].clone_from(of_part);
+        }
+    }
+    kept
+}

@@ -1,0 +1,70 @@
+//! Leaving out regions of the body, and levels of regions of the face.
+
+use crate::error::Result;
+use crate::item::files::Item;
+use crate::item::part::{ItemPart, PartKind};
+use articula_core::face_levels::FaceRegion;
+use articula_stream::Unit;
+use articula_stream::description::Preferences;
+
+/// Which regions of motions stay; `None` keeps all.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Regions {
+    /// Of the body: bit `n - 1` is region `n`.
+    body: Option<u8>,
+    /// Finest level of articulation of each region of the face, in the order of [`FaceRegion`].
+    face_loa: Option<[u8; FaceRegion::ALL.len()]>,
+}
+
+impl Regions {
+    /// Those that preferences ask for.
+    pub(super) fn of(preferences: &Preferences) -> Self {
+        Self {
+            body: preferences.body_regions,
+            face_loa: preferences.face_loa,
+        }
+    }
+
+    /// The item without what does not stay.
+    pub(super) fn applied(&self, item: &Item) -> Result<Item> {
+        if *self == Self::default() {
+            return Ok(item.clone());
+        }
+        item.without_units(|part, unit| !self.keeps(part, unit))
+    }
+
+    fn keeps(&self, part: &ItemPart, unit: &Unit) -> bool {
+        let of_face = match (unit.marker("face_region"), unit.marker("face_loa")) {
+            (Some(region), Some(loa)) => self.allows_face(region, loa),
+            _ => true,
+        };
+        match part.kind {
+            PartKind::BodyMotion => of_face && self.allows_body(unit.marker("region")),
+            PartKind::FaceMotion => {
+                // AFP-1 has no other regions than those of the face.
+                let plain = match (unit.marker("region"), unit.marker("loa")) {
+                    (Some(region), Some(loa)) => self.allows_face(region, loa),
+                    _ => true,
+                };
+                of_face && plain
+            }
+            PartKind::Mesh | PartKind::Texture => true,
+        }
+    }
+
+    fn allows_body(&self, region: Option<u32>) -> bool {
+        let (Some(mask), Some(number)) = (self.body, region) else {
+            return true;
+        };
+        let bit = number.checked_sub(1).filter(|bit| *bit < u8::BITS);
+        bit.is_none_or(|bit| mask >> bit & 1 == 1)
+    }
+
+    fn allows_face(&self, region: u32, loa: u32) -> bool {
+        let Some(finest) = self.face_loa else {
+            return true;
+        };
+        let finest = finest.get(region as usize);
+        finest.is_none_or(|finest| loa <= u32::from(*finest))
+    }
+}

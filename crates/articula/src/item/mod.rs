@@ -1,0 +1,75 @@
+//! Digital items: a character as a folder of streams that can be cut, with a manifest of bytes and
+//! errors.
+//!
+//! Form: `docs/formats/item.md`. Source: ISO/IEC 21000-2 and 21000-7 (digital items and their
+//! adaptation), thesis 3.1 and 6.1.
+//!
+//! ```text
+//! CharacterFile ─ package ─▶ Item: files by name, Manifest
+//! Item ─ Item::kept ─▶ Item: fewer layers, cut by unit tree alone
+//! Item, Context ─ decide ─▶ ItemDecision ─ adapt ─▶ AdaptedItem: what is sent in a context
+//! Item ─ assemble ─▶ CharacterFile: what the item holds, whole or cut
+//! ```
+//!
+//! In the order of the work:
+//!
+//! - `options`, `package`: from a character to an item
+//! - `figure`: the character without geometry, clips and large pictures
+//! - `mesh_part`, `motion_part`, `face_part`, `texture_part`, `flat`: its parts, with measured errors
+//! - `motion_error`: the error of motions at the skin
+//! - `manifest`, `part`, `check`: what an item holds, as JSON
+//! - `governed`: which units belong to which layers
+//! - `name`, `files`: names of files, and the item itself
+//! - `adapt`: from an item to one that a context asks for
+//! - `documents`: declaration, descriptions, table and stylesheet after MPEG-21
+//! - `decoded_mesh`, `assemble`: from an item to a character
+//!
+//! ```no_run
+//! use articula::item::{PackageOptions, PartKind, assemble, package};
+//! use articula::{Executor, OpenOptions, fs};
+//!
+//! # fn main() -> articula::Result<()> {
+//! let human = fs::open("human.glb")?;
+//! let item = package(human, &PackageOptions::default(), &Executor::default())?;
+//! // The coarsest mesh level, all motions, textures at their smallest size.
+//! let coarse = item.kept(|part, layer| {
+//!     layer == 0 || matches!(part.kind, PartKind::BodyMotion | PartKind::FaceMotion)
+//! })?;
+//! assert!(coarse.bytes() < item.bytes());
+//! let shown = assemble(&coarse, &OpenOptions::default())?;
+//! # let _ = shown;
+//! # Ok(())
+//! # }
+//! ```
+
+mod adapt;
+mod assemble;
+mod check;
+mod decoded_mesh;
+mod documents;
+mod face_part;
+mod figure;
+mod files;
+mod flat;
+mod governed;
+mod manifest;
+mod mesh_part;
+mod motion_error;
+mod motion_part;
+mod name;
+mod options;
+mod package;
+mod part;
+mod texture_part;
+
+pub use adapt::{
+    AdaptOptions, AdaptedItem, ItemCut, ItemDecision, ItemParts, PartLayers, Regions, Transform,
+    adapt, adapt_by_description, aqos, decide, decide_by_table,
+};
+pub use assemble::assemble;
+pub use documents::{AQOS, DID, STYLESHEET, declaration, documents, gbsd};
+pub use files::{INDEX_EXTENSION, Item, MANIFEST};
+pub use manifest::{FigureEntry, FlatEntry, Manifest, WholeFile};
+pub use options::{CarriedFile, FaceMotion, PackageOptions};
+pub use package::package;
+pub use part::{ItemLayer, ItemPart, MeshLevelEntry, PartKind, RegionEntry, TextureView};

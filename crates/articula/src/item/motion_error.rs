@@ -1,0 +1,92 @@
+//! The error of motions at the skin: all vertices, frame by frame, against the packaged clip. Without
+//! a mesh, all joints.
+
+use crate::error::Result;
+use crate::work::Executor;
+use articula_build::Asset;
+use articula_core::{Clip, PosedMesh, SkinnedMesh, Wrap, sample_morphs};
+use glam::Vec3;
+
+/// Most frames that are measured; of a longer clip, every n-th.
+const MOST_FRAMES: usize = 600;
+/// Frames of one job.
+const FRAMES: usize = 16;
+
+/// Error of a motion.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct MotionError {
+    /// Greatest distance of a vertex from its place, metres.
+    pub(super) max_metres: f64,
+    /// Mean distance over vertices and frames.
+    pub(super) mean_metres: f64,
+}
+
+/// Measures clips against another one, at the times of its frames. Returns the errors, and the number
+/// of frames that were measured. There is one job for every few frames.
+///
+/// O(frames x clips x vertices).
+pub(super) fn measured(
+    asset: &Asset,
+    truth: &Clip,
+    clips: &[Clip],
+    work: &Executor<'_>,
+) -> Result<(Vec<MotionError>, usize)> {
+    let every = truth.frames().div_ceil(MOST_FRAMES).max(1);
+    // The last frame counts too.
+    let last = truth.frames().saturating_sub(1);
+    let mut frames: Vec<usize> = (0..truth.frames()).step_by(every).collect();
+    if frames.last() != Some(&last) {
+        frames.push(last);
+    }
+    let jobs = frames.chunks(FRAMES).map(<[usize]>::to_vec).collect();
+    let sums = work.map("measuring motions", jobs, |frames: Vec<usize>| {
+        Ok(of_frames(asset, truth, clips, &frames))
+    })?;
+    let points = match asset.mesh.is_empty() {
+        true => asset.rig.len(),
+        false => asset.mesh.len(),
+    };
+    let count = (frames.len() * points).max(1) as f64;
+    let total = |i: usize| {
+        let of_clip = sums.iter().map(|sums| sums[i]);
+        MotionError {
+            max_metres: of_clip.clone().map(|e| e.max_metres).fold(0.0, f64::max),
+            mean_metres: of_clip.map(|e| e.mean_metres).sum::<f64>() / count,
+        }
+    };
+    Ok(((0..clips.len()).map(total).collect(), frames.len()))
+}
+
+/// Greatest distances, and sums of distances, in some frames.
+fn of_frames(asset: &Asset, truth: &Clip, clips: &[Clip], frames: &[usize]) -> Vec<MotionError> {
+    let mesh = &asset.mesh;
+    let mut posed = PosedMesh::new(&asset.rig, mesh);
+    let mut skinned = SkinnedMesh::new(mesh);
+    let mut points = |clip: &Clip, secs: f64, out: &mut Vec<Vec3>| {
+        let mut weights = mesh.morph_weights.clone();
+        sample_morphs(clip, secs, Wrap::Clamp, &mut weights);
+        out.clear();
+        posed.pose_at(clip, secs, Wrap::Clamp);
+        if mesh.is_empty() {
+            out.extend((0..asset.rig.len()).map(|joint| posed.model.position(joint)));
+        } else {
+            posed.skin(&weights, &mut skinned);
+            out.extend_from_slice(&skinned.positions);
+        }
+    };
+    let (mut right, mut shown) = (Vec::new(), Vec::new());
+    let mut errors = vec![MotionError::default(); clips.len()];
+    for frame in frames {
+        let secs = *frame as f64 / f64::from(truth.rate_hz());
+        points(truth, secs, &mut right);
+        for (clip, error) in clips.iter().zip(&mut errors) {
+            points(clip, secs, &mut shown);
+            for (a, b) in right.iter().zip(&shown) {
+                let distance = f64::from(a.distance(*b));
+                error.max_metres = error.max_metres.max(distance);
+                error.mean_metres += distance;
+            }
+        }
+    }
+    errors
+}

@@ -1,0 +1,143 @@
+//! Motions of an item: ABP-2 streams by level of articulation, region and tier.
+
+use super::files::NewFiles;
+use super::governed::charge;
+use super::motion_error::measured;
+use super::part::{ItemLayer, ItemPart, PartKind, RegionEntry};
+use crate::error::{Context, Result};
+use crate::figure::Figure;
+use crate::streams::abp2::{decode, write};
+use crate::streams::region_name;
+use crate::work::Executor;
+use articula_core::Clip;
+use articula_formats::Limits;
+use articula_stream::abp2::{EncodedMotion, Grouping, MotionHead, MotionOptions};
+use articula_stream::{Unit, cut};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Encodes a clip, measures its cuts and adds its files under a name.
+pub(super) fn part(
+    figure: &Figure,
+    clip: usize,
+    (stem, options): (&str, &MotionOptions),
+    files: &mut NewFiles,
+    work: &Executor<'_>,
+) -> Result<ItemPart> {
+    let truth = &figure.asset.clips[clip];
+    let coded = write(&figure.opened, clip, options)?;
+    let stream_limits = articula_stream::StreamLimits::default();
+    let head = MotionHead::open(&coded.bytes, &stream_limits)?;
+    let levels: Vec<u8> = levels(&head);
+    let grid = levels
+        .iter()
+        .flat_map(|loa| (0..head.tiers).rev().map(|tier| (*loa, tier)));
+    let grid: Vec<(u8, usize)> = grid.collect();
+    let regions = regions(&head);
+
+    let mut cuts = vec![without_units(&coded)?];
+    for (loa, tier) in &grid {
+        cuts.push(kept(&coded, |unit| {
+            unit.marker("loa").is_none_or(|l| l <= u32::from(*loa))
+                && unit.marker("tier").is_none_or(|t| t as usize >= *tier)
+        })?);
+    }
+    for region in &regions {
+        cuts.push(kept(&coded, |unit| {
+            unit.marker("region") != Some(u32::from(*region))
+        })?);
+    }
+    let (rig, name) = (&figure.asset.rig, &figure.opened.name);
+    let decoded = |bytes: &Vec<u8>| decode(bytes, rig, name, &Limits::default());
+    let clips: Vec<Clip> = cuts.iter().map(decoded).collect::<Result<_>>()?;
+    let (errors, frames) = measured(&figure.asset, truth, &clips, work)?;
+    let (of_grid, of_regions) = errors[1..].split_at(grid.len());
+
+    let mut layers: Vec<ItemLayer> = Vec::with_capacity(grid.len());
+    for (i, ((loa, tier), error)) in grid.iter().zip(of_grid).enumerate() {
+        let mut needs = Vec::new();
+        // The same level one tier coarser, and the next coarser level at this tier.
+        if *tier + 1 < head.tiers {
+            needs.push(i - 1);
+        }
+        needs.extend(i.checked_sub(head.tiers));
+        needs.sort_unstable();
+        layers.push(ItemLayer {
+            name: format!("loa {loa}, tier {tier}"),
+            keep: keep(&[("loa", u32::from(*loa)), ("tier", *tier as u32)]),
+            needs,
+            error_m: error.max_metres,
+            error_mean_m: Some(error.mean_metres),
+            joints: Some(joints(figure, *loa)),
+            ..ItemLayer::default()
+        });
+    }
+    let base = charge(&coded.unit, &mut layers, coded.bytes.len());
+    let sizes = cuts[1 + grid.len()..].iter().zip(of_regions);
+    let regions = regions
+        .iter()
+        .zip(sizes)
+        .map(|(region, (bytes, error))| RegionEntry {
+            number: u32::from(*region),
+            name: region_name(false, *region),
+            bytes_without: Some(bytes.len() as u64),
+            error_without_m: Some(error.max_metres),
+        });
+    let bytes = coded.bytes.len() as u64;
+    let file = format!("clips/{stem}.abp");
+    let (file, index) = files.put_stream(&file, coded.bytes, &coded.unit)?;
+    Ok(ItemPart {
+        file: Some(file),
+        index: Some(index),
+        bytes,
+        base_bytes: base,
+        base_error_m: Some(errors[0].max_metres),
+        duration_secs: Some(f64::from(truth.duration_secs())),
+        rate_hz: Some(f64::from(truth.rate_hz())),
+        frames_measured: Some(frames as u64),
+        layers,
+        regions: regions.collect(),
+        ..ItemPart::new(&truth.name, PartKind::BodyMotion)
+    })
+}
+
+/// Levels of articulation of the groups, coarsest first; 0 if the stream has morph targets alone.
+fn levels(head: &MotionHead) -> Vec<u8> {
+    let mut levels: BTreeSet<u8> = head.groups.iter().map(|group| group.loa).collect();
+    if levels.is_empty() {
+        levels.insert(0);
+    }
+    levels.into_iter().collect()
+}
+
+/// Regions that can be left out.
+fn regions(head: &MotionHead) -> Vec<u8> {
+    if head.grouping != Grouping::LoaRegion {
+        return Vec::new();
+    }
+    let regions: BTreeSet<u8> = head.groups.iter().map(|group| group.region).collect();
+    regions.into_iter().collect()
+}
+
+/// Number of joints up to a level of articulation.
+fn joints(figure: &Figure, loa: u8) -> u64 {
+    let joints = figure.asset.rig.articulation().joints.iter();
+    joints.filter(|joint| joint.level <= loa).count() as u64
+}
+
+/// A stream cut by its units.
+pub(super) fn kept(coded: &EncodedMotion, keeps: impl Fn(&Unit) -> bool) -> Result<Vec<u8>> {
+    Ok(cut(&coded.bytes, &coded.unit, keeps).context("cut")?.bytes)
+}
+
+/// A stream without any unit of a tier.
+pub(super) fn without_units(coded: &EncodedMotion) -> Result<Vec<u8>> {
+    kept(coded, |unit| unit.marker("tier").is_none())
+}
+
+/// Markers by scheme.
+pub(super) fn keep(markers: &[(&str, u32)]) -> BTreeMap<String, u32> {
+    let owned = markers
+        .iter()
+        .map(|(scheme, value)| ((*scheme).to_owned(), *value));
+    owned.collect()
+}

@@ -1,0 +1,25 @@
+//! MP4 files: the first stream of a body in them.
+
+use super::{CharacterFile, Input, abp};
+use crate::error::{Error, Result};
+use crate::streams::mp4;
+
+/// Reads the first stream of a body as if it were the file.
+pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
+    let limits = &input.options.limits;
+    let Some(stream) = mp4::take(input.bytes, limits, |kind| !kind.is_of_face())? else {
+        return Err(Error::unsuited(mp4::NO_JOINTS));
+    };
+    let mut inner = Input {
+        bytes: &stream.bytes,
+        name: input.name,
+        format: input.format,
+        options: input.options,
+        joint_maps: input.joint_maps,
+        beside: &mut *input.beside,
+    };
+    let mut opened = abp::open(&mut inner)?;
+    opened.bytes = input.bytes.len();
+    opened.warnings.extend(stream.warnings());
+    Ok(opened)
+}
