@@ -113,6 +113,9 @@ impl<'a> Document<'a> {
             StreamError::malformed(at, "expected a document in UTF-8")
         })?;
         let source = source.strip_prefix('\u{feff}').unwrap_or(source);
+        if let Some((offset, c)) = source.char_indices().find(|(_, c)| !is_allowed(*c)) {
+            return Err(StreamError::malformed(line(source, offset), forbidden(c)));
+        }
         let mut parser = Parser {
             document: Document {
                 source,
@@ -360,6 +363,9 @@ impl<'a> Parser<'a> {
             let attribute = attribute.map_err(|e| unreadable(&e))?;
             let value = attribute.normalized_value(XmlVersion::Implicit1_0);
             let value = value.map_err(|e| unreadable(&e))?;
+            if let Some(c) = value.chars().find(|c| !is_allowed(*c)) {
+                return Err(self.bad(offset, forbidden(c)));
+            }
             self.limit(offset, "attributes", count + 1, MOST as u64)?;
             let key = attribute.key.into_inner();
             let (prefix, local) = key.split_once(':').unwrap_or(("", key));
@@ -445,7 +451,7 @@ impl<'a> Parser<'a> {
     fn entity(&self, offset: usize, entity: &BytesRef<'_>) -> Result<String, StreamError> {
         if entity.is_char_ref() {
             let found = entity.resolve_char_ref().ok().flatten();
-            let found = found.map(String::from);
+            let found = found.filter(|c| is_allowed(*c)).map(String::from);
             return found.ok_or_else(|| self.bad(offset, "a character that does not exist"));
         }
         let name = entity.xml10_content();
@@ -455,6 +461,15 @@ impl<'a> Parser<'a> {
             self.bad(offset, what)
         })
     }
+}
+
+/// Whether a document may hold a character, as itself or by its number (XML 1.0, 2.2).
+pub(super) fn is_allowed(c: char) -> bool {
+    !matches!(c, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}')
+}
+
+fn forbidden(c: char) -> String {
+    format!("U+{:04X}, which XML cannot hold", u32::from(c))
 }
 
 /// A number that stands in a text without sign or point.
@@ -481,9 +496,8 @@ pub(crate) fn escape(text: &str) -> Cow<'_, str> {
             '\t' => out.push_str("&#9;"),
             '\n' => out.push_str("&#10;"),
             '\r' => out.push_str("&#13;"),
-            '\0'..=' ' if c != ' ' => out.push('\u{fffd}'),
-            '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
-            c => out.push(c),
+            c if is_allowed(c) => out.push(c),
+            _ => out.push('\u{fffd}'),
         }
     }
     Cow::Owned(out)

@@ -9,6 +9,7 @@ mod leaves;
 mod xdi;
 mod xdi_write;
 
+use super::xml::is_allowed;
 use articula_core::Mismatch;
 
 /// What is known of the place where a stream is used. Every number is optional: `None` is unknown,
@@ -284,9 +285,12 @@ impl Context {
             inside("face_loa", whole(Some(level)), 3.0)?;
         }
         inside("fov_rad", self.view.fov_rad, std::f64::consts::PI)?;
-        let is_word = |name: &&String| !name.is_empty() && !name.contains(char::is_whitespace);
+        let is_letter = |c: char| !c.is_whitespace() && is_allowed(c);
+        let is_word = |name: &&String| !name.is_empty() && name.chars().all(is_letter);
         if let Some(name) = self.terminal.codecs.iter().find(|name| !is_word(name)) {
-            let what = format!("found \"{name}\", expected names without white space");
+            let what = format!(
+                "found \"{name}\", expected names without white space or control characters"
+            );
             return Err(Mismatch::new("codecs", what));
         }
         let network = &self.network;

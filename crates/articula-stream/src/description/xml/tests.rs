@@ -42,6 +42,10 @@ fn what_is_refused() {
     assert!(refused(&"<a>".repeat(65)).contains("the limit is 64"));
     let many: String = (0..65).map(|i| format!(" a{i}=''")).collect();
     assert!(refused(&format!("<a{many}/>")).contains("65 attributes"));
+    assert!(refused("<a>\n\0</a>").starts_with("line 2: U+0000"));
+    assert!(refused("<a>&#1;</a>").contains("does not exist"));
+    assert!(refused("<a b='&#1;'/>").contains("cannot hold"));
+    assert!(refused("<a b='\u{ffff}'/>").contains("U+FFFF"));
     assert!(Document::parse(b"\xff\xfe<\0a\0", &DescriptionLimits::default()).is_err());
     let limits = DescriptionLimits {
         bytes: 10,
