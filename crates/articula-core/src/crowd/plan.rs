@@ -179,6 +179,41 @@ struct Slot {
     step: u32,
 }
 
+/// The places of a plan while it is made.
+struct Room {
+    /// For each level and source the number of its characters, then where the next one goes.
+    slots: [Slot; KEYS],
+    /// The same of shared poses: numbers by level, and where the next one goes.
+    leaders: [usize; JointLods::MAX_LEVELS],
+    leader_slots: [Slot; JointLods::MAX_LEVELS],
+    /// Draws, records, matrices and shared poses that have a place.
+    draws: usize,
+    records: usize,
+    matrices: usize,
+    shared: usize,
+}
+
+impl Room {
+    fn counted(shown: Shown<'_>) -> Self {
+        let mut room = Self {
+            slots: [Slot::default(); KEYS],
+            leaders: [0; JointLods::MAX_LEVELS],
+            leader_slots: [Slot::default(); JointLods::MAX_LEVELS],
+            draws: 0,
+            records: 0,
+            matrices: 0,
+            shared: 0,
+        };
+        for (_, key) in listed(shown) {
+            room.slots[usize::from(key.0)].at += 1;
+        }
+        for level in shown.leaders {
+            room.leaders[usize::from(*level)] += 1;
+        }
+        room
+    }
+}
+
 /// The plan of one frame.
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {
@@ -213,96 +248,106 @@ impl Plan {
     /// Sorts the characters that are shown by level and source, in two passes: one counts, one
     /// places. The first `morph_levels` levels show morph targets. O(characters).
     pub(crate) fn make(&mut self, shown: Shown<'_>, palette: &PaletteMap, morph_levels: usize) {
-        let mut slots = [Slot::default(); KEYS];
-        for (_, key) in listed(shown) {
-            slots[usize::from(key.0)].at += 1;
-        }
-        let mut leaders = [0; JointLods::MAX_LEVELS];
-        for level in shown.leaders {
-            leaders[usize::from(*level)] += 1;
-        }
-        let mut next_leader = [Slot::default(); JointLods::MAX_LEVELS];
+        let mut room = Room::counted(shown);
         self.batches.clear();
         self.drawn.groups.clear();
         self.drawn.record_groups.clear();
-        let (mut draws, mut records, mut first_matrix, mut shared) = (0, 0, 0, 0);
         for level in 0..self.counts.len() {
-            let matrices = palette.len(level);
-            let counts = [0, 1, 2, 3, 4].map(|kind| slots[level * KINDS + kind].at as usize);
-            let [clip, blend, cached, follow, record] = counts;
-            self.counts[level] = LevelCounts {
-                own: clip + blend,
-                blended: blend,
-                leaders: leaders[level],
-                followers: follow,
-                cached,
-                recorded: record,
-            };
-            let mut batch = Batch {
-                first: 0,
-                first_matrix: 0,
-                poses: 0,
-                level: level as u8,
-                jobs: Jobs::Own,
-            };
-            let first_draw = draws;
-            for (kind, count) in [
-                (Kind::Clip, clip),
-                (Kind::Blend, blend),
-                (Kind::Cached, cached),
-            ] {
-                slots[level * KINDS + kind as usize] = Slot {
-                    at: draws as u32,
-                    matrix: first_matrix as u32,
-                    step: matrices as u32,
-                };
-                batch.jobs = match kind {
-                    Kind::Cached => Jobs::Cached,
-                    _ => Jobs::Own,
-                };
-                let at = (draws, first_matrix);
-                cut(&mut self.batches, batch, count, at, matrices);
-                draws += count;
-                first_matrix += count * matrices;
-            }
-            batch.jobs = Jobs::Shared;
-            let at = (shared, first_matrix);
-            cut(&mut self.batches, batch, leaders[level], at, matrices);
-            next_leader[level] = Slot {
-                at: shared as u32,
-                matrix: first_matrix as u32,
+            self.lay_out(level, palette.len(level), &mut room);
+        }
+        self.place_leaders(shown.leaders, &mut room.leader_slots);
+        self.place(shown, &mut room);
+        self.drawn.batches = self.batches.len();
+        self.drawn.matrices = room.matrices;
+        let drawn = &mut self.drawn;
+        let groups = drawn.groups.iter().filter(|g| g.level < morph_levels);
+        drawn.morph_draws = groups.map(|g| g.draws.len()).sum();
+        let groups = drawn.record_groups.iter();
+        let groups = groups.filter(|g| g.level < morph_levels);
+        drawn.morph_records = groups.map(|g| g.records.len()).sum();
+    }
+
+    /// Gives the characters and poses of a level, whose palettes have so many matrices, their places
+    /// behind those of the levels before.
+    fn lay_out(&mut self, level: usize, matrices: usize, room: &mut Room) {
+        let counts = [0, 1, 2, 3, 4].map(|kind| room.slots[level * KINDS + kind].at as usize);
+        let [clip, blend, cached, follow, record] = counts;
+        let leaders = room.leaders[level];
+        self.counts[level] = LevelCounts {
+            own: clip + blend,
+            blended: blend,
+            leaders,
+            followers: follow,
+            cached,
+            recorded: record,
+        };
+        let mut batch = Batch {
+            first: 0,
+            first_matrix: 0,
+            poses: 0,
+            level: level as u8,
+            jobs: Jobs::Own,
+        };
+        let first_draw = room.draws;
+        for (kind, count) in [
+            (Kind::Clip, clip),
+            (Kind::Blend, blend),
+            (Kind::Cached, cached),
+        ] {
+            room.slots[level * KINDS + kind as usize] = Slot {
+                at: room.draws as u32,
+                matrix: room.matrices as u32,
                 step: matrices as u32,
             };
-            shared += leaders[level];
-            first_matrix += leaders[level] * matrices;
-            slots[level * KINDS + Kind::Follow as usize].at = draws as u32;
-            draws += follow;
-            if draws > first_draw {
-                self.drawn.groups.push(DrawGroup {
-                    level,
-                    draws: first_draw..draws,
-                    matrices,
-                });
-            }
-            slots[level * KINDS + Kind::Record as usize].at = records as u32;
-            if record > 0 {
-                self.drawn.record_groups.push(RecordGroup {
-                    level,
-                    records: records..records + record,
-                    matrices,
-                });
-            }
-            records += record;
+            batch.jobs = match kind {
+                Kind::Cached => Jobs::Cached,
+                _ => Jobs::Own,
+            };
+            let at = (room.draws, room.matrices);
+            cut(&mut self.batches, batch, count, at, matrices);
+            room.draws += count;
+            room.matrices += count * matrices;
         }
-        self.place_leaders(shown.leaders, &mut next_leader);
+        batch.jobs = Jobs::Shared;
+        let at = (room.shared, room.matrices);
+        cut(&mut self.batches, batch, leaders, at, matrices);
+        room.leader_slots[level] = Slot {
+            at: room.shared as u32,
+            matrix: room.matrices as u32,
+            step: matrices as u32,
+        };
+        room.shared += leaders;
+        room.matrices += leaders * matrices;
+        room.slots[level * KINDS + Kind::Follow as usize].at = room.draws as u32;
+        room.draws += follow;
+        if room.draws > first_draw {
+            self.drawn.groups.push(DrawGroup {
+                level,
+                draws: first_draw..room.draws,
+                matrices,
+            });
+        }
+        room.slots[level * KINDS + Kind::Record as usize].at = room.records as u32;
+        if record > 0 {
+            self.drawn.record_groups.push(RecordGroup {
+                level,
+                records: room.records..room.records + record,
+                matrices,
+            });
+        }
+        room.records += record;
+    }
+
+    /// Puts every character into its place.
+    fn place(&mut self, shown: Shown<'_>, room: &mut Room) {
         let nobody = Draw {
             character: 0,
             first_matrix: 0,
         };
-        self.drawn.draws.resize(draws, nobody);
-        self.drawn.recorded.resize(records, 0);
+        self.drawn.draws.resize(room.draws, nobody);
+        self.drawn.recorded.resize(room.records, 0);
         for (character, key) in listed(shown) {
-            let slot = &mut slots[usize::from(key.0)];
+            let slot = &mut room.slots[usize::from(key.0)];
             let at = slot.at as usize;
             slot.at += 1;
             let kind = usize::from(key.0) % KINDS;
@@ -322,14 +367,6 @@ impl Plan {
                 };
             }
         }
-        self.drawn.batches = self.batches.len();
-        self.drawn.matrices = first_matrix;
-        let drawn = &mut self.drawn;
-        let groups = drawn.groups.iter().filter(|g| g.level < morph_levels);
-        drawn.morph_draws = groups.map(|g| g.draws.len()).sum();
-        let groups = drawn.record_groups.iter();
-        let groups = groups.filter(|g| g.level < morph_levels);
-        drawn.morph_records = groups.map(|g| g.records.len()).sum();
     }
 
     /// Sorts the shared poses by level.
@@ -433,17 +470,20 @@ mod tests {
     use crate::rig::tests::rig_of;
     use glam::Vec3;
 
-    #[test]
-    fn a_plan_by_hand() {
+    /// Three matrices at the first level, one at the second.
+    fn palette() -> PaletteMap {
         let rig = rig_of(&[
             (None, Vec3::ZERO, 0),
             (Some(0), Vec3::Y, 0),
             (Some(1), Vec3::Y, 0),
         ]);
-        // Three matrices at the first level, one at the second.
         let sets = [JointSet::first(1)];
-        let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let palette = PaletteMap::joints(&joint_lods);
+        PaletteMap::joints(&JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap())
+    }
+
+    #[test]
+    fn a_plan_by_hand() {
+        let palette = palette();
         let mut keys = vec![Key::HIDDEN; 70];
         for (characters, level, kind) in [
             (10..19, 1, Kind::Clip),

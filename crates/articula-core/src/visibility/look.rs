@@ -198,7 +198,10 @@ fn margins_of(margins: &[f32], tile: usize) -> Tile {
     if !margins.is_empty() {
         let margins = margins.iter().skip(tile * LANES);
         for (to, margin) in of_tile.0.iter_mut().zip(margins) {
-            *to = margin.max(0.0).min(super::cull::FARTHEST_METRES);
+            *to = match *margin > 0.0 {
+                true => margin.min(super::cull::FARTHEST_METRES),
+                false => 0.0,
+            };
         }
     }
     of_tile

@@ -279,16 +279,10 @@ fn a_frame_allocates_nothing() {
 fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
     let (rig, clips, sets) = fixed_figure();
     let duration = clips[0].duration_secs();
-    let marks = [
-        ClipEvent {
-            secs: duration * 0.25,
-            id: 1,
-        },
-        ClipEvent {
-            secs: duration * 0.75,
-            id: 2,
-        },
-    ];
+    let marks = [(0.25, 1), (0.75, 2)].map(|(part, id)| ClipEvent {
+        secs: duration * part,
+        id,
+    });
     // One metre ahead in each loop of the clip.
     let ahead = RootDelta {
         offset: Vec3::Z,
