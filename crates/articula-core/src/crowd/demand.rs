@@ -80,12 +80,12 @@ impl Demand {
     }
 
     /// The least tolerance in pixels, not below `least_px`, whose cost is at most `budget_ns`, or
-    /// the greatest of the table.
+    /// the greatest that changes anything.
     pub(crate) fn px_within(&self, budget_ns: f64, least_px: f32) -> f32 {
         let mut coarser = self.least_ns;
         for bin in (0..BINS).rev() {
             let savings = f64::from(self.savings_ns[bin]);
-            if coarser + savings > budget_ns {
+            if savings > 0.0 && coarser + savings > budget_ns {
                 let [low, high] = [px_of(bin), px_of(bin + 1)];
                 let left = ((budget_ns - coarser).max(0.0) / savings).min(1.0) as f32;
                 return (high - left * (high - low)).max(least_px);
