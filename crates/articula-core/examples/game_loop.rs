@@ -5,7 +5,7 @@ use articula_build::character;
 use articula_build::motion_bounds;
 use articula_build::{JointLodOptions, merged_levels};
 use articula_core::crowd::{
-    CacheUse, ClipState, Crowd, CrowdModel, CrowdParts, Culling, Detail, Frame,
+    CacheUse, ClipState, Crowd, CrowdModel, CrowdParts, Culling, Detail, Frame, Moved,
 };
 use articula_core::visibility::View;
 use articula_core::{Backend, Camera, ClipSet, ClipStorage, PaletteForm, PaletteRows, Viewport};
@@ -71,6 +71,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             culling: Culling::Views(&[View::of(&camera)]),
             detail: Detail::Tolerance { px: 1.0 },
             share: false,
+            moved: Moved::All, // or the characters that did
             cache: CacheUse::Never,
         };
         let report = crowd.tick(

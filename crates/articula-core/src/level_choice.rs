@@ -47,6 +47,14 @@ pub(crate) fn level_range(errors_metres: &[f32], level: usize, px: f32) -> [f32;
     }
 }
 
+/// The same as tolerances in metres: from the error of the level on, included, to that at which the
+/// next coarser level, of error `next_metres`, is chosen.
+#[inline]
+pub(crate) fn tolerance_range(error_metres: f32, next_metres: Option<f32>) -> [f32; 2] {
+    let next = next_metres.map_or(f32::INFINITY, |next| next / HYSTERESIS);
+    [error_metres, next]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -82,6 +90,9 @@ mod tests {
                     at_border || kept == (again == level),
                     "{px} px, {density} px/m, {level}"
                 );
+                let metres = px / density;
+                let [least, most] = tolerance_range(errors[level], errors.get(level + 1).copied());
+                assert!(at_border || kept == (least..most).contains(&metres));
             }
         }
         for none in [f32::NAN, 0.0, -1.0] {

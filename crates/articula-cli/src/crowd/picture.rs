@@ -2,7 +2,7 @@
 
 use super::stage::{Settings, TimedCrowd};
 use anyhow::Context;
-use articula::crowd::{CrowdAsset, CrowdPlayer, DetailGoal, FrameBudget, PoseSource};
+use articula::crowd::{CrowdAsset, CrowdPlayer, PoseSource};
 use articula_build::Scene;
 use articula_core::{Camera, Viewport};
 use articula_flat::Picture;
@@ -19,11 +19,7 @@ pub(crate) fn draw(
     size: (u32, u32),
 ) -> anyhow::Result<Picture> {
     let mut stage = TimedCrowd::new(asset, scene, settings)?;
-    let allowance = match settings.detail {
-        DetailGoal::Budget { ms, .. } => Some(FrameBudget::from_ns(1e6 * ms)),
-        _ => None,
-    };
-    stage.plan(0.0, allowance.as_ref())?;
+    stage.plan(0.0, None)?;
     stage.evaluate();
     let (player, camera) = (stage.scene.player(), stage.scene.camera()?);
     let (crowd, drawn) = gathered(player, &camera);

@@ -7,11 +7,10 @@ use super::stage::{DISPLAY_HZ, Settings, TimedCrowd};
 use super::timing::{Spread, thread_ns};
 use crate::console::Console;
 use articula::crowd::{
-    BudgetController, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter, ErrorSample,
-    ErrorSummary, FrameBudget, LevelStatistics, LevelTally, PaletteHash,
+    Budget, BudgetReport, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter, ErrorSample,
+    ErrorSummary, LevelStatistics, LevelTally, PaletteHash,
 };
 use articula_build::Scene;
-use articula_core::budget::AllocationReport;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -96,23 +95,17 @@ pub(crate) struct Memory {
     pub(crate) state_bytes_per_character: usize,
 }
 
-/// Result of choosing levels by a budget, on average over frames.
+/// Result of a budget over the frames that count.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub(crate) struct BudgetFound {
-    /// Time available for evaluation by the clock and the learnt costs, milliseconds.
-    pub(crate) allowed_ms: f64,
-    /// Expected time of the chosen levels, milliseconds.
-    pub(crate) used_ms: f64,
-    /// Expected time without a limit, milliseconds.
-    pub(crate) demand_ms: f64,
-    /// Mean error of visible characters, pixels.
-    pub(crate) mean_px: f64,
-    /// Maximum error of a visible character in any frame, pixels.
-    pub(crate) worst_px: f64,
-    /// Characters above the cap.
-    pub(crate) above_cap: f64,
-    /// Characters whose level changed.
-    pub(crate) changes: f64,
+    /// Expected time of a frame, mean, milliseconds.
+    pub(crate) expected_ms: f64,
+    /// Tolerance of a frame, pixels.
+    pub(crate) tolerance_px: Spread,
+    /// Greatest tolerance of any frame, pixels.
+    pub(crate) worst_px: f32,
+    /// Frames for which the budget did not suffice for the error cap.
+    pub(crate) overloaded: usize,
 }
 
 /// Plays a scene twice: once for its time, once for its errors.
@@ -123,8 +116,10 @@ pub(crate) fn run(
     seed: u64,
     console: &Console,
 ) -> anyhow::Result<Run> {
-    let (times, allowances) = timed(asset, scene, settings, console)?;
-    let mut found = looked_at(asset, scene, settings, &allowances, (seed, console))?;
+    let (times, budgets) = timed(asset, scene, settings, console)?;
+    let tolerances: Vec<f32> = budgets.iter().map(|b| b.px).collect();
+    let mut found = looked_at(asset, scene, settings, &tolerances, (seed, console))?;
+    found.budget = budget_of(&budgets);
     let ms = |of: &dyn Fn(&FrameTime) -> f64| Spread::of(times.iter().map(|t| of(t) / 1e6));
     found.frame_ms = ms(&|t| t.cpu_ns);
     found.wall_ms = ms(&|t| t.wall_ns);
@@ -153,27 +148,29 @@ fn timed(
     scene: &Scene,
     settings: Settings,
     console: &Console,
-) -> anyhow::Result<(Vec<FrameTime>, Vec<FrameBudget>)> {
+) -> anyhow::Result<(Vec<FrameTime>, Vec<BudgetReport>)> {
     let mut stage = TimedCrowd::new(asset, scene, settings)?;
     let mut budget = match settings.detail {
-        DetailGoal::Budget { ms, .. } => Some(BudgetController::new(ms)),
+        DetailGoal::Budget { ms, cap_px } => Some(Budget::new(1e6 * f64::from(ms), cap_px)),
         _ => None,
     };
-    let mut allowances = Vec::new();
+    let mut budgets = Vec::new();
     let mut times = Vec::with_capacity(settings.frames);
     let bar = console.progress("playing", 1);
     for frame in 0..WARM_UP_FRAMES + settings.frames {
         let (clock, start) = (Instant::now(), thread_ns());
-        let allowance = budget.as_mut().map(BudgetController::next_budget);
-        let report = stage.plan(step_secs(frame), allowance.as_ref())?;
+        let px = budget.as_ref().map(Budget::px);
+        stage.plan(step_secs(frame), px)?;
+        if let Some(budget) = &mut budget {
+            stage.scene.player_mut().add_to(budget);
+        }
         let tick_ns = (thread_ns() - start) as f64;
         let evaluate_ns = stage.evaluate() as f64;
         let start = thread_ns();
         if let Some(budget) = &mut budget {
-            budget.observe(&report.work, tick_ns, evaluate_ns);
+            budgets.push(budget.observe(tick_ns, evaluate_ns));
         }
         let tick_ns = tick_ns + (thread_ns() - start) as f64;
-        allowances.extend(allowance);
         if frame >= WARM_UP_FRAMES {
             times.push(FrameTime {
                 cpu_ns: tick_ns + evaluate_ns,
@@ -183,14 +180,14 @@ fn timed(
         }
     }
     bar.finish_and_clear();
-    Ok((times, allowances))
+    Ok((times, budgets))
 }
 
 fn looked_at(
     asset: &CrowdAsset,
     scene: &Scene,
     settings: Settings,
-    allowances: &[FrameBudget],
+    tolerances: &[f32],
     (seed, console): (u64, &Console),
 ) -> anyhow::Result<Run> {
     let mut stage = TimedCrowd::new(asset, scene, settings)?;
@@ -203,7 +200,7 @@ fn looked_at(
     let mut looked = Vec::with_capacity(looks);
     let bar = console.progress("measuring errors", looks);
     for frame in 0..WARM_UP_FRAMES + settings.frames {
-        let report = stage.plan(step_secs(frame), allowances.get(frame))?;
+        let report = stage.plan(step_secs(frame), tolerances.get(frame).copied())?;
         let Some(counted) = frame.checked_sub(WARM_UP_FRAMES) else {
             continue;
         };
@@ -214,7 +211,7 @@ fn looked_at(
         let crowd = player.crowd();
         let palettes = crowd.draw_list().matrices * asset.model().parts().form.bytes();
         let morphs = size_of_val(player.morph_weights());
-        let bytes = palettes + size_of_val(crowd.draw_list().records.as_slice()) + morphs;
+        let bytes = palettes + size_of_val(player.records()) + morphs;
         faces.0 += crowd.draw_list().morph_sets();
         faces.1 = morphs.max(faces.1);
         reports.push((report, bytes));
@@ -238,7 +235,7 @@ fn looked_at(
         wall_ms: Spread::default(),
         tick_ms: Spread::default(),
         overrun_p95: None,
-        budget: budget_of(&reports, allowances),
+        budget: None,
         written_mb: Spread::of(reports.iter().map(|r| r.1 as f64 / 1e6)),
         memory: Memory {
             clips_bytes: asset.model().parts().clips.bytes(),
@@ -273,27 +270,14 @@ fn looked_at(
     })
 }
 
-/// Averages the reports of the budget over the frames that count.
-fn budget_of(reports: &[(CrowdReport, usize)], allowances: &[FrameBudget]) -> Option<BudgetFound> {
-    let found: Vec<AllocationReport> = reports.iter().filter_map(|r| r.0.budget).collect();
-    if found.is_empty() {
-        return None;
-    }
-    let count = found.len() as f64;
-    let mean =
-        |value: &dyn Fn(&AllocationReport) -> f64| found.iter().map(value).sum::<f64>() / count;
-    let allowed = allowances.iter().skip(WARM_UP_FRAMES);
-    let allowed: f64 = allowed.map(|a| f64::from(a.cost_ns)).sum();
+/// Sums up the reports of a budget over the frames that count; `None` without a budget.
+fn budget_of(reports: &[BudgetReport]) -> Option<BudgetFound> {
+    let reports = reports.get(WARM_UP_FRAMES..)?;
+    let expected: f64 = reports.iter().map(|r| r.expected_ns).sum();
     Some(BudgetFound {
-        allowed_ms: allowed / count / 1e6,
-        used_ms: mean(&|r| r.used) / 1e6,
-        demand_ms: mean(&|r| r.demand) / 1e6,
-        mean_px: mean(&|r| f64::from(r.mean_px)),
-        worst_px: found
-            .iter()
-            .map(|r| f64::from(r.worst_px))
-            .fold(0.0, f64::max),
-        above_cap: mean(&|r| r.above_cap as f64),
-        changes: mean(&|r| r.changes as f64),
+        expected_ms: expected / reports.len().max(1) as f64 / 1e6,
+        tolerance_px: Spread::of(reports.iter().map(|r| f64::from(r.px))),
+        worst_px: reports.iter().map(|r| r.px).fold(0.0, f32::max),
+        overloaded: reports.iter().filter(|r| r.is_overloaded()).count(),
     })
 }

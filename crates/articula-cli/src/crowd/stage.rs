@@ -3,8 +3,7 @@
 use super::timing::thread_ns;
 use anyhow::Context;
 use articula::crowd::{
-    CacheUse, CrowdAsset, CrowdReport, DetailGoal, FrameBudget, FramePart, SceneOptions,
-    ScenePlayer,
+    CacheUse, CrowdAsset, CrowdReport, DetailGoal, FramePart, SceneOptions, ScenePlayer,
 };
 use articula_build::Scene;
 use rayon::ThreadPool;
@@ -65,13 +64,12 @@ impl<'a> TimedCrowd<'a> {
         })
     }
 
-    /// Advances the scene and plans the frame.
-    pub(crate) fn plan(
-        &mut self,
-        dt_secs: f64,
-        allowance: Option<&FrameBudget>,
-    ) -> anyhow::Result<CrowdReport> {
-        Ok(self.scene.plan(dt_secs, allowance)?)
+    /// Advances the scene and plans the frame, within another tolerance than before if one is given.
+    pub(crate) fn plan(&mut self, dt_secs: f64, px: Option<f32>) -> anyhow::Result<CrowdReport> {
+        if let Some(px) = px {
+            self.scene.set_tolerance(px);
+        }
+        Ok(self.scene.plan(dt_secs)?)
     }
 
     /// Writes all palettes; returns the processor time of all threads together, nanoseconds.

@@ -59,7 +59,7 @@ fn the_reference_human_plays_the_same_from_its_asset() {
     let with = |more: &[&'static str]| [CROWD, more].concat();
     let runs = [
         with(&[]),
-        with(&["--mesh-levels", "5", "--cache", "cpu"]),
+        with(&["--mesh-levels", "5"]),
         with(&["--level", "full", "--palette", "skin"]),
         with(&["--level", "loa(Low)", "--storage", "short"]),
         with(&["--clip", "walk", "--seed", "3", "--root-motion"]),

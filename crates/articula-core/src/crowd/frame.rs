@@ -1,7 +1,7 @@
 //! Input and output of one frame of a crowd, except palettes.
 
 use super::character_state::MAX_STEP_SECS;
-use crate::budget::{self, Workload};
+use crate::budget::Workload;
 use crate::visibility::View;
 use glam::{Quat, Vec3};
 
@@ -14,6 +14,8 @@ pub struct Frame<'a> {
     pub positions: &'a [Vec3],
     /// World-from-model rotation of each character, unit length.
     pub rotations: &'a [Quat],
+    /// Characters whose position, rotation or scale differs from that of the frame before.
+    pub moved: Moved<'a>,
     /// Uniform scale of each; empty: all 1.
     pub scales: &'a [f32],
     /// Distance that each character may move until the next culling test, metres; empty: all 0.
@@ -26,17 +28,28 @@ pub struct Frame<'a> {
     pub detail: Detail,
     /// Whether characters whose poses agree within their tolerance may share one palette.
     pub share: bool,
-    /// Use of the model's pose cache, for characters for which its error is within the tolerance.
+    /// Use of the model's pose cache, where it is the cheapest way within the tolerance.
     pub cache: CacheUse,
+}
+
+/// Characters that have moved since the frame before. Where few do, the others cost less.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Moved<'a> {
+    /// Any of them.
+    #[default]
+    All,
+    /// At most these, in any order. A character that is moved and not listed is culled, and its
+    /// level is chosen, as if it were still where it was.
+    These(&'a [u32]),
 }
 
 /// Use of a [pose cache](crate::PoseCache): none, or its palettes blended on the CPU or the GPU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CacheUse {
     /// Nowhere: every pose is evaluated.
-    #[default]
     Never,
     /// On the CPU, by [`Crowd::evaluate`](super::Crowd::evaluate), among the other palettes.
+    #[default]
     Cpu,
     /// In the caller's vertex shader, from [`DrawList::records`](super::DrawList::records): 16
     /// bytes per character, no palette.
@@ -60,16 +73,11 @@ pub enum Detail {
     Full,
     /// The same level for every visible character, at most the coarsest.
     Level(usize),
-    /// The coarsest level whose error is within a tolerance.
+    /// The cheapest level and source of the pose whose error is within a tolerance. A
+    /// [`Budget`](super::Budget) derives the tolerance from measured times.
     Tolerance {
         /// Tolerated error in pixels; NaN counts as 0.
         px: f32,
-    },
-    /// The least visible error within a cost, after [`set_budget`](super::Crowd::set_budget);
-    /// without it, the coarsest level for every visible character.
-    Budget {
-        /// Available cost, in the units of the cost model (nanoseconds).
-        cost: f32,
     },
 }
 
@@ -121,8 +129,6 @@ pub struct CrowdReport {
     pub work: Workload,
     /// Upper bound on the error of the chosen levels and shared poses, pixels.
     pub bound_px: f32,
-    /// Report of the budget allocator, with [`Detail::Budget`].
-    pub budget: Option<budget::AllocationReport>,
 }
 
 impl Frame<'_> {

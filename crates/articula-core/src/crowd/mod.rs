@@ -13,8 +13,8 @@
 //! - [`ClipEvent`], [`RootTrajectory`], [`attachment`]: events, root motion and attachments, which
 //!   are never skipped, whatever the level and visibility of a character
 //!
-//! There is no hidden policy: [`Detail`] sets the tolerance or budget of each frame, and every
-//! change of level is an event ([`CrowdEvent::Level`]).
+//! There is no hidden policy: [`Detail`] sets the tolerance of each frame, a [`Budget`] derives it
+//! from measured times, and every change of level is an event ([`CrowdEvent::Level`]).
 //!
 //! # For an engine
 //!
@@ -36,26 +36,33 @@
 //!   `InstancedMesh` whose shader reads `first_matrix` from an instanced attribute.
 
 mod attachment;
+mod budget;
 mod character_state;
+mod choosing;
 mod clip_times;
-mod crowd_budget;
+mod clocks;
+mod demand;
+mod evaluate;
 mod events;
 mod frame;
 mod level;
 mod model;
 mod morphs;
+mod options;
+mod places;
 mod plan;
 mod root_path;
 mod share;
 mod tick;
 
 pub use attachment::attachment;
+pub use budget::{Budget, BudgetReport};
 pub use character_state::{CharacterState, ClipState};
 pub use clip_times::ClipTimes;
 pub use events::ClipEvent;
 
 pub(crate) use events::sorted as sorted_events;
-pub use frame::{CacheUse, CrowdEvent, CrowdReport, Culling, Detail, Frame};
+pub use frame::{CacheUse, CrowdEvent, CrowdReport, Culling, Detail, Frame, Moved};
 pub(crate) use model::filled;
 pub use model::{CrowdModel, CrowdParts};
 pub use morphs::MorphClips;

@@ -2,7 +2,9 @@
 
 use super::clip_times::ClipTimes;
 use super::events::{ClipEvent, sorted};
+use super::frame::CacheUse;
 use super::morphs::MorphClips;
+use super::options::OptionLists;
 use super::root_path::RootTrajectory;
 use crate::Mismatch;
 use crate::attention::Attention;
@@ -51,8 +53,8 @@ pub struct CrowdModel {
     durations: Vec<f32>,
     /// Errors of all clips in one array, `levels` for each clip.
     lod_errors: Vec<f32>,
-    /// Whether no clip has events or root motion.
-    plain: bool,
+    /// Options of the clips without a cache, with one blended on the CPU, and on the GPU.
+    options: [OptionLists; 3],
 }
 
 impl CrowdModel {
@@ -94,10 +96,11 @@ impl CrowdModel {
             return Err(Mismatch::new("morphs", what));
         }
         let errors = parts.errors.clips.iter();
-        let no_event = parts.events.iter().all(Vec::is_empty);
+        let lod_errors: Vec<f32> = errors.flat_map(ClipLodErrors::judged).collect();
+        let uses = [CacheUse::Never, CacheUse::Cpu, CacheUse::Gpu];
         Ok(Self {
-            lod_errors: errors.flat_map(ClipLodErrors::judged).collect(),
-            plain: no_event && parts.paths.iter().all(Option::is_none),
+            options: uses.map(|cache_use| OptionLists::new(&parts, &lod_errors, cache_use)),
+            lod_errors,
             durations,
             parts,
         })
@@ -138,10 +141,10 @@ impl CrowdModel {
         &self.lod_errors[clip * levels..][..levels]
     }
 
-    /// Whether no clip has events or root motion.
+    /// Options of all clips for a use of the cache.
     #[inline]
-    pub(crate) fn is_plain(&self) -> bool {
-        self.plain
+    pub(crate) fn options(&self, cache_use: CacheUse) -> &OptionLists {
+        &self.options[cache_use as usize]
     }
 
     pub(crate) fn durations(&self) -> &[f32] {

@@ -1,15 +1,17 @@
-//! Evaluation plan of a frame: poses sorted into batches, and the palette of each character.
+//! Evaluation plan of a frame: characters sorted by level and source of their pose, divided into
+//! batches, and the palette of each.
 
+use super::places::{CELL, Cell};
 use crate::joint_lods::JointLods;
 use crate::palette::PaletteMap;
-use crate::pose_cache::BlendRecord;
 use crate::simd::LANES;
 use std::ops::Range;
 
-/// Number of kinds of jobs at a level.
-const KINDS: usize = 3;
+/// Number of kinds at a level.
+const KINDS: usize = 5;
+const KEYS: usize = KINDS * JointLods::MAX_LEVELS;
 
-/// Kind of a job.
+/// Source of a character's pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// One clip is evaluated.
@@ -18,6 +20,28 @@ pub(crate) enum Kind {
     Blend,
     /// Two cached palettes are blended.
     Cached,
+    /// A shared pose.
+    Follow,
+    /// The GPU blends two cached palettes.
+    Record,
+}
+
+/// Level of a character and source of its pose, or that it is not shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Key(u8);
+
+impl Key {
+    pub(crate) const HIDDEN: Self = Self(u8::MAX);
+
+    pub(crate) fn new(level: usize, kind: Kind) -> Self {
+        Self((level * KINDS + kind as usize) as u8)
+    }
+
+    /// The level; `None` if the character is not shown.
+    #[inline]
+    pub(crate) fn level(self) -> Option<usize> {
+        (self != Self::HIDDEN).then_some(usize::from(self.0) / KINDS)
+    }
 }
 
 /// One visible character and its palette.
@@ -46,7 +70,7 @@ pub struct DrawGroup {
 pub struct RecordGroup {
     /// Level of the characters.
     pub level: usize,
-    /// Range of [`DrawList::records`].
+    /// Range of [`DrawList::recorded`], and of the records.
     pub records: Range<usize>,
     /// Number of matrices of one palette.
     pub matrices: usize,
@@ -62,8 +86,8 @@ pub struct DrawList {
     /// Records grouped by level; their characters are not among the draws.
     pub record_groups: Vec<RecordGroup>,
     /// Characters that the GPU blends, each from two palettes of the model's cache, in the order of
-    /// the groups.
-    pub records: Vec<BlendRecord>,
+    /// the groups; [`Crowd::evaluate_records`](super::Crowd::evaluate_records) writes their records.
+    pub recorded: Vec<u32>,
     /// Number of batches to evaluate, of up to eight poses each.
     pub batches: usize,
     /// Number of matrices that all batches write.
@@ -87,7 +111,7 @@ impl DrawList {
     /// Character of a set of morph target weights.
     pub(crate) fn character_of(&self, set: usize) -> usize {
         let draw = self.draws[..self.morph_draws].get(set);
-        let record = || self.records[set - self.morph_draws].character;
+        let record = || self.recorded[set - self.morph_draws];
         draw.map_or_else(record, |d| d.character) as usize
     }
 }
@@ -95,36 +119,108 @@ impl DrawList {
 /// Up to eight poses that are evaluated together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Batch {
-    first_job: u32,
+    /// Index of the first among the draws, or among the shared poses by level.
+    first: u32,
     first_matrix: u32,
-    jobs: u8,
-    /// Level and kind.
-    key: u8,
+    poses: u8,
+    level: u8,
+    jobs: Jobs,
 }
 
-/// Pose that a job evaluates: that of one character, or a shared one.
+/// Kind of the poses of a batch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Jobs {
+    /// Evaluated for one character each.
+    Own,
+    /// Blended from cached ones, for one character each.
+    Cached,
+    /// Evaluated for several characters.
+    Shared,
+}
+
+/// Pose that a batch evaluates: that of one character, or a shared one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Poser {
     Character(usize),
     Leader(usize),
 }
 
-const LEADER: u32 = 1 << 31;
+/// Characters by level and source of their pose, and the shared poses of those that follow one.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shown<'a> {
+    pub(crate) keys: &'a [Key],
+    pub(crate) cells: &'a [Cell],
+    /// Level of each shared pose.
+    pub(crate) leaders: &'a [u8],
+    /// Shared pose of each character that follows one.
+    pub(crate) leader_of: &'a [u32],
+}
 
-/// The plan of one frame. Jobs and characters that share a pose are listed by level as they are
-/// added, so nothing has to be sorted.
+/// Numbers of characters and poses of one level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct LevelCounts {
+    /// Poses evaluated for one character, those that blend two clips included.
+    pub(crate) own: usize,
+    pub(crate) blended: usize,
+    /// Poses evaluated for several characters, and these characters.
+    pub(crate) leaders: usize,
+    pub(crate) followers: usize,
+    /// Palettes blended from cached ones, and records of such blends.
+    pub(crate) cached: usize,
+    pub(crate) recorded: usize,
+}
+
+/// Where the next character of one level and source goes.
+#[derive(Debug, Clone, Copy, Default)]
+struct Slot {
+    at: u32,
+    matrix: u32,
+    /// Matrices of a palette.
+    step: u32,
+}
+
+/// The places of a plan while it is made.
+struct Room {
+    /// For each level and source the number of its characters, then where the next one goes.
+    slots: [Slot; KEYS],
+    /// The same of shared poses: numbers by level, and where the next one goes.
+    leaders: [usize; JointLods::MAX_LEVELS],
+    leader_slots: [Slot; JointLods::MAX_LEVELS],
+    /// Draws, records, matrices and shared poses that have a place.
+    draws: usize,
+    records: usize,
+    matrices: usize,
+    shared: usize,
+}
+
+impl Room {
+    fn counted(shown: Shown<'_>) -> Self {
+        let mut room = Self {
+            slots: [Slot::default(); KEYS],
+            leaders: [0; JointLods::MAX_LEVELS],
+            leader_slots: [Slot::default(); JointLods::MAX_LEVELS],
+            draws: 0,
+            records: 0,
+            matrices: 0,
+            shared: 0,
+        };
+        for (_, key) in listed(shown) {
+            room.slots[usize::from(key.0)].at += 1;
+        }
+        for level in shown.leaders {
+            room.leaders[usize::from(*level)] += 1;
+        }
+        room
+    }
+}
+
+/// The plan of one frame.
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {
-    characters: usize,
-    /// Poses to evaluate, `characters` entries for each level and kind.
-    posers: Vec<u32>,
-    jobs: Vec<u32>,
-    /// Characters that share a pose and the job of their level that evaluates it, `characters`
-    /// entries for each level.
-    followers: Vec<(u32, u32)>,
-    following: Vec<u32>,
-    /// Records in the order added, with their levels.
-    recorded: Vec<(u8, BlendRecord)>,
+    counts: Vec<LevelCounts>,
+    /// Shared poses by level, and the first matrix of each in the order of the shared poses.
+    leaders: Vec<u32>,
+    leader_matrices: Vec<u32>,
     batches: Vec<Batch>,
     drawn: DrawList,
 }
@@ -132,18 +228,15 @@ pub(crate) struct Plan {
 impl Plan {
     pub(crate) fn new(characters: usize, levels: usize) -> Self {
         Self {
-            characters,
-            posers: vec![0; characters * levels * KINDS],
-            jobs: vec![0; levels * KINDS],
-            followers: vec![(0, 0); characters * levels],
-            following: vec![0; levels],
-            recorded: Vec::with_capacity(characters),
+            counts: vec![LevelCounts::default(); levels],
+            leaders: Vec::with_capacity(characters),
+            leader_matrices: Vec::with_capacity(characters),
             batches: Vec::with_capacity(characters / LANES + levels * KINDS),
             drawn: DrawList {
                 groups: Vec::with_capacity(levels),
                 draws: Vec::with_capacity(characters),
                 record_groups: Vec::with_capacity(levels),
-                records: Vec::with_capacity(characters),
+                recorded: Vec::with_capacity(characters),
                 batches: 0,
                 matrices: 0,
                 morph_draws: 0,
@@ -152,82 +245,20 @@ impl Plan {
         }
     }
 
-    /// Clears the plan of the frame before.
-    pub(crate) fn clear(&mut self) {
-        self.jobs.fill(0);
-        self.following.fill(0);
-        self.recorded.clear();
-    }
-
-    /// Adds a character that the GPU blends.
-    #[inline]
-    pub(crate) fn record(&mut self, level: usize, record: BlendRecord) {
-        self.recorded.push((level as u8, record));
-    }
-
-    /// Adds a job; returns its index among those of its level and kind.
-    #[inline]
-    pub(crate) fn add(&mut self, level: usize, kind: Kind, poser: Poser) -> u32 {
-        let key = level * KINDS + kind as usize;
-        let at = self.jobs[key];
-        self.jobs[key] += 1;
-        self.posers[key * self.characters + at as usize] = match poser {
-            Poser::Character(c) => c as u32,
-            Poser::Leader(l) => l as u32 | LEADER,
-        };
-        at
-    }
-
-    /// Adds a character that shows the pose of a [`Kind::Clip`] job of its level.
-    #[inline]
-    pub(crate) fn follow(&mut self, level: usize, character: usize, job: u32) {
-        let at = self.following[level] as usize;
-        self.following[level] += 1;
-        self.followers[level * self.characters + at] = (character as u32, job);
-    }
-
-    /// Divides the jobs into batches of one level and kind, and fills the draw list. The first
-    /// `morph_levels` levels show morph targets.
-    pub(crate) fn finish(&mut self, palette: &PaletteMap, morph_levels: usize) {
+    /// Sorts the characters that are shown by level and source, in two passes: one counts, one
+    /// places. The first `morph_levels` levels show morph targets. O(characters).
+    pub(crate) fn make(&mut self, shown: Shown<'_>, palette: &PaletteMap, morph_levels: usize) {
+        let mut room = Room::counted(shown);
         self.batches.clear();
-        self.drawn.draws.clear();
         self.drawn.groups.clear();
-        let mut first_matrix = 0;
-        for level in 0..self.following.len() {
-            let matrices = palette.len(level);
-            let first_draw = self.drawn.draws.len();
-            let of_one_clip = first_matrix;
-            for key in level * KINDS..(level + 1) * KINDS {
-                let posers = &self.posers[key * self.characters..][..self.jobs[key] as usize];
-                cut(&mut self.batches, posers.len(), key, first_matrix, matrices);
-                for poser in posers {
-                    if poser & LEADER == 0 {
-                        self.drawn.draws.push(Draw {
-                            character: *poser,
-                            first_matrix: first_matrix as u32,
-                        });
-                    }
-                    first_matrix += matrices;
-                }
-            }
-            let count = self.following[level] as usize;
-            for (character, job) in &self.followers[level * self.characters..][..count] {
-                self.drawn.draws.push(Draw {
-                    character: *character,
-                    first_matrix: (of_one_clip + *job as usize * matrices) as u32,
-                });
-            }
-            if self.drawn.draws.len() > first_draw {
-                self.drawn.groups.push(DrawGroup {
-                    level,
-                    draws: first_draw..self.drawn.draws.len(),
-                    matrices,
-                });
-            }
+        self.drawn.record_groups.clear();
+        for level in 0..self.counts.len() {
+            self.lay_out(level, palette.len(level), &mut room);
         }
+        self.place_leaders(shown.leaders, &mut room.leader_slots);
+        self.place(shown, &mut room);
         self.drawn.batches = self.batches.len();
-        self.drawn.matrices = first_matrix;
-        self.sort_records(palette);
+        self.drawn.matrices = room.matrices;
         let drawn = &mut self.drawn;
         let groups = drawn.groups.iter().filter(|g| g.level < morph_levels);
         drawn.morph_draws = groups.map(|g| g.draws.len()).sum();
@@ -236,29 +267,118 @@ impl Plan {
         drawn.morph_records = groups.map(|g| g.records.len()).sum();
     }
 
-    fn sort_records(&mut self, palette: &PaletteMap) {
-        let mut next = [0usize; JointLods::MAX_LEVELS];
-        for (level, _) in &self.recorded {
-            next[usize::from(*level)] += 1;
+    /// Gives the characters and poses of a level, whose palettes have so many matrices, their places
+    /// behind those of the levels before.
+    fn lay_out(&mut self, level: usize, matrices: usize, room: &mut Room) {
+        let counts = [0, 1, 2, 3, 4].map(|kind| room.slots[level * KINDS + kind].at as usize);
+        let [clip, blend, cached, follow, record] = counts;
+        let leaders = room.leaders[level];
+        self.counts[level] = LevelCounts {
+            own: clip + blend,
+            blended: blend,
+            leaders,
+            followers: follow,
+            cached,
+            recorded: record,
+        };
+        let mut batch = Batch {
+            first: 0,
+            first_matrix: 0,
+            poses: 0,
+            level: level as u8,
+            jobs: Jobs::Own,
+        };
+        let first_draw = room.draws;
+        for (kind, count) in [
+            (Kind::Clip, clip),
+            (Kind::Blend, blend),
+            (Kind::Cached, cached),
+        ] {
+            room.slots[level * KINDS + kind as usize] = Slot {
+                at: room.draws as u32,
+                matrix: room.matrices as u32,
+                step: matrices as u32,
+            };
+            batch.jobs = match kind {
+                Kind::Cached => Jobs::Cached,
+                _ => Jobs::Own,
+            };
+            let at = (room.draws, room.matrices);
+            cut(&mut self.batches, batch, count, at, matrices);
+            room.draws += count;
+            room.matrices += count * matrices;
         }
-        self.drawn.record_groups.clear();
-        let mut first = 0;
-        for (level, next) in next.iter_mut().enumerate().take(self.following.len()) {
-            let count = std::mem::replace(next, first);
-            if count > 0 {
-                self.drawn.record_groups.push(RecordGroup {
-                    level,
-                    records: first..first + count,
-                    matrices: palette.len(level),
-                });
+        batch.jobs = Jobs::Shared;
+        let at = (room.shared, room.matrices);
+        cut(&mut self.batches, batch, leaders, at, matrices);
+        room.leader_slots[level] = Slot {
+            at: room.shared as u32,
+            matrix: room.matrices as u32,
+            step: matrices as u32,
+        };
+        room.shared += leaders;
+        room.matrices += leaders * matrices;
+        room.slots[level * KINDS + Kind::Follow as usize].at = room.draws as u32;
+        room.draws += follow;
+        if room.draws > first_draw {
+            self.drawn.groups.push(DrawGroup {
+                level,
+                draws: first_draw..room.draws,
+                matrices,
+            });
+        }
+        room.slots[level * KINDS + Kind::Record as usize].at = room.records as u32;
+        if record > 0 {
+            self.drawn.record_groups.push(RecordGroup {
+                level,
+                records: room.records..room.records + record,
+                matrices,
+            });
+        }
+        room.records += record;
+    }
+
+    /// Puts every character into its place.
+    fn place(&mut self, shown: Shown<'_>, room: &mut Room) {
+        let nobody = Draw {
+            character: 0,
+            first_matrix: 0,
+        };
+        self.drawn.draws.resize(room.draws, nobody);
+        self.drawn.recorded.resize(room.records, 0);
+        for (character, key) in listed(shown) {
+            let slot = &mut room.slots[usize::from(key.0)];
+            let at = slot.at as usize;
+            slot.at += 1;
+            let kind = usize::from(key.0) % KINDS;
+            if kind <= Kind::Cached as usize {
+                self.drawn.draws[at] = Draw {
+                    character: character as u32,
+                    first_matrix: slot.matrix,
+                };
+                slot.matrix += slot.step;
+            } else if kind == Kind::Record as usize {
+                self.drawn.recorded[at] = character as u32;
+            } else {
+                let leader = shown.leader_of[character] as usize;
+                self.drawn.draws[at] = Draw {
+                    character: character as u32,
+                    first_matrix: self.leader_matrices[leader],
+                };
             }
-            first += count;
         }
-        self.drawn.records.resize(first, BlendRecord::default());
-        for (level, record) in &self.recorded {
-            let at = &mut next[usize::from(*level)];
-            self.drawn.records[*at] = *record;
-            *at += 1;
+    }
+
+    /// Sorts the shared poses by level.
+    fn place_leaders(&mut self, levels: &[u8], next: &mut [Slot]) {
+        self.leaders.resize(levels.len(), 0);
+        self.leader_matrices.clear();
+        for (leader, level) in levels.iter().enumerate() {
+            let slot = &mut next[usize::from(*level)];
+            self.leaders[slot.at as usize] = leader as u32;
+            self.leader_matrices.push(slot.matrix);
+            slot.at += 1;
+            slot.matrix += slot.step;
         }
     }
 
@@ -270,6 +390,11 @@ impl Plan {
         &self.drawn
     }
 
+    /// Numbers of characters and poses by level.
+    pub(crate) fn counts(&self) -> &[LevelCounts] {
+        &self.counts
+    }
+
     /// Index of the first matrix of a batch, or the number of all matrices beyond the last one.
     pub(crate) fn first_matrix(&self, batch: usize) -> usize {
         let at = self.batches.get(batch);
@@ -278,23 +403,44 @@ impl Plan {
 
     /// Poses that a batch evaluates.
     pub(crate) fn posers(&self, batch: &Batch) -> impl Iterator<Item = Poser> + '_ {
-        let first = usize::from(batch.key) * self.characters + batch.first_job as usize;
-        let posers = &self.posers[first..first + usize::from(batch.jobs)];
-        posers.iter().map(|&p| match p & LEADER {
-            0 => Poser::Character(p as usize),
-            _ => Poser::Leader((p & !LEADER) as usize),
+        let at = batch.first as usize..batch.first as usize + batch.poses();
+        let is_shared = batch.jobs == Jobs::Shared;
+        at.map(move |i| {
+            if is_shared {
+                Poser::Leader(self.leaders[i] as usize)
+            } else {
+                Poser::Character(self.drawn.draws[i].character as usize)
+            }
         })
     }
 }
 
-/// Adds the batches of the jobs of one level and kind.
-fn cut(batches: &mut Vec<Batch>, jobs: usize, key: usize, first_matrix: usize, matrices: usize) {
-    for first in (0..jobs).step_by(LANES) {
+/// Characters that are shown, cell by cell, with their keys.
+#[inline]
+fn listed(shown: Shown<'_>) -> impl Iterator<Item = (usize, Key)> + '_ {
+    let cells = shown.cells.iter().zip(shown.keys.chunks(CELL)).enumerate();
+    let seen = cells.filter(|(_, (cell, _))| cell.visible > 0);
+    seen.flat_map(|(c, (_, keys))| {
+        let keys = keys.iter().enumerate();
+        let keys = keys.filter(|(_, key)| **key != Key::HIDDEN);
+        keys.map(move |(i, key)| (c * CELL + i, *key))
+    })
+}
+
+/// Adds batches like `batch` for so many poses, from a first pose and matrix on.
+fn cut(
+    batches: &mut Vec<Batch>,
+    batch: Batch,
+    poses: usize,
+    (first_pose, first_matrix): (usize, usize),
+    matrices: usize,
+) {
+    for first in (0..poses).step_by(LANES) {
         batches.push(Batch {
-            first_job: first as u32,
+            first: (first_pose + first) as u32,
             first_matrix: (first_matrix + first * matrices) as u32,
-            jobs: (jobs - first).min(LANES) as u8,
-            key: key as u8,
+            poses: (poses - first).min(LANES) as u8,
+            ..batch
         });
     }
 }
@@ -302,92 +448,122 @@ fn cut(batches: &mut Vec<Batch>, jobs: usize, key: usize, first_matrix: usize, m
 impl Batch {
     /// Whether cached palettes are blended.
     pub(crate) fn is_cached(&self) -> bool {
-        usize::from(self.key) % KINDS == Kind::Cached as usize
+        self.jobs == Jobs::Cached
     }
 
     /// Level of its poses.
     pub(crate) fn level(&self) -> usize {
-        usize::from(self.key) / KINDS
+        usize::from(self.level)
     }
 
     /// Number of its poses, 1 to 8.
     pub(crate) fn poses(&self) -> usize {
-        usize::from(self.jobs)
+        usize::from(self.poses)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::crowd::places::WorldBounds;
     use crate::joint_set::JointSet;
     use crate::rig::tests::rig_of;
     use glam::Vec3;
 
-    #[test]
-    fn a_plan_by_hand() {
+    /// Three matrices at the first level, one at the second.
+    fn palette() -> PaletteMap {
         let rig = rig_of(&[
             (None, Vec3::ZERO, 0),
             (Some(0), Vec3::Y, 0),
             (Some(1), Vec3::Y, 0),
         ]);
-        // Three matrices at the first level, one at the second.
         let sets = [JointSet::first(1)];
-        let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let palette = PaletteMap::joints(&joint_lods);
-        let mut plan = Plan::new(30, 2);
+        PaletteMap::joints(&JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap())
+    }
+
+    #[test]
+    fn a_plan_by_hand() {
+        let palette = palette();
+        let mut keys = vec![Key::HIDDEN; 70];
+        for (characters, level, kind) in [
+            (10..19, 1, Kind::Clip),
+            (5..6, 0, Kind::Clip),
+            (7..8, 0, Kind::Blend),
+            (8..10, 0, Kind::Follow),
+            (20..21, 1, Kind::Cached),
+            (21..22, 1, Kind::Record),
+            (22..23, 0, Kind::Record),
+            (69..70, 1, Kind::Record),
+        ] {
+            keys[characters].fill(Key::new(level, kind));
+        }
+        // One more shared pose than is used, and of another level.
+        let mut leader_of = vec![0; 70];
+        leader_of[8..10].fill(1);
+        let mut cells = WorldBounds::new(70).cells;
+        cells.iter_mut().for_each(|c| c.visible = 1);
+        let mut plan = Plan::new(70, 2);
         for _ in 0..2 {
-            plan.clear();
-            for character in 10..19 {
-                plan.add(1, Kind::Clip, Poser::Character(character));
-            }
-            assert_eq!(plan.add(0, Kind::Clip, Poser::Character(5)), 0);
-            assert_eq!(plan.add(0, Kind::Blend, Poser::Character(7)), 0);
-            let job = plan.add(0, Kind::Clip, Poser::Leader(4));
-            assert_eq!(job, 1);
-            plan.follow(0, 8, job);
-            plan.follow(0, 9, job);
-            plan.add(1, Kind::Cached, Poser::Character(20));
-            let record = |character| BlendRecord {
-                character,
-                ..BlendRecord::default()
+            let shown = Shown {
+                keys: &keys,
+                cells: &cells,
+                leaders: &[1, 0],
+                leader_of: &leader_of,
             };
-            plan.record(1, record(21));
-            plan.record(0, record(22));
-            plan.record(1, record(23));
             // Without levels that show morph targets, with the first one, and with all.
             for (levels, sets) in [(0, (0, 0)), (2, (14, 3)), (1, (4, 1))] {
-                plan.finish(&palette, levels);
+                plan.make(shown, &palette, levels);
                 let list = plan.draw_list();
                 assert_eq!((list.morph_draws, list.morph_records), sets);
             }
             let list = plan.draw_list();
             let characters: Vec<usize> = (0..5).map(|set| list.character_of(set)).collect();
             assert_eq!(characters, [5, 7, 8, 9, 22]);
-            // At the first level the matrices of clips, then of blends; shared poses are no draws.
-            let mut expected = vec![(5, 0), (7, 6), (8, 3), (9, 3)];
+            // At the first level the matrices of clips, of blends and of shared poses.
+            let mut expected = vec![(5, 0), (7, 3), (8, 6), (9, 6)];
             expected.extend((0..10).map(|i| (if i < 9 { 10 + i } else { 20 }, 9 + i)));
             let draws = list.draws.iter().map(|d| (d.character, d.first_matrix));
             assert_eq!(draws.collect::<Vec<_>>(), expected);
             let groups = list.groups.iter();
             let groups = groups.map(|g| (g.level, g.draws.clone(), g.matrices));
             assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..4, 3), (1, 4..14, 1)]);
-            assert_eq!((list.batches, list.matrices), (5, 19));
-            let records: Vec<u32> = list.records.iter().map(|r| r.character).collect();
-            assert_eq!(records, [22, 21, 23]);
+            assert_eq!((list.batches, list.matrices), (7, 20));
+            assert_eq!(list.recorded, [22, 21, 69]);
             let groups = list.record_groups.iter();
             let groups = groups.map(|g| (g.level, g.records.clone(), g.matrices));
             assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..1, 3), (1, 1..3, 1)]);
             let batches = plan.batches().iter();
             let batches = batches.map(|b| (b.level(), b.poses(), b.is_cached()));
-            let expected = [(0, 2, false), (0, 1, false), (1, 8, false), (1, 1, false)];
-            let expected: Vec<_> = expected.into_iter().chain([(1, 1, true)]).collect();
+            let mut expected = vec![(0, 1, false); 3];
+            expected.extend([(1, 8, false), (1, 1, false), (1, 1, true), (1, 1, false)]);
             assert_eq!(batches.collect::<Vec<_>>(), expected);
-            let first: Vec<usize> = (0..7).map(|b| plan.first_matrix(b)).collect();
-            assert_eq!(first, [0, 6, 9, 17, 18, 19, 19]);
-            let posers: Vec<Poser> = plan.posers(&plan.batches()[0]).collect();
-            assert_eq!(posers, [Poser::Character(5), Poser::Leader(4)]);
-            let posers: Vec<Poser> = plan.posers(&plan.batches()[3]).collect();
-            assert_eq!(posers, [Poser::Character(18)]);
+            let first: Vec<usize> = (0..9).map(|b| plan.first_matrix(b)).collect();
+            assert_eq!(first, [0, 3, 6, 9, 17, 18, 19, 20, 20]);
+            let posers = |b: usize| plan.posers(&plan.batches()[b]).collect::<Vec<_>>();
+            assert_eq!(posers(1), [Poser::Character(7)]);
+            assert_eq!(posers(2), [Poser::Leader(1)]);
+            assert_eq!(posers(4), [Poser::Character(18)]);
+            assert_eq!(posers(6), [Poser::Leader(0)]);
+            let counts = LevelCounts {
+                own: 2,
+                blended: 1,
+                leaders: 1,
+                followers: 2,
+                cached: 0,
+                recorded: 1,
+            };
+            assert_eq!(plan.counts()[0], counts);
         }
+        // What no view sees is not even looked up.
+        cells[0].visible = 0;
+        let shown = Shown {
+            keys: &keys,
+            cells: &cells,
+            leaders: &[],
+            leader_of: &leader_of,
+        };
+        plan.make(shown, &palette, 0);
+        assert_eq!(plan.draw_list().recorded, [69]);
+        assert_eq!((plan.draw_list().draws.len(), plan.batches().len()), (0, 0));
     }
 }

@@ -102,6 +102,8 @@ impl FromStr for Backend {
 pub(crate) trait Lanes: Copy {
     /// A weight for each lane, laid out for [`Lanes::lerp_rows`].
     type Weights: Copy;
+    /// Truth of a comparison in each lane.
+    type Mask: Copy;
 
     fn splat(value: f32) -> Self;
     fn load(from: &Tile) -> Self;
@@ -113,6 +115,20 @@ pub(crate) trait Lanes: Copy {
     fn sqrt(self) -> Self;
     /// One with the sign of each lane.
     fn sign(self) -> Self;
+    fn abs(self) -> Self;
+    /// The lesser, and `other` where they are equal or either is NaN.
+    fn min(self, other: Self) -> Self;
+    /// The greater, and `other` where they are equal or either is NaN.
+    fn max(self, other: Self) -> Self;
+    /// Where this is less than `other`, and not NaN.
+    fn less(self, other: Self) -> Self::Mask;
+    /// Where this is at most `other`, and not NaN.
+    fn at_most(self, other: Self) -> Self::Mask;
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// `yes` where the mask is true, `no` elsewhere.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// A mask as bits, the first lane lowest.
+    fn bits(mask: Self::Mask) -> u8;
     fn weights(weights: &[f32; LANES]) -> Self::Weights;
     /// `before + (after - before) * weight`, row by row, transposed so that each of the four
     /// results holds one component of all lanes.
@@ -211,8 +227,17 @@ mod tests {
                 self.weights[0],
                 &mut blended,
             );
+            let mask = L::both(x.less(y), z.at_most(q));
+            let picked = [x.min(y), z.max(q), y.sub(z).abs(), L::select(mask, x, z)];
+            let mut more = [Tile::ZERO; 4];
+            for (picked, more) in picked.into_iter().zip(&mut more) {
+                picked.store(more);
+            }
             let numbers = rows.iter().flatten().chain(&tile.0);
             self.out.extend(numbers.map(|v| v.to_bits()));
+            self.out.push(u32::from(L::bits(mask)));
+            let more = more.iter().flat_map(|m| &m.0);
+            self.out.extend(more.map(|v| v.to_bits()));
             self.out
                 .extend(halves.iter().flatten().map(|h| u32::from(*h)));
             self.out.extend(blended.map(u32::from));
@@ -240,6 +265,42 @@ mod tests {
             let z = a + (b - a) * weights[3];
             let row = &plain[(3 * 2 + 1) * 4..];
             prop_assert_eq!(f32::from_bits(row[2]), (z * z + 0.5).sqrt());
+        }
+    }
+
+    /// Comparisons of numbers that are none, or equal.
+    struct Odd<'a>(&'a mut Vec<u32>);
+
+    impl Kernel for Odd<'_> {
+        #[inline(always)]
+        fn run<L: Lanes>(self) {
+            let nan = f32::NAN;
+            let a = L::load(&Tile([nan, 1.0, nan, 2.0, 0.0, -0.0, f32::INFINITY, 3.0]));
+            let b = L::load(&Tile([1.0, nan, nan, 2.0, -0.0, 0.0, f32::INFINITY, -3.0]));
+            let mut tiles = [Tile::ZERO; 3];
+            let picked = [a.min(b), a.max(b), L::select(a.less(b), a, b)];
+            for (picked, tile) in picked.into_iter().zip(&mut tiles) {
+                picked.store(tile);
+            }
+            self.0
+                .extend(tiles.iter().flat_map(|t| t.0.map(f32::to_bits)));
+            self.0
+                .extend([a.less(b), a.at_most(b)].map(|m| u32::from(L::bits(m))));
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_neither_less_nor_equal() {
+        for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+            let mut out = Vec::new();
+            dispatch(backend, Odd(&mut out));
+            let second = [1.0, f32::NAN, f32::NAN, 2.0, -0.0, 0.0, f32::INFINITY];
+            for (first, lesser) in [(0, -3.0), (8, 3.0), (16, -3.0)] {
+                let found = &out[first..first + 8];
+                let expected = second.iter().chain([&lesser]).map(|v| v.to_bits());
+                assert!(found.iter().copied().eq(expected), "{backend}: {found:?}");
+            }
+            assert_eq!(out[24..], [0, 0b0111_1000], "{backend}");
         }
     }
 

@@ -16,10 +16,20 @@ impl Plain {
         }
         Self(out)
     }
+
+    #[inline(always)]
+    fn compare(self, other: Self, f: impl Fn(f32, f32) -> bool) -> [bool; LANES] {
+        let mut out = [false; LANES];
+        for (out, (a, b)) in out.iter_mut().zip(self.0.into_iter().zip(other.0)) {
+            *out = f(a, b);
+        }
+        out
+    }
 }
 
 impl Lanes for Plain {
     type Weights = [f32; LANES];
+    type Mask = [bool; LANES];
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
@@ -64,6 +74,49 @@ impl Lanes for Plain {
     #[inline(always)]
     fn sign(self) -> Self {
         Self(self.0.map(|v| 1f32.copysign(v)))
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.map(f32::abs))
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.each(other, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.each(other, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> [bool; LANES] {
+        self.compare(other, |a, b| a < b)
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> [bool; LANES] {
+        self.compare(other, |a, b| a <= b)
+    }
+
+    #[inline(always)]
+    fn both(a: [bool; LANES], b: [bool; LANES]) -> [bool; LANES] {
+        std::array::from_fn(|lane| a[lane] && b[lane])
+    }
+
+    #[inline(always)]
+    fn select(mask: [bool; LANES], yes: Self, no: Self) -> Self {
+        Self(std::array::from_fn(|lane| {
+            if mask[lane] { yes.0[lane] } else { no.0[lane] }
+        }))
+    }
+
+    #[inline(always)]
+    fn bits(mask: [bool; LANES]) -> u8 {
+        let lanes = mask.into_iter().enumerate();
+        lanes.fold(0, |bits, (lane, is)| bits | u8::from(is) << lane)
     }
 
     #[inline(always)]

@@ -71,6 +71,7 @@ fn loaded(row: &Row) -> v128 {
 
 impl Lanes for Simd128 {
     type Weights = [v128; LANES];
+    type Mask = [v128; 2];
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
@@ -123,6 +124,48 @@ impl Lanes for Simd128 {
     fn sign(self) -> Self {
         let sign = f32x4_splat(-0.0);
         Self(self.0.map(|v| v128_or(v128_and(v, sign), f32x4_splat(1.0))))
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.map(f32x4_abs))
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // The pseudo-minimum keeps its first operand unless the second is less.
+        self.each(other, |a, b| f32x4_pmin(b, a))
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.each(other, |a, b| f32x4_pmax(b, a))
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> [v128; 2] {
+        self.each(other, f32x4_lt).0
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> [v128; 2] {
+        self.each(other, f32x4_le).0
+    }
+
+    #[inline(always)]
+    fn both(a: [v128; 2], b: [v128; 2]) -> [v128; 2] {
+        Self(a).each(Self(b), v128_and).0
+    }
+
+    #[inline(always)]
+    fn select(mask: [v128; 2], yes: Self, no: Self) -> Self {
+        let pick = |i: usize| v128_bitselect(yes.0[i], no.0[i], mask[i]);
+        Self([pick(0), pick(1)])
+    }
+
+    #[inline(always)]
+    fn bits([low, high]: [v128; 2]) -> u8 {
+        i32x4_bitmask(low) | i32x4_bitmask(high) << 4
     }
 
     #[inline(always)]

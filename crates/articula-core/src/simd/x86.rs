@@ -111,6 +111,7 @@ unsafe fn halves(low: f32, high: f32) -> __m256 {
 
 impl Lanes for Avx2 {
     type Weights = [__m256; 4];
+    type Mask = __m256;
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
@@ -167,6 +168,54 @@ impl Lanes for Avx2 {
             let sign = _mm256_and_ps(self.0, _mm256_set1_ps(-0.0));
             Self(_mm256_or_ps(sign, _mm256_set1_ps(1.0)))
         }
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: see `splat`.
+        unsafe { Self(_mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0)) }
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: see `splat`.
+        unsafe { Self(_mm256_min_ps(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: see `splat`.
+        unsafe { Self(_mm256_max_ps(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> __m256 {
+        // SAFETY: see `splat`.
+        unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> __m256 {
+        // SAFETY: see `splat`.
+        unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) }
+    }
+
+    #[inline(always)]
+    fn both(a: __m256, b: __m256) -> __m256 {
+        // SAFETY: see `splat`.
+        unsafe { _mm256_and_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn select(mask: __m256, yes: Self, no: Self) -> Self {
+        // SAFETY: see `splat`.
+        unsafe { Self(_mm256_blendv_ps(no.0, yes.0, mask)) }
+    }
+
+    #[inline(always)]
+    fn bits(mask: __m256) -> u8 {
+        // SAFETY: see `splat`.
+        unsafe { _mm256_movemask_ps(mask) as u8 }
     }
 
     // No closures and no iterators over vectors from here on: they would be compiled without the
@@ -309,6 +358,7 @@ fn turned_quarter(rows: [__m128; 4]) -> [__m128; 4] {
 
 impl Lanes for Sse2 {
     type Weights = [__m128; LANES];
+    type Mask = [__m128; 2];
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
@@ -370,6 +420,61 @@ impl Lanes for Sse2 {
             let sign = _mm_and_ps(v, _mm_set1_ps(-0.0));
             _mm_or_ps(sign, _mm_set1_ps(1.0))
         }))
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: see `splat`.
+        Self(
+            self.0
+                .map(|v| unsafe { _mm_andnot_ps(_mm_set1_ps(-0.0), v) }),
+        )
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: see `splat`.
+        self.each(other, |a, b| unsafe { _mm_min_ps(a, b) })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: see `splat`.
+        self.each(other, |a, b| unsafe { _mm_max_ps(a, b) })
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> [__m128; 2] {
+        // SAFETY: see `splat`.
+        self.each(other, |a, b| unsafe { _mm_cmplt_ps(a, b) }).0
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> [__m128; 2] {
+        // SAFETY: see `splat`.
+        self.each(other, |a, b| unsafe { _mm_cmple_ps(a, b) }).0
+    }
+
+    #[inline(always)]
+    fn both(a: [__m128; 2], b: [__m128; 2]) -> [__m128; 2] {
+        // SAFETY: see `splat`.
+        Self(a).each(Self(b), |a, b| unsafe { _mm_and_ps(a, b) }).0
+    }
+
+    #[inline(always)]
+    fn select(mask: [__m128; 2], yes: Self, no: Self) -> Self {
+        // SAFETY: see `splat`.
+        let yes = Self(mask).each(yes, |m, v| unsafe { _mm_and_ps(m, v) });
+        // SAFETY: see `splat`.
+        let no = Self(mask).each(no, |m, v| unsafe { _mm_andnot_ps(m, v) });
+        // SAFETY: see `splat`.
+        yes.each(no, |a, b| unsafe { _mm_or_ps(a, b) })
+    }
+
+    #[inline(always)]
+    fn bits([low, high]: [__m128; 2]) -> u8 {
+        // SAFETY: see `splat`.
+        unsafe { (_mm_movemask_ps(low) | _mm_movemask_ps(high) << 4) as u8 }
     }
 
     #[inline(always)]

@@ -49,7 +49,7 @@ pub struct CullResult {
 
 /// Number of pixels that one metre spans.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum PixelDensity {
+pub(super) enum PixelDensity {
     /// Value at a depth of one metre, falling with depth: perspective.
     AtOneMetre(f32),
     /// Value at any depth: parallel projection.
@@ -69,11 +69,11 @@ impl PixelDensity {
 /// One view of the world: a camera, an eye of a headset, a mirror, a shadow map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View<'a> {
-    frustum: Frustum,
-    density: PixelDensity,
-    cull_margin_metres: f32,
-    cull_margin_radians: f32,
-    occluded: &'a [f32],
+    pub(super) frustum: Frustum,
+    pub(super) density: PixelDensity,
+    pub(super) cull_margin_metres: f32,
+    pub(super) cull_margin_radians: f32,
+    pub(super) occluded: &'a [f32],
 }
 
 impl<'a> View<'a> {
@@ -282,7 +282,7 @@ pub fn cull(views: &[View<'_>], bodies: Bodies<'_>, out: &mut [CullResult]) {
 }
 
 /// Maximum of a cull margin in metres, so that no infinite margin times a turn of 0 gives NaN.
-const FARTHEST_METRES: f32 = 1e18;
+pub(super) const FARTHEST_METRES: f32 = 1e18;
 
 const GROUPS: usize = 16;
 const BLOCK: usize = LANES * GROUPS;

@@ -7,6 +7,7 @@
 
 mod cull;
 mod frustum;
+mod look;
 mod occlusion;
 mod world_bounds;
 
@@ -14,5 +15,6 @@ pub use cull::{
     ApproachSpeed, Bodies, CullResult, MIN_DEPTH_METRES, View, Visibility, cull, secs_until_grown,
 };
 pub use frustum::Tangents;
+pub(crate) use look::{Bands, BoxSight, Sight, Spheres, look, look_at_box, look_at_one};
 pub use occlusion::Occlusion;
-pub(crate) use world_bounds::{Places, carry};
+pub(crate) use world_bounds::{carry_four, filled};

@@ -3,16 +3,15 @@
 //! complete events for hidden characters, no allocation in a frame.
 
 use crate::random_rig::{Options, figure};
-use articula_core::budget::{BudgetPolicy, CostModel};
 use articula_core::crowd::{
     CacheUse, CharacterState, ClipEvent, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdParts,
-    CrowdReport, Culling, Detail, Frame, RootDelta, RootTrajectory,
+    CrowdReport, Culling, Detail, Frame, Moved, RootDelta, RootTrajectory,
 };
 use articula_core::visibility::View;
 use articula_core::{
-    Backend, Bound, CachedKeys, CachedRows, Camera, Clip, ClipBounds, ClipLodErrors, ClipSet,
-    ClipStorage, JointLods, JointSet, LodErrors, ModelPose, MotionBounds, PaletteForm, PaletteMap,
-    PaletteRows, PoseCache, Rig, Sphere, Viewport, Wrap, local_to_model, sample,
+    Backend, BlendRecord, Bound, CachedKeys, CachedRows, Camera, Clip, ClipBounds, ClipLodErrors,
+    ClipSet, ClipStorage, JointLods, JointSet, LodErrors, ModelPose, MotionBounds, PaletteForm,
+    PaletteMap, PaletteRows, PoseCache, Rig, Sphere, Viewport, Wrap, local_to_model, sample,
 };
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
@@ -106,6 +105,7 @@ impl Square {
             dt_secs: 1.0 / 60.0,
             positions: &self.positions,
             rotations: &self.rotations,
+            moved: Moved::All,
             scales: &[],
             cull_margin_metres: &[],
             importance: &[],
@@ -127,6 +127,16 @@ fn palettes(crowd: &Crowd, model: &CrowdModel) -> Vec<[f32; 4]> {
     let all = 0..crowd.draw_list().batches;
     crowd.evaluate(model, all, PaletteRows::Float(&mut rows), &mut scratch);
     rows
+}
+
+/// The records of a frame, written in three parts.
+pub(crate) fn records(crowd: &Crowd, model: &CrowdModel) -> Vec<BlendRecord> {
+    let count = crowd.draw_list().recorded.len();
+    let mut all = vec![BlendRecord::default(); count];
+    for part in [0..count / 3, count / 3..count / 2, count / 2..count] {
+        crowd.evaluate_records(model, part.clone(), &mut all[part]);
+    }
+    all
 }
 
 fn origin(rows: &[[f32; 4]], matrix: usize) -> Vec3 {
@@ -263,65 +273,16 @@ fn a_frame_allocates_nothing() {
     assert!(heard > 100);
 }
 
-/// Errors are lengths of the model, so under a budget a character of twice the size needs the finer
-/// level, even against one that is a little more important.
-#[test]
-fn a_budget_counts_the_scale_of_a_character() {
-    let (rig, clips, sets) = fixed_figure();
-    let model = model(&rig, &clips, &sets);
-    let camera = camera();
-    let views = [View::of(&camera)];
-    let mut differed = false;
-    for (scales, large, small) in [([2.0, 1.0], 0, 1), ([1.0, 2.0], 1, 0)] {
-        let mut crowd = Crowd::new(&model, 2);
-        let policy = BudgetPolicy {
-            cap_px: f32::INFINITY,
-            ..BudgetPolicy::default()
-        };
-        let costs = CostModel::default();
-        crowd.set_budget(&model, policy, &costs).unwrap();
-        let mut importance = [1.0; 2];
-        importance[small] = 1.5;
-        for step in 0..80 {
-            let frame = Frame {
-                dt_secs: 0.0,
-                positions: &[Vec3::new(-2.0, 0.0, -60.0), Vec3::new(2.0, 0.0, -60.0)],
-                rotations: &[Quat::IDENTITY; 2],
-                scales: &scales,
-                cull_margin_metres: &[],
-                importance: &importance,
-                culling: Culling::Views(&views),
-                detail: Detail::Budget {
-                    cost: 10.0 * 1.15f32.powi(step),
-                },
-                share: false,
-                cache: CacheUse::Never,
-            };
-            crowd.tick(&model, &frame, &mut |_| {});
-            let level = |c: usize| crowd.level(c).unwrap();
-            assert!(level(large) <= level(small), "step {step} of {scales:?}");
-            differed |= level(large) < level(small);
-        }
-    }
-    assert!(differed, "no budget lay between the two");
-}
-
 /// Acceptance test 9: a character that walks into view from the side is shown correctly in its
 /// first visible frame, and all its events were delivered.
 #[test]
 fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
     let (rig, clips, sets) = fixed_figure();
     let duration = clips[0].duration_secs();
-    let marks = [
-        ClipEvent {
-            secs: duration * 0.25,
-            id: 1,
-        },
-        ClipEvent {
-            secs: duration * 0.75,
-            id: 2,
-        },
-    ];
+    let marks = [(0.25, 1), (0.75, 2)].map(|(part, id)| ClipEvent {
+        secs: duration * part,
+        id,
+    });
     // One metre ahead in each loop of the clip.
     let ahead = RootDelta {
         offset: Vec3::Z,
@@ -347,6 +308,7 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
             dt_secs,
             positions: &positions,
             rotations: &rotations,
+            moved: Moved::All,
             scales: &[],
             cull_margin_metres: &[],
             importance: &[],
@@ -460,6 +422,7 @@ proptest! {
                 dt_secs: *dt_secs,
                 positions: &positions,
                 rotations: &rotations,
+                moved: Moved::All,
                 scales: &scales,
                 cull_margin_metres: &scales,
                 importance: &scales,
@@ -531,8 +494,9 @@ fn what_does_not_belong_together_is_refused() {
     other.cache.clone_from(&cached.parts().cache);
     other.form = PaletteForm::HalfMatrix;
     assert_eq!(at(other), "cache");
-    // Playback state, level, range in which it is kept, bound and its time.
-    assert_eq!(Crowd::BYTES_PER_CHARACTER, 32 + 1 + 8 + 16 + 4);
+    // Playback state, bound in the model and in the world, level and source, option, and the range
+    // in which they are kept.
+    assert_eq!(Crowd::BYTES_PER_CHARACTER, 20 + 16 + 16 + 1 + 1 + 8);
 }
 
 /// A cache of the first and last pose of each clip at every level but the finest, with a stated
@@ -594,7 +558,7 @@ fn cached_poses_are_blended_by_either_side() {
     let draws = crowd.draw_list().draws.to_vec();
     assert!(by_cpu.cached > 20 && by_cpu.own > 2);
     assert_eq!(
-        (draws.len(), crowd.draw_list().records.len()),
+        (draws.len(), crowd.draw_list().recorded.len()),
         (by_cpu.visible, 0)
     );
     assert!(by_cpu.bound_px <= 3.0);
@@ -603,15 +567,16 @@ fn cached_poses_are_blended_by_either_side() {
     let by_gpu = crowd.tick(&model, &frame, &mut |_| {});
     assert!(by_gpu.cached >= by_cpu.cached);
     assert_eq!(
-        crowd.draw_list().draws.len() + crowd.draw_list().records.len(),
+        crowd.draw_list().draws.len() + crowd.draw_list().recorded.len(),
         by_gpu.visible
     );
     let CachedRows::Float(cached) = model.parts().cache.as_ref().unwrap().rows() else {
         panic!("cached in f32");
     };
+    let all = records(&crowd, &model);
     let mut compared = 0;
     for group in &crowd.draw_list().record_groups {
-        for record in &crowd.draw_list().records[group.records.clone()] {
+        for record in &all[group.records.clone()] {
             let level = crowd.level(record.character as usize);
             assert_eq!(level, Some(group.level));
             let mut of_character = draws.iter().filter(|d| d.character == record.character);

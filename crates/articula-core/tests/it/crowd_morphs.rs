@@ -90,8 +90,8 @@ fn owners(list: &DrawList) -> Vec<(usize, usize)> {
         draws.iter().map(|d| (d.character as usize, g.level))
     });
     let records = list.record_groups.iter().flat_map(|g| {
-        let records = &list.records[g.records.clone()];
-        records.iter().map(|r| (r.character as usize, g.level))
+        let records = &list.recorded[g.records.clone()];
+        records.iter().map(|r| (*r as usize, g.level))
     });
     let draws = draws.take(list.morph_draws);
     draws.chain(records.take(list.morph_records)).collect()
@@ -135,7 +135,7 @@ fn every_face_shows_its_own_clips_and_times() {
                 for ((character, level), found) in owners.into_iter().zip(sets) {
                     assert_eq!(crowd.level(character), Some(level));
                     let state = crowd.state(character);
-                    let expected = by_hand(state, &clips);
+                    let expected = by_hand(&state, &clips);
                     let near = |(a, b): (&f32, &f32)| (a - b).abs() < 1e-5;
                     assert!(
                         found.iter().zip(&expected).all(near),

@@ -120,7 +120,7 @@ fn of(path: &Path, opened: CharacterFile, frames: usize) -> Result<Option<Found>
         } else {
             0.0
         };
-        player.plan(step, None)?;
+        player.plan(step)?;
         player.player_mut().evaluate();
         if is_counted && (frame - WARM_UP).is_multiple_of(LOOK_EVERY) {
             let camera = player.camera()?;

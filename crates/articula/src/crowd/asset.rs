@@ -12,7 +12,8 @@ use crate::work::Executor;
 use articula_build::{Asset, CacheOptions, JointLodOptions, MergedLevels, skin_of};
 use articula_core::crowd::{CrowdModel, CrowdParts, RootTrajectory};
 use articula_core::{
-    Clip, ClipSet, ClipStorage, JointLods, LevelSkins, Mesh, MotionBounds, PaletteMap, Tracks,
+    Clip, ClipSet, ClipStorage, JointLods, LevelSkins, Mesh, MotionBounds, PaletteForm, PaletteMap,
+    Tracks,
 };
 use std::sync::Arc;
 
@@ -317,7 +318,9 @@ fn model(
     };
     let joint_lods = levels.joint_lods.clone();
     let clips = ClipSet::new(&asset.rig, joint_lods, &asset.clips, options.storage)?;
-    let cache = if options.pose_cache {
+    let is_cacheable = options.matrices == PaletteMatrices::Skin
+        && matches!(options.form, PaletteForm::Matrix | PaletteForm::HalfMatrix);
+    let cache = if options.pose_cache && is_cacheable {
         let opts = CacheOptions {
             form: options.form,
             seed: options.seed,

@@ -150,8 +150,8 @@ impl LevelTally {
             sums.groups += 1;
             sums.records += group.records.len();
             sums.characters += group.records.len();
-            for record in &crowd.draw_list().records[group.records.clone()] {
-                sums.see(player, group.level, record.character as usize);
+            for character in &crowd.draw_list().recorded[group.records.clone()] {
+                sums.see(player, group.level, *character as usize);
             }
         }
     }

@@ -238,7 +238,7 @@ impl ErrorMeter {
         let mut posed = PosedMesh::new(&full.rig, &full.mesh);
         posed.pose(&self.pose);
         if self.is_morphed {
-            let weights = self.true_weights(player);
+            let weights = self.true_weights(&player);
             pick(&posed.skinned(&weights), &self.vertices, &mut self.truth);
         } else {
             posed.points(&self.vertices, &mut self.truth);

@@ -5,7 +5,7 @@
 //! - [`ScenePlayer`]: a crowd driven by a scene with positions, cameras and cross-fades;
 //!   [`read_scene`]
 //! - [`put_in_place`]: removes root motion from clips that travel
-//! - [`BudgetController`]: derives the budget of the next frame from measured times
+//! - [`Budget`]: derives the tolerance of the next frame from measured times, for all crowds
 //! - [`ErrorMeter`], [`LevelTally`]: measured screen errors and statistics of the levels in use
 //!
 //! The [crate page](crate) has an example.
@@ -17,7 +17,6 @@
 //! and the threads that evaluate [`parts`](CrowdPlayer::parts).
 
 mod asset;
-mod budget;
 mod face_levels;
 mod in_place;
 mod level_use;
@@ -32,7 +31,6 @@ mod scene_file;
 mod scene_player;
 
 pub use asset::{CrowdAsset, CrowdLevel};
-pub use budget::{BudgetController, FrameBudget};
 pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelStatistics, LevelTally, MeasuredError};
 pub use lod_error::{
@@ -46,6 +44,8 @@ pub use player::{CrowdGroup, CrowdPlayer, FramePart, PoseSource};
 pub use scene_file::{MAX_MEMBERS, read_scene, write_scene};
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 
-pub use articula_core::crowd::{CacheUse, Crowd, CrowdEvent, CrowdReport, Culling, Detail, Draw};
+pub use articula_core::crowd::{
+    Budget, BudgetReport, CacheUse, Crowd, CrowdEvent, CrowdReport, Culling, Detail, Draw,
+};
 pub use articula_core::visibility::View;
 pub use articula_core::{Backend, Camera, ClipStorage, PaletteForm, Viewport};

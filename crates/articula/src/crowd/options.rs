@@ -69,7 +69,7 @@ pub struct CrowdOptions {
     pub form: PaletteForm,
     /// Memory layout of clips.
     pub storage: ClipStorage,
-    /// Whether poses are cached; needs [`PaletteMatrices::Skin`] and a form of matrices.
+    /// Whether poses are cached, if the palettes are [`PaletteMatrices::Skin`] in a form of matrices.
     pub pose_cache: bool,
     /// Instruction set; all produce the same bits.
     pub backend: Backend,

@@ -26,7 +26,7 @@ impl PaletteHash {
     pub fn add(&mut self, player: &CrowdPlayer) {
         let matrices = player.crowd().draw_list().matrices;
         self.add_rows(matrices, player.palettes());
-        self.add_records(&player.crowd().draw_list().records);
+        self.add_records(player.records());
         for weight in player.morph_weights() {
             self.add_word(u64::from(weight.to_bits()));
         }

@@ -3,14 +3,13 @@
 //! A thin layer over the core's [`Crowd`], which stays accessible.
 
 use super::asset::CrowdAsset;
-use super::budget::FrameBudget;
 use super::options::PaletteMatrices;
 use super::palettes::{PaletteSlice, Palettes, split};
 use crate::error::{Error, Result};
 use articula_core::batch::Scratch;
-use articula_core::budget::{BudgetPolicy, CostModel};
 use articula_core::crowd::{
-    CacheUse, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport, Culling, Detail, Draw, Frame,
+    Budget, CacheUse, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport, Culling, Detail, Draw,
+    Frame, Moved,
 };
 use articula_core::visibility::View;
 use articula_core::{BlendRecord, Camera, Mesh, PaletteRows, SkinnedMesh, skin};
@@ -27,20 +26,61 @@ const MAX_BYTES: usize = 16 << 30;
 /// [`parts`](Self::parts) that the caller's threads may evaluate.
 #[derive(Debug)]
 pub struct CrowdPlayer {
-    /// How levels are chosen; by default the coarsest within an error of one pixel.
+    /// How levels are chosen; by default the cheapest within an error of one pixel.
     pub detail: Detail,
     /// Whether characters may share poses where their tolerance allows it; `false` by default.
     pub share: bool,
-    /// Processor that blends cached poses; [`CacheUse::Never`] by default.
+    /// Processor that blends cached poses, where that is cheapest; the CPU by default.
     pub cache: CacheUse,
     asset: CrowdAsset,
     crowd: Crowd,
     palettes: Palettes,
     /// Space for the morph target weights of all characters.
     morph_weights: Vec<f32>,
+    /// Space for the records of all characters; empty without a cache.
+    records: Vec<BlendRecord>,
     positions: Vec<Vec3>,
     rotations: Vec<Quat>,
+    moved: MovedList,
     scratches: Vec<Scratch>,
+}
+
+/// Characters that were placed since the last frame.
+#[derive(Debug)]
+struct MovedList {
+    characters: Vec<u32>,
+    /// More than the list holds.
+    is_full: bool,
+}
+
+impl MovedList {
+    /// A list for a quarter of a crowd; with more, a pass over all costs no more.
+    fn new(characters: usize) -> Self {
+        Self {
+            characters: Vec::with_capacity(characters / 4),
+            is_full: true,
+        }
+    }
+
+    fn add(&mut self, character: usize) {
+        if self.characters.len() < self.characters.capacity() {
+            self.characters.push(character as u32);
+        } else {
+            self.is_full = true;
+        }
+    }
+
+    fn clear(&mut self) {
+        self.characters.clear();
+        self.is_full = false;
+    }
+
+    fn get(&self) -> Moved<'_> {
+        match self.is_full {
+            true => Moved::All,
+            false => Moved::These(&self.characters),
+        }
+    }
 }
 
 /// Characters of one level: one instanced draw per part of the mesh.
@@ -77,12 +117,14 @@ impl CrowdPlayer {
         Ok(Self {
             detail: Detail::Tolerance { px: 1.0 },
             share: false,
-            cache: CacheUse::Never,
+            cache: CacheUse::default(),
             palettes: Palettes::new(model.parts().form, room(model, characters)?),
             morph_weights: vec![0.0; characters * targets(model)],
             crowd: Crowd::new(model, characters),
+            records: vec![BlendRecord::default(); recordable(model, characters)],
             positions: vec![Vec3::ZERO; characters],
             rotations: vec![Quat::IDENTITY; characters],
+            moved: MovedList::new(characters),
             scratches: vec![model.evaluator().scratch()],
             asset: asset.clone(),
         })
@@ -98,7 +140,7 @@ impl CrowdPlayer {
         &self.crowd
     }
 
-    /// Returns the core crowd for changes: clip speeds, blends, budgets.
+    /// Returns the core crowd for changes: clip speeds, blends.
     pub fn crowd_mut(&mut self) -> &mut Crowd {
         &mut self.crowd
     }
@@ -129,6 +171,7 @@ impl CrowdPlayer {
     pub fn set_transform(&mut self, character: usize, position: Vec3, rotation: Quat) {
         self.positions[character] = position;
         self.rotations[character] = rotation;
+        self.moved.add(character);
     }
 
     /// Plays a clip in a loop, starting at a time in seconds, which is wrapped.
@@ -150,31 +193,9 @@ impl CrowdPlayer {
         self.crowd.fade_to(character, state, fade_secs);
     }
 
-    /// Switches to a time budget: minimises the visible error and reduces errors above `cap_px`
-    /// pixels first. All characters are posed in every frame. [`allow`](Self::set_frame_budget) sets the
-    /// budget of a frame.
-    ///
-    /// # Errors
-    /// [`Error::Mismatch`] if the cap is not a valid number of pixels.
-    pub fn set_budget(&mut self, cap_px: f32) -> Result<()> {
-        let policy = BudgetPolicy {
-            cap_px,
-            // All characters are posed in every frame, so none waits.
-            patience_frames: 0,
-            ..BudgetPolicy::default()
-        };
-        let (model, costs) = (self.asset.model(), CostModel::default());
-        self.crowd.set_budget(model, policy, &costs)?;
-        self.detail = Detail::Budget { cost: 0.0 };
-        Ok(())
-    }
-
-    /// Sets the budget of the next frames.
-    pub fn set_frame_budget(&mut self, allowance: &FrameBudget) {
-        allowance.apply(&mut self.crowd, self.asset.model());
-        self.detail = Detail::Budget {
-            cost: allowance.cost_ns,
-        };
+    /// Adds the planned frame to a budget, whose [`Budget::detail`] it was planned with.
+    pub fn add_to(&mut self, budget: &mut Budget) {
+        budget.add(&mut self.crowd, self.asset.model());
     }
 
     /// Runs one frame for one camera on the calling thread.
@@ -197,6 +218,7 @@ impl CrowdPlayer {
             dt_secs,
             positions: &self.positions,
             rotations: &self.rotations,
+            moved: self.moved.get(),
             scales: &[],
             cull_margin_metres: &[],
             importance: &[],
@@ -205,10 +227,13 @@ impl CrowdPlayer {
             share: self.share,
             cache: self.cache,
         };
-        self.crowd.tick(self.asset.model(), &frame, tell)
+        let report = self.crowd.tick(self.asset.model(), &frame, tell);
+        self.moved.clear();
+        report
     }
 
-    /// Second half of a frame: writes all palettes and morph target weights on the calling thread.
+    /// Second half of a frame: writes all palettes, records and morph target weights on the calling
+    /// thread.
     pub fn evaluate(&mut self) {
         self.parts(1).for_each(|mut part| part.evaluate());
     }
@@ -237,6 +262,8 @@ impl CrowdPlayer {
             rows: Some(self.palettes.first(self.crowd.draw_list().matrices)),
             weights: &mut self.morph_weights,
             first_set: 0,
+            records: &mut self.records,
+            first_record: 0,
             crowd: &self.crowd,
             scratches: self.scratches[..count].iter_mut(),
             first: 0,
@@ -263,6 +290,12 @@ impl CrowdPlayer {
         self.palettes.written(self.crowd.draw_list().matrices)
     }
 
+    /// Returns the blend records of this frame, in the order of
+    /// [`DrawList::recorded`](articula_core::crowd::DrawList::recorded).
+    pub fn records(&self) -> &[BlendRecord] {
+        &self.records[..self.crowd.draw_list().recorded.len()]
+    }
+
     /// Returns the morph target weights of this frame, a set for each character whose level shows
     /// morph targets; [`DrawList::morph_draws`](articula_core::crowd::DrawList::morph_draws) says
     /// whose. Empty if no clip moves any.
@@ -276,8 +309,8 @@ impl CrowdPlayer {
     pub fn morph_weights_of(&self, character: usize) -> &[f32] {
         let list = self.crowd.draw_list();
         let draws = list.draws[..list.morph_draws].iter().map(|d| d.character);
-        let records = &list.records[..list.morph_records];
-        let mut owners = draws.chain(records.iter().map(|r| r.character));
+        let recorded = &list.recorded[..list.morph_records];
+        let mut owners = draws.chain(recorded.iter().copied());
         let targets = targets(self.asset.model());
         match owners.position(|c| c as usize == character) {
             Some(set) => &self.morph_weights[set * targets..][..targets],
@@ -319,7 +352,7 @@ impl CrowdPlayer {
             let first = draw.first_matrix as usize;
             sources[draw.character as usize] = Some(PoseSource::Written(first));
         }
-        for record in &self.crowd.draw_list().records {
+        for record in self.records() {
             sources[record.character as usize] = Some(PoseSource::Record(*record));
         }
         sources
@@ -327,7 +360,7 @@ impl CrowdPlayer {
 
     fn source(&self, character: usize) -> Option<PoseSource> {
         let mut draws = self.crowd.draw_list().draws.iter();
-        let mut records = self.crowd.draw_list().records.iter();
+        let mut records = self.records().iter();
         let draw = draws.find(|d| d.character as usize == character);
         let written = draw.map(|d| PoseSource::Written(d.first_matrix as usize));
         let mut record = || records.find(|r| r.character as usize == character);
@@ -385,11 +418,13 @@ pub struct FramePart<'a> {
     rows: PaletteRows<'a>,
     sets: Range<usize>,
     weights: &'a mut [f32],
+    recorded: Range<usize>,
+    records: &'a mut [BlendRecord],
     scratch: &'a mut Scratch,
 }
 
 impl FramePart<'_> {
-    /// Writes its palettes and morph target weights; does not allocate.
+    /// Writes its palettes, records and morph target weights; does not allocate.
     pub fn evaluate(&mut self) {
         let rows = match &mut self.rows {
             PaletteRows::Float(rows) => PaletteRows::Float(rows),
@@ -399,6 +434,8 @@ impl FramePart<'_> {
             .evaluate(self.model, self.batches.clone(), rows, self.scratch);
         self.crowd
             .evaluate_morphs(self.model, self.sets.clone(), self.weights);
+        self.crowd
+            .evaluate_records(self.model, self.recorded.clone(), self.records);
     }
 }
 
@@ -409,6 +446,8 @@ struct Parts<'a> {
     rows: Option<PaletteRows<'a>>,
     weights: &'a mut [f32],
     first_set: usize,
+    records: &'a mut [BlendRecord],
+    first_record: usize,
     scratches: std::slice::IterMut<'a, Scratch>,
     first: usize,
     count: usize,
@@ -421,16 +460,23 @@ impl<'a> Iterator for Parts<'a> {
         let scratch = self.scratches.next()?;
         let mut batches = self.crowd.share_of_batches(self.first, self.count);
         let all_sets = self.crowd.draw_list().morph_sets();
-        let share = all_sets.div_ceil(self.count);
-        let mut sets = self.first_set..(self.first_set + share).min(all_sets);
+        let all_records = self.crowd.draw_list().recorded.len();
+        let part = |first: usize, all: usize| first..(first + all.div_ceil(self.count)).min(all);
+        let mut sets = part(self.first_set, all_sets);
+        let mut recorded = part(self.first_record, all_records);
         if self.scratches.len() == 0 {
             batches.end = self.crowd.draw_list().batches;
             sets.end = all_sets;
+            recorded.end = all_records;
         }
-        if batches.is_empty() && sets.is_empty() {
+        if batches.is_empty() && sets.is_empty() && recorded.is_empty() {
             return None;
         }
         self.first_set = sets.end;
+        self.first_record = recorded.end;
+        let records = std::mem::take(&mut self.records);
+        let (records, others) = records.split_at_mut(recorded.len());
+        self.records = others;
         let weights = std::mem::take(&mut self.weights);
         let (weights, others) = weights.split_at_mut(sets.len() * targets(self.model));
         self.weights = others;
@@ -446,6 +492,8 @@ impl<'a> Iterator for Parts<'a> {
             rows,
             sets,
             weights,
+            recorded,
+            records,
             scratch,
         })
     }
@@ -455,6 +503,11 @@ impl<'a> Iterator for Parts<'a> {
 fn targets(model: &CrowdModel) -> usize {
     let morphs = model.parts().morphs.as_ref();
     morphs.filter(|m| m.levels() > 0).map_or(0, |m| m.targets())
+}
+
+/// Number of characters that may be shown by a record of the cache.
+fn recordable(model: &CrowdModel, characters: usize) -> usize {
+    model.parts().cache.as_ref().map_or(0, |_| characters)
 }
 
 /// Number of matrices that a frame may need: all characters in full detail.

@@ -3,7 +3,6 @@
 //! Adds to a [`CrowdPlayer`] what a scene defines: positions, cameras, and repeated cross-fades.
 
 use super::asset::CrowdAsset;
-use super::budget::FrameBudget;
 use super::player::CrowdPlayer;
 use crate::error::{Error, Result};
 use articula_build::{ClipPlayback, CrossFade, Scene};
@@ -24,11 +23,12 @@ pub enum DetailGoal {
     Level(usize),
     /// The coarsest level within an error in pixels.
     Tolerance(f32),
-    /// The minimum visible error within a time per frame; errors above the cap are reduced first.
+    /// The least tolerance within a time per frame, which
+    /// [`ScenePlayer::set_tolerance`] sets before each frame.
     Budget {
         /// Processor time per frame, in milliseconds.
         ms: f32,
-        /// Error cap, in pixels.
+        /// Error above which the time does not suffice, in pixels.
         cap_px: f32,
     },
 }
@@ -68,7 +68,7 @@ impl<'a> ScenePlayer<'a> {
     /// Creates the crowd in its state at time 0.
     ///
     /// # Errors
-    /// An [`Error`] if the palettes would take too much memory, or the budget is invalid.
+    /// An [`Error`] if the palettes would take too much memory.
     pub fn new(asset: &CrowdAsset, scene: &'a Scene, options: SceneOptions) -> Result<Self> {
         let mut player = CrowdPlayer::new(asset, scene.members.len())?;
         let clips = &asset.model().parts().clips;
@@ -95,7 +95,7 @@ impl<'a> ScenePlayer<'a> {
             DetailGoal::Full => player.detail = Detail::Full,
             DetailGoal::Level(level) => player.detail = Detail::Level(level),
             DetailGoal::Tolerance(px) => player.detail = Detail::Tolerance { px },
-            DetailGoal::Budget { cap_px, .. } => player.set_budget(cap_px)?,
+            DetailGoal::Budget { cap_px, .. } => player.detail = Detail::Tolerance { px: cap_px },
         }
         player.share = options.share;
         player.cache = options.cache;
@@ -132,19 +132,20 @@ impl<'a> ScenePlayer<'a> {
         camera.ok_or_else(|| Error::unsuited("the scene has no camera"))
     }
 
-    /// Advances by `dt_secs` seconds and plans the frame. With a time budget, `allowance` sets the
-    /// budget of this frame; without it the last one stays in force.
+    /// Sets the tolerance of the next frames in pixels.
+    pub fn set_tolerance(&mut self, px: f32) {
+        self.player.detail = Detail::Tolerance { px };
+    }
+
+    /// Advances by `dt_secs` seconds and plans the frame.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if the scene has no camera.
-    pub fn plan(&mut self, dt_secs: f64, allowance: Option<&FrameBudget>) -> Result<CrowdReport> {
+    pub fn plan(&mut self, dt_secs: f64) -> Result<CrowdReport> {
         self.secs += dt_secs;
         let camera = self.camera()?;
         let (way, turn) = self.ahead(&camera);
         let views = [View::of(&camera).with_cull_margin(way, turn)];
-        if let Some(allowance) = allowance {
-            self.player.set_frame_budget(allowance);
-        }
         self.turn_fades();
         let culling = match self.detail {
             DetailGoal::Full => Culling::Off,

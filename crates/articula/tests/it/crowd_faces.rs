@@ -21,7 +21,7 @@ fn every_head_shows_its_own_clip_and_time() {
         let report = crowd.frame(0.05, &camera);
         assert_eq!(report.visible, 12);
         for character in 0..12 {
-            let state = crowd.crowd().state(character).clip_state();
+            let state = *crowd.crowd().state(character).clip_state();
             let mut expected = full.mesh.morph_weights.clone();
             let (clip, secs) = (&full.clips[state.clip()], f64::from(state.secs()));
             sample_morphs(clip, secs, Wrap::Loop, &mut expected);

@@ -81,9 +81,6 @@ pub(crate) struct CrowdArgs {
     /// JSON file with a camera path to use instead: a list of key frames with t, eye and target
     #[arg(long, value_name = "F.json")]
     camera_path: Option<PathBuf>,
-    /// Let characters share a pose where the difference stays within the tolerance
-    #[arg(long)]
-    share: bool,
     /// Also compute the root motion of travelling clips; characters do not move by it here
     #[arg(long)]
     root_motion: bool,
@@ -122,13 +119,15 @@ struct StorageArgs {
     #[arg(long, value_enum, default_value = "matrix")]
     form: FormName,
     /// Palette matrices: one per joint, or one per skin binding including the inverse bind matrix
-    /// [default: joints; skin with a cache]
+    /// [default: skin where poses may be cached, else joints]
     #[arg(long, value_enum)]
     palette: Option<MatricesName>,
-    /// Pose cache shared by all characters of a clip and level: blended by the CPU, or by the GPU
-    /// from 16-byte records
-    #[arg(long, value_enum, default_value = "never")]
-    cache: CacheName,
+    /// Source of poses. auto: evaluated, or blended from cached ones where that is cheaper within
+    /// the tolerance; records: the same, with cached poses blended by the GPU from records of 16
+    /// bytes; own: evaluated for each character; shared: evaluated, and shared by characters whose
+    /// poses agree within the tolerance
+    #[arg(long, value_enum, default_value = "auto")]
+    source: SourceName,
     /// Instruction set; all give the same bits [default: the fastest]
     #[arg(long, value_name = "NAME", value_parser = backend)]
     backend: Option<Backend>,
@@ -155,27 +154,25 @@ enum MatricesName {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum CacheName {
-    Never,
-    Cpu,
-    Gpu,
+enum SourceName {
+    Auto,
+    Records,
+    Own,
+    Shared,
 }
 
 impl StorageArgs {
-    /// Kind of palette matrices; a cache requires those of the skin.
-    fn palette(&self) -> MatricesName {
-        let usual = match self.cache {
-            CacheName::Never => MatricesName::Joints,
-            _ => MatricesName::Skin,
-        };
-        self.palette.unwrap_or(usual)
+    /// Whether the form of palettes can be cached.
+    fn is_cacheable(&self) -> bool {
+        matches!(self.form, FormName::Matrix | FormName::Half)
     }
 
+    /// Use of the pose cache that the source asks for.
     fn cache(&self) -> CacheUse {
-        match self.cache {
-            CacheName::Never => CacheUse::Never,
-            CacheName::Cpu => CacheUse::Cpu,
-            CacheName::Gpu => CacheUse::Gpu,
+        match self.source {
+            SourceName::Auto => CacheUse::Cpu,
+            SourceName::Records => CacheUse::Gpu,
+            SourceName::Own | SourceName::Shared => CacheUse::Never,
         }
     }
 }
@@ -193,7 +190,7 @@ struct Piece {
 pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     let detail = args.detail()?;
     args.check_outputs()?;
-    args.check_cache()?;
+    args.check_records()?;
     args.check_mesh_levels()?;
     console.files.plan(args.inputs(), args.outputs())?;
     let start = Instant::now();
@@ -210,7 +207,7 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     let scene = args.scene(&asset)?;
     let settings = Settings {
         detail,
-        share: args.share,
+        share: args.storage.source == SourceName::Shared,
         cache: args.storage.cache(),
         threads: args.threads,
         frames: args.frames(&scene)?,
@@ -305,7 +302,7 @@ impl CrowdArgs {
                 RootMotionPolicy::OnTheSpot
             },
             joints,
-            matrices: match self.storage.palette() {
+            matrices: match self.palette() {
                 MatricesName::Joints => PaletteMatrices::Joints,
                 MatricesName::Skin => PaletteMatrices::Skin,
             },
@@ -321,7 +318,7 @@ impl CrowdArgs {
             },
             backend: self.storage.backend.unwrap_or_else(Backend::best),
             seed: self.seed,
-            pose_cache: self.storage.cache() != CacheUse::Never,
+            pose_cache: self.is_cached(),
             mesh_levels: self.mesh_levels,
         })
     }
@@ -335,21 +332,39 @@ impl CrowdArgs {
         Ok(())
     }
 
-    /// A cache holds full matrices of the skin, and its error is compared with a tolerance.
-    fn check_cache(&self) -> anyhow::Result<()> {
-        if self.storage.cache() == CacheUse::Never {
+    /// Kind of palette matrices; a cache requires those of the skin.
+    fn palette(&self) -> MatricesName {
+        let may_cache = self.level == "auto"
+            && self.storage.cache() != CacheUse::Never
+            && self.storage.is_cacheable();
+        let usual = match may_cache {
+            true => MatricesName::Skin,
+            false => MatricesName::Joints,
+        };
+        self.storage.palette.unwrap_or(usual)
+    }
+
+    /// Whether poses are cached.
+    fn is_cached(&self) -> bool {
+        self.level == "auto"
+            && self.storage.cache() != CacheUse::Never
+            && self.storage.is_cacheable()
+            && self.palette() == MatricesName::Skin
+    }
+
+    /// Records are of cached poses, which are matrices of the skin chosen by their error.
+    fn check_records(&self) -> anyhow::Result<()> {
+        if self.storage.source != SourceName::Records || self.is_cached() {
             return Ok(());
         }
-        let mend = if self.level != "auto" || self.budget_ms.is_some() {
-            "requires --level auto and no budget"
-        } else if self.storage.palette() == MatricesName::Joints {
+        let mend = if self.level != "auto" {
+            "requires --level auto"
+        } else if self.storage.is_cacheable() {
             "requires palettes of the skin; leave --palette out"
-        } else if !matches!(self.storage.form, FormName::Matrix | FormName::Half) {
-            "requires --form matrix or half"
         } else {
-            return Ok(());
+            "requires --form matrix or half"
         };
-        Err(fault::usage(format!("--cache {mend}")))
+        Err(fault::usage(format!("--source records {mend}")))
     }
 
     fn scene(&self, asset: &CrowdAsset) -> anyhow::Result<Scene> {

@@ -25,8 +25,7 @@ pub(super) struct CrowdRunReport {
     pub(super) frames: usize,
     pub(super) display_hz: f64,
     pub(super) threads: usize,
-    pub(super) share: bool,
-    pub(super) cache: String,
+    pub(super) source: String,
     pub(super) root_motion: bool,
     /// Travelling clips that are played in place.
     pub(super) clips_in_place: Vec<String>,
@@ -97,8 +96,7 @@ impl CrowdRunReport {
             frames: run.frames,
             display_hz: super::DISPLAY_HZ,
             threads: args.threads,
-            share: args.share,
-            cache: name_of(args.storage.cache),
+            source: name_of(args.storage.source),
             root_motion: args.root_motion,
             clips_in_place: piece.in_place.clone(),
             epsilon_px: args.epsilon_px,
@@ -113,7 +111,7 @@ impl CrowdRunReport {
             ready_ms: 0.0,
             storage: name_of(args.storage.storage),
             form: name_of(args.storage.form),
-            palette: name_of(args.storage.palette()),
+            palette: name_of(args.palette()),
             ns_per_character: Spread {
                 median: frame_ns(run.frame_ms.median),
                 p95: frame_ns(run.frame_ms.p95),
@@ -284,17 +282,15 @@ impl CrowdRunReport {
         ));
         if let (Some(ms), Some(over), Some(b)) = (self.budget_ms, self.overrun_p95, self.budget) {
             text.push_str(&format!(
-                "budget {ms} ms, overrun p95 {:.1}%; {:.3} ms available for poses, {:.3} ms used, {:.3} ms without a limit; mean error {:.2} px, max {:.2} px; per frame {:.0} characters above {} px, {:.0} level changes\n",
-                100.0 * over,
-                b.allowed_ms,
-                b.used_ms,
-                b.demand_ms,
-                b.mean_px,
-                b.worst_px,
-                b.above_cap,
-                self.epsilon_px,
-                b.changes
+                "budget {ms} ms, overrun p95 {:.1}%; {:.3} ms expected; tolerance median {:.2} px, max {:.2} px\n",
+                100.0 * over, b.expected_ms, b.tolerance_px.median, b.worst_px
             ));
+            if b.overloaded > 0 {
+                text.push_str(&format!(
+                    "overload: {} frames needed more than {} px; --epsilon-px {:.2} would fit\n",
+                    b.overloaded, self.epsilon_px, b.worst_px
+                ));
+            }
         }
         text
     }

@@ -5,11 +5,10 @@ use crate::measure::thread_ns;
 use anyhow::{Context, Result};
 use articula::Executor;
 use articula::crowd::{
-    CacheUse, Camera, CrowdAsset, CrowdOptions, CrowdPlayer, CrowdReport, Culling, Detail,
+    Budget, CacheUse, Camera, CrowdAsset, CrowdOptions, CrowdPlayer, CrowdReport, Culling, Detail,
     PoseSource, View,
 };
 use articula_build::{Scene, SceneCharacter};
-use articula_core::budget::{BudgetPolicy, CostModel};
 use articula_core::crowd::{CharacterState, ClipState, Crowd};
 use articula_core::{PosedMesh, Wrap, blend, percentile_at_or_above, sample, skin_points};
 use glam::{Vec2, Vec3};
@@ -28,14 +27,6 @@ const NEAR_PLANE_METRES: f32 = 0.1;
 
 /// Characters nearer than this count as near.
 pub(super) const NEAR_METRES: f32 = 20.0;
-
-/// A budget policy without waiting: all characters are posed in every frame.
-const NOBODY_WAITS: BudgetPolicy = BudgetPolicy {
-    cap_px: 1.0,
-    target_px: 0.0,
-    patience_frames: 0,
-    hold_frames: 0,
-};
 
 /// Inputs of all runs on scenes.
 pub(super) struct SceneBench<'a> {
@@ -83,6 +74,8 @@ impl Outcome {
 #[derive(Clone, Copy)]
 pub(super) struct Play {
     pub(super) detail: Detail,
+    /// Milliseconds of a whole frame, for which the tolerance is chosen instead.
+    pub(super) budget_ms: Option<f64>,
     pub(super) share: bool,
     pub(super) cache: CacheUse,
     pub(super) frames: usize,
@@ -149,12 +142,8 @@ impl<'a> SceneBench<'a> {
         let mut player = self.player(scene)?;
         player.share = play.share;
         player.cache = play.cache;
-        let mut costs = CostModel::default();
-        let is_budget = matches!(play.detail, Detail::Budget { .. });
-        if is_budget {
-            let crowd = player.crowd_mut();
-            crowd.set_budget(model, NOBODY_WAITS, &costs)?;
-        }
+        player.detail = play.detail;
+        let mut budget = play.budget_ms.map(|ms| Budget::new(1e6 * ms, 1.0));
         let mut most_bytes = 0;
         let mut outcome = Outcome::default();
         let mut errors = Errors::default();
@@ -164,17 +153,21 @@ impl<'a> SceneBench<'a> {
             let camera = scene.camera_at(secs).context("the scene has a camera")?;
             let views = [View::of(&camera)];
             let dt_secs = if number == 0 { 0.0 } else { STEP_SECS };
-            player.detail = within(play.detail, &costs);
+            if let Some(budget) = &budget {
+                player.detail = budget.detail();
+            }
             let start = thread_ns();
             let report = player.plan(dt_secs, Culling::Views(&views), &mut |_| {});
+            if let Some(budget) = &mut budget {
+                player.add_to(budget);
+            }
             let selected = thread_ns();
             player.evaluate();
             let evaluated = thread_ns();
             let bytes = player.crowd().draw_list().matrices * model.parts().form.bytes();
             most_bytes = most_bytes.max(bytes);
-            costs.observe(&report.work, (evaluated - selected) as f64);
-            if is_budget && number % WARM_UP == WARM_UP - 1 {
-                player.crowd_mut().reprice(model, &costs);
+            if let Some(budget) = &mut budget {
+                budget.observe((selected - start) as f64, (evaluated - selected) as f64);
             }
             if number < WARM_UP {
                 continue;
@@ -182,7 +175,7 @@ impl<'a> SceneBench<'a> {
             outcome.select_ms.push(1e-6 * (selected - start) as f64);
             let evaluate_ns = evaluated - selected;
             outcome.evaluate_ms.push(1e-6 * evaluate_ns as f64);
-            let records = size_of_val(player.crowd().draw_list().records.as_slice());
+            let records = size_of_val(player.records());
             outcome.add(&report, bytes + records, play.frames);
             if number.is_multiple_of(8) {
                 let now = DisplayedFrame {
@@ -259,7 +252,7 @@ impl<'a> SceneBench<'a> {
             let drawn = who % one_of == now.number % one_of;
             if metres < NEAR_METRES || drawn {
                 let shown = self.shown_points(now.player, level, source);
-                let truth = self.true_points(now.player.crowd().state(who));
+                let truth = self.true_points(&now.player.crowd().state(who));
                 let px = distance_px(&now.camera, member, &shown, &truth);
                 errors.add(px, metres, drawn);
             }
@@ -307,16 +300,6 @@ impl Outcome {
         self.visible += report.visible as f64 / frames;
         self.poses += (report.own + report.shared_poses) as f64 / frames;
         self.written_mb += 1e-6 * written as f64 / frames;
-    }
-}
-
-/// The detail with a budget large enough for late frames.
-fn within(detail: Detail, costs: &CostModel) -> Detail {
-    match detail {
-        Detail::Budget { cost } => Detail::Budget {
-            cost: costs.spendable_ns(f64::from(cost)) as f32,
-        },
-        other => other,
     }
 }
 

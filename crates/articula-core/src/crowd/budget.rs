@@ -1,0 +1,175 @@
+//! Budget of a frame: one tolerance for all crowds and views, such that their measured cost stays
+//! within a limit.
+//!
+//! Source: `docs/methods/runtime.md` 4.4. A tolerance that is the same for all characters makes the
+//! greatest visible error as small as the cost allows, so nobody near is sacrificed for many who are
+//! far. The cost of a tolerance is known from the options of the characters, in nominal nanoseconds;
+//! the ratio of measured to nominal cost is learned from frame to frame. Measured times are
+//! arguments, so recorded ones give the same frames.
+
+use super::demand::Demand;
+use super::frame::Detail;
+use super::model::CrowdModel;
+use super::tick::Crowd;
+
+/// Least tolerance in pixels that a budget buys: no display shows less.
+const FINEST_PX: f32 = 1.0 / 16.0;
+/// Weight of a new frame in the means.
+const GAIN: f64 = 0.1;
+/// Greatest factor of a new time against the mean; an interrupted frame counts as this.
+const OUTLIER: f64 = 1.5;
+/// Fraction of frames that stay within the limit, the step by which its margin is learned, and the
+/// greatest margin.
+const LATE_SHARE: f64 = 0.97;
+const LATE_STEP: f64 = 0.01;
+const MAX_LATE: f64 = 1.5;
+/// Margin that is kept before the first frames have shown how much their times vary.
+const FIRST_LATE: f64 = 1.03;
+/// Change of the tolerance that is not worth choosing again for, as a factor.
+const STEADY: f32 = 1.03;
+
+/// A limit to the processor time of all crowds of a frame together.
+///
+/// ```
+/// use articula_core::crowd::Budget;
+/// # use articula_core::crowd::{Crowd, CrowdModel, Frame};
+/// # fn frame(crowds: &mut [(Crowd, CrowdModel)], frame: Frame<'_>, budget: &mut Budget) {
+/// for (crowd, model) in crowds.iter_mut() {
+///     let frame = Frame { detail: budget.detail(), ..frame };
+///     crowd.tick(model, &frame, &mut |_| {});
+///     budget.add(crowd, model);
+/// }
+/// // Evaluate, and measure what all of this took.
+/// let (tick_ns, evaluate_ns) = (80_000.0, 700_000.0);
+/// let report = budget.observe(tick_ns, evaluate_ns);
+/// if report.is_overloaded() {
+///     println!("{} px would fit", report.next_px);
+/// }
+/// # }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Budget {
+    limit_ns: f64,
+    cap_px: f32,
+    px: f32,
+    demand: Demand,
+    /// Measured over nominal cost; `None` before the first frame.
+    ratio: Option<f64>,
+    /// Mean time of a frame outside of evaluation.
+    tick_ns: f64,
+    /// Ratio of measured to expected time that few frames exceed.
+    late: f64,
+}
+
+/// What a budget did in a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BudgetReport {
+    /// Limit of the whole frame, nanoseconds.
+    pub limit_ns: f64,
+    /// Time that was expected for the whole frame, nanoseconds.
+    pub expected_ns: f64,
+    /// Tolerance of the frame, pixels.
+    pub px: f32,
+    /// Tolerance of the next frame: the least whose expected time fits.
+    pub next_px: f32,
+    /// Error that should not be exceeded, pixels.
+    pub cap_px: f32,
+}
+
+impl BudgetReport {
+    /// Whether the limit does not suffice for the error that should not be exceeded;
+    /// [`next_px`](Self::next_px) would fit.
+    pub fn is_overloaded(&self) -> bool {
+        self.next_px > self.cap_px
+    }
+}
+
+impl Budget {
+    /// A budget of `limit_ns` nanoseconds of processor time for each frame, tick and evaluation
+    /// together. Errors above `cap_px` pixels count as overload; it is also the tolerance of the
+    /// first frame. A limit that is negative or NaN counts as 0, a cap that is not positive as one
+    /// pixel.
+    pub fn new(limit_ns: f64, cap_px: f32) -> Self {
+        let cap_px = if cap_px > 0.0 { cap_px } else { 1.0 };
+        Self {
+            limit_ns: limit_ns.max(0.0),
+            cap_px,
+            px: cap_px,
+            demand: Demand::NONE,
+            ratio: None,
+            tick_ns: 0.0,
+            late: FIRST_LATE,
+        }
+    }
+
+    /// Changes the limit from the next frame on.
+    pub fn set_limit(&mut self, limit_ns: f64) {
+        self.limit_ns = limit_ns.max(0.0);
+    }
+
+    /// Tolerance of this frame in pixels.
+    pub fn px(&self) -> f32 {
+        self.px
+    }
+
+    /// Choice of detail of this frame, the same for all crowds.
+    pub fn detail(&self) -> Detail {
+        Detail::Tolerance { px: self.px }
+    }
+
+    /// Adds a crowd that was ticked with this detail. The cost of its characters by tolerance is
+    /// found anew for a sixteenth of it; O(characters / 16), does not allocate.
+    pub fn add(&mut self, crowd: &mut Crowd, model: &CrowdModel) {
+        self.demand.add(crowd.demand(model));
+    }
+
+    /// Ends the frame with the nanoseconds that the ticks and the evaluation of all crowds took,
+    /// summed over threads, and sets the tolerance of the next one. Times that are not positive and
+    /// finite change nothing.
+    pub fn observe(&mut self, tick_ns: f64, evaluate_ns: f64) -> BudgetReport {
+        let demand = std::mem::replace(&mut self.demand, Demand::NONE);
+        let nominal_ns = demand.cost_ns(self.px);
+        let expected_ns = self.tick_ns + self.ratio.unwrap_or(1.0) * nominal_ns;
+        let px = self.px;
+        let is_time = |ns: f64| ns > 0.0 && ns.is_finite();
+        if is_time(tick_ns) && is_time(evaluate_ns) && nominal_ns > 0.0 {
+            self.learn(tick_ns, evaluate_ns, nominal_ns, expected_ns);
+            self.px = self.chosen(&demand);
+        }
+        BudgetReport {
+            limit_ns: self.limit_ns,
+            expected_ns,
+            px,
+            next_px: self.px,
+            cap_px: self.cap_px,
+        }
+    }
+
+    fn learn(&mut self, tick_ns: f64, evaluate_ns: f64, nominal_ns: f64, expected_ns: f64) {
+        let measured = evaluate_ns / nominal_ns;
+        let Some(ratio) = self.ratio else {
+            self.ratio = Some(measured);
+            self.tick_ns = tick_ns;
+            return;
+        };
+        // A small step up for each late frame and a far smaller one down for each of the others
+        // tracks a percentile (Robbins and Monro, 1951).
+        let is_late = tick_ns + evaluate_ns > expected_ns * self.late;
+        let step = if is_late {
+            LATE_SHARE
+        } else {
+            LATE_SHARE - 1.0
+        };
+        self.late = (self.late + LATE_STEP * step).clamp(1.0, MAX_LATE);
+        self.ratio = Some(ratio + GAIN * (measured.min(OUTLIER * ratio) - ratio));
+        self.tick_ns += GAIN * (tick_ns.min(OUTLIER * self.tick_ns) - self.tick_ns);
+    }
+
+    fn chosen(&self, demand: &Demand) -> f32 {
+        let left_ns = self.limit_ns / self.late - self.tick_ns;
+        let nominal_ns = left_ns / self.ratio.unwrap_or(1.0);
+        let px = demand.px_within(nominal_ns, FINEST_PX);
+        let is_steady = px < self.px * STEADY && px * STEADY > self.px;
+        if is_steady { self.px } else { px }
+    }
+}

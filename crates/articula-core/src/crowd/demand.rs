@@ -1,0 +1,183 @@
+//! Cost of a crowd as a function of the tolerance.
+//!
+//! Every visible character becomes cheaper at the tolerances at which its next option is within the
+//! tolerance. These savings are summed by tolerance, a few cells of the crowd in each frame, so that
+//! the cost of any tolerance is a sum over a table.
+
+use super::character_state::CharacterState;
+use super::model::CrowdModel;
+use super::options::{DetailOption, evaluated_ns};
+
+/// Tolerances of the table: four to an octave, from 2^-8 px on.
+const BINS: usize = 96;
+const PER_OCTAVE_BITS: u32 = 2;
+const FIRST_PX: f32 = 1.0 / 256.0;
+
+/// Sum of the costs of characters by tolerance.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Demand {
+    /// Nanoseconds with the cheapest option of each character.
+    least_ns: f64,
+    /// Nanoseconds that each tolerance saves against the one before.
+    savings_ns: [f32; BINS],
+}
+
+impl Demand {
+    pub(crate) const NONE: Self = Self {
+        least_ns: 0.0,
+        savings_ns: [0.0; BINS],
+    };
+
+    /// Adds the demand of others.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.least_ns += other.least_ns;
+        for (sum, one) in self.savings_ns.iter_mut().zip(&other.savings_ns) {
+            *sum += one;
+        }
+    }
+
+    /// Adds a character that `px_per_metre` pixels of tolerance make a metre for, with its options,
+    /// finest first, of which none is evaluated for less than the last.
+    #[inline]
+    pub(crate) fn see(&mut self, options: &[DetailOption], px_per_metre: f32) {
+        let mut finer: Option<&DetailOption> = None;
+        for option in options {
+            if let Some(finer) = finer {
+                let bin = bin_of(option.error_metres * px_per_metre);
+                self.savings_ns[bin] += finer.cost_ns - option.cost_ns;
+            }
+            finer = Some(option);
+        }
+        self.least_ns += f64::from(finer.map_or(0.0, |last| last.cost_ns));
+    }
+
+    /// Adds a character that fades.
+    pub(crate) fn see_fading(
+        &mut self,
+        model: &CrowdModel,
+        state: &CharacterState,
+        px_per_metre: f32,
+    ) {
+        let (from, to) = state.clips();
+        let poses = if state.fade == 0.0 { 1.0 } else { 2.0 };
+        let cost = |level: usize| poses * evaluated_ns(model.parts(), level);
+        let coarsest = model.levels() - 1;
+        for level in 1..=coarsest {
+            let bin = bin_of(model.error_metres(from, to, level) * px_per_metre);
+            self.savings_ns[bin] += cost(level - 1) - cost(level);
+        }
+        self.least_ns += f64::from(cost(coarsest));
+    }
+
+    /// Nanoseconds at a tolerance.
+    pub(crate) fn cost_ns(&self, px: f32) -> f64 {
+        let bin = bin_of(px);
+        let coarser: f32 = self.savings_ns[bin + 1..].iter().sum();
+        let [low, high] = [px_of(bin), px_of(bin + 1)];
+        // Within a bin the thresholds are taken to be spread evenly.
+        let part = ((high - px) / (high - low)).clamp(0.0, 1.0);
+        self.least_ns + f64::from(coarser + part * self.savings_ns[bin])
+    }
+
+    /// The least tolerance in pixels, not below `least_px`, whose cost is at most `budget_ns`, or
+    /// the greatest that changes anything.
+    pub(crate) fn px_within(&self, budget_ns: f64, least_px: f32) -> f32 {
+        let mut coarser = self.least_ns;
+        for bin in (0..BINS).rev() {
+            let savings = f64::from(self.savings_ns[bin]);
+            if savings > 0.0 && coarser + savings > budget_ns {
+                let [low, high] = [px_of(bin), px_of(bin + 1)];
+                let left = ((budget_ns - coarser).max(0.0) / savings).min(1.0) as f32;
+                return (high - left * (high - low)).max(least_px);
+            }
+            coarser += savings;
+        }
+        least_px
+    }
+}
+
+/// Index of the table for a tolerance in pixels; NaN is in the first.
+#[inline]
+fn bin_of(px: f32) -> usize {
+    let steps = |px: f32| px.to_bits() >> (23 - PER_OCTAVE_BITS);
+    if px > FIRST_PX {
+        ((steps(px) - steps(FIRST_PX)) as usize).min(BINS - 2)
+    } else {
+        0
+    }
+}
+
+/// Tolerance in pixels at which an entry of the table begins.
+fn px_of(bin: usize) -> f32 {
+    let first = FIRST_PX.to_bits() >> (23 - PER_OCTAVE_BITS);
+    f32::from_bits((first + bin as u32) << (23 - PER_OCTAVE_BITS))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crowd::plan::Kind;
+    use proptest::prelude::*;
+
+    fn options(steps: &[(f32, f32)]) -> Vec<DetailOption> {
+        let option = |(error_metres, cost_ns)| DetailOption {
+            level: 0,
+            kind: Kind::Clip,
+            error_metres,
+            cost_ns,
+        };
+        steps.iter().copied().map(option).collect()
+    }
+
+    #[test]
+    fn a_demand_by_hand() {
+        // 1 px and 4 px are where entries of the table begin.
+        let steps = options(&[(0.0, 100.0), (0.01, 40.0), (0.04, 10.0)]);
+        let mut demand = Demand::NONE;
+        demand.see(&steps, 100.0);
+        demand.see(&steps, 100.0);
+        for (px, cost) in [
+            (0.5, 200.0),
+            (1.0, 200.0),
+            (1.25, 80.0),
+            (3.0, 80.0),
+            (5.0, 20.0),
+        ] {
+            assert_eq!(demand.cost_ns(px), cost, "{px} px");
+        }
+        assert_eq!(demand.px_within(200.0, 0.25), 0.25);
+        assert_eq!(demand.px_within(80.0, 0.25), 1.25);
+        assert_eq!(demand.px_within(140.0, 0.25), 1.125);
+        assert_eq!(demand.px_within(20.0, 0.25), 5.0);
+        assert_eq!(demand.px_within(20.0, 9.0), 9.0);
+        // Too little for anything: the greatest tolerance that changes anything.
+        assert_eq!(demand.px_within(0.0, 0.25), 5.0);
+    }
+
+    proptest! {
+        /// What is found costs no more than the budget, and a little less tolerance costs more.
+        #[test]
+        fn the_tolerance_found_is_the_least(
+            steps in prop::collection::vec((0.0001f32..0.2, 1.0f32..100.0), 1..6),
+            spans in prop::collection::vec(1.0f32..1000.0, 1..30),
+            share in 0.0f64..1.0,
+        ) {
+            let (mut errors, mut costs): (Vec<f32>, Vec<f32>) = steps.into_iter().unzip();
+            errors.sort_by(f32::total_cmp);
+            costs.sort_by(|a, b| b.total_cmp(a));
+            let steps: Vec<_> = errors.into_iter().zip(costs).collect();
+            let mut demand = Demand::NONE;
+            for span in &spans {
+                demand.see(&options(&steps), *span);
+            }
+            let [most, least] = [0.0, f32::MAX].map(|px| demand.cost_ns(px));
+            prop_assert!(most >= least);
+            let budget = least + share * (most - least);
+            let px = demand.px_within(budget, FIRST_PX);
+            prop_assert!(demand.cost_ns(px) <= budget + 1e-3 * most + 1e-3);
+            if px > FIRST_PX {
+                prop_assert!(demand.cost_ns(px * 0.999) >= budget - 2e-2 * most);
+            }
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! Evaluation of a planned frame: palettes, records and morph target weights of any part of it.
+
+use super::attachment::attachment;
+use super::character_state::ClipState;
+use super::model::CrowdModel;
+use super::plan::{Batch, DrawList, Poser};
+use super::share::Leader;
+use super::tick::Crowd;
+use crate::batch::{BatchPose, Scratch};
+use crate::palette::PaletteRows;
+use crate::pose_cache::BlendRecord;
+use crate::simd::LANES;
+use glam::Affine3A;
+use std::ops::Range;
+
+impl Crowd {
+    /// Model-from-joint matrix of a joint at full detail, whatever the level and visibility of the
+    /// character. O(depth); does not allocate.
+    ///
+    /// # Panics
+    /// If there is no such character or joint.
+    pub fn attachment(&self, model: &CrowdModel, character: usize, joint: usize) -> Affine3A {
+        let shown = self.clocks.state(character).shown(&model.parts().clips);
+        attachment(&model.parts().clips, &shown, joint)
+    }
+
+    /// Draw list of the last tick: the visible characters by level, and where their palettes are.
+    pub fn draw_list(&self) -> &DrawList {
+        self.plan.draw_list()
+    }
+
+    /// Range of matrices that a range of batches writes, among all matrices of the frame.
+    ///
+    /// # Panics
+    /// If the range ends beyond the batches.
+    pub fn matrices_of(&self, batches: Range<usize>) -> Range<usize> {
+        assert!(
+            batches.end <= self.draw_list().batches,
+            "the range of batches is out of bounds"
+        );
+        self.plan.first_matrix(batches.start)..self.plan.first_matrix(batches.end)
+    }
+
+    /// Returns the batches from `first` on that write about `1 / parts` of all matrices, for
+    /// distribution over threads. Empty when no batches are left.
+    pub fn share_of_batches(&self, first: usize, parts: usize) -> Range<usize> {
+        let count = self.draw_list().batches;
+        let aim = self.plan.first_matrix(first) + self.draw_list().matrices.div_ceil(parts.max(1));
+        let mut end = (first + 1).min(count);
+        while end < count && self.plan.first_matrix(end) < aim {
+            end += 1;
+        }
+        first.min(count)..end
+    }
+
+    /// Writes the palettes of a range of batches. Ranges are independent: the bytes are the same in
+    /// whatever order and on whatever threads they are evaluated.
+    ///
+    /// O(joints of the batches); does not allocate.
+    ///
+    /// # Panics
+    /// If `out` does not have the rows of [`Crowd::matrices_of`] this range, in the form of the
+    /// model, or `scratch` is not of the model's evaluator.
+    pub fn evaluate(
+        &self,
+        model: &CrowdModel,
+        batches: Range<usize>,
+        mut out: PaletteRows<'_>,
+        scratch: &mut Scratch,
+    ) {
+        let evaluator = model.evaluator();
+        let rows = model.parts().form.rows();
+        let first = self.matrices_of(batches.clone());
+        assert_eq!(
+            out.len(),
+            first.len() * rows,
+            "the output must hold every palette"
+        );
+        let first = first.start;
+        for at in batches {
+            let batch = self.plan.batches()[at];
+            let matrices = self.matrices_of(at..at + 1);
+            let part = (matrices.start - first) * rows..(matrices.end - first) * rows;
+            if batch.is_cached() {
+                self.blend(model, &batch, out.part(part));
+                continue;
+            }
+            let mut shown = [BatchPose::from(model.parts().clips.cursor(0, 0.0)); LANES];
+            for (shown, poser) in shown.iter_mut().zip(self.plan.posers(&batch)) {
+                *shown = self.posed(model, poser);
+            }
+            let shown = &shown[..batch.poses()];
+            evaluator.evaluate(batch.level(), shown, out.part(part), scratch);
+        }
+    }
+
+    /// Writes the morph target weights of a range of sets, for each as many as the mesh has targets
+    /// ([`MorphClips::targets`](super::MorphClips::targets)), at the character's own times: a
+    /// character with a shared or cached pose has its own face. Ranges are independent, as of
+    /// [`Crowd::evaluate`].
+    ///
+    /// O(targets of the sets); does not allocate.
+    ///
+    /// # Panics
+    /// If the range ends beyond [`DrawList::morph_sets`], or `out` does not have the weights of these
+    /// sets.
+    pub fn evaluate_morphs(&self, model: &CrowdModel, sets: Range<usize>, out: &mut [f32]) {
+        let (_, targets) = model.morphs();
+        assert!(
+            sets.end <= self.draw_list().morph_sets(),
+            "the range of morph sets is out of bounds"
+        );
+        assert_eq!(
+            out.len(),
+            sets.len() * targets,
+            "the output must hold the weights of every set"
+        );
+        let Some(morphs) = model.parts().morphs.as_ref().filter(|_| targets > 0) else {
+            return;
+        };
+        for (set, out) in sets.zip(out.chunks_exact_mut(targets)) {
+            let character = self.draw_list().character_of(set);
+            morphs.sample(&self.clocks.state(character), out);
+        }
+    }
+
+    /// Writes the blend records of a range of [`DrawList::recorded`]: for each character the two
+    /// cached palettes around its time. Ranges are independent, as of [`Crowd::evaluate`].
+    ///
+    /// O(records); does not allocate.
+    ///
+    /// # Panics
+    /// If the range ends beyond the list, or `out` does not have its length.
+    pub fn evaluate_records(
+        &self,
+        model: &CrowdModel,
+        records: Range<usize>,
+        out: &mut [BlendRecord],
+    ) {
+        let list = self.draw_list();
+        let characters = &list.recorded[records.clone()];
+        assert_eq!(
+            out.len(),
+            characters.len(),
+            "the output must hold every record"
+        );
+        let Some(cache) = model.parts().cache.as_ref() else {
+            return;
+        };
+        for group in &list.record_groups {
+            let part = group.records.start.max(records.start)..group.records.end.min(records.end);
+            for record in part {
+                let at = record - records.start;
+                let ClipState { secs, clip, .. } = self.clocks.from(characters[at] as usize);
+                let located = cache.locate(usize::from(clip), group.level, secs);
+                out[at] = located.unwrap_or_default().of(characters[at]);
+            }
+        }
+    }
+
+    /// Blends cached palettes.
+    fn blend(&self, model: &CrowdModel, batch: &Batch, out: PaletteRows<'_>) {
+        let Some(cache) = model.parts().cache.as_ref() else {
+            return;
+        };
+        let mut records = [BlendRecord::default(); LANES];
+        for (record, poser) in records.iter_mut().zip(self.plan.posers(batch)) {
+            if let Poser::Character(character) = poser {
+                let ClipState { secs, clip, .. } = self.clocks.from(character);
+                let located = cache.locate(usize::from(clip), batch.level(), secs);
+                *record = located.unwrap_or_default();
+            }
+        }
+        let records = &records[..batch.poses()];
+        cache.blend(batch.level(), records, model.parts().backend, out);
+    }
+
+    #[inline]
+    fn posed(&self, model: &CrowdModel, poser: Poser) -> BatchPose {
+        match poser {
+            Poser::Character(c) => self.clocks.state(c).shown(&model.parts().clips),
+            Poser::Leader(l) => {
+                let Leader { clip, secs } = self.sharing.leaders()[l];
+                model.parts().clips.cursor(usize::from(clip), secs).into()
+            }
+        }
+    }
+}

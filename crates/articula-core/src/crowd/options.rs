@@ -1,0 +1,175 @@
+//! Options of a character: levels with the source of the pose, each with its error and its cost.
+//!
+//! Source: `docs/methods/runtime.md` 4.1. The lists are made with the model, finest first. An option
+//! that costs as much as one with no greater error is left out, so along a list the error rises and
+//! the cost falls, and the cheapest option within a tolerance is the last one within it.
+
+use super::frame::CacheUse;
+use super::model::CrowdParts;
+use super::plan::Kind;
+use crate::budget::{CostModel, Workload};
+
+/// Nanoseconds of a blend of cached palettes, for each matrix, on the machine of
+/// `docs/methods/runtime.md` part 1: about 0.4 of what evaluating a joint takes.
+const BLENDED_MATRIX_NS: f32 = 1.1;
+/// The same of a blended palette, and of a record for the GPU.
+const BLENDED_NS: f32 = 2.0;
+const RECORD_NS: f32 = 4.0;
+/// What a level is preferred by before a finer one of equal cost, which differs in the mesh alone.
+const MESH_NS: f32 = 1e-3;
+
+/// One way to show a character.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct DetailOption {
+    pub(crate) level: u8,
+    pub(crate) kind: Kind,
+    /// Error of the level and of the source together, metres.
+    pub(crate) error_metres: f32,
+    /// Nanoseconds, by the costs that a [`CostModel`] starts from.
+    pub(crate) cost_ns: f32,
+}
+
+/// Options of every clip for one use of the cache.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct OptionLists {
+    /// All lists, one after the other.
+    options: Vec<DetailOption>,
+    /// Index of the first option of each clip, and the number of all.
+    first: Vec<u32>,
+}
+
+impl OptionLists {
+    /// Lists the options of all clips. `errors` are those of the levels, for each clip as many.
+    pub(crate) fn new(parts: &CrowdParts, errors: &[f32], cache_use: CacheUse) -> Self {
+        let levels = parts.clips.joint_lods().levels();
+        let mut lists = Self {
+            options: Vec::new(),
+            first: vec![0],
+        };
+        for (clip, errors) in errors.chunks(levels).enumerate() {
+            let all = (0..levels).flat_map(|level| {
+                let evaluated = (Kind::Clip, 0.0, evaluated_ns(parts, level));
+                let cached = cached(parts, cache_use, clip, level);
+                [Some(evaluated), cached]
+                    .into_iter()
+                    .flatten()
+                    .map(move |(kind, error, cost)| DetailOption {
+                        level: level as u8,
+                        kind,
+                        error_metres: errors[level] + error,
+                        cost_ns: cost + MESH_NS * (levels - level) as f32,
+                    })
+            });
+            lists.options.extend(undominated(all.collect()));
+            lists.first.push(lists.options.len() as u32);
+        }
+        lists
+    }
+
+    /// Options of a clip, finest first.
+    #[inline]
+    pub(crate) fn of(&self, clip: usize) -> &[DetailOption] {
+        &self.options[self.first[clip] as usize..self.first[clip + 1] as usize]
+    }
+}
+
+/// The options of which none else is as cheap with no greater error, by rising error.
+fn undominated(mut all: Vec<DetailOption>) -> Vec<DetailOption> {
+    all.sort_by(|a, b| {
+        let by_error = a.error_metres.total_cmp(&b.error_metres);
+        by_error.then(a.cost_ns.total_cmp(&b.cost_ns))
+    });
+    let mut least_ns = f32::INFINITY;
+    all.retain(|option| {
+        let is_cheaper = option.cost_ns < least_ns;
+        least_ns = least_ns.min(option.cost_ns);
+        is_cheaper
+    });
+    // Of equal errors the cheapest came first, so errors rise.
+    all
+}
+
+/// Nanoseconds of evaluating one pose of a level.
+pub(crate) fn evaluated_ns(parts: &CrowdParts, level: usize) -> f32 {
+    CostModel::default().cost_ns(&evaluated(parts, level, 1)) as f32
+}
+
+/// Source, added error and nanoseconds of a cached pose, if there is one.
+fn cached(
+    parts: &CrowdParts,
+    cache_use: CacheUse,
+    clip: usize,
+    level: usize,
+) -> Option<(Kind, f32, f32)> {
+    let error = parts.cache.as_ref()?.error_metres(clip, level)?;
+    match cache_use {
+        CacheUse::Never => None,
+        CacheUse::Cpu => {
+            let matrices = parts.palette.len(level) as f32;
+            let cost = BLENDED_NS + BLENDED_MATRIX_NS * matrices;
+            Some((Kind::Cached, error, cost))
+        }
+        CacheUse::Gpu => Some((Kind::Record, error, RECORD_NS)),
+    }
+}
+
+/// Workload of evaluating `poses` poses of a level.
+pub(crate) fn evaluated(parts: &CrowdParts, level: usize, poses: u64) -> Workload {
+    let kept = parts.clips.joint_lods().joint_count(level);
+    Workload {
+        characters: poses,
+        sampled_joints: poses * parts.clips.rotations(kept).len() as u64,
+        fk_joints: poses * kept as u64,
+        matrices: poses * parts.palette.len(level) as u64,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn option((error_metres, cost_ns): (f32, f32)) -> DetailOption {
+        DetailOption {
+            level: 0,
+            kind: Kind::Clip,
+            error_metres,
+            cost_ns,
+        }
+    }
+
+    #[test]
+    fn dominated_options_by_hand() {
+        let all = [
+            (0.0, 9.0),
+            (2.0, 5.0),
+            (1.0, 5.0),
+            (0.0, 8.0),
+            (3.0, 5.5),
+            (4.0, 1.0),
+        ];
+        let kept = undominated(all.map(option).to_vec());
+        let expected = [(0.0, 8.0), (1.0, 5.0), (4.0, 1.0)].map(option);
+        assert_eq!(kept, expected);
+    }
+
+    proptest! {
+        /// For any tolerance the last option within it is as cheap as any.
+        #[test]
+        fn the_cheapest_within_a_tolerance_is_the_last(
+            all in prop::collection::vec((0.0f32..9.0, 0.0f32..9.0), 0..20),
+            tolerance in 0.0f32..9.0,
+        ) {
+            let all: Vec<_> = all.into_iter().map(option).collect();
+            let kept = undominated(all.clone());
+            for pair in kept.windows(2) {
+                prop_assert!(pair[0].error_metres < pair[1].error_metres);
+                prop_assert!(pair[0].cost_ns > pair[1].cost_ns);
+            }
+            let within = |o: &&DetailOption| o.error_metres <= tolerance;
+            let least = all.iter().filter(within).map(|o| o.cost_ns).min_by(f32::total_cmp);
+            let last = kept.iter().rfind(within).map(|o| o.cost_ns);
+            prop_assert_eq!(last, least);
+        }
+    }
+}
