@@ -3,46 +3,14 @@
 use super::clip_times::ClipTimes;
 use super::events::{ClipEvent, sorted};
 use super::frame::CacheUse;
-use super::morphs::MorphClips;
 use super::options::OptionLists;
+use super::parts::CrowdParts;
 use super::root_path::RootTrajectory;
 use crate::Mismatch;
 use crate::attention::Attention;
 use crate::batch::BatchEvaluator;
-use crate::clip_set::ClipSet;
-use crate::lod_error::{ClipLodErrors, LodErrors};
-use crate::motion_bounds::MotionBounds;
-use crate::palette::{PaletteForm, PaletteMap};
+use crate::lod_error::ClipLodErrors;
 use crate::pose_cache::PoseCache;
-use crate::simd::Backend;
-
-/// The parts of a [`CrowdModel`], each from its own builder.
-#[derive(Debug, Clone)]
-pub struct CrowdParts {
-    /// All clips of the rig, laid out in LOD order.
-    pub clips: ClipSet,
-    /// Matrices that evaluation writes.
-    pub palette: PaletteMap,
-    /// Format of these matrices.
-    pub form: PaletteForm,
-    /// Instruction set of the kernels; [`Backend::best`] unless backends are compared.
-    pub backend: Backend,
-    /// LOD errors of each level in each clip.
-    pub errors: LodErrors,
-    /// Bounds of the skin in each clip.
-    pub bounds: MotionBounds,
-    /// Events of each clip, in any order. Empty if no clip has events; the two lists below may be
-    /// empty likewise.
-    pub events: Vec<Vec<ClipEvent>>,
-    /// Root motion of each clip.
-    pub paths: Vec<Option<RootTrajectory>>,
-    /// Intervals of each clip that tolerate less error than usual, or more.
-    pub attention: Vec<Option<Attention>>,
-    /// Cached palettes of these clips, levels and matrices.
-    pub cache: Option<PoseCache>,
-    /// Morph target weights of these clips; `None` if the faces of all levels rest.
-    pub morphs: Option<MorphClips>,
-}
 
 /// Data shared by all characters of a crowd. Read-only; one model may serve many crowds and
 /// threads.

@@ -5,7 +5,7 @@
 //! the cost falls, and the cheapest option within a tolerance is the last one within it.
 
 use super::frame::CacheUse;
-use super::model::CrowdParts;
+use super::parts::CrowdParts;
 use super::plan::Kind;
 use crate::budget::{CostModel, Workload};
 
