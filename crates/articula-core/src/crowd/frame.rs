@@ -51,8 +51,8 @@ pub enum CacheUse {
     /// On the CPU, by [`Crowd::evaluate`](super::Crowd::evaluate), among the other palettes.
     #[default]
     Cpu,
-    /// In the caller's vertex shader, from [`DrawList::records`](super::DrawList::records): 16
-    /// bytes per character, no palette.
+    /// In the caller's vertex shader, from the records of
+    /// [`Crowd::evaluate_records`](super::Crowd::evaluate_records): 16 bytes per character, no palette.
     Gpu,
 }
 
