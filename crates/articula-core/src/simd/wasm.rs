@@ -128,7 +128,7 @@ impl Lanes for Simd128 {
 
     #[inline(always)]
     fn abs(self) -> Self {
-        Self(self.0.map(f32x4_abs))
+        Self(self.0.map(|v| f32x4_abs(v)))
     }
 
     #[inline(always)]
@@ -144,17 +144,17 @@ impl Lanes for Simd128 {
 
     #[inline(always)]
     fn less(self, other: Self) -> [v128; 2] {
-        self.each(other, f32x4_lt).0
+        self.each(other, |a, b| f32x4_lt(a, b)).0
     }
 
     #[inline(always)]
     fn at_most(self, other: Self) -> [v128; 2] {
-        self.each(other, f32x4_le).0
+        self.each(other, |a, b| f32x4_le(a, b)).0
     }
 
     #[inline(always)]
     fn both(a: [v128; 2], b: [v128; 2]) -> [v128; 2] {
-        Self(a).each(Self(b), v128_and).0
+        Self(a).each(Self(b), |a, b| v128_and(a, b)).0
     }
 
     #[inline(always)]
