@@ -47,6 +47,9 @@ fn a_character_is_packaged_inspected_and_assembled() {
         assert!(svg.starts_with(b"<svg"));
         assert_eq!(svg.len() as u64, entry["bytes"].as_u64().unwrap());
     }
+    // A still is off by what the clip moves, so the animated form is preferred.
+    let [moving, still] = [0, 1].map(|i| manifest["flat"][i]["error_px"].as_f64().unwrap());
+    assert!(still > moving + 1.0, "{still}, {moving}");
     let found = json(&here, &["inspect", "head/"]);
     assert_eq!(found["manifest"], *manifest);
     assert_eq!(found["bytes"], made["bytes"]);

@@ -174,20 +174,24 @@ impl Document {
     }
 
     fn add_skin(&mut self, skin: &Skin) -> usize {
-        let matrices: Vec<f32> = skin
-            .inverse_bind
-            .iter()
+        let accessor = self.add_inverse_bind(&skin.inverse_bind);
+        let value = json!({"inverseBindMatrices": accessor, "joints": skin.joints});
+        push(&mut self.json, "skins", value)
+    }
+
+    /// Adds the inverse bind matrices of a skin and returns their accessor.
+    pub(super) fn add_inverse_bind(&mut self, inverse_bind: &[Affine3A]) -> usize {
+        let matrices = inverse_bind.iter();
+        let matrices: Vec<f32> = matrices
             .flat_map(|m| Mat4::from(*m).to_cols_array())
             .collect();
         let view = self.add_view(&float_bytes(&matrices), Use::Other);
-        let accessor = self.add_accessor(json!({
+        self.add_accessor(json!({
             "bufferView": view,
             "componentType": 5126,
-            "count": skin.inverse_bind.len(),
+            "count": inverse_bind.len(),
             "type": "MAT4",
-        }));
-        let value = json!({"inverseBindMatrices": accessor, "joints": skin.joints});
-        push(&mut self.json, "skins", value)
+        }))
     }
 
     /// Adds a skin with the joints that no written skin names.

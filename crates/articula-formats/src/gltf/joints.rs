@@ -3,7 +3,7 @@
 //! Source: glTF 2.0, 3.7.3 (skins). A removed joint stays in the list of nodes as an unused entry,
 //! so that references to other nodes, also of unknown extensions, stay right.
 
-use super::append::{Use, entries_mut, float_bytes, index, object, push, set};
+use super::append::{entries_mut, index, object, push, set};
 use super::document::Document;
 use super::extension::ARTICULATION;
 use super::fresh::write_transform;
@@ -14,7 +14,7 @@ use crate::error::ReadError;
 use crate::limits::Limits;
 use crate::written::WriteError;
 use articula_core::Transform;
-use glam::{Affine3A, Mat4, Vec3};
+use glam::{Affine3A, Vec3};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -227,17 +227,7 @@ impl Document {
 
     /// Writes the joints of a skin, and their matrices as an array of its own.
     fn store_skin(&mut self, skin: &StoredSkin) {
-        let matrices = skin.inverse_bind.iter();
-        let matrices: Vec<f32> = matrices
-            .flat_map(|m| Mat4::from(*m).to_cols_array())
-            .collect();
-        let view = self.add_view(&float_bytes(&matrices), Use::Other);
-        let accessor = self.add_accessor(json!({
-            "bufferView": view,
-            "componentType": 5126,
-            "count": skin.inverse_bind.len(),
-            "type": "MAT4",
-        }));
+        let accessor = self.add_inverse_bind(&skin.inverse_bind);
         let value = &mut entries_mut(&mut self.json, "skins")[skin.index];
         let old = index(value, "inverseBindMatrices");
         set(value, "joints", skin.joints.clone());

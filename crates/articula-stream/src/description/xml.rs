@@ -363,7 +363,10 @@ impl<'a> Parser<'a> {
             let attribute = attribute.map_err(|e| unreadable(&e))?;
             let value = attribute.normalized_value(XmlVersion::Implicit1_0);
             let value = value.map_err(|e| unreadable(&e))?;
-            if let Some(c) = value.chars().find(|c| !is_allowed(*c)) {
+            // What the source holds is allowed; what stands by its number may not be.
+            if let Cow::Owned(value) = &value
+                && let Some(c) = value.chars().find(|c| !is_allowed(*c))
+            {
                 return Err(self.bad(offset, forbidden(c)));
             }
             self.limit(offset, "attributes", count + 1, MOST as u64)?;

@@ -3,13 +3,13 @@
 use super::files::NewFiles;
 use super::governed::charge;
 use super::motion_error::measured;
-use super::motion_part::{keep, kept, without_units};
+use super::motion_part::{keep, kept, needs, region_entries, without_units};
 use super::options::FaceMotion;
-use super::part::{ItemLayer, ItemPart, PartKind, RegionEntry};
+use super::part::{ItemLayer, ItemPart, PartKind};
 use crate::error::{Context, Result};
 use crate::face::fit_face;
 use crate::figure::Figure;
-use crate::streams::{afp2, region_name};
+use crate::streams::afp2;
 use crate::work::Executor;
 use articula_build::{ClipOptions, sampled_clip};
 use articula_core::Clip;
@@ -58,31 +58,18 @@ pub(super) fn part(
     let (of_grid, of_regions) = errors[1..].split_at(grid.len());
     let mut layers: Vec<ItemLayer> = Vec::with_capacity(grid.len());
     for (i, ((loa, tier), error)) in grid.iter().zip(of_grid).enumerate() {
-        let coarser = (*tier + 1 < head.tiers).then(|| i - 1);
         layers.push(ItemLayer {
             name: format!("face loa {loa}, tier {tier}"),
             keep: keep(&[("face_loa", u32::from(*loa)), ("tier", *tier as u32)]),
-            needs: i
-                .checked_sub(head.tiers)
-                .into_iter()
-                .chain(coarser)
-                .collect(),
+            needs: needs(i, *tier, head.tiers),
             error_m: error.max_metres,
             error_mean_m: Some(error.mean_metres),
             ..ItemLayer::default()
         });
     }
     let base_bytes = charge(&coded.unit, &mut layers, coded.bytes.len());
-    let sizes = cuts[1 + grid.len()..].iter().zip(of_regions);
-    let regions = regions
-        .iter()
-        .zip(sizes)
-        .map(|(region, (bytes, error))| RegionEntry {
-            number: u32::from(*region),
-            name: region_name(true, *region),
-            bytes_without: Some(bytes.len() as u64),
-            error_without_m: Some(error.max_metres),
-        });
+    let without = cuts[1 + grid.len()..].iter().zip(of_regions);
+    let regions = region_entries(true, &regions, without);
     let bytes = coded.bytes.len() as u64;
     let file = format!("faces/{stem}.afp");
     let (file, index) = files.put_stream(&file, coded.bytes, &coded.unit)?;
@@ -96,7 +83,7 @@ pub(super) fn part(
         rate_hz: Some(f64::from(head.rate_hz)),
         frames_measured: Some(frames as u64),
         layers,
-        regions: regions.collect(),
+        regions,
         ..ItemPart::new(stem, PartKind::FaceMotion)
     })
 }

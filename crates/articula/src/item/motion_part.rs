@@ -2,7 +2,7 @@
 
 use super::files::NewFiles;
 use super::governed::charge;
-use super::motion_error::measured;
+use super::motion_error::{MotionError, measured};
 use super::part::{ItemLayer, ItemPart, PartKind, RegionEntry};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
@@ -54,17 +54,10 @@ pub(super) fn part(
 
     let mut layers: Vec<ItemLayer> = Vec::with_capacity(grid.len());
     for (i, ((loa, tier), error)) in grid.iter().zip(of_grid).enumerate() {
-        let mut needs = Vec::new();
-        // The same level one tier coarser, and the next coarser level at this tier.
-        if *tier + 1 < head.tiers {
-            needs.push(i - 1);
-        }
-        needs.extend(i.checked_sub(head.tiers));
-        needs.sort_unstable();
         layers.push(ItemLayer {
             name: format!("loa {loa}, tier {tier}"),
             keep: keep(&[("loa", u32::from(*loa)), ("tier", *tier as u32)]),
-            needs,
+            needs: needs(i, *tier, head.tiers),
             error_m: error.max_metres,
             error_mean_m: Some(error.mean_metres),
             joints: Some(joints(figure, *loa)),
@@ -72,16 +65,8 @@ pub(super) fn part(
         });
     }
     let base = charge(&coded.unit, &mut layers, coded.bytes.len());
-    let sizes = cuts[1 + grid.len()..].iter().zip(of_regions);
-    let regions = regions
-        .iter()
-        .zip(sizes)
-        .map(|(region, (bytes, error))| RegionEntry {
-            number: u32::from(*region),
-            name: region_name(false, *region),
-            bytes_without: Some(bytes.len() as u64),
-            error_without_m: Some(error.max_metres),
-        });
+    let without = cuts[1 + grid.len()..].iter().zip(of_regions);
+    let regions = region_entries(false, &regions, without);
     let bytes = coded.bytes.len() as u64;
     let file = format!("clips/{stem}.abp");
     let (file, index) = files.put_stream(&file, coded.bytes, &coded.unit)?;
@@ -95,9 +80,31 @@ pub(super) fn part(
         rate_hz: Some(f64::from(truth.rate_hz())),
         frames_measured: Some(frames as u64),
         layers,
-        regions: regions.collect(),
+        regions,
         ..ItemPart::new(&truth.name, PartKind::BodyMotion)
     })
+}
+
+/// Indices of the layers that the layer `i` of a motion needs: the next coarser level at its tier, and
+/// its level one tier coarser. Layers are listed by level and, within it, by tier, coarsest first.
+pub(super) fn needs(i: usize, tier: usize, tiers: usize) -> Vec<usize> {
+    let coarser = (tier + 1 < tiers).then(|| i - 1);
+    i.checked_sub(tiers).into_iter().chain(coarser).collect()
+}
+
+/// The regions of a motion of the body or `of_face`, each with the stream without it and its error.
+pub(super) fn region_entries<'a>(
+    of_face: bool,
+    regions: &BTreeSet<u8>,
+    without: impl Iterator<Item = (&'a Vec<u8>, &'a MotionError)>,
+) -> Vec<RegionEntry> {
+    let entry = |(region, (bytes, error)): (&u8, (&Vec<u8>, &MotionError))| RegionEntry {
+        number: u32::from(*region),
+        name: region_name(of_face, *region),
+        bytes_without: Some(bytes.len() as u64),
+        error_without_m: Some(error.max_metres),
+    };
+    regions.iter().zip(without).map(entry).collect()
 }
 
 /// Levels of articulation of the groups, coarsest first; 0 if the stream has morph targets alone.
@@ -110,12 +117,11 @@ fn levels(head: &MotionHead) -> Vec<u8> {
 }
 
 /// Regions that can be left out.
-fn regions(head: &MotionHead) -> Vec<u8> {
+fn regions(head: &MotionHead) -> BTreeSet<u8> {
     if head.grouping != Grouping::LoaRegion {
-        return Vec::new();
+        return BTreeSet::new();
     }
-    let regions: BTreeSet<u8> = head.groups.iter().map(|group| group.region).collect();
-    regions.into_iter().collect()
+    head.groups.iter().map(|group| group.region).collect()
 }
 
 /// Number of joints up to a level of articulation.
