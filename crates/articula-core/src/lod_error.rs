@@ -7,7 +7,7 @@ use crate::Mismatch;
 
 /// Factor by which a small part of a character, such as an object in its hand, may exceed the
 /// tolerance: the 95th percentile over vertices does not include it, but a viewer sees it.
-const SMALL_PART: f32 = 2.0;
+pub const SMALL_PART: f32 = 2.0;
 
 /// Returns the LOD error in metres, by which a level is chosen: the larger of the 95th percentile
 /// over vertices and half of the maximum.
@@ -34,7 +34,7 @@ pub struct ClipLodErrors {
 
 impl ClipLodErrors {
     /// LOD error of each level ([`lod_error_metres`]).
-    pub(crate) fn judged(&self) -> impl Iterator<Item = f32> + '_ {
+    pub fn judged(&self) -> impl Iterator<Item = f32> + '_ {
         let pairs = self.levels_metres.iter().zip(&self.worst_metres);
         pairs.map(|(most, worst)| lod_error_metres(*most, *worst))
     }

@@ -10,6 +10,7 @@
 //! Bodies are processed in groups of four with `glam`'s vectors, in blocks that stay in the L1
 //! cache for any number of views.
 
+use super::density::{MIN_DEPTH_METRES, PixelDensity};
 use super::frustum::{Frustum, Tangents};
 use super::world_bounds::{LANES, columns, filled};
 use crate::Mismatch;
@@ -17,10 +18,6 @@ use crate::sphere::Sphere;
 use crate::view::Camera;
 use glam::{Quat, Vec2, Vec3, Vec4};
 use std::ops::Range;
-
-/// Minimum depth in metres; smaller depths count as this, so that a camera inside a body gets
-/// finite pixels per metre.
-pub const MIN_DEPTH_METRES: f32 = 0.1;
 
 /// Culling result of a body: hidden, in the cull margin or occluded, or visible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -39,31 +36,12 @@ pub enum Visibility {
 /// Result of culling one body.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CullResult {
-    /// Maximum number of pixels that one metre spans, over the views that see the body (or have it
-    /// inside their cull margin), at the nearest depth of its bound (of its bound inflated by the
-    /// margin, for [`Visibility::Margin`]). Finite; 0 for a hidden body.
+    /// Maximum number of pixels that a displacement of one metre spans, over the views that see the
+    /// body (or have it inside their cull margin) and over all points of its bound (of its bound
+    /// inflated by the margin, for [`Visibility::Margin`]). Finite; 0 for a hidden body.
     pub pixels_per_metre: f32,
     /// Visibility of the body.
     pub visibility: Visibility,
-}
-
-/// Number of pixels that one metre spans.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum PixelDensity {
-    /// Value at a depth of one metre, falling with depth: perspective.
-    AtOneMetre(f32),
-    /// Value at any depth: parallel projection.
-    Everywhere(f32),
-}
-
-impl PixelDensity {
-    /// Pixels per metre at a depth; depths below [`MIN_DEPTH_METRES`] count as that.
-    fn at(self, depth_metres: f32) -> f32 {
-        match self {
-            Self::AtOneMetre(pixels) => pixels / depth_metres.max(MIN_DEPTH_METRES),
-            Self::Everywhere(pixels) => pixels,
-        }
-    }
 }
 
 /// One view of the world: a camera, an eye of a headset, a mirror, a shadow map.
@@ -80,10 +58,12 @@ impl<'a> View<'a> {
     /// A view with its frustum and its pixels per metre. If these are not positive and finite it
     /// sees nothing.
     fn new(frustum: Frustum, density: PixelDensity) -> Self {
-        let (PixelDensity::AtOneMetre(pixels) | PixelDensity::Everywhere(pixels)) = density;
-        let is_number = pixels > 0.0 && pixels <= f32::MAX * MIN_DEPTH_METRES;
         Self {
-            frustum: if is_number { frustum } else { Frustum::NOTHING },
+            frustum: if density.is_valid() {
+                frustum
+            } else {
+                Frustum::NOTHING
+            },
             density,
             cull_margin_metres: 0.0,
             cull_margin_radians: 0.0,
@@ -93,7 +73,11 @@ impl<'a> View<'a> {
 
     /// The view of a perspective camera.
     pub fn of(camera: &Camera) -> Self {
-        let density = PixelDensity::AtOneMetre(camera.viewport.pixels_per_metre(1.0));
+        let (at_one_metre, tangents) = (
+            camera.viewport.pixels_per_metre(1.0),
+            Tangents::of(&camera.viewport),
+        );
+        let density = PixelDensity::perspective(at_one_metre, tangents);
         Self::new(Frustum::of(camera), density)
     }
 
@@ -106,7 +90,7 @@ impl<'a> View<'a> {
         tangents: Tangents,
         pixels_at_one_metre: f32,
     ) -> Self {
-        let density = PixelDensity::AtOneMetre(pixels_at_one_metre);
+        let density = PixelDensity::perspective(pixels_at_one_metre, tangents);
         Self::new(Frustum::perspective(eye, orientation, tangents), density)
     }
 
@@ -167,23 +151,41 @@ impl<'a> View<'a> {
         if !self.frustum.meets(bound.centre, bound.radius) {
             return f32::INFINITY;
         }
-        let pixels = match self.density {
-            PixelDensity::AtOneMetre(pixels) if limit < self.density.at(0.0) => pixels,
-            density => {
-                let never = density.at(0.0) <= limit;
-                return if never { f32::INFINITY } else { 0.0 };
-            }
-        };
-        let slack = self.frustum.depth(bound.centre) - bound.radius - pixels / limit;
+        if self.density.most() <= limit {
+            return f32::INFINITY;
+        }
+        let slack = self.way_until_denser(bound, limit);
         if slack.is_nan() || slack <= 0.0 {
             return 0.0;
         }
-        // Depth falls no faster than v + w (d + v t), with the distance d of the bound's centre:
-        // the first time at which v t + w (d t + v t^2 / 2) is the slack.
+        // In camera space the bound's centre moves no faster than v + w (d + v t), with its distance
+        // d: the first time at which v t + w (d t + v t^2 / 2) is the slack.
         let (v, w) = (closing.metres_per_sec, closing.radians_per_sec);
         let linear = v + w * bound.centre.distance(self.frustum.eye);
         let secs = 2.0 * slack / (linear + (linear * linear + 2.0 * w * v * slack).sqrt());
         if secs.is_nan() { 0.0 } else { secs }
+    }
+
+    /// Distance in metres that a bound may move in camera space, towards the eye and away from the
+    /// axis, before one metre of its body spans more than `limit` pixels, which it may.
+    fn way_until_denser(&self, bound: Sphere, limit: f32) -> f32 {
+        let depth = self.frustum.depth(bound.centre) - bound.radius;
+        let aside = self.frustum.aside(bound.centre) + bound.radius;
+        let is_denser = |way: f32| self.density.at(depth - way, aside + way) > limit;
+        if is_denser(0.0) {
+            return 0.0;
+        }
+        // At the least depth, and beyond the corner of the picture.
+        let (mut least, mut most) = (0.0, depth.max(0.0) + self.density.corner_metres());
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (least + most);
+            if is_denser(middle) {
+                most = middle;
+            } else {
+                least = middle;
+            }
+        }
+        least
     }
 }
 
@@ -284,6 +286,9 @@ pub fn cull(views: &[View<'_>], bodies: Bodies<'_>, out: &mut [CullResult]) {
 /// Maximum of a cull margin in metres, so that no infinite margin times a turn of 0 gives NaN.
 pub(super) const FARTHEST_METRES: f32 = 1e18;
 
+/// Halvings of an interval, to a millionth of it.
+const BISECTIONS: usize = 20;
+
 const GROUPS: usize = 16;
 const BLOCK: usize = LANES * GROUPS;
 
@@ -354,9 +359,6 @@ impl Block {
         let forward = splats(f.forward);
         let sides = f.sides.map(|s| (splats(s.truncate()), Vec4::splat(s.w)));
         let [begin, end] = [f.near_metres, f.far_metres].map(Vec4::splat);
-        let (PixelDensity::AtOneMetre(pixels) | PixelDensity::Everywhere(pixels)) = view.density;
-        let flat = matches!(view.density, PixelDensity::Everywhere(_));
-        let pixels = Vec4::splat(pixels);
         let zero = Vec4::ZERO;
         for g in 0..self.groups {
             let [x, y, z] = [self.x[g] - eye[0], self.y[g] - eye[1], self.z[g] - eye[2]];
@@ -382,13 +384,26 @@ impl Block {
                 let occluded = Vec4::from_array(filled(occluded, 0.0));
                 visible &= !occluded.cmpge(Vec4::ONE);
             }
-            let density = if flat {
-                pixels
-            } else {
-                let nearest = depth - Vec4::select(visible, radius, reach);
-                let density = pixels / nearest.max(Vec4::splat(MIN_DEPTH_METRES));
-                // Above zero at any depth, since 0 means not seen.
-                density.max(Vec4::splat(f32::MIN_POSITIVE))
+            let density = match view.density {
+                PixelDensity::Everywhere(pixels) => Vec4::splat(pixels),
+                PixelDensity::Perspective {
+                    at_one_metre,
+                    corner_cosine,
+                } => {
+                    let size = Vec4::select(visible, radius, reach);
+                    let nearest = (depth - size).max(Vec4::splat(MIN_DEPTH_METRES));
+                    let [x, y, z] = [
+                        x - depth * forward[0],
+                        y - depth * forward[1],
+                        z - depth * forward[2],
+                    ];
+                    let aside = root(x * x + y * y + z * z) + size;
+                    let cosine = nearest / root(nearest * nearest + aside * aside);
+                    let cosine = cosine.max(Vec4::splat(corner_cosine));
+                    let density = Vec4::splat(at_one_metre) / (nearest * cosine);
+                    // Above zero at any depth, since 0 means not seen.
+                    density.max(Vec4::splat(f32::MIN_POSITIVE))
+                }
             };
             self.visible[g] = self.visible[g].max(Vec4::select(visible, density, zero));
             self.near[g] = self.near[g].max(Vec4::select(near, density, zero));
@@ -426,6 +441,11 @@ impl Block {
 #[inline]
 fn splats(v: Vec3) -> [Vec4; 3] {
     [Vec4::splat(v.x), Vec4::splat(v.y), Vec4::splat(v.z)]
+}
+
+#[inline]
+fn root(v: Vec4) -> Vec4 {
+    Vec4::from_array(v.to_array().map(f32::sqrt))
 }
 
 /// Clamps to 0 and `most`; NaN gives 0.
@@ -514,11 +534,14 @@ mod tests {
         let found: Vec<_> = seen.iter().map(|s| s.visibility).collect();
         assert_eq!(found, [Visible, Hidden, Margin, Visible, Visible]);
         let viewport = Viewport::default();
-        let near = viewport.pixels_per_metre(10.0);
+        // At a depth of 10 m, and 1 m aside.
+        let near = viewport.pixels_per_metre(10.0) * 101f32.sqrt() / 10.0;
         assert!((seen[0].pixels_per_metre - near).abs() < 1e-3 * near);
         assert_eq!(seen[1].pixels_per_metre, 0.0);
-        // A camera inside a body counts as at the minimum depth from it.
-        let inside = viewport.pixels_per_metre(MIN_DEPTH_METRES);
+        // A camera inside a body counts as at the minimum depth from it, which reaches beyond the
+        // corner of the picture, whose tangents are 0.41421 and 16:9 of it.
+        let corner = (1.0f32 + 0.171_57 + 0.542_25).sqrt();
+        let inside = viewport.pixels_per_metre(MIN_DEPTH_METRES) * corner;
         assert!((seen[3].pixels_per_metre - inside).abs() < 1e-3 * inside);
     }
 
@@ -530,7 +553,7 @@ mod tests {
         close.eye = Vec3::NEG_Z * 5.0;
         let down = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
         let sun = View::parallel(Vec3::Y * 100.0, down, Vec2::splat(60.0), 20.0);
-        let near = Viewport::default().pixels_per_metre(5.0);
+        let near = Viewport::default().pixels_per_metre(5.0) * 26f32.sqrt() / 5.0;
         for views in [[eye, View::of(&close), sun], [sun, View::of(&close), eye]] {
             let seen = crowd.seen(&views);
             assert!((seen[0].pixels_per_metre - near).abs() < 1e-3 * near);
@@ -560,7 +583,9 @@ mod tests {
         let crowd = Crowd::of(&[(Vec3::new(-110.0, 0.0, -100.0), 0.0)]);
         assert_eq!(crowd.visibilities(&eyes), [Visibility::Visible]);
         assert_eq!(crowd.visibilities(&eyes[1..]), [Visibility::Hidden]);
-        assert!((crowd.seen(&eyes)[0].pixels_per_metre - 1000.0 / 99.0).abs() < 1e-3);
+        // At a depth of 99 m and up to 110.97 m aside.
+        let secant = (1.0 + 110.97f32 * 110.97 / (99.0 * 99.0)).sqrt();
+        assert!((crowd.seen(&eyes)[0].pixels_per_metre - secant * 1000.0 / 99.0).abs() < 1e-3);
     }
 
     #[test]
@@ -657,7 +682,7 @@ mod tests {
         let view = View::of(&camera());
         assert_eq!(odd.visibilities(&[view]), [Visible, Hidden, Margin]);
         assert!(odd.seen(&[view])[2].pixels_per_metre.is_finite());
-        let nothing = View::new(view.frustum, PixelDensity::AtOneMetre(f32::NAN));
+        let nothing = View::new(view.frustum, PixelDensity::Everywhere(f32::NAN));
         assert_eq!(odd.visibilities(&[nothing]), [Hidden; 3]);
     }
 
@@ -681,7 +706,9 @@ mod tests {
 
     #[test]
     fn how_long_a_dolly_takes_by_hand() {
-        // 10 m to the bound; a quarter denser at 8 m; 5 m/s take 0.4 s for the 2 m.
+        // 10 m to the bound, which reaches 1 m aside. After 2 m it may be 8 m away and reach 3 m
+        // aside; 5 m/s take 0.4 s for them.
+        let growth = (64.0f32 + 9.0).sqrt() / 64.0 / (101f32.sqrt() / 100.0) - 1.0;
         let crowd = Crowd::of(&[(Vec3::NEG_Z * 11.0, 0.0)]);
         let views = [View::of(&camera())];
         let (bound, seen) = (crowd.bounds[0], crowd.seen(&views)[0]);
@@ -692,9 +719,9 @@ mod tests {
             };
             secs_until_grown(&views, bound, seen, growth, closing)
         };
-        assert!((secs(5.0, 0.0, 0.25) - 0.4).abs() < 1e-4);
+        assert!((secs(5.0, 0.0, growth) - 0.4).abs() < 1e-4);
         // Turning alone: 11 m away, 2 m of depth are lost after 2 / 11 rad at the earliest.
-        assert!((secs(0.0, 1.0, 0.25) - 2.0 / 11.0).abs() < 1e-4);
+        assert!((secs(0.0, 1.0, growth) - 2.0 / 11.0).abs() < 1e-4);
         assert_eq!(secs(0.0, 0.0, 0.25), f32::INFINITY);
         assert_eq!(secs(5.0, 0.0, 1e9), f32::INFINITY, "beyond the least depth");
         assert_eq!(secs(5.0, 0.0, f32::NAN), 0.0);
@@ -736,7 +763,10 @@ mod tests {
                 let most = 1e-4;
                 let meets = |extra: f32| -> f32 {
                     views.iter().filter(|v| v.frustum.meets(bound.centre, bound.radius + extra))
-                        .map(|v| v.density.at(v.frustum.depth(bound.centre) - bound.radius - extra.max(0.0)))
+                        .map(|v| {
+                            let size = bound.radius + extra.max(0.0);
+                            v.density.at(v.frustum.depth(bound.centre) - size, v.frustum.aside(bound.centre) + size)
+                        })
                         .fold(0.0, f32::max)
                 };
                 let between = |low: f32, found: f32, high: f32| low * 0.999 <= found && found <= high * 1.001;

@@ -129,6 +129,12 @@ impl Frustum {
         self.forward.dot(point - self.eye)
     }
 
+    /// Distance of a point from the axis through the eye along the viewing direction, metres.
+    pub(crate) fn aside(&self, point: Vec3) -> f32 {
+        let at = point - self.eye;
+        (at - self.forward * self.forward.dot(at)).length()
+    }
+
     /// Whether a sphere may be visible: true for every sphere that reaches inside, and for a few
     /// beyond a corner. The plain version of [`crate::visibility::cull`] for one body.
     pub(crate) fn meets(&self, centre: Vec3, radius: f32) -> bool {

@@ -3,7 +3,8 @@
 //! The results are kept as masks and as metres per pixel, so that a tolerance in pixels becomes one
 //! in metres by a product. [`BoxSight`] is the result for all bodies of a box at once.
 
-use super::cull::{CullResult, MIN_DEPTH_METRES, PixelDensity, View, Visibility};
+use super::cull::{CullResult, View, Visibility};
+use super::density::{MIN_DEPTH_METRES, PixelDensity};
 use crate::simd::{Backend, Kernel, LANES, Lanes, Tile, dispatch};
 use crate::sphere::Sphere;
 use glam::Vec3;
@@ -31,7 +32,8 @@ pub(crate) struct Bands<'a> {
 /// What is seen of the bodies of each tile, one bit for each body.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Sight {
-    /// Metres that a pixel spans at a visible body, the least over views; unspecified for others.
+    /// Metres of the least displacement of a visible body that spans a pixel, the least over views;
+    /// unspecified for others.
     pub(crate) metres_per_px: Vec<Tile>,
     pub(crate) visible: Vec<u8>,
     /// Visible, or inside the cull margin, or wholly occluded.
@@ -172,9 +174,23 @@ fn through<L: Lanes>(view: &View<'_>, [x, y, z]: [&Tile; 3], radius: L, margin: 
     let visible = L::both(is_number, zero.at_most(inside.add(radius)));
     let near = L::both(is_number, zero.at_most(inside.add(reach)));
     let metres_per_px = match view.density {
-        PixelDensity::AtOneMetre(pixels) => {
+        // Most tiles of a large crowd are wholly outside.
+        _ if L::bits(visible) == 0 => L::splat(f32::INFINITY),
+        PixelDensity::Perspective {
+            at_one_metre,
+            corner_cosine,
+        } => {
             let nearest = depth.sub(radius).max(L::splat(MIN_DEPTH_METRES));
-            nearest.mul(L::splat(1.0 / pixels))
+            let [fx, fy, fz] = f.forward.to_array().map(L::splat);
+            let (x, y, z) = (
+                x.sub(fx.mul(depth)),
+                y.sub(fy.mul(depth)),
+                z.sub(fz.mul(depth)),
+            );
+            let aside = x.mul(x).add(y.mul(y)).add(z.mul(z)).sqrt().add(radius);
+            let along = nearest.mul(nearest).add(aside.mul(aside)).sqrt();
+            let cosine = nearest.div(along).max(L::splat(corner_cosine));
+            nearest.mul(L::splat(1.0 / at_one_metre)).mul(cosine)
         }
         PixelDensity::Everywhere(pixels) => L::splat(1.0 / pixels),
     };
@@ -270,14 +286,20 @@ impl View<'_> {
         if !all {
             return BoxSight::Some;
         }
-        let [low, high] = [depth - depth_half - rounding, depth + depth_half + rounding];
-        BoxSight::All(match self.density {
-            PixelDensity::AtOneMetre(pixels) => {
-                let metres = |depth: f32| depth.max(MIN_DEPTH_METRES) * (1.0 / pixels);
-                [metres(low) * 0.999_99, metres(high) * 1.000_01]
-            }
-            PixelDensity::Everywhere(pixels) => [1.0 / pixels; 2],
-        })
+        let [nearest, farthest] = [depth - depth_half - rounding, depth + depth_half + rounding];
+        // A bound in the box reaches no farther aside than the box, and no less than its middle less
+        // the half of its extent.
+        let across = f
+            .forward
+            .to_array()
+            .map(|along| (1.0 - along * along).max(0.0).sqrt());
+        let extent = half.dot(across.into()).min(half.length()) + rounding;
+        let aside = (centre - f.forward * depth).length();
+        let metres = |depth, aside| self.density.metres_per_px(depth, aside);
+        BoxSight::All([
+            metres(nearest, aside + extent) * 0.999_99,
+            metres(farthest, (aside - extent).max(0.0)) * 1.000_01,
+        ])
     }
 
     /// The view without what it cannot see for walls.
@@ -325,13 +347,9 @@ pub(crate) fn look_at_one(views: &[View<'_>], bound: Sphere) -> CullResult {
         } else {
             reach
         };
-        let metres_per_px = match view.density {
-            PixelDensity::AtOneMetre(pixels) => {
-                (depth - size).max(MIN_DEPTH_METRES) * (1.0 / pixels)
-            }
-            PixelDensity::Everywhere(pixels) => 1.0 / pixels,
-        };
-        let pixels_per_metre = 1.0 / metres_per_px;
+        let aside = at - f.forward * depth;
+        let aside = aside.x * aside.x + aside.y * aside.y + aside.z * aside.z;
+        let pixels_per_metre = view.density.at(depth - size, aside.sqrt() + size);
         if visibility > result.visibility {
             result = CullResult {
                 pixels_per_metre,

@@ -6,14 +6,14 @@
 //! - [`Occlusion`]: occluded fraction of a body, for callers that query no renderer
 
 mod cull;
+mod density;
 mod frustum;
 mod look;
 mod occlusion;
 mod world_bounds;
 
-pub use cull::{
-    ApproachSpeed, Bodies, CullResult, MIN_DEPTH_METRES, View, Visibility, cull, secs_until_grown,
-};
+pub use cull::{ApproachSpeed, Bodies, CullResult, View, Visibility, cull, secs_until_grown};
+pub use density::MIN_DEPTH_METRES;
 pub use frustum::Tangents;
 pub(crate) use look::{Bands, BoxSight, Sight, Spheres, look, look_at_box, look_at_one};
 pub use occlusion::Occlusion;

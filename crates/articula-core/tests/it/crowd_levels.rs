@@ -33,10 +33,16 @@ fn row(count: usize) -> Square {
     }
 }
 
-/// Pixels that a metre of the world spans at the nearest depth of a character's bound, a sphere of
-/// 1.2 m times its scale.
+/// Pixels that a displacement of a metre spans in a character's bound, a sphere of 1.2 m around the
+/// point 1 m above its position, both times its scale: at the nearest depth, and at the greatest
+/// distance from the axis. None is beyond the corner of the picture.
 fn pixels_per_metre(position: Vec3, scale: f32) -> f32 {
-    Viewport::default().pixels_per_metre(-position.z - 1.2 * scale)
+    let depth = -position.z - 1.2 * scale;
+    let aside = (position.y + scale).abs() + 1.2 * scale;
+    let tangent = (0.5 * Viewport::default().fov_y_radians).tan();
+    let corner = tangent * (1.0 + (16.0f32 / 9.0).powi(2)).sqrt();
+    let secant = (aside / depth).min(corner).hypot(1.0);
+    Viewport::default().pixels_per_metre(depth) * secant
 }
 
 fn levels(model: &CrowdModel) -> usize {
