@@ -70,23 +70,19 @@ pub fn figure_levels(
 ) -> Result<FigureLevels, Mismatch> {
     check(asset, merged, mesh_levels, poses)?;
     let mesh = &asset.mesh;
-    let watched = watched(asset, opts);
-    let points: Vec<Vec<SkinPoint>> = mesh_levels
-        .iter()
-        .enumerate()
-        .map(|(l, level)| {
-            if l == 0 {
-                watched.vertices.iter().map(|v| SkinPoint::at(*v)).collect()
-            } else {
-                attach(level, &watched.vertices, poses, &mesh.parts)
-            }
-        })
-        .collect();
+    let some = Watched::draw(mesh, asset.rig.len(), opts.vertices, opts.seed);
+    let some = some.of_triangles(&mesh.triangles);
+    let points_of = |watched: &Watched, level: usize| match level {
+        0 => watched.vertices.iter().map(|v| SkinPoint::at(*v)).collect(),
+        _ => attach(mesh_levels[level], &watched.vertices, poses, &mesh.parts),
+    };
+    let levels = 0..mesh_levels.len();
+    let points: Vec<Vec<SkinPoint>> = levels.map(|l| points_of(&some, l)).collect();
     let skins = all_skins(&merged.skins, mesh);
     let mut candidates = candidates(merged, &skins, mesh_levels);
     let parts = skins.iter().map(|s| &s.skin).collect::<Vec<_>>();
     let bindings = &merged.skins.bindings;
-    let scene = LevelMeasurement::new(asset, &watched, &parts, bindings, &points);
+    let scene = LevelMeasurement::new(asset, &some, &parts, bindings, &points);
     let shown: Vec<DisplayedLevel> = candidates.iter().map(DisplayedLevel::of).collect();
     for clip in scene.measure(&shown, opts.frames) {
         for (candidate, tally) in candidates.iter_mut().zip(clip) {
@@ -99,6 +95,15 @@ pub fn figure_levels(
         opts.first_metres,
         opts.max_levels.min(JointLods::MAX_LEVELS),
     );
+    // A sample decides which levels there are; their errors are those of every vertex.
+    let every = Watched::every(mesh, opts.vertices, opts.seed).of_triangles(&mesh.triangles);
+    let points: Vec<Vec<SkinPoint>> = (0..mesh_levels.len())
+        .map(|l| match chosen.iter().any(|c| c.level.mesh_level == l) {
+            true => points_of(&every, l),
+            false => Vec::new(),
+        })
+        .collect();
+    let scene = LevelMeasurement::new(asset, &every, &parts, bindings, &points);
     let shown: Vec<DisplayedLevel> = chosen.iter().map(DisplayedLevel::of).collect();
     let errors = table(merged, &scene.measure(&shown, MAX_FRAMES));
     let of_levels = chosen.iter().map(|c| skins[c.skin].skin.clone()).collect();
@@ -187,19 +192,6 @@ fn check(
         }
     }
     Ok(())
-}
-
-/// Watched vertices that some triangle uses.
-fn watched(asset: &Asset, opts: &JointLodOptions) -> Watched {
-    let mesh = &asset.mesh;
-    let mut is_used = vec![false; mesh.len()];
-    for v in mesh.triangles.iter().flatten() {
-        is_used[*v as usize] = true;
-    }
-    let all = Watched::draw(mesh, asset.rig.len(), opts.vertices, opts.seed);
-    let used = all.vertices.iter().zip(&all.drawn);
-    let (vertices, drawn) = used.filter(|(v, _)| is_used[**v as usize]).unzip();
-    Watched { vertices, drawn }
 }
 
 /// Every combination of skin and mesh level.

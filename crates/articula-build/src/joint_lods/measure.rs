@@ -12,7 +12,7 @@ use glam::{Affine3A, Vec3};
 pub(crate) struct Tally {
     /// 95th percentile over the uniform random sample of vertices.
     pub(crate) percentile_metres: f32,
-    /// Maximum over all watched vertices.
+    /// Maximum over the watched vertices.
     pub(crate) worst_metres: f32,
 }
 
@@ -50,19 +50,40 @@ impl<'a> Poser<'a> {
     }
 }
 
-/// Returns, for each clip, the error of each skin (of the watched vertices only) against the full
-/// mesh, over about `frames` frames of all clips.
+/// The skin of a level at the vertices where it is compared.
+pub(super) struct WatchedSkin {
+    pub(super) watched: Watched,
+    /// The skin of these vertices.
+    pub(super) mesh: Mesh,
+}
+
+/// Returns, for each clip, the error of each skin against the full mesh, over about `frames` frames
+/// of all clips.
 pub(super) fn measure(
     asset: &Asset,
     full: &Mesh,
-    watched: &Watched,
-    skins: &[Mesh],
+    skins: &[WatchedSkin],
     frames: usize,
 ) -> Vec<Vec<Tally>> {
-    let mut truth = Poser::new(full, watched.vertices.clone());
-    let whole = |mesh| Poser::new(mesh, (0..watched.vertices.len() as u32).collect());
-    let mut shown: Vec<Poser<'_>> = skins.iter().map(whole).collect();
-    let mut lengths = Vec::with_capacity(watched.vertices.len());
+    let mut all: Vec<u32> = skins
+        .iter()
+        .flat_map(|s| &s.watched.vertices)
+        .copied()
+        .collect();
+    all.sort_unstable();
+    all.dedup();
+    let place = |v: &u32| all.partition_point(|other| other < v);
+    let places = skins
+        .iter()
+        .map(|s| s.watched.vertices.iter().map(place).collect());
+    let places: Vec<Vec<usize>> = places.collect();
+    let mut truth = Poser::new(full, all.clone());
+    let whole = |s: &WatchedSkin| (0..s.mesh.len() as u32).collect();
+    let mut shown: Vec<Poser<'_>> = skins
+        .iter()
+        .map(|s| Poser::new(&s.mesh, whole(s)))
+        .collect();
+    let (mut lengths, mut of_skin) = (Vec::new(), Vec::new());
     let mut out = Vec::with_capacity(asset.clips.len());
     let counts = share_frames(&asset.clips, frames);
     for (clip, count) in asset.clips.iter().zip(counts) {
@@ -70,8 +91,12 @@ pub(super) fn measure(
         for frame in spread_frames(clip.frames(), count) {
             let model = model_of(asset, &pose_of(asset, clip, frame));
             let truth = truth.pose(&model);
-            for (tally, poser) in tallies.iter_mut().zip(&mut shown) {
-                let tallied = compare(truth, poser.pose(&model), watched, &mut lengths);
+            let each = skins.iter().zip(&places).zip(&mut shown);
+            for (tally, ((skin, places), poser)) in tallies.iter_mut().zip(each) {
+                of_skin.clear();
+                of_skin.extend(places.iter().map(|place| truth[*place]));
+                let shown = poser.pose(&model);
+                let tallied = compare(&of_skin, shown, &skin.watched, &mut lengths);
                 *tally = tally.worst_of(tallied);
             }
         }

@@ -1,7 +1,7 @@
 //! Skins of all levels, on one palette.
 
 use super::fold::{Correction, fold};
-use super::measure::{Tally, measure};
+use super::measure::{Tally, WatchedSkin, measure};
 use super::plan::Plan;
 use super::prefixes::Prefixes;
 use super::watch::Watched;
@@ -148,11 +148,14 @@ fn choose(
 ) -> Vec<LevelSkin> {
     let watched = Watched::draw(mesh, asset.rig.len(), opts.vertices, opts.seed);
     let reduced = candidates.iter().flatten();
-    let reduced: Vec<Mesh> = reduced
-        .map(|s| skin_part(s, plan.bindings(), &watched.vertices))
+    let reduced: Vec<WatchedSkin> = reduced
+        .map(|s| WatchedSkin {
+            mesh: skin_part(s, plan.bindings(), &watched.vertices),
+            watched: watched.clone(),
+        })
         .collect();
     let mut tallies = vec![Tally::default(); reduced.len()];
-    for clip in measure(asset, mesh, &watched, &reduced, opts.frames) {
+    for clip in measure(asset, mesh, &reduced, opts.frames) {
         for (all, one) in tallies.iter_mut().zip(clip) {
             *all = all.worst_of(one);
         }

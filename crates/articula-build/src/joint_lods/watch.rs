@@ -1,5 +1,4 @@
-//! The sample of vertices that errors are measured on, and its substitute for a character without a
-//! mesh.
+//! The vertices that errors are measured on, and their substitute for a character without a mesh.
 
 use super::moments::model_of;
 use crate::character::Asset;
@@ -7,6 +6,7 @@ use crate::points::draw_vertices;
 use articula_core::{Binding, Mesh};
 use glam::{Affine3A, Vec3};
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 /// Minimum number of watched vertices of each joint with skin, so that a small body part is not
 /// missed by chance.
@@ -41,6 +41,59 @@ pub(crate) struct Watched {
 }
 
 impl Watched {
+    /// Draws `count` random vertices and adds all others.
+    pub(crate) fn every(mesh: &Mesh, count: usize, seed: u64) -> Self {
+        let mut is_drawn = vec![false; mesh.len()];
+        for v in draw_vertices(mesh.len(), count, seed) {
+            is_drawn[v as usize] = true;
+        }
+        let all = mesh.positions.iter().zip(is_drawn).zip(0..);
+        let finite = all.filter(|((position, _), _)| position.is_finite());
+        let (vertices, drawn) = finite.map(|((_, drawn), v)| (v, drawn)).unzip();
+        Self { vertices, drawn }
+    }
+
+    /// Draws `count` random vertices and adds the farthest one of each joint's skin from the joint.
+    pub(crate) fn tips(mesh: &Mesh, count: usize, seed: u64) -> Self {
+        let mut farthest = vec![(0.0f32, None); mesh.bindings.len()];
+        for v in 0..mesh.len() {
+            let of = v * mesh.influences..(v + 1) * mesh.influences;
+            let indices = mesh.binding_indices[of.clone()].iter();
+            for (binding, weight) in indices.zip(&mesh.weights[of]) {
+                let binding = usize::from(*binding);
+                let from_joint = mesh.bindings[binding].inverse_bind;
+                let squared = from_joint
+                    .transform_point3(mesh.positions[v])
+                    .length_squared();
+                // No comparison holds for a position that is not a number.
+                if *weight >= MIN_WEIGHT && squared >= farthest[binding].0 && squared.is_finite() {
+                    farthest[binding] = (squared, Some(v as u32));
+                }
+            }
+        }
+        let mut is_tip = vec![false; mesh.len()];
+        for v in farthest.iter().filter_map(|(_, v)| *v) {
+            is_tip[v as usize] = true;
+        }
+        Self::every(mesh, count, seed).only_drawn_or(|v| is_tip[v as usize])
+    }
+
+    /// Those that some triangle uses.
+    pub(crate) fn of_triangles(&self, triangles: &[[u32; 3]]) -> Self {
+        let used: BTreeSet<u32> = triangles.iter().flatten().copied().collect();
+        let all = self.vertices.iter().zip(&self.drawn);
+        let (vertices, drawn) = all.filter(|(v, _)| used.contains(v)).unzip();
+        Self { vertices, drawn }
+    }
+
+    /// The drawn vertices and some of the others.
+    pub(crate) fn only_drawn_or(&self, is_kept: impl Fn(u32) -> bool) -> Self {
+        let all = self.vertices.iter().zip(&self.drawn);
+        let kept = all.filter(|(v, drawn)| **drawn || is_kept(**v));
+        let (vertices, drawn) = kept.unzip();
+        Self { vertices, drawn }
+    }
+
     /// Draws `count` random vertices and adds, for each joint, those of the largest weight and the
     /// outermost ones of its skin.
     pub(crate) fn draw(mesh: &Mesh, joints: usize, count: usize, seed: u64) -> Self {
@@ -166,6 +219,48 @@ mod tests {
         let all = Watched::draw(&asset.mesh, 5, usize::MAX, 1);
         assert_eq!(all.vertices.len(), asset.mesh.len());
         assert!(all.drawn.iter().all(|d| *d));
+    }
+
+    #[test]
+    fn every_vertex_with_a_position_is_watched_with_the_same_sample() {
+        let mut mesh = arm(5).mesh;
+        mesh.positions[7].z = f32::NAN;
+        let (every, some) = (Watched::every(&mesh, 9, 3), Watched::draw(&mesh, 5, 9, 3));
+        let expected: Vec<u32> = (0..mesh.len() as u32).filter(|v| *v != 7).collect();
+        assert_eq!(every.vertices, expected);
+        let drawn = |watched: &Watched| -> Vec<u32> {
+            let all = watched.vertices.iter().zip(&watched.drawn);
+            all.filter(|(_, d)| **d).map(|(v, _)| *v).collect()
+        };
+        assert_eq!(drawn(&every), drawn(&some));
+        assert!(every.drawn.iter().any(|d| *d));
+    }
+
+    #[test]
+    fn the_farthest_vertex_of_each_joint_is_a_tip() {
+        let mut asset = arm(3);
+        // The last vertex is pulled out, on the joint at a height of 2 m; one is lost.
+        let last = asset.mesh.len() - 1;
+        asset.mesh.positions[last] = Vec3::Y * 3.5;
+        asset.mesh.positions[last - 1] = Vec3::NAN;
+        let tips = Watched::tips(&asset.mesh, 0, 1);
+        assert!(tips.drawn.iter().all(|d| !d));
+        assert_eq!(tips.vertices.len(), 3, "{:?}", tips.vertices);
+        assert_eq!(tips.vertices[2], last as u32);
+        for (joint, v) in tips.vertices.iter().enumerate() {
+            let from = |v: usize| asset.mesh.positions[v].distance(Vec3::Y * joint as f32);
+            let of = |v: &usize| {
+                asset
+                    .mesh
+                    .influences_of(*v)
+                    .any(|i| i.0 == joint && i.1 >= 0.5)
+            };
+            let most = (0..asset.mesh.len())
+                .filter(of)
+                .map(from)
+                .fold(0.0, f32::max);
+            assert!((from(*v as usize) - most).abs() < 1e-6);
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@
 //! at twice the rate at which keys were chosen. The cache is filled from the coarsest level up,
 //! since most of a crowd is far away.
 
+mod farthest;
 mod keys;
 mod measure;
 mod skins;
@@ -17,7 +18,7 @@ use crate::joint_lods::MergedLevels;
 use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
 use articula_core::{
     Backend, CachedKeys, CachedRows, ClipSet, Mismatch, PaletteForm, PaletteMap, PaletteRows,
-    PoseCache,
+    PoseCache, lod_error_metres,
 };
 use keys::{Ticks, choose};
 use measure::measure;
@@ -65,9 +66,9 @@ impl CacheOptions {
     /// Tolerances for blending at a level, tightest first, given the errors of all levels of the
     /// clip: the share or the minimum, then doubled as long as both errors together do not exceed
     /// that of the next level.
-    pub(crate) fn tolerances_metres(&self, level: usize, levels_metres: &[f32]) -> Vec<f32> {
-        let own = levels_metres.get(level).copied().unwrap_or(0.0);
-        let next = levels_metres.get(level + 1).copied().unwrap_or(0.0);
+    pub(crate) fn tolerances_metres(&self, level: usize, errors_metres: &[f32]) -> Vec<f32> {
+        let own = errors_metres.get(level).copied().unwrap_or(0.0);
+        let next = errors_metres.get(level + 1).copied().unwrap_or(0.0);
         let first = (self.share * own).max(self.min_metres * (1u32 << level) as f32);
         let wider = (1..=MAX_DOUBLINGS).map(|i| first * (1u32 << i) as f32);
         let wider = wider.take_while(|t| own + t <= next);
@@ -101,9 +102,10 @@ pub struct CacheReport {
     pub bytes: usize,
     /// Tolerance that the keys were chosen for, in metres.
     pub tolerance_metres: f32,
-    /// Error that the cache states, the 95th percentile over vertices, in metres; 0 if not cached.
+    /// Error that the cache states, the larger of the 95th percentile over vertices and half of the
+    /// maximum, in metres; 0 if not cached.
     pub error_metres: f32,
-    /// Maximum error over the watched vertices, in metres; 0 if not cached.
+    /// Maximum error over all vertices, in metres; 0 if not cached.
     pub worst_metres: f32,
 }
 
@@ -153,8 +155,8 @@ pub fn cached_poses(
                 continue;
             };
             let report = &mut plans[clip][level].report;
-            keys.error_metres = error.percentile_metres;
-            report.error_metres = error.percentile_metres;
+            keys.error_metres = lod_error_metres(error.percentile_metres, error.worst_metres);
+            report.error_metres = keys.error_metres;
             report.worst_metres = error.worst_metres;
         }
     }
@@ -240,9 +242,9 @@ fn planned(
     opts: &CacheOptions,
 ) -> Result<Vec<Plan>, Mismatch> {
     let own = levels.errors.clips.get(clip);
-    let own = own.map_or(&[][..], |e| &e.levels_metres);
+    let own: Vec<f32> = own.map_or(Vec::new(), |e| e.judged().collect());
     let tolerances: Vec<Vec<f32>> = (0..levels.joint_lods.levels())
-        .map(|level| opts.tolerances_metres(level, own))
+        .map(|level| opts.tolerances_metres(level, &own))
         .collect();
     let map = &levels.skins.palette;
     let chosen = choose(clips, (clip, ticks), map, skins, &tolerances)?;

@@ -1,29 +1,27 @@
-//! Watched vertices of the skins of all levels.
+//! The skins of all levels and their watched vertices.
 
 use super::CacheOptions;
 use crate::character::Asset;
-use crate::joint_lods::MergedLevels;
-use crate::points::draw_vertices;
+use crate::joint_lods::{MergedLevels, Watched};
 use articula_core::{Mesh, skin_points};
 use glam::{Affine3A, Vec3};
 
-/// The skins of all levels and the sample of vertices to measure.
+/// The skins of all levels and the vertices to measure.
 pub(super) struct Skins {
     meshes: Vec<Mesh>,
-    vertices: Vec<u32>,
+    watched: Watched,
     palette: Vec<Affine3A>,
 }
 
 impl Skins {
-    /// Draws the vertices that level errors are measured at, if the seed is the same.
+    /// Draws the vertices that level errors are measured at, if the seed is the same, and adds the tip
+    /// of each joint's skin.
     pub(super) fn new(asset: &Asset, levels: &MergedLevels, opts: &CacheOptions) -> Self {
         let full = &asset.mesh;
-        let mut vertices = draw_vertices(full.len(), opts.vertices, opts.seed);
-        vertices.retain(|v| full.positions[*v as usize].is_finite());
         let all = 0..levels.skins.levels.len();
         Self {
             meshes: all.map(|level| levels.skins.mesh(level, full)).collect(),
-            vertices,
+            watched: Watched::tips(full, opts.vertices, opts.seed),
             palette: Vec::new(),
         }
     }
@@ -33,15 +31,36 @@ impl Skins {
         self.meshes.len()
     }
 
+    /// Mesh of a level.
+    pub(super) fn mesh(&self, level: usize) -> &Mesh {
+        &self.meshes[level]
+    }
+
+    /// Whether each watched vertex belongs to the sample over which percentiles are computed.
+    pub(super) fn drawn(&self) -> &[bool] {
+        &self.watched.drawn
+    }
+
     /// Posed positions of the watched vertices of a level; the palette may hold more matrices than
     /// the level needs.
     pub(super) fn points(&mut self, level: usize, rows: &[[f32; 4]], out: &mut Vec<Vec3>) {
-        let mesh = &self.meshes[level];
-        self.palette.clear();
-        let matrices = rows.chunks_exact(3).take(mesh.bindings.len());
-        self.palette.extend(matrices.map(matrix));
-        out.resize(self.vertices.len(), Vec3::ZERO);
-        skin_points(mesh, &self.palette, &self.vertices, out);
+        let mut palette = std::mem::take(&mut self.palette);
+        self.matrices(level, rows, &mut palette);
+        self.posed(level, &palette, out);
+        self.palette = palette;
+    }
+
+    /// Matrices of a level's bindings.
+    pub(super) fn matrices(&self, level: usize, rows: &[[f32; 4]], out: &mut Vec<Affine3A>) {
+        out.clear();
+        let matrices = rows.chunks_exact(3).take(self.meshes[level].bindings.len());
+        out.extend(matrices.map(matrix));
+    }
+
+    /// Posed positions of the watched vertices of a level.
+    pub(super) fn posed(&self, level: usize, palette: &[Affine3A], out: &mut Vec<Vec3>) {
+        out.resize(self.watched.vertices.len(), Vec3::ZERO);
+        skin_points(&self.meshes[level], palette, &self.watched.vertices, out);
     }
 }
 

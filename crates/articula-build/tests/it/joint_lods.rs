@@ -1,6 +1,7 @@
 //! Properties of merged levels, on random rigs, skins and clips.
 
 use crate::random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
+use crate::reference_human::asset_of_4000;
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{
@@ -187,6 +188,40 @@ proptest! {
         for level in 0..far.joint_lods.levels() {
             let shown = posed(&far_asset, &far.skins.mesh(level, &asset.mesh), &far_mean);
             prop_assert!(farthest(&truth, &shown) < ROUNDING_METRES);
+        }
+    }
+}
+
+/// The sample of vertices decides about the percentile alone: every vertex of a character is within
+/// the maximum at every frame, and one of them is at it.
+#[test]
+fn the_maximum_is_that_of_every_vertex_at_every_frame() {
+    let asset = asset_of_4000();
+    let few = JointLodOptions {
+        vertices: 50,
+        ..JointLodOptions::default()
+    };
+    let levels = merged_levels(asset, &few).unwrap();
+    assert!(levels.joint_lods.levels() > 3);
+    for (clip, errors) in asset.clips.iter().zip(&levels.errors.clips) {
+        let mut worst = 0.0f32;
+        for level in 0..levels.joint_lods.levels() {
+            let mesh = levels.skins.mesh(level, &asset.mesh);
+            let [mut full, mut reduced] =
+                [&asset.mesh, &mesh].map(|m| PosedMesh::new(&asset.rig, m));
+            for frame in 0..clip.frames() {
+                let secs = frame as f64 / f64::from(clip.rate_hz());
+                let weights = &asset.mesh.morph_weights;
+                let truth = full.pose_at(clip, secs, Wrap::Clamp).skinned(weights);
+                let shown = reduced.pose_at(clip, secs, Wrap::Clamp).skinned(weights);
+                worst = worst.max(farthest(&truth, &shown));
+            }
+            let told = errors.worst_metres[level];
+            assert!(
+                (told - worst).abs() < 1e-5,
+                "level {level} of {}: {told} m for {worst}",
+                clip.name
+            );
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Properties of baked pose caches, on random rigs, skins and clips.
 
 use crate::random_figure::{RATE, Row, character_of, flat, rows};
+use crate::reference_human::asset_of_4000;
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{CacheDecision, CacheOptions, CachedPoses, cached_poses};
@@ -157,7 +158,7 @@ proptest! {
         let figure = prepared(asset(&rows));
         let made = figure.cached(&CacheOptions::default());
         for report in &made.report {
-            let own = &figure.levels.errors.clips[0].levels_metres;
+            let own: Vec<f32> = figure.levels.errors.clips[0].judged().collect();
             let floor = 0.5e-3 * f32::powi(2.0, report.level as i32);
             let least = floor.max(0.25 * own[report.level]);
             let wider = own.get(report.level + 1).map_or(0.0, |next| next - own[report.level]);
@@ -191,6 +192,43 @@ proptest! {
         }
         prop_assert_eq!(palette_bytes - left, palette_bytes_of(&made));
     }
+}
+
+/// The sample of vertices decides about keys and the percentile alone.
+#[test]
+fn the_stated_error_holds_for_every_vertex_of_a_character() {
+    let mut asset = asset_of_4000().clone();
+    // The walk.
+    asset.clips.swap(0, 1);
+    asset.clips.truncate(1);
+    let figure = prepared(asset);
+    let opts = CacheOptions {
+        vertices: 50,
+        ..CacheOptions::default()
+    };
+    let made = figure.cached(&opts);
+    let mut cached = 0;
+    for report in made
+        .report
+        .iter()
+        .filter(|r| r.decision == CacheDecision::Cached)
+    {
+        cached += 1;
+        let mut most = 0.0f32;
+        for at in 0..400 {
+            let secs = figure.clips.duration_secs(0) * at as f32 / 399.0;
+            let (_, worst) = figure.error(&made, report.level, secs);
+            most = most.max(worst);
+        }
+        assert!(
+            most <= report.worst_metres + ROUNDING_METRES,
+            "{most} m, {report:?}"
+        );
+        assert!(most <= 2.0 * report.error_metres + ROUNDING_METRES);
+        // Half of the bend of the true path in a tick is added.
+        assert!(most >= 0.5 * report.worst_metres, "{most} m, {report:?}");
+    }
+    assert!(cached > 1);
 }
 
 /// Three joints at some distance from each other.
