@@ -317,13 +317,14 @@ fn visible(player: &CrowdPlayer, camera: &Camera) -> Vec<(usize, usize)> {
         .enumerate();
     let spheres: Vec<Sphere> = places
         .map(|(character, (position, rotation))| {
+            let scale = player.scale(character);
             let player = crowd.state(character);
             let from = player.clip_state().clip();
             let bound = match player.next() {
                 Some(next) => bounds.blended(from, next.clip()),
                 None => bounds.clips[from].whole().sphere,
             };
-            bound.carried(*position, *rotation, 1.0)
+            bound.carried(*position, *rotation, scale)
         })
         .collect();
     let margins = vec![0.0; spheres.len()];
