@@ -6,7 +6,7 @@
 
 use super::frame::CacheUse;
 use super::parts::CrowdParts;
-use super::plan::Kind;
+use super::keys::Kind;
 use crate::budget::{CostModel, Workload};
 
 /// Nanoseconds of a blend of cached palettes, for each matrix, on the machine of
