@@ -160,11 +160,11 @@ fn timed(
     for frame in 0..WARM_UP_FRAMES + settings.frames {
         let (clock, start) = (Instant::now(), thread_ns());
         let px = budget.as_ref().map(Budget::px);
-        stage.plan(step_secs(frame), px)?;
+        let (_, others_ns) = stage.plan(step_secs(frame), px)?;
         if let Some(budget) = &mut budget {
             stage.scene.player_mut().add_to(budget);
         }
-        let tick_ns = (thread_ns() - start) as f64;
+        let tick_ns = (thread_ns() - start + others_ns) as f64;
         let evaluate_ns = stage.evaluate() as f64;
         let start = thread_ns();
         if let Some(budget) = &mut budget {
@@ -200,7 +200,7 @@ fn looked_at(
     let mut looked = Vec::with_capacity(looks);
     let bar = console.progress("measuring errors", looks);
     for frame in 0..WARM_UP_FRAMES + settings.frames {
-        let report = stage.plan(step_secs(frame), tolerances.get(frame).copied())?;
+        let (report, _) = stage.plan(step_secs(frame), tolerances.get(frame).copied())?;
         let Some(counted) = frame.checked_sub(WARM_UP_FRAMES) else {
             continue;
         };

@@ -3,7 +3,8 @@
 use super::timing::thread_ns;
 use anyhow::Context;
 use articula::crowd::{
-    CacheUse, CrowdAsset, CrowdReport, DetailGoal, FramePart, SceneOptions, ScenePlayer,
+    CacheUse, CrowdAsset, CrowdReport, CrowdSection, DetailGoal, FramePart, SceneOptions,
+    ScenePlayer,
 };
 use articula_build::Scene;
 use rayon::ThreadPool;
@@ -64,12 +65,30 @@ impl<'a> TimedCrowd<'a> {
         })
     }
 
-    /// Advances the scene and plans the frame, within another tolerance than before if one is given.
-    pub(crate) fn plan(&mut self, dt_secs: f64, px: Option<f32>) -> anyhow::Result<CrowdReport> {
+    /// Advances the scene and plans the frame, within another tolerance than before if one is given;
+    /// returns the processor time of other threads too, nanoseconds.
+    pub(crate) fn plan(
+        &mut self,
+        dt_secs: f64,
+        px: Option<f32>,
+    ) -> anyhow::Result<(CrowdReport, u64)> {
         if let Some(px) = px {
             self.scene.set_tolerance(px);
         }
-        Ok(self.scene.plan(dt_secs)?)
+        let Some(pool) = &self.pool else {
+            return Ok((self.scene.plan(dt_secs)?, 0));
+        };
+        let mut others_ns = 0;
+        let report = self.scene.plan_on(dt_secs, |sections, tick| {
+            let share = sections.len().div_ceil(self.parts).max(1);
+            let timed = |sections: &mut [CrowdSection]| {
+                let start = thread_ns();
+                sections.iter_mut().for_each(tick);
+                thread_ns() - start
+            };
+            others_ns = pool.install(|| sections.par_chunks_mut(share).map(timed).sum());
+        })?;
+        Ok((report, others_ns))
     }
 
     /// Writes all palettes; returns the processor time of all threads together, nanoseconds.

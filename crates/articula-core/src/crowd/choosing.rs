@@ -2,9 +2,9 @@
 
 use super::character_state::CharacterState;
 use super::frame::{CrowdEvent, Detail, Frame};
+use super::keys::{Key, Kind};
 use super::mode::Choosing;
 use super::model::CrowdModel;
-use super::keys::{Key, Kind};
 use super::section::{CrowdSection, NO_OPTION};
 use super::share::{ClipWay, Follower, Sharing};
 use crate::attention::multiplier;
@@ -66,11 +66,17 @@ impl CrowdSection {
                 let shown = self.keys.get(character).level();
                 let option = self.option(model, character, tolerance);
                 let sharing = sharing.filter(|_| option.key.is_clip());
-                let shared = sharing.and_then(|s| self.shared(model, character, (shown, tolerance), s));
+                let shared =
+                    sharing.and_then(|s| self.shared(model, character, (shown, tolerance), s));
                 shared.unwrap_or(option)
             }
         };
-        self.set_level(model, character, (Some(choice.level), pixels_per_metre), tell);
+        self.set_level(
+            model,
+            character,
+            (Some(choice.level), pixels_per_metre),
+            tell,
+        );
         self.keys.set(character, choice.key);
         if choice.error_metres > 0.0 {
             choice.error_metres * pixels_per_metre

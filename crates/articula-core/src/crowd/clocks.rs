@@ -169,7 +169,10 @@ impl Clocks {
     /// Advances the clocks that stay within their limits; [`slow`](Self::slow) has the others.
     pub(crate) fn advance(&mut self, backend: Backend, dt_secs: f32) {
         for fade in &mut self.fades {
-            let (tile, lane) = (fade.character as usize / LANES, fade.character as usize % LANES);
+            let (tile, lane) = (
+                fade.character as usize / LANES,
+                fade.character as usize % LANES,
+            );
             let (secs, speed) = (self.secs[tile].0[lane], self.speeds[tile].0[lane]);
             // The test of the kernel: both clips advance by an addition, or neither.
             let after = (secs + speed * dt_secs) * 1f32.copysign(speed);

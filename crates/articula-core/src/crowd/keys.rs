@@ -47,7 +47,8 @@ impl Key {
 
     /// Whether the character is evaluated alone, at one clip.
     pub(super) fn is_clip(self) -> bool {
-        self.index().is_some_and(|i| i % KINDS == Kind::Clip as usize)
+        self.index()
+            .is_some_and(|i| i % KINDS == Kind::Clip as usize)
     }
 }
 

@@ -48,7 +48,7 @@ impl Mode {
             Detail::Tolerance { .. } if !frame.share => Choosing::Options,
             _ => Choosing::Shared,
         };
-                Self {
+        Self {
             choosing,
             cache: frame.cache,
             is_plain: alike

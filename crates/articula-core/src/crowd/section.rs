@@ -7,10 +7,10 @@ use super::character_state::{CharacterState, ClipState};
 use super::clocks::Clocks;
 use super::demand::Demand;
 use super::frame::{CrowdEvent, Frame};
+use super::keys::{Key, SectionKeys};
 use super::mode::{Choosing, Mode};
 use super::model::CrowdModel;
 use super::places::{ANEW, CELL, CELL_TILES, WorldBounds};
-use super::keys::{Key, SectionKeys};
 use super::root_path::RootDelta;
 use super::share::Sharing;
 use crate::simd::{LANES, Tile};
@@ -166,7 +166,8 @@ impl CrowdSection {
 
     /// Advances clocks and root motion, and reports events.
     fn advance(&mut self, step: &Step<'_>, tell: &mut dyn FnMut(CrowdEvent)) {
-        self.clocks.advance(step.model.parts().backend, step.dt_secs);
+        self.clocks
+            .advance(step.model.parts().backend, step.dt_secs);
         for tile in 0..self.clocks.tiles() {
             for lane in lanes(self.clocks.slow()[tile]) {
                 self.advance_one(step, tile * LANES + lane, tell);
@@ -175,12 +176,7 @@ impl CrowdSection {
     }
 
     /// Advances one character, reports its events and stores its root motion.
-    fn advance_one(
-        &mut self,
-        step: &Step<'_>,
-        character: usize,
-        tell: &mut dyn FnMut(CrowdEvent),
-    ) {
+    fn advance_one(&mut self, step: &Step<'_>, character: usize, tell: &mut dyn FnMut(CrowdEvent)) {
         let before = self.clocks.state(character);
         let mut state = before;
         let first = self.first;

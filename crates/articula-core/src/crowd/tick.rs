@@ -204,7 +204,8 @@ impl Crowd {
         let mode = Mode::of(model, frame);
         let before = self.mode.replace(mode);
         let mut known = self.views.iter().zip(views);
-        let same_views = self.views.len() == views.len() && known.all(|(a, b)| *a == b.unoccluded());
+        let same_views =
+            self.views.len() == views.len() && known.all(|(a, b)| *a == b.unoccluded());
         if !same_views {
             self.views.clear();
             self.views.extend(views.iter().map(View::unoccluded));
@@ -236,7 +237,8 @@ impl Crowd {
             let keys = self.sections.iter().map(|s| &s.keys);
             let (morph_levels, _) = step.model.morphs();
             let palette = &step.model.parts().palette;
-            self.plan.make(keys, self.sharing.leaders(), palette, morph_levels);
+            self.plan
+                .make(keys, self.sharing.leaders(), palette, morph_levels);
         }
         self.report(step.model)
     }

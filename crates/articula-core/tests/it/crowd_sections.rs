@@ -132,7 +132,10 @@ fn played(share: bool, run: Option<Run>) -> Vec<(CrowdReport, Vec<CrowdEvent>, V
     let mut crowd = Crowd::new(&model, COUNT);
     for character in 0..COUNT {
         let state = ClipState::new(&model, character % 2);
-        crowd.play(character, state.at_secs(&model, 0.013 * character as f32).into());
+        crowd.play(
+            character,
+            state.at_secs(&model, 0.013 * character as f32).into(),
+        );
     }
     let mut positions: Vec<Vec3> = (0..COUNT)
         .map(|i| Vec3::new((i % 50) as f32 - 25.0, -1.0, -1.0 - (i / 50) as f32))
@@ -141,7 +144,9 @@ fn played(share: bool, run: Option<Run>) -> Vec<(CrowdReport, Vec<CrowdEvent>, V
     let importance: Vec<f32> = (0..COUNT).map(|i| 0.5 + (i % 5) as f32).collect();
     let mut frames = Vec::new();
     for i in 0..10 {
-        let moved: Vec<u32> = (0..40).map(|m| ((m * 97 + i * 1033) % COUNT) as u32).collect();
+        let moved: Vec<u32> = (0..40)
+            .map(|m| ((m * 97 + i * 1033) % COUNT) as u32)
+            .collect();
         for character in &moved {
             positions[*character as usize] += Vec3::new(0.5, 0.0, -4.0);
             crowd.fade_to(*character as usize, ClipState::new(&model, 1), 0.05);
@@ -151,14 +156,20 @@ fn played(share: bool, run: Option<Run>) -> Vec<(CrowdReport, Vec<CrowdEvent>, V
             ..Camera::looking_at(Vec3::ZERO, Vec3::NEG_Z, Viewport::default())
         };
         // The last ones stand behind a wall.
-        let hidden: Vec<f32> = (0..COUNT).map(|c| if c > 3000 { 1.0 } else { 0.0 }).collect();
+        let hidden: Vec<f32> = (0..COUNT)
+            .map(|c| if c > 3000 { 1.0 } else { 0.0 })
+            .collect();
         let views = [View::of(&camera).with_occluded(&hidden)];
         let frame = Frame {
             moved: Moved::These(&moved),
             importance: if i < 5 { &[] } else { &importance },
             culling: Culling::Views(&views),
             share,
-            cache: if share { CacheUse::Never } else { CacheUse::Gpu },
+            cache: if share {
+                CacheUse::Never
+            } else {
+                CacheUse::Gpu
+            },
             ..still(&positions, &rotations)
         };
         let mut events = Vec::new();
@@ -172,7 +183,12 @@ fn played(share: bool, run: Option<Run>) -> Vec<(CrowdReport, Vec<CrowdEvent>, V
         let draws = crowd.draw_list().draws.iter();
         bytes.extend(draws.flat_map(|d| d.character.to_le_bytes()));
         let records = records(&crowd, &model).into_iter();
-        bytes.extend(records.flat_map(|r| r.character.to_le_bytes().into_iter().chain(r.blend.to_le_bytes())));
+        bytes.extend(records.flat_map(|r| {
+            r.character
+                .to_le_bytes()
+                .into_iter()
+                .chain(r.blend.to_le_bytes())
+        }));
         frames.push((report, events, bytes));
     }
     frames
