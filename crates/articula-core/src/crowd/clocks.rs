@@ -131,8 +131,11 @@ impl Clocks {
     /// Replaces the state of a character and computes its limit.
     #[inline]
     pub(crate) fn settle(&mut self, model: &CrowdModel, character: usize, state: &CharacterState) {
-        let limits = [&state.from, &state.to].map(|clip_state| limit(model, clip_state));
-        self.store(character, state, limits);
+        let second = match state.is_fading() {
+            true => limit(model, &state.to),
+            false => STOP,
+        };
+        self.store(character, state, [limit(model, &state.from), second]);
     }
 
     fn store(&mut self, character: usize, state: &CharacterState, limits: [f32; 2]) {

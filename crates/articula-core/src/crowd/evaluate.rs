@@ -4,6 +4,7 @@ use super::attachment::attachment;
 use super::character_state::ClipState;
 use super::model::CrowdModel;
 use super::plan::{Batch, DrawList, Poser};
+use super::section::SECTION;
 use super::share::Leader;
 use super::tick::Crowd;
 use crate::batch::{BatchPose, Scratch};
@@ -149,11 +150,23 @@ impl Crowd {
         };
         for group in &list.record_groups {
             let part = group.records.start.max(records.start)..group.records.end.min(records.end);
-            for record in part {
-                let at = record - records.start;
-                let ClipState { secs, clip, .. } = self.clip_state(characters[at] as usize);
-                let located = cache.locate(usize::from(clip), group.level, secs);
-                out[at] = located.unwrap_or_default().of(characters[at]);
+            if part.is_empty() {
+                continue;
+            }
+            let part = part.start - records.start..part.end - records.start;
+            let (mut rest, mut out) = (&characters[part.clone()], out[part].iter_mut());
+            while let Some(&first) = rest.first() {
+                // A group is in the order of the sections.
+                let section = first as usize / SECTION;
+                let end = rest.partition_point(|c| *c as usize / SECTION <= section);
+                let (run, others) = rest.split_at(end);
+                rest = others;
+                let clocks = &self.sections[section].clocks;
+                for (&character, out) in run.iter().zip(&mut out) {
+                    let state = clocks.from(character as usize - section * SECTION);
+                    let located = cache.locate(state.clip(), group.level, state.secs);
+                    *out = located.unwrap_or_default().of(character);
+                }
             }
         }
     }

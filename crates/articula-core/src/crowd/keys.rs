@@ -58,8 +58,8 @@ pub(crate) struct SectionKeys {
     /// Index of its first character in the crowd.
     first: usize,
     keys: Vec<Key>,
-    /// Number of characters of each key.
-    counts: [u16; KEYS],
+    /// Number of characters of each key of the levels that there are.
+    counts: Vec<u16>,
     /// All that are shown, as indices into the crowd, by key and index.
     order: Vec<u32>,
     /// Whether a key has changed since the characters were sorted.
@@ -72,12 +72,12 @@ impl SectionKeys {
     /// Bytes of each character.
     pub(super) const BYTES: usize = size_of::<Key>();
 
-    /// Characters `first` to `first + len` of a crowd, none of them shown.
-    pub(super) fn new(first: usize, len: usize) -> Self {
+    /// Characters `first` to `first + len` of a crowd, none of them shown at any of so many levels.
+    pub(super) fn new(first: usize, len: usize, levels: usize) -> Self {
         Self {
             first,
             keys: vec![Key::HIDDEN; len],
-            counts: [0; KEYS],
+            counts: vec![0; levels * KINDS],
             order: Vec::with_capacity(len),
             is_stirred: false,
             leader_of: vec![0; len],
@@ -120,9 +120,9 @@ impl SectionKeys {
         }
         let mut next = [0; KEYS];
         let mut all = 0;
-        for (next, count) in next.iter_mut().zip(self.counts) {
+        for (next, count) in next.iter_mut().zip(&self.counts) {
             *next = all;
-            all += usize::from(count);
+            all += usize::from(*count);
         }
         self.order.resize(all, 0);
         for (character, key) in self.keys.iter().enumerate() {
@@ -134,9 +134,9 @@ impl SectionKeys {
         true
     }
 
-    /// Number of characters of a key.
-    pub(super) fn count(&self, key: usize) -> usize {
-        usize::from(self.counts[key])
+    /// Number of characters of each key, beginning with the least.
+    pub(super) fn counts(&self) -> &[u16] {
+        &self.counts
     }
 
     /// The characters that are shown, by key, as they were last sorted.

@@ -1,10 +1,10 @@
 //! One frame of a crowd: clocks, culling, levels of detail, batches and palettes.
 //!
 //! Source: `docs/methods/motion-lod.md` parts 5 to 8, `docs/methods/runtime.md` parts 3 and 4.
-//! [`Crowd::tick`] does the cheap, serial part: it advances all clocks, reports events, culls,
-//! chooses a level for each character and sorts the characters into batches. [`Crowd::evaluate`]
-//! writes the palettes of any range of batches and changes no state, so the caller may distribute
-//! ranges over threads.
+//! [`Crowd::tick`] advances all clocks, reports events, culls, chooses a level for each character and
+//! sorts the characters into batches; [`Crowd::tick_on`] does so on the caller's threads.
+//! [`Crowd::evaluate`] writes the palettes of any range of batches and changes no state, so the
+//! caller may distribute ranges over threads too. Results do not depend on the number of threads.
 //!
 //! - [`CrowdModel`]: the data that all characters share, made once
 //! - [`CharacterState`], [`ClipState`]: the playback state of one character

@@ -158,8 +158,8 @@ impl Room {
             shared: 0,
         };
         for section in sections {
-            for (key, slot) in room.slots.iter_mut().enumerate() {
-                slot.at += section.count(key) as u32;
+            for (slot, count) in room.slots.iter_mut().zip(section.counts()) {
+                slot.at += u32::from(*count);
             }
         }
         for leader in leaders {
@@ -309,11 +309,13 @@ impl Plan {
         self.drawn.recorded.resize(room.records, 0);
         for section in sections {
             let mut rest = section.order();
-            for (key, slot) in room.slots.iter_mut().enumerate() {
-                let Some((characters, others)) = rest.split_at_checked(section.count(key)) else {
+            let counts = section.counts().iter().enumerate();
+            for (key, count) in counts.filter(|(_, count)| **count > 0) {
+                let Some((characters, others)) = rest.split_at_checked(usize::from(*count)) else {
                     break;
                 };
                 rest = others;
+                let slot = &mut room.slots[key];
                 let places = slot.at as usize..slot.at as usize + characters.len();
                 slot.at += characters.len() as u32;
                 if key % KINDS == Kind::Record as usize {
@@ -437,11 +439,9 @@ mod tests {
         PaletteMap::joints(&JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap())
     }
 
-    #[test]
-    fn a_plan_by_hand() {
-        let palette = palette();
-        // Two sections.
-        let mut sections = [SectionKeys::new(0, 16), SectionKeys::new(16, 54)];
+    /// Two sections with characters at two levels, from every source.
+    fn sections() -> [SectionKeys; 2] {
+        let mut sections = [SectionKeys::new(0, 16, 2), SectionKeys::new(16, 54, 2)];
         for (characters, level, kind) in [
             (10..19, 1, Kind::Clip),
             (5..6, 0, Kind::Clip),
@@ -460,6 +460,12 @@ mod tests {
                 }
             }
         }
+        sections
+    }
+
+    #[test]
+    fn a_plan_by_hand() {
+        let (palette, mut sections) = (palette(), sections());
         // One more shared pose than is used, and of another level.
         let leaders = [1, 0].map(|level| Leader {
             clip: 0,
@@ -524,6 +530,6 @@ mod tests {
         plan.make(sections.iter(), &[], &palette, 0);
         let characters = plan.draw_list().draws.iter().map(|d| d.character);
         assert_eq!(characters.collect::<Vec<_>>(), [16, 17, 18, 20]);
-        assert_eq!(plan.draw_list().recorded, [21, 69]);
+        assert_eq!(plan.draw_list().recorded, [22, 21, 69]);
     }
 }

@@ -101,7 +101,7 @@ impl CrowdSection {
             world: WorldBounds::new(len),
             renew: vec![u8::MAX; tiles],
             roots: vec![RootDelta::default(); if model.has_paths() { len } else { 0 }],
-            keys: SectionKeys::new(first, len),
+            keys: SectionKeys::new(first, len, model.levels()),
             options: vec![NO_OPTION; len],
             keep_least: vec![Tile([ANEW[0]; LANES]); tiles],
             keep_most: vec![Tile([ANEW[1]; LANES]); tiles],

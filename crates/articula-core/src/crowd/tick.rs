@@ -45,7 +45,7 @@ impl Sweep {
 pub struct Crowd {
     characters: usize,
     /// The characters in their order, [`SECTION`] in each but the last.
-    sections: Vec<CrowdSection>,
+    pub(super) sections: Vec<CrowdSection>,
     /// Seconds since the first frame.
     now_secs: f64,
     /// Views, mode and tolerance of the last frame.
