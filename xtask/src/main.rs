@@ -11,9 +11,11 @@ mod chores;
 mod dependencies;
 mod fuzz;
 mod mutants;
+mod neon;
 mod node;
 mod outcome;
 mod pictures;
+mod platform;
 mod steps;
 mod tidy;
 mod wasm;
@@ -50,7 +52,7 @@ Environment:
   CHROMIUM                  The browser's program (else chromium, chromium-browser, google-chrome)
   ARTICULA_DATA             Folder of real character files (else ../shared/data)
   ARTICULA_REQUIRE_DATA=1   A missing data file fails instead of being skipped
-  ARTICULA_REQUIRE_TOOLS=1  A missing tool (node, Chromium, wasm target) fails instead of being skipped
+  ARTICULA_REQUIRE_TOOLS=1  A missing tool (node, Chromium, qemu, a target) fails instead of being skipped
 ";
 
 fn main() -> ExitCode {

@@ -5,7 +5,7 @@
 
 use crate::chores::{cargo, root, run, tidy};
 use crate::outcome::Outcome;
-use crate::{dependencies, node, wasm};
+use crate::{dependencies, neon, node, wasm};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -41,7 +41,10 @@ const STEPS: &[&[Step]] = &[
         ("tidy", tidy_step),
         ("cut alone", cut_alone),
     ],
-    &[("playback in node", wasm::playback)],
+    &[
+        ("playback in node", wasm::playback),
+        ("neon under emulation", neon::check),
+    ],
 ];
 
 /// Runs the rows up to the first with a failure and prints the duration of each step.

@@ -3,10 +3,10 @@
 //! The target's standard library comes from rustup or is already part of the toolchain. Debian's
 //! wasm packages are too old for the language edition in use.
 
-use crate::chores::{answer, cargo, root, run};
+use crate::chores::{answer, cargo, run};
 use crate::outcome::{Outcome, lacking};
+use crate::platform::{self, PLAYBACK};
 use anyhow::Result;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
@@ -24,7 +24,7 @@ const LIBRARIES: &[&str] = &[
 
 /// Builds the libraries for WebAssembly, after installing the target.
 pub(crate) fn check() -> Result<Outcome> {
-    if !installed() && run(Command::new("rustup").args(["target", "add", TARGET])).is_err() {
+    if !platform::add(TARGET) {
         return lacking(format!(
             "wasm32 target (not installed, and rustup could not add it: `rustup target add {TARGET}`)"
         ));
@@ -44,9 +44,6 @@ pub(crate) fn check() -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Package of the program that hashes what a playback shows.
-const PLAYBACK: &str = "articula-playback-hash";
-
 /// Calls the exported function of a module, given as the first argument, in node.
 const CALL: &str = "
 const bytes = require('fs').readFileSync(process.argv[1]);
@@ -62,40 +59,14 @@ pub(crate) fn playback() -> Result<Outcome> {
     if answer("node", &["--version"]).is_none() {
         return lacking("playback in node (node not found)".to_owned());
     }
-    if !installed() {
+    if !platform::installed(TARGET) {
         return lacking("playback in node (wasm32 target not installed)".to_owned());
     }
-    let build = ["build", "--quiet", "-p", PLAYBACK];
-    run(cargo().args(build))?;
     run(cargo()
-        .args(build)
-        .args(["--target", TARGET])
+        .args(["build", "--quiet", "-p", PLAYBACK, "--target", TARGET])
         .env("RUSTFLAGS", "-C target-feature=+simd128"))?;
-    let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
-    let built = target.unwrap_or_else(|| root().join("target"));
-    let native = output(&mut Command::new(built.join("debug").join(PLAYBACK)))?;
-    let module = built
-        .join(TARGET)
-        .join("debug")
-        .join(format!("{PLAYBACK}.wasm"));
-    let node = output(Command::new("node").args(["-e", CALL]).arg(module))?;
-    anyhow::ensure!(
-        native == node && native.len() == 16 && native != "0000000000000000",
-        "the playback shows {native} on this machine and {node} in node"
-    );
+    let module = platform::built(Some(TARGET)).join(format!("{PLAYBACK}.wasm"));
+    let node = platform::output(Command::new("node").args(["-e", CALL]).arg(module))?;
+    platform::compare_playback("in node", &node)?;
     Ok(Outcome::Done)
-}
-
-/// Runs a program and returns what it prints.
-fn output(program: &mut Command) -> Result<String> {
-    let ran = program.output()?;
-    let said = String::from_utf8_lossy(&ran.stderr);
-    anyhow::ensure!(ran.status.success(), "{program:?}: {said}");
-    Ok(String::from_utf8_lossy(&ran.stdout).trim().to_owned())
-}
-
-/// Returns whether the compiler in use has the target's standard library.
-fn installed() -> bool {
-    let words = ["--print", "target-libdir", "--target", TARGET];
-    answer("rustc", &words).is_some_and(|folder| Path::new(&folder).is_dir())
 }

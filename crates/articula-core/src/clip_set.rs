@@ -10,7 +10,7 @@
 use crate::Mismatch;
 use crate::clip::{Clip, Track};
 use crate::joint_lods::JointLods;
-use crate::math::{Transform, same_hemisphere};
+use crate::math::{Transform, normalised, same_hemisphere};
 use crate::pose::LocalPose;
 use crate::rig::Rig;
 use crate::simd::Row;
@@ -245,14 +245,15 @@ impl ClipSet {
                     Rows::Short(rows) => Vec4::from_array(rows[at].map(f32::from)),
                 }
             };
-            row(at.before).lerp(row(at.after), blend)
+            let (before, after) = (row(at.before), row(at.after));
+            before + (after - before) * blend
         };
         let vector = |s: u32| match self.range(s as usize) {
             None => slot(s).truncate(),
             Some(range) => range.middle + slot(s).truncate() * range.step,
         };
         Transform {
-            rotation: source[0].map_or(constant.rotation, |s| Quat::from_vec4(slot(s)).normalize()),
+            rotation: source[0].map_or(constant.rotation, |s| normalised(Quat::from_vec4(slot(s)))),
             translation: source[1].map_or(constant.translation, vector),
             scale: source[2].map_or(constant.scale, vector),
         }

@@ -1,6 +1,9 @@
 //! Additions to `glam`: decomposed transforms, hemisphere-safe angles and blends of rotations.
+//!
+//! [`dot`], [`normalised`] and [`cross`] replace those of `glam` in a frame: its versions for
+//! AArch64 sum in another order or round once where the others round twice.
 
-use glam::{Affine3A, Mat4, Quat, Vec3};
+use glam::{Affine3A, Mat4, Quat, Vec3, Vec3A, Vec3Swizzles, Vec4, Vec4Swizzles};
 
 /// A transform as scale, rotation and translation, applied in this order (as in glTF).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,9 +69,26 @@ impl Transform {
     }
 }
 
+/// Returns the dot product of two quaternions, summed as `(x + z) + (y + w)`.
+pub(crate) fn dot(a: Quat, b: Quat) -> f32 {
+    let products = Vec4::from(a) * Vec4::from(b);
+    let pairs = products + products.zwxy();
+    (pairs + pairs.yxwz()).x
+}
+
+/// Returns a quaternion divided by its length; not finite if that is 0.
+pub(crate) fn normalised(q: Quat) -> Quat {
+    q / dot(q, q).sqrt()
+}
+
+/// Returns the cross product, each of its products rounded.
+pub(crate) fn cross(a: Vec3A, b: Vec3A) -> Vec3A {
+    (a.zxy() * b - a * b.zxy()).zxy()
+}
+
 /// Returns `b` or `-b`, whichever is in the hemisphere of `a`; both represent the same rotation.
 pub fn same_hemisphere(a: Quat, b: Quat) -> Quat {
-    if a.dot(b) < 0.0 { -b } else { b }
+    if dot(a, b) < 0.0 { -b } else { b }
 }
 
 /// Returns the angle between two rotations in radians, 0 to pi.
@@ -85,7 +105,7 @@ pub fn angle_between(a: Quat, b: Quat) -> f32 {
 /// clamped.
 pub fn nlerp(a: Quat, b: Quat, t: f32) -> Quat {
     let blend = a * (1.0 - t) + same_hemisphere(a, b) * t;
-    let length = blend.length();
+    let length = dot(blend, blend).sqrt();
     if length < 1e-6 { a } else { blend / length }
 }
 
@@ -120,6 +140,22 @@ mod tests {
         let a = Quat::from_rotation_y(0.2);
         let half = nlerp(a, -Quat::from_rotation_y(0.4), 0.5);
         assert!(angle_between(half, Quat::from_rotation_y(0.3)) < 1e-4);
+    }
+
+    #[test]
+    fn sums_and_products_are_rounded_as_written() {
+        // 1e8 absorbs a one: 1 from left to right, 0 in neighbouring pairs.
+        let big = Quat::from_xyzw(1e8, 1.0, -1e8, 1.0);
+        assert_eq!(dot(big, Quat::from_xyzw(1.0, 1.0, 1.0, 1.0)), 2.0);
+        assert_eq!(dot(big, Quat::IDENTITY), 1.0);
+        let long = Quat::from_xyzw(3.0, 0.0, 0.0, -4.0);
+        assert_eq!(normalised(long), Quat::from_xyzw(0.6, 0.0, 0.0, -0.8));
+        // Not 0 if one of the equal products keeps more digits than the other.
+        let odd = Vec3A::splat(1.0 + 1.0 / 4096.0);
+        assert_eq!(cross(odd, odd), Vec3A::ZERO);
+        assert_eq!(cross(Vec3A::X, Vec3A::Y), Vec3A::Z);
+        assert_eq!(cross(Vec3A::Y, Vec3A::Z), Vec3A::X);
+        assert_eq!(cross(Vec3A::Z, Vec3A::X), Vec3A::Y);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //!
 //! This is the plain version against which all faster ones are tested.
 
+use crate::math::cross;
 use crate::mesh::Mesh;
 use crate::pose::ModelPose;
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
@@ -143,9 +144,9 @@ fn blend(mesh: &Mesh, palette: &[Affine3A], vertex: usize) -> Affine3A {
 /// Inverse transpose times determinant, with the sign that keeps normals pointing outwards when the
 /// matrix mirrors.
 fn cofactor(m: Mat3A) -> Mat3A {
-    let x = m.y_axis.cross(m.z_axis);
-    let y = m.z_axis.cross(m.x_axis);
-    let z = m.x_axis.cross(m.y_axis);
+    let x = cross(m.y_axis, m.z_axis);
+    let y = cross(m.z_axis, m.x_axis);
+    let z = cross(m.x_axis, m.y_axis);
     let sign = if m.x_axis.dot(x) < 0.0 { -1.0 } else { 1.0 };
     Mat3A::from_cols(x * sign, y * sign, z * sign)
 }

@@ -5,7 +5,7 @@
 //! turn about the vertical, on top of the rotation that it holds.
 
 use crate::joint_set::JointSet;
-use crate::math::Transform;
+use crate::math::{Transform, normalised};
 use crate::rig::Rig;
 use glam::Quat;
 
@@ -23,7 +23,7 @@ pub fn heading(turn: Quat) -> Quat {
 /// `wanted` is. `above` is the model-from-parent rotation of the joint at rest.
 pub fn hold_with_heading(above: Quat, wanted: Quat, hold: Quat) -> Quat {
     let turn = above * wanted * hold.conjugate() * above.conjugate();
-    (above.conjugate() * heading(turn) * above * hold).normalize()
+    normalised(above.conjugate() * heading(turn) * above * hold)
 }
 
 /// The root of a rig and the nodes above it, which carry the whole figure.

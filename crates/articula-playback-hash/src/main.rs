@@ -1,12 +1,13 @@
-//! Plays one figure under every controller of the core, decodes a motion stream, and hashes
-//! everything shown, so that platforms can be compared: `cargo xtask test` runs it natively and, built for WebAssembly, in
-//! node.
+//! Plays one figure under every controller of the core and in batches, decodes a motion stream, and
+//! hashes everything shown, so that platforms can be compared: `cargo xtask test` runs it natively,
+//! built for WebAssembly in node, and built for AArch64 under emulation.
 #![allow(
     unsafe_code,
     reason = "an exported symbol is the only way for node to call the program"
 )]
 #![allow(clippy::print_stdout, reason = "the hash is the output of the program")]
 
+mod batch;
 mod figure;
 mod stream;
 
@@ -76,6 +77,7 @@ fn hash() -> Result<u64, Mismatch> {
     let mut bounded = LoaController::new(&rig, range()?, linear, drift.clone());
     let mut sum = Fnv(0xcbf2_9ce4_8422_2325);
     stream::decode(&mut sum)?;
+    batch::evaluate(&rig, &clips, &mut sum)?;
     let stage = Stage {
         model: &model,
         mesh: &mesh,

@@ -150,21 +150,32 @@ fn timed(
     console: &Console,
 ) -> anyhow::Result<(Vec<FrameTime>, Vec<BudgetReport>)> {
     let mut stage = TimedCrowd::new(asset, scene, settings)?;
-    let mut budget = match settings.detail {
+    let budget = match settings.detail {
         DetailGoal::Budget { ms, cap_px } => Some(Budget::new(1e6 * f64::from(ms), cap_px)),
         _ => None,
     };
-    let mut budgets = Vec::new();
-    let mut times = Vec::with_capacity(settings.frames);
     let bar = console.progress("playing", 1);
-    for frame in 0..WARM_UP_FRAMES + settings.frames {
+    let played = stage.on_threads(|stage| play(stage, budget, settings.frames));
+    bar.finish_and_clear();
+    played
+}
+
+/// Times and budgets of the frames.
+fn play(
+    stage: &mut TimedCrowd<'_>,
+    mut budget: Option<Budget>,
+    frames: usize,
+) -> anyhow::Result<(Vec<FrameTime>, Vec<BudgetReport>)> {
+    let mut budgets = Vec::new();
+    let mut times = Vec::with_capacity(frames);
+    for frame in 0..WARM_UP_FRAMES + frames {
         let (clock, start) = (Instant::now(), thread_ns());
         let px = budget.as_ref().map(Budget::px);
-        stage.plan(step_secs(frame), px)?;
+        let (_, others_ns) = stage.plan(step_secs(frame), px)?;
         if let Some(budget) = &mut budget {
             stage.scene.player_mut().add_to(budget);
         }
-        let tick_ns = (thread_ns() - start) as f64;
+        let tick_ns = (thread_ns() - start + others_ns) as f64;
         let evaluate_ns = stage.evaluate() as f64;
         let start = thread_ns();
         if let Some(budget) = &mut budget {
@@ -179,7 +190,6 @@ fn timed(
             });
         }
     }
-    bar.finish_and_clear();
     Ok((times, budgets))
 }
 
@@ -200,7 +210,7 @@ fn looked_at(
     let mut looked = Vec::with_capacity(looks);
     let bar = console.progress("measuring errors", looks);
     for frame in 0..WARM_UP_FRAMES + settings.frames {
-        let report = stage.plan(step_secs(frame), tolerances.get(frame).copied())?;
+        let (report, _) = stage.plan(step_secs(frame), tolerances.get(frame).copied())?;
         let Some(counted) = frame.checked_sub(WARM_UP_FRAMES) else {
             continue;
         };

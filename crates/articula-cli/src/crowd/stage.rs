@@ -3,7 +3,8 @@
 use super::timing::thread_ns;
 use anyhow::Context;
 use articula::crowd::{
-    CacheUse, CrowdAsset, CrowdReport, DetailGoal, FramePart, SceneOptions, ScenePlayer,
+    CacheUse, CrowdAsset, CrowdReport, CrowdSection, DetailGoal, FramePart, SceneOptions,
+    ScenePlayer,
 };
 use articula_build::Scene;
 use rayon::ThreadPool;
@@ -33,6 +34,7 @@ pub(crate) struct Settings {
 pub(crate) struct TimedCrowd<'a> {
     pub(crate) scene: ScenePlayer<'a>,
     pool: Option<ThreadPool>,
+    /// Number of parts of a frame; 1 on a single thread.
     parts: usize,
 }
 
@@ -64,12 +66,44 @@ impl<'a> TimedCrowd<'a> {
         })
     }
 
-    /// Advances the scene and plans the frame, within another tolerance than before if one is given.
-    pub(crate) fn plan(&mut self, dt_secs: f64, px: Option<f32>) -> anyhow::Result<CrowdReport> {
+    /// Runs `play` on one of the threads, so that the others are a step away.
+    pub(crate) fn on_threads<R: Send>(&mut self, play: impl FnOnce(&mut Self) -> R + Send) -> R {
+        let Some(pool) = self.pool.take() else {
+            return play(self);
+        };
+        let result = pool.install(|| play(self));
+        self.pool = Some(pool);
+        result
+    }
+
+    /// Advances the scene and plans the frame, within another tolerance than before if one is given;
+    /// returns the processor time of other threads too, nanoseconds.
+    pub(crate) fn plan(
+        &mut self,
+        dt_secs: f64,
+        px: Option<f32>,
+    ) -> anyhow::Result<(CrowdReport, u64)> {
         if let Some(px) = px {
             self.scene.set_tolerance(px);
         }
-        Ok(self.scene.plan(dt_secs)?)
+        if self.parts == 1 {
+            return Ok((self.scene.plan(dt_secs)?, 0));
+        }
+        let mut others_ns = 0;
+        let this_thread = rayon::current_thread_index();
+        let report = self.scene.plan_on(dt_secs, |sections, tick| {
+            let share = sections.len().div_ceil(self.parts).max(1);
+            let timed = |sections: &mut [CrowdSection]| {
+                let start = thread_ns();
+                sections.iter_mut().for_each(tick);
+                match rayon::current_thread_index() == this_thread {
+                    true => 0,
+                    false => thread_ns() - start,
+                }
+            };
+            others_ns = sections.par_chunks_mut(share).map(timed).sum();
+        })?;
+        Ok((report, others_ns))
     }
 
     /// Writes all palettes; returns the processor time of all threads together, nanoseconds.
@@ -80,12 +114,10 @@ impl<'a> TimedCrowd<'a> {
             thread_ns() - start
         };
         let parts = self.scene.player_mut().parts(self.parts);
-        match &self.pool {
-            None => parts.map(|mut part| timed(&mut part)).sum(),
-            Some(pool) => {
-                let mut parts: Vec<FramePart<'_>> = parts.collect();
-                pool.install(|| parts.par_iter_mut().map(timed).sum())
-            }
+        if self.parts == 1 {
+            return parts.map(|mut part| timed(&mut part)).sum();
         }
+        let mut parts: Vec<FramePart<'_>> = parts.collect();
+        parts.par_iter_mut().map(timed).sum()
     }
 }

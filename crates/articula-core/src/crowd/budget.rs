@@ -18,13 +18,12 @@ const FINEST_PX: f32 = 1.0 / 16.0;
 const GAIN: f64 = 0.1;
 /// Greatest factor of a new time against the mean; an interrupted frame counts as this.
 const OUTLIER: f64 = 1.5;
-/// Fraction of frames that stay within the limit, the step by which its margin is learned, and the
-/// greatest margin.
-const LATE_SHARE: f64 = 0.97;
-const LATE_STEP: f64 = 0.01;
-const MAX_LATE: f64 = 1.5;
+/// Frames whose times are remembered for the margin, a second of display, and how many of them may
+/// exceed it: less than 5 %.
+const REMEMBERED: usize = 64;
+const MAY_EXCEED: usize = 2;
 /// Margin that is kept before the first frames have shown how much their times vary.
-const FIRST_LATE: f64 = 1.03;
+const FIRST_MARGIN: f32 = 1.03;
 /// Change of the tolerance that is not worth choosing again for, as a factor.
 const STEADY: f32 = 1.03;
 
@@ -57,8 +56,9 @@ pub struct Budget {
     ratio: Option<f64>,
     /// Mean time of a frame outside of evaluation.
     tick_ns: f64,
-    /// Ratio of measured to expected time that few frames exceed.
-    late: f64,
+    /// Ratio of measured to expected time of the last frames, and which of them is the oldest.
+    ratios: [f32; REMEMBERED],
+    oldest: usize,
 }
 
 /// What a budget did in a frame.
@@ -98,7 +98,8 @@ impl Budget {
             demand: Demand::NONE,
             ratio: None,
             tick_ns: 0.0,
-            late: FIRST_LATE,
+            ratios: [FIRST_MARGIN; REMEMBERED],
+            oldest: 0,
         }
     }
 
@@ -152,21 +153,21 @@ impl Budget {
             self.tick_ns = tick_ns;
             return;
         };
-        // A small step up for each late frame and a far smaller one down for each of the others
-        // tracks a percentile (Robbins and Monro, 1951).
-        let is_late = tick_ns + evaluate_ns > expected_ns * self.late;
-        let step = if is_late {
-            LATE_SHARE
-        } else {
-            LATE_SHARE - 1.0
-        };
-        self.late = (self.late + LATE_STEP * step).clamp(1.0, MAX_LATE);
+        self.ratios[self.oldest] = ((tick_ns + evaluate_ns) / expected_ns) as f32;
+        self.oldest = (self.oldest + 1) % REMEMBERED;
         self.ratio = Some(ratio + GAIN * (measured.min(OUTLIER * ratio) - ratio));
         self.tick_ns += GAIN * (tick_ns.min(OUTLIER * self.tick_ns) - self.tick_ns);
     }
 
+    /// Ratio of measured to expected time that few of the last frames exceed.
+    fn margin(&self) -> f64 {
+        let mut ratios = self.ratios;
+        let (_, margin, _) = ratios.select_nth_unstable_by(MAY_EXCEED, |a, b| b.total_cmp(a));
+        f64::from(*margin).clamp(1.0, OUTLIER)
+    }
+
     fn chosen(&self, demand: &Demand) -> f32 {
-        let left_ns = self.limit_ns / self.late - self.tick_ns;
+        let left_ns = self.limit_ns / self.margin() - self.tick_ns;
         let nominal_ns = left_ns / self.ratio.unwrap_or(1.0);
         let px = demand.px_within(nominal_ns, FINEST_PX);
         let is_steady = px < self.px * STEADY && px * STEADY > self.px;

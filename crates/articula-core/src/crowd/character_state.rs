@@ -96,6 +96,7 @@ impl ClipState {
 
     /// Advances the time and reports the events passed; returns how often the clip's end was passed
     /// forwards, less how often backwards.
+    #[inline]
     pub(crate) fn advance(
         &mut self,
         duration: f32,
@@ -228,6 +229,7 @@ impl CharacterState {
 
     /// Advances both clips and the fade, reports the events passed as (clip, event, weight of the
     /// clip), and returns the root motion and whether a clip passed its end.
+    #[inline]
     pub(crate) fn advance(
         &mut self,
         clips: &impl ClipTimes,

@@ -1,16 +1,27 @@
 //! Choice of the level and the source of one character's pose.
 
 use super::character_state::CharacterState;
-use super::frame::{CacheUse, CrowdEvent, Detail, Frame};
-use super::level::{Choice, attention, cached_within};
+use super::frame::{CrowdEvent, Detail, Frame};
+use super::keys::{Key, Kind};
+use super::mode::Choosing;
 use super::model::CrowdModel;
-use super::plan::{Key, Kind};
-use super::share::{ClipWay, Follower};
-use super::tick::{Choosing, Crowd, NO_OPTION};
+use super::section::{CrowdSection, NO_OPTION};
+use super::share::{ClipWay, Follower, Sharing};
+use crate::attention::multiplier;
 use crate::level_choice::{level_within, tolerance_range};
 use crate::sample::Wrap;
+use crate::simd::LANES;
 
-impl Crowd {
+/// A level and source of a pose, and an upper bound on its error.
+#[derive(Debug, Clone, Copy)]
+struct Choice {
+    key: Key,
+    level: usize,
+    /// Metres of the unscaled character.
+    error_metres: f32,
+}
+
+impl CrowdSection {
     /// Stops to show a character.
     pub(super) fn hide(
         &mut self,
@@ -20,48 +31,55 @@ impl Crowd {
     ) {
         self.set_level(model, character, (None, 0.0), tell);
         self.options[character] = NO_OPTION;
-        self.set_key(character, Key::HIDDEN);
+        self.keys.set(character, Key::HIDDEN);
     }
 
     /// Shows a visible character at the level of all, or as the cheapest of its options within its
-    /// tolerance. Returns an upper bound on its error in pixels.
+    /// tolerance, or with a shared pose. Returns an upper bound on its error in pixels.
     pub(super) fn show(
         &mut self,
         model: &CrowdModel,
         frame: &Frame<'_>,
         character: usize,
+        sharing: Option<&mut Sharing>,
         tell: &mut dyn FnMut(CrowdEvent),
     ) -> f32 {
-        let Some(mode) = self.mode else { return 0.0 };
         let pixels_per_metre = self.pixels_per_metre(character) * frame.scale(character);
-        let kind =
-            match self.clocks.is_fading(character) && self.clocks.state(character).fade != 0.0 {
-                true => Kind::Blend,
-                false => Kind::Clip,
-            };
-        let (key, level, error_metres) = match mode.choosing {
-            Choosing::Fixed(level) => {
-                self.set_keep(character, [f32::NEG_INFINITY, f32::INFINITY]);
-                let (from, to) = self.clocks.state(character).clips();
-                (
-                    Key::new(level, kind),
-                    level,
-                    model.error_metres(from, to, level),
-                )
+        let is_fading = self.clocks.is_fading(character);
+        let kind = match is_fading && self.clocks.state(character).fade != 0.0 {
+            true => Kind::Blend,
+            false => Kind::Clip,
+        };
+        let choice = if let Choosing::Fixed(level) = self.mode.choosing {
+            self.set_keep(character, [f32::NEG_INFINITY, f32::INFINITY]);
+            let (from, to) = self.clocks.state(character).clips();
+            Choice {
+                key: Key::new(level, kind),
+                level,
+                error_metres: model.error_metres(from, to, level),
             }
-            _ => {
-                let tolerance = self.tolerance_metres(model, frame, character, pixels_per_metre);
-                if self.clocks.is_fading(character) {
-                    self.fading_option(model, character, kind, tolerance)
-                } else {
-                    self.option(model, frame.cache, character, tolerance)
-                }
+        } else {
+            let tolerance = self.tolerance_metres(model, frame, character, pixels_per_metre);
+            if is_fading {
+                self.fading_option(model, character, kind, tolerance)
+            } else {
+                let shown = self.keys.get(character).level();
+                let option = self.option(model, character, tolerance);
+                let sharing = sharing.filter(|_| option.key.is_clip());
+                let shared =
+                    sharing.and_then(|s| self.shared(model, character, (shown, tolerance), s));
+                shared.unwrap_or(option)
             }
         };
-        self.set_level(model, character, (Some(level), pixels_per_metre), tell);
-        self.set_key(character, key);
-        if error_metres > 0.0 {
-            error_metres * pixels_per_metre
+        self.set_level(
+            model,
+            character,
+            (Some(choice.level), pixels_per_metre),
+            tell,
+        );
+        self.keys.set(character, choice.key);
+        if choice.error_metres > 0.0 {
+            choice.error_metres * pixels_per_metre
         } else {
             0.0
         }
@@ -78,35 +96,22 @@ impl Crowd {
         let Detail::Tolerance { px } = frame.detail else {
             return 0.0;
         };
-        if self
-            .mode
-            .is_some_and(|mode| mode.is_plain && mode.is_culled)
-        {
-            let (tile, lane) = (
-                character / crate::simd::LANES,
-                character % crate::simd::LANES,
-            );
-            return self.sight.metres_per_px[tile].0[lane] * px;
+        if self.mode.is_plain && self.mode.is_culled {
+            return self.sight.metres_per_px[character / LANES].0[character % LANES] * px;
         }
         let importance = frame.importance.get(character).copied().unwrap_or(1.0);
         px * attention(model, &self.clocks.state(character), importance) / pixels_per_metre
     }
 
-    /// The cheapest option of the clip within a tolerance, with its level and error.
+    /// The cheapest option of the clip within a tolerance.
     #[inline]
-    fn option(
-        &mut self,
-        model: &CrowdModel,
-        cache_use: CacheUse,
-        character: usize,
-        tolerance_metres: f32,
-    ) -> (Key, usize, f32) {
+    fn option(&mut self, model: &CrowdModel, character: usize, tolerance_metres: f32) -> Choice {
         let clip = self.clocks.from(character).clip();
-        let options = model.options(cache_use).of(clip);
+        let options = model.options(self.mode.cache).of(clip);
         let shown = Some(usize::from(self.options[character])).filter(|o| *o < options.len());
         // A level is kept over a change of the clip.
         let shown = shown.or_else(|| {
-            let level = self.keys[character].level()?;
+            let level = self.keys.get(character).level()?;
             options.iter().rposition(|o| usize::from(o.level) <= level)
         });
         let error = |option: usize| options[option].error_metres;
@@ -116,134 +121,78 @@ impl Crowd {
         self.options[character] = chosen as u8;
         self.set_keep(character, tolerance_range(option.error_metres, next));
         let level = usize::from(option.level);
-        (Key::new(level, option.kind), level, option.error_metres)
+        Choice {
+            key: Key::new(level, option.kind),
+            level,
+            error_metres: option.error_metres,
+        }
     }
 
-    /// The coarsest level of a cross-fade within a tolerance, with its error.
+    /// The coarsest level of a cross-fade within a tolerance.
     fn fading_option(
         &mut self,
         model: &CrowdModel,
         character: usize,
         kind: Kind,
         tolerance_metres: f32,
-    ) -> (Key, usize, f32) {
+    ) -> Choice {
         let (from, to) = self.clocks.state(character).clips();
         let error = |level: usize| model.error_metres(from, to, level);
         let coarsest = model.levels() - 1;
-        let shown = self.level(character);
+        let shown = self.keys.get(character).level();
         let level = level_within(tolerance_metres, shown, coarsest, error);
         let next = (level < coarsest).then(|| error(level + 1));
         self.set_keep(character, tolerance_range(error(level), next));
-        (Key::new(level, kind), level, error(level))
-    }
-
-    /// Shows a visible character at a level chosen in this frame, with a cached, a shared or its own
-    /// pose. Returns an upper bound on its error in pixels.
-    pub(super) fn show_anew(
-        &mut self,
-        model: &CrowdModel,
-        frame: &Frame<'_>,
-        character: usize,
-        tell: &mut dyn FnMut(CrowdEvent),
-    ) -> f32 {
-        let choice = self.choice(model, frame, character);
-        let at = (Some(choice.level), choice.pixels_per_metre);
-        self.set_level(model, character, at, tell);
-        let (kind, error_metres) = self.source(model, frame, character, choice);
-        self.set_key(character, Key::new(choice.level, kind));
-        error_metres * choice.pixels_per_metre
-    }
-
-    /// Chooses the level of a visible character.
-    fn choice(&self, model: &CrowdModel, frame: &Frame<'_>, character: usize) -> Choice {
-        let player = &self.clocks.state(character);
-        let (from, to) = player.clips();
-        let pixels_per_metre = self.pixels_per_metre(character) * frame.scale(character);
-        let coarsest = model.levels() - 1;
-        let shown = self.level(character);
-        let mut tolerance_metres = 0.0;
-        let level = match frame.detail {
-            Detail::Full => 0,
-            Detail::Level(level) => level.min(coarsest),
-            Detail::Tolerance { px } => {
-                let importance = frame.importance.get(character).copied().unwrap_or(1.0);
-                tolerance_metres = px * attention(model, player, importance) / pixels_per_metre;
-                let (a, b) = (model.errors_of(from), model.errors_of(to));
-                let error = |level: usize| a[level].max(b[level]);
-                // The cost of a shared pose is divided, so a finer level that leaves slack for
-                // sharing pays.
-                let part = if shares(frame, player) {
-                    SHARE_LEAVES
-                } else {
-                    1.0
-                };
-                level_within(tolerance_metres * part, shown, coarsest, error)
-            }
-        };
-        let error_metres = model.error_metres(from, to, level);
-        let mut choice = Choice {
+        Choice {
+            key: Key::new(level, kind),
             level,
-            error_metres,
-            slack_metres: tolerance_metres - error_metres,
-            pixels_per_metre,
-            cached: false,
-        };
-        if frame.cache != CacheUse::Never && tolerance_metres > 0.0 && !player.is_fading() {
-            let cached = cached_within(model, from, level, tolerance_metres);
-            if let Some((level, error_metres)) = cached.filter(|c| pays(model, frame, choice, c.0))
-            {
-                choice.level = level;
-                choice.error_metres = error_metres;
-                choice.cached = true;
-            }
+            error_metres: error(level),
         }
-        choice
     }
 
-    /// Source of a character's pose, and an upper bound on its error in metres.
-    fn source(
+    /// A pose that is shared with others within a tolerance; `None` if the character has to be
+    /// evaluated alone. `shown` is its level in the frame before.
+    fn shared(
         &mut self,
         model: &CrowdModel,
-        frame: &Frame<'_>,
         character: usize,
-        choice: Choice,
-    ) -> (Kind, f32) {
-        if choice.cached {
-            let kind = match frame.cache {
-                CacheUse::Gpu => Kind::Record,
-                _ => Kind::Cached,
-            };
-            return (kind, choice.error_metres);
+        (shown, tolerance_metres): (Option<usize>, f32),
+        sharing: &mut Sharing,
+    ) -> Option<Choice> {
+        let state = self.clocks.from(character);
+        if state.wrap != Wrap::Loop {
+            return None;
         }
-        let player = self.clocks.state(character);
-        if shares(frame, &player) && choice.slack_metres > 0.0 {
-            let clip = player.from.clip();
-            let errors = &model.parts().errors.clips[clip];
-            let follower = Follower {
-                clip,
-                level: choice.level,
-                secs: player.from.secs,
-                slack_metres: choice.slack_metres,
-            };
-            let way = ClipWay {
-                duration_secs: model.durations()[clip],
-                speed_metres_per_sec: errors.speed_metres_per_sec,
-                seam_metres: errors.seam_metres,
-            };
-            if let Some(leader) = self.sharing.leader(follower, way) {
-                if leader == self.leader_levels.len() {
-                    self.leader_levels.push(choice.level as u8);
-                }
-                self.leader_of[character] = leader as u32;
-                return (Kind::Follow, choice.error_metres + choice.slack_metres);
-            }
-        }
-        let kind = if player.fade != 0.0 {
-            Kind::Blend
-        } else {
-            Kind::Clip
+        let clip = state.clip();
+        let own = model.errors_of(clip);
+        // The cost of a shared pose is divided, so a finer level that leaves slack for sharing pays.
+        let level = level_within(
+            tolerance_metres * SHARE_LEAVES,
+            shown,
+            model.levels() - 1,
+            |level| own[level],
+        );
+        let errors = &model.parts().errors.clips[clip];
+        let follower = Follower {
+            clip,
+            level,
+            secs: state.secs,
+            slack_metres: tolerance_metres - own[level],
         };
-        (kind, choice.error_metres)
+        let way = ClipWay {
+            duration_secs: model.durations()[clip],
+            speed_metres_per_sec: errors.speed_metres_per_sec,
+            seam_metres: errors.seam_metres,
+        };
+        let leader = Some(follower.slack_metres)
+            .filter(|slack| *slack > 0.0)
+            .and_then(|_| sharing.leader(follower, way))?;
+        self.keys.follow(character, leader);
+        Some(Choice {
+            key: Key::new(level, Kind::Follow),
+            level,
+            error_metres: tolerance_metres,
+        })
     }
 
     /// Reports an event if the level of a character changes. A metre of it spans `pixels_per_metre`.
@@ -255,7 +204,7 @@ impl Crowd {
         (level, pixels_per_metre): (Option<usize>, f32),
         tell: &mut dyn FnMut(CrowdEvent),
     ) {
-        let from = self.level(character);
+        let from = self.keys.get(character).level();
         if from == level {
             return;
         }
@@ -266,7 +215,7 @@ impl Crowd {
             _ => 0.0,
         };
         tell(CrowdEvent::Level {
-            character,
+            character: self.first + character,
             from,
             to: level,
             jump_px,
@@ -277,17 +226,18 @@ impl Crowd {
 /// Fraction of the tolerance that a level may use where poses are shared.
 const SHARE_LEAVES: f32 = 0.5;
 
-/// Whether a character may share its pose.
-fn shares(frame: &Frame<'_>, player: &CharacterState) -> bool {
-    frame.share && !player.is_fading() && player.from.wrap == Wrap::Loop
-}
-
-/// Blending two cached palettes costs a third or less of evaluating as many joints (measured), but
-/// writes as much, so a finer level from the cache pays up to this factor in matrices.
-const CACHE_PAYS: usize = 2;
-
-/// Whether a level from the cache is cheaper than the level that would be evaluated.
-fn pays(model: &CrowdModel, frame: &Frame<'_>, evaluated: Choice, cached: usize) -> bool {
-    let matrices = |level| model.parts().palette.len(level);
-    frame.cache == CacheUse::Gpu || matrices(cached) <= CACHE_PAYS * matrices(evaluated.level)
+/// Multiplier of the tolerance, from the attention factor of the clip now and the importance of the
+/// character.
+#[inline]
+fn attention(model: &CrowdModel, player: &CharacterState, importance: f32) -> f32 {
+    let (from, to) = player.clips();
+    let at = |clip: usize, secs: f32, wrap| {
+        let marked = model.attention(clip);
+        marked.map_or(1.0, |a| a.at(f64::from(secs), wrap))
+    };
+    let mut factor = at(from, player.from.secs, player.from.wrap);
+    if player.is_fading() {
+        factor = factor.min(at(to, player.to.secs, player.to.wrap));
+    }
+    multiplier(factor, importance)
 }

@@ -1,8 +1,8 @@
 //! Clocks of all characters: the playback states, laid out so that eight advance at a time.
 //!
 //! Most steps stay within one clip and pass no event. Each character therefore has a limit up to
-//! which its time advances by an addition; only who passes it, fades, or has root motion is advanced
-//! one by one, by [`CharacterState::advance`], which is the plain version.
+//! which its time advances by an addition; only who passes it, begins or ends a fade, or has root
+//! motion is advanced one by one, by [`CharacterState::advance`], which is the plain version.
 
 use super::character_state::{CharacterState, ClipState};
 use super::model::CrowdModel;
@@ -19,8 +19,27 @@ const STOP: f32 = f32::NEG_INFINITY;
 struct Fade {
     character: u32,
     to: ClipState,
+    /// Limit of the second clip.
+    limit: f32,
     fade: f32,
     fade_per_sec: f32,
+}
+
+impl Fade {
+    /// Advances the second clip and the weight, if nothing else happens in this step; returns
+    /// whether it did.
+    #[inline]
+    fn advance(&mut self, dt_secs: f32) -> bool {
+        let secs = self.to.secs + self.to.speed * dt_secs;
+        let fade = self.fade + self.fade_per_sec * dt_secs;
+        let goes_on = self.fade_per_sec == 0.0 || (self.fade > 0.0 && fade < 1.0);
+        let within = goes_on && secs * 1f32.copysign(self.to.speed) < self.limit;
+        if within {
+            self.to.secs = secs;
+            self.fade = fade;
+        }
+        within
+    }
 }
 
 /// Playback states of all characters.
@@ -106,26 +125,31 @@ impl Clocks {
 
     /// Replaces the state of a character. It is advanced one by one in the next frame.
     pub(crate) fn set(&mut self, character: usize, state: &CharacterState) {
-        self.store(character, state, STOP);
+        self.store(character, state, [STOP; 2]);
     }
 
     /// Replaces the state of a character and computes its limit.
     #[inline]
     pub(crate) fn settle(&mut self, model: &CrowdModel, character: usize, state: &CharacterState) {
-        self.store(character, state, limit(model, state));
+        let second = match state.is_fading() {
+            true => limit(model, &state.to),
+            false => STOP,
+        };
+        self.store(character, state, [limit(model, &state.from), second]);
     }
 
-    fn store(&mut self, character: usize, state: &CharacterState, limit: f32) {
+    fn store(&mut self, character: usize, state: &CharacterState, limits: [f32; 2]) {
         let (tile, lane) = (character / LANES, character % LANES);
         self.secs[tile].0[lane] = state.from.secs;
         self.speeds[tile].0[lane] = state.from.speed;
-        self.limits[tile].0[lane] = limit;
+        self.limits[tile].0[lane] = limits[0];
         self.clips[character] = (state.from.clip, state.from.wrap);
         let at = self.fade_of[character];
         if state.is_fading() {
             let fade = Fade {
                 character: character as u32,
                 to: state.to,
+                limit: limits[1],
                 fade: state.fade,
                 fade_per_sec: state.fade_per_sec,
             };
@@ -147,6 +171,19 @@ impl Clocks {
 
     /// Advances the clocks that stay within their limits; [`slow`](Self::slow) has the others.
     pub(crate) fn advance(&mut self, backend: Backend, dt_secs: f32) {
+        for fade in &mut self.fades {
+            let (tile, lane) = (
+                fade.character as usize / LANES,
+                fade.character as usize % LANES,
+            );
+            let (secs, speed) = (self.secs[tile].0[lane], self.speeds[tile].0[lane]);
+            // The test of the kernel: both clips advance by an addition, or neither.
+            let after = (secs + speed * dt_secs) * 1f32.copysign(speed);
+            let limit = &mut self.limits[tile].0[lane];
+            if !(after < *limit && fade.advance(dt_secs)) {
+                *limit = STOP;
+            }
+        }
         let kernel = Advance {
             dt_secs,
             clocks: self,
@@ -188,13 +225,12 @@ impl Kernel for Advance<'_> {
     }
 }
 
-/// Time in the direction of the speed before which a step of a character only adds to its time.
-fn limit(model: &CrowdModel, state: &CharacterState) -> f32 {
-    let ClipState { secs, speed, .. } = state.from;
-    let clip = state.from.clip();
+/// Time in the direction of the speed before which a step of a clip only adds to its time.
+fn limit(model: &CrowdModel, state: &ClipState) -> f32 {
+    let ClipState { secs, speed, .. } = *state;
+    let clip = state.clip();
     let duration = model.durations()[clip];
-    if state.is_fading() || model.parts().paths[clip].is_some() || !(0.0..duration).contains(&secs)
-    {
+    if model.parts().paths[clip].is_some() || !(0.0..duration).contains(&secs) {
         return STOP;
     }
     let events = &model.parts().events[clip];

@@ -116,7 +116,7 @@ fn px_of(bin: usize) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crowd::plan::Kind;
+    use crate::crowd::keys::Kind;
     use proptest::prelude::*;
 
     fn options(steps: &[(f32, f32)]) -> Vec<DetailOption> {

@@ -4,6 +4,7 @@ use super::attachment::attachment;
 use super::character_state::ClipState;
 use super::model::CrowdModel;
 use super::plan::{Batch, DrawList, Poser};
+use super::section::SECTION;
 use super::share::Leader;
 use super::tick::Crowd;
 use crate::batch::{BatchPose, Scratch};
@@ -20,7 +21,7 @@ impl Crowd {
     /// # Panics
     /// If there is no such character or joint.
     pub fn attachment(&self, model: &CrowdModel, character: usize, joint: usize) -> Affine3A {
-        let shown = self.clocks.state(character).shown(&model.parts().clips);
+        let shown = self.state(character).shown(&model.parts().clips);
         attachment(&model.parts().clips, &shown, joint)
     }
 
@@ -120,7 +121,7 @@ impl Crowd {
         };
         for (set, out) in sets.zip(out.chunks_exact_mut(targets)) {
             let character = self.draw_list().character_of(set);
-            morphs.sample(&self.clocks.state(character), out);
+            morphs.sample(&self.state(character), out);
         }
     }
 
@@ -149,11 +150,23 @@ impl Crowd {
         };
         for group in &list.record_groups {
             let part = group.records.start.max(records.start)..group.records.end.min(records.end);
-            for record in part {
-                let at = record - records.start;
-                let ClipState { secs, clip, .. } = self.clocks.from(characters[at] as usize);
-                let located = cache.locate(usize::from(clip), group.level, secs);
-                out[at] = located.unwrap_or_default().of(characters[at]);
+            if part.is_empty() {
+                continue;
+            }
+            let part = part.start - records.start..part.end - records.start;
+            let (mut rest, mut out) = (&characters[part.clone()], out[part].iter_mut());
+            while let Some(&first) = rest.first() {
+                // A group is in the order of the sections.
+                let section = first as usize / SECTION;
+                let end = rest.partition_point(|c| *c as usize / SECTION <= section);
+                let (run, others) = rest.split_at(end);
+                rest = others;
+                let clocks = &self.sections[section].clocks;
+                for (&character, out) in run.iter().zip(&mut out) {
+                    let state = clocks.from(character as usize - section * SECTION);
+                    let located = cache.locate(state.clip(), group.level, state.secs);
+                    *out = located.unwrap_or_default().of(character);
+                }
             }
         }
     }
@@ -166,7 +179,7 @@ impl Crowd {
         let mut records = [BlendRecord::default(); LANES];
         for (record, poser) in records.iter_mut().zip(self.plan.posers(batch)) {
             if let Poser::Character(character) = poser {
-                let ClipState { secs, clip, .. } = self.clocks.from(character);
+                let ClipState { secs, clip, .. } = self.clip_state(character);
                 let located = cache.locate(usize::from(clip), batch.level(), secs);
                 *record = located.unwrap_or_default();
             }
@@ -175,12 +188,19 @@ impl Crowd {
         cache.blend(batch.level(), records, model.parts().backend, out);
     }
 
+    /// State of the first clip of a character.
+    #[inline]
+    fn clip_state(&self, character: usize) -> ClipState {
+        let (section, character) = self.at(character);
+        section.clocks.from(character)
+    }
+
     #[inline]
     fn posed(&self, model: &CrowdModel, poser: Poser) -> BatchPose {
         match poser {
-            Poser::Character(c) => self.clocks.state(c).shown(&model.parts().clips),
+            Poser::Character(c) => self.state(c).shown(&model.parts().clips),
             Poser::Leader(l) => {
-                let Leader { clip, secs } = self.sharing.leaders()[l];
+                let Leader { clip, secs, .. } = self.sharing.leaders()[l];
                 model.parts().clips.cursor(usize::from(clip), secs).into()
             }
         }

@@ -4,6 +4,7 @@ use super::character_state::MAX_STEP_SECS;
 use crate::budget::Workload;
 use crate::visibility::View;
 use glam::{Quat, Vec3};
+use std::ops::Range;
 
 /// Input of one frame; slices have one entry for each character.
 #[derive(Debug, Clone, Copy)]
@@ -131,7 +132,24 @@ pub struct CrowdReport {
     pub bound_px: f32,
 }
 
-impl Frame<'_> {
+impl<'a> Frame<'a> {
+    /// The frame of some of the characters; those that moved are not listed.
+    pub(crate) fn part(&self, of: Range<usize>) -> Frame<'a> {
+        let numbers = |all: &'a [f32]| all.get(of.clone()).unwrap_or_default();
+        Frame {
+            positions: &self.positions[of.clone()],
+            rotations: &self.rotations[of.clone()],
+            scales: numbers(self.scales),
+            cull_margin_metres: numbers(self.cull_margin_metres),
+            importance: numbers(self.importance),
+            moved: match self.moved {
+                Moved::All => Moved::All,
+                Moved::These(_) => Moved::These(&[]),
+            },
+            ..*self
+        }
+    }
+
     /// Absolute scale of a character.
     pub(crate) fn scale(&self, character: usize) -> f32 {
         self.scales.get(character).map_or(1.0, |s| s.abs())

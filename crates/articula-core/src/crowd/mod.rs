@@ -1,10 +1,10 @@
 //! One frame of a crowd: clocks, culling, levels of detail, batches and palettes.
 //!
 //! Source: `docs/methods/motion-lod.md` parts 5 to 8, `docs/methods/runtime.md` parts 3 and 4.
-//! [`Crowd::tick`] does the cheap, serial part: it advances all clocks, reports events, culls,
-//! chooses a level for each character and sorts the characters into batches. [`Crowd::evaluate`]
-//! writes the palettes of any range of batches and changes no state, so the caller may distribute
-//! ranges over threads.
+//! [`Crowd::tick`] advances all clocks, reports events, culls, chooses a level for each character and
+//! sorts the characters into batches; [`Crowd::tick_on`] does so on the caller's threads.
+//! [`Crowd::evaluate`] writes the palettes of any range of batches and changes no state, so the
+//! caller may distribute ranges over threads too. Results do not depend on the number of threads.
 //!
 //! - [`CrowdModel`]: the data that all characters share, made once
 //! - [`CharacterState`], [`ClipState`]: the playback state of one character
@@ -45,7 +45,8 @@ mod demand;
 mod evaluate;
 mod events;
 mod frame;
-mod level;
+mod keys;
+mod mode;
 mod model;
 mod morphs;
 mod options;
@@ -53,6 +54,7 @@ mod parts;
 mod places;
 mod plan;
 mod root_path;
+mod section;
 mod share;
 mod tick;
 
@@ -70,4 +72,5 @@ pub use morphs::MorphClips;
 pub use parts::CrowdParts;
 pub use plan::{Draw, DrawGroup, DrawList, RecordGroup};
 pub use root_path::{RootDelta, RootTrajectory};
+pub use section::CrowdSection;
 pub use tick::Crowd;

@@ -5,8 +5,8 @@
 //! the cost falls, and the cheapest option within a tolerance is the last one within it.
 
 use super::frame::CacheUse;
+use super::keys::Kind;
 use super::parts::CrowdParts;
-use super::plan::Kind;
 use crate::budget::{CostModel, Workload};
 
 /// Nanoseconds of a blend of cached palettes, for each matrix, on the machine of

@@ -82,25 +82,19 @@ impl WorldBounds {
         }
     }
 
-    /// Marks a character whose model-space bound has changed.
+    /// Marks a character that has moved, or whose model-space bound has changed.
     #[inline]
     pub(crate) fn touch(&mut self, character: usize) {
         self.dirty[character / LANES] = true;
         self.cells[character / CELL].is_fresh = true;
     }
 
-    /// Computes the bounds of the characters that moved or were marked, and the boxes around them.
+    /// Computes the bounds of the characters that were marked, or of all if they are not listed, and
+    /// the boxes around them.
     pub(crate) fn update(&mut self, frame: &Frame<'_>, bounds: &[Sphere]) {
-        match frame.moved {
-            Moved::All => {
-                self.dirty.fill(true);
-                self.cells.iter_mut().for_each(|c| c.is_fresh = true);
-            }
-            Moved::These(characters) => {
-                for character in characters {
-                    self.touch(*character as usize);
-                }
-            }
+        if frame.moved == Moved::All {
+            self.dirty.fill(true);
+            self.cells.iter_mut().for_each(|c| c.is_fresh = true);
         }
         for cell in 0..self.cells.len() {
             if !self.cells[cell].is_fresh {
@@ -166,9 +160,10 @@ impl WorldBounds {
         }
     }
 
-    /// The bounds of all tiles.
-    pub(crate) fn spheres(&self) -> Spheres<'_> {
+    /// The bounds of all tiles, of which the first is tile `first_tile` of those of the views.
+    pub(crate) fn spheres(&self, first_tile: usize) -> Spheres<'_> {
         Spheres {
+            first_tile,
             x: &self.x,
             y: &self.y,
             z: &self.z,

@@ -1,48 +1,12 @@
 //! Evaluation plan of a frame: characters sorted by level and source of their pose, divided into
 //! batches, and the palette of each.
 
-use super::places::{CELL, Cell};
+use super::keys::{KEYS, KINDS, Kind, SectionKeys};
+use super::share::Leader;
 use crate::joint_lods::JointLods;
 use crate::palette::PaletteMap;
 use crate::simd::LANES;
 use std::ops::Range;
-
-/// Number of kinds at a level.
-const KINDS: usize = 5;
-const KEYS: usize = KINDS * JointLods::MAX_LEVELS;
-
-/// Source of a character's pose.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// One clip is evaluated.
-    Clip,
-    /// Two clips are evaluated and blended.
-    Blend,
-    /// Two cached palettes are blended.
-    Cached,
-    /// A shared pose.
-    Follow,
-    /// The GPU blends two cached palettes.
-    Record,
-}
-
-/// Level of a character and source of its pose, or that it is not shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Key(u8);
-
-impl Key {
-    pub(crate) const HIDDEN: Self = Self(u8::MAX);
-
-    pub(crate) fn new(level: usize, kind: Kind) -> Self {
-        Self((level * KINDS + kind as usize) as u8)
-    }
-
-    /// The level; `None` if the character is not shown.
-    #[inline]
-    pub(crate) fn level(self) -> Option<usize> {
-        (self != Self::HIDDEN).then_some(usize::from(self.0) / KINDS)
-    }
-}
 
 /// One visible character and its palette.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -145,17 +109,6 @@ pub(crate) enum Poser {
     Leader(usize),
 }
 
-/// Characters by level and source of their pose, and the shared poses of those that follow one.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Shown<'a> {
-    pub(crate) keys: &'a [Key],
-    pub(crate) cells: &'a [Cell],
-    /// Level of each shared pose.
-    pub(crate) leaders: &'a [u8],
-    /// Shared pose of each character that follows one.
-    pub(crate) leader_of: &'a [u32],
-}
-
 /// Numbers of characters and poses of one level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct LevelCounts {
@@ -194,7 +147,7 @@ struct Room {
 }
 
 impl Room {
-    fn counted(shown: Shown<'_>) -> Self {
+    fn counted<'a>(sections: impl Iterator<Item = &'a SectionKeys>, leaders: &[Leader]) -> Self {
         let mut room = Self {
             slots: [Slot::default(); KEYS],
             leaders: [0; JointLods::MAX_LEVELS],
@@ -204,11 +157,13 @@ impl Room {
             matrices: 0,
             shared: 0,
         };
-        for (_, key) in listed(shown) {
-            room.slots[usize::from(key.0)].at += 1;
+        for section in sections {
+            for (slot, count) in room.slots.iter_mut().zip(section.counts()) {
+                slot.at += u32::from(*count);
+            }
         }
-        for level in shown.leaders {
-            room.leaders[usize::from(*level)] += 1;
+        for leader in leaders {
+            room.leaders[usize::from(leader.level)] += 1;
         }
         room
     }
@@ -245,18 +200,24 @@ impl Plan {
         }
     }
 
-    /// Sorts the characters that are shown by level and source, in two passes: one counts, one
-    /// places. The first `morph_levels` levels show morph targets. O(characters).
-    pub(crate) fn make(&mut self, shown: Shown<'_>, palette: &PaletteMap, morph_levels: usize) {
-        let mut room = Room::counted(shown);
+    /// Joins the characters of the sections, each sorted by level and source. The first
+    /// `morph_levels` levels show morph targets. O(characters).
+    pub(crate) fn make<'a>(
+        &mut self,
+        sections: impl Iterator<Item = &'a SectionKeys> + Clone,
+        leaders: &[Leader],
+        palette: &PaletteMap,
+        morph_levels: usize,
+    ) {
+        let mut room = Room::counted(sections.clone(), leaders);
         self.batches.clear();
         self.drawn.groups.clear();
         self.drawn.record_groups.clear();
         for level in 0..self.counts.len() {
             self.lay_out(level, palette.len(level), &mut room);
         }
-        self.place_leaders(shown.leaders, &mut room.leader_slots);
-        self.place(shown, &mut room);
+        self.place_leaders(leaders, &mut room.leader_slots);
+        self.place(sections, &mut room);
         self.drawn.batches = self.batches.len();
         self.drawn.matrices = room.matrices;
         let drawn = &mut self.drawn;
@@ -338,43 +299,52 @@ impl Plan {
         room.records += record;
     }
 
-    /// Puts every character into its place.
-    fn place(&mut self, shown: Shown<'_>, room: &mut Room) {
+    /// Puts the characters of every section into their places.
+    fn place<'a>(&mut self, sections: impl Iterator<Item = &'a SectionKeys>, room: &mut Room) {
         let nobody = Draw {
             character: 0,
             first_matrix: 0,
         };
         self.drawn.draws.resize(room.draws, nobody);
         self.drawn.recorded.resize(room.records, 0);
-        for (character, key) in listed(shown) {
-            let slot = &mut room.slots[usize::from(key.0)];
-            let at = slot.at as usize;
-            slot.at += 1;
-            let kind = usize::from(key.0) % KINDS;
-            if kind <= Kind::Cached as usize {
-                self.drawn.draws[at] = Draw {
-                    character: character as u32,
-                    first_matrix: slot.matrix,
+        for section in sections {
+            let mut rest = section.order();
+            let counts = section.counts().iter().enumerate();
+            for (key, count) in counts.filter(|(_, count)| **count > 0) {
+                let Some((characters, others)) = rest.split_at_checked(usize::from(*count)) else {
+                    break;
                 };
-                slot.matrix += slot.step;
-            } else if kind == Kind::Record as usize {
-                self.drawn.recorded[at] = character as u32;
-            } else {
-                let leader = shown.leader_of[character] as usize;
-                self.drawn.draws[at] = Draw {
-                    character: character as u32,
-                    first_matrix: self.leader_matrices[leader],
-                };
+                rest = others;
+                let slot = &mut room.slots[key];
+                let places = slot.at as usize..slot.at as usize + characters.len();
+                slot.at += characters.len() as u32;
+                if key % KINDS == Kind::Record as usize {
+                    self.drawn.recorded[places].copy_from_slice(characters);
+                    continue;
+                }
+                let is_own = key % KINDS != Kind::Follow as usize;
+                for (draw, character) in self.drawn.draws[places].iter_mut().zip(characters) {
+                    let first_matrix = if is_own {
+                        let next = slot.matrix + slot.step;
+                        std::mem::replace(&mut slot.matrix, next)
+                    } else {
+                        self.leader_matrices[section.leader_of(*character)]
+                    };
+                    *draw = Draw {
+                        character: *character,
+                        first_matrix,
+                    };
+                }
             }
         }
     }
 
     /// Sorts the shared poses by level.
-    fn place_leaders(&mut self, levels: &[u8], next: &mut [Slot]) {
-        self.leaders.resize(levels.len(), 0);
+    fn place_leaders(&mut self, leaders: &[Leader], next: &mut [Slot]) {
+        self.leaders.resize(leaders.len(), 0);
         self.leader_matrices.clear();
-        for (leader, level) in levels.iter().enumerate() {
-            let slot = &mut next[usize::from(*level)];
+        for (leader, of) in leaders.iter().enumerate() {
+            let slot = &mut next[usize::from(of.level)];
             self.leaders[slot.at as usize] = leader as u32;
             self.leader_matrices.push(slot.matrix);
             slot.at += 1;
@@ -415,18 +385,6 @@ impl Plan {
     }
 }
 
-/// Characters that are shown, cell by cell, with their keys.
-#[inline]
-fn listed(shown: Shown<'_>) -> impl Iterator<Item = (usize, Key)> + '_ {
-    let cells = shown.cells.iter().zip(shown.keys.chunks(CELL)).enumerate();
-    let seen = cells.filter(|(_, (cell, _))| cell.visible > 0);
-    seen.flat_map(|(c, (_, keys))| {
-        let keys = keys.iter().enumerate();
-        let keys = keys.filter(|(_, key)| **key != Key::HIDDEN);
-        keys.map(move |(i, key)| (c * CELL + i, *key))
-    })
-}
-
 /// Adds batches like `batch` for so many poses, from a first pose and matrix on.
 fn cut(
     batches: &mut Vec<Batch>,
@@ -465,7 +423,7 @@ impl Batch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crowd::places::WorldBounds;
+    use crate::crowd::keys::Key;
     use crate::joint_set::JointSet;
     use crate::rig::tests::rig_of;
     use glam::Vec3;
@@ -481,10 +439,9 @@ mod tests {
         PaletteMap::joints(&JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap())
     }
 
-    #[test]
-    fn a_plan_by_hand() {
-        let palette = palette();
-        let mut keys = vec![Key::HIDDEN; 70];
+    /// Two sections with characters at two levels, from every source.
+    fn sections() -> [SectionKeys; 2] {
+        let mut sections = [SectionKeys::new(0, 16, 2), SectionKeys::new(16, 54, 2)];
         for (characters, level, kind) in [
             (10..19, 1, Kind::Clip),
             (5..6, 0, Kind::Clip),
@@ -495,24 +452,35 @@ mod tests {
             (22..23, 0, Kind::Record),
             (69..70, 1, Kind::Record),
         ] {
-            keys[characters].fill(Key::new(level, kind));
+            for character in characters {
+                let [first, second] = &mut sections;
+                match character {
+                    0..16 => first.set(character, Key::new(level, kind)),
+                    _ => second.set(character - 16, Key::new(level, kind)),
+                }
+            }
         }
+        sections
+    }
+
+    #[test]
+    fn a_plan_by_hand() {
+        let (palette, mut sections) = (palette(), sections());
         // One more shared pose than is used, and of another level.
-        let mut leader_of = vec![0; 70];
-        leader_of[8..10].fill(1);
-        let mut cells = WorldBounds::new(70).cells;
-        cells.iter_mut().for_each(|c| c.visible = 1);
+        let leaders = [1, 0].map(|level| Leader {
+            clip: 0,
+            level,
+            secs: 0.0,
+        });
+        sections[0].follow(8, 1);
+        sections[0].follow(9, 1);
+        assert!(sections.iter_mut().all(SectionKeys::sort));
+        assert!(!sections.iter_mut().any(SectionKeys::sort));
         let mut plan = Plan::new(70, 2);
         for _ in 0..2 {
-            let shown = Shown {
-                keys: &keys,
-                cells: &cells,
-                leaders: &[1, 0],
-                leader_of: &leader_of,
-            };
             // Without levels that show morph targets, with the first one, and with all.
             for (levels, sets) in [(0, (0, 0)), (2, (14, 3)), (1, (4, 1))] {
-                plan.make(shown, &palette, levels);
+                plan.make(sections.iter(), &leaders, &palette, levels);
                 let list = plan.draw_list();
                 assert_eq!((list.morph_draws, list.morph_records), sets);
             }
@@ -554,16 +522,14 @@ mod tests {
             };
             assert_eq!(plan.counts()[0], counts);
         }
-        // What no view sees is not even looked up.
-        cells[0].visible = 0;
-        let shown = Shown {
-            keys: &keys,
-            cells: &cells,
-            leaders: &[],
-            leader_of: &leader_of,
-        };
-        plan.make(shown, &palette, 0);
-        assert_eq!(plan.draw_list().recorded, [69]);
-        assert_eq!((plan.draw_list().draws.len(), plan.batches().len()), (0, 0));
+        // Who is hidden is in no list.
+        for character in 0..16 {
+            sections[0].set(character, Key::HIDDEN);
+        }
+        sections[0].sort();
+        plan.make(sections.iter(), &[], &palette, 0);
+        let characters = plan.draw_list().draws.iter().map(|d| d.character);
+        assert_eq!(characters.collect::<Vec<_>>(), [16, 17, 18, 20]);
+        assert_eq!(plan.draw_list().recorded, [22, 21, 69]);
     }
 }

@@ -18,6 +18,7 @@ const ENTRIES: usize = 1 << (MOST + 1);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Leader {
     pub(crate) clip: u16,
+    pub(crate) level: u8,
     pub(crate) secs: f32,
 }
 
@@ -130,6 +131,7 @@ impl Sharing {
             *leader = self.leaders.len() as u32;
             self.leaders.push(Leader {
                 clip: clip as u16,
+                level: level as u8,
                 secs: leads,
             });
         }

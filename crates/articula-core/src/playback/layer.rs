@@ -3,7 +3,7 @@
 use crate::Mismatch;
 use crate::crowd::CharacterState;
 use crate::joint_set::JointSet;
-use crate::math::{Transform, nlerp};
+use crate::math::{Transform, nlerp, normalised};
 use crate::pose::LocalPose;
 use glam::{Quat, Vec3};
 
@@ -110,7 +110,7 @@ fn add(below: Transform, over: Transform, reference: Transform, weight: f32) -> 
     let turn = reference.rotation.conjugate() * over.rotation;
     Transform {
         translation: below.translation + (over.translation - reference.translation) * weight,
-        rotation: (below.rotation * nlerp(Quat::IDENTITY, turn, weight)).normalize(),
+        rotation: normalised(below.rotation * nlerp(Quat::IDENTITY, turn, weight)),
         scale: below.scale * (Vec3::ONE + (over.scale - reference.scale) * weight),
     }
 }

@@ -7,6 +7,8 @@
 //! against 222 ns for a figure of 67 joints).
 
 pub(crate) mod half;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 pub(crate) mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod wasm;
@@ -47,11 +49,19 @@ pub enum Backend {
     Avx2,
     /// 128-bit vectors of WebAssembly; chosen when the module is compiled for them.
     Simd128,
+    /// 128-bit vectors of every AArch64 processor, with half floats.
+    Neon,
 }
 
 impl Backend {
     /// All backends, the slowest first.
-    pub const ALL: [Self; 4] = [Self::Scalar, Self::Sse2, Self::Avx2, Self::Simd128];
+    pub const ALL: [Self; 5] = [
+        Self::Scalar,
+        Self::Sse2,
+        Self::Avx2,
+        Self::Simd128,
+        Self::Neon,
+    ];
 
     /// Returns the fastest backend that this machine supports.
     pub fn best() -> Self {
@@ -69,6 +79,7 @@ impl Backend {
             #[cfg(not(target_arch = "x86_64"))]
             Self::Avx2 => false,
             Self::Simd128 => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),
+            Self::Neon => cfg!(target_arch = "aarch64"),
         }
     }
 
@@ -78,6 +89,7 @@ impl Backend {
             Self::Sse2 => "sse2",
             Self::Avx2 => "avx2",
             Self::Simd128 => "simd128",
+            Self::Neon => "neon",
         }
     }
 }
@@ -170,6 +182,8 @@ pub(crate) fn dispatch<K: Kernel>(backend: Backend, kernel: K) {
         Backend::Sse2 => x86::run_sse2(kernel),
         #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
         Backend::Simd128 => wasm::run(kernel),
+        #[cfg(target_arch = "aarch64")]
+        Backend::Neon => neon::run(kernel),
         _ => kernel.run::<scalar::Plain>(),
     }
 }
@@ -301,6 +315,51 @@ mod tests {
                 assert!(found.iter().copied().eq(expected), "{backend}: {found:?}");
             }
             assert_eq!(out[24..], [0, 0b0111_1000], "{backend}");
+        }
+    }
+
+    /// Eight half floats blended with themselves, and eight numbers as half floats.
+    struct HalfFloats<'a>(Halves, [f32; LANES], &'a mut Vec<u16>);
+
+    impl Kernel for HalfFloats<'_> {
+        #[inline(always)]
+        fn run<L: Lanes>(self) {
+            let mut blended = [0; LANES];
+            L::lerp_halves(&self.0, &self.0, 0.25, &mut blended);
+            let mut rows = [[0; 4]; LANES];
+            L::store_half_rows([L::load(&Tile(self.1)); 4], &mut rows, 1, 0);
+            self.2.extend(blended.iter().chain(rows.as_flattened()));
+        }
+    }
+
+    #[test]
+    fn every_half_and_what_lies_between_is_the_same_on_every_backend() {
+        let available = || Backend::ALL.into_iter().filter(|b| b.is_available());
+        let tie = |h: u16| {
+            let [here, next] = [h, h.wrapping_add(1)].map(half::f32_from_half);
+            // The least number that becomes infinite.
+            let largest = 65520f32.copysign(here);
+            if next.is_infinite() {
+                largest
+            } else {
+                here.midpoint(next)
+            }
+        };
+        let halves: Vec<u16> = (0..=u16::MAX).collect();
+        for eight in halves.as_chunks::<LANES>().0 {
+            for by in [-1, 0, 1] {
+                let near = |h: u16| f32::from_bits(tie(h).to_bits().wrapping_add_signed(by));
+                let numbers = eight.map(near);
+                let run = |backend| {
+                    let mut out = Vec::new();
+                    dispatch(backend, HalfFloats(*eight, numbers, &mut out));
+                    out
+                };
+                let plain = run(Backend::Scalar);
+                for backend in available() {
+                    assert_eq!(run(backend), plain, "{backend}: {eight:x?} {numbers:?}");
+                }
+            }
         }
     }
 

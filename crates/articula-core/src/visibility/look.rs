@@ -13,6 +13,8 @@ use glam::Vec3;
 /// not finite has NaN everywhere.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Spheres<'a> {
+    /// Index of the first tile among those of the occlusion of the views.
+    pub(crate) first_tile: usize,
     pub(crate) x: &'a [Tile],
     pub(crate) y: &'a [Tile],
     pub(crate) z: &'a [Tile],
@@ -110,7 +112,7 @@ impl Kernel for Look<'_> {
             let (mut visible, mut near) = (0, 0);
             for view in self.views {
                 let found = through::<L>(view, centre, radius, margin);
-                let occluded = occluded_of(view.occluded, t);
+                let occluded = occluded_of(view.occluded, self.spheres.first_tile + t);
                 if occluded == 0 {
                     seen = seen.min(found.metres_per_px);
                     visible |= L::bits(found.visible);

@@ -121,7 +121,7 @@ pub(crate) fn camera() -> Camera {
     Camera::looking_at(Vec3::ZERO, Vec3::NEG_Z, Viewport::default())
 }
 
-fn palettes(crowd: &Crowd, model: &CrowdModel) -> Vec<[f32; 4]> {
+pub(crate) fn palettes(crowd: &Crowd, model: &CrowdModel) -> Vec<[f32; 4]> {
     let mut rows = vec![[0.0; 4]; crowd.draw_list().matrices * 3];
     let mut scratch = model.evaluator().scratch();
     let all = 0..crowd.draw_list().batches;

@@ -11,7 +11,7 @@ const MORPHS: usize = 3;
 
 /// Whether glam fuses multiplication and addition in this build, which rounds once instead of
 /// twice.
-const FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
+const FUSED: bool = cfg!(target_feature = "fma");
 
 fn vector() -> impl Strategy<Value = Vec3> {
     [-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0].prop_map(Vec3::from_array)

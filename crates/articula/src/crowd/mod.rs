@@ -45,7 +45,8 @@ pub use scene_file::{MAX_MEMBERS, read_scene, write_scene};
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 
 pub use articula_core::crowd::{
-    Budget, BudgetReport, CacheUse, Crowd, CrowdEvent, CrowdReport, Culling, Detail, Draw,
+    Budget, BudgetReport, CacheUse, Crowd, CrowdEvent, CrowdReport, CrowdSection, Culling, Detail,
+    Draw,
 };
 pub use articula_core::visibility::View;
 pub use articula_core::{Backend, Camera, ClipStorage, PaletteForm, Viewport};

@@ -8,8 +8,8 @@ use super::palettes::{PaletteSlice, Palettes, split};
 use crate::error::{Error, Result};
 use articula_core::batch::Scratch;
 use articula_core::crowd::{
-    Budget, CacheUse, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport, Culling, Detail, Draw,
-    Frame, Moved,
+    Budget, CacheUse, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport, CrowdSection, Culling,
+    Detail, Draw, Frame, Moved,
 };
 use articula_core::visibility::View;
 use articula_core::{BlendRecord, Camera, Mesh, PaletteRows, SkinnedMesh, skin};
@@ -233,6 +233,44 @@ impl CrowdPlayer {
         culling: Culling<'_>,
         tell: &mut dyn FnMut(CrowdEvent),
     ) -> CrowdReport {
+        self.plan_by(dt_secs, culling, |crowd, model, frame| {
+            crowd.tick(model, frame, tell)
+        })
+    }
+
+    /// [`plan`](Self::plan) on several threads: `run` applies the given function to each of the given
+    /// sections, in any order and on any threads. The frame is that of `plan`.
+    ///
+    /// ```
+    /// # use articula::crowd::{CrowdPlayer, CrowdReport, Culling};
+    /// # fn on_threads(crowd: &mut CrowdPlayer, culling: Culling<'_>) -> CrowdReport {
+    /// crowd.plan_on(1.0 / 60.0, culling, &mut |_| (), |sections, tick| {
+    ///     let (left, right) = sections.split_at_mut(sections.len() / 2);
+    ///     std::thread::scope(|threads| {
+    ///         threads.spawn(|| left.iter_mut().for_each(tick));
+    ///         right.iter_mut().for_each(tick);
+    ///     });
+    /// })
+    /// # }
+    /// ```
+    pub fn plan_on(
+        &mut self,
+        dt_secs: f32,
+        culling: Culling<'_>,
+        tell: &mut dyn FnMut(CrowdEvent),
+        run: impl FnOnce(&mut [CrowdSection], &(dyn Fn(&mut CrowdSection) + Sync)),
+    ) -> CrowdReport {
+        self.plan_by(dt_secs, culling, |crowd, model, frame| {
+            crowd.tick_on(model, frame, tell, run)
+        })
+    }
+
+    fn plan_by(
+        &mut self,
+        dt_secs: f32,
+        culling: Culling<'_>,
+        tick: impl FnOnce(&mut Crowd, &CrowdModel, &Frame<'_>) -> CrowdReport,
+    ) -> CrowdReport {
         let frame = Frame {
             dt_secs,
             positions: &self.positions,
@@ -246,7 +284,7 @@ impl CrowdPlayer {
             share: self.share,
             cache: self.cache,
         };
-        let report = self.crowd.tick(self.asset.model(), &frame, tell);
+        let report = tick(&mut self.crowd, self.asset.model(), &frame);
         self.moved.clear();
         report
     }

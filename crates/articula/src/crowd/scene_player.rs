@@ -6,7 +6,9 @@ use super::asset::CrowdAsset;
 use super::player::CrowdPlayer;
 use crate::error::{Error, Result};
 use articula_build::{ClipPlayback, CrossFade, Scene};
-use articula_core::crowd::{CacheUse, CharacterState, ClipState, CrowdReport, Culling, Detail};
+use articula_core::crowd::{
+    CacheUse, CharacterState, ClipState, CrowdReport, CrowdSection, Culling, Detail,
+};
 use articula_core::visibility::View;
 use articula_core::{Camera, ClipSet};
 
@@ -142,6 +144,30 @@ impl<'a> ScenePlayer<'a> {
     /// # Errors
     /// [`Error::Unsupported`] if the scene has no camera.
     pub fn plan(&mut self, dt_secs: f64) -> Result<CrowdReport> {
+        self.plan_by(dt_secs, |player, dt_secs, culling| {
+            player.plan(dt_secs, culling, &mut |_| ())
+        })
+    }
+
+    /// [`plan`](Self::plan) on several threads, as [`CrowdPlayer::plan_on`].
+    ///
+    /// # Errors
+    /// As [`plan`](Self::plan).
+    pub fn plan_on(
+        &mut self,
+        dt_secs: f64,
+        run: impl FnOnce(&mut [CrowdSection], &(dyn Fn(&mut CrowdSection) + Sync)),
+    ) -> Result<CrowdReport> {
+        self.plan_by(dt_secs, |player, dt_secs, culling| {
+            player.plan_on(dt_secs, culling, &mut |_| (), run)
+        })
+    }
+
+    fn plan_by(
+        &mut self,
+        dt_secs: f64,
+        plan: impl FnOnce(&mut CrowdPlayer, f32, Culling<'_>) -> CrowdReport,
+    ) -> Result<CrowdReport> {
         self.secs += dt_secs;
         let camera = self.camera()?;
         let (way, turn) = self.ahead(&camera);
@@ -151,7 +177,7 @@ impl<'a> ScenePlayer<'a> {
             DetailGoal::Full => Culling::Off,
             _ => Culling::Views(&views),
         };
-        Ok(self.player.plan(dt_secs as f32, culling, &mut |_| ()))
+        Ok(plan(&mut self.player, dt_secs as f32, culling))
     }
 
     /// Distance and angle that the camera moves in the time ahead, in metres and radians.

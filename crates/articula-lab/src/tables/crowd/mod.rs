@@ -12,6 +12,7 @@ mod plaza;
 mod ranks;
 mod skinning;
 mod stage;
+mod threads;
 
 use super::Run;
 use super::targets::{self, Target};
@@ -109,6 +110,11 @@ impl CrowdTables {
         self.targets.push(Target::at_most([who, what], most, found));
     }
 
+    fn at_least(&mut self, who: &str, what: &str, least: f64, found: f64) {
+        let target = Target::at_least([who, what], least, found);
+        self.targets.push(target);
+    }
+
     fn line(&mut self, line: &Line<'_>) {
         let Timing {
             median_ns,
@@ -146,6 +152,7 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     joints::add(&bench, &mut report)?;
     skinning::add(&bench, &mut report)?;
     let ours = plaza::add(&bench, &mut report)?;
+    threads::add(&bench, &mut report)?;
     ranks::add(&bench, &mut report, &ours)?;
     for (name, svg) in &report.plots {
         run.save_text(name, "svg", svg)?;

@@ -196,7 +196,8 @@ impl<'a> SceneBench<'a> {
         Ok(outcome)
     }
 
-    fn player(&self, scene: &Scene) -> Result<CrowdPlayer> {
+    /// The crowd of a scene at time 0.
+    pub(super) fn player(&self, scene: &Scene) -> Result<CrowdPlayer> {
         let mut crowd = CrowdPlayer::new(&self.asset, scene.members.len())?;
         for (i, member) in scene.members.iter().enumerate() {
             crowd.place(i, member.position, member.yaw_radians);

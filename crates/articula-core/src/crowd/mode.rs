@@ -1,0 +1,61 @@
+//! How the levels of a frame are chosen.
+
+use super::frame::{CacheUse, Culling, Detail, Frame};
+use super::model::CrowdModel;
+use crate::visibility::View;
+
+/// What a choice depends on beside clip and tolerance: while it is the same, choices are kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Mode {
+    pub(super) choosing: Choosing,
+    pub(super) cache: CacheUse,
+    /// Whether tolerances follow from pixels per metre alone.
+    pub(super) is_plain: bool,
+    pub(super) is_culled: bool,
+}
+
+/// How levels are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Choosing {
+    /// The same level for all.
+    Fixed(usize),
+    /// The cheapest option within the tolerance, kept while that stays in its range.
+    Options,
+    /// The cheapest option, or a pose shared with others, anew in each frame.
+    Shared,
+}
+
+impl Mode {
+    /// That of a crowd before its first frame.
+    pub(super) const NONE: Self = Self {
+        choosing: Choosing::Fixed(0),
+        cache: CacheUse::Never,
+        is_plain: false,
+        is_culled: false,
+    };
+
+    pub(super) fn of(model: &CrowdModel, frame: &Frame<'_>) -> Self {
+        let views = match frame.culling {
+            Culling::Views(views) => views,
+            Culling::Off => &[],
+        };
+        let alike = frame.importance.is_empty()
+            && frame.scales.is_empty()
+            && frame.cull_margin_metres.is_empty();
+        let choosing = match frame.detail {
+            Detail::Full => Choosing::Fixed(0),
+            Detail::Level(level) => Choosing::Fixed(level.min(model.levels() - 1)),
+            Detail::Tolerance { .. } if !frame.share => Choosing::Options,
+            _ => Choosing::Shared,
+        };
+        Self {
+            choosing,
+            cache: frame.cache,
+            is_plain: alike
+                && choosing != Choosing::Shared
+                && !model.has_attention()
+                && !views.iter().any(View::has_occlusion),
+            is_culled: matches!(frame.culling, Culling::Views(_)),
+        }
+    }
+}

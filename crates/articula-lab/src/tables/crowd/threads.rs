@@ -1,0 +1,178 @@
+//! Frames of the plaza on one and on two threads, beside the floor on one and on two.
+//!
+//! Times are wall-clock times: processor time does not show what a thread waits for.
+
+use super::stage::SceneBench;
+use super::{Bench, CrowdTables, SEED};
+use crate::measure::median;
+use crate::peers::floor::{Floor, Sampled};
+use anyhow::{Context, Result};
+use articula::crowd::{CacheUse, CrowdPlayer, CrowdSection, Culling, Detail, FramePart, View};
+use articula_build::{PLAZA_COUNT, Plaza, plaza};
+use articula_core::Camera;
+use rayon::prelude::*;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Gain of two threads that is expected where no memory bus bounds it.
+const GAIN: f64 = 1.85;
+const THREADS: usize = 2;
+/// Parts of a frame for each thread.
+const PARTS: usize = 4;
+const STEP_SECS: f32 = 1.0 / 60.0;
+
+/// Median milliseconds of a frame on one thread and on two.
+#[derive(Clone, Copy)]
+struct Times {
+    one_ms: f64,
+    two_ms: f64,
+}
+
+impl Times {
+    fn gain(self) -> f64 {
+        self.one_ms / self.two_ms.max(1e-9)
+    }
+}
+
+/// Adds the section.
+pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
+    let (count, more, frames) = match bench.small {
+        true => (400, 800, 4),
+        false => (PLAZA_COUNT, 10 * PLAZA_COUNT, 120),
+    };
+    report.heading(
+        "On two threads",
+        "Milliseconds of wall-clock time of a whole frame of the plaza, tick and evaluation, medians \
+         of turns; the floor evaluates every character. Memory bounds the frames that write most, as it \
+         does the floor that stores its matrices, so a gain of 1.85 or that of the floor is expected.",
+    );
+    report.head(&["frame", "characters", "one thread, ms", "two, ms", "gain"]);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS);
+    let pool = pool.build().context("threads")?;
+    let floor = pool.install(|| floor(bench, count, frames))?;
+    row(report, "floor, 3x4 f32", count, floor);
+    let stage = SceneBench::new(bench)?;
+    let one = Detail::Tolerance { px: 1.0 };
+    for (name, count, detail, cache) in [
+        (
+            "every joint of who is seen",
+            count,
+            Detail::Full,
+            CacheUse::Never,
+        ),
+        ("merged levels within 1 px", count, one, CacheUse::Never),
+        (
+            "cheapest within 1 px, palettes by the CPU",
+            count,
+            one,
+            CacheUse::Cpu,
+        ),
+        (
+            "cheapest within 1 px, records for the GPU",
+            count,
+            one,
+            CacheUse::Gpu,
+        ),
+        (
+            "cheapest within 1 px, records for the GPU",
+            more,
+            one,
+            CacheUse::Gpu,
+        ),
+    ] {
+        let scene = plaza(count, bench.asset.clips.len(), SEED, Plaza::Still);
+        let camera = scene.camera_at(0.0).context("the scene has a camera")?;
+        let mut players = [stage.player(&scene)?, stage.player(&scene)?];
+        for player in &mut players {
+            player.detail = detail;
+            player.cache = cache;
+        }
+        let times = pool.install(|| turns(&mut players, &camera, frames));
+        row(report, name, count, times);
+        let who = format!("two threads, {name}, {count} characters");
+        report.at_least(&who, "gain", GAIN.min(floor.gain()), times.gain());
+    }
+    Ok(())
+}
+
+fn row(report: &mut CrowdTables, name: &str, count: usize, times: Times) {
+    report.row(&[
+        name.to_owned(),
+        count.to_string(),
+        format!("{:.3}", times.one_ms),
+        format!("{:.3}", times.two_ms),
+        format!("{:.2}", times.gain()),
+    ]);
+    report.csv.push_str(&format!(
+        "threads,{},{count},two threads: {:.0} ns; gain {:.3},{:.0},,\n",
+        name.replace(',', ";"),
+        1e6 * times.two_ms,
+        times.gain(),
+        1e6 * times.one_ms,
+    ));
+}
+
+/// The floor over all characters, in one half after the other and both at once.
+fn floor(bench: &Bench, count: usize, frames: usize) -> Result<Times> {
+    let half = count / 2;
+    let new = || Floor::new(&bench.asset.rig, bench.clip(), Sampled::Moving);
+    let mut floors = [new()?, new()?];
+    let mut out = floors
+        .each_ref()
+        .map(|f| vec![[0.0; 12]; half * f.joints()]);
+    let duration = bench.clip().duration_secs();
+    let phases = bench.phases(half);
+    let (mut one, mut two) = (Vec::new(), Vec::new());
+    for frame in 0..frames {
+        let at = |phase: &f32| (phase * duration + frame as f32 * STEP_SECS) % duration;
+        let secs: Vec<f32> = phases.iter().map(at).collect();
+        let [(a, b), (c, d)] = {
+            let [f, g] = &mut floors;
+            let [o, p] = &mut out;
+            [(f, o), (g, p)]
+        };
+        let start = Instant::now();
+        a.store(&secs, b);
+        c.store(&secs, d);
+        one.push(ms(start));
+        let start = Instant::now();
+        rayon::join(|| a.store(&secs, b), || c.store(&secs, d));
+        two.push(ms(start));
+        black_box(&mut out);
+    }
+    Ok(times(&mut one, &mut two))
+}
+
+/// Frames of two equal crowds, by turns: the first on this thread, the second on all.
+fn turns([single, spread]: &mut [CrowdPlayer; 2], camera: &Camera, frames: usize) -> Times {
+    let views = [View::of(camera)];
+    let culling = Culling::Views(&views);
+    let (mut one, mut two) = (Vec::new(), Vec::new());
+    for _ in 0..frames {
+        let start = Instant::now();
+        single.plan(STEP_SECS, culling, &mut |_| {});
+        single.evaluate();
+        one.push(ms(start));
+        let start = Instant::now();
+        spread.plan_on(STEP_SECS, culling, &mut |_| {}, |sections, tick| {
+            let share = sections.len().div_ceil(PARTS * THREADS).max(1);
+            let each = |sections: &mut [CrowdSection]| sections.iter_mut().for_each(tick);
+            sections.par_chunks_mut(share).for_each(each);
+        });
+        let mut parts: Vec<FramePart<'_>> = spread.parts(PARTS * THREADS).collect();
+        parts.par_iter_mut().for_each(FramePart::evaluate);
+        two.push(ms(start));
+    }
+    times(&mut one, &mut two)
+}
+
+fn times(one: &mut [f64], two: &mut [f64]) -> Times {
+    Times {
+        one_ms: median(one),
+        two_ms: median(two),
+    }
+}
+
+fn ms(start: Instant) -> f64 {
+    1e3 * start.elapsed().as_secs_f64()
+}

@@ -1,0 +1,58 @@
+//! Palettes of batches, in every form and storage, by the fastest instruction set of the platform.
+
+use crate::Fnv;
+use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
+use articula_core::{
+    Backend, Clip, ClipSet, ClipStorage, JointLods, Mismatch, PaletteForm, PaletteMap, PaletteRows,
+    Rig,
+};
+
+/// Batches of each form and storage.
+const BATCHES: usize = 20;
+
+pub(crate) fn evaluate(rig: &Rig, clips: &[Clip], sum: &mut Fnv) -> Result<(), Mismatch> {
+    for storage in [ClipStorage::Float, ClipStorage::Short] {
+        let set = ClipSet::new(rig, JointLods::whole(rig)?, clips, storage)?;
+        let map = PaletteMap::joints(set.joint_lods());
+        for form in [
+            PaletteForm::Matrix,
+            PaletteForm::HalfMatrix,
+            PaletteForm::Rigid,
+            PaletteForm::HalfRigid,
+        ] {
+            let evaluator = BatchEvaluator::new(&set, &map, form, Backend::best())?;
+            let mut scratch = evaluator.scratch();
+            let rows = LANES * evaluator.rows(0);
+            let (mut floats, mut halves) = (vec![[0.0; 4]; rows], vec![[0; 4]; rows]);
+            for batch in 0..BATCHES {
+                let shown: [BatchPose; LANES] =
+                    std::array::from_fn(|lane| pose(&set, batch * LANES + lane));
+                if form.is_half() {
+                    let out = PaletteRows::Half(&mut halves);
+                    evaluator.evaluate(0, &shown, out, &mut scratch);
+                    let numbers = halves.as_flattened().iter();
+                    numbers.for_each(|half| sum.bytes(&half.to_le_bytes()));
+                } else {
+                    let out = PaletteRows::Float(&mut floats);
+                    evaluator.evaluate(0, &shown, out, &mut scratch);
+                    sum.floats(floats.as_flattened());
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A time of its own for each character; every third one fades between the clips.
+fn pose(set: &ClipSet, character: usize) -> BatchPose {
+    let secs = (character * 29 % 128) as f32 / 64.0;
+    BatchPose {
+        from: set.cursor(character % 2, secs),
+        to: set.cursor(1 - character % 2, 2.0 - secs),
+        fade: if character.is_multiple_of(3) {
+            (character % 16) as f32 / 16.0
+        } else {
+            0.0
+        },
+    }
+}
