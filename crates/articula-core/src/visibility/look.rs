@@ -3,8 +3,9 @@
 //! The results are kept as masks and as metres per pixel, so that a tolerance in pixels becomes one
 //! in metres by a product. [`BoxSight`] is the result for all bodies of a box at once.
 
-use super::cull::{CullResult, View, Visibility};
+use super::cull::{CullResult, Visibility};
 use super::density::{MIN_DEPTH_METRES, PixelDensity};
+use super::view::{FARTHEST_METRES, View};
 use crate::simd::{Backend, Kernel, LANES, Lanes, Tile, dispatch};
 use crate::sphere::Sphere;
 use glam::Vec3;
@@ -217,7 +218,7 @@ fn margins_of(margins: &[f32], tile: usize) -> Tile {
         let margins = margins.iter().skip(tile * LANES);
         for (to, margin) in of_tile.0.iter_mut().zip(margins) {
             *to = match *margin > 0.0 {
-                true => margin.min(super::cull::FARTHEST_METRES),
+                true => margin.min(FARTHEST_METRES),
                 false => 0.0,
             };
         }

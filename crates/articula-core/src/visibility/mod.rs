@@ -10,11 +10,13 @@ mod density;
 mod frustum;
 mod look;
 mod occlusion;
+mod view;
 mod world_bounds;
 
-pub use cull::{ApproachSpeed, Bodies, CullResult, View, Visibility, cull, secs_until_grown};
+pub use cull::{ApproachSpeed, Bodies, CullResult, Visibility, cull, secs_until_grown};
 pub use density::MIN_DEPTH_METRES;
 pub use frustum::Tangents;
 pub(crate) use look::{Bands, BoxSight, Sight, Spheres, look, look_at_box, look_at_one};
 pub use occlusion::Occlusion;
+pub use view::View;
 pub(crate) use world_bounds::{carry_four, filled};
