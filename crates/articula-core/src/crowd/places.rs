@@ -11,6 +11,7 @@ use crate::simd::{LANES, Tile};
 use crate::sphere::Sphere;
 use crate::visibility::{Spheres, carry_four, filled};
 use glam::{Quat, Vec3};
+use std::ops::Range;
 
 /// Tiles of a cell.
 pub(crate) const CELL_TILES: usize = 8;
@@ -109,23 +110,33 @@ impl WorldBounds {
                 }
             }
             if changed {
-                let (mut least, mut greatest) = (Vec3::MAX, Vec3::MIN);
-                for tile in tiles {
-                    let [x, y, z] = [&self.x[tile].0, &self.y[tile].0, &self.z[tile].0];
-                    for (lane, radius) in self.radius[tile].0.iter().enumerate() {
-                        // A bound that is no number is never visible and widens no box.
-                        if radius.is_nan() {
-                            continue;
-                        }
-                        let centre = Vec3::new(x[lane], y[lane], z[lane]);
-                        least = least.min(centre - *radius);
-                        greatest = greatest.max(centre + *radius);
-                    }
-                }
+                let [least, greatest] = self.corners(tiles);
                 self.cells[cell].least = least;
                 self.cells[cell].greatest = greatest;
             }
         }
+    }
+
+    /// Corners of the box around the bounds of some tiles. A bound that is no number is never visible
+    /// and widens no box.
+    fn corners(&self, tiles: Range<usize>) -> [Vec3; 2] {
+        // One corner for every lane, so that compilers use vectors; minima leave NaN out.
+        let (mut least, mut greatest) = ([[f32::MAX; LANES]; 3], [[f32::MIN; LANES]; 3]);
+        for tile in tiles {
+            let radius = &self.radius[tile].0;
+            for (axis, centres) in [&self.x, &self.y, &self.z].into_iter().enumerate() {
+                let centre = &centres[tile].0;
+                for lane in 0..LANES {
+                    least[axis][lane] = least[axis][lane].min(centre[lane] - radius[lane]);
+                    greatest[axis][lane] = greatest[axis][lane].max(centre[lane] + radius[lane]);
+                }
+            }
+        }
+        [
+            least.map(|lanes| lanes.into_iter().fold(f32::MAX, f32::min)),
+            greatest.map(|lanes| lanes.into_iter().fold(f32::MIN, f32::max)),
+        ]
+        .map(Vec3::from_array)
     }
 
     fn place(&mut self, tile: usize, frame: &Frame<'_>, bounds: &[Sphere]) {

@@ -372,7 +372,10 @@ impl CrowdSection {
     fn settle(&mut self, c: usize, mut bound_px: f32) {
         let mode = self.mode;
         let tiles = c * CELL_TILES..((c + 1) * CELL_TILES).min(self.shown.len());
-        let (mut visible, mut near, mut keeps) = (0, 0, [0.0_f32, f32::INFINITY]);
+        let (mut visible, mut near) = (0, 0);
+        // One of each for every lane, so that compilers use vectors.
+        let mut keeps = [[0.0_f32; LANES], [f32::INFINITY; LANES]];
+        let mut bounds = [bound_px; LANES];
         for tile in tiles {
             visible += self.sight.visible[tile].count_ones();
             near += self.sight.near[tile].count_ones();
@@ -381,16 +384,20 @@ impl CrowdSection {
                 let (least, most) = (&self.keep_least[tile].0, &self.keep_most[tile].0);
                 let metres = &self.sight.metres_per_px[tile].0;
                 for lane in 0..LANES {
-                    if seen >> lane & 1 == 1 {
-                        keeps = [keeps[0].max(least[lane]), keeps[1].min(most[lane])];
-                        // The least tolerance is the error of the option.
-                        if least[lane] > 0.0 {
-                            bound_px = bound_px.max(least[lane] / metres[lane]);
-                        }
-                    }
+                    let is_seen = seen & 1 << lane != 0;
+                    let or = |value: f32, other: f32| if is_seen { value } else { other };
+                    keeps[0][lane] = keeps[0][lane].max(or(least[lane], 0.0));
+                    keeps[1][lane] = keeps[1][lane].min(or(most[lane], f32::INFINITY));
+                    // The least tolerance is the error of the option.
+                    bounds[lane] = bounds[lane].max(or(least[lane] / metres[lane], 0.0));
                 }
             }
         }
+        let keeps = [
+            keeps[0].into_iter().fold(0.0, f32::max),
+            keeps[1].into_iter().fold(f32::INFINITY, f32::min),
+        ];
+        bound_px = bounds.into_iter().fold(bound_px, f32::max);
         let cell = &mut self.world.cells[c];
         cell.visible = visible as u8;
         cell.in_margin = near.saturating_sub(visible) as u8;
