@@ -24,8 +24,10 @@ const REMEMBERED: usize = 64;
 const MAY_EXCEED: usize = 2;
 /// Margin that is kept before the first frames have shown how much their times vary.
 const FIRST_MARGIN: f32 = 1.03;
-/// Change of the tolerance that is not worth choosing again for, as a factor.
-const STEADY: f32 = 1.03;
+/// A change of the tolerance has all levels chosen again, which takes time. So a finer one has to be
+/// finer by this factor, and a coarser one leaves a part of the time for evaluation unused.
+const FINER: f32 = 1.25;
+const USED: f64 = 0.96;
 
 /// A limit to the processor time of all crowds of a frame together.
 ///
@@ -170,7 +172,12 @@ impl Budget {
         let left_ns = self.limit_ns / self.margin() - self.tick_ns;
         let nominal_ns = left_ns / self.ratio.unwrap_or(1.0);
         let px = demand.px_within(nominal_ns, FINEST_PX);
-        let is_steady = px < self.px * STEADY && px * STEADY > self.px;
-        if is_steady { self.px } else { px }
+        if px > self.px {
+            demand.px_within(USED * nominal_ns, FINEST_PX)
+        } else if px * FINER < self.px {
+            px
+        } else {
+            self.px
+        }
     }
 }

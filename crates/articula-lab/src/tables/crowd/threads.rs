@@ -38,19 +38,24 @@ impl Times {
 pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
     let (count, more, frames) = match bench.small {
         true => (400, 800, 4),
-        false => (PLAZA_COUNT, 10 * PLAZA_COUNT, 120),
+        false => (PLAZA_COUNT, 10 * PLAZA_COUNT, 300),
     };
     report.heading(
         "On two threads",
         "Milliseconds of wall-clock time of a whole frame of the plaza, tick and evaluation, medians \
-         of turns; the floor evaluates every character. Memory bounds the frames that write most, as it \
-         does the floor that stores its matrices, so a gain of 1.85 or that of the floor is expected.",
+         of turns; the floor evaluates every character. Memory bounds the frames that write most, and \
+         waking a thread the shortest ones, as they do the floor. So a gain of 1.85 is expected, or that \
+         of the floor whose time on one thread is nearest.",
     );
     report.head(&["frame", "characters", "one thread, ms", "two, ms", "gain"]);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS);
     let pool = pool.build().context("threads")?;
-    let floor = pool.install(|| floor(bench, count, frames))?;
-    row(report, "floor, 3x4 f32", count, floor);
+    let mut floors = Vec::new();
+    for count in [count, count / 10] {
+        let times = pool.install(|| floor(bench, count, frames))?;
+        row(report, "floor, 3x4 f32", count, times);
+        floors.push(times);
+    }
     let stage = SceneBench::new(bench)?;
     let one = Detail::Tolerance { px: 1.0 };
     for (name, count, detail, cache) in [
@@ -90,7 +95,10 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
         let times = pool.install(|| turns(&mut players, &camera, frames));
         row(report, name, count, times);
         let who = format!("two threads, {name}, {count} characters");
-        report.at_least(&who, "gain", GAIN.min(floor.gain()), times.gain());
+        let apart = |floor: &&Times| (floor.one_ms / times.one_ms).ln().abs();
+        let floor = floors.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        let least = floor.map_or(GAIN, |floor| GAIN.min(floor.gain()));
+        report.at_least(&who, "gain", round(least), times.gain());
     }
     Ok(())
 }
@@ -171,6 +179,11 @@ fn times(one: &mut [f64], two: &mut [f64]) -> Times {
         one_ms: median(one),
         two_ms: median(two),
     }
+}
+
+/// Two decimal places.
+fn round(gain: f64) -> f64 {
+    (100.0 * gain).round() / 100.0
 }
 
 fn ms(start: Instant) -> f64 {
