@@ -6,7 +6,7 @@ use articula_core::{Camera, Mesh, Part, SkinnedMesh, skin};
 use articula_flat::{
     Appearance, Ground, Picture, PictureError, RenderOptions, Rgba, linear_table, render,
 };
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 
 /// Colours of the levels, from all joints to the fewest: dark blue through green to yellow and red.
 const COLORS: [Rgba; 8] = [
@@ -20,7 +20,11 @@ const COLORS: [Rgba; 8] = [
     [215, 85, 75, 255],
 ];
 
-/// The skins of a crowd's characters as one mesh in world space, coloured by level.
+/// Material of walls, before those of the levels, and its colour.
+const WALL: usize = 0;
+const WALL_COLOR: Rgba = [150, 150, 150, 255];
+
+/// The skins of a crowd's characters and the walls around them as one mesh in world space, coloured by level.
 #[derive(Debug, Clone)]
 pub struct CrowdPicture {
     mesh: Mesh,
@@ -62,9 +66,44 @@ impl CrowdPicture {
         mesh.parts.push(Part {
             name: String::new(),
             mesh: 0,
-            material: Some(level),
+            material: Some(level + 1),
             vertices: first..mesh.positions.len(),
             triangles: triangle..mesh.triangles.len(),
+        });
+    }
+
+    /// Adds a wall: a box in world space, with its centre, half of its size, and its rotation about +Y.
+    pub fn add_wall(&mut self, centre: Vec3, half_size: Vec3, yaw_radians: f32) {
+        let (mesh, all) = (&mut self.mesh, &mut self.skinned);
+        let (vertices, triangles) = (all.positions.len(), mesh.triangles.len());
+        let turn = Quat::from_rotation_y(yaw_radians);
+        for (axis, sign) in (0..3).flat_map(|axis| [(axis, -1.0), (axis, 1.0)]) {
+            let mut normal = Vec3::ZERO;
+            normal[axis] = sign;
+            let first = all.positions.len() as u32;
+            let (across, up) = ((axis + 1) % 3, (axis + 2) % 3);
+            for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                let mut corner = normal;
+                corner[across] = x * sign;
+                corner[up] = y;
+                all.positions.push(centre + turn * (corner * half_size));
+                all.normals.push(turn * normal);
+            }
+            for corners in [[0, 1, 2], [0, 2, 3]] {
+                mesh.triangles.push(corners.map(|c| first + c));
+            }
+        }
+        let count = all.positions.len();
+        mesh.positions.extend_from_slice(&all.positions[vertices..]);
+        mesh.normals.extend_from_slice(&all.normals[vertices..]);
+        mesh.texcoords.resize(count, Vec2::ZERO);
+        mesh.colors.resize(count, Vec4::ONE);
+        mesh.parts.push(Part {
+            name: String::new(),
+            mesh: 0,
+            material: Some(WALL),
+            vertices: vertices..count,
+            triangles: triangles..mesh.triangles.len(),
         });
     }
 
@@ -78,8 +117,8 @@ impl CrowdPicture {
         camera: &Camera,
         legend: &[(Option<usize>, String)],
     ) -> Result<Picture, PictureError> {
-        let levels = self.mesh.parts.iter().filter_map(|p| p.material).max();
-        let (look, _) = Appearance::new(&materials(levels.map_or(0, |l| l + 1)), &[]);
+        let last = self.mesh.parts.iter().filter_map(|p| p.material).max();
+        let (look, _) = Appearance::new(&materials(last.map_or(0, |m| m + 1)), &[]);
         let middle = camera.eye + camera.forward() * 30.0;
         let options = RenderOptions {
             ground: Some(Ground {
@@ -99,14 +138,14 @@ fn color(level: usize) -> Rgba {
     COLORS[level.min(COLORS.len() - 1)]
 }
 
-fn materials(levels: usize) -> Vec<Material> {
+fn materials(count: usize) -> Vec<Material> {
     let table = linear_table();
     let linear = |c: Rgba| Vec4::from([0, 1, 2, 3].map(|i| table[usize::from(c[i])]));
-    let of_level = |level| Material {
-        base_color: linear(color(level)),
+    let of = |material: usize| Material {
+        base_color: linear(material.checked_sub(1).map_or(WALL_COLOR, color)),
         ..Material::default()
     };
-    (0..levels).map(of_level).collect()
+    (0..count).map(of).collect()
 }
 
 fn write_legend(picture: &mut Picture, lines: &[(Option<usize>, String)]) {

@@ -3,8 +3,10 @@
 //! [`plaza`] makes the default scenes from a seed; a scene file is read into the same [`Scene`].
 //! Nothing here opens a file or evaluates a pose.
 
+mod importance;
 mod plaza;
 
+pub use importance::{Cue, Role, SceneImportance, USUAL_ROLES, Zone};
 pub use plaza::{PLAZA_COUNT, Plaza, plaza};
 
 use crate::evaluate::{CameraKey, camera_at};
@@ -86,6 +88,21 @@ pub struct Scene {
     pub camera: Vec<CameraKey>,
     /// Whether the camera path repeats after its last key; otherwise the camera stays there.
     pub camera_loops: bool,
+    /// Who matters.
+    pub importance: SceneImportance,
+    /// What hides characters.
+    pub walls: Vec<Wall>,
+}
+
+/// An opaque box that stands in a scene: a wall, a house.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wall {
+    /// Centre of the box in the world, in metres.
+    pub centre: Vec3,
+    /// Width, height and depth in metres.
+    pub size: Vec3,
+    /// Rotation about +Y in radians.
+    pub yaw_radians: f32,
 }
 
 impl Scene {

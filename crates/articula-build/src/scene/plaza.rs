@@ -4,7 +4,7 @@
 //! goes straight to the centre and backs out again, so that a lap closes; of each five characters,
 //! one drawn by the seed is in a permanent cross-fade.
 
-use super::{ClipPlayback, CrossFade, Scene, SceneCharacter};
+use super::{ClipPlayback, CrossFade, Scene, SceneCharacter, SceneImportance};
 use crate::evaluate::CameraKey;
 use crate::split_mix::SplitMix;
 use articula_core::Viewport;
@@ -70,6 +70,8 @@ fn still(count: usize, clips: usize, seed: u64) -> Scene {
         },
         camera: vec![camera_key(side, 0.0, 0.0)],
         camera_loops: false,
+        importance: SceneImportance::default(),
+        walls: Vec::new(),
     }
 }
 

@@ -10,6 +10,7 @@
 //! - [`picture`]: a picture of the crowd, coloured by level
 
 pub(crate) mod picture;
+pub(crate) mod roles;
 pub(crate) mod run;
 pub(crate) mod stage;
 pub(crate) mod timing;

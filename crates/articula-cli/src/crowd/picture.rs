@@ -9,7 +9,7 @@ use articula_flat::Picture;
 use articula_report::CrowdPicture;
 
 /// Maximum number of triangles to draw; the farthest characters beyond it are left out.
-const MAX_TRIANGLES: usize = 4_000_000;
+const MAX_TRIANGLES: usize = 8_000_000;
 
 /// Draws the scene at time 0.
 pub(crate) fn draw(
@@ -22,7 +22,10 @@ pub(crate) fn draw(
     stage.plan(0.0, None)?;
     stage.evaluate();
     let (player, camera) = (stage.scene.player(), stage.scene.camera()?);
-    let (crowd, drawn) = gathered(player, &camera);
+    let (mut crowd, drawn) = gathered(player, &camera);
+    for wall in &scene.walls {
+        crowd.add_wall(wall.centre, 0.5 * wall.size, wall.yaw_radians);
+    }
     let camera = Camera {
         viewport: Viewport {
             width_px: size.0 as f32,
@@ -45,13 +48,16 @@ fn gathered(player: &CrowdPlayer, camera: &Camera) -> (CrowdPicture, usize) {
         .map(|(c, source)| (camera.eye.distance(player.positions()[c]), c, source))
         .collect();
     draws.sort_by(|a, b| a.0.total_cmp(&b.0));
-    draws.truncate((MAX_TRIANGLES / asset.full().mesh.triangles.len().max(1)).max(1));
-    let (mut picture, mut drawn) = (CrowdPicture::default(), 0);
+    let (mut picture, mut drawn, mut triangles) = (CrowdPicture::default(), 0, 0);
     let mut matrices = Vec::new();
     for (_, character, source) in draws {
         let Some(level) = player.crowd().level(character) else {
             continue;
         };
+        triangles += asset.mesh(level).triangles.len();
+        if triangles > MAX_TRIANGLES && drawn > 0 {
+            break;
+        }
         player.skin_matrices(level, source, &mut matrices);
         let world = player.world_from_model(character);
         picture.add(asset.mesh(level), level, &matrices, &world);

@@ -3,6 +3,7 @@
 //! The second pass repeats every decision of the first, so it shows the same palettes; measuring
 //! takes no time and no cache from the timed pass.
 
+use super::roles::{RoleError, RoleTally};
 use super::stage::{DISPLAY_HZ, Settings, TimedCrowd};
 use super::timing::{Spread, thread_ns};
 use crate::console::Console;
@@ -35,6 +36,8 @@ pub(crate) struct Run {
     pub(crate) frames: usize,
     pub(crate) visible: Spread,
     pub(crate) in_cull_margin: Spread,
+    /// Characters that are wholly hidden by others or by walls.
+    pub(crate) occluded: Spread,
     /// Processor time of a frame, all threads together, milliseconds.
     pub(crate) frame_ms: Spread,
     /// Wall-clock time of a frame, milliseconds.
@@ -52,6 +55,7 @@ pub(crate) struct Run {
     pub(crate) bound_px: Option<f32>,
     pub(crate) tiers: Vec<LevelStatistics>,
     pub(crate) error: ErrorSummary,
+    pub(crate) roles: Vec<RoleError>,
     pub(crate) hash: String,
     /// Time of the scene in seconds and time of the frame in milliseconds, for each frame.
     pub(crate) over_time: Vec<(f64, f64)>,
@@ -204,7 +208,9 @@ fn looked_at(
     let mut meter = ErrorMeter::new(asset, seed);
     let mut tally = LevelTally::new(asset);
     let mut hash = PaletteHash::default();
+    let mut roles = RoleTally::new(scene);
     let mut faces = (0, 0);
+    let mut occluded = Vec::with_capacity(settings.frames);
     let mut reports = Vec::with_capacity(settings.frames);
     let looks = settings.frames.min(LOOKS);
     let mut looked = Vec::with_capacity(looks);
@@ -215,6 +221,7 @@ fn looked_at(
             continue;
         };
         stage.evaluate();
+        occluded.push(stage.scene.hidden() as f64);
         let player = stage.scene.player();
         hash.add(player);
         tally.add(player);
@@ -227,7 +234,9 @@ fn looked_at(
         reports.push((report, bytes));
         // The first frame, then at even intervals.
         if counted * looks / settings.frames >= looked.len() && looked.len() < looks {
-            looked.push(meter.measure(player, stage.scene.secs(), &stage.scene.camera()?));
+            let sample = meter.measure(player, stage.scene.secs(), &stage.scene.camera()?);
+            roles.add(&stage.scene, &sample);
+            looked.push(sample);
             bar.inc(1);
         }
     }
@@ -241,24 +250,14 @@ fn looked_at(
         frames: settings.frames,
         visible: of(&|r| r.visible as f64),
         in_cull_margin: of(&|r| r.in_margin as f64),
+        occluded: Spread::of(occluded),
         frame_ms: Spread::default(),
         wall_ms: Spread::default(),
         tick_ms: Spread::default(),
         overrun_p95: None,
         budget: None,
         written_mb: Spread::of(reports.iter().map(|r| r.1 as f64 / 1e6)),
-        memory: Memory {
-            clips_bytes: asset.model().parts().clips.bytes(),
-            output_bytes: reports.iter().map(|r| r.1).max().unwrap_or(0),
-            cache_bytes: asset
-                .model()
-                .parts()
-                .cache
-                .as_ref()
-                .map_or(0, |c| c.bytes()),
-            state_bytes: Crowd::BYTES_PER_CHARACTER * scene.members.len(),
-            state_bytes_per_character: Crowd::BYTES_PER_CHARACTER,
-        },
+        memory: memory(asset, scene, reports.iter().map(|r| r.1).max().unwrap_or(0)),
         poses: Poses {
             own: mean(&|r| r.own),
             shared: mean(&|r| r.shared_poses),
@@ -274,10 +273,22 @@ fn looked_at(
         bound_px: (settings.detail != DetailGoal::Full).then_some(bound),
         tiers: tally.levels(asset, &looked),
         error: ErrorSummary::of(&looked),
+        roles: roles.roles(scene),
         hash: hash.text(),
         over_time: Vec::new(),
         looks: looked,
     })
+}
+
+fn memory(asset: &CrowdAsset, scene: &Scene, output_bytes: usize) -> Memory {
+    let parts = asset.model().parts();
+    Memory {
+        clips_bytes: parts.clips.bytes(),
+        output_bytes,
+        cache_bytes: parts.cache.as_ref().map_or(0, |c| c.bytes()),
+        state_bytes: Crowd::BYTES_PER_CHARACTER * scene.members.len(),
+        state_bytes_per_character: Crowd::BYTES_PER_CHARACTER,
+    }
 }
 
 /// Sums up the reports of a budget over the frames that count; `None` without a budget.

@@ -3,7 +3,7 @@
 use super::timing::thread_ns;
 use anyhow::Context;
 use articula::crowd::{
-    CacheUse, CrowdAsset, CrowdReport, CrowdSection, DetailGoal, FramePart, SceneOptions,
+    CacheUse, CrowdAsset, CrowdReport, CrowdSection, DetailGoal, FramePart, Hiders, SceneOptions,
     ScenePlayer,
 };
 use articula_build::Scene;
@@ -24,6 +24,8 @@ pub(crate) struct Settings {
     pub(crate) share: bool,
     /// What blends cached poses: CPU, GPU or no cache.
     pub(crate) cache: CacheUse,
+    /// What hides characters.
+    pub(crate) hiders: Hiders,
     pub(crate) threads: usize,
     /// Number of frames that count.
     pub(crate) frames: usize,
@@ -49,6 +51,7 @@ impl<'a> TimedCrowd<'a> {
             detail: settings.detail,
             share: settings.share,
             cache: settings.cache,
+            hiders: settings.hiders,
         };
         let several = settings.threads > 1;
         let pool = several.then(|| {

@@ -374,3 +374,62 @@ fn mistakes_are_answered_with_their_mend() {
     let found = fault(&here, 1, &with(&["--scene", "nan.json"]));
     assert!(found.contains("nan.json: line 1"), "{found}");
 }
+
+#[test]
+fn roles_and_walls_of_a_scene_are_played_and_reported() {
+    let here = folder("crowd-roles");
+    let save = [
+        "--count",
+        "100",
+        "--seconds",
+        "0.1",
+        "--save-scene",
+        "s.json",
+    ];
+    let open = json(&here, &[&["crowd", word(human())], &save[..]].concat());
+    let text = std::fs::read_to_string(here.join("s.json")).unwrap();
+    let mut scene: Value = serde_json::from_str(&text).unwrap();
+    // Across the middle of the plaza, higher than anyone.
+    let wall = r#"[{"centre": [0, 2, 0], "size": [60, 4, 0.2]}]"#;
+    scene["walls"] = serde_json::from_str(wall).unwrap();
+    std::fs::write(here.join("walled.json"), scene.to_string()).unwrap();
+    let walled = ["crowd", word(human()), "--scene", "walled.json"];
+    let play = |more: &[&str]| json(&here, &[&walled[..], &["--seconds", "0.1"], more].concat());
+    let found = play(&["--role", "main=0-99"]);
+    let occluded = number(&found["occluded"]);
+    assert!(occluded > 0.2 * number(&open["visible"]), "{occluded}");
+    assert_eq!(
+        number(&found["visible"]) + occluded,
+        number(&open["visible"])
+    );
+    let role = &found["roles"][0];
+    assert_eq!(
+        (&role["role"], &role["importance"]),
+        (&"main".into(), &4.0.into())
+    );
+    // A quarter of the tolerance.
+    assert!(number(&role["p95_px"]) <= 0.25, "{role}");
+    let all = play(&["--hiders", "none"]);
+    assert_eq!(
+        (&all["occluded"], &all["visible"]),
+        (&0.into(), &open["visible"])
+    );
+    assert_eq!(all["roles"].as_array().unwrap().len(), 0);
+    for (flag, value, says) in [
+        ("--role", "main=100", "0 to 99"),
+        ("--role", "king=1", "\"audience\""),
+        ("--clip-importance", "none=2", "--clip-importance"),
+    ] {
+        let words = [&walled[..], &[flag, value]].concat();
+        let wrong = fault(&here, 2, &words);
+        assert!(wrong.contains(says), "{flag} {value}: {wrong}");
+    }
+    for (flag, value, says) in [
+        ("--role", "main=5-3", "above the last"),
+        ("--clip-importance", "none=0", "1/64 to 64"),
+    ] {
+        let ran = articula(&here, &[&walled[..], &[flag, value]].concat());
+        assert_eq!(ran.status, 2, "{}", ran.err);
+        assert!(ran.err.contains(says), "{}", ran.err);
+    }
+}

@@ -28,6 +28,10 @@ const NEAR_METRES: f32 = 0.05;
 /// Margin for rounding, as a fraction of a cell.
 const ROUNDING_CELLS: f32 = 1e-3;
 
+/// Length of the steps by which a box is drawn, and their greatest number.
+const PIECE_METRES: f32 = 1.0;
+const PIECES: usize = 32;
+
 /// Points on the half circle around each end of a capsule.
 const ARC: [(f32, f32); 5] = {
     const HALF: f32 = std::f32::consts::FRAC_1_SQRT_2;
@@ -123,6 +127,47 @@ impl Occlusion {
         self.fill(&outline, farthest);
     }
 
+    /// Draws a box, in world space, that is opaque: a wall or a house. Its half size is along its own
+    /// axes, and `rotation` is world from box. Does not allocate.
+    ///
+    /// A long box is drawn in overlapping pieces, each at its own farthest depth, so that a wall that is
+    /// seen from its end hides what is behind its near part.
+    pub fn draw_box(&mut self, centre: Vec3, half_size: Vec3, rotation: Quat) {
+        if !(half_size.cmpge(Vec3::ZERO).all() && half_size.is_finite()) {
+            return;
+        }
+        let along = half_size.max_position();
+        let length = 2.0 * half_size[along];
+        let steps = ((length / PIECE_METRES).ceil().max(1.0) as usize).min(PIECES);
+        let step = length / steps as f32;
+        // Each piece is two steps long, or the whole.
+        let mut half = half_size;
+        half[along] = step.min(half_size[along]);
+        for piece in 0..steps.max(2) - 1 {
+            let mut middle = Vec3::ZERO;
+            if steps > 1 {
+                middle[along] = (piece + 1) as f32 * step - half_size[along];
+            }
+            self.draw_piece(centre + rotation * middle, half, rotation);
+        }
+    }
+
+    fn draw_piece(&mut self, centre: Vec3, half: Vec3, rotation: Quat) {
+        let (mut corners, mut farthest) = ([Vec2::ZERO; 8], 0.0f32);
+        for (i, corner) in corners.iter_mut().enumerate() {
+            let sign = |axis: usize| if i >> axis & 1 == 0 { -1.0 } else { 1.0 };
+            let offset = half * Vec3::new(sign(0), sign(1), sign(2));
+            let point = self.view(centre + rotation * offset);
+            if !(point.z >= NEAR_METRES && point.is_finite()) {
+                return;
+            }
+            farthest = farthest.max(point.z);
+            *corner = self.middle + Vec2::new(point.x, -point.y) / point.z * self.cells;
+        }
+        let (outline, count) = hull(corners);
+        self.fill(&outline[..count], farthest);
+    }
+
     /// Returns the occluded fraction of a body, 0 to 1: the part of the cells of its screen
     /// rectangle that is hidden. 1 only if no point of its box is visible; 0 if the box is outside
     /// the picture, reaches the eye or is not finite. `bound` is in model space; does not allocate.
@@ -207,6 +252,32 @@ impl Occlusion {
             }
         }
     }
+}
+
+/// The convex hull of the corners of a box in the picture, in order, and the number of its corners
+/// (Andrew's monotone chain).
+fn hull(mut corners: [Vec2; 8]) -> ([Vec2; 9], usize) {
+    corners.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let (mut hull, mut count) = ([Vec2::ZERO; 9], 0);
+    let mut add = |point: Vec2, floor: usize| {
+        while count > floor + 1
+            && (hull[count - 1] - hull[count - 2]).perp_dot(point - hull[count - 1]) <= 0.0
+        {
+            count -= 1;
+        }
+        hull[count] = point;
+        count += 1;
+        count
+    };
+    let mut lower = 0;
+    for point in corners {
+        lower = add(point, 0);
+    }
+    for point in corners.into_iter().rev().skip(1) {
+        add(point, lower - 1);
+    }
+    // The first corner closes the line.
+    (hull, count - 1)
 }
 
 /// The leftmost and the rightmost position at which a closed line crosses a height.
@@ -306,6 +377,64 @@ mod tests {
             grid.occluded(&tall, Vec3::NEG_Z * 20.0, Quat::IDENTITY, 1.0),
             1.0
         );
+    }
+
+    #[test]
+    fn the_outline_of_a_box_by_hand() {
+        let of = |corners: [(f32, f32); 8]| {
+            let (outline, count) = hull(corners.map(Vec2::from));
+            outline[..count].to_vec()
+        };
+        // Seen from the front: four corners, each twice.
+        let square = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
+        let twice: Vec<(f32, f32)> = square.into_iter().chain(square).collect();
+        let found = of(twice.try_into().unwrap());
+        let expected = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(Vec2::from);
+        assert_eq!(found, expected);
+        // Seen at a corner: a hexagon, with two corners inside.
+        let found = of([
+            (0.0, 2.0),
+            (1.7, 1.0),
+            (1.7, -1.0),
+            (0.0, -2.0),
+            (-1.7, -1.0),
+            (-1.7, 1.0),
+            (0.0, 0.0),
+            (0.0, 0.1),
+        ]);
+        assert_eq!(found.len(), 6);
+        assert!(found.iter().all(|p| p.length() > 1.9));
+        // A box of no size has no inside.
+        assert!(of([(1.0, 0.0); 8]).len() < 3);
+    }
+
+    #[test]
+    fn a_wall_hides_what_is_behind_it() {
+        let cube = bound(Vec3::splat(0.5));
+        let at = |grid: &Occlusion, p: Vec3| grid.occluded(&cube, p, Quat::IDENTITY, 1.0);
+        let wall = Vec3::new(6.0, 1.5, 0.1);
+        let mut grid = grid();
+        grid.draw_box(Vec3::NEG_Z * 5.0, wall, Quat::IDENTITY);
+        assert_eq!(at(&grid, Vec3::NEG_Z * 10.0), 1.0);
+        assert_eq!(
+            at(&grid, Vec3::new(8.0, 0.0, -10.0)),
+            1.0,
+            "its whole length"
+        );
+        assert_eq!(at(&grid, Vec3::new(0.0, 4.0, -10.0)), 0.0, "above it");
+        assert_eq!(at(&grid, Vec3::NEG_Z * 3.0), 0.0, "in front of it");
+        // From its end: 2 m beside the line of sight, from 4 m to 16 m. Its near part hides what
+        // stands before its far end.
+        let mut grid = self::grid();
+        let quarter = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
+        grid.draw_box(Vec3::new(2.0, 0.0, -10.0), wall, quarter);
+        assert_eq!(at(&grid, Vec3::new(6.0, 0.0, -14.0)), 1.0);
+        assert_eq!(at(&grid, Vec3::new(0.0, 0.0, -14.0)), 0.0, "on this side");
+        for bad in [f32::NAN, f32::INFINITY, -1.0] {
+            let mut grid = self::grid();
+            grid.draw_box(Vec3::NEG_Z * 5.0, wall.with_x(bad), Quat::IDENTITY);
+            assert_eq!(at(&grid, Vec3::NEG_Z * 10.0), 0.0, "{bad}");
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::Run;
 use super::targets::{Target, section};
 use anyhow::{Context, Result};
 use articula::crowd::{
-    CacheUse, CrowdAsset, CrowdOptions, DetailGoal, ErrorMeter, ErrorSummary, SceneOptions,
+    CacheUse, CrowdAsset, CrowdOptions, DetailGoal, ErrorMeter, ErrorSummary, Hiders, SceneOptions,
     ScenePlayer,
 };
 use articula::inspect::inspect;
@@ -163,6 +163,7 @@ fn played_as(asset: &CrowdAsset, play: Play, frames: usize) -> Result<(f64, Erro
         detail: DetailGoal::Tolerance(TOLERANCE_PX),
         share: false,
         cache: play.cache,
+        hiders: Hiders::Nothing,
     };
     let mut player = ScenePlayer::new(asset, &scene, options)?;
     if let Some(scales) = play.scales {

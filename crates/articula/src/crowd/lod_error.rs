@@ -36,6 +36,8 @@ const PARTS: [Region; 3] = [Region::Hands, Region::Face, Region::Feet];
 /// LOD error of one character in one frame, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CharacterError {
+    /// Index of the character.
+    pub character: usize,
     /// Level of the character.
     pub level: usize,
     /// Distance from the camera to the character's origin, in metres.
@@ -214,6 +216,7 @@ impl ErrorMeter {
             }
             let mut errors: Vec<f64> = found.into_iter().map(|(_, px)| px).collect();
             characters.push(CharacterError {
+                character,
                 level,
                 distance_m,
                 p95_px: percentile(&mut errors, 0.95),

@@ -2,7 +2,7 @@
 //!
 //! - [`CrowdAsset`]: a character with its joint and mesh LODs and their errors
 //! - [`CrowdPlayer`]: a crowd of it, with all memory that a frame needs
-//! - [`ScenePlayer`]: a crowd driven by a scene with positions, cameras and cross-fades;
+//! - [`ScenePlayer`]: a crowd driven by a scene with positions, cameras, cross-fades, roles and walls;
 //!   [`read_scene`]
 //! - [`put_in_place`]: removes root motion from clips that travel
 //! - [`Budget`]: derives the tolerance of the next frame from measured times, for all crowds
@@ -18,6 +18,7 @@
 
 mod asset;
 mod face_levels;
+mod hidden;
 mod in_place;
 mod level_use;
 mod lod_error;
@@ -29,8 +30,10 @@ mod player;
 pub(crate) mod preparation;
 mod scene_file;
 mod scene_player;
+mod scene_roles;
 
 pub use asset::{CrowdAsset, CrowdLevel};
+pub use hidden::Hiders;
 pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelStatistics, LevelTally, MeasuredError};
 pub use lod_error::{

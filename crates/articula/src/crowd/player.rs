@@ -43,6 +43,8 @@ pub struct CrowdPlayer {
     rotations: Vec<Quat>,
     /// Uniform scale of each character; empty while all are 1.
     scales: Vec<f32>,
+    /// Importance of each character; empty while all are 1.
+    importance: Vec<f32>,
     moved: MovedList,
     scratches: Vec<Scratch>,
 }
@@ -127,6 +129,7 @@ impl CrowdPlayer {
             positions: vec![Vec3::ZERO; characters],
             rotations: vec![Quat::IDENTITY; characters],
             scales: Vec::new(),
+            importance: Vec::new(),
             moved: MovedList::new(characters),
             scratches: vec![model.evaluator().scratch()],
             asset: asset.clone(),
@@ -191,6 +194,22 @@ impl CrowdPlayer {
     /// Returns the uniform scale of a character.
     pub fn scale(&self, character: usize) -> f32 {
         self.scales.get(character).copied().unwrap_or(1.0)
+    }
+
+    /// Sets the importance of a character: 1 is neutral, 2 halves its tolerance, 0.5 doubles it. It is
+    /// clamped to 1/64 and 64. Crowds of which all have the importance 1, as at first, are planned
+    /// fastest. The first call allocates.
+    ///
+    /// # Panics
+    /// If there is no such character.
+    pub fn set_importance(&mut self, character: usize, importance: f32) {
+        self.importance.resize(self.positions.len(), 1.0);
+        self.importance[character] = importance;
+    }
+
+    /// Returns the importance of a character.
+    pub fn importance(&self, character: usize) -> f32 {
+        self.importance.get(character).copied().unwrap_or(1.0)
     }
 
     /// Plays a clip in a loop, starting at a time in seconds, which is wrapped.
@@ -278,7 +297,7 @@ impl CrowdPlayer {
             moved: self.moved.get(),
             scales: &self.scales,
             cull_margin_metres: &[],
-            importance: &[],
+            importance: &self.importance,
             culling,
             detail: self.detail,
             share: self.share,

@@ -4,6 +4,7 @@
 //! converted here. Every number is checked here, so later code treats the result like the built-in
 //! plaza scene.
 
+use super::scene_roles::{CueFile, RolesFile, WallFile, ZoneFile};
 use crate::camera_path::{Key, checked, ensure, malformed};
 use crate::error::{Context, Error, Result};
 use crate::open::choose;
@@ -11,6 +12,7 @@ use articula_build::{ClipPlayback, CrossFade, Scene, SceneCharacter};
 use articula_core::{Clip, Viewport};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Maximum number of characters in a scene.
 pub const MAX_MEMBERS: usize = 1_000_000;
@@ -33,6 +35,16 @@ struct SceneFile {
     camera: Vec<Key>,
     #[serde(default)]
     camera_loops: bool,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    roles: BTreeMap<String, f32>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    clip_importance: BTreeMap<String, f32>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    zones: Vec<ZoneFile>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    walls: Vec<WallFile>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    cues: Vec<CueFile>,
     members: Vec<MemberFile>,
 }
 
@@ -49,6 +61,8 @@ struct MemberFile {
     speed: f32,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     cross_fade: Option<FadeFile>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    role: Option<String>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -101,8 +115,18 @@ pub fn read_scene(bytes: &[u8], clips: &[Clip], display_hz: f64) -> Result<Scene
     })?;
     let members = file.members.iter().enumerate();
     let members = members.map(|(i, m)| member(m, clips).with_context(|| format!("members[{i}]")));
+    let members = members.collect::<Result<_>>()?;
+    let roles: Vec<Option<&str>> = file.members.iter().map(|m| m.role.as_deref()).collect();
+    let of_roles = RolesFile {
+        roles: file.roles,
+        clip_importance: file.clip_importance,
+        zones: file.zones,
+        walls: file.walls,
+        cues: file.cues,
+    };
+    let (importance, walls) = of_roles.read(&roles, clips)?;
     Ok(Scene {
-        members: members.collect::<Result<_>>()?,
+        members,
         viewport: Viewport {
             width_px: file.viewport[0] as f32,
             height_px: file.viewport[1] as f32,
@@ -110,6 +134,8 @@ pub fn read_scene(bytes: &[u8], clips: &[Clip], display_hz: f64) -> Result<Scene
         },
         camera,
         camera_loops: file.camera_loops,
+        importance,
+        walls,
     })
 }
 
@@ -163,7 +189,13 @@ fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> Result<ClipPl
 /// Writes a scene as JSON, with the names of the clips.
 pub fn write_scene(scene: &Scene, clips: &[Clip]) -> Vec<u8> {
     let name = |clip: usize| clips.get(clip).map_or(String::new(), |c| c.name.clone());
-    let members = scene.members.iter().map(|m| MemberFile {
+    let importance = &scene.importance;
+    let role = |member: usize| {
+        let role = importance.role_of.get(member).copied().flatten()?;
+        Some(importance.roles.get(usize::from(role))?.name.clone())
+    };
+    let members = scene.members.iter().enumerate();
+    let members = members.map(|(i, m)| MemberFile {
         position: m.position.to_array(),
         yaw_deg: m.yaw_radians.to_degrees(),
         clip: name(m.play.clip),
@@ -176,7 +208,9 @@ pub fn write_scene(scene: &Scene, clips: &[Clip]) -> Vec<u8> {
             secs: f.fade_secs,
             start: f.start,
         }),
+        role: role(i),
     });
+    let of_roles = RolesFile::of(importance, &scene.walls, clips);
     let file = SceneFile {
         viewport: [
             scene.viewport.width_px as u32,
@@ -185,6 +219,11 @@ pub fn write_scene(scene: &Scene, clips: &[Clip]) -> Vec<u8> {
         fov_deg: scene.viewport.fov_y_radians.to_degrees(),
         camera: scene.camera.iter().map(Key::from).collect(),
         camera_loops: scene.camera_loops,
+        roles: of_roles.roles,
+        clip_importance: of_roles.clip_importance,
+        zones: of_roles.zones,
+        walls: of_roles.walls,
+        cues: of_roles.cues,
         members: members.collect(),
     };
     // All map keys are strings and all numbers are finite, so writing cannot fail.

@@ -3,6 +3,7 @@
 //! Adds to a [`CrowdPlayer`] what a scene defines: positions, cameras, and repeated cross-fades.
 
 use super::asset::CrowdAsset;
+use super::hidden::{Hidden, Hiders};
 use super::player::CrowdPlayer;
 use crate::error::{Error, Result};
 use articula_build::{ClipPlayback, CrossFade, Scene};
@@ -44,6 +45,8 @@ pub struct SceneOptions {
     pub share: bool,
     /// Processor that blends cached poses.
     pub cache: CacheUse,
+    /// What hides characters.
+    pub hiders: Hiders,
 }
 
 /// A crowd that follows a scene.
@@ -54,6 +57,11 @@ pub struct ScenePlayer<'a> {
     detail: DetailGoal,
     secs: f64,
     fades: Vec<Turning>,
+    /// Role of each character now; empty where nobody ever has one.
+    roles: Vec<Option<u16>>,
+    /// Number of cues that have passed.
+    cues: usize,
+    hidden: Option<Hidden>,
 }
 
 /// A cross-fade that alternates between two clips.
@@ -101,12 +109,24 @@ impl<'a> ScenePlayer<'a> {
         }
         player.share = options.share;
         player.cache = options.cache;
+        let importance = &scene.importance;
+        let mut roles = Vec::new();
+        if !importance.is_neutral() {
+            roles.clone_from(&importance.role_of);
+            roles.resize(scene.members.len(), None);
+            for (character, (member, role)) in scene.members.iter().zip(&roles).enumerate() {
+                player.set_importance(character, importance.of(member, *role));
+            }
+        }
         Ok(Self {
             scene,
+            hidden: Hidden::new(asset, scene, options.hiders)?,
             player,
             detail: options.detail,
             secs: 0.0,
             fades,
+            roles,
+            cues: 0,
         })
     }
 
@@ -118,6 +138,17 @@ impl<'a> ScenePlayer<'a> {
     /// Returns the crowd, to be evaluated.
     pub fn player_mut(&mut self) -> &mut CrowdPlayer {
         &mut self.player
+    }
+
+    /// Returns the role of a character now, as an index into the roles of the scene.
+    pub fn role(&self, character: usize) -> Option<usize> {
+        let role = self.roles.get(character).copied().flatten()?;
+        Some(usize::from(role))
+    }
+
+    /// Returns the number of characters that were wholly hidden in the last frame.
+    pub fn hidden(&self) -> usize {
+        self.hidden.as_ref().map_or(0, Hidden::count)
     }
 
     /// Returns the time of the scene in seconds.
@@ -171,8 +202,14 @@ impl<'a> ScenePlayer<'a> {
         self.secs += dt_secs;
         let camera = self.camera()?;
         let (way, turn) = self.ahead(&camera);
-        let views = [View::of(&camera).with_cull_margin(way, turn)];
         self.turn_fades();
+        self.change_roles();
+        let occluded = match &mut self.hidden {
+            Some(hidden) => hidden.look(&camera, &self.player),
+            None => &[],
+        };
+        let view = View::of(&camera).with_cull_margin(way, turn);
+        let views = [view.with_occluded(occluded)];
         let culling = match self.detail {
             DetailGoal::Full => Culling::Off,
             _ => Culling::Views(&views),
@@ -190,6 +227,24 @@ impl<'a> ScenePlayer<'a> {
         }
         let way = later.eye.distance(camera.eye);
         (way, later.orientation.angle_between(camera.orientation))
+    }
+
+    /// Changes the roles of the cues up to the current time.
+    fn change_roles(&mut self) {
+        let importance = &self.scene.importance;
+        let due = importance.cues[self.cues..].iter();
+        for cue in due.take_while(|cue| cue.secs <= self.secs) {
+            for character in cue.members.iter().map(|m| *m as usize) {
+                // A scene may be cut to its first characters.
+                let Some(member) = self.scene.members.get(character) else {
+                    continue;
+                };
+                self.roles[character] = cue.role;
+                let value = importance.of(member, cue.role);
+                self.player.set_importance(character, value);
+            }
+            self.cues += 1;
+        }
     }
 
     /// Reverses cross-fades that are complete.

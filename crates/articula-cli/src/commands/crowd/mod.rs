@@ -1,5 +1,6 @@
 //! `articula crowd FILE`: simulates a crowd; reports its cost, its error and the levels in use.
 
+mod importance;
 mod report;
 
 use crate::arguments::{CharacterArgs, field_of_view, not_negative, positive, size};
@@ -21,6 +22,7 @@ use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
 use articula_core::Clip;
 use articula_report::{Plot, PlotOptions, Series, line_plot, stacked};
 use clap::{Args, ValueEnum};
+use importance::ImportanceArgs;
 use report::CrowdRunReport;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -87,6 +89,8 @@ pub(crate) struct CrowdArgs {
     /// Name of a clip to play (repeatable) [default: all]
     #[arg(long, value_name = "NAME|all")]
     clip: Vec<String>,
+    #[command(flatten)]
+    importance: ImportanceArgs,
     #[command(flatten)]
     storage: StorageArgs,
     /// Size of the picture in whose pixels errors are measured [default: the scene's, 1920x1080]
@@ -209,6 +213,7 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
         detail,
         share: args.storage.source == SourceName::Shared,
         cache: args.storage.cache(),
+        hiders: args.importance.hiders(),
         threads: args.threads,
         frames: args.frames(&scene)?,
     };
@@ -388,6 +393,7 @@ impl CrowdArgs {
             scene.camera = read_camera_path(path, DISPLAY_HZ)?;
             scene.camera_loops = false;
         }
+        self.importance.apply(&mut scene, clips)?;
         Ok(scene)
     }
 

@@ -1,6 +1,7 @@
 //! The report of `crowd`; its field names are stable (`docs/commands.md`).
 
 use super::{CrowdArgs, Piece};
+use crate::crowd::roles::RoleError;
 use crate::crowd::run::{BudgetFound, Memory, Morphs, Poses, Run};
 use crate::crowd::timing::Spread;
 use crate::fault::clean;
@@ -22,6 +23,8 @@ pub(super) struct CrowdRunReport {
     pub(super) visible: usize,
     pub(super) in_cull_margin: usize,
     pub(super) hidden: usize,
+    /// Wholly hidden by others or by walls.
+    pub(super) occluded: usize,
     pub(super) frames: usize,
     pub(super) display_hz: f64,
     pub(super) threads: usize,
@@ -50,6 +53,8 @@ pub(super) struct CrowdRunReport {
     pub(super) poses: Poses,
     pub(super) morphs: Morphs,
     pub(super) error_px: ErrorSummary,
+    /// Errors by role, if any character has one.
+    pub(super) roles: Vec<RoleError>,
     pub(super) error_bound_px: Option<f32>,
     pub(super) budget_ms: Option<f32>,
     /// Time beyond the budget as a fraction of it, 95th percentile.
@@ -80,7 +85,10 @@ impl CrowdRunReport {
         let characters = piece.scene.members.len();
         let frame_ns = |ms: f64| ms * 1e6 / characters.max(1) as f64;
         let visible = run.visible.median.round() as usize;
+        let occluded = run.occluded.median.round() as usize;
         let in_cull_margin = run.in_cull_margin.median.round() as usize;
+        // Who is occluded counts as in the margin for a frame.
+        let in_cull_margin = in_cull_margin.saturating_sub(occluded);
         let viewport = piece.scene.viewport;
         let clips = piece.asset.clips().iter();
         Self {
@@ -92,7 +100,8 @@ impl CrowdRunReport {
             characters,
             visible,
             in_cull_margin,
-            hidden: characters.saturating_sub(visible + in_cull_margin),
+            hidden: characters.saturating_sub(visible + in_cull_margin + occluded),
+            occluded,
             frames: run.frames,
             display_hz: super::DISPLAY_HZ,
             threads: args.threads,
@@ -125,6 +134,7 @@ impl CrowdRunReport {
             poses: run.poses,
             morphs: run.morphs,
             error_px: run.error,
+            roles: run.roles.clone(),
             error_bound_px: run.bound_px,
             budget_ms: args.budget_ms,
             overrun_p95: run.overrun_p95,
@@ -159,7 +169,7 @@ impl CrowdRunReport {
         format!(
             "{}, {} characters, scene {}, level {}, {clips}\n\
              {} frames at {} Hz, {threads}, {}, {} x {} px, {:.0} degrees\n\
-             characters: {} visible, {} in the cull margin, {} hidden\n\
+             characters: {} visible, {} in the cull margin, {} hidden{}\n\
              ready in {:.0} ms\n",
             clean(name),
             self.characters,
@@ -174,6 +184,10 @@ impl CrowdRunReport {
             self.visible,
             self.in_cull_margin,
             self.hidden,
+            match self.occluded {
+                0 => String::new(),
+                occluded => format!(", {occluded} occluded"),
+            },
             self.ready_ms
         )
     }
@@ -215,6 +229,34 @@ impl CrowdRunReport {
         table
     }
 
+    /// Errors of small parts of the body and of roles.
+    fn error_parts(&self) -> String {
+        let mut text = String::new();
+        let parts = self.error_px.parts;
+        let parts = [
+            ("hands", parts.hands),
+            ("face", parts.face),
+            ("feet", parts.feet),
+        ];
+        let parts = parts
+            .into_iter()
+            .filter_map(|(name, px)| Some(format!("{name} {:.2} px", px?)));
+        let parts: Vec<String> = parts.collect();
+        if !parts.is_empty() {
+            text.push_str(&format!("       worst vertex of {}\n", parts.join(", ")));
+        }
+        for role in &self.roles {
+            text.push_str(&format!(
+                "       {} (importance {}): p95 {:.2} px, max {:.2} px\n",
+                clean(&role.role),
+                role.importance,
+                role.p95_px,
+                role.max_px
+            ));
+        }
+        text
+    }
+
     fn sums(&self) -> String {
         let mut text = format!(
             "\ntime   median {:.3} ms per frame (p95 {:.3}), {:.1} ns per character, {:.0} characters per ms; before evaluation {:.3} ms; wall clock {:.3} ms\n",
@@ -234,19 +276,7 @@ impl CrowdRunReport {
             self.error_px.drawn,
             self.error_px.near
         ));
-        let parts = self.error_px.parts;
-        let parts = [
-            ("hands", parts.hands),
-            ("face", parts.face),
-            ("feet", parts.feet),
-        ];
-        let parts = parts
-            .into_iter()
-            .filter_map(|(name, px)| Some(format!("{name} {:.2} px", px?)));
-        let parts: Vec<String> = parts.collect();
-        if !parts.is_empty() {
-            text.push_str(&format!("       worst vertex of {}\n", parts.join(", ")));
-        }
+        text.push_str(&self.error_parts());
         text.push_str(&format!(
             "poses  {:.0} per frame for one character ({:.0} blend two clips), {:.0} shared by {:.0} characters, {:.0} from the cache\n",
             self.poses.own,

@@ -8,7 +8,7 @@ use crate::crowd::stage::Settings;
 use anyhow::Context;
 use articula::Figure;
 use articula::crowd::{
-    CacheUse, CrowdAsset, CrowdOptions, DetailGoal, JointLodMethod, LevelStatistics,
+    CacheUse, CrowdAsset, CrowdOptions, DetailGoal, Hiders, JointLodMethod, LevelStatistics,
     PaletteMatrices,
 };
 use articula_build::{Plaza, Scene, plaza};
@@ -88,6 +88,7 @@ fn settings(detail: DetailGoal, share: bool) -> Settings {
         detail,
         share,
         cache: CacheUse::Never,
+        hiders: Hiders::Walls,
         threads: 1,
         frames: FRAMES,
     }
