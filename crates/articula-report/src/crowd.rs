@@ -72,6 +72,33 @@ impl CrowdPicture {
         });
     }
 
+    /// Adds a character that is too far to tell its limbs: an upright sliver of its level's colour, from
+    /// the foot of a bound to its top, `across` the picture.
+    pub fn add_far(&mut self, level: usize, centre: Vec3, radius: f32, across: Vec3) {
+        let (mesh, all) = (&mut self.mesh, &mut self.skinned);
+        let (vertices, triangles) = (all.positions.len(), mesh.triangles.len());
+        let (side, up) = (across * (0.2 * radius), Vec3::Y * radius);
+        let corners = [centre - side - up, centre + side - up, centre + up];
+        let towards = across.cross(Vec3::Y);
+        for positions in [&mut all.positions, &mut mesh.positions] {
+            positions.extend_from_slice(&corners);
+        }
+        for normals in [&mut all.normals, &mut mesh.normals] {
+            normals.extend_from_slice(&[towards; 3]);
+        }
+        mesh.texcoords.resize(vertices + 3, Vec2::ZERO);
+        mesh.colors.resize(vertices + 3, Vec4::ONE);
+        mesh.triangles
+            .push([0, 1, 2].map(|v| (vertices + v) as u32));
+        mesh.parts.push(Part {
+            name: String::new(),
+            mesh: 0,
+            material: Some(level + 1),
+            vertices: vertices..vertices + 3,
+            triangles: triangles..triangles + 1,
+        });
+    }
+
     /// Adds a wall: a box in world space, with its centre, half of its size, and its rotation about +Y.
     pub fn add_wall(&mut self, centre: Vec3, half_size: Vec3, yaw_radians: f32) {
         let (mesh, all) = (&mut self.mesh, &mut self.skinned);

@@ -7,8 +7,9 @@ use articula_build::Scene;
 use articula_core::{Camera, Viewport};
 use articula_flat::Picture;
 use articula_report::CrowdPicture;
+use glam::Vec3;
 
-/// Maximum number of triangles to draw; the farthest characters beyond it are left out.
+/// Maximum number of triangles of skins; the farthest characters beyond it are slivers.
 const MAX_TRIANGLES: usize = 8_000_000;
 
 /// Draws the scene at time 0.
@@ -38,7 +39,8 @@ pub(crate) fn draw(
     crowd.draw(&camera, &legend).context("drawing the crowd")
 }
 
-/// The skins of the nearest visible characters, and the number of these characters.
+/// The skins of the nearest visible characters, the others as slivers, and the number of those with
+/// skins.
 fn gathered(player: &CrowdPlayer, camera: &Camera) -> (CrowdPicture, usize) {
     let asset = player.asset();
     let sources = player.sources();
@@ -50,16 +52,22 @@ fn gathered(player: &CrowdPlayer, camera: &Camera) -> (CrowdPicture, usize) {
     draws.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut picture, mut drawn, mut triangles) = (CrowdPicture::default(), 0, 0);
     let mut matrices = Vec::new();
+    let across = camera.orientation * Vec3::X;
     for (_, character, source) in draws {
         let Some(level) = player.crowd().level(character) else {
             continue;
         };
+        let world = player.world_from_model(character);
         triangles += asset.mesh(level).triangles.len();
         if triangles > MAX_TRIANGLES && drawn > 0 {
-            break;
+            let clip = player.crowd().state(character).clip_state().clip();
+            let bound = asset.model().parts().bounds.clips[clip].whole().sphere;
+            let centre = world.transform_point3(bound.centre);
+            let radius = bound.radius * player.scale(character);
+            picture.add_far(level, centre, radius, across);
+            continue;
         }
         player.skin_matrices(level, source, &mut matrices);
-        let world = player.world_from_model(character);
         picture.add(asset.mesh(level), level, &matrices, &world);
         drawn += 1;
     }
@@ -88,7 +96,7 @@ fn legend(player: &CrowdPlayer, drawn: usize) -> Vec<(Option<usize>, String)> {
     };
     let mut lines: Vec<_> = levels.map(line_of).collect();
     if drawn < shown {
-        lines.push((None, format!("nearest {drawn} characters drawn")));
+        lines.push((None, format!("nearest {drawn} with their skins")));
     }
     lines
 }
