@@ -375,6 +375,7 @@ mod tests {
     #[test]
     fn near_ones_count_for_the_maximum_and_not_for_the_percentile() {
         let one = |distance_m, p95_px, is_sampled| CharacterError {
+            character: 0,
             level: 0,
             distance_m,
             p95_px,
