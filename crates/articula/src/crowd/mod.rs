@@ -5,6 +5,7 @@
 //! - [`ScenePlayer`]: a crowd driven by a scene with positions, cameras and cross-fades;
 //!   [`read_scene`]
 //! - [`put_in_place`]: removes root motion from clips that travel
+//! - [`CrowdBuffers`]: what a GPU reads in a frame, as bytes (`docs/formats/crowd-buffers.md`)
 //! - [`Budget`]: derives the tolerance of the next frame from measured times, for all crowds
 //! - [`ErrorMeter`], [`LevelTally`]: measured screen errors and statistics of the levels in use
 //!
@@ -17,6 +18,9 @@
 //! and the threads that evaluate [`parts`](CrowdPlayer::parts).
 
 mod asset;
+mod buffer_manifest;
+mod buffer_vertices;
+mod buffers;
 mod face_levels;
 mod in_place;
 mod level_use;
@@ -31,6 +35,11 @@ mod scene_file;
 mod scene_player;
 
 pub use asset::{CrowdAsset, CrowdLevel};
+pub use buffer_manifest::{
+    BufferManifest, BufferSizes, DrawnManifest, EntryManifest, GroupManifest, LevelManifest,
+    PartManifest,
+};
+pub use buffers::CrowdBuffers;
 pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelStatistics, LevelTally, MeasuredError};
 pub use lod_error::{
