@@ -12,6 +12,7 @@ mod adapted_items;
 mod bare;
 mod convert;
 mod crowd;
+mod crowd_buffers;
 mod crowd_faces;
 mod crowd_vertices;
 mod face_errors;
