@@ -5,7 +5,8 @@
 //! - [`ScenePlayer`]: a crowd driven by a scene with positions, cameras and cross-fades;
 //!   [`read_scene`]
 //! - [`put_in_place`]: removes root motion from clips that travel
-//! - [`CrowdBuffers`]: what a GPU reads in a frame, as bytes (`docs/formats/crowd-buffers.md`)
+//! - [`CrowdBuffers`]: what a GPU reads in a frame, as bytes (`docs/formats/crowd-buffers.md`); [`wgsl`]:
+//!   shaders that read them
 //! - [`Budget`]: derives the tolerance of the next frame from measured times, for all crowds
 //! - [`ErrorMeter`], [`LevelTally`]: measured screen errors and statistics of the levels in use
 //!
@@ -33,6 +34,7 @@ mod player;
 pub(crate) mod preparation;
 mod scene_file;
 mod scene_player;
+pub mod wgsl;
 
 pub use asset::{CrowdAsset, CrowdLevel};
 pub use buffer_manifest::{

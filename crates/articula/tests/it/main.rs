@@ -27,5 +27,6 @@ mod prepared;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod round_trips;
+mod shaders;
 mod streams;
 mod zero_poses;
