@@ -33,6 +33,13 @@ export function launch(program) {
   return chromium.launch({ executablePath: program, headless: true, chromiumSandbox: false, args: quiet });
 }
 
+/** Starts the browser with WebGPU on a graphics card made of software, the same on every machine. */
+export function launchWithGpu(program) {
+  const gpu = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan"];
+  const quiet = ["--disable-quic", "--disable-sync", "--no-first-run"];
+  return chromium.launch({ executablePath: program, headless: true, chromiumSandbox: false, args: [...gpu, ...quiet] });
+}
+
 /**
  * A new page of `size` pixels, or as large as the window without one: Chromium slows a page whose
  * size is set down to a frame a second. `answer(path)` gives `{contentType, body}` of what lies at

@@ -19,9 +19,7 @@ pub(crate) fn draw(
     settings: Settings,
     size: (u32, u32),
 ) -> anyhow::Result<Picture> {
-    let mut stage = TimedCrowd::new(asset, scene, settings)?;
-    stage.plan(0.0, None)?;
-    stage.evaluate();
+    let stage = TimedCrowd::first_frame(asset, scene, settings)?;
     let (player, camera) = (stage.scene.player(), stage.scene.camera()?);
     let (mut crowd, drawn) = gathered(player, &camera);
     for wall in &scene.walls {

@@ -69,6 +69,18 @@ impl<'a> TimedCrowd<'a> {
         })
     }
 
+    /// Places all characters and evaluates the frame at time 0.
+    pub(crate) fn first_frame(
+        asset: &CrowdAsset,
+        scene: &'a Scene,
+        settings: Settings,
+    ) -> anyhow::Result<Self> {
+        let mut stage = Self::new(asset, scene, settings)?;
+        stage.plan(0.0, None)?;
+        stage.evaluate();
+        Ok(stage)
+    }
+
     /// Runs `play` on one of the threads, so that the others are a step away.
     pub(crate) fn on_threads<R: Send>(&mut self, play: impl FnOnce(&mut Self) -> R + Send) -> R {
         let Some(pool) = self.pool.take() else {

@@ -252,6 +252,47 @@ fn plots_and_pictures_are_written() {
 }
 
 #[test]
+fn buffers_are_written_with_what_they_hold() {
+    let here = folder("crowd-buffers");
+    let words = ["crowd", word(human()), "--count", "30", "--seconds", "0.1"];
+    let more = ["--buffers", "frame", "--source", "records"];
+    let all = [&words[..], &more].concat();
+    let found = json(&here, &all);
+    assert_eq!(found["written"].as_array().unwrap().len(), 9);
+    let text = std::fs::read_to_string(here.join("frame/crowd.json")).unwrap();
+    let manifest: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        (&manifest["version"], &manifest["form"]),
+        (&1.into(), &"matrix".into())
+    );
+    for (name, bytes) in manifest["bytes"].as_object().unwrap() {
+        let file = here.join("frame").join(name).metadata().unwrap();
+        assert_eq!(file.len(), bytes.as_u64().unwrap(), "{name}");
+    }
+    let count = |list: &str| manifest[list]["count"].as_u64().unwrap();
+    assert!(count("records") > 0);
+    // A fixed camera: whoever is seen at first is seen later, and those in the margin are evaluated.
+    let seen = ["visible", "in_cull_margin"].map(|f| found[f].as_u64().unwrap());
+    assert_eq!(count("draws") + count("records"), seen.iter().sum::<u64>());
+    let again = fault(&here, 1, &all);
+    assert!(again.contains("exists and is kept"), "{again}");
+    // Palettes of the skin whatever the form; other bytes over the first ones.
+    let other = [
+        &words[..],
+        &["--buffers", "frame", "--form", "half-rigid", "--force"],
+    ]
+    .concat();
+    assert_eq!(json(&here, &other)["palette"], "skin");
+    let joints = [&all[..], &["--palette", "joints"]].concat();
+    let why = fault(&here, 2, &joints);
+    assert!(why.contains("leave --palette out"), "{why}");
+    std::fs::write(here.join("file"), "").unwrap();
+    let no_folder = [&words[..], &["--buffers", "file"]].concat();
+    let why = fault(&here, 2, &no_folder);
+    assert!(why.contains("name a folder"), "{why}");
+}
+
+#[test]
 fn figures_without_mesh_or_motion_play() {
     let here = folder("crowd-bare");
     std::fs::write(here.join("arm.bvh"), BVH).unwrap();

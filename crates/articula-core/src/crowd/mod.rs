@@ -19,7 +19,8 @@
 //! # For an engine
 //!
 //! *Input*: positions, rotations, views, importance and time ([`Frame`]). *Output*: draws grouped
-//! by level ([`Crowd::draw_list`]), palettes, events and root motion ([`Crowd::root_delta`]).
+//! by level ([`Crowd::draw_list`]), palettes, events and root motion ([`Crowd::root_delta`]). What of
+//! it a GPU reads is defined byte by byte in `docs/formats/crowd-buffers.md`.
 //!
 //! - **A plain renderer on wgpu** keeps one vertex buffer for each level's mesh and one storage
 //!   buffer for all palettes. Each group is one instanced draw: the instance data is its world

@@ -5,6 +5,8 @@
 //! - [`ScenePlayer`]: a crowd driven by a scene with positions, cameras, cross-fades, roles and walls;
 //!   [`read_scene`]
 //! - [`put_in_place`]: removes root motion from clips that travel
+//! - [`CrowdBuffers`]: what a GPU reads in a frame, as bytes (`docs/formats/crowd-buffers.md`); [`wgsl`]:
+//!   shaders that read them
 //! - [`Budget`]: derives the tolerance of the next frame from measured times, for all crowds
 //! - [`ErrorMeter`], [`LevelTally`]: measured screen errors and statistics of the levels in use
 //!
@@ -17,6 +19,9 @@
 //! and the threads that evaluate [`parts`](CrowdPlayer::parts).
 
 mod asset;
+mod buffer_manifest;
+mod buffer_vertices;
+mod buffers;
 mod face_levels;
 mod hidden;
 mod in_place;
@@ -31,8 +36,14 @@ pub(crate) mod preparation;
 mod scene_file;
 mod scene_player;
 mod scene_roles;
+pub mod wgsl;
 
 pub use asset::{CrowdAsset, CrowdLevel};
+pub use buffer_manifest::{
+    BufferManifest, BufferSizes, DrawnManifest, EntryManifest, GroupManifest, LevelManifest,
+    PartManifest,
+};
+pub use buffers::CrowdBuffers;
 pub use hidden::Hiders;
 pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelStatistics, LevelTally, MeasuredError};

@@ -74,6 +74,18 @@ impl Palettes {
     }
 }
 
+/// The three rows of a transform's 3x4 matrix.
+pub(super) fn rows(matrix: &Affine3A) -> [[f32; 4]; 3] {
+    let linear = matrix.matrix3.transpose();
+    let shift = matrix.translation.to_array();
+    let row = |axis: glam::Vec3A, shift| [axis.x, axis.y, axis.z, shift];
+    [
+        row(linear.x_axis, shift[0]),
+        row(linear.y_axis, shift[1]),
+        row(linear.z_axis, shift[2]),
+    ]
+}
+
 /// Splits rows at `at_row`.
 pub(super) fn split(rows: PaletteRows<'_>, at_row: usize) -> (PaletteRows<'_>, PaletteRows<'_>) {
     match rows {
@@ -114,5 +126,21 @@ mod tests {
             rows[1] = [1.0, 2.0, 3.0, 1.0].map(half_from_f32);
         }
         assert!(halves.matrix(0).abs_diff_eq(expected, 1e-3));
+    }
+
+    #[test]
+    fn rows_by_hand() {
+        // A quarter turn about z, to (1, 2, 3): x goes to y, y to -x.
+        let turn = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2);
+        let matrix = Affine3A::from_rotation_translation(turn, Vec3::new(1.0, 2.0, 3.0));
+        let expected = [
+            [0.0, -1.0, 0.0, 1.0],
+            [1.0, 0.0, 0.0, 2.0],
+            [0.0, 0.0, 1.0, 3.0],
+        ];
+        for (row, expected) in rows(&matrix).iter().zip(expected) {
+            let near = |(a, b): (&f32, f32)| (a - b).abs() < 1e-6;
+            assert!(row.iter().zip(expected).all(near), "{row:?}");
+        }
     }
 }

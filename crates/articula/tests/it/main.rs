@@ -12,6 +12,7 @@ mod adapted_items;
 mod bare;
 mod convert;
 mod crowd;
+mod crowd_buffers;
 mod crowd_faces;
 mod crowd_roles;
 mod crowd_vertices;
@@ -27,5 +28,6 @@ mod prepared;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod round_trips;
+mod shaders;
 mod streams;
 mod zero_poses;

@@ -7,16 +7,16 @@ use crate::arguments::{CharacterArgs, field_of_view, not_negative, positive, siz
 use crate::console::Console;
 use crate::crowd::picture;
 use crate::crowd::run::{self, Run};
-use crate::crowd::stage::{DISPLAY_HZ, Settings};
+use crate::crowd::stage::{DISPLAY_HZ, Settings, TimedCrowd};
 use crate::files::{self, Files};
 use crate::open;
 use crate::play::read_camera_path;
 use crate::{fault, selection};
 use anyhow::Context;
 use articula::crowd::{
-    Backend, CacheUse, ClipStorage, CrowdAsset, CrowdOptions, DetailGoal, ErrorSummary,
-    JointLodMethod, MAX_MEMBERS, MAX_MESH_LEVELS, PaletteForm, PaletteMatrices, RootMotionPolicy,
-    read_scene, write_scene,
+    Backend, CacheUse, ClipStorage, CrowdAsset, CrowdBuffers, CrowdOptions, DetailGoal,
+    ErrorSummary, JointLodMethod, MAX_MEMBERS, MAX_MESH_LEVELS, PaletteForm, PaletteMatrices,
+    RootMotionPolicy, read_scene, write_scene,
 };
 use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
 use articula_core::Clip;
@@ -111,6 +111,10 @@ pub(crate) struct CrowdArgs {
     /// Write a picture of the first frame, each character in the colour of its level
     #[arg(long, value_name = "F.png")]
     picture: Option<PathBuf>,
+    /// Write what a GPU reads in the first frame into a folder: palettes of the skin, draws, records,
+    /// transforms, meshes and their description, crowd.json
+    #[arg(long, value_name = "DIR")]
+    buffers: Option<PathBuf>,
 }
 
 /// Storage of clips and format of palettes.
@@ -196,7 +200,10 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     args.check_outputs()?;
     args.check_records()?;
     args.check_mesh_levels()?;
-    console.files.plan(args.inputs(), args.outputs())?;
+    args.check_buffers()?;
+    let buffers = args.buffer_files();
+    let outputs = args.outputs().chain(buffers.iter().map(PathBuf::as_path));
+    console.files.plan(args.inputs(), outputs)?;
     let start = Instant::now();
     let figure = open::figure(&console.files, &args.character)?;
     let place = figure.opened.name.clone();
@@ -263,6 +270,32 @@ impl CrowdArgs {
     fn outputs(&self) -> impl Iterator<Item = &Path> {
         let all = [&self.save_scene, &self.plot, &self.picture];
         all.into_iter().flatten().map(PathBuf::as_path)
+    }
+
+    /// The files of `--buffers` that may exist already; a missing folder has none.
+    fn buffer_files(&self) -> Vec<PathBuf> {
+        let folder = self.buffers.iter().filter(|folder| folder.is_dir());
+        let names = CrowdBuffers::FILES.into_iter();
+        let names = names.chain([CrowdBuffers::MANIFEST]);
+        folder
+            .flat_map(|folder| names.clone().map(|name| folder.join(name)))
+            .collect()
+    }
+
+    fn check_buffers(&self) -> anyhow::Result<()> {
+        let Some(folder) = &self.buffers else {
+            return Ok(());
+        };
+        if self.storage.palette == Some(MatricesName::Joints) {
+            let what = "--buffers requires palettes of the skin; leave --palette out";
+            return Err(fault::usage(what));
+        }
+        if files::is_no_folder(folder) {
+            let folder = files::shown(folder);
+            let what = format!("--buffers {folder}: this is no folder; name a folder");
+            return Err(fault::usage(what));
+        }
+        Ok(())
     }
 
     fn check_outputs(&self) -> anyhow::Result<()> {
@@ -337,12 +370,12 @@ impl CrowdArgs {
         Ok(())
     }
 
-    /// Kind of palette matrices; a cache requires those of the skin.
+    /// Kind of palette matrices; a cache and written buffers require those of the skin.
     fn palette(&self) -> MatricesName {
         let may_cache = self.level == "auto"
             && self.storage.cache() != CacheUse::Never
             && self.storage.is_cacheable();
-        let usual = match may_cache {
+        let usual = match may_cache || self.buffers.is_some() {
             true => MatricesName::Skin,
             false => MatricesName::Joints,
         };
@@ -443,7 +476,7 @@ impl CrowdArgs {
         Ok(frames as usize)
     }
 
-    /// Writes the scene, plot and picture that were asked for.
+    /// Writes the scene, plot, picture and buffers that were asked for.
     fn write(
         &self,
         piece: &Piece,
@@ -465,6 +498,18 @@ impl CrowdArgs {
             let png = picture.to_png().with_context(|| files::shown(path))?;
             files.write(path, &png)?;
             report.written.push(files::shown(path));
+        }
+        if let Some(folder) = &self.buffers {
+            let stage = TimedCrowd::first_frame(&piece.asset, &piece.scene, piece.settings)?;
+            let buffers = CrowdBuffers::new(stage.scene.player())?
+                .files()?
+                .into_iter();
+            let buffers = buffers.map(|(name, bytes)| (folder.join(name), bytes));
+            let buffers: Vec<(PathBuf, Vec<u8>)> = buffers.collect();
+            files.make_folder(folder)?;
+            files.write_all(&buffers)?;
+            let written = buffers.iter().map(|(path, _)| files::shown(path));
+            report.written.extend(written);
         }
         Ok(())
     }

@@ -1,0 +1,238 @@
+//! What the buffers of a crowd's frame hold, as a document beside them.
+//!
+//! Form: `docs/formats/crowd-buffers.md`.
+
+use super::buffer_vertices::{stored_influences, vertex_bytes};
+use super::palettes::rows;
+use super::player::CrowdPlayer;
+use crate::error::{Error, Result};
+use articula_core::{CachedRows, PaletteForm};
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+/// Names of the files with the buffers.
+pub(super) const BUFFER_FILES: [&str; 8] = [
+    "palettes.bin",
+    "draws.bin",
+    "records.bin",
+    "cached.bin",
+    "morph_weights.bin",
+    "transforms.bin",
+    "vertices.bin",
+    "triangles.bin",
+];
+
+/// Counts, groups, levels and entries of the buffers of a frame.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BufferManifest {
+    /// `articula-crowd-buffers`.
+    pub format: &'static str,
+    /// Version of the layouts, 1.
+    pub version: u32,
+    /// Form of all palettes: `matrix`, `half`, `rigid` or `half-rigid`.
+    pub form: &'static str,
+    /// Number of characters of the crowd, shown or not.
+    pub characters: usize,
+    /// Size of each buffer in bytes, by its file name.
+    pub bytes: BufferSizes,
+    /// Number of matrices that the CPU has written.
+    pub palette_matrices: usize,
+    /// Number of matrices of all cached palettes.
+    pub cached_matrices: usize,
+    /// Characters with a written palette.
+    pub draws: DrawnManifest,
+    /// Characters whose palette is blended from two cached ones.
+    pub records: DrawnManifest,
+    /// Number of weights of a set of morph target weights.
+    pub morph_targets: usize,
+    /// Weights of characters without a set.
+    pub morph_defaults: Vec<f32>,
+    /// Joint and inverse bind matrix of each palette entry; a level uses the first of them.
+    pub entries: Vec<EntryManifest>,
+    /// All levels of the character, finest first.
+    pub levels: Vec<LevelManifest>,
+}
+
+/// Sizes of the buffers in bytes, in the order of [`CrowdBuffers::FILES`](super::CrowdBuffers::FILES).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BufferSizes(pub [usize; 8]);
+
+impl Serialize for BufferSizes {
+    fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        let mut map = out.serialize_map(Some(self.0.len()))?;
+        for (name, bytes) in BUFFER_FILES.iter().zip(self.0) {
+            map.serialize_entry(name, &bytes)?;
+        }
+        map.end()
+    }
+}
+
+/// A list of characters by level: draws or records.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DrawnManifest {
+    /// Number of them.
+    pub count: usize,
+    /// Number of them, from the first on, that have a set of morph target weights.
+    pub with_morph_sets: usize,
+    /// Index of the set of the first of them.
+    pub first_morph_set: usize,
+    /// Runs of one level.
+    pub groups: Vec<GroupManifest>,
+}
+
+/// Draws or records of one level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct GroupManifest {
+    /// The level.
+    pub level: usize,
+    /// Index of the first one.
+    pub first: usize,
+    /// Number of them.
+    pub count: usize,
+}
+
+/// One entry of every palette.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EntryManifest {
+    /// Name of the joint.
+    pub joint: String,
+    /// Inverse bind matrix, which the entry includes: 3x4, row by row.
+    pub inverse_bind: [f32; 12],
+}
+
+/// A level: its palette and its mesh.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LevelManifest {
+    /// Number of matrices of a palette: the first entries.
+    pub matrices: usize,
+    /// Offset of its vertices in bytes.
+    pub vertices_at: usize,
+    /// Number of its vertices.
+    pub vertices: usize,
+    /// Bytes of a vertex.
+    pub vertex_bytes: usize,
+    /// Influences of a stored vertex, a multiple of 4.
+    pub influences: usize,
+    /// Offset of its triangles in bytes.
+    pub triangles_at: usize,
+    /// Number of its triangles.
+    pub triangles: usize,
+    /// Triangles of one material each.
+    pub parts: Vec<PartManifest>,
+}
+
+/// Triangles of one part of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct PartManifest {
+    /// Material of the character, as a file of glTF numbers them; `None` for the usual one.
+    pub material: Option<usize>,
+    /// First triangle, counted from the first of the level.
+    pub first: usize,
+    /// Number of triangles.
+    pub count: usize,
+}
+
+impl BufferManifest {
+    /// Describes a frame, without the sizes of its buffers.
+    pub(super) fn new(player: &CrowdPlayer) -> Self {
+        let parts = player.asset().model().parts();
+        let list = player.crowd().draw_list();
+        let morphs = parts.morphs.as_ref().filter(|m| m.levels() > 0);
+        let cached = parts.cache.as_ref().map_or(0, |cache| match cache.rows() {
+            CachedRows::Float(rows) => rows.len() / 3,
+            CachedRows::Half(rows) => rows.len() / 3,
+        });
+        let group = |level, range: &std::ops::Range<usize>| GroupManifest {
+            level,
+            first: range.start,
+            count: range.len(),
+        };
+        let draws = list.groups.iter();
+        let records = list.record_groups.iter();
+        Self {
+            format: "articula-crowd-buffers",
+            version: 1,
+            form: form_name(parts.form),
+            characters: player.positions().len(),
+            bytes: BufferSizes([0; 8]),
+            palette_matrices: list.matrices,
+            cached_matrices: cached,
+            draws: DrawnManifest {
+                count: list.draws.len(),
+                with_morph_sets: list.morph_draws,
+                first_morph_set: 0,
+                groups: draws.map(|g| group(g.level, &g.draws)).collect(),
+            },
+            records: DrawnManifest {
+                count: list.recorded.len(),
+                with_morph_sets: list.morph_records,
+                first_morph_set: list.morph_draws,
+                groups: records.map(|g| group(g.level, &g.records)).collect(),
+            },
+            morph_targets: morphs.map_or(0, |m| m.targets()),
+            morph_defaults: player.asset().full().mesh.morph_weights.clone(),
+            entries: entries(player),
+            levels: levels(player),
+        }
+    }
+
+    /// Returns the document as JSON, one member a line.
+    pub(super) fn to_json(&self) -> Result<Vec<u8>> {
+        let text = serde_json::to_vec_pretty(self);
+        let mut text = text.map_err(|e| Error::Write(Box::new(e)))?;
+        text.push(b'\n');
+        Ok(text)
+    }
+}
+
+/// Name of a form, as `crowd --form` has it.
+fn form_name(form: PaletteForm) -> &'static str {
+    match form {
+        PaletteForm::Matrix => "matrix",
+        PaletteForm::HalfMatrix => "half",
+        PaletteForm::Rigid => "rigid",
+        PaletteForm::HalfRigid => "half-rigid",
+    }
+}
+
+/// The entries of a palette at level 0, of which every other level uses the first.
+fn entries(player: &CrowdPlayer) -> Vec<EntryManifest> {
+    let asset = player.asset();
+    let bindings = asset.mesh(0).bindings.iter();
+    let entry = |binding: &articula_core::Binding| {
+        let mut inverse_bind = [0.0; 12];
+        inverse_bind.copy_from_slice(rows(&binding.inverse_bind).as_flattened());
+        EntryManifest {
+            joint: asset.full().rig.name(usize::from(binding.joint)).to_owned(),
+            inverse_bind,
+        }
+    };
+    bindings.map(entry).collect()
+}
+
+fn levels(player: &CrowdPlayer) -> Vec<LevelManifest> {
+    let asset = player.asset();
+    let (mut vertices_at, mut triangles_at) = (0, 0);
+    let level = |level: usize| {
+        let mesh = asset.mesh(level);
+        let parts = mesh.parts.iter().map(|part| PartManifest {
+            material: part.material,
+            first: part.triangles.start,
+            count: part.triangles.len(),
+        });
+        let made = LevelManifest {
+            matrices: asset.level(level).matrices,
+            vertices_at,
+            vertices: mesh.len(),
+            vertex_bytes: vertex_bytes(mesh),
+            influences: stored_influences(mesh),
+            triangles_at,
+            triangles: mesh.triangles.len(),
+            parts: parts.collect(),
+        };
+        vertices_at += made.vertices * made.vertex_bytes;
+        triangles_at += 12 * made.triangles;
+        made
+    };
+    (0..asset.levels()).map(level).collect()
+}

@@ -1,0 +1,108 @@
+// Golden buffers of a crowd show the poses that the plain path has computed, for every form of palettes;
+// and buffers that contradict their description are refused.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { decode, half, MATRIX_BYTES, meshOf } from "./crowd_buffers.mjs";
+import { apart, entryOf, expectedOf, open } from "./crowd_golden.mjs";
+
+/** Greatest difference between decoded and expected matrices of all characters. */
+function greatest({ manifest }, characters, expected) {
+  let most = 0;
+  for (const wanted of expected.characters) {
+    const found = characters.find(({ character }) => character === wanted.character);
+    wanted.matrices.forEach((matrices, skin) => {
+      const { joints, inverse_bind } = expected.skins[skin];
+      matrices.forEach((matrix, j) => {
+        const entry = entryOf(manifest.entries, joints[j], inverse_bind[j]);
+        assert.equal(entry < found.matrices.length, matrix !== null, `entry ${entry} at level ${found.level}`);
+        if (matrix) most = Math.max(most, apart(found.matrices[entry], matrix));
+      });
+    });
+  }
+  return most;
+}
+
+for (const form of Object.keys(MATRIX_BYTES)) {
+  // Halves of numbers up to 2 are exact to a thousandth, also after a blend; those of a quaternion count double.
+  const tolerance = form.startsWith("half") ? 2e-3 : 2e-6;
+
+  test(`${form}: every matrix of every character is that of the plain path`, () => {
+    const all = open(form);
+    assert.equal(all.manifest.form, form);
+    const characters = decode(all);
+    const expected = expectedOf(form);
+    const facts = ({ character, level, is_record }) => ({ character, level, is_record });
+    const byNumber = (a, b) => a.character - b.character;
+    assert.deepEqual(characters.map(facts).sort(byNumber), expected.characters.map(facts).sort(byNumber));
+    const most = greatest(all, characters, expected);
+    assert.ok(most < tolerance, `${most}`);
+    for (const { character, morph_weights, world } of expected.characters) {
+      const found = characters.find((c) => c.character === character);
+      assert.ok(apart(found.world, world) < 2e-6 * 400);
+      assert.equal(found.morph_weights === null, morph_weights === null);
+      if (morph_weights) assert.ok(apart(found.morph_weights, morph_weights) < 1e-6);
+    }
+  });
+
+  test(`${form}: a vertex has entries of its level, and weights with the sum 1`, () => {
+    const all = open(form);
+    all.manifest.levels.forEach((level, l) => {
+      const { vertices, triangles } = meshOf(all, l);
+      for (const { influences, normal } of vertices) {
+        const sum = influences.reduce((total, { weight }) => total + weight, 0);
+        assert.ok(Math.abs(sum - 1) < 1e-6 && Math.abs(Math.hypot(...normal) - 1) < 1e-5);
+      }
+      assert.ok(triangles.flat().every((corner) => corner < level.vertices));
+      assert.equal(level.parts.at(-1).first + level.parts.at(-1).count, level.triangles);
+    });
+  });
+}
+
+test("what is off by one is seen", () => {
+  const all = open("matrix");
+  const expected = expectedOf("matrix");
+  const changed = (name, at, value) => {
+    const bytes = Uint8Array.from(all.files[name]);
+    new DataView(bytes.buffer).setUint32(at, value, true);
+    return { ...all, files: { ...all.files, [name]: bytes } };
+  };
+  const read = (name, at) => new DataView(all.files[name].buffer, all.files[name].byteOffset).getUint32(at, true);
+  const faults = {
+    "another palette": changed("draws", 4, read("draws", 4) + 1),
+    "another key": changed("records", 0, read("records", 0) + 1),
+    "no blend": changed("records", 8, 0),
+  };
+  for (const [what, buffers] of Object.entries(faults)) {
+    assert.ok(greatest(buffers, decode(buffers), expected) > 1e-3, what);
+  }
+});
+
+test("buffers that contradict their manifest are refused", () => {
+  const all = open("half");
+  const but = (change) => {
+    const manifest = structuredClone(all.manifest);
+    change(manifest);
+    return () => decode({ manifest, files: all.files });
+  };
+  assert.throws(but((m) => (m.version = 2)), /version 2/);
+  assert.throws(but((m) => (m.form = "quarter")), /quarter/);
+  assert.throws(but((m) => (m.form = "matrix")), /bytes/);
+  assert.throws(but((m) => (m.bytes["draws.bin"] += 8)), /draws/);
+  assert.throws(but((m) => (m.records.groups[0].count += 1)), /groups/);
+  assert.throws(but((m) => (m.draws.groups = [])), /groups/);
+});
+
+test("halves by hand", () => {
+  const cases = [
+    [0x0000, 0],
+    [0x0001, 2 ** -24],
+    [0x3c00, 1],
+    [0xc000, -2],
+    [0x3555, 0.333251953125],
+    [0x7bff, 65504],
+    [0xfc00, -Infinity],
+  ];
+  for (const [bits, number] of cases) assert.equal(half(bits), number);
+  assert.ok(Number.isNaN(half(0x7e00)));
+});
