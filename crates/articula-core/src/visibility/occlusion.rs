@@ -168,6 +168,11 @@ impl Occlusion {
         self.fill(&outline[..count], farthest);
     }
 
+    /// Whether nothing that was drawn in this frame hides anything. O(cells).
+    pub fn is_empty(&self) -> bool {
+        self.depths.iter().all(|depth| *depth == f32::INFINITY)
+    }
+
     /// Returns the occluded fraction of a body, 0 to 1: the part of the cells of its screen
     /// rectangle that is hidden. 1 only if no point of its box is visible; 0 if the box is outside
     /// the picture, reaches the eye or is not finite. `bound` is in model space; does not allocate.
@@ -339,9 +344,13 @@ mod tests {
         let at = |grid: &Occlusion, p: Vec3| grid.occluded(&cube, p, Quat::IDENTITY, 1.0);
         let behind = Vec3::NEG_Z * 20.0;
         assert_eq!(at(&grid, behind), 0.0);
+        assert!(grid.is_empty());
+        grid.draw(&ball(Vec3::Z * 5.0, 1.0));
+        assert!(grid.is_empty(), "behind the eye");
         // A ball of 1 m at 5 m spans 4 m at 20 m; a cube of 1 m is wholly behind it.
         grid.draw(&ball(Vec3::NEG_Z * 5.0, 1.0));
         assert_eq!(at(&grid, behind), 1.0);
+        assert!(!grid.is_empty());
         assert_eq!(at(&grid, behind + Vec3::X * 5.0), 0.0, "beside it");
         let half = at(&grid, behind + Vec3::X * 4.0);
         assert!(half > 0.0 && half < 1.0, "{half} of it shows at the edge");

@@ -41,7 +41,7 @@ pub(super) struct Hidden {
     /// Capsules inside the body, for each clip; empty where characters hide nobody.
     capsules: Vec<Vec<Capsule>>,
     occluded: Vec<f32>,
-    /// Characters by squared distance from the eye, and whether they were shown in the frame before.
+    /// Characters before the camera, by squared distance from the eye.
     nearest: Vec<(f32, u32)>,
 }
 
@@ -83,6 +83,10 @@ impl Hidden {
             self.grid.draw_box(wall.centre, 0.5 * wall.size, turn);
         }
         self.draw_characters(camera, player);
+        if self.grid.is_empty() {
+            self.occluded.fill(0.0);
+            return &self.occluded;
+        }
         let bounds = &player.asset().model().parts().bounds;
         let (crowd, forward) = (player.crowd(), camera.forward());
         for (character, occluded) in self.occluded.iter_mut().enumerate() {

@@ -3,7 +3,7 @@
 use super::asset::CrowdAsset;
 use super::lod_error::{CharacterError, ErrorSample};
 use super::player::CrowdPlayer;
-use articula_core::percentile;
+use articula_core::{BlendRecord, percentile};
 use serde::Serialize;
 
 /// Statistics of one level over all frames; counts of characters and poses are means per frame.
@@ -54,8 +54,10 @@ pub struct MeasuredError {
 pub struct DrawCost {
     /// Number of instanced draws: one per part of the mesh.
     pub draw_groups: f64,
-    /// Bytes of palettes.
+    /// Bytes of palettes that the CPU writes.
     pub palette_bytes: f64,
+    /// Bytes of blend records.
+    pub record_bytes: f64,
     /// Number of skinned vertices.
     pub skinned_vertices: f64,
     /// Number of triangles drawn.
@@ -73,6 +75,7 @@ impl DrawCost {
         tiers.iter().fold(Self::default(), |sum, tier| Self {
             draw_groups: sum.draw_groups + tier.renderer.draw_groups,
             palette_bytes: sum.palette_bytes + tier.renderer.palette_bytes,
+            record_bytes: sum.record_bytes + tier.renderer.record_bytes,
             skinned_vertices: sum.skinned_vertices + tier.renderer.skinned_vertices,
             triangles: sum.triangles + tier.renderer.triangles,
             triangles_full: sum.triangles_full + tier.renderer.triangles_full,
@@ -203,6 +206,7 @@ impl LevelTally {
                 draw_groups: mean(sums.groups * parts),
                 palette_bytes: mean(sums.poses)
                     * (made.matrices * model.parts().form.bytes()) as f64,
+                record_bytes: mean(sums.records) * size_of::<BlendRecord>() as f64,
                 skinned_vertices: mean(sums.characters) * made.vertices as f64,
                 triangles: mean(sums.characters) * made.triangles as f64,
                 triangles_full: mean(sums.characters) * asset.full().mesh.triangles.len() as f64,

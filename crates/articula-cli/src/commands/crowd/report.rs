@@ -206,6 +206,7 @@ impl CrowdRunReport {
             "max px",
             "draw groups",
             "palettes",
+            "records",
             "vertices",
         ]);
         for t in &self.tiers {
@@ -223,6 +224,7 @@ impl CrowdRunReport {
                 px(t.error_px.map(|e| e.max)),
                 format!("{:.0}", t.renderer.draw_groups),
                 format!("{:.2} MB", t.renderer.palette_bytes / 1e6),
+                format!("{:.2} MB", t.renderer.record_bytes / 1e6),
                 format!("{:.2} M", t.renderer.skinned_vertices / 1e6),
             ]);
         }
@@ -292,14 +294,15 @@ impl CrowdRunReport {
                 self.morphs.bytes as f64 / 1e6
             ));
         }
-        if self.mesh_levels > 1 {
-            text.push_str(&format!(
-                "mesh   {:.2} M triangles per frame instead of {:.2} M in full detail; {:.2} M vertices\n",
-                self.renderer.triangles / 1e6,
-                self.renderer.triangles_full / 1e6,
-                self.renderer.skinned_vertices / 1e6
-            ));
-        }
+        text.push_str(&format!(
+            "draw   {:.0} groups, {:.2} M vertices, {:.2} M triangles ({:.2} M in full detail); palettes {:.2} MB, records {:.2} MB\n",
+            self.renderer.draw_groups,
+            self.renderer.skinned_vertices / 1e6,
+            self.renderer.triangles / 1e6,
+            self.renderer.triangles_full / 1e6,
+            self.renderer.palette_bytes / 1e6,
+            self.renderer.record_bytes / 1e6
+        ));
         text.push_str(&format!(
             "memory {:.2} MB written per frame; clips {:.2} MB, pose cache {:.2} MB, palettes {:.2} MB, state {:.2} MB ({} bytes per character), meshes {:.2} MB\n",
             self.written_mb.median,
