@@ -193,3 +193,24 @@ for (const form of Object.keys(MATRIX_BYTES)) {
     });
   }
 }
+
+test("normals point outwards of a matrix that mirrors", async (context) => {
+  const all = open("matrix");
+  const plain = await skinned(all, "draws");
+  if (!plain) return context.skip("no WebGPU in Chromium");
+  // The first row of every matrix with the other sign: the character in a mirror.
+  const palettes = Float32Array.from(new Float32Array(Uint8Array.from(all.files.palettes).buffer), (value, i) =>
+    i % 12 < 4 ? -value : value,
+  );
+  const files = { ...all.files, palettes: new Uint8Array(palettes.buffer) };
+  const mirrored = await skinned({ ...all, files }, "draws");
+  assert.ok(plain.flat().length > 0);
+  plain.forEach((numbers, g) =>
+    numbers.forEach((value, i) => {
+      // Four numbers of a place and four of a normal; only x of a normal changes.
+      if (i % 8 < 4) return;
+      const wanted = i % 8 === 4 ? -value : value;
+      assert.ok(Math.abs(mirrored[g][i] - wanted) < 1e-5, `${i}: ${mirrored[g][i]} is not ${wanted}`);
+    }),
+  );
+});

@@ -96,8 +96,8 @@ pub use pose_cache::{
 pub use poses::{PoseOptions, PoseOrigin, Poses, SkinPose, SkinPoseSource, poses, positions};
 pub use reduce::{ClipSize, clip_size, hold_joints_in_clip, whole_clip_size};
 pub use scene::{
-    ClipPlayback, CrossFade, Cue, PLAZA_COUNT, Plaza, Role, Scene, SceneCharacter, SceneImportance,
-    USUAL_ROLES, Wall, Zone, plaza,
+    ClipPlayback, CrossFade, Cue, IMPORTANCE_RANGE, PLAZA_COUNT, Plaza, Role, Scene,
+    SceneCharacter, SceneImportance, USUAL_ROLES, Wall, Zone, plaza,
 };
 pub use simplify::{
     ErrorWeighting, LevelTriangles, Simplified, SimplifyOptions, region_weights, simplify,

@@ -24,7 +24,8 @@ const COLORS: [Rgba; 8] = [
 const WALL: usize = 0;
 const WALL_COLOR: Rgba = [150, 150, 150, 255];
 
-/// The skins of a crowd's characters and the walls around them as one mesh in world space, coloured by level.
+/// The skins of a crowd's characters and the walls around them as one mesh in world space, coloured by
+/// level.
 #[derive(Debug, Clone)]
 pub struct CrowdPicture {
     mesh: Mesh,
@@ -60,16 +61,9 @@ impl CrowdPicture {
         mesh.positions.extend_from_slice(&own.positions);
         mesh.normals.extend_from_slice(&own.normals);
         mesh.texcoords.extend_from_slice(&own.texcoords);
-        mesh.colors.resize(mesh.positions.len(), Vec4::ONE);
         let moved = |t: &[u32; 3]| t.map(|v| v + first as u32);
         mesh.triangles.extend(own.triangles.iter().map(moved));
-        mesh.parts.push(Part {
-            name: String::new(),
-            mesh: 0,
-            material: Some(level + 1),
-            vertices: first..mesh.positions.len(),
-            triangles: triangle..mesh.triangles.len(),
-        });
+        self.close(level + 1, first, triangle);
     }
 
     /// Adds a character that is too far to tell its limbs: an upright sliver of its level's colour, from
@@ -80,23 +74,11 @@ impl CrowdPicture {
         let (side, up) = (across * (0.2 * radius), Vec3::Y * radius);
         let corners = [centre - side - up, centre + side - up, centre + up];
         let towards = across.cross(Vec3::Y);
-        for positions in [&mut all.positions, &mut mesh.positions] {
-            positions.extend_from_slice(&corners);
-        }
-        for normals in [&mut all.normals, &mut mesh.normals] {
-            normals.extend_from_slice(&[towards; 3]);
-        }
-        mesh.texcoords.resize(vertices + 3, Vec2::ZERO);
-        mesh.colors.resize(vertices + 3, Vec4::ONE);
+        all.positions.extend_from_slice(&corners);
+        all.normals.extend_from_slice(&[towards; 3]);
         mesh.triangles
             .push([0, 1, 2].map(|v| (vertices + v) as u32));
-        mesh.parts.push(Part {
-            name: String::new(),
-            mesh: 0,
-            material: Some(level + 1),
-            vertices: vertices..vertices + 3,
-            triangles: triangles..triangles + 1,
-        });
+        self.close(level + 1, vertices, triangles);
     }
 
     /// Adds a wall: a box in world space, with its centre, half of its size, and its rotation about +Y.
@@ -120,15 +102,23 @@ impl CrowdPicture {
                 mesh.triangles.push(corners.map(|c| first + c));
             }
         }
+        self.close(WALL, vertices, triangles);
+    }
+
+    /// Makes the vertices and triangles from these on a part of a material. What is only posed rests where
+    /// it stands.
+    fn close(&mut self, material: usize, vertices: usize, triangles: usize) {
+        let (mesh, all) = (&mut self.mesh, &self.skinned);
         let count = all.positions.len();
-        mesh.positions.extend_from_slice(&all.positions[vertices..]);
-        mesh.normals.extend_from_slice(&all.normals[vertices..]);
+        let at_rest = mesh.positions.len();
+        mesh.positions.extend_from_slice(&all.positions[at_rest..]);
+        mesh.normals.extend_from_slice(&all.normals[at_rest..]);
         mesh.texcoords.resize(count, Vec2::ZERO);
         mesh.colors.resize(count, Vec4::ONE);
         mesh.parts.push(Part {
             name: String::new(),
             mesh: 0,
-            material: Some(WALL),
+            material: Some(material),
             vertices: vertices..count,
             triangles: triangles..mesh.triangles.len(),
         });

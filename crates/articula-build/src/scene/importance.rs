@@ -5,12 +5,17 @@
 
 use super::SceneCharacter;
 use glam::Vec2;
+use std::ops::RangeInclusive;
+
+/// Least and greatest importance; outside of this range it changes nothing more.
+pub const IMPORTANCE_RANGE: RangeInclusive<f32> = 1.0 / 64.0..=64.0;
 
 /// Roles that every scene has, with their importance.
 pub const USUAL_ROLES: [(&str, f32); 3] = [("main", 4.0), ("secondary", 1.0), ("audience", 0.5)];
 
-/// Importance of the characters of a scene; neutral by default.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// Importance of the characters of a scene; by default neutral, with the [`USUAL_ROLES`], which nobody
+/// has.
+#[derive(Debug, Clone, PartialEq)]
 pub struct SceneImportance {
     /// The roles.
     pub roles: Vec<Role>,
@@ -53,6 +58,22 @@ pub struct Zone {
     pub greatest: Vec2,
     /// Importance of who stands in it: 1 is neutral, 2 halves the tolerance.
     pub importance: f32,
+}
+
+impl Default for SceneImportance {
+    fn default() -> Self {
+        let roles = USUAL_ROLES.map(|(name, importance)| Role {
+            name: name.to_owned(),
+            importance,
+        });
+        Self {
+            roles: roles.to_vec(),
+            role_of: Vec::new(),
+            cues: Vec::new(),
+            zones: Vec::new(),
+            clips: Vec::new(),
+        }
+    }
 }
 
 impl SceneImportance {

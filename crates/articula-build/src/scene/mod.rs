@@ -6,7 +6,7 @@
 mod importance;
 mod plaza;
 
-pub use importance::{Cue, Role, SceneImportance, USUAL_ROLES, Zone};
+pub use importance::{Cue, IMPORTANCE_RANGE, Role, SceneImportance, USUAL_ROLES, Zone};
 pub use plaza::{PLAZA_COUNT, Plaza, plaza};
 
 use crate::evaluate::{CameraKey, camera_at};
@@ -106,6 +106,15 @@ pub struct Wall {
 }
 
 impl Scene {
+    /// Keeps the first `count` characters, with their roles and their parts in cues.
+    pub fn truncate(&mut self, count: usize) {
+        self.members.truncate(count);
+        self.importance.role_of.truncate(count);
+        for cue in &mut self.importance.cues {
+            cue.members.retain(|member| (*member as usize) < count);
+        }
+    }
+
     /// Returns the time of the last camera key in seconds: one lap of a looping path.
     pub fn loop_secs(&self) -> f64 {
         self.camera.last().map_or(0.0, |key| key.secs)
@@ -126,6 +135,21 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_shorter_scene_names_nobody_who_is_gone() {
+        let mut scene = plaza(9, 1, 1, Plaza::Still);
+        scene.importance.role_of = vec![Some(0); 9];
+        scene.importance.cues = vec![Cue {
+            secs: 1.0,
+            role: None,
+            members: vec![0, 8, 3, 4],
+        }];
+        scene.truncate(4);
+        assert_eq!(scene.members.len(), 4);
+        assert_eq!(scene.importance.role_of.len(), 4);
+        assert_eq!(scene.importance.cues[0].members, [0, 3]);
+    }
 
     #[test]
     fn a_cross_fade_goes_there_and_back() {

@@ -216,11 +216,12 @@ fn looked_at(
     let mut looked = Vec::with_capacity(looks);
     let bar = console.progress("measuring errors", looks);
     for frame in 0..WARM_UP_FRAMES + settings.frames {
-        let (report, _) = stage.plan(step_secs(frame), tolerances.get(frame).copied())?;
+        let px = tolerances.get(frame).copied();
+        let (report, _) = stage.on_threads(|stage| stage.plan(step_secs(frame), px))?;
         let Some(counted) = frame.checked_sub(WARM_UP_FRAMES) else {
             continue;
         };
-        stage.evaluate();
+        stage.on_threads(TimedCrowd::evaluate);
         occluded.push(stage.scene.hidden() as f64);
         let player = stage.scene.player();
         hash.add(player);

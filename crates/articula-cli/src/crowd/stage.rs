@@ -76,8 +76,11 @@ impl<'a> TimedCrowd<'a> {
         settings: Settings,
     ) -> anyhow::Result<Self> {
         let mut stage = Self::new(asset, scene, settings)?;
-        stage.plan(0.0, None)?;
-        stage.evaluate();
+        stage.on_threads(|stage| {
+            stage.plan(0.0, None)?;
+            stage.evaluate();
+            anyhow::Ok(())
+        })?;
         Ok(stage)
     }
 

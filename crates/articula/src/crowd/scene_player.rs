@@ -235,11 +235,8 @@ impl<'a> ScenePlayer<'a> {
         let due = importance.cues[self.cues..].iter();
         for cue in due.take_while(|cue| cue.secs <= self.secs) {
             for character in cue.members.iter().map(|m| *m as usize) {
-                // A scene may be cut to its first characters.
-                let Some(member) = self.scene.members.get(character) else {
-                    continue;
-                };
                 self.roles[character] = cue.role;
+                let member = &self.scene.members[character];
                 let value = importance.of(member, cue.role);
                 self.player.set_importance(character, value);
             }

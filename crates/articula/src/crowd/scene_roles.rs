@@ -5,14 +5,11 @@
 use crate::camera_path::ensure;
 use crate::error::{Context, Error, Result};
 use crate::open::choose;
-use articula_build::{Cue, Role, SceneImportance, USUAL_ROLES, Wall, Zone};
+use articula_build::{Cue, IMPORTANCE_RANGE, Role, SceneImportance, USUAL_ROLES, Wall, Zone};
 use articula_core::Clip;
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// Least and greatest importance; outside of this range it changes nothing more.
-const IMPORTANCE: std::ops::RangeInclusive<f32> = 1.0 / 64.0..=64.0;
 
 /// Maximum numbers of walls, zones, cues and roles.
 const MAX_ENTRIES: usize = 10_000;
@@ -105,12 +102,8 @@ impl RolesFile {
 
     /// The roles of the file, and the usual ones that it does not name.
     fn named_roles(&self) -> Result<Vec<Role>> {
-        let usual = USUAL_ROLES.iter().map(|(name, importance)| Role {
-            name: (*name).to_owned(),
-            importance: *importance,
-        });
-        let usual = usual.filter(|r| !self.roles.contains_key(&r.name));
-        let mut roles: Vec<Role> = usual.collect();
+        let mut roles = SceneImportance::default().roles;
+        roles.retain(|role| !self.roles.contains_key(&role.name));
         for (name, importance) in &self.roles {
             checked(*importance).with_context(|| format!("roles: {name}"))?;
             roles.push(Role {
@@ -243,7 +236,7 @@ impl WallFile {
 }
 
 fn checked(importance: f32) -> Result<()> {
-    ensure(IMPORTANCE.contains(&importance), || {
+    ensure(IMPORTANCE_RANGE.contains(&importance), || {
         "importance: give 1/64 to 64; 1 is neutral, 2 halves the tolerance".to_owned()
     })
 }

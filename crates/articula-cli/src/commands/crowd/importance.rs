@@ -3,7 +3,7 @@
 use crate::fault;
 use anyhow::Context;
 use articula::crowd::Hiders;
-use articula_build::{Role, Scene, USUAL_ROLES};
+use articula_build::{IMPORTANCE_RANGE, Scene};
 use articula_core::Clip;
 use clap::{Args, ValueEnum};
 use std::str::FromStr;
@@ -60,13 +60,6 @@ impl ImportanceArgs {
     pub(super) fn apply(&self, scene: &mut Scene, clips: &[Clip]) -> anyhow::Result<()> {
         let count = scene.members.len();
         let importance = &mut scene.importance;
-        if importance.roles.is_empty() {
-            let usual = USUAL_ROLES.map(|(name, importance)| Role {
-                name: name.to_owned(),
-                importance,
-            });
-            importance.roles.extend(usual);
-        }
         for RoleOf { role, ranges } in &self.role {
             let names = importance.roles.iter().map(|r| r.name.as_str());
             let at = articula::choose("role", role, names).context("--role")?;
@@ -113,7 +106,7 @@ fn of_role(text: &str) -> Result<RoleOf, String> {
 fn of_clip(text: &str) -> Result<ClipImportance, String> {
     let (clip, importance) = text.rsplit_once('=').ok_or("give CLIP=IMPORTANCE")?;
     let importance = f32::from_str(importance).map_err(|_| "the importance is no number")?;
-    if !(1.0 / 64.0..=64.0).contains(&importance) {
+    if !IMPORTANCE_RANGE.contains(&importance) {
         return Err("give an importance from 1/64 to 64".to_owned());
     }
     Ok(ClipImportance {

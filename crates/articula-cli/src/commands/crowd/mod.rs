@@ -452,7 +452,7 @@ impl CrowdArgs {
                 files::shown(path)
             ))),
             count => {
-                scene.members.truncate(count.unwrap_or(there));
+                scene.truncate(count.unwrap_or(there));
                 Ok(scene)
             }
         }

@@ -28,10 +28,13 @@ fn articula_point(m: ArticulaRows, point: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(dot(m.x, p), dot(m.y, p), dot(m.z, p));
 }
 
-// The normal of a surface that the matrix has moved, by its cofactor matrix; of unit length.
+// The normal of a surface that the matrix has moved, by its cofactor matrix; of unit length. Normals
+// point outwards of a matrix that mirrors too.
 fn articula_normal(m: ArticulaRows, normal: vec3<f32>) -> vec3<f32> {
-    let moved = vec3<f32>(
-        dot(cross(m.y.xyz, m.z.xyz), normal),
+    let first = cross(m.y.xyz, m.z.xyz);
+    let side = select(1.0, -1.0, dot(m.x.xyz, first) < 0.0);
+    let moved = side * vec3<f32>(
+        dot(first, normal),
         dot(cross(m.z.xyz, m.x.xyz), normal),
         dot(cross(m.x.xyz, m.y.xyz), normal),
     );
