@@ -16,6 +16,8 @@ use glam::{Affine3A, Quat, Vec3};
 /// One character of a scene, animated in place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneCharacter {
+    /// Which character of the scene's cast it is, from 0; 0 where the cast has only one.
+    pub character: u16,
     /// Position in the world, in metres.
     pub position: Vec3,
     /// Rotation about +Y in radians; at 0 the character faces +Z.
@@ -77,21 +79,28 @@ impl SceneCharacter {
     }
 }
 
-/// Characters and a camera path.
+/// Characters, seen by one camera or more.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// The characters.
     pub members: Vec<SceneCharacter>,
+    /// The views, each with its camera; the first is the one of pictures.
+    pub views: Vec<SceneView>,
+    /// Who matters.
+    pub importance: SceneImportance,
+    /// What hides characters.
+    pub walls: Vec<Wall>,
+}
+
+/// A camera path and the picture that it is seen in.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SceneView {
     /// Picture size in pixels and field of view.
     pub viewport: Viewport,
     /// Keys of the camera path, in order of time, starting at 0.
     pub camera: Vec<CameraKey>,
     /// Whether the camera path repeats after its last key; otherwise the camera stays there.
     pub camera_loops: bool,
-    /// Who matters.
-    pub importance: SceneImportance,
-    /// What hides characters.
-    pub walls: Vec<Wall>,
 }
 
 /// An opaque box that stands in a scene: a wall, a house.
@@ -115,12 +124,25 @@ impl Scene {
         }
     }
 
+    /// Returns the duration of the longest camera path in seconds: one lap, if it loops.
+    pub fn loop_secs(&self) -> f64 {
+        let laps = self.views.iter().map(SceneView::loop_secs);
+        laps.fold(0.0, f64::max)
+    }
+
+    /// Returns the camera of the first view at a time; `None` if it has no camera key.
+    pub fn camera_at(&self, secs: f64) -> Option<Camera> {
+        self.views.first()?.camera_at(secs)
+    }
+}
+
+impl SceneView {
     /// Returns the time of the last camera key in seconds: one lap of a looping path.
     pub fn loop_secs(&self) -> f64 {
         self.camera.last().map_or(0.0, |key| key.secs)
     }
 
-    /// Returns the camera at a time; `None` if the scene has no camera key.
+    /// Returns the camera at a time; `None` if there is no camera key.
     pub fn camera_at(&self, secs: f64) -> Option<Camera> {
         let lap = self.loop_secs();
         let secs = if self.camera_loops && lap > 0.0 {
@@ -138,7 +160,7 @@ mod tests {
 
     #[test]
     fn a_shorter_scene_names_nobody_who_is_gone() {
-        let mut scene = plaza(9, 1, 1, Plaza::Still);
+        let mut scene = plaza(9, &[1], 1, Plaza::Still);
         scene.importance.role_of = vec![Some(0); 9];
         scene.importance.cues = vec![Cue {
             secs: 1.0,
@@ -182,6 +204,7 @@ mod tests {
             speed: 2.0,
         };
         let member = SceneCharacter {
+            character: 0,
             position: Vec3::new(1.0, 0.0, 2.0),
             yaw_radians: std::f32::consts::FRAC_PI_2,
             play,
@@ -194,9 +217,11 @@ mod tests {
 
     #[test]
     fn without_a_key_there_is_no_camera() {
-        let mut scene = plaza(1, 1, 1, Plaza::Still);
-        scene.camera.clear();
+        let mut scene = plaza(1, &[1], 1, Plaza::Still);
+        scene.views[0].camera.clear();
         assert_eq!(scene.camera_at(1.0), None);
         assert_eq!(scene.loop_secs(), 0.0);
+        scene.views.clear();
+        assert_eq!(scene.camera_at(1.0), None);
     }
 }

@@ -8,8 +8,8 @@ use super::stage::{DISPLAY_HZ, Settings, TimedCrowd};
 use super::timing::{Spread, thread_ns};
 use crate::console::Console;
 use articula::crowd::{
-    Budget, BudgetReport, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter, ErrorSample,
-    ErrorSummary, LevelStatistics, LevelTally, PaletteHash,
+    Budget, BudgetReport, CharacterError, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter,
+    ErrorSample, ErrorSummary, LevelStatistics, LevelTally, PaletteHash, ScenePlayer,
 };
 use articula_build::Scene;
 use serde::Serialize;
@@ -53,7 +53,8 @@ pub(crate) struct Run {
     pub(crate) morphs: Morphs,
     /// Maximum error in pixels by which levels and shared poses were chosen.
     pub(crate) bound_px: Option<f32>,
-    pub(crate) tiers: Vec<LevelStatistics>,
+    /// Levels of each character of the cast.
+    pub(crate) tiers: Vec<Vec<LevelStatistics>>,
     pub(crate) error: ErrorSummary,
     pub(crate) roles: Vec<RoleError>,
     pub(crate) hash: String,
@@ -114,15 +115,15 @@ pub(crate) struct BudgetFound {
 
 /// Plays a scene twice: once for its time, once for its errors.
 pub(crate) fn run(
-    asset: &CrowdAsset,
+    cast: &[CrowdAsset],
     scene: &Scene,
     settings: Settings,
     seed: u64,
     console: &Console,
 ) -> anyhow::Result<Run> {
-    let (times, budgets) = timed(asset, scene, settings, console)?;
+    let (times, budgets) = timed(cast, scene, settings, console)?;
     let tolerances: Vec<f32> = budgets.iter().map(|b| b.px).collect();
-    let mut found = looked_at(asset, scene, settings, &tolerances, (seed, console))?;
+    let mut found = looked_at(cast, scene, settings, &tolerances, (seed, console))?;
     found.budget = budget_of(&budgets);
     let ms = |of: &dyn Fn(&FrameTime) -> f64| Spread::of(times.iter().map(|t| of(t) / 1e6));
     found.frame_ms = ms(&|t| t.cpu_ns);
@@ -148,12 +149,12 @@ fn step_secs(frame: usize) -> f64 {
 }
 
 fn timed(
-    asset: &CrowdAsset,
+    cast: &[CrowdAsset],
     scene: &Scene,
     settings: Settings,
     console: &Console,
 ) -> anyhow::Result<(Vec<FrameTime>, Vec<BudgetReport>)> {
-    let mut stage = TimedCrowd::new(asset, scene, settings)?;
+    let mut stage = TimedCrowd::new(cast, scene, settings)?;
     let budget = match settings.detail {
         DetailGoal::Budget { ms, cap_px } => Some(Budget::new(1e6 * f64::from(ms), cap_px)),
         _ => None,
@@ -177,7 +178,7 @@ fn play(
         let px = budget.as_ref().map(Budget::px);
         let (_, others_ns) = stage.plan(step_secs(frame), px)?;
         if let Some(budget) = &mut budget {
-            stage.scene.player_mut().add_to(budget);
+            stage.scene.add_to(budget);
         }
         let tick_ns = (thread_ns() - start + others_ns) as f64;
         let evaluate_ns = stage.evaluate() as f64;
@@ -198,15 +199,14 @@ fn play(
 }
 
 fn looked_at(
-    asset: &CrowdAsset,
+    cast: &[CrowdAsset],
     scene: &Scene,
     settings: Settings,
     tolerances: &[f32],
     (seed, console): (u64, &Console),
 ) -> anyhow::Result<Run> {
-    let mut stage = TimedCrowd::new(asset, scene, settings)?;
-    let mut meter = ErrorMeter::new(asset, seed);
-    let mut tally = LevelTally::new(asset);
+    let mut stage = TimedCrowd::new(cast, scene, settings)?;
+    let mut watched: Vec<Watched<'_>> = cast.iter().map(|a| Watched::new(a, seed)).collect();
     let mut hash = PaletteHash::default();
     let mut roles = RoleTally::new(scene);
     let mut faces = (0, 0);
@@ -223,19 +223,21 @@ fn looked_at(
         };
         stage.on_threads(TimedCrowd::evaluate);
         occluded.push(stage.scene.hidden() as f64);
-        let player = stage.scene.player();
-        hash.add(player);
-        tally.add(player);
-        let crowd = player.crowd();
-        let palettes = crowd.draw_list().matrices * asset.model().parts().form.bytes();
-        let morphs = size_of_val(player.morph_weights());
-        let bytes = palettes + size_of_val(player.records()) + morphs;
-        faces.0 += crowd.draw_list().morph_sets();
-        faces.1 = morphs.max(faces.1);
-        reports.push((report, bytes));
+        let (mut bytes, mut weights) = (0, 0);
+        for (watched, player) in watched.iter_mut().zip(stage.scene.crowds()) {
+            hash.add(player);
+            watched.tally.add(player);
+            let list = player.crowd().draw_list();
+            let form = player.asset().model().parts().form;
+            bytes += list.matrices * form.bytes() + size_of_val(player.records());
+            weights += size_of_val(player.morph_weights());
+            faces.0 += list.morph_sets();
+        }
+        faces.1 = weights.max(faces.1);
+        reports.push((report, bytes + weights));
         // The first frame, then at even intervals.
         if counted * looks / settings.frames >= looked.len() && looked.len() < looks {
-            let sample = meter.measure(player, stage.scene.secs(), &stage.scene.camera()?);
+            let sample = look(&stage.scene, &mut watched)?;
             roles.add(&stage.scene, &sample);
             looked.push(sample);
             bar.inc(1);
@@ -258,7 +260,7 @@ fn looked_at(
         overrun_p95: None,
         budget: None,
         written_mb: Spread::of(reports.iter().map(|r| r.1 as f64 / 1e6)),
-        memory: memory(asset, scene, reports.iter().map(|r| r.1).max().unwrap_or(0)),
+        memory: memory(cast, scene, reports.iter().map(|r| r.1).max().unwrap_or(0)),
         poses: Poses {
             own: mean(&|r| r.own),
             shared: mean(&|r| r.shared_poses),
@@ -272,7 +274,7 @@ fn looked_at(
         },
         // In full detail nothing is chosen by its error.
         bound_px: (settings.detail != DetailGoal::Full).then_some(bound),
-        tiers: tally.levels(asset, &looked),
+        tiers: watched.iter().map(Watched::levels).collect(),
         error: ErrorSummary::of(&looked),
         roles: roles.roles(scene),
         hash: hash.text(),
@@ -281,12 +283,57 @@ fn looked_at(
     })
 }
 
-fn memory(asset: &CrowdAsset, scene: &Scene, output_bytes: usize) -> Memory {
-    let parts = asset.model().parts();
+/// What is noted about the crowd of one character.
+struct Watched<'a> {
+    asset: &'a CrowdAsset,
+    meter: ErrorMeter,
+    tally: LevelTally,
+    /// Errors at the sampled frames.
+    looks: Vec<ErrorSample>,
+}
+
+impl<'a> Watched<'a> {
+    fn new(asset: &'a CrowdAsset, seed: u64) -> Self {
+        Self {
+            asset,
+            meter: ErrorMeter::new(asset, seed),
+            tally: LevelTally::new(asset),
+            looks: Vec::new(),
+        }
+    }
+
+    fn levels(&self) -> Vec<LevelStatistics> {
+        self.tally.levels(self.asset, &self.looks)
+    }
+}
+
+/// Measures all crowds of a scene; the characters of the sample are the members of the scene.
+fn look(scene: &ScenePlayer<'_>, watched: &mut [Watched<'_>]) -> anyhow::Result<ErrorSample> {
+    let (secs, cameras) = (scene.secs(), scene.cameras()?);
+    let mut all = ErrorSample {
+        secs,
+        characters: Vec::new(),
+    };
+    for (c, (watched, player)) in watched.iter_mut().zip(scene.crowds()).enumerate() {
+        let sample = watched.meter.measure(player, secs, &cameras);
+        let members = sample.characters.iter().map(|e| CharacterError {
+            character: scene.member(c, e.character),
+            ..*e
+        });
+        all.characters.extend(members);
+        watched.looks.push(sample);
+    }
+    Ok(all)
+}
+
+fn memory(cast: &[CrowdAsset], scene: &Scene, output_bytes: usize) -> Memory {
+    let parts = || cast.iter().map(|asset| asset.model().parts());
     Memory {
-        clips_bytes: parts.clips.bytes(),
+        clips_bytes: parts().map(|p| p.clips.bytes()).sum(),
         output_bytes,
-        cache_bytes: parts.cache.as_ref().map_or(0, |c| c.bytes()),
+        cache_bytes: parts()
+            .filter_map(|p| Some(p.cache.as_ref()?.bytes()))
+            .sum(),
         state_bytes: Crowd::BYTES_PER_CHARACTER * scene.members.len(),
         state_bytes_per_character: Crowd::BYTES_PER_CHARACTER,
     }

@@ -132,6 +132,24 @@ pub struct CrowdReport {
     pub bound_px: f32,
 }
 
+impl CrowdReport {
+    /// The report of this crowd and another one together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            visible: self.visible + other.visible,
+            in_margin: self.in_margin + other.in_margin,
+            own: self.own + other.own,
+            shared_poses: self.shared_poses + other.shared_poses,
+            sharing_characters: self.sharing_characters + other.sharing_characters,
+            blended: self.blended + other.blended,
+            cached: self.cached + other.cached,
+            work: self.work + other.work,
+            bound_px: self.bound_px.max(other.bound_px),
+        }
+    }
+}
+
 impl<'a> Frame<'a> {
     /// The frame of some of the characters; those that moved are not listed.
     pub(crate) fn part(&self, of: Range<usize>) -> Frame<'a> {

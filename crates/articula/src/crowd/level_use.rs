@@ -71,8 +71,8 @@ pub struct DrawCost {
 
 impl DrawCost {
     /// Sums the costs of all levels.
-    pub fn sum(tiers: &[LevelStatistics]) -> Self {
-        tiers.iter().fold(Self::default(), |sum, tier| Self {
+    pub fn sum<'a>(tiers: impl IntoIterator<Item = &'a LevelStatistics>) -> Self {
+        tiers.into_iter().fold(Self::default(), |sum, tier| Self {
             draw_groups: sum.draw_groups + tier.renderer.draw_groups,
             palette_bytes: sum.palette_bytes + tier.renderer.palette_bytes,
             record_bytes: sum.record_bytes + tier.renderer.record_bytes,

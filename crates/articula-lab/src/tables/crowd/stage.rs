@@ -336,7 +336,7 @@ mod tests {
     #[test]
     fn what_is_off_the_screen_does_not_count() {
         use articula_build::{Plaza, plaza};
-        let scene = plaza(4, 1, 1, Plaza::Still);
+        let scene = plaza(4, &[1], 1, Plaza::Still);
         let camera = scene.camera_at(0.0).unwrap();
         let member = SceneCharacter {
             position: Vec3::ZERO,
