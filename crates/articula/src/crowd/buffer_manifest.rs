@@ -223,7 +223,8 @@ fn levels(player: &CrowdPlayer) -> Vec<LevelManifest> {
         let made = LevelManifest {
             matrices: asset.level(level).matrices,
             vertices_at,
-            vertices: mesh.len(),
+            // Points on the bones of a character without a mesh are not drawn.
+            vertices: if asset.has_mesh() { mesh.len() } else { 0 },
             vertex_bytes: vertex_bytes(mesh),
             influences: stored_influences(mesh),
             triangles_at,

@@ -74,7 +74,8 @@ impl CrowdBuffers {
         let cache = asset.model().parts().cache.as_ref();
         let mut vertices = Vec::new();
         let mut triangles = Vec::new();
-        for mesh in (0..asset.levels()).map(|level| asset.mesh(level)) {
+        let levels = if asset.has_mesh() { asset.levels() } else { 0 };
+        for mesh in (0..levels).map(|level| asset.mesh(level)) {
             push_vertices(mesh, &mut vertices);
             triangles.extend(
                 mesh.triangles
