@@ -96,8 +96,9 @@ impl CrowdSection {
         let Detail::Tolerance { px } = frame.detail else {
             return 0.0;
         };
-        if self.mode.is_plain && self.mode.is_culled {
-            return self.sight.metres_per_px[character / LANES].0[character % LANES] * px;
+        if self.mode.keeps && self.mode.is_culled {
+            let metres_per_px = self.sight.metres_per_px[character / LANES].0[character % LANES];
+            return metres_per_px * px * self.weights.of(character);
         }
         let importance = frame.importance.get(character).copied().unwrap_or(1.0);
         px * attention(model, &self.clocks.state(character), importance) / pixels_per_metre

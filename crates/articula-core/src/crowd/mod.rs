@@ -58,6 +58,7 @@ mod root_path;
 mod section;
 mod share;
 mod tick;
+mod weights;
 
 pub use attachment::attachment;
 pub use budget::{Budget, BudgetReport};
