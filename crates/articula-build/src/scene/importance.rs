@@ -146,6 +146,7 @@ mod tests {
             character: 0,
             position: Vec3::new(x, 9.0, 0.0),
             yaw_radians: 0.0,
+            scale: 1.0,
             play: ClipPlayback {
                 clip,
                 phase: 0.0,

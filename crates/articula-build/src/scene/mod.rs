@@ -22,6 +22,8 @@ pub struct SceneCharacter {
     pub position: Vec3,
     /// Rotation about +Y in radians; at 0 the character faces +Z.
     pub yaw_radians: f32,
+    /// Uniform scale: 1 is the size of its file.
+    pub scale: f32,
     /// Clip that the character plays.
     pub play: ClipPlayback,
     /// Permanent cross-fade to a second clip and back.
@@ -75,7 +77,7 @@ impl SceneCharacter {
     /// Returns the world transform of the character.
     pub fn world_from_model(&self) -> Affine3A {
         let turn = Quat::from_rotation_y(self.yaw_radians);
-        Affine3A::from_rotation_translation(turn, self.position)
+        Affine3A::from_scale_rotation_translation(Vec3::splat(self.scale), turn, self.position)
     }
 }
 
@@ -207,11 +209,15 @@ mod tests {
             character: 0,
             position: Vec3::new(1.0, 0.0, 2.0),
             yaw_radians: std::f32::consts::FRAC_PI_2,
+            scale: 2.0,
             play,
             cross_fade: None,
         };
         let ahead = member.world_from_model().transform_point3(Vec3::Z);
-        assert!((ahead - Vec3::new(2.0, 0.0, 2.0)).length() < 1e-6);
+        assert!(
+            (ahead - Vec3::new(3.0, 0.0, 2.0)).length() < 1e-6,
+            "2 m ahead"
+        );
         assert_eq!(play.clip_secs(3.0, 4.0), 8.0);
     }
 

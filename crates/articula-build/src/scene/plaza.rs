@@ -156,6 +156,7 @@ fn member(
         character: character as u16,
         position: Vec3::new(x, 0.0, z),
         yaw_radians: TAU * random.unit(),
+        scale: 1.0,
         play: play(random.below(clips), random),
         cross_fade: None,
     }

@@ -17,6 +17,7 @@ use articula_core::Clip;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 /// Maximum number of characters in a scene.
 pub const MAX_MEMBERS: usize = 1_000_000;
@@ -24,6 +25,9 @@ pub const MAX_MEMBERS: usize = 1_000_000;
 /// Maximum distance of a character from the origin in metres: beyond it single precision is
 /// visible.
 const FARTHEST_METRES: f32 = 1e5;
+
+/// Scales of a character.
+const SCALES: RangeInclusive<f32> = 0.01..=100.0;
 
 /// Maximum playback speed, forwards or backwards.
 const MAX_SPEED: f32 = 100.0;
@@ -64,6 +68,8 @@ struct MemberFile {
     position: [f32; 3],
     #[serde(default)]
     yaw_deg: f32,
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    scale: f32,
     clip: String,
     #[serde(default)]
     phase: f32,
@@ -90,6 +96,10 @@ struct FadeFile {
 
 fn one() -> f32 {
     1.0
+}
+
+fn is_one(number: &f32) -> bool {
+    *number == 1.0
 }
 
 /// A scene file that was read, whose characters and clips are still names.
@@ -177,6 +187,10 @@ fn member(file: &MemberFile, cast: &[CastMember<'_>]) -> Result<SceneCharacter> 
     ensure(file.yaw_deg.is_finite(), || {
         "yaw_deg: give a finite number of degrees".to_owned()
     })?;
+    ensure(SCALES.contains(&file.scale), || {
+        let (least, most) = (SCALES.start(), SCALES.end());
+        format!("scale: give {least} to {most}; 1 is the size of the file")
+    })?;
     let cross_fade = file.cross_fade.as_ref().map(|fade| {
         let play = play((&fade.clip, fade.phase, fade.speed), clips)?;
         ensure((0.0..=3600.0).contains(&fade.secs), || {
@@ -195,6 +209,7 @@ fn member(file: &MemberFile, cast: &[CastMember<'_>]) -> Result<SceneCharacter> 
         character: character as u16,
         position: Vec3::from(file.position),
         yaw_radians: file.yaw_deg.to_radians(),
+        scale: file.scale,
         play: play((&file.clip, file.phase, file.speed), clips)?,
         cross_fade: cross_fade.transpose().context("cross_fade")?,
     })
@@ -236,6 +251,7 @@ pub fn write_scene(scene: &Scene, cast: &[CastMember<'_>]) -> Vec<u8> {
             character: own.filter(|_| cast.len() > 1).map(|c| c.name.to_owned()),
             position: m.position.to_array(),
             yaw_deg: m.yaw_radians.to_degrees(),
+            scale: m.scale,
             clip: name(m.play.clip),
             phase: m.play.phase,
             speed: m.play.speed,
@@ -330,6 +346,7 @@ mod tests {
             ("position", r#""position": [0, 1e9, 0]"#),
             ("phase", r#""position": [0, 0, 0], "phase": 1.5"#),
             ("speed", r#""position": [0, 0, 0], "speed": 1e30"#),
+            ("scale", r#""position": [0, 0, 0], "scale": 0"#),
             (
                 "cross_fade: secs",
                 r#""position": [0, 0, 0], "cross_fade": {"clip": "idle", "secs": -1}"#,

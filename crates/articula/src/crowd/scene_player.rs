@@ -147,6 +147,9 @@ impl<'a> ScenePlayer<'a> {
             let (crowd, character) = (usize::from(place.0), place.1 as usize);
             let player = &mut self.crowds[crowd];
             player.place(character, member.position, member.yaw_radians);
+            if member.scale != 1.0 {
+                player.set_scale(character, member.scale);
+            }
             if let Some(role) = self.roles.get(i) {
                 player.set_importance(character, importance.of(member, *role));
             }

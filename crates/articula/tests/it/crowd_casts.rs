@@ -200,7 +200,7 @@ fn casts_and_views_are_written_as_they_were_read() {
                     "camera": [{{"t": 0, "eye": [9, 1, 0], "target": [0, 1, 0]}}]}}],
         "clip_importance": {{"{clip}": 2}},
         "members": [{{"character": "man", "position": [0, 0, 0], "clip": "{clip}"}},
-                    {{"character": "king", "position": [1, 0, 0], "clip": "{clip}"}}]}}"#
+                    {{"character": "king", "position": [1, 0, 0], "scale": 0.5, "clip": "{clip}"}}]}}"#
     );
     let parsed = ParsedScene::parse(text.as_bytes()).unwrap();
     let files: Vec<_> = parsed.characters().collect();
@@ -218,6 +218,8 @@ fn casts_and_views_are_written_as_they_were_read() {
     let again = read_scene(&written, &names, 60.0).unwrap();
     assert_eq!(again.members, scene.members);
     assert_eq!(again.importance, scene.importance);
+    let player = ScenePlayer::new(&cast, &again, OPTIONS).unwrap();
+    assert_eq!([0, 1].map(|c| player.crowds()[c].scale(0)), [0.5, 1.0]);
     assert_eq!(again.views.len(), 2);
     assert!((again.views[1].viewport.fov_y_radians - 60f32.to_radians()).abs() < 1e-6);
     assert!(again.views[1].camera_loops && !again.views[0].camera_loops);
