@@ -77,6 +77,8 @@ pub(crate) struct Poses {
     pub(crate) blended: f64,
     /// Poses blended from the pose cache, by the CPU or by the GPU.
     pub(crate) cached: f64,
+    /// Shown from the cache as they are.
+    pub(crate) stepped: f64,
 }
 
 /// Morph target weights written in a frame.
@@ -229,7 +231,8 @@ fn looked_at(
             watched.tally.add(player);
             let list = player.crowd().draw_list();
             let form = player.asset().model().parts().form;
-            bytes += list.matrices * form.bytes() + size_of_val(player.records());
+            let drawn = size_of_val(player.records()) + size_of_val(player.stepped());
+            bytes += list.matrices * form.bytes() + drawn;
             weights += size_of_val(player.morph_weights());
             faces.0 += list.morph_sets();
         }
@@ -267,6 +270,7 @@ fn looked_at(
             followers: mean(&|r| r.sharing_characters),
             blended: mean(&|r| r.blended),
             cached: mean(&|r| r.cached),
+            stepped: mean(&|r| r.stepped),
         },
         morphs: Morphs {
             characters: faces.0 as f64 / settings.frames.max(1) as f64,
