@@ -313,13 +313,13 @@ impl<'a> Watched<'a> {
 
 /// Measures all crowds of a scene; the characters of the sample are the members of the scene.
 fn look(scene: &ScenePlayer<'_>, watched: &mut [Watched<'_>]) -> anyhow::Result<ErrorSample> {
-    let (secs, cameras) = (scene.secs(), scene.cameras()?);
+    let secs = scene.secs();
     let mut all = ErrorSample {
         secs,
         characters: Vec::new(),
     };
     for (c, (watched, player)) in watched.iter_mut().zip(scene.crowds()).enumerate() {
-        let sample = watched.meter.measure(player, secs, &cameras);
+        let sample = watched.meter.measure(player, secs, &scene.sights(c)?);
         let members = sample.characters.iter().map(|e| CharacterError {
             character: scene.member(c, e.character),
             ..*e

@@ -108,6 +108,14 @@ impl Clocks {
         self.fade_of[character] != NONE
     }
 
+    /// Clip of a character, and the one that it fades to.
+    #[inline]
+    pub(crate) fn clips(&self, character: usize) -> (usize, Option<usize>) {
+        let fade = self.fades.get(self.fade_of[character] as usize);
+        let to = fade.map(|fade| usize::from(fade.to.clip));
+        (usize::from(self.clips[character].0), to)
+    }
+
     /// State of a character.
     #[inline]
     pub(crate) fn state(&self, character: usize) -> CharacterState {

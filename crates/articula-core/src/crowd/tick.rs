@@ -101,6 +101,14 @@ impl Crowd {
         section.clocks.state(character)
     }
 
+    /// Returns the clip of a character, and the one that it fades to: the cheap part of
+    /// [`state`](Self::state).
+    #[inline]
+    pub fn clips(&self, character: usize) -> (usize, Option<usize>) {
+        let (section, character) = self.at(character);
+        section.clocks.clips(character)
+    }
+
     /// Replaces the playback state of a character.
     pub fn play(&mut self, character: usize, player: CharacterState) {
         self.sections[character / SECTION].play(character % SECTION, &player);

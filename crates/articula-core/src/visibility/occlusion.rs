@@ -219,6 +219,67 @@ impl Occlusion {
         }
     }
 
+    /// Returns the occluded fraction of a body within an upright cylinder of the world, as
+    /// [`occluded`](Self::occluded) at a third of its cost: `foot` lies on the axis, which is +Y, and
+    /// `heights` are least and greatest above it. Does not allocate.
+    pub fn occluded_upright(&self, foot: Vec3, radius: f32, heights: [f32; 2]) -> f32 {
+        match self.upright(foot, radius, heights) {
+            Reach::Cells(rectangle) => {
+                let [hidden, cells] = self.hidden_cells(&rectangle, rectangle.nearest);
+                hidden as f32 / cells as f32
+            }
+            Reach::Nowhere | Reach::Eye => 0.0,
+        }
+    }
+
+    /// Cells and depths of an upright cylinder.
+    fn upright(&self, foot: Vec3, radius: f32, heights: [f32; 2]) -> Reach {
+        let axis = self.camera_from_world.y_axis;
+        let foot = self.view(foot);
+        let ends = heights.map(|height| foot + axis * height);
+        // A horizontal disc of radius 1 extends so far along the axes of the camera.
+        let spread = (Vec3::ONE - axis * axis).max(Vec3::ZERO);
+        let spread = Vec3::new(spread.x.sqrt(), spread.y.sqrt(), spread.z.sqrt()) * radius;
+        let nearest = ends[0].z.min(ends[1].z) - spread.z;
+        if !(nearest >= NEAR_METRES && foot.is_finite() && spread.is_finite()) {
+            return Reach::Eye;
+        }
+        let mut least = Vec2::INFINITY;
+        let mut greatest = Vec2::NEG_INFINITY;
+        for end in ends {
+            // The sides of the box around the disc, at its near and at its far face.
+            let faces = [1.0 / (end.z - spread.z), 1.0 / (end.z + spread.z)];
+            let low = Vec2::new(end.x - spread.x, -end.y - spread.y);
+            let high = Vec2::new(end.x + spread.x, -end.y + spread.y);
+            for per_metre in faces {
+                least = least.min(low * per_metre);
+                greatest = greatest.max(high * per_metre);
+            }
+        }
+        let range = |least: f32, greatest: f32, cells: f32, middle: f32, most: usize| {
+            let least = least * cells + middle - ROUNDING_CELLS;
+            let greatest = greatest * cells + middle + ROUNDING_CELLS;
+            least as usize..((greatest + 1.0) as usize).min(most)
+        };
+        let columns = range(
+            least.x,
+            greatest.x,
+            self.cells.x,
+            self.middle.x,
+            self.columns,
+        );
+        let rows = range(least.y, greatest.y, self.cells.y, self.middle.y, self.rows);
+        if columns.is_empty() || rows.is_empty() {
+            return Reach::Nowhere;
+        }
+        Reach::Cells(Rectangle {
+            columns,
+            rows,
+            nearest: nearest * (1.0 - 1e-5),
+            farthest: ends[0].z.max(ends[1].z) + spread.z,
+        })
+    }
+
     /// Returns what of an axis-aligned box of the world is hidden, so that bodies in it need not be tested
     /// one by one. Does not allocate.
     pub fn occluded_box(&self, least: Vec3, greatest: Vec3) -> BoxOcclusion {
@@ -569,6 +630,69 @@ mod tests {
             grid.begin(&odd);
             grid.draw(&ball(Vec3::NEG_Z * 5.0, 1.0));
             assert_eq!(grid.occluded(&cube, behind, Quat::IDENTITY, 1.0), 0.0);
+        }
+    }
+
+    /// A body in an upright cylinder is as hidden as the box around that is, and never more.
+    #[test]
+    fn an_upright_body_is_tested_as_its_box() {
+        for (pitch, yaw) in [(0.0, 0.0), (-0.4, 0.7), (0.3, -2.0), (-1.2, 0.1)] {
+            let mut grid = Occlusion::new(160, 90).unwrap();
+            let orientation = Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch);
+            let camera = Camera {
+                eye: Vec3::new(0.5, 3.0, -1.0),
+                orientation,
+                viewport: Viewport::default(),
+            };
+            grid.begin(&camera);
+            let ahead = camera.eye + orientation * Vec3::new(0.3, 0.0, -6.0);
+            grid.draw_box(ahead, Vec3::new(3.0, 2.0, 0.1), orientation);
+            let mut wholly = 0;
+            for (x, z) in (-10..10).flat_map(|x| (1..16).map(move |z| (x as f32, z as f32))) {
+                let foot = camera.eye + orientation * Vec3::new(0.6 * x, -0.5, -1.5 * z);
+                let (radius, heights) = (0.3, [-0.1, 1.7]);
+                let upright = grid.occluded_upright(foot, radius, heights);
+                // The box that touches the cylinder, turned about its axis, lies in any cylinder
+                // through its corners.
+                let mut of_box = 0.0_f32;
+                for turn in 0..8 {
+                    let side = radius * std::f32::consts::FRAC_1_SQRT_2;
+                    let inner = Bound {
+                        sphere: Sphere::default(),
+                        least: Vec3::new(-side, heights[0], -side),
+                        greatest: Vec3::new(side, heights[1], side),
+                    };
+                    let turn = Quat::from_rotation_y(turn as f32 * 0.2);
+                    let inside = grid.occluded(&inner, foot, turn, 1.0);
+                    of_box = if turn == Quat::IDENTITY {
+                        inside
+                    } else {
+                        of_box.min(inside)
+                    };
+                    assert!(
+                        upright < 1.0 || [0.0, 1.0].contains(&inside),
+                        "{x} {z}: {inside}"
+                    );
+                }
+                let outer = bound(Vec3::new(radius, 0.9, radius));
+                let outer = grid.occluded(&outer, foot + Vec3::Y * 0.8, Quat::IDENTITY, 1.0);
+                if outer == 1.0 {
+                    wholly += 1;
+                    // A box around the cylinder hides it, but for a picture that turns its corners
+                    // towards the eye.
+                    assert!(upright > 0.7, "{x} {z}: {upright}");
+                }
+            }
+            assert!(wholly > 3, "pitch {pitch}: {wholly}");
+        }
+        let grid = grid();
+        for odd in [f32::NAN, f32::INFINITY] {
+            assert_eq!(grid.occluded_upright(Vec3::Z * -5.0, odd, [0.0, 1.0]), 0.0);
+            assert_eq!(
+                grid.occluded_upright(Vec3::splat(odd), 1.0, [0.0, 1.0]),
+                0.0
+            );
+            assert_eq!(grid.occluded_upright(Vec3::Z * -5.0, 1.0, [0.0, odd]), 0.0);
         }
     }
 

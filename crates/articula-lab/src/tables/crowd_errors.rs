@@ -185,8 +185,8 @@ fn played_as(asset: &CrowdAsset, play: Play, frames: usize) -> Result<(f64, Erro
         player.plan(step)?;
         player.crowds_mut()[0].evaluate();
         if is_counted && (frame - WARM_UP).is_multiple_of(LOOK_EVERY) {
-            let cameras = player.cameras()?;
-            samples.push(meter.measure(&player.crowds()[0], player.secs(), &cameras));
+            let sights = player.sights(0)?;
+            samples.push(meter.measure(&player.crowds()[0], player.secs(), &sights));
             for group in player.crowds()[0].groups() {
                 used += group.matrices * group.draws.len();
                 shown += group.draws.len();

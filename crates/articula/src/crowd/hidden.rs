@@ -50,8 +50,35 @@ pub(super) struct Hidden {
 struct Hiding {
     /// Capsules inside the body, for each clip; empty where characters hide nobody.
     capsules: Vec<Vec<Capsule>>,
+    /// Upright cylinder around the origin that holds the skin in each clip.
+    cylinders: Vec<Cylinder>,
     /// Distance from the origin of the character that its skin reaches in any clip, metres.
     reach_metres: f32,
+}
+
+/// An upright cylinder around the origin of a character: its radius, and its least and greatest height.
+#[derive(Debug, Clone, Copy)]
+struct Cylinder {
+    radius: f32,
+    heights: [f32; 2],
+}
+
+impl Cylinder {
+    /// The cylinder around a box, however it is turned about +Y.
+    fn of_box(bound: &Bound) -> Self {
+        let far = bound.least.abs().max(bound.greatest.abs());
+        Self {
+            radius: far.x.hypot(far.z),
+            heights: [bound.least.y, bound.greatest.y],
+        }
+    }
+
+    fn of_sphere(sphere: Sphere) -> Self {
+        Self {
+            radius: sphere.centre.x.hypot(sphere.centre.z) + sphere.radius,
+            heights: [-sphere.radius, sphere.radius].map(|r| sphere.centre.y + r),
+        }
+    }
 }
 
 /// A grid, and the occluded fraction of each character of each crowd.
@@ -114,7 +141,7 @@ impl Hidden {
             }
             let of_each = self.hiding.iter().zip(crowds);
             for (occluded, (hiding, crowd)) in view.occluded.iter_mut().zip(of_each) {
-                look_at(&view.grid, camera, crowd, hiding.reach_metres, occluded);
+                look_at(&view.grid, crowd, hiding, occluded);
             }
         }
     }
@@ -154,8 +181,11 @@ impl Hiding {
         };
         // The smallest sphere around two that lie in a ball leaves it by less than the root of 2.
         let blended = SQRT_2 * most(&|clip| clip.anchors()) + bounds.reach_metres;
+        let cylinders = bounds.clips.iter();
+        let cylinders = cylinders.map(|clip| Cylinder::of_box(clip.whole()));
         Self {
             capsules,
+            cylinders: cylinders.collect(),
             reach_metres: most(&|clip| clip.whole().sphere).max(blended),
         }
     }
@@ -166,15 +196,9 @@ impl Hiding {
 }
 
 /// Occluded fraction of each character of a crowd. Neighbours in the order are first looked at together.
-fn look_at(
-    grid: &Occlusion,
-    camera: &Camera,
-    crowd: &CrowdPlayer,
-    reach_metres: f32,
-    occluded: &mut [f32],
-) {
-    let (positions, forward) = (crowd.positions(), camera.forward());
+fn look_at(grid: &Occlusion, crowd: &CrowdPlayer, hiding: &Hiding, occluded: &mut [f32]) {
     let bounds = &crowd.asset().model().parts().bounds;
+    let positions = crowd.positions();
     let groups = positions
         .chunks(TOGETHER)
         .zip(occluded.chunks_mut(TOGETHER));
@@ -182,7 +206,7 @@ fn look_at(
         let first = group * TOGETHER;
         let (mut least, mut greatest) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for (i, place) in places.iter().enumerate() {
-            let reach = reach_metres * crowd.scale(first + i);
+            let reach = hiding.reach_metres * crowd.scale(first + i);
             least = least.min(*place - reach);
             greatest = greatest.max(*place + reach);
         }
@@ -192,18 +216,18 @@ fn look_at(
             BoxOcclusion::Some => {
                 for (i, (place, occluded)) in places.iter().zip(occluded).enumerate() {
                     let character = first + i;
+                    let cylinder = match crowd.crowd().clips(character) {
+                        (clip, None) => hiding.cylinders[clip],
+                        (clip, Some(to)) => Cylinder::of_sphere(bounds.blended(clip, to)),
+                    };
                     let scale = crowd.scale(character);
-                    *occluded = 0.0;
-                    if (*place - camera.eye).dot(forward) > -reach_metres * scale {
-                        let state = crowd.crowd().state(character);
-                        let clip = state.clip_state().clip();
-                        let bound = match state.next() {
-                            None => *bounds.clips[clip].whole(),
-                            Some(next) => around(bounds.blended(clip, next.clip())),
-                        };
-                        let turn = crowd.rotations()[character];
-                        *occluded = grid.occluded(&bound, *place, turn, scale);
-                    }
+                    let heights = cylinder.heights.map(|height| height * scale);
+                    let turn = crowd.rotations()[character];
+                    // Scenes turn characters about +Y; who was turned otherwise is not hidden.
+                    *occluded = match turn.x == 0.0 && turn.z == 0.0 {
+                        true => grid.occluded_upright(*place, cylinder.radius * scale, heights),
+                        false => 0.0,
+                    };
                 }
             }
         }
@@ -248,14 +272,5 @@ impl HiddenInView {
                 });
             }
         }
-    }
-}
-
-/// A box around a sphere.
-fn around(sphere: Sphere) -> Bound {
-    Bound {
-        sphere,
-        least: sphere.centre - sphere.radius,
-        greatest: sphere.centre + sphere.radius,
     }
 }

@@ -115,6 +115,29 @@ impl ErrorSummary {
     }
 }
 
+/// A camera by which errors are measured, and the occluded fraction of each character in its picture;
+/// missing ones count as 0.
+#[derive(Debug, Clone, Copy)]
+pub struct Sight<'a> {
+    /// The camera.
+    pub camera: Camera,
+    /// Occluded fraction of each character of the crowd.
+    pub occluded: &'a [f32],
+}
+
+impl Sight<'_> {
+    fn hides(&self, character: usize) -> bool {
+        self.occluded.get(character).is_some_and(|o| *o >= 1.0)
+    }
+}
+
+impl From<Camera> for Sight<'_> {
+    fn from(camera: Camera) -> Self {
+        let occluded = &[];
+        Self { camera, occluded }
+    }
+}
+
 /// Compares a crowd with its full-detail reference, in pixels: all near characters and an even
 /// sample of the others.
 #[derive(Debug)]
@@ -171,12 +194,17 @@ impl ErrorMeter {
     }
 
     /// Measures a frame whose palettes were just written, seen by some cameras, the greatest error of
-    /// these for each vertex; `secs` is only stored. Each call samples different characters.
+    /// these for each vertex, where the character is not wholly hidden; `secs` is only stored. Each call samples different characters.
     ///
     /// # Panics
     /// If the crowd was made from another asset.
-    pub fn measure(&mut self, player: &CrowdPlayer, secs: f64, cameras: &[Camera]) -> ErrorSample {
-        let visible = visible(player, cameras);
+    pub fn measure(
+        &mut self,
+        player: &CrowdPlayer,
+        secs: f64,
+        sights: &[Sight<'_>],
+    ) -> ErrorSample {
+        let visible = visible(player, sights);
         // A new sample for each call.
         let seed = self.seed.wrapping_add(self.looks.wrapping_mul(0x9e37_79b9));
         self.looks += 1;
@@ -211,7 +239,7 @@ impl ErrorMeter {
             }
             watch.place(&mut self.shown);
             let world = player.world_from_model(character);
-            let found = self.errors_px(cameras, &world);
+            let found = self.errors_px(sights, (character, &world));
             let mut parts_px = [None; PARTS.len()];
             for (part, px) in found.iter().filter_map(|(part, px)| Some(((*part)?, *px))) {
                 parts_px[part] = Some(parts_px[part].map_or(px, |most: f64| most.max(px)));
@@ -284,11 +312,16 @@ impl ErrorMeter {
 
     /// Pixels between both skins at each vertex that is in the picture in either, the most of all
     /// pictures, with the part of the body.
-    fn errors_px(&self, cameras: &[Camera], world: &Affine3A) -> Vec<(Option<usize>, f64)> {
+    fn errors_px(
+        &self,
+        sights: &[Sight<'_>],
+        (character, world): (usize, &Affine3A),
+    ) -> Vec<(Option<usize>, f64)> {
         let pairs = self.truth.iter().zip(&self.shown).zip(&self.parts);
         let pixels = pairs.filter_map(|((truth, shown), part)| {
             let ends = [truth, shown].map(|p| world.transform_point3(*p));
-            let each = cameras.iter().filter_map(|camera| apart_px(camera, ends));
+            let open = sights.iter().filter(|sight| !sight.hides(character));
+            let each = open.filter_map(|sight| apart_px(&sight.camera, ends));
             Some((*part, each.reduce(f64::max)?))
         });
         pixels.collect()
@@ -321,7 +354,7 @@ enum Which {
 
 /// Characters that are shown and inside the view of a camera, with their distances from the nearest that
 /// sees them.
-fn visible(player: &CrowdPlayer, cameras: &[Camera]) -> Vec<(usize, f32)> {
+fn visible(player: &CrowdPlayer, sights: &[Sight<'_>]) -> Vec<(usize, f32)> {
     let (crowd, bounds) = (player.crowd(), &player.asset().model().parts().bounds);
     let places = player
         .positions()
@@ -343,9 +376,10 @@ fn visible(player: &CrowdPlayer, cameras: &[Camera]) -> Vec<(usize, f32)> {
     let margins = vec![0.0; spheres.len()];
     let mut seen = vec![CullResult::default(); spheres.len()];
     let mut nearest = vec![f32::INFINITY; spheres.len()];
-    for camera in cameras {
+    for Sight { camera, occluded } in sights {
         if let Ok(bodies) = Bodies::new(&spheres, &margins) {
-            cull(&[View::of(camera)], bodies, &mut seen);
+            let view = View::of(camera).with_occluded(occluded);
+            cull(&[view], bodies, &mut seen);
         }
         let each = nearest.iter_mut().zip(&seen).zip(player.positions());
         for ((nearest, _), at) in each.filter(|((_, s), _)| s.visibility == Visibility::Visible) {

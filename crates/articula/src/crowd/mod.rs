@@ -49,7 +49,7 @@ pub use hidden::Hiders;
 pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelStatistics, LevelTally, MeasuredError};
 pub use lod_error::{
-    CharacterError, ErrorMeter, ErrorSample, ErrorSummary, NEAR_METRES, PartsError,
+    CharacterError, ErrorMeter, ErrorSample, ErrorSummary, NEAR_METRES, PartsError, Sight,
 };
 pub use mesh_lods::MAX_MESH_LEVELS;
 pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};

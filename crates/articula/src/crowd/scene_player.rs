@@ -5,6 +5,7 @@
 
 use super::asset::CrowdAsset;
 use super::hidden::{Hidden, Hiders};
+use super::lod_error::Sight;
 use super::player::CrowdPlayer;
 use super::scene_cast::MAX_VIEWS;
 use crate::error::{Error, Result};
@@ -233,6 +234,26 @@ impl<'a> ScenePlayer<'a> {
         let views = self.scene.views.iter();
         let cameras = views.map(|view| view.camera_at(self.secs).ok_or_else(no_camera));
         cameras.collect()
+    }
+
+    /// Returns how all views see a crowd at the current time, with what hid its characters in the last
+    /// frame. Allocates.
+    ///
+    /// # Errors
+    /// As [`cameras`](Self::cameras).
+    ///
+    /// # Panics
+    /// If there is no such crowd.
+    pub fn sights(&self, crowd: usize) -> Result<Vec<Sight<'_>>> {
+        let cameras = self.cameras()?.into_iter().enumerate();
+        let sights = cameras.map(|(view, camera)| Sight {
+            camera,
+            occluded: match &self.hidden {
+                Some(hidden) => hidden.occluded(view, crowd),
+                None => &[],
+            },
+        });
+        Ok(sights.collect())
     }
 
     /// Sets the tolerance of the next frames in pixels.

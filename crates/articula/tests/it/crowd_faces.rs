@@ -35,7 +35,7 @@ fn every_head_shows_its_own_clip_and_time() {
     assert!(open > 60, "{open} of 120 faces are not at rest");
     // Palettes and weights are those of the full character, so nothing differs.
     let mut meter = ErrorMeter::new(&asset, 1);
-    let sample = meter.measure(&crowd, 0.0, &[camera]);
+    let sample = meter.measure(&crowd, 0.0, &[camera.into()]);
     assert!(sample.characters.len() > 6);
     assert!(sample.characters.iter().all(|c| c.worst_px < 0.02));
 }

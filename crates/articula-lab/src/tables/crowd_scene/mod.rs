@@ -184,14 +184,13 @@ fn ours(
         ms.push(1e-6 * (thread_ns() - start) as f64);
         shown += report.visible;
         if (frame - WARM_UP).is_multiple_of(LOOK_EVERY) {
-            let cameras = player.cameras()?;
             let secs = player.secs();
             let mut all = ErrorSample {
                 secs,
                 characters: Vec::new(),
             };
             for (c, (meter, crowd)) in meters.iter_mut().zip(player.crowds()).enumerate() {
-                let sample = meter.measure(crowd, secs, &cameras);
+                let sample = meter.measure(crowd, secs, &player.sights(c)?);
                 for mut character in sample.characters {
                     character.character = player.member(c, character.character);
                     all.characters.push(character);
