@@ -1,0 +1,125 @@
+//! The motion of some vertices, sampled over all clips.
+
+use super::error::ImpostorError;
+use crate::appearance::Appearance;
+use articula_core::{Clip, Mesh, PosedMesh, Progress, Rig, SkinnedMesh, Wrap, sample_morphs};
+use glam::Vec3;
+
+/// Rate at which clips are sampled, hertz: that of common displays.
+const RATE_HZ: f32 = 60.0;
+
+/// Maximum number of samples of a clip.
+const MAX_TIMES: usize = 600;
+
+/// Maximum number of vertices that are followed.
+const MAX_VERTICES: usize = 700;
+
+/// What is baked. Clips move the character on the spot; the rest pose stands for one without clips.
+#[derive(Debug, Clone, Copy)]
+pub struct ImpostorSource<'a> {
+    /// The rig.
+    pub rig: &'a Rig,
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// The clips to bake.
+    pub clips: &'a [Clip],
+    /// Materials and textures.
+    pub appearance: &'a Appearance,
+}
+
+impl ImpostorSource<'_> {
+    /// Skins the character at a time of a clip, morph targets included; in the rest pose if there is
+    /// no such clip.
+    pub(super) fn skinned(&self, clip: usize, secs: f32) -> SkinnedMesh {
+        let mut posed = PosedMesh::new(self.rig, self.mesh);
+        let mut weights = self.mesh.morph_weights.clone();
+        match self.clips.get(clip) {
+            Some(clip) => {
+                sample_morphs(clip, f64::from(secs), Wrap::Clamp, &mut weights);
+                posed.pose_at(clip, f64::from(secs), Wrap::Clamp)
+            }
+            None => posed.pose(self.rig.rest_pose()),
+        };
+        posed.skinned(&weights)
+    }
+}
+
+/// Positions of the followed vertices of one clip.
+#[derive(Debug, Clone)]
+pub(super) struct ClipSamples {
+    /// Duration, seconds.
+    pub(super) duration_secs: f32,
+    /// Times of the samples, evenly spaced over the clip, both ends included.
+    pub(super) times_secs: Vec<f32>,
+    /// Positions relative to the centre at each time, metres.
+    pub(super) points: Vec<Vec<Vec3>>,
+}
+
+/// Positions of the followed vertices of all clips.
+#[derive(Debug, Clone)]
+pub(super) struct MotionSamples {
+    /// Centre of the impostors in model space: middle of the box around the motion in height, mean
+    /// of the vertices across.
+    pub(super) centre: Vec3,
+    /// Height of the box around the motion, metres.
+    pub(super) height_m: f32,
+    /// One entry for each clip, one for the rest pose without clips.
+    pub(super) clips: Vec<ClipSamples>,
+}
+
+impl MotionSamples {
+    pub(super) fn new(
+        source: &ImpostorSource<'_>,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self, ImpostorError> {
+        let every = source.mesh.len().div_ceil(MAX_VERTICES).max(1);
+        let count = source.clips.len().max(1);
+        let mut clips = Vec::with_capacity(count);
+        for clip in 0..count {
+            progress.step(clip as f32 / count as f32)?;
+            let duration_secs = source.clips.get(clip).map_or(0.0, Clip::duration_secs);
+            let steps = (duration_secs * RATE_HZ).ceil() as usize;
+            let steps = steps.min(MAX_TIMES - 1);
+            let time = |i: usize| match steps {
+                0 => 0.0,
+                _ => duration_secs * i as f32 / steps as f32,
+            };
+            let times_secs: Vec<f32> = (0..=steps).map(time).collect();
+            let points = times_secs.iter().map(|secs| {
+                let skinned = source.skinned(clip, *secs);
+                let points = skinned.positions.into_iter().step_by(every);
+                let known = |p: Vec3| if p.is_finite() { p } else { Vec3::ZERO };
+                points.map(known).collect()
+            });
+            clips.push(ClipSamples {
+                duration_secs,
+                points: points.collect(),
+                times_secs,
+            });
+        }
+        Self::centred(clips)
+    }
+
+    fn centred(mut clips: Vec<ClipSamples>) -> Result<Self, ImpostorError> {
+        let all = || clips.iter().flat_map(|c| &c.points).flatten();
+        let first = *all().next().ok_or(ImpostorError::Nothing)?;
+        let (low, high) = all().fold((first, first), |(l, h), p| (l.min(*p), h.max(*p)));
+        let (sum, count) = all().fold((glam::DVec3::ZERO, 0u32), |(s, n), p| {
+            (s + p.as_dvec3(), n + 1)
+        });
+        let mean = (sum / f64::from(count)).as_vec3();
+        let centre = Vec3::new(mean.x, 0.5 * (low.y + high.y), mean.z);
+        let height_m = (high - low).max_element();
+        if !(height_m > 0.0 && height_m.is_finite()) {
+            return Err(ImpostorError::Nothing);
+        }
+        for point in clips.iter_mut().flat_map(|c| &mut c.points).flatten() {
+            *point -= centre;
+        }
+        Ok(Self {
+            centre,
+            height_m,
+            clips,
+        })
+    }
+}
