@@ -9,6 +9,7 @@
 use super::keys::judged;
 use super::samples::MotionSamples;
 use super::views::{ImpostorView, ImpostorViews, ViewRow};
+use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// Step of the pitches at which depths are measured, radians: 2.5 degrees.
@@ -29,6 +30,10 @@ const MAX_VERTICES: usize = 250;
 /// Steepest pitch at which an upright plane is tried, radians: 75 degrees.
 const UPRIGHT_TO: f32 = 5.0 * PI / 12.0;
 
+/// Leans of planes that are tried, in tangents of the pitch: across the direction, upright, and
+/// between.
+const LEANS: [f32; 3] = [0.0, 0.5, 1.0];
+
 /// Maximum number of yaws of a row.
 const MAX_YAWS: u32 = 128;
 
@@ -38,7 +43,7 @@ const TALLEST: f32 = PI / 4.0;
 /// What the character spans at one pitch.
 #[derive(Debug, Clone, Copy, Default)]
 struct AtPitch {
-    /// Lean of the plane with the least depths.
+    /// Lean of the plane with the least depths, in tangents of the pitch; one of [`LEANS`].
     lean: f32,
     /// Depth of vertices off that plane, metres: the larger of the 95th percentile and half of the
     /// maximum over vertices, the maximum over yaws and poses of a clip, the upper median over clips.
@@ -158,12 +163,7 @@ impl Directions {
             let row = ViewRow {
                 from_radians: low,
                 pitch_radians,
-                // Between the measured pitches an upright plane stays upright.
-                lean: if known.lean == 0.0 {
-                    0.0
-                } else {
-                    pitch_radians.tan()
-                },
+                lean: known.lean * pitch_radians.tan(),
                 yaws,
             };
             Some((yaws as f32 / (high.sin() - low.sin()), row, height))
@@ -196,30 +196,30 @@ fn yaws(depth_m: f32, most_m: f32, pitch: f32, borders: [f32; 2]) -> Option<u32>
 }
 
 fn at_pitch(samples: &MotionSamples, pitch: f32) -> AtPitch {
-    let upright = pitch.tan();
-    let leans: &[f32] = if pitch.abs() > UPRIGHT_TO || pitch == 0.0 {
-        &[0.0]
-    } else {
-        &[0.0, upright]
+    let parts: &[f32] = match pitch.abs() {
+        steep if steep > UPRIGHT_TO => &[0.0],
+        _ => &LEANS,
     };
+    let leans: Vec<f32> = parts.iter().map(|part| part * pitch.tan()).collect();
     let mut out = AtPitch::default();
     let mut depths: Vec<Vec<f32>> = vec![Vec::new(); leans.len()];
     let poses = (POSES / samples.clips.len()).max(3);
     let mut room = Vec::new();
     for clip in &samples.clips {
         let mut most = vec![0.0f32; leans.len()];
-        let every = clip.points.len().div_ceil(poses).max(1);
-        for points in clip.points.iter().step_by(every) {
+        let step = clip.points.len().div_ceil(poses).max(1);
+        for pose in (0..clip.points.len()).step_by(step) {
+            let points: Vec<Vec3> = clip.centred(pose).collect();
             let every = points.len().div_ceil(MAX_VERTICES).max(1);
             for yaw in 0..YAWS {
                 let view = ImpostorView::new(TAU * yaw as f32 / YAWS as f32, pitch, 0.0);
-                for p in points {
+                for p in &points {
                     let y = view.up.dot(*p);
                     out.low_m = out.low_m.min(y);
                     out.high_m = out.high_m.max(y);
                     out.side_m = out.side_m.max(view.right.dot(*p).abs());
                 }
-                for (most, lean) in most.iter_mut().zip(leans) {
+                for (most, lean) in most.iter_mut().zip(&leans) {
                     let normal = view.to_eye - *lean * view.up;
                     room.clear();
                     room.extend(points.iter().step_by(every).map(|p| normal.dot(*p).abs()));
@@ -233,10 +233,10 @@ fn at_pitch(samples: &MotionSamples, pitch: f32) -> AtPitch {
         of_clips.sort_unstable_by(f32::total_cmp);
         of_clips.get(of_clips.len() / 2).copied().unwrap_or(0.0)
     });
-    let best = medians.zip(leans).min_by(|a, b| a.0.total_cmp(&b.0));
-    let (depth_m, lean) = best.unwrap_or((0.0, &0.0));
+    let best = medians.zip(parts).min_by(|a, b| a.0.total_cmp(&b.0));
+    let (depth_m, part) = best.unwrap_or((0.0, &0.0));
     AtPitch {
-        lean: *lean,
+        lean: *part,
         depth_m,
         ..out
     }
@@ -246,7 +246,6 @@ fn at_pitch(samples: &MotionSamples, pitch: f32) -> AtPitch {
 mod tests {
     use super::*;
     use crate::impostor::samples::ClipSamples;
-    use glam::Vec3;
 
     /// An upright rod of two metres, or a cross of rods of 0.6 m across it.
     fn figure(is_cross: bool) -> MotionSamples {
@@ -256,12 +255,12 @@ mod tests {
             [Vec3::new(across, t, 0.0), Vec3::new(0.0, t, across)]
         });
         MotionSamples {
-            centre: Vec3::ZERO,
             height_m: 2.0,
             clips: vec![ClipSamples {
                 duration_secs: 0.0,
                 times_secs: vec![0.0],
                 points: vec![points.collect()],
+                centres: vec![Vec3::ZERO],
             }],
         }
     }
@@ -274,7 +273,7 @@ mod tests {
         let near = views.rows.iter().filter(|r| r.pitch_radians.abs() < 1.0);
         for row in near {
             assert!(row.yaws <= 4, "{row:?}");
-            assert!(row.lean != 0.0 || row.pitch_radians == 0.0, "{row:?}");
+            assert!((row.lean - row.pitch_radians.tan()).abs() < 1e-6, "{row:?}");
         }
         let extent = directions.extent(&views);
         assert!((extent.high_m - 1.0).abs() < 1e-3 && extent.side_m < 1e-3);

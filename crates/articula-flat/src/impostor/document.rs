@@ -18,9 +18,8 @@ impl ImpostorPlan {
         );
         let _ = writeln!(
             out,
-            "\"centre_m\":{},\"cell\":{{\"size_px\":[{},{}],\"metres_per_px\":{},\"corner_m\":{},\
+            "\"cell\":{{\"size_px\":[{},{}],\"metres_per_px\":{},\"corner_m\":{},\
              \"columns\":{}}},",
-            list(self.centre.to_array()),
             cell.size_px[0],
             cell.size_px[1],
             cell.metres_per_px,
@@ -48,13 +47,14 @@ fn row_json(row: &ViewRow) -> String {
 fn clip_json(clip: &ImpostorClip) -> String {
     format!(
         "{{\"name\":{},\"duration_secs\":{},\"error_m\":{},\"first_pose\":{},\"from_secs\":{},\
-         \"pose_secs\":{}}}",
+         \"pose_secs\":{},\"centres_m\":{}}}",
         quoted(&clip.name),
         clip.duration_secs,
         clip.error_m,
         clip.first_pose,
         list(clip.from_secs.iter().copied()),
         list(clip.pose_secs.iter().copied()),
+        list(clip.centres.iter().flat_map(|c| c.to_array())),
     )
 }
 

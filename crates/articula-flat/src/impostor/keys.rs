@@ -2,7 +2,6 @@
 
 use super::samples::ClipSamples;
 use articula_core::{lod_error_metres, percentile};
-use glam::Vec3;
 
 /// Vertices by which poses are compared.
 const MAX_VERTICES: usize = 250;
@@ -102,6 +101,7 @@ pub(super) fn starts(keys: &[Key], samples: &ClipSamples) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     /// One vertex that moves along x by these metres.
     fn motion(places: &[f32]) -> ClipSamples {
@@ -109,6 +109,7 @@ mod tests {
             duration_secs: places.len() as f32 - 1.0,
             times_secs: (0..places.len()).map(|i| i as f32).collect(),
             points: places.iter().map(|x| vec![Vec3::X * *x]).collect(),
+            centres: vec![Vec3::ZERO; places.len()],
         }
     }
 

@@ -19,14 +19,16 @@ pub(super) fn error_m(samples: &ClipSamples, keys: &[Key], views: &ImpostorViews
     let mut distances = Vec::new();
     for (turn, at) in times(samples.points.len(), keys).into_iter().enumerate() {
         let truth = &samples.points[at];
-        let pose = &samples.points[keys[shown(keys, at)].pose];
+        let key = keys[shown(keys, at)].pose;
+        let centre = samples.centres[key];
+        let pose: Vec<Vec3> = samples.centred(key).collect();
         for (i, (view, corners)) in directions.iter().zip(&corners).enumerate() {
             // Each time looks from one of the corners, in turns, so that every corner is seen at
             // several times.
             let to_eye = corners[(turn + i) % corners.len()];
             distances.clear();
-            let pairs = truth.iter().zip(pose);
-            distances.extend(pairs.map(|(p, q)| across(*p - view.shown(*q), to_eye)));
+            let pairs = truth.iter().zip(&pose);
+            distances.extend(pairs.map(|(p, q)| across(*p - centre - view.shown(*q), to_eye)));
             worst = worst.max(judged(&mut distances));
         }
     }
@@ -74,6 +76,7 @@ mod tests {
             duration_secs: 0.0,
             times_secs: vec![0.0],
             points: vec![vec![at]],
+            centres: vec![Vec3::ZERO],
         };
         let key = [Key { from: 0, pose: 0 }];
         // From straight above or below, a picture of the front shows a point on the axis that lies
@@ -89,6 +92,7 @@ mod tests {
             duration_secs: 1.0,
             times_secs: vec![0.0, 1.0],
             points: vec![vec![Vec3::ZERO], vec![Vec3::X * 0.3]],
+            centres: vec![Vec3::ZERO; 2],
         };
         let error = error_m(&moving, &key, &views);
         assert!((error - 0.3).abs() < 1e-6, "{error}");

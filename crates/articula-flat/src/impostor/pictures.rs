@@ -12,6 +12,7 @@ use crate::picture::Picture;
 use crate::projection::Projection;
 use crate::render::{RenderOptions, render};
 use articula_core::{Camera, Viewport};
+use glam::Vec3;
 use std::f32::consts::TAU;
 
 impl ImpostorPlan {
@@ -27,9 +28,10 @@ impl ImpostorPlan {
         let clip = self.clips.iter().rposition(|c| c.first_pose <= pose);
         let of_clip = clip.and_then(|c| {
             let place = pose - self.clips[c].first_pose;
-            Some((c, *self.clips[c].pose_secs.get(place)?))
+            let (secs, centres) = (&self.clips[c].pose_secs, &self.clips[c].centres);
+            Some((c, *secs.get(place)?, *centres.get(place)?))
         });
-        let Some((clip, secs)) = of_clip else {
+        let Some((clip, secs, centre)) = of_clip else {
             return Err(refuse("pose", format!("there is no pose {pose}")));
         };
         let skinned = source.skinned(clip, secs);
@@ -39,7 +41,7 @@ impl ImpostorPlan {
         for row in &self.views.rows {
             for yaw in 0..row.yaws {
                 let turn = TAU * yaw as f32 / row.yaws as f32;
-                let camera = self.camera(turn, row.pitch_radians);
+                let camera = self.camera(centre, turn, row.pitch_radians);
                 let options = RenderOptions {
                     background: [0; 4],
                     samples: Supersampling::Four,
@@ -59,15 +61,15 @@ impl ImpostorPlan {
     }
 
     /// A camera whose viewport is a cell.
-    fn camera(&self, yaw_radians: f32, pitch_radians: f32) -> Camera {
+    fn camera(&self, centre: Vec3, yaw_radians: f32, pitch_radians: f32) -> Camera {
         let [width_px, height_px] = self.cell.size_px.map(|px| px as f32);
         let orientation = orientation(yaw_radians, pitch_radians);
         let [left, bottom] = self.cell.corner_m;
         let half = 0.5 * self.cell.metres_per_px;
-        let middle = glam::Vec3::new(left + half * width_px, bottom + half * height_px, 0.0);
+        let middle = Vec3::new(left + half * width_px, bottom + half * height_px, 0.0);
         // The parallel projection shows what is behind the eye too.
         Camera {
-            eye: self.centre + orientation * middle,
+            eye: centre + orientation * middle,
             orientation,
             viewport: Viewport {
                 width_px,

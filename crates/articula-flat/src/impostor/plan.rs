@@ -40,7 +40,7 @@ pub struct ImpostorCell {
     pub size_px: [u32; 2],
     /// Side of a pixel in metres.
     pub metres_per_px: f32,
-    /// Lower left corner in metres, relative to the centre.
+    /// Lower left corner in metres, relative to the centre of the pose.
     pub corner_m: [f32; 2],
 }
 
@@ -55,6 +55,8 @@ pub struct ImpostorClip {
     pub from_secs: Vec<f32>,
     /// Time of each pose, seconds.
     pub pose_secs: Vec<f32>,
+    /// Centre of the pictures of each pose, model space, metres.
+    pub centres: Vec<Vec3>,
     /// Index of the first pose; the poses of all clips are counted one after the other.
     pub first_pose: usize,
     /// Error in metres: across the view of any eye, the distance between a vertex and where it is
@@ -89,8 +91,6 @@ pub struct ImpostorTrial {
 /// Which pictures are baked, and their errors; without the pictures themselves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpostorPlan {
-    /// Centre of all pictures in model space, metres.
-    pub centre: Vec3,
     /// Directions of the pictures of each pose.
     pub views: ImpostorViews,
     /// Size and place of every picture.
@@ -196,13 +196,13 @@ impl ImpostorPlan {
                 duration_secs: of_clip.duration_secs,
                 from_secs: starts(keys, of_clip),
                 pose_secs: keys.iter().map(pose).collect(),
+                centres: keys.iter().map(|key| of_clip.centres[key.pose]).collect(),
                 first_pose,
                 error_m: error_m(of_clip, keys, &chosen.views) + pixel,
             });
             first_pose += keys.len();
         }
         Ok(Self {
-            centre: samples.centre,
             views: chosen.views,
             cell: chosen.cell,
             clips,
@@ -303,6 +303,7 @@ mod tests {
             duration_secs: 1.0,
             from_secs: vec![0.0, 0.25, 0.5],
             pose_secs: vec![0.1, 0.3, 0.7],
+            centres: vec![Vec3::ZERO; 3],
             first_pose: 0,
             error_m: 0.1,
         };

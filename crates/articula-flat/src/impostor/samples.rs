@@ -51,17 +51,24 @@ pub(super) struct ClipSamples {
     pub(super) duration_secs: f32,
     /// Times of the samples, evenly spaced over the clip, both ends included.
     pub(super) times_secs: Vec<f32>,
-    /// Positions relative to the centre at each time, metres.
+    /// Positions in model space at each time, metres.
     pub(super) points: Vec<Vec<Vec3>>,
+    /// Centre of the pose at each time, metres ([`centre`]).
+    pub(super) centres: Vec<Vec3>,
+}
+
+impl ClipSamples {
+    /// Positions of a sample relative to its centre.
+    pub(super) fn centred(&self, sample: usize) -> impl Iterator<Item = Vec3> + '_ {
+        let centre = self.centres[sample];
+        self.points[sample].iter().map(move |p| *p - centre)
+    }
 }
 
 /// Positions of the followed vertices of all clips.
 #[derive(Debug, Clone)]
 pub(super) struct MotionSamples {
-    /// Centre of the impostors in model space: middle of the box around the motion in height, mean
-    /// of the vertices across.
-    pub(super) centre: Vec3,
-    /// Height of the box around the motion, metres.
+    /// Longest side of the boxes around the poses, metres.
     pub(super) height_m: f32,
     /// One entry for each clip, one for the rest pose without clips.
     pub(super) clips: Vec<ClipSamples>,
@@ -72,9 +79,13 @@ impl MotionSamples {
         source: &ImpostorSource<'_>,
         progress: &mut Progress<'_>,
     ) -> Result<Self, ImpostorError> {
+        if source.mesh.is_empty() {
+            return Err(ImpostorError::Nothing);
+        }
         let every = source.mesh.len().div_ceil(MAX_VERTICES).max(1);
         let count = source.clips.len().max(1);
         let mut clips = Vec::with_capacity(count);
+        let mut height_m = 0.0f32;
         for clip in 0..count {
             progress.step(clip as f32 / count as f32)?;
             let duration_secs = source.clips.get(clip).map_or(0.0, Clip::duration_secs);
@@ -85,41 +96,45 @@ impl MotionSamples {
                 _ => duration_secs * i as f32 / steps as f32,
             };
             let times_secs: Vec<f32> = (0..=steps).map(time).collect();
-            let points = times_secs.iter().map(|secs| {
+            let mut points = Vec::with_capacity(times_secs.len());
+            let mut centres = Vec::with_capacity(times_secs.len());
+            for secs in &times_secs {
                 let skinned = source.skinned(clip, *secs);
-                let points = skinned.positions.into_iter().step_by(every);
                 let known = |p: Vec3| if p.is_finite() { p } else { Vec3::ZERO };
-                points.map(known).collect()
-            });
+                let places = skinned.positions.into_iter().step_by(every).map(known);
+                let places: Vec<Vec3> = places.collect();
+                let (low, high) = span(&places);
+                height_m = height_m.max((high - low).max_element());
+                centres.push(centre(&places));
+                points.push(places);
+            }
             clips.push(ClipSamples {
                 duration_secs,
-                points: points.collect(),
                 times_secs,
+                points,
+                centres,
             });
         }
-        Self::centred(clips)
-    }
-
-    fn centred(mut clips: Vec<ClipSamples>) -> Result<Self, ImpostorError> {
-        let all = || clips.iter().flat_map(|c| &c.points).flatten();
-        let first = *all().next().ok_or(ImpostorError::Nothing)?;
-        let (low, high) = all().fold((first, first), |(l, h), p| (l.min(*p), h.max(*p)));
-        let (sum, count) = all().fold((glam::DVec3::ZERO, 0u32), |(s, n), p| {
-            (s + p.as_dvec3(), n + 1)
-        });
-        let mean = (sum / f64::from(count)).as_vec3();
-        let centre = Vec3::new(mean.x, 0.5 * (low.y + high.y), mean.z);
-        let height_m = (high - low).max_element();
         if !(height_m > 0.0 && height_m.is_finite()) {
             return Err(ImpostorError::Nothing);
         }
-        for point in clips.iter_mut().flat_map(|c| &mut c.points).flatten() {
-            *point -= centre;
-        }
-        Ok(Self {
-            centre,
-            height_m,
-            clips,
-        })
+        Ok(Self { height_m, clips })
     }
+}
+
+/// Box around points.
+fn span(points: &[Vec3]) -> (Vec3, Vec3) {
+    let first = points.first().copied().unwrap_or(Vec3::ZERO);
+    points
+        .iter()
+        .fold((first, first), |(l, h), p| (l.min(*p), h.max(*p)))
+}
+
+/// Centre of a pose: the middle of the box around it in height, the mean of its vertices across, so
+/// that most of them are near an upright plane through it.
+fn centre(points: &[Vec3]) -> Vec3 {
+    let (low, high) = span(points);
+    let sum: glam::DVec3 = points.iter().map(|p| p.as_dvec3()).sum();
+    let mean = (sum / points.len().max(1) as f64).as_vec3();
+    Vec3::new(mean.x, 0.5 * (low.y + high.y), mean.z)
 }
