@@ -16,8 +16,11 @@ fuzz_target!(|bytes: &[u8]| {
     if let Ok(clips) = read_clips(bytes, &[], &limits) {
         assert_eq!(read_clips(&write_clips(&clips, &[]), &[], &limits), Ok(clips));
     }
-    if let Ok(keys) = read_cache_keys(bytes, &limits) {
-        assert_eq!(read_cache_keys(&write_cache_keys(&keys), &limits), Ok(keys));
+    for version in [1, CACHE_KEYS_VERSION] {
+        if let Ok(keys) = read_cache_keys(bytes, version, &limits) {
+            let written = write_cache_keys(&keys);
+            assert_eq!(read_cache_keys(&written, CACHE_KEYS_VERSION, &limits), Ok(keys));
+        }
     }
     if let Ok(bounds) = read_motion_bounds(bytes, &limits) {
         assert_eq!(read_motion_bounds(&write_motion_bounds(&bounds), &limits), Ok(bounds));

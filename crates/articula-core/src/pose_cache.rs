@@ -6,7 +6,8 @@
 //! straight line; keys are chosen (by `articula-build`) so that this line stays near the motion. A
 //! character then costs one look-up per frame, of the two keys around its time
 //! ([`PoseCache::locate`]). The palettes are blended by the CPU ([`PoseCache::blend`]) or by a
-//! vertex shader ([`BlendRecord`]).
+//! vertex shader ([`BlendRecord`]), or that of the nearest key is shown as it is
+//! ([`PoseCache::nearest`]).
 //!
 //! A character holds no key and no cursor. Its record is computed each frame from clip, level and
 //! time, so a change of clip or level needs no notification, and keys of different clips or levels
@@ -51,10 +52,29 @@ pub struct BlendRecord {
 const _: () = assert!(size_of::<BlendRecord>() == 16);
 
 impl BlendRecord {
+    /// Returns the record that shows a cached palette as it is, for character 0.
+    pub fn of_key(first_matrix: u32) -> Self {
+        Self {
+            before: first_matrix,
+            after: first_matrix,
+            ..Self::default()
+        }
+    }
+
     /// Returns the record for a character.
     #[must_use]
     pub(crate) fn of(self, character: u32) -> Self {
         Self { character, ..self }
+    }
+
+    /// Index of the first matrix of the nearer of the two palettes, the later one half-way.
+    #[inline]
+    pub(crate) fn nearest(self) -> u32 {
+        if self.blend < 0.5 {
+            self.before
+        } else {
+            self.after
+        }
     }
 
     /// Returns the bytes that a GPU reads: four little-endian words in the order of the fields.
@@ -84,6 +104,9 @@ pub struct CachedKeys {
     /// Distance in metres between the skin blended from the keys and that of the same level
     /// evaluated: per frame the 95th percentile over vertices, then the maximum over frames.
     pub error_metres: f32,
+    /// The same distance where the palette of the nearest key is shown as it is; `None` if it was not
+    /// measured, and no palette is shown so.
+    pub step_error_metres: Option<f32>,
 }
 
 /// Matrices of all cached palettes, three rows each.
@@ -135,6 +158,7 @@ struct Segment {
     first_matrix: u32,
     matrices: u32,
     error_metres: f32,
+    step_error_metres: Option<f32>,
 }
 
 /// Cached palettes of one rig at key times, by clip and level, shared by all characters.
@@ -218,9 +242,13 @@ impl PoseCache {
             let what = format!("must rise from 0 to the clip's end at {end_secs} s");
             return Err(Mismatch::new("times_secs", what));
         }
-        if !keys.error_metres.is_finite() || keys.error_metres < 0.0 {
-            let what = "must be finite and not negative";
-            return Err(Mismatch::new("error_metres", what));
+        let errors = [
+            ("error_metres", Some(keys.error_metres)),
+            ("step_error_metres", keys.step_error_metres),
+        ];
+        let is_error = |e: f32| e.is_finite() && e >= 0.0;
+        if let Some((name, _)) = errors.iter().find(|(_, e)| !e.is_none_or(is_error)) {
+            return Err(Mismatch::new(*name, "must be finite and not negative"));
         }
         let matrices = self.rows.len() / 3;
         let needed = times.len().saturating_mul(self.entries[level]);
@@ -258,6 +286,7 @@ impl PoseCache {
             first_matrix: keys.first_matrix,
             matrices: self.entries[level] as u32,
             error_metres: keys.error_metres,
+            step_error_metres: keys.step_error_metres,
         };
         if !segment.buckets_per_sec.is_finite() {
             // A clip of almost no duration: every time is in the only bucket.
@@ -329,6 +358,16 @@ impl PoseCache {
         self.segment(clip, level).map(|s| s.error_metres)
     }
 
+    /// Error in metres that showing the palette of the [nearest](PoseCache::nearest) key adds to the
+    /// level's own; `None` if it was not measured, or poses of this clip and level must be evaluated.
+    ///
+    /// # Panics
+    /// If there is no such clip or level.
+    #[inline]
+    pub fn step_error_metres(&self, clip: usize, level: usize) -> Option<f32> {
+        self.segment(clip, level)?.step_error_metres
+    }
+
     /// Times of the keys of a clip at a level in seconds; `None` as in [`PoseCache::error_metres`].
     ///
     /// # Panics
@@ -381,6 +420,18 @@ impl PoseCache {
             blend: ((time - time_secs) * per_sec).min(1.0),
             character: 0,
         })
+    }
+
+    /// Index of the first matrix of the cached palette nearest to a time of a clip at a level, the
+    /// later one half-way between two; `None` if the pose must be evaluated. Times and cost are
+    /// those of [`PoseCache::locate`].
+    ///
+    /// # Panics
+    /// If there is no such clip or level.
+    #[inline]
+    pub fn nearest(&self, clip: usize, level: usize, time_secs: f32) -> Option<u32> {
+        self.locate(clip, level, time_secs)
+            .map(BlendRecord::nearest)
     }
 
     #[inline]
@@ -553,6 +604,7 @@ mod tests {
             times_secs: times.to_vec(),
             first_matrix,
             error_metres: 0.25,
+            step_error_metres: Some(0.5),
         })
     }
 
@@ -597,6 +649,26 @@ mod tests {
         // Matrix 3 begins with row 9, matrix 4 with row 12: a quarter of the way.
         assert_eq!(out[1], [10.75, 0.0, -1.0, 0.5]);
         assert_eq!(cache.error_metres(0, 0), Some(0.25));
+        assert_eq!(cache.step_error_metres(0, 0), Some(0.5));
+        // Half-way from 0.25 to 1 s the later key is shown.
+        for (secs, first_matrix) in [
+            (0.0, 1),
+            (0.0625, 2),
+            (0.06, 1),
+            (0.6, 3),
+            (0.625, 4),
+            (1.0, 4),
+            (7.0, 4),
+            (-3.0, 1),
+            (f32::NAN, 1),
+        ] {
+            assert_eq!(cache.nearest(0, 0, secs), Some(first_matrix), "at {secs} s");
+            assert_eq!(
+                cache.nearest(1, 0, secs),
+                Some(0),
+                "a single pose at {secs} s"
+            );
+        }
         assert_eq!(cache.rows().len(), 5 * 3);
         assert_eq!(
             (cache.clips(), cache.levels(), cache.matrices(0)),
@@ -651,6 +723,14 @@ mod tests {
         assert_eq!(
             at(None, nan, rows(2)).as_deref(),
             Some("keys[1][0].error_metres")
+        );
+        let negative = single().map(|k| CachedKeys {
+            step_error_metres: Some(-0.1),
+            ..k
+        });
+        assert_eq!(
+            at(None, negative, rows(2)).as_deref(),
+            Some("keys[1][0].step_error_metres")
         );
         let odd = CachedRows::Float(vec![[0.0; 4]; 4]);
         assert_eq!(at(None, None, odd).as_deref(), Some("rows"));

@@ -54,6 +54,13 @@ impl Ticks {
         (half as f64 / (2.0 * self.hz)) as f32
     }
 
+    /// Times a quarter tick before and after a half tick, within the clip.
+    pub(super) fn beside(&self, half: usize) -> [f32; 2] {
+        let last = self.halves() - 1;
+        let between = |other: usize| 0.5 * (self.secs(half) + self.secs(other.min(last)));
+        [half.saturating_sub(1), half + 1].map(between)
+    }
+
     fn pays(&self, spans: usize) -> bool {
         spans == 0 || self.last as f64 > MIN_SPAN_SECS * self.hz * spans as f64
     }

@@ -18,7 +18,7 @@ use crate::joint_lods::MergedLevels;
 use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
 use articula_core::{
     Backend, CachedKeys, CachedRows, ClipSet, Mismatch, PaletteForm, PaletteMap, PaletteRows,
-    PoseCache, lod_error_metres,
+    PoseCache,
 };
 use keys::{Ticks, choose};
 use measure::measure;
@@ -105,6 +105,8 @@ pub struct CacheReport {
     /// Error that the cache states, the larger of the 95th percentile over vertices and half of the
     /// maximum, in metres; 0 if not cached.
     pub error_metres: f32,
+    /// The same where the palette of the nearest key is shown as it is.
+    pub step_error_metres: f32,
     /// Maximum error over all vertices, in metres; 0 if not cached.
     pub worst_metres: f32,
 }
@@ -155,9 +157,11 @@ pub fn cached_poses(
                 continue;
             };
             let report = &mut plans[clip][level].report;
-            keys.error_metres = lod_error_metres(error.percentile_metres, error.worst_metres);
+            keys.error_metres = error.blended.judged_metres();
+            keys.step_error_metres = Some(error.stepped.judged_metres());
             report.error_metres = keys.error_metres;
-            report.worst_metres = error.worst_metres;
+            report.step_error_metres = error.stepped.judged_metres();
+            report.worst_metres = error.blended.worst_metres;
         }
     }
     Ok(CachedPoses {
@@ -267,6 +271,7 @@ fn planned(
             bytes: keys * matrices * opts.form.bytes(),
             tolerance_metres,
             error_metres: 0.0,
+            step_error_metres: 0.0,
             worst_metres: 0.0,
         };
         Plan {
@@ -305,6 +310,7 @@ fn placed_keys(plans: &[Vec<Plan>], map: &PaletteMap) -> Vec<Vec<Option<CachedKe
                     times_secs: plan.times_secs.clone(),
                     first_matrix: first_matrix as u32,
                     error_metres: 0.0,
+                    step_error_metres: None,
                 });
                 first_matrix += plan.times_secs.len() * map.len(level);
             }

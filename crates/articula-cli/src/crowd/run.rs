@@ -76,6 +76,8 @@ pub(crate) struct Poses {
     pub(crate) blended: f64,
     /// Poses blended from the pose cache, by the CPU or by the GPU.
     pub(crate) cached: f64,
+    /// Shown from the cache as they are.
+    pub(crate) stepped: f64,
 }
 
 /// Morph target weights written in a frame.
@@ -229,7 +231,8 @@ fn looked_at(
         let crowd = player.crowd();
         let palettes = crowd.draw_list().matrices * asset.model().parts().form.bytes();
         let morphs = size_of_val(player.morph_weights());
-        let bytes = palettes + size_of_val(player.records()) + morphs;
+        let drawn = size_of_val(player.records()) + size_of_val(player.stepped());
+        let bytes = palettes + drawn + morphs;
         faces.0 += crowd.draw_list().morph_sets();
         faces.1 = morphs.max(faces.1);
         reports.push((report, bytes));
@@ -265,6 +268,7 @@ fn looked_at(
             followers: mean(&|r| r.sharing_characters),
             blended: mean(&|r| r.blended),
             cached: mean(&|r| r.cached),
+            stepped: mean(&|r| r.stepped),
         },
         morphs: Morphs {
             characters: faces.0 as f64 / settings.frames.max(1) as f64,

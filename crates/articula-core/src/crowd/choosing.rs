@@ -16,7 +16,6 @@ use crate::simd::LANES;
 #[derive(Debug, Clone, Copy)]
 struct Choice {
     key: Key,
-    level: usize,
     /// Metres of the unscaled character.
     error_metres: f32,
 }
@@ -29,7 +28,7 @@ impl CrowdSection {
         character: usize,
         tell: &mut dyn FnMut(CrowdEvent),
     ) {
-        self.set_level(model, character, (None, 0.0), tell);
+        self.set_level(model, character, (Key::HIDDEN, 0.0), tell);
         self.options[character] = NO_OPTION;
         self.keys.set(character, Key::HIDDEN);
     }
@@ -55,7 +54,6 @@ impl CrowdSection {
             let (from, to) = self.clocks.state(character).clips();
             Choice {
                 key: Key::new(level, kind),
-                level,
                 error_metres: model.error_metres(from, to, level),
             }
         } else {
@@ -71,12 +69,7 @@ impl CrowdSection {
                 shared.unwrap_or(option)
             }
         };
-        self.set_level(
-            model,
-            character,
-            (Some(choice.level), pixels_per_metre),
-            tell,
-        );
+        self.set_level(model, character, (choice.key, pixels_per_metre), tell);
         self.keys.set(character, choice.key);
         if choice.error_metres > 0.0 {
             choice.error_metres * pixels_per_metre
@@ -123,7 +116,6 @@ impl CrowdSection {
         let level = usize::from(option.level);
         Choice {
             key: Key::new(level, option.kind),
-            level,
             error_metres: option.error_metres,
         }
     }
@@ -145,7 +137,6 @@ impl CrowdSection {
         self.set_keep(character, tolerance_range(error(level), next));
         Choice {
             key: Key::new(level, kind),
-            level,
             error_metres: error(level),
         }
     }
@@ -190,28 +181,31 @@ impl CrowdSection {
         self.keys.follow(character, leader);
         Some(Choice {
             key: Key::new(level, Kind::Follow),
-            level,
             error_metres: tolerance_metres,
         })
     }
 
-    /// Reports an event if the level of a character changes. A metre of it spans `pixels_per_metre`.
+    /// Reports an event if the level of a character changes with its key. A metre of it spans
+    /// `pixels_per_metre`.
     #[inline]
     fn set_level(
         &mut self,
         model: &CrowdModel,
         character: usize,
-        (level, pixels_per_metre): (Option<usize>, f32),
+        (key, pixels_per_metre): (Key, f32),
         tell: &mut dyn FnMut(CrowdEvent),
     ) {
-        let from = self.keys.get(character).level();
+        let before = self.keys.get(character);
+        let (from, level) = (before.level(), key.level());
         if from == level {
             return;
         }
         let (a, b) = self.clocks.state(character).clips();
-        let error = |level: usize| model.error_metres(a, b, level);
+        let cache = model.parts().cache.as_ref();
+        let error =
+            |level: usize, key: Key| model.error_metres(a, b, level) + key.source_metres(cache, a);
         let jump_px = match (from, level) {
-            (Some(from), Some(to)) => (error(from) + error(to)) * pixels_per_metre,
+            (Some(from), Some(to)) => (error(from, before) + error(to, key)) * pixels_per_metre,
             _ => 0.0,
         };
         tell(CrowdEvent::Level {

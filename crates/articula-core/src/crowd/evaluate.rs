@@ -1,15 +1,16 @@
-//! Evaluation of a planned frame: palettes, records and morph target weights of any part of it.
+//! Evaluation of a planned frame: palettes, records, draws of cached palettes and morph target weights
+//! of any part of it.
 
 use super::attachment::attachment;
 use super::character_state::ClipState;
 use super::model::CrowdModel;
-use super::plan::{Batch, DrawList, Poser};
+use super::plan::{Batch, Draw, DrawList, Poser};
 use super::section::SECTION;
 use super::share::Leader;
 use super::tick::Crowd;
 use crate::batch::{BatchPose, Scratch};
 use crate::palette::PaletteRows;
-use crate::pose_cache::BlendRecord;
+use crate::pose_cache::{BlendRecord, PoseCache};
 use crate::simd::LANES;
 use glam::Affine3A;
 use std::ops::Range;
@@ -139,34 +140,78 @@ impl Crowd {
         out: &mut [BlendRecord],
     ) {
         let list = self.draw_list();
-        let characters = &list.recorded[records.clone()];
         assert_eq!(
             out.len(),
-            characters.len(),
+            list.recorded[records.clone()].len(),
             "the output must hold every record"
         );
         let Some(cache) = model.parts().cache.as_ref() else {
             return;
         };
         for group in &list.record_groups {
-            let part = group.records.start.max(records.start)..group.records.end.min(records.end);
-            if part.is_empty() {
-                continue;
-            }
-            let part = part.start - records.start..part.end - records.start;
-            let (mut rest, mut out) = (&characters[part.clone()], out[part].iter_mut());
-            while let Some(&first) = rest.first() {
-                // A group is in the order of the sections.
-                let section = first as usize / SECTION;
-                let end = rest.partition_point(|c| *c as usize / SECTION <= section);
-                let (run, others) = rest.split_at(end);
-                rest = others;
-                let clocks = &self.sections[section].clocks;
-                for (&character, out) in run.iter().zip(&mut out) {
-                    let state = clocks.from(character as usize - section * SECTION);
-                    let located = cache.locate(state.clip(), group.level, state.secs);
-                    *out = located.unwrap_or_default().of(character);
-                }
+            let of = (group.level, group.records.clone());
+            self.locate_each(cache, of, (&list.recorded, &records), out, |c, located| {
+                located.of(c)
+            });
+        }
+    }
+
+    /// Writes the draws of a range of [`DrawList::stepped`]: for each character the cached palette
+    /// nearest to its time, as the index of its first matrix in
+    /// [`PoseCache::rows`](crate::PoseCache::rows). Ranges are independent, as of
+    /// [`Crowd::evaluate`].
+    ///
+    /// O(draws); does not allocate.
+    ///
+    /// # Panics
+    /// If the range ends beyond the list, or `out` does not have its length.
+    pub fn evaluate_steps(&self, model: &CrowdModel, steps: Range<usize>, out: &mut [Draw]) {
+        let list = self.draw_list();
+        assert_eq!(
+            out.len(),
+            list.stepped[steps.clone()].len(),
+            "the output must hold every draw"
+        );
+        let Some(cache) = model.parts().cache.as_ref() else {
+            return;
+        };
+        for group in &list.step_groups {
+            let of = (group.level, group.steps.clone());
+            self.locate_each(cache, of, (&list.stepped, &steps), out, |c, located| Draw {
+                character: c,
+                first_matrix: located.nearest(),
+            });
+        }
+    }
+
+    /// Writes something of the cached palettes around the time of each character of a group that lies
+    /// in a range of a list. `out` is of that range.
+    #[inline]
+    fn locate_each<T>(
+        &self,
+        cache: &PoseCache,
+        (level, group): (usize, Range<usize>),
+        (list, range): (&[u32], &Range<usize>),
+        out: &mut [T],
+        write: impl Fn(u32, BlendRecord) -> T,
+    ) {
+        let part = group.start.max(range.start)..group.end.min(range.end);
+        if part.is_empty() {
+            return;
+        }
+        let (mut rest, start) = (&list[part.clone()], range.start);
+        let mut out = out[part.start - start..part.end - start].iter_mut();
+        while let Some(&first) = rest.first() {
+            // A group is in the order of the sections.
+            let section = first as usize / SECTION;
+            let end = rest.partition_point(|c| *c as usize / SECTION <= section);
+            let (run, others) = rest.split_at(end);
+            rest = others;
+            let clocks = &self.sections[section].clocks;
+            for (&character, out) in run.iter().zip(&mut out) {
+                let state = clocks.from(character as usize - section * SECTION);
+                let located = cache.locate(state.clip(), level, state.secs);
+                *out = write(character, located.unwrap_or_default());
             }
         }
     }

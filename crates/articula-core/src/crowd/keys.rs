@@ -1,11 +1,14 @@
 //! Level and source of every character of a section, and the characters sorted by them.
 
 use crate::joint_lods::JointLods;
+use crate::pose_cache::PoseCache;
 
 /// Number of kinds at a level.
-pub(super) const KINDS: usize = 5;
+pub(super) const KINDS: usize = 6;
 /// Number of levels times kinds.
 pub(super) const KEYS: usize = KINDS * JointLods::MAX_LEVELS;
+
+const _: () = assert!(KEYS < u8::MAX as usize, "a key has to fit in a byte");
 
 /// Source of a character's pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +23,8 @@ pub(crate) enum Kind {
     Follow,
     /// The GPU blends two cached palettes.
     Record,
+    /// The cached palette nearest in time.
+    Step,
 }
 
 /// Level of a character and source of its pose, or that it is not shown.
@@ -37,6 +42,23 @@ impl Key {
     #[inline]
     pub(super) fn index(self) -> Option<usize> {
         (self != Self::HIDDEN).then_some(usize::from(self.0))
+    }
+
+    /// Error in metres that the source adds to that of the level.
+    pub(super) fn source_metres(self, cache: Option<&PoseCache>, clip: usize) -> f32 {
+        let (Some(index), Some(cache)) = (self.index(), cache) else {
+            return 0.0;
+        };
+        let (level, kind) = (index / KINDS, index % KINDS);
+        let blended = [Kind::Cached as usize, Kind::Record as usize];
+        let found = if kind == Kind::Step as usize {
+            cache.step_error_metres(clip, level)
+        } else if blended.contains(&kind) {
+            cache.error_metres(clip, level)
+        } else {
+            None
+        };
+        found.unwrap_or(0.0)
     }
 
     /// The level; `None` if the character is not shown.

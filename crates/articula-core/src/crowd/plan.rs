@@ -9,12 +9,13 @@ use crate::simd::LANES;
 use std::ops::Range;
 
 /// One visible character and its palette.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(C)]
 pub struct Draw {
     /// Index of the character.
     pub character: u32,
-    /// Index of the first matrix of its palette, among all matrices written in this frame.
+    /// Index of the first matrix of its palette: among all matrices written in this frame, or, of a
+    /// step, among those of the cache.
     pub first_matrix: u32,
 }
 
@@ -40,6 +41,17 @@ pub struct RecordGroup {
     pub matrices: usize,
 }
 
+/// Stepped characters of one level: each shows a cached palette as it is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StepGroup {
+    /// Level of the characters.
+    pub level: usize,
+    /// Range of [`DrawList::stepped`], and of their draws.
+    pub steps: Range<usize>,
+    /// Number of matrices of one palette.
+    pub matrices: usize,
+}
+
 /// Visible characters of a frame, and where their palettes are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawList {
@@ -52,6 +64,11 @@ pub struct DrawList {
     /// Characters that the GPU blends, each from two palettes of the model's cache, in the order of
     /// the groups; [`Crowd::evaluate_records`](super::Crowd::evaluate_records) writes their records.
     pub recorded: Vec<u32>,
+    /// Steps grouped by level; their characters are not among the draws.
+    pub step_groups: Vec<StepGroup>,
+    /// Characters that show the palette of the model's cache that is nearest in time, in the order of
+    /// the groups; [`Crowd::evaluate_steps`](super::Crowd::evaluate_steps) writes their draws.
+    pub stepped: Vec<u32>,
     /// Number of batches to evaluate, of up to eight poses each.
     pub batches: usize,
     /// Number of matrices that all batches write.
@@ -63,20 +80,28 @@ pub struct DrawList {
     /// Number of records, from the first on, whose level shows morph targets: the weights of record
     /// `i` are set `morph_draws + i`.
     pub morph_records: usize,
+    /// Number of steps, from the first on, whose level shows morph targets: the weights of step `i`
+    /// are set `morph_draws + morph_records + i`.
+    pub morph_steps: usize,
 }
 
 impl DrawList {
     /// Number of sets of morph target weights of the frame, one for each character whose level
     /// shows them.
     pub fn morph_sets(&self) -> usize {
-        self.morph_draws + self.morph_records
+        self.morph_draws + self.morph_records + self.morph_steps
     }
 
     /// Character of a set of morph target weights.
     pub(crate) fn character_of(&self, set: usize) -> usize {
-        let draw = self.draws[..self.morph_draws].get(set);
-        let record = || self.recorded[set - self.morph_draws];
-        draw.map_or_else(record, |d| d.character) as usize
+        let character = if let Some(draw) = self.draws[..self.morph_draws].get(set) {
+            draw.character
+        } else {
+            let set = set - self.morph_draws;
+            let record = self.recorded[..self.morph_records].get(set);
+            *record.unwrap_or_else(|| &self.stepped[set - self.morph_records])
+        };
+        character as usize
     }
 }
 
@@ -118,9 +143,11 @@ pub(crate) struct LevelCounts {
     /// Poses evaluated for several characters, and these characters.
     pub(crate) leaders: usize,
     pub(crate) followers: usize,
-    /// Palettes blended from cached ones, and records of such blends.
+    /// Palettes blended from cached ones, records of such blends, and cached palettes shown as they
+    /// are.
     pub(crate) cached: usize,
     pub(crate) recorded: usize,
+    pub(crate) stepped: usize,
 }
 
 /// Where the next character of one level and source goes.
@@ -139,9 +166,10 @@ struct Room {
     /// The same of shared poses: numbers by level, and where the next one goes.
     leaders: [usize; JointLods::MAX_LEVELS],
     leader_slots: [Slot; JointLods::MAX_LEVELS],
-    /// Draws, records, matrices and shared poses that have a place.
+    /// Draws, records, steps, matrices and shared poses that have a place.
     draws: usize,
     records: usize,
+    steps: usize,
     matrices: usize,
     shared: usize,
 }
@@ -154,6 +182,7 @@ impl Room {
             leader_slots: [Slot::default(); JointLods::MAX_LEVELS],
             draws: 0,
             records: 0,
+            steps: 0,
             matrices: 0,
             shared: 0,
         };
@@ -192,10 +221,13 @@ impl Plan {
                 draws: Vec::with_capacity(characters),
                 record_groups: Vec::with_capacity(levels),
                 recorded: Vec::with_capacity(characters),
+                step_groups: Vec::with_capacity(levels),
+                stepped: Vec::with_capacity(characters),
                 batches: 0,
                 matrices: 0,
                 morph_draws: 0,
                 morph_records: 0,
+                morph_steps: 0,
             },
         }
     }
@@ -213,6 +245,7 @@ impl Plan {
         self.batches.clear();
         self.drawn.groups.clear();
         self.drawn.record_groups.clear();
+        self.drawn.step_groups.clear();
         for level in 0..self.counts.len() {
             self.lay_out(level, palette.len(level), &mut room);
         }
@@ -226,13 +259,16 @@ impl Plan {
         let groups = drawn.record_groups.iter();
         let groups = groups.filter(|g| g.level < morph_levels);
         drawn.morph_records = groups.map(|g| g.records.len()).sum();
+        let groups = drawn.step_groups.iter();
+        let groups = groups.filter(|g| g.level < morph_levels);
+        drawn.morph_steps = groups.map(|g| g.steps.len()).sum();
     }
 
     /// Gives the characters and poses of a level, whose palettes have so many matrices, their places
     /// behind those of the levels before.
     fn lay_out(&mut self, level: usize, matrices: usize, room: &mut Room) {
-        let counts = [0, 1, 2, 3, 4].map(|kind| room.slots[level * KINDS + kind].at as usize);
-        let [clip, blend, cached, follow, record] = counts;
+        let counts = [0, 1, 2, 3, 4, 5].map(|kind| room.slots[level * KINDS + kind].at as usize);
+        let [clip, blend, cached, follow, record, step] = counts;
         let leaders = room.leaders[level];
         self.counts[level] = LevelCounts {
             own: clip + blend,
@@ -241,6 +277,7 @@ impl Plan {
             followers: follow,
             cached,
             recorded: record,
+            stepped: step,
         };
         let mut batch = Batch {
             first: 0,
@@ -297,16 +334,22 @@ impl Plan {
             });
         }
         room.records += record;
+        room.slots[level * KINDS + Kind::Step as usize].at = room.steps as u32;
+        if step > 0 {
+            self.drawn.step_groups.push(StepGroup {
+                level,
+                steps: room.steps..room.steps + step,
+                matrices,
+            });
+        }
+        room.steps += step;
     }
 
     /// Puts the characters of every section into their places.
     fn place<'a>(&mut self, sections: impl Iterator<Item = &'a SectionKeys>, room: &mut Room) {
-        let nobody = Draw {
-            character: 0,
-            first_matrix: 0,
-        };
-        self.drawn.draws.resize(room.draws, nobody);
+        self.drawn.draws.resize(room.draws, Draw::default());
         self.drawn.recorded.resize(room.records, 0);
+        self.drawn.stepped.resize(room.steps, 0);
         for section in sections {
             let mut rest = section.order();
             let counts = section.counts().iter().enumerate();
@@ -318,11 +361,16 @@ impl Plan {
                 let slot = &mut room.slots[key];
                 let places = slot.at as usize..slot.at as usize + characters.len();
                 slot.at += characters.len() as u32;
-                if key % KINDS == Kind::Record as usize {
+                let kind = key % KINDS;
+                if kind == Kind::Record as usize {
                     self.drawn.recorded[places].copy_from_slice(characters);
                     continue;
                 }
-                let is_own = key % KINDS != Kind::Follow as usize;
+                if kind == Kind::Step as usize {
+                    self.drawn.stepped[places].copy_from_slice(characters);
+                    continue;
+                }
+                let is_own = kind != Kind::Follow as usize;
                 for (draw, character) in self.drawn.draws[places].iter_mut().zip(characters) {
                     let first_matrix = if is_own {
                         let next = slot.matrix + slot.step;
@@ -451,6 +499,8 @@ mod tests {
             (21..22, 1, Kind::Record),
             (22..23, 0, Kind::Record),
             (69..70, 1, Kind::Record),
+            (3..5, 0, Kind::Step),
+            (30..32, 1, Kind::Step),
         ] {
             for character in characters {
                 let [first, second] = &mut sections;
@@ -479,14 +529,16 @@ mod tests {
         let mut plan = Plan::new(70, 2);
         for _ in 0..2 {
             // Without levels that show morph targets, with the first one, and with all.
-            for (levels, sets) in [(0, (0, 0)), (2, (14, 3)), (1, (4, 1))] {
+            for (levels, sets) in [(0, (0, 0, 0)), (2, (14, 3, 4)), (1, (4, 1, 2))] {
                 plan.make(sections.iter(), &leaders, &palette, levels);
                 let list = plan.draw_list();
-                assert_eq!((list.morph_draws, list.morph_records), sets);
+                let found = (list.morph_draws, list.morph_records, list.morph_steps);
+                assert_eq!(found, sets);
+                assert_eq!(list.morph_sets(), sets.0 + sets.1 + sets.2);
             }
             let list = plan.draw_list();
-            let characters: Vec<usize> = (0..5).map(|set| list.character_of(set)).collect();
-            assert_eq!(characters, [5, 7, 8, 9, 22]);
+            let characters: Vec<usize> = (0..7).map(|set| list.character_of(set)).collect();
+            assert_eq!(characters, [5, 7, 8, 9, 22, 3, 4]);
             // At the first level the matrices of clips, of blends and of shared poses.
             let mut expected = vec![(5, 0), (7, 3), (8, 6), (9, 6)];
             expected.extend((0..10).map(|i| (if i < 9 { 10 + i } else { 20 }, 9 + i)));
@@ -500,6 +552,10 @@ mod tests {
             let groups = list.record_groups.iter();
             let groups = groups.map(|g| (g.level, g.records.clone(), g.matrices));
             assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..1, 3), (1, 1..3, 1)]);
+            assert_eq!(list.stepped, [3, 4, 30, 31]);
+            let groups = list.step_groups.iter();
+            let groups = groups.map(|g| (g.level, g.steps.clone(), g.matrices));
+            assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..2, 3), (1, 2..4, 1)]);
             let batches = plan.batches().iter();
             let batches = batches.map(|b| (b.level(), b.poses(), b.is_cached()));
             let mut expected = vec![(0, 1, false); 3];
@@ -519,6 +575,7 @@ mod tests {
                 followers: 2,
                 cached: 0,
                 recorded: 1,
+                stepped: 2,
             };
             assert_eq!(plan.counts()[0], counts);
         }
@@ -531,5 +588,6 @@ mod tests {
         let characters = plan.draw_list().draws.iter().map(|d| d.character);
         assert_eq!(characters.collect::<Vec<_>>(), [16, 17, 18, 20]);
         assert_eq!(plan.draw_list().recorded, [22, 21, 69]);
+        assert_eq!(plan.draw_list().stepped, [30, 31]);
     }
 }

@@ -8,8 +8,14 @@ use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::{CachedKeys, JointLods};
 
+/// Stands for an error that was not measured.
+const UNKNOWN: f32 = -1.0;
+
 /// Keys of each clip at each level; `None` where poses are evaluated.
 pub type CacheKeys = Vec<Vec<Option<CachedKeys>>>;
+
+/// Version of the layout that is written: the second one has the error of stepped palettes.
+pub const CACHE_KEYS_VERSION: u64 = 2;
 
 /// Encodes the keys of a pose cache.
 pub fn write_cache_keys(keys: &[Vec<Option<CachedKeys>>]) -> Vec<u8> {
@@ -23,6 +29,7 @@ pub fn write_cache_keys(keys: &[Vec<Option<CachedKeys>>]) -> Vec<u8> {
             if let Some(keys) = keys {
                 out.count(keys.first_matrix as usize);
                 out.float(keys.error_metres);
+                out.float(keys.step_error_metres.unwrap_or(UNKNOWN));
                 out.floats(times);
             }
         }
@@ -30,11 +37,16 @@ pub fn write_cache_keys(keys: &[Vec<Option<CachedKeys>>]) -> Vec<u8> {
     out.0
 }
 
-/// Decodes the output of [`write_cache_keys`].
+/// Decodes the output of [`write_cache_keys`], or keys of version 1, which have no error of stepped
+/// palettes.
 ///
 /// # Errors
 /// [`ReadError::Malformed`] with the byte offset, [`ReadError::LimitExceeded`].
-pub fn read_cache_keys(bytes: &[u8], limits: &Limits) -> Result<CacheKeys, ReadError> {
+pub fn read_cache_keys(
+    bytes: &[u8],
+    version: u64,
+    limits: &Limits,
+) -> Result<CacheKeys, ReadError> {
     let mut r = Numbers::new(bytes, limits)?;
     let clips = r.count(1, "clips")?;
     let mut keys = Vec::with_capacity(clips);
@@ -48,6 +60,10 @@ pub fn read_cache_keys(bytes: &[u8], limits: &Limits) -> Result<CacheKeys, ReadE
                 _ => Some(CachedKeys {
                     first_matrix: r.at_most(u32::MAX as usize, "a matrix")? as u32,
                     error_metres: r.float()?,
+                    step_error_metres: match version {
+                        1 => None,
+                        _ => Some(r.float()?).filter(|e| *e != UNKNOWN),
+                    },
                     times_secs: r.groups(count, |[secs]| secs)?,
                 }),
             });

@@ -8,8 +8,8 @@ use articula_core::{
     Region, Rig, Sphere, Track, Tracks, Transform,
 };
 use articula_formats::prepared::{
-    ClipsInPlace, JointLevels, PairedLevels, SourceOrder, read_cache_keys, read_clips,
-    read_clips_in_place, read_joint_levels, read_level_skins, read_motion_bounds,
+    CACHE_KEYS_VERSION, ClipsInPlace, JointLevels, PairedLevels, SourceOrder, read_cache_keys,
+    read_clips, read_clips_in_place, read_joint_levels, read_level_skins, read_motion_bounds,
     read_paired_levels, read_source_orders, restore_order, write_cache_keys, write_clips,
     write_clips_in_place, write_joint_levels, write_level_skins, write_motion_bounds,
     write_paired_levels, write_source_orders,
@@ -227,6 +227,7 @@ fn cache_keys() -> Vec<Vec<Option<CachedKeys>>> {
             times_secs: vec![0.0, 0.5, 1.75],
             first_matrix: 300,
             error_metres: 0.001,
+            step_error_metres: Some(0.25),
         }),
     ]]
 }
@@ -289,7 +290,18 @@ fn every_part_comes_back() {
     let bytes = write_paired_levels(&paired());
     assert_eq!(read_paired_levels(&bytes, &limits()).unwrap(), paired());
     let bytes = write_cache_keys(&cache_keys());
-    assert_eq!(read_cache_keys(&bytes, &limits()).unwrap(), cache_keys());
+    let read = |bytes: &[u8], version| read_cache_keys(bytes, version, &limits()).unwrap();
+    assert_eq!(read(&bytes, CACHE_KEYS_VERSION), cache_keys());
+    // Without an error of steps, and as it was stored before there was one.
+    let mut unmeasured = cache_keys();
+    for keys in unmeasured.iter_mut().flatten().flatten() {
+        keys.step_error_metres = None;
+    }
+    let bytes = write_cache_keys(&unmeasured);
+    assert_eq!(read(&bytes, CACHE_KEYS_VERSION), unmeasured);
+    let before: Vec<u8> = [&bytes[..9], &bytes[13..]].concat();
+    assert_eq!(bytes[9..13], (-1.0f32).to_le_bytes());
+    assert_eq!(read(&before, 1), unmeasured);
     let bytes = write_source_orders(&orders());
     assert_eq!(read_source_orders(&bytes, &limits()).unwrap(), orders());
 }
@@ -340,7 +352,7 @@ fn other_bytes_are_errors_and_never_a_panic() {
         read_paired_levels(b, &limits())
     });
     endure(&write_cache_keys(&cache_keys()), |b| {
-        read_cache_keys(b, &limits())
+        read_cache_keys(b, CACHE_KEYS_VERSION, &limits())
     });
     endure(&write_source_orders(&orders()), |b| {
         read_source_orders(b, &limits())

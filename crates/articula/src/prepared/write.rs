@@ -3,7 +3,6 @@
 use super::hash::{self, SourceHashes};
 use super::options::PrepareOptions;
 use super::part::{self, PreparedPart};
-use super::stored::PART_VERSION;
 use crate::crowd::RootMotionPolicy;
 use crate::crowd::mesh_lods::{MeshLods, canonical};
 use crate::crowd::preparation::{CharacterInPlace, bounds, in_place, joint_levels};
@@ -69,7 +68,7 @@ impl Parts {
         let entries = self.entries.iter().zip(&sums);
         let entries = entries.map(|((name, bytes), (_, hash))| PreparedEntry {
             name,
-            version: PART_VERSION,
+            version: part::version(name),
             hash: *hash,
             bytes,
         });

@@ -207,6 +207,7 @@ impl CrowdRunReport {
             "draw groups",
             "palettes",
             "records",
+            "steps",
             "vertices",
         ]);
         for t in &self.tiers {
@@ -225,6 +226,7 @@ impl CrowdRunReport {
                 format!("{:.0}", t.renderer.draw_groups),
                 format!("{:.2} MB", t.renderer.palette_bytes / 1e6),
                 format!("{:.2} MB", t.renderer.record_bytes / 1e6),
+                format!("{:.0}", t.steps),
                 format!("{:.2} M", t.renderer.skinned_vertices / 1e6),
             ]);
         }
@@ -280,12 +282,13 @@ impl CrowdRunReport {
         ));
         text.push_str(&self.error_parts());
         text.push_str(&format!(
-            "poses  {:.0} per frame for one character ({:.0} blend two clips), {:.0} shared by {:.0} characters, {:.0} from the cache\n",
+            "poses  {:.0} per frame for one character ({:.0} blend two clips), {:.0} shared by {:.0} characters, {:.0} blended from the cache, {:.0} shown from it as they are\n",
             self.poses.own,
             self.poses.blended,
             self.poses.shared,
             self.poses.followers,
-            self.poses.cached
+            self.poses.cached,
+            self.poses.stepped
         ));
         if self.morphs.bytes > 0 {
             text.push_str(&format!(
@@ -295,13 +298,14 @@ impl CrowdRunReport {
             ));
         }
         text.push_str(&format!(
-            "draw   {:.0} groups, {:.2} M vertices, {:.2} M triangles ({:.2} M in full detail); palettes {:.2} MB, records {:.2} MB\n",
+            "draw   {:.0} groups, {:.2} M vertices, {:.2} M triangles ({:.2} M in full detail); palettes {:.2} MB, records {:.2} MB, draws of cached palettes {:.2} MB\n",
             self.renderer.draw_groups,
             self.renderer.skinned_vertices / 1e6,
             self.renderer.triangles / 1e6,
             self.renderer.triangles_full / 1e6,
             self.renderer.palette_bytes / 1e6,
-            self.renderer.record_bytes / 1e6
+            self.renderer.record_bytes / 1e6,
+            self.renderer.step_bytes / 1e6
         ));
         text.push_str(&format!(
             "memory {:.2} MB written per frame; clips {:.2} MB, pose cache {:.2} MB, palettes {:.2} MB, state {:.2} MB ({} bytes per character), meshes {:.2} MB\n",

@@ -175,8 +175,8 @@ impl<'a> SceneBench<'a> {
             outcome.select_ms.push(1e-6 * (selected - start) as f64);
             let evaluate_ns = evaluated - selected;
             outcome.evaluate_ms.push(1e-6 * evaluate_ns as f64);
-            let records = size_of_val(player.records());
-            outcome.add(&report, bytes + records, play.frames);
+            let drawn = size_of_val(player.records()) + size_of_val(player.stepped());
+            outcome.add(&report, bytes + drawn, play.frames);
             if number.is_multiple_of(8) {
                 let now = DisplayedFrame {
                     number: number / 8,
