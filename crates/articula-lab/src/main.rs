@@ -25,6 +25,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Instant;
 use tables::flat;
+use tables::impostors;
 use tables::merged_levels::Sheets;
 use tables::mesh_levels::Choice;
 use tables::retargets::Pictures;
@@ -57,6 +58,8 @@ enum Table {
     LoaCost,
     /// Cost of a crowd beside the floor and other evaluators (docs/methods/runtime.md).
     Crowd,
+    /// Impostors and far levels beside near levels, at equal error.
+    Impostors(impostors::Sheet),
     /// Error of a crowd at one pixel, for every character of the data.
     CrowdErrors,
     /// Contents of every data file, and round trips through every writer.
@@ -115,6 +118,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::LoaCost => tables::loa_cost::write(run),
         Table::Crowd => tables::crowd::write(run),
         Table::CrowdErrors => tables::crowd_errors::write(run),
+        Table::Impostors(sheets) => impostors::write(run, sheets),
         Table::MergedLevels(sheets) => tables::merged_levels::write(run, sheets),
         Table::MeshLevels(choice) => tables::mesh_levels::write(run, choice),
         Table::FaceLevels => tables::face_levels::write(run),

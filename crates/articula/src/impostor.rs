@@ -58,12 +58,12 @@ pub fn bake(
         .with_progress(CHOOSING, |p| ImpostorPlan::new(&source, options, p))
         .with_context(|| &figure.opened.name)?;
     let poses = (0..plan.poses()).collect();
-    let strips = work
+    let drawn = work
         .map(DRAWING, poses, |pose| {
-            plan.strip(&source, pose).map_err(Error::from)
+            plan.draw(&source, pose).map_err(Error::from)
         })
         .with_context(|| &figure.opened.name)?;
-    let atlas = plan.atlas(&strips);
+    let atlas = plan.atlas(&drawn);
     let atlas = atlas.with_context(|| &figure.opened.name)?;
     Ok(Impostors { plan, atlas })
 }

@@ -59,6 +59,8 @@ struct AtPitch {
 #[derive(Debug)]
 pub(super) struct Directions {
     pitches: Vec<AtPitch>,
+    /// Lowest and highest pitch of eyes.
+    range: [f32; 2],
 }
 
 /// Extent of pictures in metres, relative to the centre.
@@ -70,40 +72,47 @@ pub(super) struct Extent {
 }
 
 impl Directions {
-    pub(super) fn new(samples: &MotionSamples) -> Self {
+    pub(super) fn new(samples: &MotionSamples, range: [f32; 2]) -> Self {
         let at = |i: usize| at_pitch(samples, STEP * i as f32 - FRAC_PI_2);
         Self {
             pitches: (0..PITCHES).map(at).collect(),
+            range,
         }
     }
 
     /// The fewest directions, row by row, with depth times sine within `most_m`; `None` if a row
     /// would need too many yaws.
     pub(super) fn views(&self, most_m: f32) -> Option<ImpostorViews> {
-        let top = self.cap(most_m, 1.0);
-        let bottom = self.cap(most_m, -1.0);
-        let middle = self.row(most_m, None, 0.0, top.min(-bottom))?;
-        let half = 0.5 * middle.1;
-        let mut rows = self.rows(most_m, (-half, bottom), -1.0)?;
-        rows.reverse();
-        rows.push(ViewRow {
-            from_radians: -half,
-            ..middle.0
-        });
-        rows.extend(self.rows(most_m, (half, top), 1.0)?);
+        let [low, high] = self.range;
+        let cap = [self.cap(most_m, -1.0), self.cap(most_m, 1.0)];
+        let (bottom, top) = (cap[0].max(low), cap[1].min(high));
+        let mut rows = if bottom < 0.0 && top > 0.0 {
+            let (middle, height) = self.row(most_m, None, 0.0, top.min(-bottom))?;
+            let half = 0.5 * height;
+            let mut rows = self.rows(most_m, (-half, bottom), -1.0)?;
+            rows.reverse();
+            rows.push(middle);
+            rows.extend(self.rows(most_m, (half, top), 1.0)?);
+            rows
+        } else {
+            self.rows(most_m, (bottom, top), 1.0)?
+        };
         let pole = |from_radians, pitch_radians| ViewRow {
             from_radians,
             pitch_radians,
             lean: 0.0,
             yaws: 1,
         };
-        if bottom > -FRAC_PI_2 {
-            rows.insert(0, pole(-FRAC_PI_2, -FRAC_PI_2));
+        if cap[0] > low {
+            rows.insert(0, pole(low, -FRAC_PI_2));
         }
-        if top < FRAC_PI_2 {
+        if cap[1] < high {
             rows.push(pole(top, FRAC_PI_2));
         }
-        Some(ImpostorViews { rows })
+        (!rows.is_empty()).then_some(ImpostorViews {
+            rows,
+            to_radians: high,
+        })
     }
 
     /// Extent of the pictures of these directions.
@@ -247,6 +256,8 @@ mod tests {
     use super::*;
     use crate::impostor::samples::ClipSamples;
 
+    const EVERYWHERE: [f32; 2] = [-FRAC_PI_2, FRAC_PI_2];
+
     /// An upright rod of two metres, or a cross of rods of 0.6 m across it.
     fn figure(is_cross: bool) -> MotionSamples {
         let points = (0..21).flat_map(|i| {
@@ -267,7 +278,7 @@ mod tests {
 
     #[test]
     fn an_upright_rod_needs_no_turn_but_from_above() {
-        let directions = Directions::new(&figure(false));
+        let directions = Directions::new(&figure(false), EVERYWHERE);
         let views = directions.views(0.2).unwrap();
         // Its depth off an upright plane is 0: the yaws are those that keep the side.
         let near = views.rows.iter().filter(|r| r.pitch_radians.abs() < 1.0);
@@ -281,7 +292,7 @@ mod tests {
 
     #[test]
     fn rows_cover_the_sphere_and_grow_with_accuracy() {
-        let directions = Directions::new(&figure(true));
+        let directions = Directions::new(&figure(true), EVERYWHERE);
         let mut least = 0;
         for most_m in [0.2, 0.1, 0.05] {
             let views = directions.views(most_m).unwrap();
@@ -295,5 +306,10 @@ mod tests {
             least = views.len();
         }
         assert!(directions.views(1e-3).is_none());
+        let level = Directions::new(&figure(true), [-0.1, 0.6])
+            .views(0.1)
+            .unwrap();
+        assert_eq!((level.rows[0].from_radians, level.to_radians), (-0.1, 0.6));
+        assert!(2 * level.len() < directions.views(0.1).unwrap().len());
     }
 }

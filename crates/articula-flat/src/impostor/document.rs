@@ -27,7 +27,12 @@ impl ImpostorPlan {
             self.columns(),
         );
         let rows: Vec<String> = self.views.rows.iter().map(row_json).collect();
-        let _ = writeln!(out, "\"rows\":[\n{}\n],", rows.join(",\n"));
+        let _ = writeln!(
+            out,
+            "\"rows\":[\n{}\n],\"to_deg\":{},",
+            rows.join(",\n"),
+            self.views.to_radians.to_degrees()
+        );
         let clips: Vec<String> = self.clips.iter().map(clip_json).collect();
         let _ = write!(out, "\"clips\":[\n{}\n]\n}}\n", clips.join(",\n"));
         out

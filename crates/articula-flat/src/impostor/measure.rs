@@ -71,6 +71,7 @@ mod tests {
                 lean: 0.0,
                 yaws: 4,
             }],
+            to_radians: FRAC_PI_2,
         };
         let still = |at: Vec3| ClipSamples {
             duration_secs: 0.0,

@@ -1,8 +1,8 @@
 //! Impostors: a far character as small pictures that are baked once, each shown on two triangles.
 //!
 //! [`ImpostorPlan::new`] chooses directions ([`ImpostorViews`]), key poses of each clip and the size
-//! of a picture so that the error is least within a number of bytes; [`ImpostorPlan::strip`] draws
-//! the pictures of one pose, and [`ImpostorPlan::atlas`] joins them. [`ImpostorPlan::to_json`] is
+//! of a picture so that the error is least within a number of bytes; [`ImpostorPlan::draw`] draws
+//! the pictures of one pose, and [`ImpostorPlan::atlas`] joins all. [`ImpostorPlan::to_json`] is
 //! the table beside the picture (`docs/formats/impostor.md`).
 //!
 //! Each picture is drawn in parallel projection along a direction and shown on a plane through the
@@ -20,12 +20,14 @@ mod options;
 mod pictures;
 mod plan;
 mod samples;
+mod show;
 mod views;
 
 pub use error::ImpostorError;
 pub use options::{ImpostorBound, ImpostorOptions};
 pub use plan::{ImpostorCell, ImpostorClip, ImpostorPlan, ImpostorTrial};
 pub use samples::ImpostorSource;
+pub use show::ImpostorPainter;
 pub use views::{ImpostorView, ImpostorViews, ViewRow};
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Options of baking impostors.
 
 use crate::render::Light;
+use std::f32::consts::FRAC_PI_2;
 
 /// The bound that decides how fine impostors are.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,16 +17,20 @@ pub enum ImpostorBound {
 pub struct ImpostorOptions {
     /// The bound that decides how fine the impostors are.
     pub bound: ImpostorBound,
+    /// Lowest and highest pitch of the eyes that the errors hold for, radians: the angle of the eye
+    /// above the horizon of the character. Eyes beyond are shown the nearest pictures.
+    pub pitches_radians: [f32; 2],
     /// Light in the pictures, from directions that are fixed to the eye. Ambient light of strength
     /// 1 alone bakes the colours as they are.
     pub light: Light,
 }
 
 impl Default for ImpostorOptions {
-    /// 4 MiB, the light of [`render()`](crate::render()).
+    /// 4 MiB, eyes at any pitch, the light of [`render()`](crate::render()).
     fn default() -> Self {
         Self {
             bound: ImpostorBound::Bytes(4 << 20),
+            pitches_radians: [-FRAC_PI_2, FRAC_PI_2],
             light: Light::default(),
         }
     }

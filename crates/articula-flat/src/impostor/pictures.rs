@@ -16,15 +16,15 @@ use glam::Vec3;
 use std::f32::consts::TAU;
 
 impl ImpostorPlan {
-    /// Draws the pictures of one pose, side by side in the order of the directions.
+    /// Draws the pictures of one pose, in the order of the directions.
     ///
     /// # Errors
     /// [`ImpostorError::Mismatch`] if there is no such pose or the source is another one.
-    pub fn strip(
+    pub fn draw(
         &self,
         source: &ImpostorSource<'_>,
         pose: usize,
-    ) -> Result<Picture, ImpostorError> {
+    ) -> Result<Vec<Picture>, ImpostorError> {
         let clip = self.clips.iter().rposition(|c| c.first_pose <= pose);
         let of_clip = clip.and_then(|c| {
             let place = pose - self.clips[c].first_pose;
@@ -35,29 +35,25 @@ impl ImpostorPlan {
             return Err(refuse("pose", format!("there is no pose {pose}")));
         };
         let skinned = source.skinned(clip, secs);
-        let [width, height] = self.cell.size_px;
-        let mut strip = Picture::new(width * self.views.len() as u32, height, [0; 4])?;
-        let mut x = 0;
-        for row in &self.views.rows {
-            for yaw in 0..row.yaws {
-                let turn = TAU * yaw as f32 / row.yaws as f32;
-                let camera = self.camera(centre, turn, row.pitch_radians);
-                let options = RenderOptions {
-                    background: [0; 4],
-                    samples: Supersampling::Four,
-                    projection: Projection::Parallel {
-                        pixels_per_metre: 1.0 / self.cell.metres_per_px,
-                    },
-                    light: self.light,
-                    ..RenderOptions::default()
-                };
-                let (mesh, paint) = (source.mesh, source.appearance);
-                let picture = render(mesh, &skinned, paint, &camera, &options)?;
-                strip.put(&picture, x, 0);
-                x += width;
-            }
-        }
-        Ok(strip)
+        let options = RenderOptions {
+            background: [0; 4],
+            samples: Supersampling::Four,
+            projection: Projection::Parallel {
+                pixels_per_metre: 1.0 / self.cell.metres_per_px,
+            },
+            light: self.light,
+            ..RenderOptions::default()
+        };
+        let rows = self.views.rows.iter();
+        let turns = rows.flat_map(|row| {
+            let turn = move |yaw: u32| TAU * yaw as f32 / row.yaws as f32;
+            (0..row.yaws).map(move |yaw| (turn(yaw), row.pitch_radians))
+        });
+        let pictures = turns.map(|(yaw, pitch)| {
+            let camera = self.camera(centre, yaw, pitch);
+            render(source.mesh, &skinned, source.appearance, &camera, &options)
+        });
+        Ok(pictures.collect::<Result<_, _>>()?)
     }
 
     /// A camera whose viewport is a cell.
@@ -79,39 +75,41 @@ impl ImpostorPlan {
         }
     }
 
-    /// Number of pictures in a row of the atlas: those of one pose, or of as many as make the atlas
-    /// about square.
+    /// Number of pictures in a row of the atlas, which is about square.
     pub fn columns(&self) -> usize {
         let [width, height] = self.cell.size_px.map(|px| px as usize);
-        let (views, poses) = (self.views.len().max(1), self.poses().max(1));
-        let squared = (poses * height) as f64 / (views * width) as f64;
-        let beside = (squared.sqrt().round() as usize).clamp(1, poses);
-        let most = MAX_SIDE as usize / (views * width).max(1);
-        views * beside.min(most.max(1))
+        let pictures = self.pictures().max(1);
+        let squared = (pictures * height) as f64 / width as f64;
+        let beside = (squared.sqrt().ceil() as usize).clamp(1, pictures);
+        beside.min(MAX_SIDE as usize / width)
     }
 
-    /// Joins the strips of all poses.
+    /// Joins the pictures of all poses.
     ///
     /// # Errors
-    /// [`ImpostorError::Mismatch`] if the number or size of strips is not that of the plan,
+    /// [`ImpostorError::Mismatch`] if number or size of the pictures is not that of the plan,
     /// [`ImpostorError::Picture`] if the atlas has more than 16,384 pixels on a side.
-    pub fn atlas(&self, strips: &[Picture]) -> Result<Picture, ImpostorError> {
-        let views = self.views.len();
+    pub fn atlas(&self, poses: &[Vec<Picture>]) -> Result<Picture, ImpostorError> {
         let [width, height] = self.cell.size_px;
-        let is_ours = |s: &Picture| (s.width(), s.height()) == (width * views as u32, height);
-        if strips.len() != self.poses() || !strips.iter().all(is_ours) {
-            let what = format!("expected {} strips of {views} pictures", self.poses());
-            return Err(refuse("strips", what));
+        let is_ours = |p: &Picture| (p.width(), p.height()) == (width, height);
+        let is_whole = |p: &Vec<Picture>| p.len() == self.views.len() && p.iter().all(is_ours);
+        if poses.len() != self.poses() || !poses.iter().all(is_whole) {
+            let what = format!("expected {} poses", self.poses());
+            return Err(refuse(
+                "poses",
+                format!("{what} of {} pictures", self.views.len()),
+            ));
         }
-        let beside = self.columns() / views.max(1);
-        let rows = self.poses().div_ceil(beside);
-        let side =
-            |count: usize, px: u32| u32::try_from(count).unwrap_or(u32::MAX).saturating_mul(px);
-        let size = (side(self.columns(), width), side(rows, height));
-        let mut atlas = Picture::new(size.0, size.1, [0; 4])?;
-        for (pose, strip) in strips.iter().enumerate() {
-            let x = strip.width() * (pose % beside) as u32;
-            atlas.put(strip, x, height * (pose / beside) as u32);
+        let columns = self.columns();
+        let side = |count: usize, px: u32| {
+            let count = u32::try_from(count).unwrap_or(u32::MAX);
+            count.saturating_mul(px)
+        };
+        let rows = self.pictures().div_ceil(columns);
+        let mut atlas = Picture::new(side(columns, width), side(rows, height), [0; 4])?;
+        for (i, picture) in poses.iter().flatten().enumerate() {
+            let (x, y) = (width * (i % columns) as u32, height * (i / columns) as u32);
+            atlas.put(picture, x, y);
         }
         Ok(atlas)
     }

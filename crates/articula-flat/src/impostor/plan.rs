@@ -10,6 +10,7 @@ use super::views::ImpostorViews;
 use crate::render::Light;
 use articula_core::Progress;
 use glam::Vec3;
+use std::f32::consts::FRAC_PI_2;
 
 /// Coarsest error that is tried, in heights of the character.
 const COARSEST: f32 = 0.4;
@@ -128,9 +129,14 @@ impl ImpostorPlan {
         {
             return Err(refuse("bound", "metres must be positive"));
         }
+        let [low, high] = options.pitches_radians;
+        if !(-FRAC_PI_2..high).contains(&low) || high > FRAC_PI_2 {
+            let what = "must rise within a quarter turn down and up";
+            return Err(refuse("pitches_radians", what));
+        }
         let samples = MotionSamples::new(source, progress)?;
         progress.step(0.0)?;
-        let directions = Directions::new(&samples);
+        let directions = Directions::new(&samples, options.pitches_radians);
         let mut distances: Vec<Distances<'_>> = samples.clips.iter().map(Distances::new).collect();
         let mut trials = Vec::new();
         let mut best = None;

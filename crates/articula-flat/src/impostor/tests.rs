@@ -89,12 +89,16 @@ impl Post {
     fn plan(&self, bound: ImpostorBound) -> Result<ImpostorPlan, ImpostorError> {
         let options = ImpostorOptions {
             bound,
+            ..ImpostorOptions::default()
+        };
+        let options = ImpostorOptions {
             light: Light {
                 key: 0.0,
                 fill: 0.0,
                 ambient: 1.0,
                 ..Light::default()
             },
+            ..options
         };
         ImpostorPlan::new(&self.source(), &options, &mut Progress::none())
     }
@@ -150,14 +154,13 @@ fn an_error_is_kept_and_a_clip_that_stands_needs_one_pose() {
 fn pictures_show_the_side_that_faces_the_eye_where_it_is() {
     let post = Post::new();
     let plan = post.plan(ImpostorBound::Metres(0.08)).unwrap();
-    let strip = plan.strip(&post.source(), 0).unwrap();
-    let [width, height] = plan.cell.size_px;
+    let pictures = plan.draw(&post.source(), 0).unwrap();
+    let height = plan.cell.size_px[1];
     let m = plan.cell.metres_per_px;
-    let front = plan.views.nearest(Vec3::Z) as u32;
-    let back = plan.views.nearest(Vec3::NEG_Z) as u32;
+    let front = plan.views.nearest(Vec3::Z);
+    let back = plan.views.nearest(Vec3::NEG_Z);
     for (view, red, blue) in [(front, 255, 0), (back, 0, 255)] {
-        let picture = strip.crop(view * width, 0, width, height);
-        let seen: Vec<_> = covered(&picture).collect();
+        let seen: Vec<_> = covered(&pictures[view]).collect();
         // One square metre, to within half a pixel around it.
         let area = seen.len() as f32 * m * m;
         assert!((area - 1.0).abs() < 0.5 * m * 5.0, "{area}");
@@ -167,17 +170,80 @@ fn pictures_show_the_side_that_faces_the_eye_where_it_is() {
         let foot = plan.cell.corner_m[1] + m * (height - 1 - lowest) as f32;
         assert!((foot + 1.0).abs() <= m, "{foot}");
     }
-    assert!(plan.strip(&post.source(), plan.poses()).is_err());
+    assert!(plan.draw(&post.source(), plan.poses()).is_err());
 }
 
 #[test]
-fn the_atlas_holds_each_strip_and_the_table_says_where() {
+fn painted_pictures_are_what_the_eye_sees() {
+    use crate::projection::{Projection, Screen};
+    let post = Post::new();
+    let plan = post.plan(ImpostorBound::Metres(0.03)).unwrap();
+    let poses: Vec<Vec<Picture>> = (0..plan.poses())
+        .map(|pose| plan.draw(&post.source(), pose).unwrap())
+        .collect();
+    let atlas = plan.atlas(&poses).unwrap();
+    let viewport = articula_core::Viewport {
+        width_px: 64.0,
+        height_px: 64.0,
+        ..articula_core::Viewport::default()
+    };
+    let projection = Projection::Parallel {
+        pixels_per_metre: 20.0,
+    };
+    let world = Affine3A::from_rotation_translation(
+        glam::Quat::from_rotation_y(0.4),
+        Vec3::new(0.2, 0.1, -3.0),
+    );
+    for eye in [
+        Vec3::new(0.5, 1.4, 2.0),
+        Vec3::new(-3.0, 4.0, -5.0),
+        Vec3::new(0.1, 9.0, -2.0),
+    ] {
+        let middle = world.transform_point3(Vec3::Y);
+        let camera = articula_core::Camera::looking_at(eye, middle, viewport);
+        let screen = Screen::new(&camera, projection);
+        let mut shown = Picture::new(64, 64, [255; 4]).unwrap();
+        ImpostorPainter::new(&plan, &atlas).paint(&mut shown, &screen, &world, 0);
+        let mut skinned = post.source().skinned(0, 0.0);
+        for p in &mut skinned.positions {
+            *p = world.transform_point3(*p);
+        }
+        let options = crate::render::RenderOptions {
+            background: [255; 4],
+            projection,
+            light: plan.light,
+            ..crate::render::RenderOptions::default()
+        };
+        let truth =
+            crate::render::render(&post.mesh, &skinned, &post.appearance, &camera, &options);
+        let truth = truth.unwrap();
+        // Green is only in the background: what is covered differs by less than a pixel around.
+        let green = |p: &Picture| {
+            p.pixels()
+                .iter()
+                .map(|c| 255 - u32::from(c[1]))
+                .sum::<u32>()
+        };
+        let pairs = truth.pixels().iter().zip(shown.pixels());
+        let off: u32 = pairs.map(|(a, b)| u32::from(a[1].abs_diff(b[1]))).sum();
+        let rim = 2.0 * (0.5 + 2.0) * 20.0 * 255.0;
+        assert!(
+            f64::from(off) < rim,
+            "{off} of {} from {eye}",
+            green(&truth)
+        );
+        assert!(green(&shown).abs_diff(green(&truth)) < green(&truth) / 5 + 2000);
+    }
+}
+
+#[test]
+fn the_atlas_holds_each_picture_and_the_table_says_where() {
     let post = Post::new();
     let plan = post.plan(ImpostorBound::Metres(0.1)).unwrap();
-    let strips: Vec<Picture> = (0..plan.poses())
-        .map(|pose| plan.strip(&post.source(), pose).unwrap())
+    let poses: Vec<Vec<Picture>> = (0..plan.poses())
+        .map(|pose| plan.draw(&post.source(), pose).unwrap())
         .collect();
-    let atlas = plan.atlas(&strips).unwrap();
+    let atlas = plan.atlas(&poses).unwrap();
     let table: serde_json::Value = serde_json::from_str(&plan.to_json("a.png")).unwrap();
     let columns = table["cell"]["columns"].as_u64().unwrap() as u32;
     let views: u64 = table["rows"]
@@ -191,12 +257,12 @@ fn the_atlas_holds_each_strip_and_the_table_says_where() {
     let (pose, view) = (plan.poses() as u32 - 1, 3);
     let picture = pose * views as u32 + view;
     let (x, y) = (picture % columns * width, picture / columns * height);
-    let expected = strips[pose as usize].crop(view * width, 0, width, height);
-    assert_eq!(atlas.crop(x, y, width, height), expected);
+    let expected = &poses[pose as usize][view as usize];
+    assert_eq!(&atlas.crop(x, y, width, height), expected);
     assert_eq!(table["clips"][1]["name"], "\"rise\"");
-    let poses = table["clips"][1]["pose_secs"].as_array().unwrap();
-    assert_eq!(poses.len(), plan.clips[1].pose_secs.len());
-    assert!(plan.atlas(&strips[1..]).is_err());
+    let listed = table["clips"][1]["pose_secs"].as_array().unwrap();
+    assert_eq!(listed.len(), plan.clips[1].pose_secs.len());
+    assert!(plan.atlas(&poses[1..]).is_err());
 }
 
 #[test]
@@ -220,7 +286,7 @@ fn without_a_mesh_there_is_nothing_and_without_clips_the_rest_pose() {
     post.clips.clear();
     let plan = post.plan(ImpostorBound::Bytes(100_000)).unwrap();
     assert_eq!((plan.clips.len(), plan.poses()), (1, 1));
-    assert!(plan.strip(&post.source(), 0).is_ok());
+    assert!(plan.draw(&post.source(), 0).is_ok());
     post.mesh = Mesh::new(&[], 1).unwrap();
     let none = post.plan(ImpostorBound::Bytes(100_000));
     assert_eq!(none, Err(ImpostorError::Nothing));

@@ -5,12 +5,13 @@
 //! of which is the front (+Z).
 
 use glam::{Quat, Vec3};
-use std::f32::consts::{FRAC_PI_2, TAU};
+use std::f32::consts::TAU;
 
 /// A row of directions of equal pitch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViewRow {
-    /// Least pitch of the eyes that the row is shown to, radians; the first row begins at -π/2.
+    /// Least pitch of the eyes that the row is shown to, radians. The first row is shown to lower ones
+    /// too.
     pub from_radians: f32,
     /// Pitch of the directions, radians, positive if the eye is above.
     pub pitch_radians: f32,
@@ -34,6 +35,8 @@ impl ViewRow {
 pub struct ImpostorViews {
     /// The rows, from the lowest.
     pub rows: Vec<ViewRow>,
+    /// Highest pitch of the eyes that the rows are made for, radians.
+    pub to_radians: f32,
 }
 
 impl ImpostorViews {
@@ -72,10 +75,14 @@ impl ImpostorViews {
         let mut all = Vec::with_capacity(self.len());
         for (i, row) in self.rows.iter().enumerate() {
             let next = self.rows.get(i + 1);
-            let to = next.map_or(FRAC_PI_2, |r| r.from_radians);
+            let to = next.map_or(self.to_radians, |r| r.from_radians);
             if row.yaws == 1 {
                 // Around a pole, the border of the cap.
-                let border = if next.is_none() { row.from_radians } else { to };
+                let border = if row.pitch_radians > 0.0 {
+                    row.from_radians
+                } else {
+                    to
+                };
                 all.push([0.0, 0.25, 0.5, 0.75].map(|turn| direction(TAU * turn, border)));
                 continue;
             }
