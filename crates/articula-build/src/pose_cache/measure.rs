@@ -5,8 +5,8 @@
 //! the time half-way and added, so that the stated error holds at any time. The percentile is that
 //! of a sample, the maximum that of every vertex.
 //!
-//! A stepped palette is that of the nearest key. Keys are at ticks, so the palette changes at ticks and
-//! at half ticks only; there both the one before and the one after count.
+//! Of palettes that are shown as they are the nearest is shown. They are at ticks of their grid, so what
+//! is shown changes at ticks and at half ticks only; there both the one before and the one after count.
 
 use super::farthest::{BEND_SHARE, Farthest, Palettes};
 use super::keys::{Ticks, evaluated};
@@ -40,13 +40,6 @@ impl ShownError {
     }
 }
 
-/// The errors of a palette that is blended, and of one that is stepped.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct CacheErrors {
-    pub(super) blended: ShownError,
-    pub(super) stepped: ShownError,
-}
-
 /// State of the last three half ticks at one level: palettes, true positions of the watched vertices
 /// and their errors. A fourth entry of what is shown is for a palette that changes half-way.
 struct Recent {
@@ -62,44 +55,63 @@ struct Recent {
     farthest: Farthest,
 }
 
-/// Errors of one clip at every level; 0 where nothing is cached.
+/// Errors of the blended palettes of one clip at every level; 0 where none are cached.
 pub(super) fn measure(
     cache: &PoseCache,
     clips: &ClipSet,
     (clip, ticks): (usize, &Ticks),
     map: &PaletteMap,
     skins: &mut Skins,
-) -> Result<Vec<CacheErrors>, Mismatch> {
-    let recent = |level| [(); 2].map(|()| Recent::new(skins.mesh(level)));
-    let mut recent: Vec<[Recent; 2]> = (0..skins.levels()).map(recent).collect();
+) -> Result<Vec<ShownError>, Mismatch> {
+    let all = 0..skins.levels();
+    let mut recent: Vec<Recent> = all.map(|level| Recent::new(skins.mesh(level))).collect();
+    for_truth(clips, (clip, ticks), map, |half, truth| {
+        for (level, recent) in recent.iter_mut().enumerate() {
+            if let Some(record) = cache.locate(clip, level, ticks.secs(half)) {
+                let shown = rows_of(cache, level, record);
+                recent.take(half, (skins, level), truth, [&shown, &shown]);
+            }
+        }
+    })?;
+    Ok(recent.iter().map(Recent::error).collect())
+}
+
+/// Error of the palettes of one clip at one level that are shown as they are, on the grid that they
+/// are at ticks of.
+pub(super) fn measure_steps(
+    cache: &PoseCache,
+    clips: &ClipSet,
+    (clip, level, ticks): (usize, usize, &Ticks),
+    map: &PaletteMap,
+    skins: &mut Skins,
+) -> Result<ShownError, Mismatch> {
+    let mut recent = Recent::new(skins.mesh(level));
+    for_truth(clips, (clip, ticks), map, |half, truth| {
+        let shown = ticks.beside(half).map(|secs| {
+            let first = cache.nearest(clip, level, secs).unwrap_or_default();
+            rows_of(cache, level, BlendRecord::of_key(first))
+        });
+        recent.take(half, (skins, level), truth, [&shown[0], &shown[1]]);
+    })?;
+    Ok(recent.error())
+}
+
+/// Calls `see` with the true palette of each half tick.
+fn for_truth(
+    clips: &ClipSet,
+    (clip, ticks): (usize, &Ticks),
+    map: &PaletteMap,
+    mut see: impl FnMut(usize, &[[f32; 4]]),
+) -> Result<(), Mismatch> {
     let stride = map.len(0) * 3;
     for first in (0..ticks.halves()).step_by(BLOCK_HALVES) {
         let block = first..ticks.halves().min(first + BLOCK_HALVES);
         let rows = evaluated(clips, (clip, ticks), map, block.clone())?;
         for (i, half) in block.enumerate() {
-            let truth = &rows[i * stride..][..stride];
-            let secs = ticks.secs(half);
-            for (level, [blended, stepped]) in recent.iter_mut().enumerate() {
-                let Some(record) = cache.locate(clip, level, secs) else {
-                    continue;
-                };
-                let shown = rows_of(cache, level, record);
-                blended.take(half, (skins, level), truth, [&shown, &shown]);
-                let [before, after] = ticks.beside(half);
-                let key = |secs| {
-                    let first = cache.nearest(clip, level, secs).unwrap_or_default();
-                    rows_of(cache, level, BlendRecord::of_key(first))
-                };
-                let shown = [key(before), key(after)];
-                stepped.take(half, (skins, level), truth, [&shown[0], &shown[1]]);
-            }
+            see(half, &rows[i * stride..][..stride]);
         }
     }
-    let errors = recent.iter().map(|[blended, stepped]| CacheErrors {
-        blended: blended.error(),
-        stepped: stepped.error(),
-    });
-    Ok(errors.collect())
+    Ok(())
 }
 
 /// Palette given by the cache.

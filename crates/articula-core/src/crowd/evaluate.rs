@@ -10,7 +10,7 @@ use super::share::Leader;
 use super::tick::Crowd;
 use crate::batch::{BatchPose, Scratch};
 use crate::palette::PaletteRows;
-use crate::pose_cache::{BlendRecord, PoseCache};
+use crate::pose_cache::BlendRecord;
 use crate::simd::LANES;
 use glam::Affine3A;
 use std::ops::Range;
@@ -149,9 +149,10 @@ impl Crowd {
             return;
         };
         for group in &list.record_groups {
-            let of = (group.level, group.records.clone());
-            self.locate_each(cache, of, (&list.recorded, &records), out, |c, located| {
-                located.of(c)
+            let of = (&list.recorded[..], group.records.clone());
+            self.for_cached(of, &records, out, |character, state| {
+                let located = cache.locate(state.clip(), group.level, state.secs);
+                located.unwrap_or_default().of(character)
             });
         }
     }
@@ -176,24 +177,26 @@ impl Crowd {
             return;
         };
         for group in &list.step_groups {
-            let of = (group.level, group.steps.clone());
-            self.locate_each(cache, of, (&list.stepped, &steps), out, |c, located| Draw {
-                character: c,
-                first_matrix: located.nearest(),
+            let of = (&list.stepped[..], group.steps.clone());
+            self.for_cached(of, &steps, out, |character, state| {
+                let nearest = cache.nearest(state.clip(), group.level, state.secs);
+                Draw {
+                    character,
+                    first_matrix: nearest.unwrap_or_default(),
+                }
             });
         }
     }
 
-    /// Writes something of the cached palettes around the time of each character of a group that lies
-    /// in a range of a list. `out` is of that range.
+    /// Writes something for each character of a group of a list that lies in a range of the list.
+    /// `out` is of that range.
     #[inline]
-    fn locate_each<T>(
+    fn for_cached<T>(
         &self,
-        cache: &PoseCache,
-        (level, group): (usize, Range<usize>),
-        (list, range): (&[u32], &Range<usize>),
+        (list, group): (&[u32], Range<usize>),
+        range: &Range<usize>,
         out: &mut [T],
-        write: impl Fn(u32, BlendRecord) -> T,
+        write: impl Fn(u32, ClipState) -> T,
     ) {
         let part = group.start.max(range.start)..group.end.min(range.end);
         if part.is_empty() {
@@ -209,9 +212,10 @@ impl Crowd {
             rest = others;
             let clocks = &self.sections[section].clocks;
             for (&character, out) in run.iter().zip(&mut out) {
-                let state = clocks.from(character as usize - section * SECTION);
-                let located = cache.locate(state.clip(), level, state.secs);
-                *out = write(character, located.unwrap_or_default());
+                *out = write(
+                    character,
+                    clocks.from(character as usize - section * SECTION),
+                );
             }
         }
     }

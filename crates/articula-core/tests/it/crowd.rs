@@ -526,7 +526,6 @@ pub(crate) fn with_cache(model: CrowdModel) -> CrowdModel {
                 times_secs: vec![0.0, duration],
                 first_matrix,
                 error_metres: 0.005,
-                step_error_metres: None,
             }));
         }
         keys.push(of_clip);

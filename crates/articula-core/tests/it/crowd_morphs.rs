@@ -2,6 +2,7 @@
 //! that show them, the same for any division into ranges, without allocation.
 
 use crate::crowd::{Square, camera, fixed_figure, model, parts, with_cache};
+use crate::crowd_steps::with_steps;
 use articula_core::crowd::{
     CacheUse, CharacterState, ClipState, Crowd, CrowdModel, DrawList, Frame, MorphClips,
 };
@@ -44,7 +45,7 @@ fn with_morphs(clips: &[Clip]) -> Vec<Clip> {
 fn animated(levels: usize) -> (CrowdModel, Vec<Clip>) {
     let (rig, clips, sets) = fixed_figure();
     let clips = with_morphs(&clips);
-    let cached = with_cache(model(&rig, &clips, &sets));
+    let cached = with_steps(with_cache(model(&rig, &clips, &sets)));
     let mut parts = parts(&rig, &clips, &sets);
     parts.cache.clone_from(&cached.parts().cache);
     parts.morphs = Some(MorphClips::new(&clips, &REST, levels).unwrap());
@@ -94,7 +95,15 @@ fn owners(list: &DrawList) -> Vec<(usize, usize)> {
         records.iter().map(|r| (*r as usize, g.level))
     });
     let draws = draws.take(list.morph_draws);
-    draws.chain(records.take(list.morph_records)).collect()
+    let steps = list.step_groups.iter().flat_map(|g| {
+        let steps = &list.stepped[g.steps.clone()];
+        steps.iter().map(|s| (*s as usize, g.level))
+    });
+    let cached = records.take(list.morph_records);
+    draws
+        .chain(cached)
+        .chain(steps.take(list.morph_steps))
+        .collect()
 }
 
 /// Weights by the plain sampler, each clip over the defaults, then blended.
@@ -118,7 +127,7 @@ fn by_hand(state: &CharacterState, clips: &[Clip]) -> Vec<f32> {
 #[test]
 fn every_face_shows_its_own_clips_and_times() {
     let square = Square::new(240);
-    let (mut shared, mut recorded, mut faded) = (0, 0, 0);
+    let (mut shared, mut recorded, mut stepped, mut faded) = (0, 0, 0, 0);
     for levels in [1, 2] {
         let (model, clips) = animated(levels);
         for share in [false, true] {
@@ -145,10 +154,11 @@ fn every_face_shows_its_own_clips_and_times() {
                 }
                 shared += usize::from(share) * list.morph_draws;
                 recorded += list.morph_records;
+                stepped += list.morph_steps;
             }
         }
     }
-    assert!(shared > 0 && recorded > 0 && faded > 0);
+    assert!(shared > 0 && recorded > 0 && stepped > 0 && faded > 0);
 }
 
 #[test]

@@ -65,7 +65,6 @@ fn cached(
             times_secs,
             first_matrix,
             error_metres: 0.5 * level as f32,
-            step_error_metres: None,
         });
     }
     let rows = if half {

@@ -323,8 +323,8 @@ impl<'a> Stored<'a> {
         };
         self.read_version(name, |bytes, version, limits| {
             let keys = read_cache_keys(bytes, version, limits)?;
-            same_count("clips", keys.len(), clips)?;
-            for of_clip in &keys {
+            same_count("clips", keys.keys.len(), clips)?;
+            for of_clip in &keys.keys {
                 same_count("levels", of_clip.len(), levels)?;
             }
             Ok(keys)

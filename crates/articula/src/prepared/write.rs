@@ -209,7 +209,8 @@ impl Parts {
         };
         let cached = cached_poses(asset, levels, &clips, &opts).context("cache")?;
         self.pose_cache_bytes += cached.cache.bytes();
-        self.entries.push((name, write_cache_keys(&cached.keys)));
+        let keys = write_cache_keys(&cached.keys, &cached.steps);
+        self.entries.push((name, keys));
         Ok(())
     }
 }
