@@ -12,7 +12,7 @@ use articula_flat::impostor::{ImpostorOptions, ImpostorPlan, ImpostorSource};
 use articula_flat::{Appearance, Picture};
 
 /// Name of the step that chooses in progress reports.
-const CHOOSING: &str = "choosing impostors";
+pub(crate) const CHOOSING: &str = "choosing impostors";
 
 /// Name of the step that draws in progress reports.
 const DRAWING: &str = "drawing impostors";
@@ -57,13 +57,19 @@ pub fn bake(
     let plan = work
         .with_progress(CHOOSING, |p| ImpostorPlan::new(&source, options, p))
         .with_context(|| &figure.opened.name)?;
-    let poses = (0..plan.poses()).collect();
-    let drawn = work
-        .map(DRAWING, poses, |pose| {
-            plan.draw(&source, pose).map_err(Error::from)
-        })
-        .with_context(|| &figure.opened.name)?;
-    let atlas = plan.atlas(&drawn);
-    let atlas = atlas.with_context(|| &figure.opened.name)?;
+    let atlas = drawn(&plan, &source, work).with_context(|| &figure.opened.name)?;
     Ok(Impostors { plan, atlas })
+}
+
+/// Draws all pictures of a plan.
+pub(crate) fn drawn(
+    plan: &ImpostorPlan,
+    source: &ImpostorSource<'_>,
+    work: &Executor<'_>,
+) -> Result<Picture> {
+    let poses = (0..plan.poses()).collect();
+    let drawn = work.map(DRAWING, poses, |pose| {
+        plan.draw(source, pose).map_err(Error::from)
+    })?;
+    Ok(plan.atlas(&drawn)?)
 }

@@ -2,7 +2,7 @@
 
 use super::stage::{Settings, TimedCrowd};
 use anyhow::Context;
-use articula::crowd::{CrowdAsset, CrowdPlayer, PoseSource};
+use articula::crowd::{CrowdAsset, CrowdPlayer, ImpostorDraw, PoseSource};
 use articula_build::Scene;
 use articula_core::{Camera, Viewport};
 use articula_flat::Picture;
@@ -37,26 +37,49 @@ pub(crate) fn draw(
     crowd.draw(&camera, &legend).context("drawing the crowd")
 }
 
+/// How a character is shown.
+enum Shown<'a> {
+    Posed(&'a PoseSource),
+    Impostor(ImpostorDraw),
+}
+
 /// The skins of the nearest visible characters, the others as slivers, and the number of those with
 /// skins.
 fn gathered(player: &CrowdPlayer, camera: &Camera) -> (CrowdPicture, usize) {
     let asset = player.asset();
     let sources = player.sources();
     let shown = sources.iter().enumerate();
-    let mut draws: Vec<(f32, usize, &PoseSource)> = shown
+    let mut draws: Vec<(f32, usize, Shown<'_>)> = shown
         .filter_map(|(c, source)| Some((c, source.as_ref()?)))
-        .map(|(c, source)| (camera.eye.distance(player.positions()[c]), c, source))
+        .map(|(c, source)| {
+            (
+                camera.eye.distance(player.positions()[c]),
+                c,
+                Shown::Posed(source),
+            )
+        })
         .collect();
+    let impostors = player.impostors().iter().map(|draw| {
+        let character = draw.character as usize;
+        let distance = camera.eye.distance(player.positions()[character]);
+        (distance, character, Shown::Impostor(*draw))
+    });
+    draws.extend(impostors);
     draws.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut picture, mut drawn, mut triangles) = (CrowdPicture::default(), 0, 0);
     let mut matrices = Vec::new();
     let across = camera.orientation * Vec3::X;
-    for (_, character, source) in draws {
+    for (_, character, shown) in draws {
         let Some(level) = player.crowd().level(character) else {
             continue;
         };
         let world = player.world_from_model(character);
-        triangles += asset.mesh(level).triangles.len();
+        let (mesh, level) = match shown {
+            Shown::Posed(_) => (asset.mesh(level), level),
+            // The whole mesh, flat: what the pictures show, without their pixels.
+            Shown::Impostor(_) => (&asset.full().mesh, asset.levels()),
+        };
+        triangles += mesh.triangles.len();
         if triangles > MAX_TRIANGLES && drawn > 0 {
             let clip = player.crowd().state(character).clip_state().clip();
             let bound = asset.model().parts().bounds.clips[clip].whole().sphere;
@@ -65,8 +88,11 @@ fn gathered(player: &CrowdPlayer, camera: &Camera) -> (CrowdPicture, usize) {
             picture.add_far(level, centre, radius, across);
             continue;
         }
-        player.skin_matrices(level, source, &mut matrices);
-        picture.add(asset.mesh(level), level, &matrices, &world);
+        match shown {
+            Shown::Posed(source) => player.skin_matrices(level, source, &mut matrices),
+            Shown::Impostor(draw) => player.impostor_matrices(draw, camera.eye, &mut matrices),
+        }
+        picture.add(mesh, level, &matrices, &world);
         drawn += 1;
     }
     (picture, drawn)
@@ -77,10 +103,15 @@ fn legend(player: &CrowdPlayer, drawn: usize) -> Vec<(Option<usize>, String)> {
     let asset = player.asset();
     let count = player.positions().len();
     let mut levels = vec![0; asset.levels()];
+    let far = player.impostors().len();
     for level in (0..count).filter_map(|c| player.crowd().level(c)) {
         levels[level] += 1;
     }
     let shown: usize = levels.iter().sum();
+    // Impostors count as of the coarsest level, whose colour is not theirs.
+    if let Some(coarsest) = levels.last_mut() {
+        *coarsest -= far.min(*coarsest);
+    }
     let levels = levels.into_iter().enumerate().filter(|l| l.1 > 0);
     let line_of = |(level, count): (usize, usize)| {
         let made = asset.level(level);
@@ -93,6 +124,12 @@ fn legend(player: &CrowdPlayer, drawn: usize) -> Vec<(Option<usize>, String)> {
         (Some(level), text)
     };
     let mut lines: Vec<_> = levels.map(line_of).collect();
+    if far > 0 {
+        lines.push((
+            Some(asset.levels()),
+            format!("impostors, 2 triangles: {far}"),
+        ));
+    }
     if drawn < shown {
         lines.push((None, format!("nearest {drawn} with their skins")));
     }

@@ -232,6 +232,7 @@ fn looked_at(
         let palettes = crowd.draw_list().matrices * asset.model().parts().form.bytes();
         let morphs = size_of_val(player.morph_weights());
         let drawn = size_of_val(player.records()) + size_of_val(player.stepped());
+        let drawn = drawn + size_of_val(player.impostors());
         let bytes = palettes + drawn + morphs;
         faces.0 += crowd.draw_list().morph_sets();
         faces.1 = morphs.max(faces.1);

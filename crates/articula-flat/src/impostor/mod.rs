@@ -11,6 +11,7 @@
 //! the plane along the direction, times the sine of the angle between the direction and that of
 //! the eye. Source of the error: `docs/metrics.md`.
 
+mod buffers;
 mod directions;
 mod document;
 mod error;
@@ -23,6 +24,7 @@ mod samples;
 mod show;
 mod views;
 
+pub use buffers::ImpostorBuffers;
 pub use error::ImpostorError;
 pub use options::{ImpostorBound, ImpostorOptions};
 pub use plan::{ImpostorCell, ImpostorClip, ImpostorPlan, ImpostorTrial};

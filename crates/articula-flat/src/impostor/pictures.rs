@@ -25,15 +25,11 @@ impl ImpostorPlan {
         source: &ImpostorSource<'_>,
         pose: usize,
     ) -> Result<Vec<Picture>, ImpostorError> {
-        let clip = self.clips.iter().rposition(|c| c.first_pose <= pose);
-        let of_clip = clip.and_then(|c| {
-            let place = pose - self.clips[c].first_pose;
-            let (secs, centres) = (&self.clips[c].pose_secs, &self.clips[c].centres);
-            Some((c, *secs.get(place)?, *centres.get(place)?))
-        });
-        let Some((clip, secs, centre)) = of_clip else {
+        let Some((clip, place)) = self.clip_of(pose) else {
             return Err(refuse("pose", format!("there is no pose {pose}")));
         };
+        let secs = self.clips[clip].pose_secs[place];
+        let centre = self.clips[clip].centres[place];
         let skinned = source.skinned(clip, secs);
         let options = RenderOptions {
             background: [0; 4],

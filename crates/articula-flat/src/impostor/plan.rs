@@ -5,10 +5,10 @@ use super::error::{ImpostorError, refuse};
 use super::keys::{Distances, Key, starts};
 use super::measure::error_m;
 use super::options::{ImpostorBound, ImpostorOptions};
-use super::samples::{ImpostorSource, MotionSamples};
+use super::samples::{ImpostorSource, MotionSamples, steps};
 use super::views::ImpostorViews;
 use crate::render::Light;
-use articula_core::Progress;
+use articula_core::{ClipImpostors, Impostors, Mismatch, Progress};
 use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;
 
@@ -215,6 +215,31 @@ impl ImpostorPlan {
             trials,
             light: options.light,
         })
+    }
+
+    /// What a crowd needs: the pose of each clip at each time, and the errors.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if a value was changed to one that is not finite.
+    pub fn table(&self) -> Result<Impostors, Mismatch> {
+        let durations: Vec<f32> = self.clips.iter().map(|c| c.duration_secs).collect();
+        let clip = |clip: &ImpostorClip| {
+            let steps = steps(clip.duration_secs);
+            let secs = |step: usize| clip.duration_secs * step as f32 / steps.max(1) as f32;
+            let pose = |step: usize| (clip.first_pose + clip.pose_at(secs(step))) as u32;
+            Some(ClipImpostors {
+                poses: (0..=steps).map(pose).collect(),
+                error_metres: clip.error_m,
+            })
+        };
+        Impostors::new(self.clips.iter().map(clip).collect(), &durations)
+    }
+
+    /// The clip of a pose and the place of the pose in it; `None` if there is no such pose.
+    pub fn clip_of(&self, pose: usize) -> Option<(usize, usize)> {
+        let clip = self.clips.iter().rposition(|c| c.first_pose <= pose)?;
+        let place = pose - self.clips[clip].first_pose;
+        (place < self.clips[clip].pose_secs.len()).then_some((clip, place))
     }
 
     /// Number of poses of all clips.

@@ -89,8 +89,7 @@ impl MotionSamples {
         for clip in 0..count {
             progress.step(clip as f32 / count as f32)?;
             let duration_secs = source.clips.get(clip).map_or(0.0, Clip::duration_secs);
-            let steps = (duration_secs * RATE_HZ).ceil() as usize;
-            let steps = steps.min(MAX_TIMES - 1);
+            let steps = steps(duration_secs);
             let time = |i: usize| match steps {
                 0 => 0.0,
                 _ => duration_secs * i as f32 / steps as f32,
@@ -120,6 +119,12 @@ impl MotionSamples {
         }
         Ok(Self { height_m, clips })
     }
+}
+
+/// Number of intervals between the samples of a clip.
+pub(super) fn steps(duration_secs: f32) -> usize {
+    let steps = (duration_secs * RATE_HZ).ceil() as usize;
+    steps.min(MAX_TIMES - 1)
 }
 
 /// Box around points.

@@ -32,10 +32,10 @@ impl<'a> ImpostorPainter<'a> {
     /// Composites a pose over a picture of the screen's size. `world` places the character; its
     /// scale is uniform. Does nothing if there is no such pose.
     pub fn paint(&self, picture: &mut Picture, screen: &Screen, world: &Affine3A, pose: usize) {
-        let clip = self.plan.clips.iter().rfind(|c| c.first_pose <= pose);
-        let Some(centre) = clip.and_then(|c| c.centres.get(pose - c.first_pose)) else {
+        let Some((clip, place)) = self.plan.clip_of(pose) else {
             return;
         };
+        let centre = &self.plan.clips[clip].centres[place];
         let placed = world.transform_point3(*centre);
         let model = world.inverse();
         // Towards an eye that sees the whole character from one side.

@@ -281,6 +281,31 @@ fn every_eye_is_shown_a_direction_beside_it() {
 }
 
 #[test]
+fn the_table_of_a_crowd_shows_the_same_poses() {
+    let post = Post::new();
+    let plan = post.plan(ImpostorBound::Metres(0.1)).unwrap();
+    let table = plan.table().unwrap();
+    for (c, clip) in plan.clips.iter().enumerate() {
+        assert_eq!(table.error_metres(c), Some(clip.error_m));
+        for i in 0..=60 {
+            let secs = clip.duration_secs * i as f32 / 60.0;
+            let pose = (clip.first_pose + clip.pose_at(secs)) as u32;
+            assert_eq!(table.pose(c, secs), Some(pose), "clip {c} at {secs} s");
+            assert_eq!(plan.clip_of(pose as usize).map(|found| found.0), Some(c));
+        }
+    }
+    assert_eq!(plan.clip_of(plan.poses()), None);
+    let buffers = ImpostorBuffers::new(&plan);
+    assert_eq!(buffers.cells.len(), 32);
+    assert_eq!(buffers.centres.len(), 16 * plan.poses());
+    assert_eq!(buffers.rows.len(), 16 * plan.views.rows.len());
+    let view = plan.views.iter().nth(2).unwrap();
+    let (centre, point) = (Vec3::new(0.3, 1.0, -0.2), Vec3::new(0.7, 1.9, 0.5));
+    let shown = view.flattened(centre).transform_point3(point);
+    assert!((shown - centre - view.shown(point - centre)).length() < 1e-6);
+}
+
+#[test]
 fn without_a_mesh_there_is_nothing_and_without_clips_the_rest_pose() {
     let mut post = Post::new();
     post.clips.clear();

@@ -4,7 +4,7 @@
 //! whose pitch lies between its border and that of the next row, from evenly spaced yaws, the first
 //! of which is the front (+Z).
 
-use glam::{Quat, Vec3};
+use glam::{Affine3A, Mat3, Quat, Vec3};
 use std::f32::consts::TAU;
 
 /// A row of directions of equal pitch.
@@ -126,6 +126,13 @@ impl ImpostorView {
             up,
             plane_up: up + lean * to_eye,
         }
+    }
+
+    /// The transform of points around a centre to where they are shown.
+    pub fn flattened(&self, centre: Vec3) -> Affine3A {
+        let columns = Vec3::AXES.map(|axis| self.shown(axis));
+        let matrix = Mat3::from_cols(columns[0], columns[1], columns[2]);
+        Affine3A::from_mat3_translation(matrix, centre - matrix * centre)
     }
 
     /// Where a point, relative to the centre, is shown: on the plane.

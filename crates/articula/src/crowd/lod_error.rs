@@ -38,7 +38,7 @@ const PARTS: [Region; 3] = [Region::Hands, Region::Face, Region::Feet];
 pub struct CharacterError {
     /// Index of the character.
     pub character: usize,
-    /// Level of the character.
+    /// Level of the character; the number of levels if it is shown by an impostor.
     pub level: usize,
     /// Distance from the camera to the character's origin, in metres.
     pub distance_m: f32,
@@ -185,15 +185,31 @@ impl ErrorMeter {
             is_sampled[at] = true;
         }
         let sources = player.sources();
+        let mut impostors = vec![None; sources.len()];
+        for draw in player.impostors() {
+            impostors[draw.character as usize] = Some(*draw);
+        }
         let mut characters = Vec::new();
         for (&(character, level), is_sampled) in visible.iter().zip(is_sampled) {
             let distance_m = camera.eye.distance(player.positions()[character]);
-            let Some(source) = &sources[character] else {
-                continue;
-            };
             if !is_sampled && distance_m >= NEAR_METRES {
                 continue;
             }
+            if let Some(draw) = impostors[character] {
+                self.pose_truth(player, character);
+                player.impostor_matrices(draw, camera.eye, &mut self.matrices);
+                let full = &self.asset.full().mesh;
+                self.shown.resize(self.vertices.len(), Vec3::ZERO);
+                skin_points(full, &self.matrices, &self.vertices, &mut self.shown);
+                let level = self.asset.levels();
+                let world = player.world_from_model(character);
+                let found = self.errors_px(camera, &world);
+                characters.push(error_of(character, level, distance_m, found, is_sampled));
+                continue;
+            }
+            let Some(source) = &sources[character] else {
+                continue;
+            };
             self.pose_truth(player, character);
             player.skin_matrices(level, source, &mut self.matrices);
             let mesh = self.asset.mesh(level);
@@ -210,20 +226,7 @@ impl ErrorMeter {
             watch.place(&mut self.shown);
             let world = player.world_from_model(character);
             let found = self.errors_px(camera, &world);
-            let mut parts_px = [None; PARTS.len()];
-            for (part, px) in found.iter().filter_map(|(part, px)| Some(((*part)?, *px))) {
-                parts_px[part] = Some(parts_px[part].map_or(px, |most: f64| most.max(px)));
-            }
-            let mut errors: Vec<f64> = found.into_iter().map(|(_, px)| px).collect();
-            characters.push(CharacterError {
-                character,
-                level,
-                distance_m,
-                p95_px: percentile(&mut errors, 0.95),
-                worst_px: percentile(&mut errors, 1.0),
-                parts_px,
-                is_sampled,
-            });
+            characters.push(error_of(character, level, distance_m, found, is_sampled));
         }
         ErrorSample { secs, characters }
     }
@@ -294,6 +297,30 @@ impl ErrorMeter {
             is_seen.then(|| (*part, f64::from(truth.distance(shown))))
         });
         pixels.collect()
+    }
+}
+
+/// Error of a character from the pixels of its vertices, each with its part of the body.
+fn error_of(
+    character: usize,
+    level: usize,
+    distance_m: f32,
+    found: Vec<(Option<usize>, f64)>,
+    is_sampled: bool,
+) -> CharacterError {
+    let mut parts_px = [None; PARTS.len()];
+    for (part, px) in found.iter().filter_map(|(part, px)| Some(((*part)?, *px))) {
+        parts_px[part] = Some(parts_px[part].map_or(px, |most: f64| most.max(px)));
+    }
+    let mut errors: Vec<f64> = found.into_iter().map(|(_, px)| px).collect();
+    CharacterError {
+        character,
+        level,
+        distance_m,
+        p95_px: percentile(&mut errors, 0.95),
+        worst_px: percentile(&mut errors, 1.0),
+        parts_px,
+        is_sampled,
     }
 }
 
