@@ -132,9 +132,14 @@ fn cached_poses_stay_within_the_tolerance() {
         let p95 = number(&found["error_px"]["p95"]);
         assert!(p95 <= 1.0, "{p95}");
     }
-    // Palettes blended by the GPU are not written.
+    // Neither palettes blended by the GPU nor cached ones that are shown as they are are written.
     let written = |found: &Value| number(&found["written_mb"]["median"]);
-    assert!(written(&gpu) < 0.5 * written(&cpu));
+    assert!(written(&gpu) < 0.5 * written(&never));
+    assert!(written(&cpu) < 0.5 * written(&never));
+    let stepped = |found: &Value| number(&found["poses"]["stepped"]);
+    assert_eq!((stepped(&never), stepped(&gpu)), (0.0, 0.0));
+    let steps = number(&cpu["renderer"]["step_bytes"]);
+    assert!(stepped(&cpu) > 100.0 && (steps - 8.0 * stepped(&cpu)).abs() < 1e-6);
     let wrong = fault(
         &folder("crowd-cache-full"),
         2,
@@ -258,12 +263,12 @@ fn buffers_are_written_with_what_they_hold() {
     let more = ["--buffers", "frame", "--source", "records"];
     let all = [&words[..], &more].concat();
     let found = json(&here, &all);
-    assert_eq!(found["written"].as_array().unwrap().len(), 9);
+    assert_eq!(found["written"].as_array().unwrap().len(), 10);
     let text = std::fs::read_to_string(here.join("frame/crowd.json")).unwrap();
     let manifest: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(
         (&manifest["version"], &manifest["form"]),
-        (&1.into(), &"matrix".into())
+        (&2.into(), &"matrix".into())
     );
     for (name, bytes) in manifest["bytes"].as_object().unwrap() {
         let file = here.join("frame").join(name).metadata().unwrap();

@@ -28,6 +28,7 @@
 //!   `palettes[first_matrix + joint]`. `evaluate` may write straight into a mapped buffer: it
 //!   writes every byte once and in order. Weights of morph targets are a second storage buffer,
 //!   and the index of a character's set in it is that of its draw ([`DrawList::morph_draws`]).
+//!   Steps ([`DrawList::step_groups`]) are drawn alike, with the cached palettes bound instead.
 //! - **Bevy**: a system in `PostUpdate` fills [`Frame`] from `GlobalTransform` and the cameras'
 //!   `Frustum`, ticks, spreads `evaluate` over the task pool, and hands the palettes to the render
 //!   world as one buffer; no entity per joint is needed. Attachments write the `Transform` of

@@ -376,8 +376,12 @@ impl CrowdArgs {
         })
     }
 
-    /// Coarser meshes are chosen by their error, which only `--level auto` does.
+    /// Coarser meshes and impostors are chosen by their error, which only `--level auto` does.
     fn check_mesh_levels(&self) -> anyhow::Result<()> {
+        if self.impostors.is_some() && self.level != "auto" {
+            let what = format!("--impostors requires --level auto, not {}", self.level);
+            return Err(fault::usage(what));
+        }
         if self.mesh_levels > 1 && self.level != "auto" {
             let what = format!("--mesh-levels requires --level auto, not {}", self.level);
             return Err(fault::usage(what));

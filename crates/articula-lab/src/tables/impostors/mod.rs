@@ -167,7 +167,7 @@ pub(crate) fn write(run: &Run, sheets: &Sheet) -> Result<()> {
             let baked = level;
             if sheets.sheets.is_some() {
                 let shown = (cached.coarsest, shown_far.as_ref(), baked.as_ref());
-                tiles.push(sheet::tiles(&subject, &far, height_px, shown)?);
+                tiles.push(sheet::tiles(&subject, height_px, shown)?);
             }
         }
         trials.extend(impostor::trials(&subject)?);

@@ -13,7 +13,14 @@ pixel at a height on the screen: levels on the character's own rig with coarse m
 drawn as it is. *ns*: processor time of a frame (clocks, culling, choice, evaluation) for each of 2048 characters in view;
 an impostor is listed as a cached pose is, and has its time. *Written*: bytes for each character and frame. *Resident*: bytes that
 all characters share, cached palettes of the levels shown or pixels at four bytes each. *Error*: of level or impostor, the
-maximum over clips. Far levels: the error is that of the joints alone, vertices are those of the coarsest mesh level.
+maximum over those shown, without that of a cached pose. Far levels: the error is that of the joints alone, vertices are those of
+the coarsest mesh level. *Level eyes*: impostors for eyes from 10 degrees below to 20 degrees above the horizon of a character; *all
+eyes*: from anywhere. Rows of more than 64 MiB are left out.
+
+Far levels are not played: a cached pose of a near level takes as few bytes and a tenth of the time of an evaluated far level, and
+both have the same vertices; what a far level saves, matrices of cached palettes, is a small part of the memory. Impostors are
+played where they are a few pixels high: there they replace hundreds of vertices by four for the same bytes and time, in a few
+megabytes. Above about ten pixels they need tens of megabytes and more, for a motion of few clips, and do not pay.
 ";
 
 pub(super) fn page(rows: &[Row], trials: &[(String, f32, ImpostorTrial)]) -> Result<String> {

@@ -20,7 +20,8 @@ pub(super) struct Played {
     pub(super) bytes: f64,
     pub(super) vertices: f64,
     pub(super) triangles: f64,
-    /// Coarsest level that was shown, and its error over the clips, metres.
+    /// Coarsest level that was shown, and the greatest error of a level in its character's clip,
+    /// without that of the source, metres.
     pub(super) coarsest: usize,
     pub(super) error_m: f32,
     joints: usize,
@@ -55,7 +56,7 @@ pub(super) fn played(asset: &CrowdAsset, tolerance_m: f32, cache: CacheUse) -> R
     let views = [View::of(&camera)];
     let mut times = Vec::with_capacity(FRAMES);
     let (mut vertices, mut triangles, mut bytes) = (0.0, 0.0, 0.0);
-    let mut levels = Vec::new();
+    let (mut levels, mut error_m) = (Vec::new(), 0.0f32);
     for frame in 0..WARM_UP + FRAMES {
         let start = thread_ns();
         player.plan(STEP_SECS, Culling::Views(&views), &mut |_| ());
@@ -71,6 +72,8 @@ pub(super) fn played(asset: &CrowdAsset, tolerance_m: f32, cache: CacheUse) -> R
             + 16 * list.recorded.len()) as f64;
         for character in 0..CHARACTERS {
             if let Some(level) = player.crowd().level(character) {
+                let clip = player.crowd().state(character).clip_state().clip();
+                error_m = asset.model().error_metres(clip, clip, level).max(error_m);
                 vertices += asset.level(level).vertices as f64;
                 triangles += asset.level(level).triangles as f64;
                 levels.push(level);
@@ -80,19 +83,14 @@ pub(super) fn played(asset: &CrowdAsset, tolerance_m: f32, cache: CacheUse) -> R
     levels.sort_unstable();
     levels.dedup();
     let shown = (CHARACTERS * FRAMES) as f64;
-    let errors = &asset.model().parts().errors.clips;
     let coarsest = levels.last().copied().unwrap_or(0);
     let least = levels.first().copied().unwrap_or(0);
-    let of = |level: usize| {
-        let all = errors.iter().filter_map(|c| c.judged().nth(level));
-        all.fold(0.0, f32::max)
-    };
     Ok(Played {
         ns: median(&mut times),
         bytes: bytes / shown,
         vertices: vertices / shown,
         triangles: triangles / shown,
-        error_m: of(coarsest),
+        error_m,
         coarsest,
         joints: asset.level(least).joints,
         resident: match cache {

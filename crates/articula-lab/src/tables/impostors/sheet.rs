@@ -1,7 +1,7 @@
 //! A character at its true sizes, magnified: as it is, at the coarsest near level, at a far level and as
 //! an impostor.
 
-use super::far::{FarLevel, FarSubject};
+use super::far::FarLevel;
 use super::impostor::Baked;
 use super::{HEIGHTS_PX, Subject};
 use anyhow::{Context, Result};
@@ -30,7 +30,6 @@ pub(super) type Tiles = [Vec<Picture>; 4];
 /// Draws all ways at one height, in the middle of the first clip.
 pub(super) fn tiles(
     subject: &Subject,
-    far: &FarSubject,
     height_px: f32,
     (near, shown_far, baked): (usize, Option<&FarLevel>, Option<&Baked>),
 ) -> Result<Tiles> {
@@ -86,7 +85,6 @@ pub(super) fn tiles(
             tiles[3].push(magnified(&picture)?);
         }
     }
-    let _ = far;
     Ok(tiles)
 }
 
