@@ -182,13 +182,7 @@ impl CrowdAsset {
         }
         let stored = stored.filter(|_| is_stored);
         let stored = stored.map(|stored| (stored, mesh_lods.is_some()));
-        let impostors = options.impostors.filter(|_| has_mesh);
-        let impostors = impostors.map(|options| {
-            let plain = Appearance::default();
-            let source = impostor_source(&asset, &plain);
-            work.with_progress(CHOOSING, |p| ImpostorPlan::new(&source, &options, p))
-        });
-        let impostors = impostors.transpose().context("impostors")?;
+        let impostors = impostors(&asset, options, has_mesh, work)?;
         let table = impostors.as_ref().map(ImpostorPlan::table).transpose()?;
         let moves = (bounds, paths, table);
         let model = model(&asset, &levels, moves, options, stored)?;
@@ -395,6 +389,21 @@ fn model(
         impostors,
         morphs,
     })?)
+}
+
+/// Chooses the impostors that the options ask for.
+fn impostors(
+    asset: &Asset,
+    options: &CrowdOptions,
+    has_mesh: bool,
+    work: &Executor<'_>,
+) -> Result<Option<ImpostorPlan>> {
+    let plain = Appearance::default();
+    let source = impostor_source(asset, &plain);
+    let wanted = options.impostors.filter(|_| has_mesh);
+    let plan = wanted
+        .map(|options| work.with_progress(CHOOSING, |p| ImpostorPlan::new(&source, &options, p)));
+    plan.transpose().context("impostors")
 }
 
 /// The character as impostors show it.

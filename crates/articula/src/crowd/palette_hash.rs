@@ -22,8 +22,8 @@ impl Default for PaletteHash {
 }
 
 impl PaletteHash {
-    /// Adds the palettes, blend records, stepped draws, impostors and morph target weights of a player's current
-    /// frame.
+    /// Adds the palettes, blend records, stepped draws, impostors and morph target weights of a
+    /// player's current frame.
     pub fn add(&mut self, player: &CrowdPlayer) {
         let matrices = player.crowd().draw_list().matrices;
         self.add_rows(matrices, player.palettes());
