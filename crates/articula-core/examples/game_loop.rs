@@ -36,6 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         paths: Vec::new(),
         attention: Vec::new(),
         cache: None,
+        impostors: None,
         morphs: None,
     })?;
 

@@ -13,6 +13,7 @@
 //! - [`flatten`]: writes a planar clip to a file and measures size and error, in one call
 //! - [`vector`]: writers, readers and samplers of the vector formats
 //! - [`portrait`]: a talking 2D face that turns its head
+//! - [`impostor`]: a far character as small pictures, baked once
 //! - [`escaped`]: escapes text for markup
 //!
 //! [`planar::bake()`] makes a planar clip from a character; this example uses a triangle that moves
@@ -76,6 +77,7 @@ mod error;
 pub mod flatten;
 mod frame;
 mod ground;
+pub mod impostor;
 mod item_buffer;
 mod local_difference;
 mod low_rank;

@@ -1,4 +1,6 @@
-//! Escaping of text for SVG, XML and HTML.
+//! Escaping of text for SVG, XML, HTML and JSON.
+
+use std::fmt::Write as _;
 
 /// Escapes text for use between tags and in quoted attributes.
 ///
@@ -24,6 +26,23 @@ pub(crate) fn push_escaped(out: &mut String, text: &str) {
             _ => out.push(c),
         }
     }
+}
+
+/// Formats a text as JSON, also safe inside a script element.
+pub(crate) fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            // Also characters that end a script element, and line ends that old scripts refuse.
+            '\0'..='\u{1f}' | '<' | '>' | '&' | '\u{7f}' | '\u{2028}' | '\u{2029}' => {
+                let _ = write!(out, "\\u{:04x}", c as u32);
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
 }
 
 #[cfg(test)]

@@ -126,6 +126,16 @@ impl Picture {
         }
     }
 
+    /// Copies another picture into this one, its top left at `(x, y)`; parts outside are clipped.
+    pub(crate) fn put(&mut self, other: &Self, x: u32, y: u32) {
+        let width = other.width.min(self.width.saturating_sub(x)) as usize;
+        let rows = other.pixels.chunks_exact(other.width.max(1) as usize);
+        let own = self.pixels.chunks_exact_mut(self.width.max(1) as usize);
+        for (row, line) in own.skip(y as usize).zip(rows) {
+            row[x as usize..x as usize + width].copy_from_slice(&line[..width]);
+        }
+    }
+
     /// Returns a smaller picture in which each pixel is the mean of `factor * factor` pixels,
     /// averaged in linear light. Rows and columns that do not fill a block are dropped.
     #[must_use]

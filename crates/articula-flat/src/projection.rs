@@ -88,6 +88,14 @@ impl Screen {
         }
     }
 
+    /// Direction from a point towards the eye, of any length.
+    pub(crate) fn eye_of(&self, point: Vec3) -> Vec3 {
+        match self.projection {
+            Projection::Perspective => self.camera.eye - point,
+            Projection::Parallel { .. } => -self.forward,
+        }
+    }
+
     /// Ray of all points that appear at a screen position.
     pub(crate) fn ray(&self, at: Vec2) -> Ray {
         let offset = (at - self.middle) / self.scale;

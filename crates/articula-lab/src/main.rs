@@ -26,6 +26,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 use tables::crowd_scene;
 use tables::flat;
+use tables::impostors;
 use tables::merged_levels::Sheets;
 use tables::mesh_levels::Choice;
 use tables::retargets::Pictures;
@@ -58,6 +59,8 @@ enum Table {
     LoaCost,
     /// Cost of a crowd beside the floor and other evaluators (docs/methods/runtime.md).
     Crowd,
+    /// Impostors and far levels beside near levels, at equal error.
+    Impostors(impostors::Sheet),
     /// Error of a crowd at one pixel, for every character of the data.
     CrowdErrors,
     /// A mixed scene under one budget: several characters, two views, walls and roles.
@@ -119,6 +122,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::Crowd => tables::crowd::write(run),
         Table::CrowdErrors => tables::crowd_errors::write(run),
         Table::CrowdScene(choice) => crowd_scene::write(run, choice),
+        Table::Impostors(sheets) => impostors::write(run, sheets),
         Table::MergedLevels(sheets) => tables::merged_levels::write(run, sheets),
         Table::MeshLevels(choice) => tables::mesh_levels::write(run, choice),
         Table::FaceLevels => tables::face_levels::write(run),

@@ -8,8 +8,9 @@ use articula_flat::{
 };
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 
-/// Colours of the levels, from all joints to the fewest: dark blue through green to yellow and red.
-const COLORS: [Rgba; 8] = [
+/// Colours of the levels, from all joints to the fewest: dark blue through green to yellow and red, then
+/// violet.
+const COLORS: [Rgba; 9] = [
     [58, 76, 160, 255],
     [52, 120, 190, 255],
     [42, 160, 170, 255],
@@ -18,6 +19,7 @@ const COLORS: [Rgba; 8] = [
     [225, 190, 60, 255],
     [235, 140, 60, 255],
     [215, 85, 75, 255],
+    [150, 70, 150, 255],
 ];
 
 /// Material of walls, before those of the levels, and its colour.

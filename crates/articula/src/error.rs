@@ -1,6 +1,7 @@
 //! Errors of the library, grouped by cause.
 
 use articula_core::Mismatch;
+use articula_flat::impostor::ImpostorError;
 use articula_flat::planar::PlanarError;
 use articula_flat::portrait::PortraitError;
 use articula_formats::ReadError;
@@ -140,6 +141,15 @@ boxed! {
     articula_formats::WriteError => Write,
     articula_formats::mpeg4::bap::BapError => Write,
     articula_flat::PictureError => Picture,
+}
+
+impl From<ImpostorError> for Error {
+    fn from(error: ImpostorError) -> Self {
+        match error {
+            ImpostorError::Cancelled(_) => Self::Cancelled,
+            other => Self::Picture(Box::new(other)),
+        }
+    }
 }
 
 impl From<PlanarError> for Error {

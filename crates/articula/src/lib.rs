@@ -31,6 +31,7 @@
 //! - [`streams`]: motions of bodies and faces as streams that can be cut
 //! - [`item`]: a character as a digital item, a folder of streams that can be cut
 //! - [`flatten`]: a moving character as animated SVG, 2D player, Lottie or portrait
+//! - [`impostor`]: a character as small pictures, for who is far away
 //! - [`evaluate`]: error and cost of motion level-of-detail methods on a clip
 //! - [`inspect`]: contents of a file, and warnings about it; [`rig_joint_map`]: the joint map of a rig
 //!   as it was recognised
@@ -54,6 +55,7 @@ pub mod flatten;
 #[cfg(not(target_family = "wasm"))]
 pub mod fs;
 mod head;
+pub mod impostor;
 pub mod inspect;
 pub mod item;
 mod joint_map;

@@ -2,7 +2,7 @@
 
 use super::stage::{Settings, TimedCrowd};
 use anyhow::Context;
-use articula::crowd::{CrowdAsset, CrowdPlayer, PoseSource, ScenePlayer};
+use articula::crowd::{CrowdAsset, CrowdPlayer, ImpostorDraw, PoseSource, ScenePlayer};
 use articula_build::Scene;
 use articula_core::{Camera, Viewport};
 use articula_flat::Picture;
@@ -49,31 +49,47 @@ pub(crate) fn draw(
     Ok(sheet)
 }
 
+/// How a character is shown.
+enum Shown<'a> {
+    Posed(&'a PoseSource),
+    Impostor(ImpostorDraw),
+}
+
 /// The skins of the nearest visible characters, the others as slivers, and the number of those with
 /// skins.
 fn gathered(scene: &ScenePlayer<'_>, camera: &Camera) -> (CrowdPicture, usize) {
     let sources = scene.crowds().iter().map(CrowdPlayer::sources);
     let sources: Vec<_> = sources.collect();
-    let mut draws: Vec<(f32, usize, usize, &PoseSource)> = Vec::new();
+    let mut draws: Vec<(f32, usize, usize, Shown<'_>)> = Vec::new();
     for (crowd, (player, sources)) in scene.crowds().iter().zip(&sources).enumerate() {
+        let distance = |c: usize| camera.eye.distance(player.positions()[c]);
         let shown = sources.iter().enumerate();
         draws.extend(shown.filter_map(|(c, source)| {
-            let distance = camera.eye.distance(player.positions()[c]);
-            Some((distance, crowd, c, source.as_ref()?))
+            let shown = Shown::Posed(source.as_ref()?);
+            Some((distance(c), crowd, c, shown))
+        }));
+        draws.extend(player.impostors().iter().map(|draw| {
+            let character = draw.character as usize;
+            (distance(character), crowd, character, Shown::Impostor(*draw))
         }));
     }
     draws.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut picture, mut drawn, mut triangles) = (CrowdPicture::default(), 0, 0);
     let mut matrices = Vec::new();
     let across = camera.orientation * Vec3::X;
-    for (_, crowd, character, source) in draws {
+    for (_, crowd, character, shown) in draws {
         let player = &scene.crowds()[crowd];
         let asset = player.asset();
         let Some(level) = player.crowd().level(character) else {
             continue;
         };
         let world = player.world_from_model(character);
-        triangles += asset.mesh(level).triangles.len();
+        let (mesh, level) = match shown {
+            Shown::Posed(_) => (asset.mesh(level), level),
+            // The whole mesh, flat: what the pictures show, without their pixels.
+            Shown::Impostor(_) => (&asset.full().mesh, beyond_levels(scene)),
+        };
+        triangles += mesh.triangles.len();
         if triangles > MAX_TRIANGLES && drawn > 0 {
             let clip = player.crowd().state(character).clip_state().clip();
             let bound = asset.model().parts().bounds.clips[clip].whole().sphere;
@@ -82,8 +98,11 @@ fn gathered(scene: &ScenePlayer<'_>, camera: &Camera) -> (CrowdPicture, usize) {
             picture.add_far(level, centre, radius, across);
             continue;
         }
-        player.skin_matrices(level, source, &mut matrices);
-        picture.add(asset.mesh(level), level, &matrices, &world);
+        match shown {
+            Shown::Posed(source) => player.skin_matrices(level, source, &mut matrices),
+            Shown::Impostor(draw) => player.impostor_matrices(draw, camera.eye, &mut matrices),
+        }
+        picture.add(mesh, level, &matrices, &world);
         drawn += 1;
     }
     (picture, drawn)
@@ -92,15 +111,19 @@ fn gathered(scene: &ScenePlayer<'_>, camera: &Camera) -> (CrowdPicture, usize) {
 /// The legend: the colour and number of characters of each level, and the number drawn. Where the levels
 /// belong to several characters, what they keep is left out.
 fn legend(scene: &ScenePlayer<'_>, drawn: usize) -> Vec<(Option<usize>, String)> {
-    let mut levels: Vec<usize> = Vec::new();
+    let mut levels = vec![0; beyond_levels(scene)];
+    let mut far = 0;
+    let mut shown = 0;
     for player in scene.crowds() {
-        let count = player.positions().len();
-        levels.resize(levels.len().max(player.asset().levels()), 0);
-        for level in (0..count).filter_map(|c| player.crowd().level(c)) {
+        for level in (0..player.positions().len()).filter_map(|c| player.crowd().level(c)) {
             levels[level] += 1;
+            shown += 1;
         }
+        // Impostors count as of the coarsest level, whose colour is not theirs.
+        let impostors = player.impostors().len();
+        levels[player.asset().levels() - 1] -= impostors;
+        far += impostors;
     }
-    let shown: usize = levels.iter().sum();
     let levels = levels.into_iter().enumerate().filter(|l| l.1 > 0);
     let line_of = |(level, count): (usize, usize)| {
         let text = match scene.crowds() {
@@ -118,8 +141,20 @@ fn legend(scene: &ScenePlayer<'_>, drawn: usize) -> Vec<(Option<usize>, String)>
         (Some(level), text)
     };
     let mut lines: Vec<_> = levels.map(line_of).collect();
+    if far > 0 {
+        lines.push((
+            Some(beyond_levels(scene)),
+            format!("impostors, 2 triangles: {far}"),
+        ));
+    }
     if drawn < shown {
         lines.push((None, format!("nearest {drawn} with their skins")));
     }
     lines
+}
+
+/// The colour of impostors: that of a level which no character has.
+fn beyond_levels(scene: &ScenePlayer<'_>) -> usize {
+    let levels = scene.crowds().iter().map(|crowd| crowd.asset().levels());
+    levels.max().unwrap_or(0)
 }

@@ -232,6 +232,7 @@ fn looked_at(
             let list = player.crowd().draw_list();
             let form = player.asset().model().parts().form;
             let drawn = size_of_val(player.records()) + size_of_val(player.stepped());
+            let drawn = drawn + size_of_val(player.impostors());
             bytes += list.matrices * form.bytes() + drawn;
             weights += size_of_val(player.morph_weights());
             faces.0 += list.morph_sets();

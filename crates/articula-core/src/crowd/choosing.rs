@@ -202,9 +202,11 @@ impl CrowdSection {
             return;
         }
         let (a, b) = self.clocks.state(character).clips();
-        let cache = model.parts().cache.as_ref();
-        let error =
-            |level: usize, key: Key| model.error_metres(a, b, level) + key.source_metres(cache, a);
+        let (cache, impostors) = (&model.parts().cache, &model.parts().impostors);
+        let error = |level: usize, key: Key| match impostors {
+            Some(impostors) if key.is_impostor() => impostors.error_metres(a).unwrap_or(0.0),
+            _ => model.error_metres(a, b, level) + key.source_metres(cache.as_ref(), a),
+        };
         let jump_px = match (from, level) {
             (Some(from), Some(to)) => (error(from, before) + error(to, key)) * pixels_per_metre,
             _ => 0.0,

@@ -4,7 +4,7 @@
 use super::attachment::attachment;
 use super::character_state::ClipState;
 use super::model::CrowdModel;
-use super::plan::{Batch, Draw, DrawList, Poser};
+use super::plan::{Batch, Draw, DrawList, ImpostorDraw, Poser};
 use super::section::SECTION;
 use super::share::Leader;
 use super::tick::Crowd;
@@ -186,6 +186,36 @@ impl Crowd {
                 }
             });
         }
+    }
+
+    /// Writes the draws of a range of [`DrawList::impostors`]: for each character the pose of its clip
+    /// at its time. Ranges are independent, as of [`Crowd::evaluate`].
+    ///
+    /// O(draws); does not allocate.
+    ///
+    /// # Panics
+    /// If the range ends beyond the list, or `out` does not have its length.
+    pub fn evaluate_impostors(
+        &self,
+        model: &CrowdModel,
+        range: Range<usize>,
+        out: &mut [ImpostorDraw],
+    ) {
+        let list = &self.draw_list().impostors;
+        assert_eq!(
+            out.len(),
+            list[range.clone()].len(),
+            "the output must hold every draw"
+        );
+        let Some(impostors) = model.parts().impostors.as_ref() else {
+            return;
+        };
+        // All are of one level.
+        let of = (&list[..], 0..list.len());
+        self.for_cached(of, &range, out, |character, state| ImpostorDraw {
+            character,
+            pose: impostors.pose(state.clip(), state.secs).unwrap_or_default(),
+        });
     }
 
     /// Writes something for each character of a group of a list that lies in a range of the list.

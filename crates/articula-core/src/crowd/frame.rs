@@ -130,6 +130,8 @@ pub struct CrowdReport {
     pub cached: usize,
     /// Number of poses shown from the cache as they are, each the nearest in time.
     pub stepped: usize,
+    /// Number of characters shown by impostors.
+    pub impostors: usize,
     /// Workload of the poses to evaluate.
     pub work: Workload,
     /// Upper bound on the error of the chosen levels and shared poses, pixels.

@@ -4,7 +4,7 @@ use crate::joint_lods::JointLods;
 use crate::pose_cache::PoseCache;
 
 /// Number of kinds at a level.
-pub(super) const KINDS: usize = 6;
+pub(super) const KINDS: usize = 7;
 /// Number of levels times kinds.
 pub(super) const KEYS: usize = KINDS * JointLods::MAX_LEVELS;
 
@@ -25,6 +25,8 @@ pub(crate) enum Kind {
     Record,
     /// The cached palette nearest in time.
     Step,
+    /// An impostor.
+    Impostor,
 }
 
 /// Level of a character and source of its pose, or that it is not shown.
@@ -44,7 +46,13 @@ impl Key {
         (self != Self::HIDDEN).then_some(usize::from(self.0))
     }
 
-    /// Error in metres that the source adds to that of the level.
+    /// Whether the character is shown by an impostor.
+    pub(super) fn is_impostor(self) -> bool {
+        self.index()
+            .is_some_and(|i| i % KINDS == Kind::Impostor as usize)
+    }
+
+    /// Error in metres that the source adds to that of the level; impostors have no level.
     pub(super) fn source_metres(self, cache: Option<&PoseCache>, clip: usize) -> f32 {
         let (Some(index), Some(cache)) = (self.index(), cache) else {
             return 0.0;

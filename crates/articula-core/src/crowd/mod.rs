@@ -73,7 +73,7 @@ pub use model::CrowdModel;
 pub(crate) use model::filled;
 pub use morphs::MorphClips;
 pub use parts::CrowdParts;
-pub use plan::{Draw, DrawGroup, DrawList, RecordGroup, StepGroup};
+pub use plan::{Draw, DrawGroup, DrawList, ImpostorDraw, RecordGroup, StepGroup};
 pub use root_path::{RootDelta, RootTrajectory};
 pub use section::CrowdSection;
 pub use tick::Crowd;

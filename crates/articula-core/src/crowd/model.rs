@@ -63,6 +63,10 @@ impl CrowdModel {
             let what = format!("{} entries for {count} clips", morphs.clips());
             return Err(Mismatch::new("morphs", what));
         }
+        if let Some(impostors) = parts.impostors.as_ref().filter(|i| i.clips() != count) {
+            let what = format!("{} entries for {count} clips", impostors.clips());
+            return Err(Mismatch::new("impostors", what));
+        }
         let errors = parts.errors.clips.iter();
         let lod_errors: Vec<f32> = errors.flat_map(ClipLodErrors::judged).collect();
         let uses = [CacheUse::Never, CacheUse::Cpu, CacheUse::Gpu];

@@ -17,6 +17,8 @@ const BLENDED_NS: f32 = 2.0;
 const RECORD_NS: f32 = 4.0;
 /// The same of a draw with a palette that is cached.
 const STEP_NS: f32 = 3.5;
+/// The same of a draw of an impostor, which looks up a pose.
+const IMPOSTOR_NS: f32 = 3.5;
 /// What a level is preferred by before a finer one of equal cost, which differs in the mesh alone.
 const MESH_NS: f32 = 1e-3;
 
@@ -61,7 +63,10 @@ impl OptionLists {
                         cost_ns: cost + MESH_NS * (levels - level) as f32,
                     })
             });
-            lists.options.extend(undominated(all.collect()));
+            let impostor = impostor(parts, cache_use, clip, levels);
+            lists
+                .options
+                .extend(undominated(all.chain(impostor).collect()));
             lists.first.push(lists.options.len() as u32);
         }
         lists
@@ -117,6 +122,24 @@ fn cached(
         CacheUse::Gpu => [error.map(|e| (Kind::Record, e, RECORD_NS)), None],
     };
     found.into_iter().flatten()
+}
+
+/// An impostor, if the clip has one. It counts as of the coarsest level and is preferred before its
+/// cached poses, which have more vertices.
+fn impostor(
+    parts: &CrowdParts,
+    cache_use: CacheUse,
+    clip: usize,
+    levels: usize,
+) -> Option<DetailOption> {
+    let impostors = parts.impostors.as_ref();
+    let impostors = impostors.filter(|_| cache_use != CacheUse::Never)?;
+    Some(DetailOption {
+        level: (levels - 1) as u8,
+        kind: Kind::Impostor,
+        error_metres: impostors.error_metres(clip)?,
+        cost_ns: IMPOSTOR_NS,
+    })
 }
 
 /// Workload of evaluating `poses` poses of a level.

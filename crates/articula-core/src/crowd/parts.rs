@@ -5,6 +5,7 @@ use super::morphs::MorphClips;
 use super::root_path::RootTrajectory;
 use crate::attention::Attention;
 use crate::clip_set::ClipSet;
+use crate::impostors::Impostors;
 use crate::lod_error::LodErrors;
 use crate::motion_bounds::MotionBounds;
 use crate::palette::{PaletteForm, PaletteMap};
@@ -35,6 +36,8 @@ pub struct CrowdParts {
     pub attention: Vec<Option<Attention>>,
     /// Cached palettes of these clips, levels and matrices.
     pub cache: Option<PoseCache>,
+    /// Impostors of these clips, which the renderer draws; `None` without.
+    pub impostors: Option<Impostors>,
     /// Morph target weights of these clips; `None` if the faces of all levels rest.
     pub morphs: Option<MorphClips>,
 }

@@ -19,6 +19,16 @@ pub struct Draw {
     pub first_matrix: u32,
 }
 
+/// One visible character that is shown by an impostor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(C)]
+pub struct ImpostorDraw {
+    /// Index of the character.
+    pub character: u32,
+    /// Index of the pose among those of all clips.
+    pub pose: u32,
+}
+
 /// Draws of one level: their characters have the same mesh and palettes of the same length.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DrawGroup {
@@ -69,6 +79,9 @@ pub struct DrawList {
     /// Characters that show the palette of the model's cache that is nearest in time, in the order of
     /// the groups; [`Crowd::evaluate_steps`](super::Crowd::evaluate_steps) writes their draws.
     pub stepped: Vec<u32>,
+    /// Characters that are shown by impostors, which have one size and no levels;
+    /// [`Crowd::evaluate_impostors`](super::Crowd::evaluate_impostors) writes their draws.
+    pub impostors: Vec<u32>,
     /// Number of batches to evaluate, of up to eight poses each.
     pub batches: usize,
     /// Number of matrices that all batches write.
@@ -148,6 +161,8 @@ pub(crate) struct LevelCounts {
     pub(crate) cached: usize,
     pub(crate) recorded: usize,
     pub(crate) stepped: usize,
+    /// Characters shown by impostors.
+    pub(crate) impostors: usize,
 }
 
 /// Where the next character of one level and source goes.
@@ -166,10 +181,11 @@ struct Room {
     /// The same of shared poses: numbers by level, and where the next one goes.
     leaders: [usize; JointLods::MAX_LEVELS],
     leader_slots: [Slot; JointLods::MAX_LEVELS],
-    /// Draws, records, steps, matrices and shared poses that have a place.
+    /// Draws, records, steps, impostors, matrices and shared poses that have a place.
     draws: usize,
     records: usize,
     steps: usize,
+    impostors: usize,
     matrices: usize,
     shared: usize,
 }
@@ -183,6 +199,7 @@ impl Room {
             draws: 0,
             records: 0,
             steps: 0,
+            impostors: 0,
             matrices: 0,
             shared: 0,
         };
@@ -223,6 +240,7 @@ impl Plan {
                 recorded: Vec::with_capacity(characters),
                 step_groups: Vec::with_capacity(levels),
                 stepped: Vec::with_capacity(characters),
+                impostors: Vec::with_capacity(characters),
                 batches: 0,
                 matrices: 0,
                 morph_draws: 0,
@@ -267,8 +285,8 @@ impl Plan {
     /// Gives the characters and poses of a level, whose palettes have so many matrices, their places
     /// behind those of the levels before.
     fn lay_out(&mut self, level: usize, matrices: usize, room: &mut Room) {
-        let counts = [0, 1, 2, 3, 4, 5].map(|kind| room.slots[level * KINDS + kind].at as usize);
-        let [clip, blend, cached, follow, record, step] = counts;
+        let counts = [0, 1, 2, 3, 4, 5, 6].map(|kind| room.slots[level * KINDS + kind].at as usize);
+        let [clip, blend, cached, follow, record, step, impostors] = counts;
         let leaders = room.leaders[level];
         self.counts[level] = LevelCounts {
             own: clip + blend,
@@ -278,6 +296,7 @@ impl Plan {
             cached,
             recorded: record,
             stepped: step,
+            impostors,
         };
         let mut batch = Batch {
             first: 0,
@@ -343,6 +362,8 @@ impl Plan {
             });
         }
         room.steps += step;
+        room.slots[level * KINDS + Kind::Impostor as usize].at = room.impostors as u32;
+        room.impostors += impostors;
     }
 
     /// Puts the characters of every section into their places.
@@ -350,6 +371,7 @@ impl Plan {
         self.drawn.draws.resize(room.draws, Draw::default());
         self.drawn.recorded.resize(room.records, 0);
         self.drawn.stepped.resize(room.steps, 0);
+        self.drawn.impostors.resize(room.impostors, 0);
         for section in sections {
             let mut rest = section.order();
             let counts = section.counts().iter().enumerate();
@@ -368,6 +390,10 @@ impl Plan {
                 }
                 if kind == Kind::Step as usize {
                     self.drawn.stepped[places].copy_from_slice(characters);
+                    continue;
+                }
+                if kind == Kind::Impostor as usize {
+                    self.drawn.impostors[places].copy_from_slice(characters);
                     continue;
                 }
                 let is_own = kind != Kind::Follow as usize;
@@ -501,6 +527,8 @@ mod tests {
             (69..70, 1, Kind::Record),
             (3..5, 0, Kind::Step),
             (30..32, 1, Kind::Step),
+            (40..41, 1, Kind::Impostor),
+            (67..69, 1, Kind::Impostor),
         ] {
             for character in characters {
                 let [first, second] = &mut sections;
@@ -553,6 +581,7 @@ mod tests {
             let groups = groups.map(|g| (g.level, g.records.clone(), g.matrices));
             assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..1, 3), (1, 1..3, 1)]);
             assert_eq!(list.stepped, [3, 4, 30, 31]);
+            assert_eq!(list.impostors, [40, 67, 68]);
             let groups = list.step_groups.iter();
             let groups = groups.map(|g| (g.level, g.steps.clone(), g.matrices));
             assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..2, 3), (1, 2..4, 1)]);
@@ -576,6 +605,7 @@ mod tests {
                 cached: 0,
                 recorded: 1,
                 stepped: 2,
+                impostors: 0,
             };
             assert_eq!(plan.counts()[0], counts);
         }
@@ -589,5 +619,6 @@ mod tests {
         assert_eq!(characters.collect::<Vec<_>>(), [16, 17, 18, 20]);
         assert_eq!(plan.draw_list().recorded, [22, 21, 69]);
         assert_eq!(plan.draw_list().stepped, [30, 31]);
+        assert_eq!(plan.draw_list().impostors, [40, 67, 68]);
     }
 }

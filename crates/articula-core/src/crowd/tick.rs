@@ -277,6 +277,7 @@ impl Crowd {
             report.sharing_characters += counts.followers;
             report.cached += counts.cached + counts.recorded;
             report.stepped += counts.stepped;
+            report.impostors += counts.impostors;
             let poses = (counts.own + counts.leaders) as u64;
             report.work += evaluated(model.parts(), level, poses);
         }

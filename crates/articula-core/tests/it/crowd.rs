@@ -64,6 +64,7 @@ pub(crate) fn parts(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdParts 
         paths: Vec::new(),
         attention: Vec::new(),
         cache: None,
+        impostors: None,
         morphs: None,
     }
 }

@@ -8,6 +8,7 @@ mod budget;
 mod clustered;
 mod crowd;
 mod crowd_budget;
+mod crowd_impostors;
 mod crowd_levels;
 mod crowd_morphs;
 mod crowd_sections;

@@ -8,6 +8,7 @@ use super::pose_grid::{ExpressionTable, Quantised};
 use super::views::View;
 use super::{Portrait, PortraitClip};
 use crate::error::PictureError;
+use crate::markup::quoted;
 use crate::picture::Picture;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -240,21 +241,4 @@ fn numbers<const N: usize>(values: impl Iterator<Item = [u8; N]>) -> String {
 /// Encodes indices with 16 bits; the numbers of vertices and triangles are limited to that.
 fn shorts<'a>(values: impl Iterator<Item = &'a u32>) -> String {
     numbers(values.map(|v| (*v as u16).to_le_bytes()))
-}
-
-/// Formats a text as JSON, also safe inside a script element.
-pub(crate) fn quoted(text: &str) -> String {
-    let mut out = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => out.extend(['\\', c]),
-            // Also characters that end a script element, and line ends that old scripts refuse.
-            '\0'..='\u{1f}' | '<' | '>' | '&' | '\u{7f}' | '\u{2028}' | '\u{2029}' => {
-                let _ = write!(out, "\\u{:04x}", c as u32);
-            }
-            c => out.push(c),
-        }
-    }
-    out.push('"');
-    out
 }

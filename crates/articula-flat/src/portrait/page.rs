@@ -110,7 +110,7 @@ const SCRIPT: &str = include_str!("page.js");
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::portrait::document::quoted;
+    use crate::markup::quoted;
 
     #[test]
     fn names_cannot_leave_their_place() {

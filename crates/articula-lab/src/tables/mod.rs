@@ -11,6 +11,7 @@ pub(crate) mod face_points;
 pub(crate) mod face_tables;
 mod fap_clips;
 pub(crate) mod flat;
+pub(crate) mod impostors;
 mod lids;
 pub(crate) mod loa_cost;
 pub(crate) mod merged_levels;

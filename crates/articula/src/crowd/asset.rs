@@ -6,15 +6,18 @@ use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPo
 use super::preparation::{CharacterInPlace, PREPARING, bounds, in_place, joint_levels, pose_cache};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
+use crate::impostor::{CHOOSING, drawn};
 use crate::open::choose;
 use crate::prepared::stored::Stored;
 use crate::work::Executor;
 use articula_build::{Asset, CacheOptions, JointLodOptions, MergedLevels, skin_of};
 use articula_core::crowd::{CrowdModel, CrowdParts, RootTrajectory};
 use articula_core::{
-    Clip, ClipSet, ClipStorage, JointLods, LevelSkins, Mesh, MotionBounds, PaletteForm, PaletteMap,
-    Tracks,
+    Clip, ClipSet, ClipStorage, Impostors, JointLods, LevelSkins, Mesh, MotionBounds, PaletteForm,
+    PaletteMap, Tracks,
 };
+use articula_flat::impostor::{ImpostorPlan, ImpostorSource};
+use articula_flat::{Appearance, Picture};
 use std::sync::Arc;
 
 /// A character prepared for crowds. Cheap to clone: clones share the data.
@@ -29,6 +32,7 @@ struct Shared {
     mesh_lods: Option<MeshLods>,
     model: CrowdModel,
     matrices: PaletteMatrices,
+    impostors: Option<ImpostorPlan>,
     has_mesh: bool,
     travels: Vec<bool>,
     warnings: Vec<String>,
@@ -47,6 +51,17 @@ pub struct CrowdLevel {
     pub triangles: usize,
     /// Maximum number of influences per vertex.
     pub influences: usize,
+}
+
+impl CrowdLevel {
+    /// An impostor: two triangles without joints.
+    pub(super) const IMPOSTOR: Self = Self {
+        joints: 0,
+        matrices: 0,
+        vertices: 4,
+        triangles: 2,
+        influences: 0,
+    };
 }
 
 impl CrowdAsset {
@@ -167,7 +182,10 @@ impl CrowdAsset {
         }
         let stored = stored.filter(|_| is_stored);
         let stored = stored.map(|stored| (stored, mesh_lods.is_some()));
-        let model = model(&asset, &levels, (bounds, paths), options, stored)?;
+        let impostors = impostors(&asset, options, has_mesh, work)?;
+        let table = impostors.as_ref().map(ImpostorPlan::table).transpose()?;
+        let moves = (bounds, paths, table);
+        let model = model(&asset, &levels, moves, options, stored)?;
         work.step(PREPARING, 5, 5)?;
         Ok(Self(Arc::new(Shared {
             travels,
@@ -177,6 +195,7 @@ impl CrowdAsset {
             mesh_lods,
             model,
             matrices: options.matrices,
+            impostors,
             has_mesh,
             warnings,
         })))
@@ -261,6 +280,27 @@ impl CrowdAsset {
         self.0.matrices
     }
 
+    /// Returns which impostors there are, if the options ask for them.
+    pub fn impostors(&self) -> Option<&ImpostorPlan> {
+        self.0.impostors.as_ref()
+    }
+
+    /// Draws the pictures of the impostors; `None` if there are none. `appearance` has the materials and
+    /// textures of the character.
+    ///
+    /// # Errors
+    /// An [`Error`](crate::Error) if the atlas would be too large, or
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
+    pub fn impostor_atlas(
+        &self,
+        appearance: &Appearance,
+        work: &Executor<'_>,
+    ) -> Result<Option<Picture>> {
+        let source = impostor_source(&self.0.full, appearance);
+        let plan = self.0.impostors.as_ref();
+        plan.map(|plan| drawn(plan, &source, work)).transpose()
+    }
+
     /// Returns the warnings of the preparation, as text for the user.
     pub fn warnings(&self) -> &[String] {
         &self.0.warnings
@@ -308,7 +348,7 @@ fn unmapped(asset: &Asset, wanted: &JointLodMethod) -> Option<String> {
 fn model(
     asset: &Asset,
     levels: &MergedLevels,
-    (bounds, paths): (MotionBounds, Vec<Option<RootTrajectory>>),
+    (bounds, paths, impostors): (MotionBounds, Vec<Option<RootTrajectory>>, Option<Impostors>),
     options: &CrowdOptions,
     stored: Option<(&Stored<'_>, bool)>,
 ) -> Result<CrowdModel> {
@@ -346,8 +386,34 @@ fn model(
         paths,
         attention: Vec::new(),
         cache,
+        impostors,
         morphs,
     })?)
+}
+
+/// Chooses the impostors that the options ask for.
+fn impostors(
+    asset: &Asset,
+    options: &CrowdOptions,
+    has_mesh: bool,
+    work: &Executor<'_>,
+) -> Result<Option<ImpostorPlan>> {
+    let plain = Appearance::default();
+    let source = impostor_source(asset, &plain);
+    let wanted = options.impostors.filter(|_| has_mesh);
+    let plan = wanted
+        .map(|options| work.with_progress(CHOOSING, |p| ImpostorPlan::new(&source, &options, p)));
+    plan.transpose().context("impostors")
+}
+
+/// The character as impostors show it.
+fn impostor_source<'a>(asset: &'a Asset, appearance: &'a Appearance) -> ImpostorSource<'a> {
+    ImpostorSource {
+        rig: &asset.rig,
+        mesh: &asset.mesh,
+        clips: &asset.clips,
+        appearance,
+    }
 }
 
 /// A clip of one frame without channels.

@@ -1,17 +1,19 @@
 //! Statistics of the levels in use: number of characters, error and rendering cost.
 
-use super::asset::CrowdAsset;
+use super::asset::{CrowdAsset, CrowdLevel};
 use super::lod_error::{CharacterError, ErrorSample};
 use super::player::CrowdPlayer;
-use articula_core::crowd::Draw;
+use articula_core::crowd::{Draw, ImpostorDraw};
 use articula_core::{BlendRecord, percentile};
 use serde::Serialize;
 
 /// Statistics of one level over all frames; counts of characters and poses are means per frame.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LevelStatistics {
-    /// The level; 0 is full detail.
+    /// The level; 0 is full detail. The number of levels stands for impostors.
     pub level: usize,
+    /// Whether these are the characters that are shown by impostors.
+    pub is_impostor: bool,
     /// Number of joints that the level keeps.
     pub joints: usize,
     /// Number of matrices in one palette.
@@ -63,6 +65,8 @@ pub struct DrawCost {
     pub record_bytes: f64,
     /// Bytes of the draws of cached palettes.
     pub step_bytes: f64,
+    /// Bytes of the draws of impostors.
+    pub impostor_bytes: f64,
     /// Number of skinned vertices.
     pub skinned_vertices: f64,
     /// Number of triangles drawn.
@@ -70,7 +74,7 @@ pub struct DrawCost {
     /// Number of triangles if every character had the original mesh.
     pub triangles_full: f64,
     /// Bytes of the level's mesh in memory: positions, normals, texture coordinates, influences;
-    /// triangles once.
+    /// triangles once; of impostors the pixels.
     pub resident_bytes: usize,
 }
 
@@ -82,6 +86,7 @@ impl DrawCost {
             palette_bytes: sum.palette_bytes + tier.renderer.palette_bytes,
             record_bytes: sum.record_bytes + tier.renderer.record_bytes,
             step_bytes: sum.step_bytes + tier.renderer.step_bytes,
+            impostor_bytes: sum.impostor_bytes + tier.renderer.impostor_bytes,
             skinned_vertices: sum.skinned_vertices + tier.renderer.skinned_vertices,
             triangles: sum.triangles + tier.renderer.triangles,
             triangles_full: sum.triangles_full + tier.renderer.triangles_full,
@@ -130,7 +135,7 @@ impl LevelTally {
     pub fn new(asset: &CrowdAsset) -> Self {
         Self {
             frames: 0,
-            levels: vec![Sums::default(); asset.levels()],
+            levels: vec![Sums::default(); asset.levels() + 1],
             palettes: Vec::new(),
         }
     }
@@ -173,9 +178,31 @@ impl LevelTally {
                 sums.see(player, group.level, *character as usize);
             }
         }
+        self.add_impostors(player);
     }
 
-    /// Returns statistics of every level that was used.
+    /// Adds the characters of a frame that are shown by impostors.
+    fn add_impostors(&mut self, player: &CrowdPlayer) {
+        let Some(sums) = self
+            .levels
+            .last_mut()
+            .filter(|_| !player.impostors().is_empty())
+        else {
+            return;
+        };
+        sums.groups += 1;
+        sums.characters += player.impostors().len();
+        let impostors = player.asset().model().parts().impostors.as_ref();
+        for draw in player.impostors() {
+            let character = draw.character as usize;
+            let clip = player.crowd().state(character).clip_state().clip();
+            let error = impostors.and_then(|i| i.error_metres(clip)).unwrap_or(0.0);
+            let density = player.crowd().cull_result(character).pixels_per_metre;
+            sums.most_px = sums.most_px.max(error * density);
+        }
+    }
+
+    /// Returns statistics of every level that was used, and of impostors.
     pub fn levels(&self, asset: &CrowdAsset, samples: &[ErrorSample]) -> Vec<LevelStatistics> {
         let levels = self.levels.iter().enumerate();
         let shown = levels.filter(|(_, sums)| sums.characters > 0);
@@ -193,9 +220,16 @@ impl LevelTally {
     ) -> LevelStatistics {
         let mean = |count: usize| count as f64 / self.frames.max(1) as f64;
         let model = asset.model();
-        let made = asset.level(level);
+        let is_impostor = level == asset.levels();
+        let made = match is_impostor {
+            true => CrowdLevel::IMPOSTOR,
+            false => asset.level(level),
+        };
         let clips = model.parts().errors.clips.iter();
-        let error_metres = clips.map(|c| c.levels_metres[level]).fold(0.0, f32::max);
+        let of_levels = clips.filter_map(|c| c.levels_metres.get(level).copied());
+        let plan = asset.impostors().filter(|_| is_impostor);
+        let of_impostors = plan.iter().flat_map(|p| &p.clips).map(|c| c.error_m);
+        let error_metres = of_levels.chain(of_impostors).fold(0.0, f32::max);
         let of_level = |c: &&CharacterError| c.level == level;
         let looked = samples.iter().flat_map(|l| &l.characters).filter(of_level);
         let mut errors: Vec<f64> = looked.map(|c| c.p95_px).collect();
@@ -203,6 +237,7 @@ impl LevelTally {
         let parts = asset.full().mesh.parts.len().max(1);
         LevelStatistics {
             level,
+            is_impostor,
             joints: made.joints,
             matrices: made.matrices,
             triangles: made.triangles,
@@ -220,15 +255,23 @@ impl LevelTally {
                 max: percentile(&mut errors, 1.0),
             }),
             renderer: DrawCost {
-                draw_groups: mean(sums.groups * parts),
+                draw_groups: mean(if is_impostor {
+                    sums.groups
+                } else {
+                    sums.groups * parts
+                }),
                 palette_bytes: mean(sums.poses)
                     * (made.matrices * model.parts().form.bytes()) as f64,
                 record_bytes: mean(sums.records) * size_of::<BlendRecord>() as f64,
                 step_bytes: mean(sums.steps) * size_of::<Draw>() as f64,
+                impostor_bytes: match is_impostor {
+                    true => mean(sums.characters) * size_of::<ImpostorDraw>() as f64,
+                    false => 0.0,
+                },
                 skinned_vertices: mean(sums.characters) * made.vertices as f64,
                 triangles: mean(sums.characters) * made.triangles as f64,
                 triangles_full: mean(sums.characters) * asset.full().mesh.triangles.len() as f64,
-                resident_bytes: resident_bytes(asset, level),
+                resident_bytes: plan.map_or_else(|| resident_bytes(asset, level), |p| p.bytes()),
             },
         }
     }

@@ -9,7 +9,7 @@
 
 use super::asset::CrowdAsset;
 use super::mesh_lods::Watch;
-use super::player::CrowdPlayer;
+use super::player::{CrowdPlayer, PoseSource};
 use articula_build::vertex_regions;
 use articula_core::crowd::{CharacterState, ClipState};
 use articula_core::percentile;
@@ -38,7 +38,7 @@ const PARTS: [Region; 3] = [Region::Hands, Region::Face, Region::Feet];
 pub struct CharacterError {
     /// Index of the character.
     pub character: usize,
-    /// Level of the character.
+    /// Level of the character; the number of levels if it is shown by an impostor.
     pub level: usize,
     /// Distance from the nearest camera that sees it to the character's origin, in metres.
     pub distance_m: f32,
@@ -194,7 +194,8 @@ impl ErrorMeter {
     }
 
     /// Measures a frame whose palettes were just written, seen by some cameras, the greatest error of
-    /// these for each vertex, where the character is not wholly hidden; `secs` is only stored. Each call samples different characters.
+    /// these for each vertex, where the character is not wholly hidden; `secs` is only
+    /// stored. Each call samples different characters.
     ///
     /// # Panics
     /// If the crowd was made from another asset.
@@ -213,49 +214,79 @@ impl ErrorMeter {
             is_sampled[at] = true;
         }
         let sources = player.sources();
+        let mut impostors = vec![None; sources.len()];
+        for draw in player.impostors() {
+            impostors[draw.character as usize] = Some(*draw);
+        }
         let mut characters = Vec::new();
         for (&(character, distance_m), is_sampled) in visible.iter().zip(is_sampled) {
-            let Some(level) = player.crowd().level(character) else {
-                continue;
-            };
-            let Some(source) = &sources[character] else {
-                continue;
-            };
             if !is_sampled && distance_m >= NEAR_METRES {
                 continue;
             }
-            self.pose_truth(player, character);
-            player.skin_matrices(level, source, &mut self.matrices);
-            let mesh = self.asset.mesh(level);
-            let watch = &self.watches[level];
-            self.shown.resize(watch.vertices.len(), Vec3::ZERO);
-            let weights = player.morph_weights_of(character);
-            if self.is_morphed {
-                let mut skinned = SkinnedMesh::new(mesh);
-                skin(mesh, &self.matrices, weights, &mut skinned);
-                pick(&skinned, &watch.vertices, &mut self.shown);
+            let open = sights.iter().filter(|sight| !sight.hides(character));
+            let open: Vec<&Camera> = open.map(|sight| &sight.camera).collect();
+            let (level, pixels) = if let Some(draw) = impostors[character] {
+                let pixels = self.of_impostor(player, draw, &open);
+                (self.asset.levels(), pixels)
             } else {
-                skin_points(mesh, &self.matrices, &watch.vertices, &mut self.shown);
-            }
-            watch.place(&mut self.shown);
-            let world = player.world_from_model(character);
-            let found = self.errors_px(sights, (character, &world));
-            let mut parts_px = [None; PARTS.len()];
-            for (part, px) in found.iter().filter_map(|(part, px)| Some(((*part)?, *px))) {
-                parts_px[part] = Some(parts_px[part].map_or(px, |most: f64| most.max(px)));
-            }
-            let mut errors: Vec<f64> = found.into_iter().map(|(_, px)| px).collect();
-            characters.push(CharacterError {
-                character,
-                level,
-                distance_m,
-                p95_px: percentile(&mut errors, 0.95),
-                worst_px: percentile(&mut errors, 1.0),
-                parts_px,
-                is_sampled,
-            });
+                let level = player.crowd().level(character);
+                let (Some(level), Some(source)) = (level, &sources[character]) else {
+                    continue;
+                };
+                (level, self.of_pose(player, (character, level, source), &open))
+            };
+            let found = self.parts.iter().copied().zip(pixels);
+            let found = found.filter_map(|(part, px)| Some((part, px?))).collect();
+            characters.push(error_of(character, level, distance_m, found, is_sampled));
         }
         ErrorSample { secs, characters }
+    }
+
+    /// Pixels at each vertex of a character that is shown by an impostor, which turns to each camera.
+    fn of_impostor(
+        &mut self,
+        player: &CrowdPlayer,
+        draw: ImpostorDraw,
+        cameras: &[&Camera],
+    ) -> Vec<Option<f64>> {
+        let character = draw.character as usize;
+        self.pose_truth(player, character);
+        let world = player.world_from_model(character);
+        self.shown.resize(self.vertices.len(), Vec3::ZERO);
+        let mut most = vec![None; self.vertices.len()];
+        for camera in cameras {
+            player.impostor_matrices(draw, camera.eye, &mut self.matrices);
+            let full = &self.asset.full().mesh;
+            skin_points(full, &self.matrices, &self.vertices, &mut self.shown);
+            for (most, px) in most.iter_mut().zip(self.errors_px(&[camera], &world)) {
+                *most = most.into_iter().chain(px).reduce(f64::max);
+            }
+        }
+        most
+    }
+
+    /// Pixels at each vertex of a character that is shown by a mesh and a pose.
+    fn of_pose(
+        &mut self,
+        player: &CrowdPlayer,
+        (character, level, source): (usize, usize, &PoseSource),
+        cameras: &[&Camera],
+    ) -> Vec<Option<f64>> {
+        self.pose_truth(player, character);
+        player.skin_matrices(level, source, &mut self.matrices);
+        let mesh = self.asset.mesh(level);
+        let watch = &self.watches[level];
+        self.shown.resize(watch.vertices.len(), Vec3::ZERO);
+        let weights = player.morph_weights_of(character);
+        if self.is_morphed {
+            let mut skinned = SkinnedMesh::new(mesh);
+            skin(mesh, &self.matrices, weights, &mut skinned);
+            pick(&skinned, &watch.vertices, &mut self.shown);
+        } else {
+            skin_points(mesh, &self.matrices, &watch.vertices, &mut self.shown);
+        }
+        watch.place(&mut self.shown);
+        self.errors_px(cameras, &player.world_from_model(character))
     }
 
     /// Computes the reference skin of a character.
@@ -310,19 +341,14 @@ impl ErrorMeter {
         sample(clip, secs, Wrap::Clamp, &asset.rig.all(), pose);
     }
 
-    /// Pixels between both skins at each vertex that is in the picture in either, the most of all
-    /// pictures, with the part of the body.
-    fn errors_px(
-        &self,
-        sights: &[Sight<'_>],
-        (character, world): (usize, &Affine3A),
-    ) -> Vec<(Option<usize>, f64)> {
-        let pairs = self.truth.iter().zip(&self.shown).zip(&self.parts);
-        let pixels = pairs.filter_map(|((truth, shown), part)| {
+    /// Pixels between both skins at each vertex, the most of all pictures that it is in, in either skin;
+    /// `None` if it is in none.
+    fn errors_px(&self, cameras: &[&Camera], world: &Affine3A) -> Vec<Option<f64>> {
+        let pairs = self.truth.iter().zip(&self.shown);
+        let pixels = pairs.map(|(truth, shown)| {
             let ends = [truth, shown].map(|p| world.transform_point3(*p));
-            let open = sights.iter().filter(|sight| !sight.hides(character));
-            let each = open.filter_map(|sight| apart_px(&sight.camera, ends));
-            Some((*part, each.reduce(f64::max)?))
+            let each = cameras.iter().filter_map(|camera| apart_px(camera, ends));
+            each.reduce(f64::max)
         });
         pixels.collect()
     }
@@ -337,6 +363,30 @@ fn apart_px(camera: &Camera, [truth, shown]: [Vec3; 2]) -> Option<f64> {
     let is_ahead = depth.min(other) >= MIN_DEPTH_METRES;
     let is_seen = is_ahead && (is_shown(truth) || is_shown(shown));
     is_seen.then(|| f64::from(truth.distance(shown)))
+}
+
+/// Error of a character from the pixels of its vertices, each with its part of the body.
+fn error_of(
+    character: usize,
+    level: usize,
+    distance_m: f32,
+    found: Vec<(Option<usize>, f64)>,
+    is_sampled: bool,
+) -> CharacterError {
+    let mut parts_px = [None; PARTS.len()];
+    for (part, px) in found.iter().filter_map(|(part, px)| Some(((*part)?, *px))) {
+        parts_px[part] = Some(parts_px[part].map_or(px, |most: f64| most.max(px)));
+    }
+    let mut errors: Vec<f64> = found.into_iter().map(|(_, px)| px).collect();
+    CharacterError {
+        character,
+        level,
+        distance_m,
+        p95_px: percentile(&mut errors, 0.95),
+        worst_px: percentile(&mut errors, 1.0),
+        parts_px,
+        is_sampled,
+    }
 }
 
 /// Takes the positions of some vertices.

@@ -62,7 +62,7 @@ pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 
 pub use articula_core::crowd::{
     Budget, BudgetReport, CacheUse, Crowd, CrowdEvent, CrowdReport, CrowdSection, Culling, Detail,
-    Draw,
+    Draw, ImpostorDraw,
 };
 pub use articula_core::visibility::View;
 pub use articula_core::{Backend, Camera, ClipStorage, PaletteForm, Viewport};

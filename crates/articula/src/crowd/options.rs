@@ -2,6 +2,7 @@
 
 use articula_core::loa::LoaExpression;
 use articula_core::{Backend, ClipStorage, PaletteForm};
+use articula_flat::impostor::ImpostorOptions;
 
 /// Method by which joint LODs are made.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -71,6 +72,10 @@ pub struct CrowdOptions {
     pub storage: ClipStorage,
     /// Whether poses are cached, if the palettes are [`PaletteMatrices::Skin`] in a form of matrices.
     pub pose_cache: bool,
+    /// Impostors for who is far away, if the character has a mesh; they are shown where their error is
+    /// within the tolerance and cached poses may be ([`CacheUse`](super::CacheUse)). With pitches that
+    /// leave some out, the errors hold only for eyes within them, which a frame does not check.
+    pub impostors: Option<ImpostorOptions>,
     /// Instruction set; all produce the same bits.
     pub backend: Backend,
     /// Seed of the vertices and frames on which errors are measured.
@@ -90,6 +95,7 @@ impl Default for CrowdOptions {
             form: PaletteForm::Matrix,
             storage: ClipStorage::Float,
             pose_cache: false,
+            impostors: None,
             backend: Backend::best(),
             seed: 1,
         }

@@ -9,10 +9,10 @@ use crate::error::{Error, Result};
 use articula_core::batch::Scratch;
 use articula_core::crowd::{
     Budget, CacheUse, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport, CrowdSection, Culling,
-    Detail, Draw, Frame, Moved,
+    Detail, Draw, Frame, ImpostorDraw, Moved,
 };
 use articula_core::visibility::View;
-use articula_core::{BlendRecord, Camera, Mesh, PaletteRows, SkinnedMesh, skin};
+use articula_core::{BlendRecord, Camera, Mesh, PaletteRows, PosedMesh, SkinnedMesh, Wrap, skin};
 use glam::{Affine3A, Quat, Vec3};
 use std::ops::Range;
 
@@ -41,6 +41,8 @@ pub struct CrowdPlayer {
     /// as it is; empty without a cache.
     records: Vec<BlendRecord>,
     stepped: Vec<Draw>,
+    /// Space for the draws of impostors; empty without them.
+    impostors: Vec<ImpostorDraw>,
     positions: Vec<Vec3>,
     rotations: Vec<Quat>,
     /// Uniform scale of each character; empty while all are 1.
@@ -131,6 +133,10 @@ impl CrowdPlayer {
             crowd: Crowd::new(model, characters),
             records: vec![BlendRecord::default(); cacheable(model, characters)],
             stepped: vec![Draw::default(); cacheable(model, characters)],
+            impostors: match model.parts().impostors {
+                Some(_) => vec![ImpostorDraw::default(); characters],
+                None => Vec::new(),
+            },
             positions: vec![Vec3::ZERO; characters],
             rotations: vec![Quat::IDENTITY; characters],
             scales: Vec::new(),
@@ -347,6 +353,8 @@ impl CrowdPlayer {
             first_record: 0,
             stepped: &mut self.stepped,
             first_step: 0,
+            impostors: &mut self.impostors,
+            first_impostor: 0,
             crowd: &self.crowd,
             scratches: self.scratches[..count].iter_mut(),
             first: 0,
@@ -384,6 +392,43 @@ impl CrowdPlayer {
     /// [`PoseCache::rows`](articula_core::PoseCache::rows).
     pub fn stepped(&self) -> &[Draw] {
         &self.stepped[..self.crowd.draw_list().stepped.len()]
+    }
+
+    /// Returns the draws of the characters that are shown by impostors, in the order of
+    /// [`DrawList::impostors`](articula_core::crowd::DrawList::impostors).
+    pub fn impostors(&self) -> &[ImpostorDraw] {
+        let count = self.crowd.draw_list().impostors.len();
+        &self.impostors[..count.min(self.impostors.len())]
+    }
+
+    /// Writes the matrices by which the full mesh ([`CrowdAsset::full`]) shows the points that an
+    /// impostor shows to an eye: skinned in its pose and moved along the direction of its picture onto its
+    /// plane. Nothing is written without impostors.
+    pub fn impostor_matrices(&self, draw: ImpostorDraw, eye: Vec3, out: &mut Vec<Affine3A>) {
+        let full = self.asset.full();
+        let plan = self.asset.impostors();
+        let Some((plan, (clip, place))) =
+            plan.and_then(|p| Some((p, p.clip_of(draw.pose as usize)?)))
+        else {
+            return;
+        };
+        let of_clip = &plan.clips[clip];
+        let centre = of_clip.centres[place];
+        let model = self.world_from_model(draw.character as usize).inverse();
+        let to_eye = model.transform_point3(eye) - centre;
+        let view = plan.views.iter().nth(plan.views.nearest(to_eye));
+        let Some(flattened) = view.map(|view| view.flattened(centre)) else {
+            return;
+        };
+        let mut posed = PosedMesh::new(&full.rig, &full.mesh);
+        let secs = f64::from(of_clip.pose_secs[place]);
+        posed.pose_at(&full.clips[clip], secs, Wrap::Clamp);
+        out.clear();
+        let bindings = full.mesh.bindings.iter();
+        out.extend(
+            bindings
+                .map(|b| flattened * posed.model.matrices[usize::from(b.joint)] * b.inverse_bind),
+        );
     }
 
     /// Returns the morph target weights of this frame, a set for each character whose level shows
@@ -527,6 +572,8 @@ pub struct FramePart<'a> {
     records: &'a mut [BlendRecord],
     steps: Range<usize>,
     stepped: &'a mut [Draw],
+    far: Range<usize>,
+    impostors: &'a mut [ImpostorDraw],
     scratch: &'a mut Scratch,
 }
 
@@ -545,6 +592,8 @@ impl FramePart<'_> {
             .evaluate_records(self.model, self.recorded.clone(), self.records);
         self.crowd
             .evaluate_steps(self.model, self.steps.clone(), self.stepped);
+        self.crowd
+            .evaluate_impostors(self.model, self.far.clone(), self.impostors);
     }
 }
 
@@ -557,6 +606,8 @@ struct Parts<'a> {
     first_set: usize,
     records: &'a mut [BlendRecord],
     first_record: usize,
+    impostors: &'a mut [ImpostorDraw],
+    first_impostor: usize,
     stepped: &'a mut [Draw],
     first_step: usize,
     scratches: std::slice::IterMut<'a, Scratch>,
@@ -577,20 +628,29 @@ impl<'a> Iterator for Parts<'a> {
         let mut sets = part(self.first_set, all_sets);
         let mut recorded = part(self.first_record, all_records);
         let mut steps = part(self.first_step, all_steps);
+        let all_far = self.crowd.draw_list().impostors.len();
+        let mut far = part(self.first_impostor, all_far);
         if self.scratches.len() == 0 {
             batches.end = self.crowd.draw_list().batches;
             sets.end = all_sets;
             recorded.end = all_records;
             steps.end = all_steps;
+            far.end = all_far;
         }
-        if batches.is_empty() && [&sets, &recorded, &steps].iter().all(|r| r.is_empty()) {
+        if batches.is_empty()
+            && [&sets, &recorded, &steps, &far]
+                .iter()
+                .all(|r| r.is_empty())
+        {
             return None;
         }
         self.first_set = sets.end;
         self.first_record = recorded.end;
         self.first_step = steps.end;
+        self.first_impostor = far.end;
         let records = taken(&mut self.records, recorded.len());
         let stepped = taken(&mut self.stepped, steps.len());
+        let impostors = taken(&mut self.impostors, far.len());
         let weights = taken(&mut self.weights, sets.len() * targets(self.model));
         self.first = batches.end;
         let matrices = self.crowd.matrices_of(batches.clone()).len();
@@ -608,6 +668,8 @@ impl<'a> Iterator for Parts<'a> {
             records,
             steps,
             stepped,
+            far,
+            impostors,
             scratch,
         })
     }

@@ -15,6 +15,7 @@ mod crowd;
 mod crowd_buffers;
 mod crowd_casts;
 mod crowd_faces;
+mod crowd_impostors;
 mod crowd_roles;
 mod crowd_vertices;
 mod face_errors;

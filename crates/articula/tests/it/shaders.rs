@@ -119,3 +119,48 @@ fn a_vertex_shader_fits_behind_each() {
         assert_eq!(module.entry_points.len(), 1);
     }
 }
+
+#[test]
+fn impostors_are_valid_and_bind_what_their_page_says() {
+    let vertex = r"
+        @vertex
+        fn vertex(
+            @builtin(instance_index) instance: u32,
+            @builtin(vertex_index) corner: u32,
+        ) -> @builtin(position) vec4<f32> {
+            let shown = articula_impostor(instance, corner, vec3<f32>(0.0, 1.7, 9.0));
+            return vec4<f32>(shown.place + vec3<f32>(shown.texel, 0.0), 1.0);
+        }";
+    valid(wgsl::IMPOSTORS);
+    let module = valid(&format!("{}{vertex}", wgsl::IMPOSTORS));
+    let mut bound: Vec<(u32, String)> = module
+        .global_variables
+        .iter()
+        .filter_map(|(_, v)| Some((v.binding.as_ref()?.binding, v.name.clone()?)))
+        .collect();
+    bound.sort();
+    let expected = [
+        (1, "articula_impostors"),
+        (2, "articula_transforms"),
+        (3, "articula_cells"),
+        (4, "articula_centres"),
+        (5, "articula_view_rows"),
+    ];
+    let expected = expected.map(|(at, name)| (at, name.to_owned()));
+    assert_eq!(bound, expected);
+    let cells = module
+        .types
+        .iter()
+        .find(|(_, t)| t.name.as_deref() == Some("ArticulaImpostorCells"));
+    let Some((
+        _,
+        naga::Type {
+            inner: TypeInner::Struct { span, .. },
+            ..
+        },
+    )) = cells
+    else {
+        panic!("the cells are a struct");
+    };
+    assert_eq!(*span, 32, "bytes of ImpostorBuffers::cells");
+}

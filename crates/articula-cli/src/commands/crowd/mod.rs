@@ -20,6 +20,7 @@ use articula::crowd::{
 };
 use articula_build::{PLAZA_COUNT, Plaza, Scene, SceneView, plaza};
 use articula_core::Clip;
+use articula_flat::impostor::{ImpostorBound, ImpostorOptions};
 use cast::{CastArgs, CastAsset, NamedScene};
 use clap::Args;
 use importance::ImportanceArgs;
@@ -60,6 +61,15 @@ pub(crate) struct CrowdArgs {
     /// if it has none or more, new ones as by build --levels; 1: the original mesh only
     #[arg(long, value_name = "N", default_value = "1", value_parser = mesh_levels)]
     mesh_levels: usize,
+    /// Show who is far away by impostors, pictures of at most so many bytes of pixels, where their error
+    /// is within the tolerance [default of BYTES: 4194304]
+    #[arg(long, value_name = "BYTES", num_args = 0..=1, default_missing_value = "4194304")]
+    impostors: Option<usize>,
+    /// Lowest and highest pitch of the eyes that impostors are made for, in degrees above the
+    /// horizon of a character
+    #[arg(long, value_name = "LOW..HIGH", default_value = "-90..90", value_parser = pitches,
+          allow_hyphen_values = true)]
+    impostor_pitches: [f32; 2],
     /// Scene to play, with travelling clips kept in place: plaza, plaza-2 (moving camera, a fifth
     /// of the characters in cross-fades), plaza-2-in-step (as plaza-2, all phases equal), or a
     /// scene file
@@ -250,12 +260,21 @@ impl CrowdArgs {
             backend: self.storage.backend.unwrap_or_else(Backend::best),
             seed: self.seed,
             pose_cache: self.is_cached(),
+            impostors: self.impostors.map(|bytes| ImpostorOptions {
+                bound: ImpostorBound::Bytes(bytes),
+                pitches_radians: self.impostor_pitches.map(f32::to_radians),
+                ..ImpostorOptions::default()
+            }),
             mesh_levels: self.mesh_levels,
         })
     }
 
-    /// Coarser meshes are chosen by their error, which only `--level auto` does.
+    /// Coarser meshes and impostors are chosen by their error, which only `--level auto` does.
     fn check_mesh_levels(&self) -> anyhow::Result<()> {
+        if self.impostors.is_some() && self.level != "auto" {
+            let what = format!("--impostors requires --level auto, not {}", self.level);
+            return Err(fault::usage(what));
+        }
         if self.mesh_levels > 1 && self.level != "auto" {
             let what = format!("--mesh-levels requires --level auto, not {}", self.level);
             return Err(fault::usage(what));
@@ -415,6 +434,13 @@ fn mesh_levels(text: &str) -> Result<usize, String> {
     let number = text.parse::<usize>().ok();
     let number = number.filter(|n| (1..=MAX_MESH_LEVELS).contains(n));
     number.ok_or_else(|| format!("expected a whole number of 1 to {MAX_MESH_LEVELS}"))
+}
+
+fn pitches(text: &str) -> Result<[f32; 2], String> {
+    let pair = text.split_once("..");
+    let pair = pair.and_then(|(low, high)| Some([low.parse().ok()?, high.parse().ok()?]));
+    let pair = pair.filter(|[low, high]: &[f32; 2]| low < high && *low >= -90.0 && *high <= 90.0);
+    pair.ok_or_else(|| "expected two rising angles of -90 to 90 degrees, such as -10..30".into())
 }
 
 fn threads(text: &str) -> Result<usize, String> {

@@ -90,7 +90,11 @@ pub(super) struct CastReport {
 
 /// Serialises levels as an object, keyed by name in the order of the levels.
 fn by_level<S: Serializer>(tiers: &[LevelStatistics], out: S) -> Result<S::Ok, S::Error> {
-    out.collect_map(tiers.iter().map(|t| (format!("level_{}", t.level), t)))
+    let name = |t: &LevelStatistics| match t.is_impostor {
+        true => "impostors".to_owned(),
+        false => format!("level_{}", t.level),
+    };
+    out.collect_map(tiers.iter().map(|t| (name(t), t)))
 }
 
 fn name_of(value: impl ValueEnum) -> String {
@@ -302,14 +306,15 @@ impl CrowdRunReport {
             ));
         }
         text.push_str(&format!(
-            "draw   {:.0} groups, {:.2} M vertices, {:.2} M triangles ({:.2} M in full detail); palettes {:.2} MB, records {:.2} MB, draws of cached palettes {:.2} MB\n",
+            "draw   {:.0} groups, {:.2} M vertices, {:.2} M triangles ({:.2} M in full detail); palettes {:.2} MB, records {:.2} MB, draws of cached palettes {:.2} MB, of impostors {:.2} MB\n",
             self.renderer.draw_groups,
             self.renderer.skinned_vertices / 1e6,
             self.renderer.triangles / 1e6,
             self.renderer.triangles_full / 1e6,
             self.renderer.palette_bytes / 1e6,
             self.renderer.record_bytes / 1e6,
-            self.renderer.step_bytes / 1e6
+            self.renderer.step_bytes / 1e6,
+            self.renderer.impostor_bytes / 1e6
         ));
         text.push_str(&format!(
             "memory {:.2} MB written per frame; clips {:.2} MB, pose cache {:.2} MB, palettes {:.2} MB, state {:.2} MB ({} bytes per character), meshes {:.2} MB\n",
@@ -359,7 +364,10 @@ fn tier_table(tiers: &[LevelStatistics]) -> Table {
     for t in tiers {
         let px = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.2}"));
         table.row([
-            t.level.to_string(),
+            match t.is_impostor {
+                true => "impostor".to_owned(),
+                false => t.level.to_string(),
+            },
             t.joints.to_string(),
             t.triangles.to_string(),
             t.influences.to_string(),

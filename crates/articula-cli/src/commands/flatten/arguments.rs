@@ -14,6 +14,7 @@ Examples:
   articula flatten knight.glb turn.svg --clip Walking_A --turn-deg 360 --profile player
   articula flatten head.glb head.json --clip talk --profile lottie --max-bytes 400000
   articula flatten knight.glb pose.svg --profile thesis --form gouraud --at 0.4
+  articula flatten knight.glb knight.png --profile impostor --max-bytes 2000000
   articula flatten frame walk.svg walk.png --at 0.4
   articula flatten movie walk.svg walk.gif")]
 pub(crate) struct FlattenArgs {
@@ -38,7 +39,8 @@ pub(crate) struct ConvertArgs {
     /// Character file (.glb, .gltf, .vrm, ...)
     #[arg(required = true)]
     file: Option<PathBuf>,
-    /// File to write (.svg; .json for lottie; .html or .json for portrait; .js for a player module)
+    /// File to write (.svg; .json for lottie; .html or .json for portrait; .js for a player module;
+    /// .png for impostor)
     #[arg(required = true)]
     out: Option<PathBuf>,
     /// Name of a mesh to leave out (repeatable)
@@ -51,7 +53,7 @@ pub(crate) struct ConvertArgs {
     #[arg(long, value_name = "F.json")]
     joint_map: Vec<PathBuf>,
     /// Kind of 2D content [default: lottie if OUT ends in .json, player if in .js, portrait if in
-    /// .html, else smil]
+    /// .html, impostor if in .png, else smil]
     #[arg(long, value_enum, value_name = "PROFILE")]
     pub(crate) profile: Option<ProfileName>,
     #[command(flatten)]
@@ -67,7 +69,7 @@ pub(crate) struct ConvertArgs {
 /// The motion to show.
 #[derive(Debug, Args)]
 pub(crate) struct MotionArgs {
-    /// Name of the clip to show [default: the first; the rest pose if there is none]
+    /// Name of the clip to show [default: the first, impostor all; the rest pose if there is none]
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
     /// Frame rate in hertz; adjusted slightly so that the last frame falls on the end of the clip
@@ -115,7 +117,8 @@ pub(crate) struct ShotArgs {
 #[derive(Debug, Args)]
 pub(crate) struct QualityArgs {
     /// Maximum size of the output in bytes; the best setting that fits is searched; if none fits,
-    /// the smallest file is written, with a warning
+    /// the smallest file is written, with a warning. impostor: of the pixels, four bytes each
+    /// [default: 4194304]
     #[arg(long, value_name = "B")]
     pub(crate) max_bytes: Option<u64>,
     /// Maximum position error of a corner in pixels [default: 0.35; player 0.1]
@@ -182,6 +185,8 @@ pub(crate) enum ProfileName {
     Portrait,
     /// One SVG frame
     Still,
+    /// A picture of small views of every pose, and a JSON table beside it, for who is far away
+    Impostor,
     /// The simple SVG form of the thesis, for comparison
     Thesis,
 }
@@ -290,6 +295,7 @@ impl ConvertArgs {
             "json" => ProfileName::Lottie,
             "js" => ProfileName::Player,
             "html" => ProfileName::Portrait,
+            "png" => ProfileName::Impostor,
             _ => ProfileName::Smil,
         };
         let profile = self.profile.unwrap_or(told);
@@ -297,6 +303,7 @@ impl ConvertArgs {
             ProfileName::Lottie => &["json"],
             ProfileName::Portrait => &["html", "json"],
             ProfileName::Player => &["svg", "js"],
+            ProfileName::Impostor => &["png"],
             _ => &["svg"],
         };
         if fits.contains(&ending.as_ref()) {

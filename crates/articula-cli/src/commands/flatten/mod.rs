@@ -2,6 +2,7 @@
 
 mod arguments;
 mod frame;
+mod impostor;
 mod moving;
 mod portrait;
 pub(crate) mod report;
@@ -34,6 +35,9 @@ pub(crate) fn run(args: &FlattenArgs, console: &Console) -> anyhow::Result<()> {
 fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let profile = args.profile()?;
     args.check(profile)?;
+    if profile == ProfileName::Impostor {
+        return impostor::run(args, console);
+    }
     console.files.plan(args.inputs(), [args.out()])?;
     if profile == ProfileName::Portrait {
         return portrait::run(args, console);
@@ -72,6 +76,9 @@ impl ConvertArgs {
         let ours = [P::Smil, P::Flipbook, P::Lottie, P::Player, P::Still];
         let vector = [moving.as_slice(), &[P::Still]].concat();
         let turned = motion.turn_deg != 0.0 || motion.cycles != 1;
+        let ours_and_impostor = [ours.as_slice(), &[P::Impostor]].concat();
+        let sized = shot.size != (400, 400);
+        let framed = [vector.as_slice(), &[P::Portrait]].concat();
         let aside = shot.yaw_deg != 0.0 || shot.pitch_deg != 0.0;
         // Whether each flag is given, its name, and the profiles that use it.
         for (is_given, flag, profiles) in [
@@ -85,7 +92,14 @@ impl ConvertArgs {
             (motion.at != 0.0, "--at", &[P::Still, P::Thesis]),
             (turned, "--turn-deg or --cycles", &moving),
             (aside, "--yaw-deg or --pitch-deg", &vector),
-            (quality.max_bytes.is_some(), "--max-bytes", &ours),
+            (
+                quality.max_bytes.is_some(),
+                "--max-bytes",
+                &ours_and_impostor,
+            ),
+            (sized, "--size", &framed),
+            (shot.triangles.is_some(), "--triangles", &framed),
+            (quality.pos_tol.is_some(), "--pos-tol", &framed),
             (quality.col_tol.is_some(), "--col-tol", &ours),
             (quality.shading.is_some(), "--shading", &ours),
             (quality.merge.is_some(), "--merge", &keyed),
@@ -167,7 +181,7 @@ impl ConvertArgs {
             .extension()
             .is_some_and(|e| e.eq_ignore_ascii_case("js"));
         let profile = match profile {
-            ProfileName::Smil | ProfileName::Portrait => Profile::Smil,
+            ProfileName::Smil | ProfileName::Portrait | ProfileName::Impostor => Profile::Smil,
             ProfileName::Flipbook => Profile::Flipbook,
             ProfileName::Player if is_module => Profile::Player(PlayerOutput::Module),
             ProfileName::Player => Profile::Player(PlayerOutput::Svg),

@@ -64,6 +64,12 @@ pub const RECORDS_MATRIX: &str = module!("matrix.wgsl", "records.wgsl");
 /// Blend records of cached palettes of [`PaletteForm::HalfMatrix`].
 pub const RECORDS_HALF: &str = module!("halves.wgsl", "half.wgsl", "records.wgsl");
 
+/// Impostors: `articula_impostor(instance, corner, eye)` returns a corner in the world and in the atlas.
+/// Group 1 has the [draws](articula_core::crowd::ImpostorDraw) at binding 1, world transforms at 2, and at
+/// 3, 4 and 5 cells, centres and rows as [`ImpostorBuffers`](articula_flat::impostor::ImpostorBuffers)
+/// has them. Four corners make a triangle strip.
+pub const IMPOSTORS: &str = module!("impostors.wgsl");
+
 /// Returns the shader for draws with palettes of a form, and for stepped draws with cached ones.
 pub fn draws(form: PaletteForm) -> &'static str {
     match form {

@@ -1,0 +1,76 @@
+//! Impostors in crowds of the library: who is far is shown by them, with an error as measured within
+//! the tolerance, the same for any number of parts.
+
+use crate::crowd::{asset_of, human};
+use articula::Executor;
+use articula::crowd::{
+    Camera, CrowdOptions, CrowdPlayer, Culling, ErrorMeter, LevelTally, PaletteHash, View, Viewport,
+};
+use articula_flat::Appearance;
+use articula_flat::impostor::{ImpostorBound, ImpostorOptions};
+use glam::Vec3;
+
+/// Error of the impostors, metres.
+const METRES: f32 = 0.5;
+
+#[test]
+fn who_is_far_is_shown_by_an_impostor_within_the_tolerance() {
+    let options = CrowdOptions {
+        impostors: Some(ImpostorOptions {
+            bound: ImpostorBound::Metres(METRES),
+            ..ImpostorOptions::default()
+        }),
+        ..CrowdOptions::default()
+    };
+    let asset = asset_of(human(), &options);
+    let plan = asset.impostors().unwrap();
+    assert_eq!(plan.clips.len(), asset.clips().len());
+    let worst = plan.clips.iter().map(|c| c.error_m).fold(0.0, f32::max);
+    assert!(worst < 1.3 * METRES, "{worst}");
+    let atlas = asset.impostor_atlas(&Appearance::default(), &Executor::default());
+    let atlas = atlas.unwrap().unwrap();
+    assert!(atlas.width() >= plan.cell.size_px[0] && atlas.height() >= plan.cell.size_px[1]);
+    // The first row is near, the others where a metre is about a pixel.
+    let mut crowd = CrowdPlayer::new(&asset, 64).unwrap();
+    for i in 0..64 {
+        let z = if i < 8 { -8.0 } else { -900.0 - 4.0 * i as f32 };
+        crowd.place(i, Vec3::new((i % 8) as f32 - 4.0, 0.0, z), 0.9 * i as f32);
+        crowd.play(i, i % asset.clips().len(), 0.07 * i as f32);
+    }
+    let camera = Camera::looking_at(Vec3::Y * 60.0, Vec3::NEG_Z * 300.0, Viewport::default());
+    let views = [View::of(&camera)];
+    let mut meter = ErrorMeter::new(&asset, 1);
+    let mut tally = LevelTally::new(&asset);
+    let mut samples = Vec::new();
+    for frame in 0..12 {
+        crowd.plan(1.0 / 30.0, Culling::Views(&views), &mut |_| ());
+        crowd.evaluate();
+        let mut whole = PaletteHash::default();
+        whole.add(&crowd);
+        let draws = crowd.impostors().to_vec();
+        crowd.parts(3).for_each(|mut part| part.evaluate());
+        assert_eq!(crowd.impostors(), draws);
+        let mut parted = PaletteHash::default();
+        parted.add(&crowd);
+        assert_eq!(parted.text(), whole.text());
+        assert!(draws.len() > 40, "{}", draws.len());
+        tally.add(&crowd);
+        let sample = meter.measure(&crowd, f64::from(frame), &camera);
+        let far: Vec<_> = sample
+            .characters
+            .iter()
+            .filter(|c| c.level == asset.levels())
+            .collect();
+        assert!(far.len() > 40);
+        for error in far {
+            assert!(error.p95_px <= 1.05 && error.worst_px <= 2.1, "{error:?}");
+            assert!(error.p95_px > 0.0);
+        }
+        samples.push(sample);
+    }
+    let levels = tally.levels(&asset, &samples);
+    let tier = levels.last().unwrap();
+    assert!(tier.is_impostor && tier.joints == 0 && tier.characters > 40.0);
+    assert_eq!(tier.renderer.impostor_bytes, 8.0 * tier.characters);
+    assert_eq!(tier.renderer.skinned_vertices, 4.0 * tier.characters);
+}
