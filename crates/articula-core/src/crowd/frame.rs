@@ -151,6 +151,7 @@ impl CrowdReport {
             blended: self.blended + other.blended,
             cached: self.cached + other.cached,
             stepped: self.stepped + other.stepped,
+            impostors: self.impostors + other.impostors,
             work: self.work + other.work,
             bound_px: self.bound_px.max(other.bound_px),
         }

@@ -11,7 +11,7 @@ use super::asset::CrowdAsset;
 use super::mesh_lods::Watch;
 use super::player::{CrowdPlayer, PoseSource};
 use articula_build::vertex_regions;
-use articula_core::crowd::{CharacterState, ClipState};
+use articula_core::crowd::{CharacterState, ClipState, ImpostorDraw};
 use articula_core::percentile;
 use articula_core::visibility::{Bodies, CullResult, MIN_DEPTH_METRES, View, Visibility, cull};
 use articula_core::{
