@@ -337,12 +337,15 @@ fn allot(plans: &mut [Vec<Plan>], most_bytes: usize) {
     }
 }
 
+/// An entry for each clip, and in it one for each level.
+type ByClipAndLevel<T> = Vec<Vec<Option<T>>>;
+
 /// Keys and steps of everything that is cached, and the positions of their palettes: the coarsest
 /// level comes first.
 fn placed(
     plans: &[Vec<Plan>],
     map: &PaletteMap,
-) -> (Vec<Vec<Option<CachedKeys>>>, Vec<Vec<Option<CachedSteps>>>) {
+) -> (ByClipAndLevel<CachedKeys>, ByClipAndLevel<CachedSteps>) {
     let mut keys = vec![vec![None; map.levels()]; plans.len()];
     let mut steps = vec![vec![None; map.levels()]; plans.len()];
     let mut first_matrix = 0;

@@ -70,7 +70,12 @@ fn gathered(scene: &ScenePlayer<'_>, camera: &Camera) -> (CrowdPicture, usize) {
         }));
         draws.extend(player.impostors().iter().map(|draw| {
             let character = draw.character as usize;
-            (distance(character), crowd, character, Shown::Impostor(*draw))
+            (
+                distance(character),
+                crowd,
+                character,
+                Shown::Impostor(*draw),
+            )
         }));
     }
     draws.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -233,7 +233,10 @@ impl ErrorMeter {
                 let (Some(level), Some(source)) = (level, &sources[character]) else {
                     continue;
                 };
-                (level, self.of_pose(player, (character, level, source), &open))
+                (
+                    level,
+                    self.of_pose(player, (character, level, source), &open),
+                )
             };
             let found = self.parts.iter().copied().zip(pixels);
             let found = found.filter_map(|(part, px)| Some((part, px?))).collect();
@@ -253,13 +256,13 @@ impl ErrorMeter {
         self.pose_truth(player, character);
         let world = player.world_from_model(character);
         self.shown.resize(self.vertices.len(), Vec3::ZERO);
-        let mut most = vec![None; self.vertices.len()];
+        let mut most: Vec<Option<f64>> = vec![None; self.vertices.len()];
         for camera in cameras {
             player.impostor_matrices(draw, camera.eye, &mut self.matrices);
             let full = &self.asset.full().mesh;
             skin_points(full, &self.matrices, &self.vertices, &mut self.shown);
             for (most, px) in most.iter_mut().zip(self.errors_px(&[camera], &world)) {
-                *most = most.into_iter().chain(px).reduce(f64::max);
+                *most = most.iter().copied().chain(px).reduce(f64::max);
             }
         }
         most
