@@ -177,7 +177,7 @@ fn pictures_show_the_side_that_faces_the_eye_where_it_is() {
 fn painted_pictures_are_what_the_eye_sees() {
     use crate::projection::{Projection, Screen};
     let post = Post::new();
-    let plan = post.plan(ImpostorBound::Metres(0.03)).unwrap();
+    let plan = post.plan(ImpostorBound::Metres(0.15)).unwrap();
     let poses: Vec<Vec<Picture>> = (0..plan.poses())
         .map(|pose| plan.draw(&post.source(), pose).unwrap())
         .collect();
@@ -188,7 +188,7 @@ fn painted_pictures_are_what_the_eye_sees() {
         ..articula_core::Viewport::default()
     };
     let projection = Projection::Parallel {
-        pixels_per_metre: 20.0,
+        pixels_per_metre: 10.0,
     };
     let world = Affine3A::from_rotation_translation(
         glam::Quat::from_rotation_y(0.4),
@@ -226,7 +226,7 @@ fn painted_pictures_are_what_the_eye_sees() {
         };
         let pairs = truth.pixels().iter().zip(shown.pixels());
         let off: u32 = pairs.map(|(a, b)| u32::from(a[1].abs_diff(b[1]))).sum();
-        let rim = 2.0 * (0.5 + 2.0) * 20.0 * 255.0;
+        let rim = 2.0 * (0.5 + 2.0) * 10.0 * 255.0;
         assert!(
             f64::from(off) < rim,
             "{off} of {} from {eye}",
