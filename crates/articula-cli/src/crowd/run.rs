@@ -3,6 +3,7 @@
 //! The second pass repeats every decision of the first, so it shows the same palettes; measuring
 //! takes no time and no cache from the timed pass.
 
+use super::faces::{MorphTally, MorphUse};
 use super::roles::{RoleError, RoleTally};
 use super::stage::{DISPLAY_HZ, Settings, TimedCrowd};
 use super::timing::{Spread, thread_ns};
@@ -50,7 +51,7 @@ pub(crate) struct Run {
     pub(crate) written_mb: Spread,
     pub(crate) memory: Memory,
     pub(crate) poses: Poses,
-    pub(crate) morphs: Morphs,
+    pub(crate) morphs: MorphUse,
     /// Maximum error in pixels by which levels and shared poses were chosen.
     pub(crate) bound_px: Option<f32>,
     pub(crate) tiers: Vec<LevelStatistics>,
@@ -76,15 +77,6 @@ pub(crate) struct Poses {
     pub(crate) blended: f64,
     /// Poses blended from the pose cache, by the CPU or by the GPU.
     pub(crate) cached: f64,
-}
-
-/// Morph target weights written in a frame.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
-pub(crate) struct Morphs {
-    /// Characters whose level shows morph targets, on average over frames.
-    pub(crate) characters: f64,
-    /// Bytes of the weights of the largest frame.
-    pub(crate) bytes: usize,
 }
 
 /// Memory of a crowd.
@@ -209,7 +201,7 @@ fn looked_at(
     let mut tally = LevelTally::new(asset);
     let mut hash = PaletteHash::default();
     let mut roles = RoleTally::new(scene);
-    let mut faces = (0, 0);
+    let mut faces = MorphTally::new(asset);
     let mut occluded = Vec::with_capacity(settings.frames);
     let mut reports = Vec::with_capacity(settings.frames);
     let looks = settings.frames.min(LOOKS);
@@ -230,8 +222,7 @@ fn looked_at(
         let palettes = crowd.draw_list().matrices * asset.model().parts().form.bytes();
         let morphs = size_of_val(player.morph_weights());
         let bytes = palettes + size_of_val(player.records()) + morphs;
-        faces.0 += crowd.draw_list().morph_sets();
-        faces.1 = morphs.max(faces.1);
+        faces.add(player);
         reports.push((report, bytes));
         // The first frame, then at even intervals.
         if counted * looks / settings.frames >= looked.len() && looked.len() < looks {
@@ -266,10 +257,7 @@ fn looked_at(
             blended: mean(&|r| r.blended),
             cached: mean(&|r| r.cached),
         },
-        morphs: Morphs {
-            characters: faces.0 as f64 / settings.frames.max(1) as f64,
-            bytes: faces.1,
-        },
+        morphs: faces.sums(asset),
         // In full detail nothing is chosen by its error.
         bound_px: (settings.detail != DetailGoal::Full).then_some(bound),
         tiers: tally.levels(asset, &looked),

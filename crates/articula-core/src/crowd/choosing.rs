@@ -5,6 +5,7 @@ use super::frame::{CrowdEvent, Detail, Frame};
 use super::keys::{Key, Kind};
 use super::mode::Choosing;
 use super::model::CrowdModel;
+use super::options::DetailOption;
 use super::section::{CrowdSection, NO_OPTION};
 use super::share::{ClipWay, Follower, Sharing};
 use crate::attention::multiplier;
@@ -17,9 +18,15 @@ use crate::simd::LANES;
 struct Choice {
     key: Key,
     level: usize,
+    /// Morph level; 0 at levels that show no morph targets.
+    morphs: u8,
     /// Metres of the unscaled character.
     error_metres: f32,
 }
+
+/// Level and morph level of a character, `None` if it is not shown, and the pixels that a metre of
+/// it spans.
+type Shown = (Option<(usize, u8)>, f32);
 
 impl CrowdSection {
     /// Stops to show a character.
@@ -56,6 +63,7 @@ impl CrowdSection {
             Choice {
                 key: Key::new(level, kind),
                 level,
+                morphs: 0,
                 error_metres: model.error_metres(from, to, level),
             }
         } else {
@@ -74,10 +82,11 @@ impl CrowdSection {
         self.set_level(
             model,
             character,
-            (Some(choice.level), pixels_per_metre),
+            (Some((choice.level, choice.morphs)), pixels_per_metre),
             tell,
         );
         self.keys.set(character, choice.key);
+        self.morphs.set(character, choice.morphs);
         if choice.error_metres > 0.0 {
             choice.error_metres * pixels_per_metre
         } else {
@@ -112,7 +121,10 @@ impl CrowdSection {
         // A level is kept over a change of the clip.
         let shown = shown.or_else(|| {
             let level = self.keys.get(character).level()?;
-            options.iter().rposition(|o| usize::from(o.level) <= level)
+            let morphs = self.morphs.get(character);
+            let is_as_fine =
+                |o: &DetailOption| usize::from(o.level) <= level && usize::from(o.morphs) <= morphs;
+            options.iter().rposition(is_as_fine)
         });
         let error = |option: usize| options[option].error_metres;
         let chosen = level_within(tolerance_metres, shown, options.len() - 1, error);
@@ -121,14 +133,19 @@ impl CrowdSection {
         self.options[character] = chosen as u8;
         self.set_keep(character, tolerance_range(option.error_metres, next));
         let level = usize::from(option.level);
+        let mut key = Key::new(level, option.kind);
+        if model.is_at_rest(level, usize::from(option.morphs)) {
+            key = key.at_rest();
+        }
         Choice {
-            key: Key::new(level, option.kind),
+            key,
             level,
+            morphs: option.morphs,
             error_metres: option.error_metres,
         }
     }
 
-    /// The coarsest level of a cross-fade within a tolerance.
+    /// The coarsest level of a cross-fade within a tolerance, with all morph targets if it shows any.
     fn fading_option(
         &mut self,
         model: &CrowdModel,
@@ -146,6 +163,7 @@ impl CrowdSection {
         Choice {
             key: Key::new(level, kind),
             level,
+            morphs: 0,
             error_metres: error(level),
         }
     }
@@ -191,33 +209,45 @@ impl CrowdSection {
         Some(Choice {
             key: Key::new(level, Kind::Follow),
             level,
+            morphs: 0,
             error_metres: tolerance_metres,
         })
     }
 
-    /// Reports an event if the level of a character changes. A metre of it spans `pixels_per_metre`.
+    /// Reports an event if the level or the morph level of a character changes.
     #[inline]
     fn set_level(
         &mut self,
         model: &CrowdModel,
         character: usize,
-        (level, pixels_per_metre): (Option<usize>, f32),
+        (shown, pixels_per_metre): Shown,
         tell: &mut dyn FnMut(CrowdEvent),
     ) {
         let from = self.keys.get(character).level();
-        if from == level {
+        let morphs = self.morphs.get(character);
+        let to = shown.map(|(level, _)| level);
+        if from == to && shown.is_none_or(|(_, m)| usize::from(m) == morphs) {
             return;
         }
         let (a, b) = self.clocks.state(character).clips();
-        let error = |level: usize| model.error_metres(a, b, level);
-        let jump_px = match (from, level) {
-            (Some(from), Some(to)) => (error(from) + error(to)) * pixels_per_metre,
+        let jump_px = match (from, shown) {
+            (Some(from), Some((level, to))) => {
+                let face = |morphs: usize| model.morph_error_metres(a, b, morphs);
+                let faces = face(morphs) + face(usize::from(to));
+                // At the same level the bodies are the same.
+                let error = |level: usize| model.error_metres(a, b, level);
+                let bodies = match from == level {
+                    true => 0.0,
+                    false => error(from) + error(level),
+                };
+                (bodies + faces) * pixels_per_metre
+            }
             _ => 0.0,
         };
         tell(CrowdEvent::Level {
             character: self.first + character,
             from,
-            to: level,
+            to,
             jump_px,
         });
     }

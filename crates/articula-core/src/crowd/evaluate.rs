@@ -97,8 +97,8 @@ impl Crowd {
 
     /// Writes the morph target weights of a range of sets, for each as many as the mesh has targets
     /// ([`MorphClips::targets`](super::MorphClips::targets)), at the character's own times: a
-    /// character with a shared or cached pose has its own face. Ranges are independent, as of
-    /// [`Crowd::evaluate`].
+    /// character with a shared or cached pose has its own face. Targets that its morph level leaves
+    /// out have their default weights. Ranges are independent, as of [`Crowd::evaluate`].
     ///
     /// O(targets of the sets); does not allocate.
     ///
@@ -121,7 +121,9 @@ impl Crowd {
         };
         for (set, out) in sets.zip(out.chunks_exact_mut(targets)) {
             let character = self.draw_list().character_of(set);
-            morphs.sample(&self.state(character), out);
+            let (section, character) = self.at(character);
+            let level = section.morphs.get(character);
+            morphs.sample(&section.clocks.state(character), level, out);
         }
     }
 
@@ -154,13 +156,10 @@ impl Crowd {
                 continue;
             }
             let part = part.start - records.start..part.end - records.start;
-            let (mut rest, mut out) = (&characters[part.clone()], out[part].iter_mut());
-            while let Some(&first) = rest.first() {
-                // A group is in the order of the sections.
-                let section = first as usize / SECTION;
-                let end = rest.partition_point(|c| *c as usize / SECTION <= section);
-                let (run, others) = rest.split_at(end);
-                rest = others;
+            let mut out = out[part.clone()].iter_mut();
+            let section_of = |character: u32| character as usize / SECTION;
+            for run in characters[part].chunk_by(|a, b| section_of(*a) == section_of(*b)) {
+                let section = section_of(run[0]);
                 let clocks = &self.sections[section].clocks;
                 for (&character, out) in run.iter().zip(&mut out) {
                     let state = clocks.from(character as usize - section * SECTION);

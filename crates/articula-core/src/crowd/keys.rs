@@ -4,8 +4,11 @@ use crate::joint_lods::JointLods;
 
 /// Number of kinds at a level.
 pub(super) const KINDS: usize = 5;
-/// Number of levels times kinds.
-pub(super) const KEYS: usize = KINDS * JointLods::MAX_LEVELS;
+/// Rows of keys at a level: of characters that show morph targets or have none, and of those whose
+/// face rests although the level shows it.
+pub(super) const FACES: usize = 2;
+/// Number of levels times faces times kinds.
+pub(super) const KEYS: usize = FACES * KINDS * JointLods::MAX_LEVELS;
 
 /// Source of a character's pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,10 +33,15 @@ impl Key {
     pub(crate) const HIDDEN: Self = Self(u8::MAX);
 
     pub(crate) fn new(level: usize, kind: Kind) -> Self {
-        Self((level * KINDS + kind as usize) as u8)
+        Self((level * FACES * KINDS + kind as usize) as u8)
     }
 
-    /// Level and kind as one index, below [`KEYS`]; `None` if the character is not shown.
+    /// The same with a face at rest, at a level that shows morph targets.
+    pub(crate) fn at_rest(self) -> Self {
+        Self(self.0 + KINDS as u8)
+    }
+
+    /// Level, face and kind as one index, below [`KEYS`]; `None` if the character is not shown.
     #[inline]
     pub(super) fn index(self) -> Option<usize> {
         (self != Self::HIDDEN).then_some(usize::from(self.0))
@@ -42,7 +50,7 @@ impl Key {
     /// The level; `None` if the character is not shown.
     #[inline]
     pub(crate) fn level(self) -> Option<usize> {
-        Some(self.index()? / KINDS)
+        Some(self.index()? / KINDS / FACES)
     }
 
     /// Whether the character is evaluated alone, at one clip.
@@ -77,7 +85,7 @@ impl SectionKeys {
         Self {
             first,
             keys: vec![Key::HIDDEN; len],
-            counts: vec![0; levels * KINDS],
+            counts: vec![0; levels * FACES * KINDS],
             order: Vec::with_capacity(len),
             is_stirred: false,
             leader_of: vec![0; len],

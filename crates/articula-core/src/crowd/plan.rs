@@ -1,7 +1,7 @@
 //! Evaluation plan of a frame: characters sorted by level and source of their pose, divided into
 //! batches, and the palette of each.
 
-use super::keys::{KEYS, KINDS, Kind, SectionKeys};
+use super::keys::{FACES, KEYS, KINDS, Kind, SectionKeys};
 use super::share::Leader;
 use crate::joint_lods::JointLods;
 use crate::palette::PaletteMap;
@@ -56,20 +56,53 @@ pub struct DrawList {
     pub batches: usize,
     /// Number of matrices that all batches write.
     pub matrices: usize,
-    /// Number of draws, from the first on, whose level shows morph targets: the weights of draw `i`
-    /// are set `i` of [`Crowd::evaluate_morphs`](super::Crowd::evaluate_morphs). The faces of later
-    /// draws rest, with the mesh's default weights.
+    /// Number of draws, from the first on, with morph target weights: those of draw `i` are set `i` of
+    /// [`Crowd::evaluate_morphs`](super::Crowd::evaluate_morphs). The faces of later draws rest, with
+    /// the mesh's default weights, and so do some before the last draw that shows morph targets.
     pub morph_draws: usize,
-    /// Number of records, from the first on, whose level shows morph targets: the weights of record
-    /// `i` are set `morph_draws + i`.
+    /// Number of records, from the first on, with morph target weights: those of record `i` are set
+    /// `morph_draws + i`.
     pub morph_records: usize,
 }
 
 impl DrawList {
-    /// Number of sets of morph target weights of the frame, one for each character whose level
-    /// shows them.
+    /// Number of sets of morph target weights of the frame.
     pub fn morph_sets(&self) -> usize {
         self.morph_draws + self.morph_records
+    }
+
+    /// Adds draws to the group of their level, which is the last one.
+    fn draw_as(&mut self, level: usize, draws: Range<usize>, matrices: usize) {
+        match self.groups.last_mut().filter(|g| g.level == level) {
+            Some(group) => group.draws.end = draws.end,
+            None => self.groups.push(DrawGroup {
+                level,
+                draws,
+                matrices,
+            }),
+        }
+    }
+
+    /// Adds records to the group of their level, which is the last one.
+    fn record_as(&mut self, level: usize, records: Range<usize>, matrices: usize) {
+        match self.record_groups.last_mut().filter(|g| g.level == level) {
+            Some(group) => group.records.end = records.end,
+            None => self.record_groups.push(RecordGroup {
+                level,
+                records,
+                matrices,
+            }),
+        }
+    }
+
+    /// Has all draws and records so far show morph targets, if any of this level does.
+    fn show_morphs(&mut self, level: usize) {
+        if let Some(group) = self.groups.last().filter(|g| g.level == level) {
+            self.morph_draws = group.draws.end;
+        }
+        if let Some(group) = self.record_groups.last().filter(|g| g.level == level) {
+            self.morph_records = group.records.end;
+        }
     }
 
     /// Character of a set of morph target weights.
@@ -186,7 +219,7 @@ impl Plan {
             counts: vec![LevelCounts::default(); levels],
             leaders: Vec::with_capacity(characters),
             leader_matrices: Vec::with_capacity(characters),
-            batches: Vec::with_capacity(characters / LANES + levels * KINDS),
+            batches: Vec::with_capacity(characters / LANES + levels * FACES * KINDS),
             drawn: DrawList {
                 groups: Vec::with_capacity(levels),
                 draws: Vec::with_capacity(characters),
@@ -213,35 +246,37 @@ impl Plan {
         self.batches.clear();
         self.drawn.groups.clear();
         self.drawn.record_groups.clear();
+        (self.drawn.morph_draws, self.drawn.morph_records) = (0, 0);
         for level in 0..self.counts.len() {
-            self.lay_out(level, palette.len(level), &mut room);
+            self.counts[level] = LevelCounts::default();
+            self.lay_out(level * FACES, palette.len(level), &mut room);
+            if level < morph_levels {
+                self.drawn.show_morphs(level);
+                self.lay_out(level * FACES + 1, palette.len(level), &mut room);
+            }
         }
         self.place_leaders(leaders, &mut room.leader_slots);
         self.place(sections, &mut room);
         self.drawn.batches = self.batches.len();
         self.drawn.matrices = room.matrices;
-        let drawn = &mut self.drawn;
-        let groups = drawn.groups.iter().filter(|g| g.level < morph_levels);
-        drawn.morph_draws = groups.map(|g| g.draws.len()).sum();
-        let groups = drawn.record_groups.iter();
-        let groups = groups.filter(|g| g.level < morph_levels);
-        drawn.morph_records = groups.map(|g| g.records.len()).sum();
     }
 
-    /// Gives the characters and poses of a level, whose palettes have so many matrices, their places
-    /// behind those of the levels before.
-    fn lay_out(&mut self, level: usize, matrices: usize, room: &mut Room) {
-        let counts = [0, 1, 2, 3, 4].map(|kind| room.slots[level * KINDS + kind].at as usize);
+    /// Gives the characters and poses of a row of keys, a level with faces shown or at rest, whose
+    /// palettes have so many matrices, their places behind those of the rows before.
+    fn lay_out(&mut self, row: usize, matrices: usize, room: &mut Room) {
+        let level = row / FACES;
+        let counts = [0, 1, 2, 3, 4].map(|kind| room.slots[row * KINDS + kind].at as usize);
         let [clip, blend, cached, follow, record] = counts;
-        let leaders = room.leaders[level];
-        self.counts[level] = LevelCounts {
-            own: clip + blend,
-            blended: blend,
-            leaders,
-            followers: follow,
-            cached,
-            recorded: record,
-        };
+        // Shared poses are those of the level, whatever the faces.
+        let has_leaders = row.is_multiple_of(FACES);
+        let leaders = if has_leaders { room.leaders[level] } else { 0 };
+        let sums = &mut self.counts[level];
+        sums.own += clip + blend;
+        sums.blended += blend;
+        sums.leaders += leaders;
+        sums.followers += follow;
+        sums.cached += cached;
+        sums.recorded += record;
         let mut batch = Batch {
             first: 0,
             first_matrix: 0,
@@ -255,7 +290,7 @@ impl Plan {
             (Kind::Blend, blend),
             (Kind::Cached, cached),
         ] {
-            room.slots[level * KINDS + kind as usize] = Slot {
+            room.slots[row * KINDS + kind as usize] = Slot {
                 at: room.draws as u32,
                 matrix: room.matrices as u32,
                 step: matrices as u32,
@@ -272,29 +307,24 @@ impl Plan {
         batch.jobs = Jobs::Shared;
         let at = (room.shared, room.matrices);
         cut(&mut self.batches, batch, leaders, at, matrices);
-        room.leader_slots[level] = Slot {
-            at: room.shared as u32,
-            matrix: room.matrices as u32,
-            step: matrices as u32,
-        };
+        if has_leaders {
+            room.leader_slots[level] = Slot {
+                at: room.shared as u32,
+                matrix: room.matrices as u32,
+                step: matrices as u32,
+            };
+        }
         room.shared += leaders;
         room.matrices += leaders * matrices;
-        room.slots[level * KINDS + Kind::Follow as usize].at = room.draws as u32;
+        room.slots[row * KINDS + Kind::Follow as usize].at = room.draws as u32;
         room.draws += follow;
         if room.draws > first_draw {
-            self.drawn.groups.push(DrawGroup {
-                level,
-                draws: first_draw..room.draws,
-                matrices,
-            });
+            self.drawn.draw_as(level, first_draw..room.draws, matrices);
         }
-        room.slots[level * KINDS + Kind::Record as usize].at = room.records as u32;
+        room.slots[row * KINDS + Kind::Record as usize].at = room.records as u32;
         if record > 0 {
-            self.drawn.record_groups.push(RecordGroup {
-                level,
-                records: room.records..room.records + record,
-                matrices,
-            });
+            let records = room.records..room.records + record;
+            self.drawn.record_as(level, records, matrices);
         }
         room.records += record;
     }

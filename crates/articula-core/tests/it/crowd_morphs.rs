@@ -9,11 +9,11 @@ use articula_core::visibility::View;
 use articula_core::{Clip, Track, Tracks, Wrap, sample_morphs};
 
 /// Default weights of the mesh's targets; the third one never moves.
-const REST: [f32; 4] = [0.0, 0.125, 0.75, 0.5];
+pub(crate) const REST: [f32; 4] = [0.0, 0.125, 0.75, 0.5];
 
 /// The clips with morph tracks: an interpolated and a held one in the first, a constant one and one
 /// of a target that the mesh does not have in the second.
-fn with_morphs(clips: &[Clip]) -> Vec<Clip> {
+pub(crate) fn with_morphs(clips: &[Clip]) -> Vec<Clip> {
     let with = |(c, clip): (usize, &Clip)| {
         let wave = |f: usize| (f as f32 * 0.7 + c as f32).sin();
         let values: Vec<f32> = (0..clip.frames()).map(wave).collect();
@@ -76,7 +76,7 @@ fn played(model: &CrowdModel, square: &Square, (share, cache): (bool, CacheUse))
     crowd
 }
 
-fn weights(crowd: &Crowd, model: &CrowdModel) -> Vec<f32> {
+pub(crate) fn weights(crowd: &Crowd, model: &CrowdModel) -> Vec<f32> {
     let sets = crowd.draw_list().morph_sets();
     let mut out = vec![f32::NAN; sets * REST.len()];
     crowd.evaluate_morphs(model, 0..sets, &mut out);
@@ -84,7 +84,7 @@ fn weights(crowd: &Crowd, model: &CrowdModel) -> Vec<f32> {
 }
 
 /// Character and level of each set, as a renderer finds them.
-fn owners(list: &DrawList) -> Vec<(usize, usize)> {
+pub(crate) fn owners(list: &DrawList) -> Vec<(usize, usize)> {
     let draws = list.groups.iter().flat_map(|g| {
         let draws = &list.draws[g.draws.clone()];
         draws.iter().map(|d| (d.character as usize, g.level))
@@ -98,7 +98,7 @@ fn owners(list: &DrawList) -> Vec<(usize, usize)> {
 }
 
 /// Weights by the plain sampler, each clip over the defaults, then blended.
-fn by_hand(state: &CharacterState, clips: &[Clip]) -> Vec<f32> {
+pub(crate) fn by_hand(state: &CharacterState, clips: &[Clip]) -> Vec<f32> {
     let one = |state: &ClipState| {
         let mut out = REST.to_vec();
         let secs = f64::from(state.secs());

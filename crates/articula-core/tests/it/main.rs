@@ -9,6 +9,7 @@ mod clustered;
 mod crowd;
 mod crowd_budget;
 mod crowd_levels;
+mod crowd_morph_levels;
 mod crowd_morphs;
 mod crowd_sections;
 mod crowd_selection;
