@@ -1,15 +1,16 @@
 // Reads the buffers of a crowd by docs/formats/crowd-buffers.md alone: `node crowd_buffers.mjs DIR`.
 //
-// Prints {form, entries: [{joint, inverse_bind}], characters: [{character, level, is_record, matrices,
-// morph_weights, world}]}, one character for each draw, then for each record. `matrices` has the twelve numbers
-// of each entry of the character's level, row by row, blended for a record; `morph_weights` is null without a set.
+// Prints {form, entries: [{joint, inverse_bind}], characters: [{character, level, source, matrices,
+// morph_weights, world}]}, one character for each draw, then for each record, then for each stepped draw; `source`
+// says which of these. `matrices` has the twelve numbers of each entry of the character's level, row by row, blended
+// for a record; `morph_weights` is null without a set.
 // Ends with 1 if the buffers contradict the page, 2 on wrong usage.
 
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 
-const FILES = ["palettes", "draws", "records", "cached", "morph_weights", "transforms", "vertices", "triangles"];
+const FILES = ["palettes", "draws", "records", "stepped", "cached", "morph_weights", "transforms", "vertices", "triangles"];
 
 /** Bytes of a matrix, by form. */
 export const MATRIX_BYTES = { matrix: 48, half: 24, rigid: 32, "half-rigid": 16 };
@@ -83,17 +84,18 @@ function eachOf(list, each) {
 
 function check(manifest, files) {
   ensure(manifest.format === "articula-crowd-buffers", `the format is ${manifest.format}`);
-  ensure(manifest.version === 1, `version ${manifest.version} is unknown`);
+  ensure(manifest.version === 2, `version ${manifest.version} is unknown`);
   ensure(manifest.form in MATRIX_BYTES, `the form ${manifest.form} is unknown`);
   const size = MATRIX_BYTES[manifest.form];
-  const sets = manifest.draws.with_morph_sets + manifest.records.with_morph_sets;
+  const sets = [manifest.draws, manifest.records, manifest.stepped].map((list) => list.with_morph_sets);
   const last = manifest.levels.at(-1);
   const expected = {
     palettes: manifest.palette_matrices * size,
     draws: manifest.draws.count * 8,
     records: manifest.records.count * 16,
+    stepped: manifest.stepped.count * 8,
     cached: manifest.cached_matrices * size,
-    morph_weights: sets * manifest.morph_targets * 4,
+    morph_weights: (sets[0] + sets[1] + sets[2]) * manifest.morph_targets * 4,
     transforms: manifest.characters * 48,
     vertices: last.vertices_at + last.vertices * last.vertex_bytes,
     triangles: last.triangles_at + last.triangles * 12,
@@ -104,8 +106,10 @@ function check(manifest, files) {
     ensure(stated === expected[name], `${name}: ${stated} bytes, the counts give ${expected[name]}`);
   }
   ensure(
-    manifest.draws.first_morph_set === 0 && manifest.records.first_morph_set === manifest.draws.with_morph_sets,
-    "sets of draws come first, then those of records",
+    manifest.draws.first_morph_set === 0 &&
+      manifest.records.first_morph_set === sets[0] &&
+      manifest.stepped.first_morph_set === sets[0] + sets[1],
+    "sets of draws come first, then those of records, then those of stepped draws",
   );
 }
 
@@ -113,7 +117,7 @@ function check(manifest, files) {
 export function decode({ manifest, files }) {
   check(manifest, files);
   const view = (name) => new DataView(files[name].buffer, files[name].byteOffset, files[name].byteLength);
-  const [draws, records, weights] = ["draws", "records", "morph_weights"].map(view);
+  const [draws, records, stepped, weights] = ["draws", "records", "stepped", "morph_weights"].map(view);
   const palette = matrixReader(manifest.form, files.palettes);
   const cached = matrixReader(manifest.form, files.cached);
   const world = matrixReader("matrix", files.transforms);
@@ -126,33 +130,37 @@ export function decode({ manifest, files }) {
     const weight = (_, i) => weights.getFloat32(4 * (set * manifest.morph_targets + i), true);
     return Array.from({ length: manifest.morph_targets }, weight);
   };
-  const add = (list, index, level, character, entry) => {
+  const add = (source, index, level, character, entry) => {
+    const list = { draw: manifest.draws, record: manifest.records, stepped: manifest.stepped }[source];
     ensure(character < manifest.characters, `there is no character ${character}`);
     ensure(!seen.has(character), `character ${character} is shown twice`);
     seen.add(character);
     characters.push({
       character,
       level,
-      is_record: list === manifest.records,
+      source,
       matrices: Array.from({ length: manifest.levels[level].matrices }, (_, e) => entry(e)),
       morph_weights: weightsOf(list, index),
       world: world(character),
     });
   };
 
-  eachOf(manifest.draws, (index, level) => {
-    const [character, first] = [draws.getUint32(8 * index, true), draws.getUint32(8 * index + 4, true)];
-    add(manifest.draws, index, level, character, (e) => palette(first + e));
-  });
+  const drawn = (source, list, words, matrix) =>
+    eachOf(list, (index, level) => {
+      const [character, first] = [words.getUint32(8 * index, true), words.getUint32(8 * index + 4, true)];
+      add(source, index, level, character, (e) => matrix(first + e));
+    });
+  drawn("draw", manifest.draws, draws, palette);
   eachOf(manifest.records, (index, level) => {
     const [before, after] = [records.getUint32(16 * index, true), records.getUint32(16 * index + 4, true)];
     const blend = records.getFloat32(16 * index + 8, true);
     ensure(blend >= 0 && blend <= 1, `record ${index} blends by ${blend}`);
-    add(manifest.records, index, level, records.getUint32(16 * index + 12, true), (e) => {
+    add("record", index, level, records.getUint32(16 * index + 12, true), (e) => {
       const b = cached(after + e);
       return cached(before + e).map((a, i) => a + (b[i] - a) * blend);
     });
   });
+  drawn("stepped", manifest.stepped, stepped, cached);
   return characters;
 }
 

@@ -3,8 +3,8 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { decode, half, MATRIX_BYTES, meshOf } from "./crowd_buffers.mjs";
-import { apart, entryOf, expectedOf, open } from "./crowd_golden.mjs";
+import { decode, half, meshOf } from "./crowd_buffers.mjs";
+import { apart, entryOf, expectedOf, FRAMES, open } from "./crowd_golden.mjs";
 
 /** Greatest difference between decoded and expected matrices of all characters. */
 function greatest({ manifest }, characters, expected) {
@@ -23,16 +23,16 @@ function greatest({ manifest }, characters, expected) {
   return most;
 }
 
-for (const form of Object.keys(MATRIX_BYTES)) {
+for (const frame of FRAMES) {
   // Halves of numbers up to 2 are exact to a thousandth, also after a blend; those of a quaternion count double.
-  const tolerance = form.startsWith("half") ? 2e-3 : 2e-6;
+  const tolerance = frame.startsWith("half") ? 2e-3 : 2e-6;
 
-  test(`${form}: every matrix of every character is that of the plain path`, () => {
-    const all = open(form);
-    assert.equal(all.manifest.form, form);
+  test(`${frame}: every matrix of every character is that of the plain path`, () => {
+    const all = open(frame);
+    assert.equal(all.manifest.form, frame.replace("-stepped", ""));
     const characters = decode(all);
-    const expected = expectedOf(form);
-    const facts = ({ character, level, is_record }) => ({ character, level, is_record });
+    const expected = expectedOf(frame);
+    const facts = ({ character, level, source }) => ({ character, level, source });
     const byNumber = (a, b) => a.character - b.character;
     assert.deepEqual(characters.map(facts).sort(byNumber), expected.characters.map(facts).sort(byNumber));
     const most = greatest(all, characters, expected);
@@ -47,8 +47,8 @@ for (const form of Object.keys(MATRIX_BYTES)) {
     }
   });
 
-  test(`${form}: a vertex has entries of its level, and weights with the sum 1`, () => {
-    const all = open(form);
+  test(`${frame}: a vertex has entries of its level, and weights with the sum 1`, () => {
+    const all = open(frame);
     all.manifest.levels.forEach((level, l) => {
       const { vertices, triangles } = meshOf(all, l);
       for (const { influences, normal } of vertices) {
@@ -63,20 +63,21 @@ for (const form of Object.keys(MATRIX_BYTES)) {
 
 test("what is off by one is seen", () => {
   const all = open("matrix");
-  const expected = expectedOf("matrix");
-  const changed = (name, at, value) => {
+  const stepped = open("matrix-stepped");
+  const changed = (all, name, at, value) => {
     const bytes = Uint8Array.from(all.files[name]);
     new DataView(bytes.buffer).setUint32(at, value, true);
     return { ...all, files: { ...all.files, [name]: bytes } };
   };
-  const read = (name, at) => new DataView(all.files[name].buffer, all.files[name].byteOffset).getUint32(at, true);
+  const read = ({ files }, name, at) => new DataView(files[name].buffer, files[name].byteOffset).getUint32(at, true);
   const faults = {
-    "another palette": changed("draws", 4, read("draws", 4) + 1),
-    "another key": changed("records", 0, read("records", 0) + 1),
-    "no blend": changed("records", 8, 0),
+    "another palette": ["matrix", changed(all, "draws", 4, read(all, "draws", 4) + 1)],
+    "another key": ["matrix", changed(all, "records", 0, read(all, "records", 0) + 1)],
+    "no blend": ["matrix", changed(all, "records", 8, 0)],
+    "another step": ["matrix-stepped", changed(stepped, "stepped", 4, read(stepped, "stepped", 4) + 1)],
   };
-  for (const [what, buffers] of Object.entries(faults)) {
-    assert.ok(greatest(buffers, decode(buffers), expected) > 1e-3, what);
+  for (const [what, [frame, buffers]] of Object.entries(faults)) {
+    assert.ok(greatest(buffers, decode(buffers), expectedOf(frame)) > 1e-3, what);
   }
 });
 
@@ -87,7 +88,8 @@ test("buffers that contradict their manifest are refused", () => {
     change(manifest);
     return () => decode({ manifest, files: all.files });
   };
-  assert.throws(but((m) => (m.version = 2)), /version 2/);
+  assert.throws(but((m) => (m.version = 1)), /version 1/);
+  assert.throws(but((m) => (m.stepped.first_morph_set += 1)), /stepped/);
   assert.throws(but((m) => (m.form = "quarter")), /quarter/);
   assert.throws(but((m) => (m.form = "matrix")), /bytes/);
   assert.throws(but((m) => (m.bytes["draws.bin"] += 8)), /draws/);

@@ -7,10 +7,12 @@ import { fileURLToPath } from "node:url";
 import { readFolder } from "./crowd_buffers.mjs";
 
 const golden = join(dirname(fileURLToPath(import.meta.url)), "../crates/articula/tests/golden/crowd");
-/** Buffers in a form of palettes. */
-export const open = (form) => readFolder(join(golden, form));
+/** Folders of golden buffers: one for each form of palettes, and two with stepped draws. */
+export const FRAMES = ["matrix", "half", "rigid", "half-rigid", "matrix-stepped", "half-stepped"];
+/** Buffers of a folder. */
+export const open = (frame) => readFolder(join(golden, frame));
 /** Poses of the plain path, and the skins whose joints they are of. */
-export const expectedOf = (form) => JSON.parse(readFileSync(join(golden, form, "expected.json"), "utf8"));
+export const expectedOf = (frame) => JSON.parse(readFileSync(join(golden, frame, "expected.json"), "utf8"));
 
 /** Greatest difference of two lists of numbers. */
 export function apart(a, b) {

@@ -1,5 +1,5 @@
 // The shaders of crowds skin the golden buffers in WebGPU, and every point lies where the pose of the plain
-// path has it: draws of each form, and blend records.
+// path has it: draws of each form, blend records, and stepped draws, which the shader of draws shows.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -7,8 +7,8 @@ import { dirname, join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { findChromium, launchWithGpu, openPage, ORIGIN } from "./chromium.mjs";
-import { MATRIX_BYTES, meshOf } from "./crowd_buffers.mjs";
-import { entryOf, expectedOf, open } from "./crowd_golden.mjs";
+import { meshOf } from "./crowd_buffers.mjs";
+import { entryOf, expectedOf, FRAMES, open } from "./crowd_golden.mjs";
 
 const shaders = join(dirname(fileURLToPath(import.meta.url)), "../crates/articula/src/crowd/wgsl");
 const isNeeded = process.env.ARTICULA_REQUIRE_TOOLS === "1";
@@ -132,7 +132,7 @@ before(async () => {
 });
 after(() => browser?.close());
 
-/** The numbers of the groups of draws or records; or null without WebGPU. */
+/** The numbers of the groups of draws, records or stepped draws; or null without WebGPU. */
 async function skinned(all, name) {
   if (!browser) return null;
   const { manifest, files } = all;
@@ -144,7 +144,7 @@ async function skinned(all, name) {
     return { first, count, vertices, firstWord: vertices_at / 4 };
   });
   const job = {
-    code: source(manifest.form, name),
+    code: source(manifest.form, name === "records" ? "records" : "draws"),
     palettes: [...files[name === "draws" ? "palettes" : "cached"]],
     list: [...files[name]],
     transforms: [...files.transforms],
@@ -156,11 +156,12 @@ async function skinned(all, name) {
   return results;
 }
 
-for (const form of Object.keys(MATRIX_BYTES)) {
-  for (const name of form.endsWith("rigid") ? ["draws"] : ["draws", "records"]) {
-    test(`${form}: ${name} are skinned as by the plain path`, async (context) => {
-      const all = open(form);
-      const expected = expectedOf(form);
+for (const frame of FRAMES) {
+  const cached = frame.endsWith("stepped") ? ["stepped"] : ["records"];
+  for (const name of frame.endsWith("rigid") ? ["draws"] : ["draws", ...cached]) {
+    test(`${frame}: ${name} are skinned as by the plain path`, async (context) => {
+      const all = open(frame);
+      const expected = expectedOf(frame);
       const results = await skinned(all, name);
       if (!results) {
         assert.ok(!isNeeded, "no WebGPU in Chromium");
@@ -168,9 +169,9 @@ for (const form of Object.keys(MATRIX_BYTES)) {
         isSkipped = true;
         return context.skip("no WebGPU in Chromium");
       }
-      const tolerance = form.startsWith("half") ? 6e-3 : 1e-5;
+      const tolerance = frame.startsWith("half") ? 6e-3 : 1e-5;
       const list = new DataView(all.files[name].buffer, all.files[name].byteOffset);
-      const [size, at] = name === "draws" ? [8, 0] : [16, 12];
+      const [size, at] = name === "records" ? [16, 12] : [8, 0];
       let seen = 0;
       all.manifest[name].groups.forEach(({ level, first, count }, g) => {
         const { vertices } = all.manifest.levels[level];

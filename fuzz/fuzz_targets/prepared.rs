@@ -3,7 +3,7 @@
 
 use articula_formats::Limits;
 use articula_formats::prepared::{
-    read_cache_keys, read_clips, read_motion_bounds, read_paired_levels, read_source_orders,
+    CACHE_KEYS_VERSION, read_cache_keys, read_clips, read_motion_bounds, read_paired_levels, read_source_orders,
     write_cache_keys, write_clips, write_motion_bounds, write_paired_levels, write_source_orders,
 };
 use libfuzzer_sys::fuzz_target;
@@ -16,8 +16,11 @@ fuzz_target!(|bytes: &[u8]| {
     if let Ok(clips) = read_clips(bytes, &[], &limits) {
         assert_eq!(read_clips(&write_clips(&clips, &[]), &[], &limits), Ok(clips));
     }
-    if let Ok(keys) = read_cache_keys(bytes, &limits) {
-        assert_eq!(read_cache_keys(&write_cache_keys(&keys), &limits), Ok(keys));
+    for version in [1, CACHE_KEYS_VERSION] {
+        if let Ok(keys) = read_cache_keys(bytes, version, &limits) {
+            let written = write_cache_keys(&keys.keys, &keys.steps);
+            assert_eq!(read_cache_keys(&written, CACHE_KEYS_VERSION, &limits), Ok(keys));
+        }
     }
     if let Ok(bounds) = read_motion_bounds(bytes, &limits) {
         assert_eq!(read_motion_bounds(&write_motion_bounds(&bounds), &limits), Ok(bounds));

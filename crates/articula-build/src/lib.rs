@@ -97,7 +97,7 @@ pub use poses::{PoseOptions, PoseOrigin, Poses, SkinPose, SkinPoseSource, poses,
 pub use reduce::{ClipSize, clip_size, hold_joints_in_clip, whole_clip_size};
 pub use scene::{
     ClipPlayback, CrossFade, Cue, IMPORTANCE_RANGE, PLAZA_COUNT, Plaza, Role, Scene,
-    SceneCharacter, SceneImportance, USUAL_ROLES, Wall, Zone, plaza,
+    SceneCharacter, SceneImportance, SceneView, USUAL_ROLES, Wall, Zone, plaza,
 };
 pub use simplify::{
     ErrorWeighting, LevelTriangles, Simplified, SimplifyOptions, region_weights, simplify,

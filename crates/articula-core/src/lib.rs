@@ -147,7 +147,7 @@ pub use motion_bounds::{Bound, ClipBounds, MotionBounds};
 pub use palette::{PaletteForm, PaletteMap, PaletteRows};
 pub use percentile::{Float, percentile, percentile_at_or_above};
 pub use pose::{LocalPose, ModelPose};
-pub use pose_cache::{BlendRecord, CachedKeys, CachedRows, PoseCache};
+pub use pose_cache::{BlendRecord, CachedKeys, CachedRows, CachedSteps, PoseCache};
 pub use posed_mesh::PosedMesh;
 pub use progress::{Cancelled, Progress};
 pub use rig::Rig;

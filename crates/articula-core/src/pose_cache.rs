@@ -6,7 +6,8 @@
 //! straight line; keys are chosen (by `articula-build`) so that this line stays near the motion. A
 //! character then costs one look-up per frame, of the two keys around its time
 //! ([`PoseCache::locate`]). The palettes are blended by the CPU ([`PoseCache::blend`]) or by a
-//! vertex shader ([`BlendRecord`]).
+//! vertex shader ([`BlendRecord`]). Where palettes at equal distances in time are cached too, the
+//! nearest is shown as it is ([`PoseCache::nearest`]): nothing is blended, and nothing is written.
 //!
 //! A character holds no key and no cursor. Its record is computed each frame from clip, level and
 //! time, so a change of clip or level needs no notification, and keys of different clips or levels
@@ -51,6 +52,15 @@ pub struct BlendRecord {
 const _: () = assert!(size_of::<BlendRecord>() == 16);
 
 impl BlendRecord {
+    /// Returns the record that shows a cached palette as it is, for character 0.
+    pub fn of_key(first_matrix: u32) -> Self {
+        Self {
+            before: first_matrix,
+            after: first_matrix,
+            ..Self::default()
+        }
+    }
+
     /// Returns the record for a character.
     #[must_use]
     pub(crate) fn of(self, character: u32) -> Self {
@@ -83,6 +93,18 @@ pub struct CachedKeys {
     pub first_matrix: u32,
     /// Distance in metres between the skin blended from the keys and that of the same level
     /// evaluated: per frame the 95th percentile over vertices, then the maximum over frames.
+    pub error_metres: f32,
+}
+
+/// Palettes of one clip at one level at equal distances in time, each to be shown as it is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CachedSteps {
+    /// Number of palettes: the first at 0, the last at the clip's end, one if that is 0.
+    pub count: u32,
+    /// Index of the first matrix of the first palette. Further palettes follow without gaps.
+    pub first_matrix: u32,
+    /// Distance in metres between the skin of the nearest palette and that of the same level
+    /// evaluated, as of [`CachedKeys::error_metres`].
     pub error_metres: f32,
 }
 
@@ -137,6 +159,16 @@ struct Segment {
     error_metres: f32,
 }
 
+/// Palettes of one clip at one level at equal distances in time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Steps {
+    per_sec: f32,
+    last: u32,
+    first_matrix: u32,
+    matrices: u32,
+    error_metres: f32,
+}
+
 /// Cached palettes of one rig at key times, by clip and level, shared by all characters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PoseCache {
@@ -145,6 +177,8 @@ pub struct PoseCache {
     entries: Vec<usize>,
     /// By clip, then level; `None` where poses must be evaluated.
     segments: Vec<Option<Segment>>,
+    /// The same of palettes that are shown as they are; empty if there are none.
+    steps: Vec<Option<Steps>>,
     keys: Vec<Key>,
     /// For each bucket the last key of an earlier bucket, counted from the first key of the
     /// segment, or 0: it is at or before every time of the bucket.
@@ -187,6 +221,7 @@ impl PoseCache {
             levels,
             entries: (0..levels).map(|l| map.len(l)).collect(),
             segments: Vec::with_capacity(keys.len() * levels),
+            steps: Vec::new(),
             keys: Vec::new(),
             buckets: Vec::new(),
             rows,
@@ -218,20 +253,87 @@ impl PoseCache {
             let what = format!("must rise from 0 to the clip's end at {end_secs} s");
             return Err(Mismatch::new("times_secs", what));
         }
-        if !keys.error_metres.is_finite() || keys.error_metres < 0.0 {
+        self.check_palettes(times.len(), keys.first_matrix, keys.error_metres, level)
+    }
+
+    /// Checks the error of so many palettes, and that they are stored.
+    fn check_palettes(
+        &self,
+        count: usize,
+        first_matrix: u32,
+        error_metres: f32,
+        level: usize,
+    ) -> Result<(), Mismatch> {
+        if !error_metres.is_finite() || error_metres < 0.0 {
             let what = "must be finite and not negative";
             return Err(Mismatch::new("error_metres", what));
         }
         let matrices = self.rows.len() / 3;
-        let needed = times.len().saturating_mul(self.entries[level]);
-        if needed.saturating_add(keys.first_matrix as usize) > matrices {
+        let needed = count.saturating_mul(self.entries[level]);
+        if needed.saturating_add(first_matrix as usize) > matrices {
             let what = format!(
-                "{needed} matrices from index {} exceed the {matrices} that are stored",
-                keys.first_matrix
+                "{needed} matrices from index {first_matrix} exceed the {matrices} that are stored"
             );
             return Err(Mismatch::new("first_matrix", what));
         }
         Ok(())
+    }
+
+    /// Adds palettes that are shown as they are. `steps` has an entry for each clip, and in it one
+    /// for each level; `None` means that no palette is.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if `clips` are others than those of the cache, an entry is missing, there are
+    /// no palettes or a single one for a clip that takes time, an error is negative or not finite,
+    /// or palettes reach beyond the rows.
+    pub fn with_steps(
+        mut self,
+        clips: &ClipSet,
+        steps: &[Vec<Option<CachedSteps>>],
+    ) -> Result<Self, Mismatch> {
+        if clips.clips() != self.clips() || steps.len() != self.clips() {
+            let what = format!("{} entries for {} clips", steps.len(), self.clips());
+            return Err(Mismatch::new("steps", what));
+        }
+        let mut all = Vec::with_capacity(self.segments.len());
+        for (c, of_clip) in steps.iter().enumerate() {
+            if of_clip.len() != self.levels {
+                let what = format!("{} entries for {} levels", of_clip.len(), self.levels);
+                return Err(Mismatch::new(format!("steps[{c}]"), what));
+            }
+            for (level, steps) in of_clip.iter().enumerate() {
+                let made = steps.map(|s| self.placed(s, level, clips.duration_secs(c)));
+                let made = made
+                    .transpose()
+                    .map_err(|e| Mismatch::new(format!("steps[{c}][{level}].{}", e.at), e.what))?;
+                all.push(made);
+            }
+        }
+        self.steps = all;
+        Ok(self)
+    }
+
+    fn placed(&self, steps: CachedSteps, level: usize, end_secs: f32) -> Result<Steps, Mismatch> {
+        let CachedSteps {
+            count,
+            first_matrix,
+            error_metres,
+        } = steps;
+        if count == 0 || count == 1 && end_secs > 0.0 {
+            let what =
+                format!("{count} palettes for {end_secs} s, from the first to the last time");
+            return Err(Mismatch::new("count", what));
+        }
+        self.check_palettes(count as usize, first_matrix, error_metres, level)?;
+        let per_sec = (count - 1) as f32 / end_secs;
+        Ok(Steps {
+            // A clip of almost no duration shows the first palette.
+            per_sec: if per_sec.is_finite() { per_sec } else { 0.0 },
+            last: count - 1,
+            first_matrix,
+            matrices: self.entries[level] as u32,
+            error_metres,
+        })
     }
 
     /// Adds checked keys and the table that finds them.
@@ -317,6 +419,7 @@ impl PoseCache {
             + size_of_val(self.keys.as_slice())
             + size_of_val(self.buckets.as_slice())
             + size_of_val(self.segments.as_slice())
+            + size_of_val(self.steps.as_slice())
     }
 
     /// Error in metres that blending adds to the level's own; `None` if poses of this clip and
@@ -327,6 +430,25 @@ impl PoseCache {
     #[inline]
     pub fn error_metres(&self, clip: usize, level: usize) -> Option<f32> {
         self.segment(clip, level).map(|s| s.error_metres)
+    }
+
+    /// Error in metres that showing the [nearest](PoseCache::nearest) palette as it is adds to the
+    /// level's own; `None` if no palette of this clip and level is.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    #[inline]
+    pub fn step_error_metres(&self, clip: usize, level: usize) -> Option<f32> {
+        self.steps_of(clip, level).map(|s| s.error_metres)
+    }
+
+    /// Number of palettes of a clip at a level that are shown as they are, from its first to its last
+    /// time; `None` as in [`PoseCache::step_error_metres`].
+    ///
+    /// # Panics
+    /// If there is no such level.
+    pub fn step_count(&self, clip: usize, level: usize) -> Option<usize> {
+        self.steps_of(clip, level).map(|s| s.last as usize + 1)
     }
 
     /// Times of the keys of a clip at a level in seconds; `None` as in [`PoseCache::error_metres`].
@@ -381,6 +503,28 @@ impl PoseCache {
             blend: ((time - time_secs) * per_sec).min(1.0),
             character: 0,
         })
+    }
+
+    /// Index of the first matrix of the palette that is shown as it is at a time of a clip at a level:
+    /// the nearest, half-way between two the later one; `None` if none is.
+    ///
+    /// Times before the first or after the last show that palette; NaN counts as 0. O(1), does not
+    /// allocate.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    #[inline]
+    pub fn nearest(&self, clip: usize, level: usize, time_secs: f32) -> Option<u32> {
+        let steps = self.steps_of(clip, level)?;
+        // The conversion saturates, and makes 0 of NaN.
+        let step = (time_secs * steps.per_sec + 0.5) as u32;
+        Some(steps.first_matrix + step.min(steps.last) * steps.matrices)
+    }
+
+    #[inline]
+    fn steps_of(&self, clip: usize, level: usize) -> Option<&Steps> {
+        assert!(level < self.levels, "the level is out of range");
+        self.steps.get(clip * self.levels + level)?.as_ref()
     }
 
     #[inline]
@@ -597,6 +741,10 @@ mod tests {
         // Matrix 3 begins with row 9, matrix 4 with row 12: a quarter of the way.
         assert_eq!(out[1], [10.75, 0.0, -1.0, 0.5]);
         assert_eq!(cache.error_metres(0, 0), Some(0.25));
+        assert_eq!(
+            (cache.step_error_metres(0, 0), cache.nearest(0, 0, 0.0)),
+            (None, None)
+        );
         assert_eq!(cache.rows().len(), 5 * 3);
         assert_eq!(
             (cache.clips(), cache.levels(), cache.matrices(0)),
@@ -604,6 +752,65 @@ mod tests {
         );
         let times: Vec<f32> = cache.times_secs(0, 0).unwrap().collect();
         assert_eq!(times, [0.0, 0.125, 0.25, 1.0]);
+    }
+
+    fn steps(count: u32, first_matrix: u32) -> Option<CachedSteps> {
+        Some(CachedSteps {
+            count,
+            first_matrix,
+            error_metres: 0.5,
+        })
+    }
+
+    #[test]
+    fn steps_by_hand() {
+        let (clips, map) = parts();
+        let cache = |all: &[Vec<Option<CachedSteps>>]| {
+            PoseCache::new(&clips, &map, &[vec![None], vec![None]], rows(9))
+                .unwrap()
+                .with_steps(&clips, all)
+        };
+        // Five palettes, a quarter of a second apart.
+        let made = cache(&[vec![steps(5, 3)], vec![steps(1, 2)]]).unwrap();
+        for (secs, first_matrix) in [
+            (0.0, 3),
+            (0.12, 3),
+            (0.125, 4),
+            (0.25, 4),
+            (0.8, 6),
+            (0.9, 7),
+            (1.0, 7),
+            (9.0, 7),
+            (f32::INFINITY, 7),
+            (-3.0, 3),
+            (f32::NEG_INFINITY, 3),
+            (f32::NAN, 3),
+        ] {
+            assert_eq!(made.nearest(0, 0, secs), Some(first_matrix), "at {secs} s");
+            assert_eq!(
+                made.nearest(1, 0, secs),
+                Some(2),
+                "a single pose at {secs} s"
+            );
+        }
+        assert_eq!(made.step_error_metres(0, 0), Some(0.5));
+        assert_eq!(made.error_metres(0, 0), None);
+        let at = |all: &[Vec<Option<CachedSteps>>]| cache(all).unwrap_err().at;
+        assert_eq!(at(&[vec![None]]), "steps");
+        assert_eq!(at(&[vec![None], vec![]]), "steps[1]");
+        assert_eq!(at(&[vec![steps(0, 0)], vec![None]]), "steps[0][0].count");
+        assert_eq!(at(&[vec![steps(1, 0)], vec![None]]), "steps[0][0].count");
+        assert_eq!(
+            at(&[vec![None], vec![steps(8, 2)]]),
+            "steps[1][0].first_matrix"
+        );
+        let beyond = [vec![steps(u32::MAX, u32::MAX)], vec![None]];
+        assert_eq!(at(&beyond), "steps[0][0].first_matrix");
+        let nan = steps(5, 0).map(|s| CachedSteps {
+            error_metres: f32::NAN,
+            ..s
+        });
+        assert_eq!(at(&[vec![nan], vec![None]]), "steps[0][0].error_metres");
     }
 
     #[test]

@@ -24,6 +24,7 @@ use anyhow::{Context, Result};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Instant;
+use tables::crowd_scene;
 use tables::flat;
 use tables::merged_levels::Sheets;
 use tables::mesh_levels::Choice;
@@ -59,6 +60,8 @@ enum Table {
     Crowd,
     /// Error of a crowd at one pixel, for every character of the data.
     CrowdErrors,
+    /// A mixed scene under one budget: several characters, two views, walls and roles.
+    CrowdScene(crowd_scene::Choice),
     /// Contents of every data file, and round trips through every writer.
     RoundTrips,
     /// Quality of retargeted motions of every kind on characters of every kind.
@@ -115,6 +118,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::LoaCost => tables::loa_cost::write(run),
         Table::Crowd => tables::crowd::write(run),
         Table::CrowdErrors => tables::crowd_errors::write(run),
+        Table::CrowdScene(choice) => crowd_scene::write(run, choice),
         Table::MergedLevels(sheets) => tables::merged_levels::write(run, sheets),
         Table::MeshLevels(choice) => tables::mesh_levels::write(run, choice),
         Table::FaceLevels => tables::face_levels::write(run),

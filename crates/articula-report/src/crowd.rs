@@ -146,7 +146,9 @@ impl CrowdPicture {
             ..RenderOptions::default()
         };
         let mut picture = render(&self.mesh, &self.skinned, &look, camera, &options)?;
-        write_legend(&mut picture, legend);
+        if !legend.is_empty() {
+            write_legend(&mut picture, legend);
+        }
         Ok(picture)
     }
 }

@@ -41,6 +41,29 @@ impl Ticks {
         Self::new(MIN_TICK_HZ, 1, 0.0)
     }
 
+    /// The grid on which so many palettes, the first at 0 and the last at the end, are measured: each
+    /// is at a tick.
+    pub(super) fn of_steps(count: usize, end_secs: f32) -> Self {
+        let spans = count.saturating_sub(1).max(1);
+        let per_span = (f64::from(MIN_TICK_HZ) * f64::from(end_secs) / spans as f64).ceil();
+        let per_span = (per_span as usize).max(1);
+        let last = match count {
+            0 | 1 => 0,
+            _ => spans * per_span,
+        };
+        Self {
+            hz: (spans * per_span) as f64 / f64::from(end_secs).max(f64::MIN_POSITIVE),
+            last,
+            end_secs,
+        }
+    }
+
+    /// Times of so many palettes, of a grid that was made for them.
+    pub(super) fn steps_secs(&self, count: usize) -> Vec<f32> {
+        let half_ticks = 2 * self.last / count.saturating_sub(1).max(1);
+        (0..count).map(|k| self.secs(k * half_ticks)).collect()
+    }
+
     /// Number of half ticks, including both ends.
     pub(super) fn halves(&self) -> usize {
         2 * self.last + 1
@@ -52,6 +75,13 @@ impl Ticks {
             return self.end_secs;
         }
         (half as f64 / (2.0 * self.hz)) as f32
+    }
+
+    /// Times a quarter tick before and after a half tick, within the clip.
+    pub(super) fn beside(&self, half: usize) -> [f32; 2] {
+        let last = self.halves() - 1;
+        let between = |other: usize| 0.5 * (self.secs(half) + self.secs(other.min(last)));
+        [half.saturating_sub(1), half + 1].map(between)
     }
 
     fn pays(&self, spans: usize) -> bool {

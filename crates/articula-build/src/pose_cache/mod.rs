@@ -7,22 +7,29 @@
 //! the next level alone is worse. Errors are measured on the result, through [`PoseCache`] itself,
 //! at twice the rate at which keys were chosen. The cache is filled from the coarsest level up,
 //! since most of a crowd is far away.
+//!
+//! Beside keys, levels have palettes at equal distances in time, each to be shown as it is
+//! ([`CachedSteps`]): so many that they too are within the tolerance, or two for each frame of a
+//! display.
 
+mod bake;
 mod farthest;
 mod keys;
 mod measure;
 mod skins;
+mod steps;
 
 use crate::character::Asset;
 use crate::joint_lods::MergedLevels;
-use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
+use articula_core::batch::BatchEvaluator;
 use articula_core::{
-    Backend, CachedKeys, CachedRows, ClipSet, Mismatch, PaletteForm, PaletteMap, PaletteRows,
-    PoseCache, lod_error_metres,
+    Backend, CachedKeys, CachedSteps, ClipSet, Mismatch, PaletteForm, PaletteMap, PoseCache,
 };
+use bake::{Keys, Steps, bake, bytes_of};
 use keys::{Ticks, choose};
-use measure::measure;
+use measure::{measure, measure_steps};
 use skins::Skins;
+use steps::wanted_steps;
 
 /// Maximum number of times that a tolerance is doubled for a fast clip.
 const MAX_DOUBLINGS: u32 = 3;
@@ -107,6 +114,12 @@ pub struct CacheReport {
     pub error_metres: f32,
     /// Maximum error over all vertices, in metres; 0 if not cached.
     pub worst_metres: f32,
+    /// Number of palettes at equal distances in time, to be shown as they are; 0 if there are none.
+    pub steps: usize,
+    /// Size of these palettes in bytes.
+    pub step_bytes: usize,
+    /// Error of showing the nearest of them, as of `error_metres`.
+    pub step_error_metres: f32,
 }
 
 /// A pose cache and a report of its contents.
@@ -117,6 +130,8 @@ pub struct CachedPoses {
     /// Keys of each clip at each level, from which [`cache_of_keys`] makes the same cache; `None`
     /// where poses are evaluated.
     pub keys: Vec<Vec<Option<CachedKeys>>>,
+    /// The same of palettes that are shown as they are.
+    pub steps: Vec<Vec<Option<CachedSteps>>>,
     /// One entry per clip and level, ordered by clip.
     pub report: Vec<CacheReport>,
 }
@@ -145,9 +160,9 @@ pub fn cached_poses(
         plans.push(planned(levels, clips, (clip, ticks), &mut skins, opts)?);
     }
     allot(&mut plans, opts.palette_bytes);
-    let mut keys = placed_keys(&plans, map);
-    let rows = bake(&baker, clips, &keys, opts.form)?;
-    let unmeasured = PoseCache::new(clips, map, &keys, rows.clone())?;
+    let (mut keys, mut steps) = placed(&plans, map);
+    let rows = bake(&baker, clips, (&keys, &steps), opts.form)?;
+    let unmeasured = PoseCache::new(clips, map, &keys, rows.clone())?.with_steps(clips, &steps)?;
     for (clip, ticks) in ticks.iter().enumerate() {
         let errors = measure(&unmeasured, clips, (clip, ticks), map, &mut skins)?;
         for (level, error) in errors.into_iter().enumerate() {
@@ -155,14 +170,23 @@ pub fn cached_poses(
                 continue;
             };
             let report = &mut plans[clip][level].report;
-            keys.error_metres = lod_error_metres(error.percentile_metres, error.worst_metres);
+            keys.error_metres = error.judged_metres();
             report.error_metres = keys.error_metres;
             report.worst_metres = error.worst_metres;
         }
+        for (level, steps) in steps[clip].iter_mut().enumerate() {
+            let Some(steps) = steps else { continue };
+            let ticks = Ticks::of_steps(steps.count as usize, clips.duration_secs(clip));
+            let of = (clip, level, &ticks);
+            let error = measure_steps(&unmeasured, clips, of, map, &mut skins)?;
+            steps.error_metres = error.judged_metres();
+            plans[clip][level].report.step_error_metres = steps.error_metres;
+        }
     }
     Ok(CachedPoses {
-        cache: PoseCache::new(clips, map, &keys, rows)?,
+        cache: PoseCache::new(clips, map, &keys, rows)?.with_steps(clips, &steps)?,
         keys,
+        steps,
         report: plans.iter().flatten().map(|p| p.report).collect(),
     })
 }
@@ -268,16 +292,30 @@ fn planned(
             tolerance_metres,
             error_metres: 0.0,
             worst_metres: 0.0,
+            steps: 0,
+            step_bytes: 0,
+            step_error_metres: 0.0,
         };
         Plan {
             times_secs: chosen.times_secs,
             report,
         }
     });
-    Ok(plans.collect())
+    let mut plans: Vec<Plan> = plans.collect();
+    let speed = levels.errors.clips.get(clip);
+    let speed = speed.map_or(0.0, |e| e.speed_metres_per_sec);
+    let way = (clips.duration_secs(clip), speed);
+    for (level, steps) in wanted_steps(&own, &tolerances, way) {
+        let report = &mut plans[level].report;
+        if map.len(level) > 0 {
+            report.steps = steps;
+            report.step_bytes = steps * map.len(level) * opts.form.bytes();
+        }
+    }
+    Ok(plans)
 }
 
-/// Drops what does not fit; the coarsest levels come first.
+/// Drops what does not fit; the coarsest levels come first, and at each those to be blended.
 fn allot(plans: &mut [Vec<Plan>], most_bytes: usize) {
     let mut left = most_bytes;
     let levels = plans.first().map_or(0, Vec::len);
@@ -290,13 +328,23 @@ fn allot(plans: &mut [Vec<Plan>], most_bytes: usize) {
                 }
             }
         }
+        for report in plans.iter_mut().map(|of_clip| &mut of_clip[level].report) {
+            match left.checked_sub(report.step_bytes) {
+                Some(rest) => left = rest,
+                None => (report.steps, report.step_bytes) = (0, 0),
+            }
+        }
     }
 }
 
-/// Keys of everything that is cached, and the positions of their palettes: the coarsest level comes
-/// first.
-fn placed_keys(plans: &[Vec<Plan>], map: &PaletteMap) -> Vec<Vec<Option<CachedKeys>>> {
+/// Keys and steps of everything that is cached, and the positions of their palettes: the coarsest
+/// level comes first.
+fn placed(
+    plans: &[Vec<Plan>],
+    map: &PaletteMap,
+) -> (Vec<Vec<Option<CachedKeys>>>, Vec<Vec<Option<CachedSteps>>>) {
     let mut keys = vec![vec![None; map.levels()]; plans.len()];
+    let mut steps = vec![vec![None; map.levels()]; plans.len()];
     let mut first_matrix = 0;
     for level in (0..map.levels()).rev() {
         for (clip, plan) in plans.iter().map(|of_clip| &of_clip[level]).enumerate() {
@@ -309,82 +357,57 @@ fn placed_keys(plans: &[Vec<Plan>], map: &PaletteMap) -> Vec<Vec<Option<CachedKe
                 first_matrix += plan.times_secs.len() * map.len(level);
             }
         }
-    }
-    keys
-}
-
-/// Evaluates the palettes of all keys.
-fn bake(
-    baker: &BatchEvaluator<'_>,
-    clips: &ClipSet,
-    keys: &[Vec<Option<CachedKeys>>],
-    form: PaletteForm,
-) -> Result<CachedRows, Mismatch> {
-    let matrices = |level, keys: &CachedKeys| keys.times_secs.len() * baker.rows(level) / 3;
-    let each = || {
-        let levels = keys.iter().enumerate();
-        levels.flat_map(|(clip, of_clip)| {
-            let of_level = of_clip.iter().enumerate();
-            of_level.filter_map(move |(level, keys)| Some((clip, level, keys.as_ref()?)))
-        })
-    };
-    let count: usize = each().map(|(_, level, keys)| matrices(level, keys)).sum();
-    let is_outside = |level, keys: &CachedKeys| {
-        let first = keys.first_matrix as usize;
-        first.saturating_add(matrices(level, keys)) > count
-    };
-    if let Some((clip, level, _)) = each().find(|(_, level, keys)| is_outside(*level, keys)) {
-        let what = format!("the palettes exceed the {count} matrices of all keys");
-        return Err(Mismatch::new(
-            format!("keys[{clip}][{level}].first_matrix"),
-            what,
-        ));
-    }
-    let mut rows = match form.is_half() {
-        true => CachedRows::Half(vec![[0; 4]; 3 * count]),
-        false => CachedRows::Float(vec![[0.0; 4]; 3 * count]),
-    };
-    let mut scratch = baker.scratch();
-    for (clip, level, keys) in each() {
-        let mut from = 3 * keys.first_matrix as usize;
-        for times in keys.times_secs.chunks(LANES) {
-            let shown: Vec<BatchPose> = times
-                .iter()
-                .map(|t| clips.cursor(clip, *t).into())
-                .collect();
-            let to = from + shown.len() * baker.rows(level);
-            let out = match &mut rows {
-                CachedRows::Float(rows) => PaletteRows::Float(&mut rows[from..to]),
-                CachedRows::Half(rows) => PaletteRows::Half(&mut rows[from..to]),
-            };
-            baker.evaluate(level, &shown, out, &mut scratch);
-            from = to;
+        for (clip, plan) in plans.iter().map(|of_clip| &of_clip[level]).enumerate() {
+            if plan.report.steps > 0 {
+                steps[clip][level] = Some(CachedSteps {
+                    count: plan.report.steps as u32,
+                    first_matrix: first_matrix as u32,
+                    error_metres: 0.0,
+                });
+                first_matrix += plan.report.steps * map.len(level);
+            }
         }
     }
-    Ok(rows)
+    (keys, steps)
 }
 
-/// Makes the pose cache of known keys, such as those that an asset stores: evaluates their palettes.
+/// Makes the pose cache of known keys and steps, such as those that an asset stores: evaluates their
+/// palettes.
 ///
 /// # Errors
-/// A [`Mismatch`] if keys, clips and palette do not belong together, or the form cannot be blended
-/// linearly.
+/// A [`Mismatch`] if keys, steps, clips and palette do not belong together, their palettes take more
+/// than [`CacheOptions::palette_bytes`], or the form cannot be blended linearly.
 pub fn cache_of_keys(
     clips: &ClipSet,
     map: &PaletteMap,
-    keys: &[Vec<Option<CachedKeys>>],
-    form: PaletteForm,
+    (keys, steps): (&Keys, &Steps),
+    opts: &CacheOptions,
 ) -> Result<PoseCache, Mismatch> {
+    let form = opts.form;
     if form.is_rigid() {
         let what = "quaternions do not blend linearly; choose a matrix form";
         return Err(Mismatch::new("form", what));
     }
     let levels = clips.joint_lods().levels();
-    if keys.len() != clips.clips() || keys.iter().any(|k| k.len() != levels) {
+    let is_wrong =
+        |lens: Vec<usize>| lens.len() != clips.clips() || lens.iter().any(|len| *len != levels);
+    let all = [
+        ("keys", is_wrong(keys.iter().map(Vec::len).collect())),
+        ("steps", is_wrong(steps.iter().map(Vec::len).collect())),
+    ];
+    if let Some((name, _)) = all.iter().find(|(_, is_wrong)| *is_wrong) {
         let what = format!("expected {levels} levels of {} clips", clips.clips());
-        return Err(Mismatch::new("keys", what));
+        return Err(Mismatch::new(*name, what));
     }
     let baker = BatchEvaluator::new(clips, map, form, Backend::best())?;
-    let rows = bake(&baker, clips, keys, form)?;
-    PoseCache::new(clips, map, keys, rows)
+    let bytes = bytes_of(map, (keys, steps), form);
+    if bytes > opts.palette_bytes {
+        let what = format!(
+            "the palettes take {bytes} bytes, at most {}",
+            opts.palette_bytes
+        );
+        return Err(Mismatch::new("keys", what));
+    }
+    let rows = bake(&baker, clips, (keys, steps), form)?;
+    PoseCache::new(clips, map, keys, rows)?.with_steps(clips, steps)
 }

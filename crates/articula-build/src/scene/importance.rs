@@ -25,8 +25,8 @@ pub struct SceneImportance {
     pub cues: Vec<Cue>,
     /// Parts of the ground with an importance.
     pub zones: Vec<Zone>,
-    /// Importance of each clip, by its index; empty: all 1.
-    pub clips: Vec<f32>,
+    /// Importance of each clip of each character of the cast, by their indices; what is left out is 1.
+    pub clips: Vec<Vec<f32>>,
 }
 
 /// A role in a scene.
@@ -82,7 +82,25 @@ impl SceneImportance {
         self.role_of.iter().all(Option::is_none)
             && self.cues.is_empty()
             && self.zones.is_empty()
-            && self.clips.iter().all(|c| *c == 1.0)
+            && self.clips.iter().flatten().all(|c| *c == 1.0)
+    }
+
+    /// Sets the importance of the clips of a name; `names` are those of the clips of each character of
+    /// the cast. Returns whether there is one.
+    pub fn mark_clips(&mut self, names: &[Vec<&str>], name: &str, importance: f32) -> bool {
+        let mut is_found = false;
+        for (character, of_character) in names.iter().enumerate() {
+            let Some(clip) = of_character.iter().position(|n| *n == name) else {
+                continue;
+            };
+            is_found = true;
+            self.clips
+                .resize(names.len().max(self.clips.len()), Vec::new());
+            let marks = &mut self.clips[character];
+            marks.resize(of_character.len().max(marks.len()), 1.0);
+            marks[clip] = importance;
+        }
+        is_found
     }
 
     /// Importance of a character in a role: the product of the importance of the role, of the greatest
@@ -92,7 +110,8 @@ impl SceneImportance {
         let place = Vec2::new(member.position.x, member.position.z);
         let holds = |z: &&Zone| z.least.cmple(place).all() && place.cmple(z.greatest).all();
         let zones = self.zones.iter().filter(holds).map(|z| z.importance);
-        let clip = |clip: usize| self.clips.get(clip).copied().unwrap_or(1.0);
+        let clips = self.clips.get(usize::from(member.character));
+        let clip = |clip: usize| clips.and_then(|c| c.get(clip)).copied().unwrap_or(1.0);
         let other = member.cross_fade.map_or(0.0, |f| clip(f.other.clip));
         role.map_or(1.0, |r| r.importance)
             * zones.reduce(f32::max).unwrap_or(1.0)
@@ -121,11 +140,13 @@ mod tests {
             role_of: Vec::new(),
             cues: Vec::new(),
             zones: vec![zone(5.0, 3.0), zone(2.0, 2.0)],
-            clips: vec![1.0, 0.5],
+            clips: vec![vec![1.0, 0.5]],
         };
         let member = |x: f32, clip: usize| SceneCharacter {
+            character: 0,
             position: Vec3::new(x, 9.0, 0.0),
             yaw_radians: 0.0,
+            scale: 1.0,
             play: ClipPlayback {
                 clip,
                 phase: 0.0,
@@ -141,6 +162,16 @@ mod tests {
             3.0,
             "the greatest zone"
         );
+        let other = SceneCharacter {
+            character: 1,
+            ..member(5.0, 1)
+        };
+        assert_eq!(importance.of(&other, None), 3.0, "its clips are others");
+        let mut marked = SceneImportance::default();
+        let names = [vec!["idle", "wave"], vec!["walk"], vec!["wave"]];
+        assert!(!marked.mark_clips(&names, "fly", 2.0));
+        assert!(marked.is_neutral() && marked.mark_clips(&names, "wave", 2.0));
+        assert_eq!(marked.clips, [vec![1.0, 2.0], vec![], vec![2.0]]);
         assert!(SceneImportance::default().is_neutral());
         assert!(!importance.is_neutral());
     }

@@ -16,10 +16,14 @@ use glam::{Affine3A, Quat, Vec3};
 /// One character of a scene, animated in place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneCharacter {
+    /// Which character of the scene's cast it is, from 0; 0 where the cast has only one.
+    pub character: u16,
     /// Position in the world, in metres.
     pub position: Vec3,
     /// Rotation about +Y in radians; at 0 the character faces +Z.
     pub yaw_radians: f32,
+    /// Uniform scale: 1 is the size of its file.
+    pub scale: f32,
     /// Clip that the character plays.
     pub play: ClipPlayback,
     /// Permanent cross-fade to a second clip and back.
@@ -73,25 +77,32 @@ impl SceneCharacter {
     /// Returns the world transform of the character.
     pub fn world_from_model(&self) -> Affine3A {
         let turn = Quat::from_rotation_y(self.yaw_radians);
-        Affine3A::from_rotation_translation(turn, self.position)
+        Affine3A::from_scale_rotation_translation(Vec3::splat(self.scale), turn, self.position)
     }
 }
 
-/// Characters and a camera path.
+/// Characters, seen by one camera or more.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// The characters.
     pub members: Vec<SceneCharacter>,
+    /// The views, each with its camera; the first is the one of pictures.
+    pub views: Vec<SceneView>,
+    /// Who matters.
+    pub importance: SceneImportance,
+    /// What hides characters.
+    pub walls: Vec<Wall>,
+}
+
+/// A camera path and the picture that it is seen in.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SceneView {
     /// Picture size in pixels and field of view.
     pub viewport: Viewport,
     /// Keys of the camera path, in order of time, starting at 0.
     pub camera: Vec<CameraKey>,
     /// Whether the camera path repeats after its last key; otherwise the camera stays there.
     pub camera_loops: bool,
-    /// Who matters.
-    pub importance: SceneImportance,
-    /// What hides characters.
-    pub walls: Vec<Wall>,
 }
 
 /// An opaque box that stands in a scene: a wall, a house.
@@ -115,12 +126,25 @@ impl Scene {
         }
     }
 
+    /// Returns the duration of the longest camera path in seconds: one lap, if it loops.
+    pub fn loop_secs(&self) -> f64 {
+        let laps = self.views.iter().map(SceneView::loop_secs);
+        laps.fold(0.0, f64::max)
+    }
+
+    /// Returns the camera of the first view at a time; `None` if it has no camera key.
+    pub fn camera_at(&self, secs: f64) -> Option<Camera> {
+        self.views.first()?.camera_at(secs)
+    }
+}
+
+impl SceneView {
     /// Returns the time of the last camera key in seconds: one lap of a looping path.
     pub fn loop_secs(&self) -> f64 {
         self.camera.last().map_or(0.0, |key| key.secs)
     }
 
-    /// Returns the camera at a time; `None` if the scene has no camera key.
+    /// Returns the camera at a time; `None` if there is no camera key.
     pub fn camera_at(&self, secs: f64) -> Option<Camera> {
         let lap = self.loop_secs();
         let secs = if self.camera_loops && lap > 0.0 {
@@ -138,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_shorter_scene_names_nobody_who_is_gone() {
-        let mut scene = plaza(9, 1, 1, Plaza::Still);
+        let mut scene = plaza(9, &[1], 1, Plaza::Still);
         scene.importance.role_of = vec![Some(0); 9];
         scene.importance.cues = vec![Cue {
             secs: 1.0,
@@ -182,21 +206,28 @@ mod tests {
             speed: 2.0,
         };
         let member = SceneCharacter {
+            character: 0,
             position: Vec3::new(1.0, 0.0, 2.0),
             yaw_radians: std::f32::consts::FRAC_PI_2,
+            scale: 2.0,
             play,
             cross_fade: None,
         };
         let ahead = member.world_from_model().transform_point3(Vec3::Z);
-        assert!((ahead - Vec3::new(2.0, 0.0, 2.0)).length() < 1e-6);
+        assert!(
+            (ahead - Vec3::new(3.0, 0.0, 2.0)).length() < 1e-6,
+            "2 m ahead"
+        );
         assert_eq!(play.clip_secs(3.0, 4.0), 8.0);
     }
 
     #[test]
     fn without_a_key_there_is_no_camera() {
-        let mut scene = plaza(1, 1, 1, Plaza::Still);
-        scene.camera.clear();
+        let mut scene = plaza(1, &[1], 1, Plaza::Still);
+        scene.views[0].camera.clear();
         assert_eq!(scene.camera_at(1.0), None);
         assert_eq!(scene.loop_secs(), 0.0);
+        scene.views.clear();
+        assert_eq!(scene.camera_at(1.0), None);
     }
 }

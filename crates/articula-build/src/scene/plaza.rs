@@ -4,7 +4,7 @@
 //! goes straight to the centre and backs out again, so that a lap closes; of each five characters,
 //! one drawn by the seed is in a permanent cross-fade.
 
-use super::{ClipPlayback, CrossFade, Scene, SceneCharacter, SceneImportance};
+use super::{ClipPlayback, CrossFade, Scene, SceneCharacter, SceneImportance, SceneView};
 use crate::evaluate::CameraKey;
 use crate::split_mix::SplitMix;
 use articula_core::Viewport;
@@ -26,6 +26,9 @@ const OUTSIDE_METRES: f32 = 1.0;
 /// Speed of the moving camera.
 const DOLLY_METRES_PER_SEC: f32 = 5.0;
 
+/// Changes the seed for the places in the cast.
+const CASTING: u64 = 0x6361_7374;
+
 /// One in this many characters is in a cross-fade.
 const FADING_ONE_OF: usize = 5;
 
@@ -45,42 +48,57 @@ pub enum Plaza {
     InPhase,
 }
 
-/// Returns the plaza scene: a square of characters 2 m apart, each with yaw, clip (of `clips`) and
-/// phase drawn from `seed`. The camera starts between two characters in the middle of the +Z side,
+/// Returns the plaza scene: a square of characters 2 m apart, each with its place in the cast, yaw,
+/// clip and phase drawn from `seed`. `clips` has the number of clips of each character of the cast; an
+/// empty one is a cast of a character without clips. The camera starts between two characters in the middle of the +Z side,
 /// 1 m outside the first row and 1.7 m high, and looks level along -Z.
 ///
 /// Rows are ordered from the camera; if `count` is not a square number, the last row is incomplete.
-pub fn plaza(count: usize, clips: usize, seed: u64, kind: Plaza) -> Scene {
+pub fn plaza(count: usize, clips: &[usize], seed: u64, kind: Plaza) -> Scene {
     match kind {
         Plaza::Still => still(count, clips, seed),
         Plaza::Moving | Plaza::InPhase => moving(count, clips, seed, kind == Plaza::InPhase),
     }
 }
 
-fn still(count: usize, clips: usize, seed: u64) -> Scene {
+fn still(count: usize, clips: &[usize], seed: u64) -> Scene {
     let side = side_of(count);
     let mut random = SplitMix(seed);
-    let members = (0..count).map(|i| member(i, side, clips, &mut random));
+    // Numbers of their own, so that a larger cast moves nobody.
+    let mut casting = SplitMix(seed ^ CASTING);
+    let members = (0..count).map(|i| {
+        let character = casting.below(clips.len().max(1));
+        member(
+            i,
+            side,
+            (character, clips_of(clips, character)),
+            &mut random,
+        )
+    });
     Scene {
         members: members.collect(),
-        viewport: Viewport {
-            width_px: 1920.0,
-            height_px: 1080.0,
-            fov_y_radians: std::f32::consts::FRAC_PI_4,
-        },
-        camera: vec![camera_key(side, 0.0, 0.0)],
-        camera_loops: false,
+        views: vec![SceneView {
+            viewport: Viewport {
+                width_px: 1920.0,
+                height_px: 1080.0,
+                fov_y_radians: std::f32::consts::FRAC_PI_4,
+            },
+            camera: vec![camera_key(side, 0.0, 0.0)],
+            camera_loops: false,
+        }],
         importance: SceneImportance::default(),
         walls: Vec::new(),
     }
 }
 
-fn moving(count: usize, clips: usize, seed: u64, in_phase: bool) -> Scene {
+fn moving(count: usize, clips: &[usize], seed: u64, in_phase: bool) -> Scene {
     let mut scene = still(count, clips, seed);
     let mut random = SplitMix(!seed);
     for group in scene.members.chunks_mut(FADING_ONE_OF) {
         let chosen = random.below(FADING_ONE_OF);
-        let fade = cross_fade(group.get(chosen), clips, &mut random);
+        let own = group.get(chosen);
+        let character = own.map_or(0, |m| usize::from(m.character));
+        let fade = cross_fade(own, clips_of(clips, character), &mut random);
         if let Some(member) = group.get_mut(chosen) {
             member.cross_fade = Some(fade);
         }
@@ -97,12 +115,14 @@ fn moving(count: usize, clips: usize, seed: u64, in_phase: bool) -> Scene {
     let side = side_of(count);
     let way = half_metres(side) + OUTSIDE_METRES;
     let secs = f64::from(way / DOLLY_METRES_PER_SEC);
-    scene.camera = vec![
-        camera_key(side, 0.0, 0.0),
-        camera_key(side, secs, way),
-        camera_key(side, 2.0 * secs, 0.0),
-    ];
-    scene.camera_loops = true;
+    for view in &mut scene.views {
+        view.camera = vec![
+            camera_key(side, 0.0, 0.0),
+            camera_key(side, secs, way),
+            camera_key(side, 2.0 * secs, 0.0),
+        ];
+        view.camera_loops = true;
+    }
     scene
 }
 
@@ -117,14 +137,26 @@ fn half_metres(side: usize) -> f32 {
     0.5 * SPACING_METRES * side.saturating_sub(1) as f32
 }
 
-fn member(index: usize, side: usize, clips: usize, random: &mut SplitMix) -> SceneCharacter {
+/// Number of clips of a character of the cast.
+fn clips_of(clips: &[usize], character: usize) -> usize {
+    clips.get(character).copied().unwrap_or(0)
+}
+
+fn member(
+    index: usize,
+    side: usize,
+    (character, clips): (usize, usize),
+    random: &mut SplitMix,
+) -> SceneCharacter {
     let (row, column) = (index / side, index % side);
     let half = half_metres(side);
     let x = SPACING_METRES * column as f32 - half;
     let z = half - SPACING_METRES * row as f32;
     SceneCharacter {
+        character: character as u16,
         position: Vec3::new(x, 0.0, z),
         yaw_radians: TAU * random.unit(),
+        scale: 1.0,
         play: play(random.below(clips), random),
         cross_fade: None,
     }
@@ -172,7 +204,7 @@ mod tests {
 
     #[test]
     fn the_published_square_by_hand() {
-        let scene = plaza(PLAZA_COUNT, 4, 1, Plaza::Still);
+        let scene = plaza(PLAZA_COUNT, &[4], 1, Plaza::Still);
         let at = |i: usize| scene.members[i].position;
         assert_eq!(at(0), Vec3::new(-99.0, 0.0, 99.0));
         assert_eq!(at(99), Vec3::new(99.0, 0.0, 99.0));
@@ -188,7 +220,7 @@ mod tests {
     /// The three facts of `docs/methods/runtime.md` part 4.
     #[test]
     fn the_view_is_the_one_of_the_specification() {
-        let scene = plaza(PLAZA_COUNT, 4, 7, Plaza::Still);
+        let scene = plaza(PLAZA_COUNT, &[4], 7, Plaza::Still);
         let camera = scene.camera_at(0.0).unwrap();
         // A body extends half a metre around its position, at the height of the camera.
         let mut depths: Vec<f32> = scene
@@ -212,7 +244,7 @@ mod tests {
 
     #[test]
     fn a_fifth_is_in_a_cross_fade_of_two_clips() {
-        let scene = plaza(PLAZA_COUNT, 3, 5, Plaza::Moving);
+        let scene = plaza(PLAZA_COUNT, &[3], 5, Plaza::Moving);
         let fades: Vec<_> = scene
             .members
             .iter()
@@ -220,7 +252,7 @@ mod tests {
             .collect();
         assert_eq!(fades.len(), PLAZA_COUNT / 5);
         assert!(fades.iter().all(|(own, other)| own != other && *other < 3));
-        let still = plaza(PLAZA_COUNT, 3, 5, Plaza::Still);
+        let still = plaza(PLAZA_COUNT, &[3], 5, Plaza::Still);
         let same = |(a, b): (&SceneCharacter, &SceneCharacter)| {
             a.play == b.play && a.position == b.position
         };
@@ -228,8 +260,33 @@ mod tests {
     }
 
     #[test]
+    fn a_larger_cast_changes_characters_and_clips_alone() {
+        let clips = [3, 0, 5];
+        let cast = plaza(900, &clips, 5, Plaza::Moving);
+        let one = plaza(900, &[3], 5, Plaza::Moving);
+        let mut of_each = [0; 3];
+        for (m, alone) in cast.members.iter().zip(&one.members) {
+            let character = usize::from(m.character);
+            of_each[character] += 1;
+            assert_eq!(
+                (m.position, m.yaw_radians),
+                (alone.position, alone.yaw_radians)
+            );
+            assert!(m.play.clip < clips[character].max(1));
+            let other = m.cross_fade.map_or(0, |f| f.other.clip);
+            assert!(other < clips[character].max(1));
+        }
+        // 300 each, with a standard deviation of 14.
+        assert!(
+            of_each.iter().all(|n| (240..360).contains(n)),
+            "{of_each:?}"
+        );
+        assert!(one.members.iter().all(|m| m.character == 0));
+    }
+
+    #[test]
     fn equal_phases_are_equal() {
-        let scene = plaza(100, 3, 5, Plaza::InPhase);
+        let scene = plaza(100, &[3], 5, Plaza::InPhase);
         assert!(scene.members.iter().all(|m| m.play.phase == 0.0));
         let fades = scene.members.iter().filter_map(|m| m.cross_fade);
         assert!(
@@ -242,7 +299,7 @@ mod tests {
 
     #[test]
     fn the_dolly_drives_in_and_out_in_a_lap() {
-        let scene = plaza(PLAZA_COUNT, 1, 1, Plaza::Moving);
+        let scene = plaza(PLAZA_COUNT, &[1], 1, Plaza::Moving);
         assert!((scene.loop_secs() - 40.0).abs() < 1e-6, "200 m at 5 m/s");
         let eye = |secs| scene.camera_at(secs).unwrap().eye;
         assert!((eye(10.0) - Vec3::new(0.0, 1.7, 50.0)).length() < 1e-3);
@@ -257,9 +314,9 @@ mod tests {
     proptest! {
         #[test]
         fn any_number_stands_in_a_square(count in 0usize..600, clips in 0usize..5, seed in any::<u64>()) {
-            let scene = plaza(count, clips, seed, Plaza::Moving);
+            let scene = plaza(count, &[clips], seed, Plaza::Moving);
             prop_assert_eq!(scene.members.len(), count);
-            prop_assert_eq!(&scene, &plaza(count, clips, seed, Plaza::Moving));
+            prop_assert_eq!(&scene, &plaza(count, &[clips], seed, Plaza::Moving));
             let half = half_metres(side_of(count)) + 1e-3;
             for (i, m) in scene.members.iter().enumerate() {
                 prop_assert!(m.position.x.abs() <= half && m.position.z.abs() <= half);

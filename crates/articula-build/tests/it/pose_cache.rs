@@ -8,8 +8,8 @@ use articula_build::{CacheDecision, CacheOptions, CachedPoses, cached_poses};
 use articula_build::{JointLodOptions, MergedLevels, merged_levels};
 use articula_core::batch::BatchEvaluator;
 use articula_core::{
-    Backend, CachedRows, ClipSet, ClipStorage, PaletteForm, PaletteRows, f32_from_half, percentile,
-    skin_points,
+    Backend, BlendRecord, CachedRows, ClipSet, ClipStorage, PaletteForm, PaletteRows,
+    f32_from_half, percentile, skin_points,
 };
 use glam::{Affine3A, Vec3};
 use proptest::prelude::*;
@@ -74,15 +74,15 @@ impl Figure {
         self.points(level, &rows)
     }
 
-    fn blended(&self, made: &CachedPoses, level: usize, secs: f32) -> Vec<Vec3> {
+    /// Skin of a record of the cache.
+    fn shown(&self, made: &CachedPoses, level: usize, record: BlendRecord) -> Vec<Vec3> {
         let cache = &made.cache;
-        let record = [cache.locate(0, level, secs).unwrap()];
         let len = cache.matrices(level) * 3;
         let (mut floats, mut halves) = (vec![[0.0; 4]; len], vec![[0; 4]; len]);
         if cache.form().is_half() {
             cache.blend(
                 level,
-                &record,
+                &[record],
                 Backend::best(),
                 PaletteRows::Half(&mut halves),
             );
@@ -90,7 +90,7 @@ impl Figure {
         } else {
             cache.blend(
                 level,
-                &record,
+                &[record],
                 Backend::best(),
                 PaletteRows::Float(&mut floats),
             );
@@ -100,8 +100,19 @@ impl Figure {
 
     /// 95th percentile and maximum of the distance between blended and evaluated skin.
     fn error(&self, made: &CachedPoses, level: usize, secs: f32) -> (f32, f32) {
-        let (truth, shown) = (self.evaluated(level, secs), self.blended(made, level, secs));
-        let apart = truth.iter().zip(&shown).map(|(t, s)| t.distance(*s));
+        let record = made.cache.locate(0, level, secs).unwrap();
+        self.apart(level, secs, &self.shown(made, level, record))
+    }
+
+    /// The same with the nearest palette as it is.
+    fn step_error(&self, made: &CachedPoses, level: usize, secs: f32) -> (f32, f32) {
+        let record = BlendRecord::of_key(made.cache.nearest(0, level, secs).unwrap());
+        self.apart(level, secs, &self.shown(made, level, record))
+    }
+
+    fn apart(&self, level: usize, secs: f32, shown: &[Vec3]) -> (f32, f32) {
+        let truth = self.evaluated(level, secs);
+        let apart = truth.iter().zip(shown).map(|(t, s)| t.distance(*s));
         let mut apart: Vec<f32> = apart.collect();
         (percentile(&mut apart, 0.95), percentile(&mut apart, 1.0))
     }
@@ -154,6 +165,38 @@ proptest! {
     }
 
     #[test]
+    fn the_stated_error_of_steps_holds_at_any_time(
+        rows in rows(),
+        at in prop::collection::vec(0.0f32..1.0, 24),
+        half in any::<bool>(),
+    ) {
+        let figure = prepared(asset(&rows));
+        let opts = CacheOptions {
+            form: if half { PaletteForm::HalfMatrix } else { PaletteForm::Matrix },
+            ..CacheOptions::default()
+        };
+        let made = figure.cached(&opts);
+        let end = figure.clips.duration_secs(0);
+        let noise = if half { 2.0 * 4.0 * 4.0 / 4096.0 } else { ROUNDING_METRES };
+        let mut levels = made.report.iter().filter(|r| r.steps > 0).peekable();
+        prop_assert!(levels.peek().is_some());
+        for report in levels {
+            let stated = report.step_error_metres;
+            prop_assert_eq!(made.cache.step_error_metres(0, report.level), Some(stated));
+            prop_assert_eq!(made.cache.step_count(0, report.level), Some(report.steps));
+            // Two for each frame of a display at most.
+            prop_assert!((report.steps - 1) as f32 <= (120.0 * end).ceil() + 1.0);
+            for at in &at {
+                let (percentile, worst) = figure.step_error(&made, report.level, at * end);
+                prop_assert!(
+                    percentile <= stated + noise && worst <= 2.0 * stated + noise,
+                    "level {}: {percentile} and {worst} m at {} s, stated {report:?}", report.level, at * end
+                );
+            }
+        }
+    }
+
+    #[test]
     fn errors_stay_near_the_tolerance_and_grow_with_it(rows in rows()) {
         let figure = prepared(asset(&rows));
         let made = figure.cached(&CacheOptions::default());
@@ -176,6 +219,10 @@ proptest! {
         let figure = prepared(asset(&rows));
         let whole = figure.cached(&CacheOptions::default());
         let all = palette_bytes_of(&whole);
+        let sizes = |made: &CachedPoses| -> usize {
+            made.report.iter().map(|r| r.step_bytes + usize::from(r.decision == CacheDecision::Cached) * r.bytes).sum()
+        };
+        prop_assert_eq!(sizes(&whole), all);
         let palette_bytes = (all as f32 * part) as usize;
         let made = figure.cached(&CacheOptions { palette_bytes, ..CacheOptions::default() });
         prop_assert!(palette_bytes_of(&made) <= palette_bytes);
@@ -189,8 +236,17 @@ proptest! {
             } else {
                 prop_assert!(made.decision == whole.decision || made.decision == CacheDecision::NoRoom);
             }
+            // Behind the keys of a level those that are shown as they are.
+            if whole.step_bytes <= left {
+                left -= made.step_bytes;
+                prop_assert_eq!((made.steps, made.step_bytes), (whole.steps, whole.step_bytes));
+                prop_assert_eq!(made.step_error_metres, whole.step_error_metres);
+            } else {
+                prop_assert_eq!((made.steps, made.step_error_metres), (0, 0.0));
+            }
         }
         prop_assert_eq!(palette_bytes - left, palette_bytes_of(&made));
+        prop_assert_eq!(sizes(&made), palette_bytes_of(&made));
     }
 }
 
@@ -229,6 +285,20 @@ fn the_stated_error_holds_for_every_vertex_of_a_character() {
         assert!(most >= 0.5 * report.worst_metres, "{most} m, {report:?}");
     }
     assert!(cached > 1);
+    let mut stepped = 0;
+    for report in made.report.iter().filter(|r| r.steps > 0) {
+        stepped += 1;
+        let secs = |at: usize| figure.clips.duration_secs(0) * at as f32 / 999.0;
+        let errors = (0..1000).map(|at| figure.step_error(&made, report.level, secs(at)));
+        let most = errors.map(|e| e.1).fold(0.0, f32::max);
+        let stated = report.step_error_metres;
+        assert!(
+            most <= 2.0 * stated + ROUNDING_METRES,
+            "{most} m, {report:?}"
+        );
+        assert!(most >= 0.5 * stated, "{most} m, {report:?}");
+    }
+    assert!(stepped > 1);
 }
 
 /// Three joints at some distance from each other.

@@ -10,11 +10,11 @@ pub(crate) struct MorphUse {
     pub(crate) characters: f64,
     /// Bytes of the weights of the largest frame.
     pub(crate) bytes: usize,
-    /// The morph levels, finest first; empty if no clip moves a morph target.
+    /// The morph levels, those first that show most targets; empty if no clip moves a morph target.
     pub(crate) levels: Vec<MorphLevelUse>,
 }
 
-/// Use of one morph level.
+/// Use of one morph level, or of those of several characters that show as many targets.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct MorphLevelUse {
     /// Number of morph targets that the level shows.
@@ -27,6 +27,29 @@ pub(crate) struct MorphLevelUse {
 }
 
 impl MorphUse {
+    /// The use of all characters of a cast; `bytes` are those of the largest frame.
+    pub(crate) fn of(cast: impl Iterator<Item = Self>, bytes: usize) -> Self {
+        let mut all = Self {
+            bytes,
+            ..Self::default()
+        };
+        for character in cast {
+            all.characters += character.characters;
+            for level in character.levels {
+                let mut known = all.levels.iter_mut();
+                match known.find(|l| l.targets == level.targets) {
+                    Some(known) => {
+                        known.characters += level.characters;
+                        known.error_mm = known.error_mm.max(level.error_mm);
+                    }
+                    None => all.levels.push(level),
+                }
+            }
+        }
+        all.levels.sort_by_key(|l| std::cmp::Reverse(l.targets));
+        all
+    }
+
     /// Formats the number of characters by targets shown.
     pub(crate) fn by_level(&self) -> String {
         let levels = self.levels.iter();
@@ -35,12 +58,11 @@ impl MorphUse {
     }
 }
 
-/// Sums over frames.
+/// Sums over the frames of the crowd of one character.
 #[derive(Debug)]
 pub(crate) struct MorphTally {
     frames: usize,
     sets: usize,
-    bytes: usize,
     /// Characters of each morph level, and those whose level shows no morph targets.
     levels: Vec<usize>,
     at_rest: usize,
@@ -52,7 +74,6 @@ impl MorphTally {
         Self {
             frames: 0,
             sets: 0,
-            bytes: 0,
             levels: vec![0; morphs.map_or(0, |m| m.lods().levels())],
             at_rest: 0,
         }
@@ -63,13 +84,13 @@ impl MorphTally {
         let (crowd, model) = (player.crowd(), player.asset().model());
         self.frames += 1;
         self.sets += crowd.draw_list().morph_sets();
-        self.bytes = self.bytes.max(size_of_val(player.morph_weights()));
         if self.levels.is_empty() {
             return;
         }
         let list = crowd.draw_list();
         let drawn = list.draws.iter().map(|d| d.character);
-        for character in drawn.chain(list.recorded.iter().copied()) {
+        let cached = list.recorded.iter().chain(&list.stepped).copied();
+        for character in drawn.chain(cached) {
             match crowd.morph_level(model, character as usize) {
                 Some(level) => self.levels[level] += 1,
                 None => self.at_rest += 1,
@@ -77,8 +98,8 @@ impl MorphTally {
         }
     }
 
-    /// Means over the frames.
-    pub(crate) fn sums(&self, asset: &CrowdAsset) -> MorphUse {
+    /// Means over the frames, without bytes.
+    pub(crate) fn means(&self, asset: &CrowdAsset) -> MorphUse {
         let mean = |count: usize| count as f64 / self.frames.max(1) as f64;
         let clips = asset.clips().len();
         let lods = asset.model().parts().morphs.as_ref().map(|m| m.lods());
@@ -102,8 +123,38 @@ impl MorphTally {
         });
         MorphUse {
             characters: mean(self.sets),
-            bytes: self.bytes,
+            bytes: 0,
             levels,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_of_several_characters_by_targets_shown() {
+        let of = |characters: f64, levels: &[(usize, f64, f32)]| MorphUse {
+            characters,
+            bytes: 0,
+            levels: levels
+                .iter()
+                .map(|&(targets, characters, error_mm)| MorphLevelUse {
+                    targets,
+                    characters,
+                    error_mm,
+                })
+                .collect(),
+        };
+        let cast = [
+            of(3.0, &[(17, 1.0, 0.0), (4, 2.0, 1.0), (0, 5.0, 3.0)]),
+            of(0.0, &[]),
+            of(4.5, &[(9, 4.5, 0.0), (0, 1.5, 7.0)]),
+        ];
+        let all = MorphUse::of(cast.into_iter(), 96);
+        assert_eq!((all.characters, all.bytes), (7.5, 96));
+        assert_eq!(all.by_level(), "1 of 17, 4 of 9, 2 of 4, 6 of 0");
+        assert_eq!(all.levels[3].error_mm, 7.0);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::stage::{Settings, TimedCrowd};
 use anyhow::Context;
-use articula::crowd::{CrowdAsset, CrowdPlayer, PoseSource};
+use articula::crowd::{CrowdAsset, CrowdPlayer, PoseSource, ScenePlayer};
 use articula_build::Scene;
 use articula_core::{Camera, Viewport};
 use articula_flat::Picture;
@@ -12,46 +12,63 @@ use glam::Vec3;
 /// Maximum number of triangles of skins; the farthest characters beyond it are slivers.
 const MAX_TRIANGLES: usize = 8_000_000;
 
-/// Draws the scene at time 0.
+/// Draws the scene at time 0 in the size given, its views below each other.
 pub(crate) fn draw(
-    asset: &CrowdAsset,
+    cast: &[CrowdAsset],
     scene: &Scene,
     settings: Settings,
-    size: (u32, u32),
+    (width, height): (u32, u32),
 ) -> anyhow::Result<Picture> {
-    let stage = TimedCrowd::first_frame(asset, scene, settings)?;
-    let (player, camera) = (stage.scene.player(), stage.scene.camera()?);
-    let (mut crowd, drawn) = gathered(player, &camera);
-    for wall in &scene.walls {
-        crowd.add_wall(wall.centre, 0.5 * wall.size, wall.yaw_radians);
+    let stage = TimedCrowd::first_frame(cast, scene, settings)?;
+    let mut pictures = Vec::new();
+    for camera in stage.scene.cameras()? {
+        let (mut crowd, drawn) = gathered(&stage.scene, &camera);
+        for wall in &scene.walls {
+            crowd.add_wall(wall.centre, 0.5 * wall.size, wall.yaw_radians);
+        }
+        let camera = Camera {
+            viewport: Viewport {
+                width_px: width as f32,
+                height_px: height as f32,
+                ..camera.viewport
+            },
+            ..camera
+        };
+        // The colours mean the same in all views.
+        let legend = match pictures.is_empty() {
+            true => legend(&stage.scene, drawn),
+            false => Vec::new(),
+        };
+        pictures.push(crowd.draw(&camera, &legend).context("drawing the crowd")?);
     }
-    let camera = Camera {
-        viewport: Viewport {
-            width_px: size.0 as f32,
-            height_px: size.1 as f32,
-            ..camera.viewport
-        },
-        ..camera
-    };
-    let legend = legend(player, drawn);
-    crowd.draw(&camera, &legend).context("drawing the crowd")
+    let all = height * pictures.len() as u32;
+    let mut sheet = Picture::new(width, all, [255; 4]).context("drawing the crowd")?;
+    for (i, picture) in pictures.iter().enumerate() {
+        sheet.blit(picture, 0, (i as u32 * height) as i32);
+    }
+    Ok(sheet)
 }
 
 /// The skins of the nearest visible characters, the others as slivers, and the number of those with
 /// skins.
-fn gathered(player: &CrowdPlayer, camera: &Camera) -> (CrowdPicture, usize) {
-    let asset = player.asset();
-    let sources = player.sources();
-    let shown = sources.iter().enumerate();
-    let mut draws: Vec<(f32, usize, &PoseSource)> = shown
-        .filter_map(|(c, source)| Some((c, source.as_ref()?)))
-        .map(|(c, source)| (camera.eye.distance(player.positions()[c]), c, source))
-        .collect();
+fn gathered(scene: &ScenePlayer<'_>, camera: &Camera) -> (CrowdPicture, usize) {
+    let sources = scene.crowds().iter().map(CrowdPlayer::sources);
+    let sources: Vec<_> = sources.collect();
+    let mut draws: Vec<(f32, usize, usize, &PoseSource)> = Vec::new();
+    for (crowd, (player, sources)) in scene.crowds().iter().zip(&sources).enumerate() {
+        let shown = sources.iter().enumerate();
+        draws.extend(shown.filter_map(|(c, source)| {
+            let distance = camera.eye.distance(player.positions()[c]);
+            Some((distance, crowd, c, source.as_ref()?))
+        }));
+    }
     draws.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut picture, mut drawn, mut triangles) = (CrowdPicture::default(), 0, 0);
     let mut matrices = Vec::new();
     let across = camera.orientation * Vec3::X;
-    for (_, character, source) in draws {
+    for (_, crowd, character, source) in draws {
+        let player = &scene.crowds()[crowd];
+        let asset = player.asset();
         let Some(level) = player.crowd().level(character) else {
             continue;
         };
@@ -72,23 +89,31 @@ fn gathered(player: &CrowdPlayer, camera: &Camera) -> (CrowdPicture, usize) {
     (picture, drawn)
 }
 
-/// The legend: the colour and number of characters of each level, and the number drawn.
-fn legend(player: &CrowdPlayer, drawn: usize) -> Vec<(Option<usize>, String)> {
-    let asset = player.asset();
-    let count = player.positions().len();
-    let mut levels = vec![0; asset.levels()];
-    for level in (0..count).filter_map(|c| player.crowd().level(c)) {
-        levels[level] += 1;
+/// The legend: the colour and number of characters of each level, and the number drawn. Where the levels
+/// belong to several characters, what they keep is left out.
+fn legend(scene: &ScenePlayer<'_>, drawn: usize) -> Vec<(Option<usize>, String)> {
+    let mut levels: Vec<usize> = Vec::new();
+    for player in scene.crowds() {
+        let count = player.positions().len();
+        levels.resize(levels.len().max(player.asset().levels()), 0);
+        for level in (0..count).filter_map(|c| player.crowd().level(c)) {
+            levels[level] += 1;
+        }
     }
     let shown: usize = levels.iter().sum();
     let levels = levels.into_iter().enumerate().filter(|l| l.1 > 0);
     let line_of = |(level, count): (usize, usize)| {
-        let made = asset.level(level);
-        let joints = made.joints;
-        let text = if asset.has_mesh_lods() {
-            format!("{joints} joints, {} triangles: {count}", made.triangles)
-        } else {
-            format!("{joints} joints: {count}")
+        let text = match scene.crowds() {
+            [player] => {
+                let made = player.asset().level(level);
+                let joints = made.joints;
+                if player.asset().has_mesh_lods() {
+                    format!("{joints} joints, {} triangles: {count}", made.triangles)
+                } else {
+                    format!("{joints} joints: {count}")
+                }
+            }
+            _ => format!("level {level}: {count}"),
         };
         (Some(level), text)
     };

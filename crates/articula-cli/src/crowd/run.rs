@@ -9,8 +9,8 @@ use super::stage::{DISPLAY_HZ, Settings, TimedCrowd};
 use super::timing::{Spread, thread_ns};
 use crate::console::Console;
 use articula::crowd::{
-    Budget, BudgetReport, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter, ErrorSample,
-    ErrorSummary, LevelStatistics, LevelTally, PaletteHash,
+    Budget, BudgetReport, CharacterError, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter,
+    ErrorSample, ErrorSummary, LevelStatistics, LevelTally, PaletteHash, ScenePlayer,
 };
 use articula_build::Scene;
 use serde::Serialize;
@@ -54,7 +54,8 @@ pub(crate) struct Run {
     pub(crate) morphs: MorphUse,
     /// Maximum error in pixels by which levels and shared poses were chosen.
     pub(crate) bound_px: Option<f32>,
-    pub(crate) tiers: Vec<LevelStatistics>,
+    /// Levels of each character of the cast.
+    pub(crate) tiers: Vec<Vec<LevelStatistics>>,
     pub(crate) error: ErrorSummary,
     pub(crate) roles: Vec<RoleError>,
     pub(crate) hash: String,
@@ -77,6 +78,8 @@ pub(crate) struct Poses {
     pub(crate) blended: f64,
     /// Poses blended from the pose cache, by the CPU or by the GPU.
     pub(crate) cached: f64,
+    /// Shown from the cache as they are.
+    pub(crate) stepped: f64,
 }
 
 /// Memory of a crowd.
@@ -106,15 +109,15 @@ pub(crate) struct BudgetFound {
 
 /// Plays a scene twice: once for its time, once for its errors.
 pub(crate) fn run(
-    asset: &CrowdAsset,
+    cast: &[CrowdAsset],
     scene: &Scene,
     settings: Settings,
     seed: u64,
     console: &Console,
 ) -> anyhow::Result<Run> {
-    let (times, budgets) = timed(asset, scene, settings, console)?;
+    let (times, budgets) = timed(cast, scene, settings, console)?;
     let tolerances: Vec<f32> = budgets.iter().map(|b| b.px).collect();
-    let mut found = looked_at(asset, scene, settings, &tolerances, (seed, console))?;
+    let mut found = looked_at(cast, scene, settings, &tolerances, (seed, console))?;
     found.budget = budget_of(&budgets);
     let ms = |of: &dyn Fn(&FrameTime) -> f64| Spread::of(times.iter().map(|t| of(t) / 1e6));
     found.frame_ms = ms(&|t| t.cpu_ns);
@@ -140,12 +143,12 @@ fn step_secs(frame: usize) -> f64 {
 }
 
 fn timed(
-    asset: &CrowdAsset,
+    cast: &[CrowdAsset],
     scene: &Scene,
     settings: Settings,
     console: &Console,
 ) -> anyhow::Result<(Vec<FrameTime>, Vec<BudgetReport>)> {
-    let mut stage = TimedCrowd::new(asset, scene, settings)?;
+    let mut stage = TimedCrowd::new(cast, scene, settings)?;
     let budget = match settings.detail {
         DetailGoal::Budget { ms, cap_px } => Some(Budget::new(1e6 * f64::from(ms), cap_px)),
         _ => None,
@@ -169,7 +172,7 @@ fn play(
         let px = budget.as_ref().map(Budget::px);
         let (_, others_ns) = stage.plan(step_secs(frame), px)?;
         if let Some(budget) = &mut budget {
-            stage.scene.player_mut().add_to(budget);
+            stage.scene.add_to(budget);
         }
         let tick_ns = (thread_ns() - start + others_ns) as f64;
         let evaluate_ns = stage.evaluate() as f64;
@@ -190,18 +193,17 @@ fn play(
 }
 
 fn looked_at(
-    asset: &CrowdAsset,
+    cast: &[CrowdAsset],
     scene: &Scene,
     settings: Settings,
     tolerances: &[f32],
     (seed, console): (u64, &Console),
 ) -> anyhow::Result<Run> {
-    let mut stage = TimedCrowd::new(asset, scene, settings)?;
-    let mut meter = ErrorMeter::new(asset, seed);
-    let mut tally = LevelTally::new(asset);
+    let mut stage = TimedCrowd::new(cast, scene, settings)?;
+    let mut watched: Vec<Watched<'_>> = cast.iter().map(|a| Watched::new(a, seed)).collect();
     let mut hash = PaletteHash::default();
     let mut roles = RoleTally::new(scene);
-    let mut faces = MorphTally::new(asset);
+    let mut morph_bytes = 0;
     let mut occluded = Vec::with_capacity(settings.frames);
     let mut reports = Vec::with_capacity(settings.frames);
     let looks = settings.frames.min(LOOKS);
@@ -215,18 +217,22 @@ fn looked_at(
         };
         stage.on_threads(TimedCrowd::evaluate);
         occluded.push(stage.scene.hidden() as f64);
-        let player = stage.scene.player();
-        hash.add(player);
-        tally.add(player);
-        let crowd = player.crowd();
-        let palettes = crowd.draw_list().matrices * asset.model().parts().form.bytes();
-        let morphs = size_of_val(player.morph_weights());
-        let bytes = palettes + size_of_val(player.records()) + morphs;
-        faces.add(player);
-        reports.push((report, bytes));
+        let (mut bytes, mut weights) = (0, 0);
+        for (watched, player) in watched.iter_mut().zip(stage.scene.crowds()) {
+            hash.add(player);
+            watched.tally.add(player);
+            watched.faces.add(player);
+            let list = player.crowd().draw_list();
+            let form = player.asset().model().parts().form;
+            let drawn = size_of_val(player.records()) + size_of_val(player.stepped());
+            bytes += list.matrices * form.bytes() + drawn;
+            weights += size_of_val(player.morph_weights());
+        }
+        morph_bytes = weights.max(morph_bytes);
+        reports.push((report, bytes + weights));
         // The first frame, then at even intervals.
         if counted * looks / settings.frames >= looked.len() && looked.len() < looks {
-            let sample = meter.measure(player, stage.scene.secs(), &stage.scene.camera()?);
+            let sample = look(&stage.scene, &mut watched)?;
             roles.add(&stage.scene, &sample);
             looked.push(sample);
             bar.inc(1);
@@ -249,18 +255,19 @@ fn looked_at(
         overrun_p95: None,
         budget: None,
         written_mb: Spread::of(reports.iter().map(|r| r.1 as f64 / 1e6)),
-        memory: memory(asset, scene, reports.iter().map(|r| r.1).max().unwrap_or(0)),
+        memory: memory(cast, scene, reports.iter().map(|r| r.1).max().unwrap_or(0)),
         poses: Poses {
             own: mean(&|r| r.own),
             shared: mean(&|r| r.shared_poses),
             followers: mean(&|r| r.sharing_characters),
             blended: mean(&|r| r.blended),
             cached: mean(&|r| r.cached),
+            stepped: mean(&|r| r.stepped),
         },
-        morphs: faces.sums(asset),
+        morphs: MorphUse::of(watched.iter().map(Watched::faces), morph_bytes),
         // In full detail nothing is chosen by its error.
         bound_px: (settings.detail != DetailGoal::Full).then_some(bound),
-        tiers: tally.levels(asset, &looked),
+        tiers: watched.iter().map(Watched::levels).collect(),
         error: ErrorSummary::of(&looked),
         roles: roles.roles(scene),
         hash: hash.text(),
@@ -269,12 +276,63 @@ fn looked_at(
     })
 }
 
-fn memory(asset: &CrowdAsset, scene: &Scene, output_bytes: usize) -> Memory {
-    let parts = asset.model().parts();
+/// What is noted about the crowd of one character.
+struct Watched<'a> {
+    asset: &'a CrowdAsset,
+    meter: ErrorMeter,
+    tally: LevelTally,
+    faces: MorphTally,
+    /// Errors at the sampled frames.
+    looks: Vec<ErrorSample>,
+}
+
+impl<'a> Watched<'a> {
+    fn new(asset: &'a CrowdAsset, seed: u64) -> Self {
+        Self {
+            asset,
+            meter: ErrorMeter::new(asset, seed),
+            tally: LevelTally::new(asset),
+            faces: MorphTally::new(asset),
+            looks: Vec::new(),
+        }
+    }
+
+    fn levels(&self) -> Vec<LevelStatistics> {
+        self.tally.levels(self.asset, &self.looks)
+    }
+
+    fn faces(&self) -> MorphUse {
+        self.faces.means(self.asset)
+    }
+}
+
+/// Measures all crowds of a scene; the characters of the sample are the members of the scene.
+fn look(scene: &ScenePlayer<'_>, watched: &mut [Watched<'_>]) -> anyhow::Result<ErrorSample> {
+    let (secs, cameras) = (scene.secs(), scene.cameras()?);
+    let mut all = ErrorSample {
+        secs,
+        characters: Vec::new(),
+    };
+    for (c, (watched, player)) in watched.iter_mut().zip(scene.crowds()).enumerate() {
+        let sample = watched.meter.measure(player, secs, &cameras);
+        let members = sample.characters.iter().map(|e| CharacterError {
+            character: scene.member(c, e.character),
+            ..*e
+        });
+        all.characters.extend(members);
+        watched.looks.push(sample);
+    }
+    Ok(all)
+}
+
+fn memory(cast: &[CrowdAsset], scene: &Scene, output_bytes: usize) -> Memory {
+    let parts = || cast.iter().map(|asset| asset.model().parts());
     Memory {
-        clips_bytes: parts.clips.bytes(),
+        clips_bytes: parts().map(|p| p.clips.bytes()).sum(),
         output_bytes,
-        cache_bytes: parts.cache.as_ref().map_or(0, |c| c.bytes()),
+        cache_bytes: parts()
+            .filter_map(|p| Some(p.cache.as_ref()?.bytes()))
+            .sum(),
         state_bytes: Crowd::BYTES_PER_CHARACTER * scene.members.len(),
         state_bytes_per_character: Crowd::BYTES_PER_CHARACTER,
     }

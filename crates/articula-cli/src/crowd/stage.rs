@@ -43,7 +43,7 @@ pub(crate) struct TimedCrowd<'a> {
 impl<'a> TimedCrowd<'a> {
     /// Places all characters at time 0.
     pub(crate) fn new(
-        asset: &CrowdAsset,
+        cast: &[CrowdAsset],
         scene: &'a Scene,
         settings: Settings,
     ) -> anyhow::Result<Self> {
@@ -59,7 +59,7 @@ impl<'a> TimedCrowd<'a> {
             pool.build().context("threads")
         });
         Ok(Self {
-            scene: ScenePlayer::new(asset, scene, options)?,
+            scene: ScenePlayer::new(cast, scene, options)?,
             pool: pool.transpose()?,
             parts: if several {
                 PARTS_PER_THREAD * settings.threads
@@ -71,11 +71,11 @@ impl<'a> TimedCrowd<'a> {
 
     /// Places all characters and evaluates the frame at time 0.
     pub(crate) fn first_frame(
-        asset: &CrowdAsset,
+        cast: &[CrowdAsset],
         scene: &'a Scene,
         settings: Settings,
     ) -> anyhow::Result<Self> {
-        let mut stage = Self::new(asset, scene, settings)?;
+        let mut stage = Self::new(cast, scene, settings)?;
         stage.on_threads(|stage| {
             stage.plan(0.0, None)?;
             stage.evaluate();
@@ -119,7 +119,7 @@ impl<'a> TimedCrowd<'a> {
                     false => thread_ns() - start,
                 }
             };
-            others_ns = sections.par_chunks_mut(share).map(timed).sum();
+            others_ns += sections.par_chunks_mut(share).map(timed).sum::<u64>();
         })?;
         Ok((report, others_ns))
     }
@@ -131,7 +131,8 @@ impl<'a> TimedCrowd<'a> {
             part.evaluate();
             thread_ns() - start
         };
-        let parts = self.scene.player_mut().parts(self.parts);
+        let crowds = self.scene.crowds_mut().iter_mut();
+        let parts = crowds.flat_map(|crowd| crowd.parts(self.parts));
         if self.parts == 1 {
             return parts.map(|mut part| timed(&mut part)).sum();
         }

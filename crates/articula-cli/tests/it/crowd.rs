@@ -132,9 +132,14 @@ fn cached_poses_stay_within_the_tolerance() {
         let p95 = number(&found["error_px"]["p95"]);
         assert!(p95 <= 1.0, "{p95}");
     }
-    // Palettes blended by the GPU are not written.
+    // Neither palettes blended by the GPU nor cached ones that are shown as they are are written.
     let written = |found: &Value| number(&found["written_mb"]["median"]);
-    assert!(written(&gpu) < 0.5 * written(&cpu));
+    assert!(written(&gpu) < 0.5 * written(&never));
+    assert!(written(&cpu) < 0.5 * written(&never));
+    let stepped = |found: &Value| number(&found["poses"]["stepped"]);
+    assert_eq!((stepped(&never), stepped(&gpu)), (0.0, 0.0));
+    let steps = number(&cpu["renderer"]["step_bytes"]);
+    assert!(stepped(&cpu) > 100.0 && (steps - 8.0 * stepped(&cpu)).abs() < 1e-6);
     let wrong = fault(
         &folder("crowd-cache-full"),
         2,
@@ -258,12 +263,12 @@ fn buffers_are_written_with_what_they_hold() {
     let more = ["--buffers", "frame", "--source", "records"];
     let all = [&words[..], &more].concat();
     let found = json(&here, &all);
-    assert_eq!(found["written"].as_array().unwrap().len(), 9);
+    assert_eq!(found["written"].as_array().unwrap().len(), 10);
     let text = std::fs::read_to_string(here.join("frame/crowd.json")).unwrap();
     let manifest: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(
         (&manifest["version"], &manifest["form"]),
-        (&1.into(), &"matrix".into())
+        (&2.into(), &"matrix".into())
     );
     for (name, bytes) in manifest["bytes"].as_object().unwrap() {
         let file = here.join("frame").join(name).metadata().unwrap();
@@ -473,4 +478,66 @@ fn roles_and_walls_of_a_scene_are_played_and_reported() {
         assert_eq!(ran.status, 2, "{}", ran.err);
         assert!(ran.err.contains(says), "{}", ran.err);
     }
+}
+
+#[test]
+fn several_characters_share_a_scene_that_can_be_saved() {
+    let here = folder("crowd-cast");
+    std::fs::write(here.join("walker.bvh"), BVH).unwrap();
+    let path = r#"[{"t": 0, "eye": [9, 2, 9], "target": [0, 1, 0]}]"#;
+    std::fs::write(here.join("side.json"), path).unwrap();
+    let usual = ["--count", "60", "--seconds", "0.1"];
+    let views = ["--camera-path", "side.json", "--camera-path", "side.json"];
+    let files = ["crowd", word(human()), "walker.bvh", "walker.bvh"];
+    let save = ["--save-scene", "sub/s.json", "--buffers", "out"];
+    std::fs::create_dir_all(here.join("sub")).unwrap();
+    let made = json(&here, &[&files[..], &usual, &views, &save].concat());
+    assert_eq!(
+        (&made["characters"], &made["views"]),
+        (&60.into(), &2.into())
+    );
+    let cast = made["cast"].as_array().unwrap();
+    let names: Vec<_> = cast.iter().map(|c| c["name"].as_str().unwrap()).collect();
+    assert_eq!(names[1..], ["walker", "walker-2"]);
+    let all: f64 = cast.iter().map(|c| number(&c["characters"])).sum();
+    assert_eq!(all, 60.0);
+    let shown = cast
+        .iter()
+        .flat_map(|c| c["tiers"].as_object().unwrap().values());
+    let shown: f64 = shown.map(|t| number(&t["characters"])).sum();
+    assert!((shown - number(&made["visible"])).abs() < 1e-9);
+    for name in names {
+        assert!(
+            here.join("out").join(name).join("crowd.json").is_file(),
+            "{name}"
+        );
+    }
+    // The saved scene names its characters by files relative to its folder or absolute ones.
+    let played = json(
+        &here,
+        &["crowd", "--scene", "sub/s.json", "--seconds", "0.1"],
+    );
+    assert_eq!(played["palette_hash"], made["palette_hash"]);
+    assert_eq!(played["views"], 2);
+    let of_each = |run: &Value| -> Vec<[Value; 3]> {
+        let cast = run["cast"].as_array().unwrap().iter();
+        cast.map(|c| ["name", "characters", "clips"].map(|f| c[f].clone()))
+            .collect()
+    };
+    assert_eq!(of_each(&played), of_each(&made));
+    for (words, says) in [
+        (
+            &["crowd", word(human()), "--scene", "sub/s.json"][..],
+            "names its characters",
+        ),
+        (&["crowd", "--count", "9"], "no character"),
+    ] {
+        let found = fault(&here, 2, words);
+        assert!(found.contains(says), "{found}");
+    }
+    let gone = std::fs::read_to_string(here.join("sub/s.json")).unwrap();
+    let gone = gone.replace("walker.bvh", "gone.bvh");
+    std::fs::write(here.join("sub/gone.json"), gone).unwrap();
+    let found = fault(&here, 1, &["crowd", "--scene", "sub/gone.json"]);
+    assert!(found.contains("gone.bvh"), "{found}");
 }

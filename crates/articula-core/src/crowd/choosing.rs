@@ -13,20 +13,18 @@ use crate::level_choice::{level_within, tolerance_range};
 use crate::sample::Wrap;
 use crate::simd::LANES;
 
-/// A level and source of a pose, and an upper bound on its error.
+/// A level, a source of a pose and a morph level, and an upper bound on their error.
 #[derive(Debug, Clone, Copy)]
 struct Choice {
     key: Key,
-    level: usize,
     /// Morph level; 0 at levels that show no morph targets.
     morphs: u8,
     /// Metres of the unscaled character.
     error_metres: f32,
 }
 
-/// Level and morph level of a character, `None` if it is not shown, and the pixels that a metre of
-/// it spans.
-type Shown = (Option<(usize, u8)>, f32);
+/// Key and morph level of a character.
+type Shown = (Key, u8);
 
 impl CrowdSection {
     /// Stops to show a character.
@@ -36,7 +34,7 @@ impl CrowdSection {
         character: usize,
         tell: &mut dyn FnMut(CrowdEvent),
     ) {
-        self.set_level(model, character, (None, 0.0), tell);
+        self.set_level(model, character, ((Key::HIDDEN, 0), 0.0), tell);
         self.options[character] = NO_OPTION;
         self.keys.set(character, Key::HIDDEN);
     }
@@ -62,7 +60,6 @@ impl CrowdSection {
             let (from, to) = self.clocks.state(character).clips();
             Choice {
                 key: Key::new(level, kind),
-                level,
                 morphs: 0,
                 error_metres: model.error_metres(from, to, level),
             }
@@ -79,12 +76,8 @@ impl CrowdSection {
                 shared.unwrap_or(option)
             }
         };
-        self.set_level(
-            model,
-            character,
-            (Some((choice.level, choice.morphs)), pixels_per_metre),
-            tell,
-        );
+        let shown = (choice.key, choice.morphs);
+        self.set_level(model, character, (shown, pixels_per_metre), tell);
         self.keys.set(character, choice.key);
         self.morphs.set(character, choice.morphs);
         if choice.error_metres > 0.0 {
@@ -105,8 +98,9 @@ impl CrowdSection {
         let Detail::Tolerance { px } = frame.detail else {
             return 0.0;
         };
-        if self.mode.is_plain && self.mode.is_culled {
-            return self.sight.metres_per_px[character / LANES].0[character % LANES] * px;
+        if self.mode.keeps && self.mode.is_culled {
+            let metres_per_px = self.sight.metres_per_px[character / LANES].0[character % LANES];
+            return metres_per_px * px * self.weights.of(character);
         }
         let importance = frame.importance.get(character).copied().unwrap_or(1.0);
         px * attention(model, &self.clocks.state(character), importance) / pixels_per_metre
@@ -139,7 +133,6 @@ impl CrowdSection {
         }
         Choice {
             key,
-            level,
             morphs: option.morphs,
             error_metres: option.error_metres,
         }
@@ -162,7 +155,6 @@ impl CrowdSection {
         self.set_keep(character, tolerance_range(error(level), next));
         Choice {
             key: Key::new(level, kind),
-            level,
             morphs: 0,
             error_metres: error(level),
         }
@@ -208,39 +200,43 @@ impl CrowdSection {
         self.keys.follow(character, leader);
         Some(Choice {
             key: Key::new(level, Kind::Follow),
-            level,
             morphs: 0,
             error_metres: tolerance_metres,
         })
     }
 
-    /// Reports an event if the level or the morph level of a character changes.
+    /// Reports an event if the level of a character changes with its key, or its morph level does. A
+    /// metre of it spans `pixels_per_metre`.
     #[inline]
     fn set_level(
         &mut self,
         model: &CrowdModel,
         character: usize,
-        (shown, pixels_per_metre): Shown,
+        ((key, morphs), pixels_per_metre): (Shown, f32),
         tell: &mut dyn FnMut(CrowdEvent),
     ) {
-        let from = self.keys.get(character).level();
-        let morphs = self.morphs.get(character);
-        let to = shown.map(|(level, _)| level);
-        if from == to && shown.is_none_or(|(_, m)| usize::from(m) == morphs) {
+        let before = (self.keys.get(character), self.morphs.get(character));
+        let (from, to) = (before.0.level(), key.level());
+        let morphs = usize::from(morphs);
+        if from == to && (to.is_none() || before.1 == morphs) {
             return;
         }
         let (a, b) = self.clocks.state(character).clips();
-        let jump_px = match (from, shown) {
-            (Some(from), Some((level, to))) => {
-                let face = |morphs: usize| model.morph_error_metres(a, b, morphs);
-                let faces = face(morphs) + face(usize::from(to));
-                // At the same level the bodies are the same.
-                let error = |level: usize| model.error_metres(a, b, level);
-                let bodies = match from == level {
-                    true => 0.0,
-                    false => error(from) + error(level),
-                };
-                (bodies + faces) * pixels_per_metre
+        let cache = model.parts().cache.as_ref();
+        let body = |level: usize| model.error_metres(a, b, level);
+        let source = |key: Key| key.source_metres(cache, a);
+        let face = |morphs: usize| model.morph_error_metres(a, b, morphs);
+        let jump_px = match (from, to) {
+            (Some(from), Some(to)) => {
+                let mut metres = face(before.1) + face(morphs);
+                // At the same level the bodies are the same, but for their sources.
+                if from != to {
+                    metres += body(from) + body(to);
+                }
+                if !before.0.has_pose_of(key) {
+                    metres += source(before.0) + source(key);
+                }
+                metres * pixels_per_metre
             }
             _ => 0.0,
         };

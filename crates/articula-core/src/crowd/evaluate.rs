@@ -1,9 +1,10 @@
-//! Evaluation of a planned frame: palettes, records and morph target weights of any part of it.
+//! Evaluation of a planned frame: palettes, records, draws of cached palettes and morph target weights
+//! of any part of it.
 
 use super::attachment::attachment;
 use super::character_state::ClipState;
 use super::model::CrowdModel;
-use super::plan::{Batch, DrawList, Poser};
+use super::plan::{Batch, Draw, DrawList, Poser};
 use super::section::SECTION;
 use super::share::Leader;
 use super::tick::Crowd;
@@ -141,31 +142,82 @@ impl Crowd {
         out: &mut [BlendRecord],
     ) {
         let list = self.draw_list();
-        let characters = &list.recorded[records.clone()];
         assert_eq!(
             out.len(),
-            characters.len(),
+            list.recorded[records.clone()].len(),
             "the output must hold every record"
         );
         let Some(cache) = model.parts().cache.as_ref() else {
             return;
         };
-        for group in &list.record_groups {
-            let part = group.records.start.max(records.start)..group.records.end.min(records.end);
-            if part.is_empty() {
-                continue;
-            }
-            let part = part.start - records.start..part.end - records.start;
-            let mut out = out[part.clone()].iter_mut();
-            let section_of = |character: u32| character as usize / SECTION;
-            for run in characters[part].chunk_by(|a, b| section_of(*a) == section_of(*b)) {
-                let section = section_of(run[0]);
-                let clocks = &self.sections[section].clocks;
-                for (&character, out) in run.iter().zip(&mut out) {
-                    let state = clocks.from(character as usize - section * SECTION);
-                    let located = cache.locate(state.clip(), group.level, state.secs);
-                    *out = located.unwrap_or_default().of(character);
+        for run in self.plan.record_runs() {
+            let of = (&list.recorded[..], run.at.clone());
+            self.for_cached(of, &records, out, |character, state| {
+                let located = cache.locate(state.clip(), run.level, state.secs);
+                located.unwrap_or_default().of(character)
+            });
+        }
+    }
+
+    /// Writes the draws of a range of [`DrawList::stepped`]: for each character the cached palette
+    /// nearest to its time, as the index of its first matrix in
+    /// [`PoseCache::rows`](crate::PoseCache::rows). Ranges are independent, as of
+    /// [`Crowd::evaluate`].
+    ///
+    /// O(draws); does not allocate.
+    ///
+    /// # Panics
+    /// If the range ends beyond the list, or `out` does not have its length.
+    pub fn evaluate_steps(&self, model: &CrowdModel, steps: Range<usize>, out: &mut [Draw]) {
+        let list = self.draw_list();
+        assert_eq!(
+            out.len(),
+            list.stepped[steps.clone()].len(),
+            "the output must hold every draw"
+        );
+        let Some(cache) = model.parts().cache.as_ref() else {
+            return;
+        };
+        for run in self.plan.step_runs() {
+            let of = (&list.stepped[..], run.at.clone());
+            self.for_cached(of, &steps, out, |character, state| {
+                let nearest = cache.nearest(state.clip(), run.level, state.secs);
+                Draw {
+                    character,
+                    first_matrix: nearest.unwrap_or_default(),
                 }
+            });
+        }
+    }
+
+    /// Writes something for each character of a run of a list that lies in a range of the list.
+    /// `out` is of that range.
+    #[inline]
+    fn for_cached<T>(
+        &self,
+        (list, run): (&[u32], Range<usize>),
+        range: &Range<usize>,
+        out: &mut [T],
+        write: impl Fn(u32, ClipState) -> T,
+    ) {
+        let part = run.start.max(range.start)..run.end.min(range.end);
+        if part.is_empty() {
+            return;
+        }
+        let (mut rest, start) = (&list[part.clone()], range.start);
+        let mut out = out[part.start - start..part.end - start].iter_mut();
+        while let Some(&first) = rest.first() {
+            // A run is in the order of the sections.
+            let section = first as usize / SECTION;
+            let end = rest.partition_point(|c| *c as usize / SECTION <= section);
+            let (characters, others) = rest.split_at(end);
+            rest = others;
+            let clocks = &self.sections[section].clocks;
+            for (&character, out) in characters.iter().zip(&mut out) {
+                *out = write(
+                    character,
+                    clocks.from(character as usize - section * SECTION),
+                );
             }
         }
     }

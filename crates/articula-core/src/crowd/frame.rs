@@ -49,7 +49,9 @@ pub enum Moved<'a> {
 pub enum CacheUse {
     /// Nowhere: every pose is evaluated.
     Never,
-    /// On the CPU, by [`Crowd::evaluate`](super::Crowd::evaluate), among the other palettes.
+    /// On the CPU, by [`Crowd::evaluate`](super::Crowd::evaluate), among the other palettes; where
+    /// the nearest one is within the tolerance as it is, it is drawn from the cache
+    /// ([`Crowd::evaluate_steps`](super::Crowd::evaluate_steps)): 8 bytes per character.
     #[default]
     Cpu,
     /// In the caller's vertex shader, from the records of
@@ -127,10 +129,31 @@ pub struct CrowdReport {
     pub blended: usize,
     /// Number of poses blended from the cache.
     pub cached: usize,
+    /// Number of poses shown from the cache as they are, each the nearest in time.
+    pub stepped: usize,
     /// Workload of the poses to evaluate.
     pub work: Workload,
     /// Upper bound on the error of the chosen levels and shared poses, pixels.
     pub bound_px: f32,
+}
+
+impl CrowdReport {
+    /// The report of this crowd and another one together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            visible: self.visible + other.visible,
+            in_margin: self.in_margin + other.in_margin,
+            own: self.own + other.own,
+            shared_poses: self.shared_poses + other.shared_poses,
+            sharing_characters: self.sharing_characters + other.sharing_characters,
+            blended: self.blended + other.blended,
+            cached: self.cached + other.cached,
+            stepped: self.stepped + other.stepped,
+            work: self.work + other.work,
+            bound_px: self.bound_px.max(other.bound_px),
+        }
+    }
 }
 
 impl<'a> Frame<'a> {

@@ -1,14 +1,23 @@
 //! Level and source of every character of a section, and the characters sorted by them.
 
 use crate::joint_lods::JointLods;
+use crate::pose_cache::PoseCache;
 
 /// Number of kinds at a level.
-pub(super) const KINDS: usize = 5;
-/// Rows of keys at a level: of characters that show morph targets or have none, and of those whose
-/// face rests although the level shows it.
-pub(super) const FACES: usize = 2;
-/// Number of levels times faces times kinds.
-pub(super) const KEYS: usize = FACES * KINDS * JointLods::MAX_LEVELS;
+pub(super) const KINDS: usize = 6;
+/// Number of rows of keys with kinds each. The first rows are the levels; as many follow for characters
+/// whose face rests although their level shows morph targets.
+const ROWS: usize = 2 * JointLods::MAX_LEVELS;
+/// Number of rows times kinds.
+pub(super) const KEYS: usize = ROWS * KINDS;
+
+const _: () = assert!(KEYS < u8::MAX as usize, "a key has to fit in a byte");
+
+/// Row of the characters of a level whose face rests although the level shows morph targets. The row of
+/// the others is the level itself.
+pub(super) const fn rest_row(level: usize) -> usize {
+    JointLods::MAX_LEVELS + level
+}
 
 /// Source of a character's pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,6 +32,8 @@ pub(crate) enum Kind {
     Follow,
     /// The GPU blends two cached palettes.
     Record,
+    /// The cached palette nearest in time.
+    Step,
 }
 
 /// Level of a character and source of its pose, or that it is not shown.
@@ -33,24 +44,47 @@ impl Key {
     pub(crate) const HIDDEN: Self = Self(u8::MAX);
 
     pub(crate) fn new(level: usize, kind: Kind) -> Self {
-        Self((level * FACES * KINDS + kind as usize) as u8)
+        Self((level * KINDS + kind as usize) as u8)
     }
 
     /// The same with a face at rest, at a level that shows morph targets.
     pub(crate) fn at_rest(self) -> Self {
-        Self(self.0 + KINDS as u8)
+        Self(self.0 + (JointLods::MAX_LEVELS * KINDS) as u8)
     }
 
-    /// Level, face and kind as one index, below [`KEYS`]; `None` if the character is not shown.
+    /// Row and kind as one index, below [`KEYS`]; `None` if the character is not shown.
     #[inline]
     pub(super) fn index(self) -> Option<usize> {
         (self != Self::HIDDEN).then_some(usize::from(self.0))
     }
 
+    /// Error in metres that the source adds to that of the level.
+    pub(super) fn source_metres(self, cache: Option<&PoseCache>, clip: usize) -> f32 {
+        let (Some(index), Some(cache)) = (self.index(), cache) else {
+            return 0.0;
+        };
+        let (level, kind) = (index / KINDS % JointLods::MAX_LEVELS, index % KINDS);
+        let blended = [Kind::Cached as usize, Kind::Record as usize];
+        let found = if kind == Kind::Step as usize {
+            cache.step_error_metres(clip, level)
+        } else if blended.contains(&kind) {
+            cache.error_metres(clip, level)
+        } else {
+            None
+        };
+        found.unwrap_or(0.0)
+    }
+
     /// The level; `None` if the character is not shown.
     #[inline]
     pub(crate) fn level(self) -> Option<usize> {
-        Some(self.index()? / KINDS / FACES)
+        Some(self.index()? / KINDS % JointLods::MAX_LEVELS)
+    }
+
+    /// Whether the level and the source are those of another key, whatever the faces.
+    pub(super) fn has_pose_of(self, other: Self) -> bool {
+        let pose = |key: Self| Some(key.index()? % (JointLods::MAX_LEVELS * KINDS));
+        pose(self) == pose(other)
     }
 
     /// Whether the character is evaluated alone, at one clip.
@@ -66,7 +100,7 @@ pub(crate) struct SectionKeys {
     /// Index of its first character in the crowd.
     first: usize,
     keys: Vec<Key>,
-    /// Number of characters of each key of the levels that there are.
+    /// Number of characters of each key of the rows that there are.
     counts: Vec<u16>,
     /// All that are shown, as indices into the crowd, by key and index.
     order: Vec<u32>,
@@ -80,12 +114,18 @@ impl SectionKeys {
     /// Bytes of each character.
     pub(super) const BYTES: usize = size_of::<Key>();
 
-    /// Characters `first` to `first + len` of a crowd, none of them shown at any of so many levels.
-    pub(super) fn new(first: usize, len: usize, levels: usize) -> Self {
+    /// Characters `first` to `first + len` of a crowd, none of them shown at any of so many levels, of
+    /// which the first `morph_levels` show morph targets.
+    pub(super) fn new(first: usize, len: usize, levels: usize, morph_levels: usize) -> Self {
+        // Where no level shows morph targets, there are no rows of faces at rest.
+        let rows = match morph_levels {
+            0 => levels,
+            _ => rest_row(morph_levels.min(levels)),
+        };
         Self {
             first,
             keys: vec![Key::HIDDEN; len],
-            counts: vec![0; levels * FACES * KINDS],
+            counts: vec![0; rows * KINDS],
             order: Vec::with_capacity(len),
             is_stirred: false,
             leader_of: vec![0; len],
@@ -126,16 +166,16 @@ impl SectionKeys {
         if !std::mem::replace(&mut self.is_stirred, false) {
             return false;
         }
-        let mut next = [0; KEYS];
+        let mut next = [0_u16; KEYS];
         let mut all = 0;
         for (next, count) in next.iter_mut().zip(&self.counts) {
             *next = all;
-            all += usize::from(*count);
+            all += count;
         }
-        self.order.resize(all, 0);
+        self.order.resize(usize::from(all), 0);
         for (character, key) in self.keys.iter().enumerate() {
             if let Some(key) = key.index() {
-                self.order[next[key]] = (self.first + character) as u32;
+                self.order[usize::from(next[key])] = (self.first + character) as u32;
                 next[key] += 1;
             }
         }

@@ -28,6 +28,7 @@
 //!   `palettes[first_matrix + joint]`. `evaluate` may write straight into a mapped buffer: it
 //!   writes every byte once and in order. Weights of morph targets are a second storage buffer,
 //!   and the index of a character's set in it is that of its draw ([`DrawList::morph_draws`]).
+//!   Steps ([`DrawList::step_groups`]) are drawn alike, with the cached palettes bound instead.
 //! - **Bevy**: a system in `PostUpdate` fills [`Frame`] from `GlobalTransform` and the cameras'
 //!   `Frustum`, ticks, spreads `evaluate` over the task pool, and hands the palettes to the render
 //!   world as one buffer; no entity per joint is needed. Attachments write the `Transform` of
@@ -60,6 +61,7 @@ mod root_path;
 mod section;
 mod share;
 mod tick;
+mod weights;
 
 pub use attachment::attachment;
 pub use budget::{Budget, BudgetReport};
@@ -74,7 +76,7 @@ pub(crate) use model::filled;
 pub use morph_lods::MorphLods;
 pub use morphs::MorphClips;
 pub use parts::CrowdParts;
-pub use plan::{Draw, DrawGroup, DrawList, RecordGroup};
+pub use plan::{Draw, DrawGroup, DrawList, RecordGroup, StepGroup};
 pub use root_path::{RootDelta, RootTrajectory};
 pub use section::CrowdSection;
 pub use tick::Crowd;

@@ -9,8 +9,11 @@ use crate::visibility::View;
 pub(super) struct Mode {
     pub(super) choosing: Choosing,
     pub(super) cache: CacheUse,
-    /// Whether tolerances follow from pixels per metre alone.
-    pub(super) is_plain: bool,
+    /// Whether tolerances follow from pixels per metre, importance and scale, so that a level holds while
+    /// they stay in its range.
+    pub(super) keeps: bool,
+    /// Whether cells in which nothing can have changed need not be looked at.
+    pub(super) skips: bool,
     pub(super) is_culled: bool,
 }
 
@@ -30,7 +33,8 @@ impl Mode {
     pub(super) const NONE: Self = Self {
         choosing: Choosing::Fixed(0),
         cache: CacheUse::Never,
-        is_plain: false,
+        keeps: false,
+        skips: false,
         is_culled: false,
     };
 
@@ -39,22 +43,19 @@ impl Mode {
             Culling::Views(views) => views,
             Culling::Off => &[],
         };
-        let alike = frame.importance.is_empty()
-            && frame.scales.is_empty()
-            && frame.cull_margin_metres.is_empty();
         let choosing = match frame.detail {
             Detail::Full => Choosing::Fixed(0),
             Detail::Level(level) => Choosing::Fixed(level.min(model.levels() - 1)),
             Detail::Tolerance { .. } if !frame.share => Choosing::Options,
             _ => Choosing::Shared,
         };
+        let keeps = choosing != Choosing::Shared && !model.has_attention();
+        let has_margins = !frame.cull_margin_metres.is_empty();
         Self {
             choosing,
             cache: frame.cache,
-            is_plain: alike
-                && choosing != Choosing::Shared
-                && !model.has_attention()
-                && !views.iter().any(View::has_occlusion),
+            keeps,
+            skips: keeps && !has_margins && !views.iter().any(View::has_occlusion),
             is_culled: matches!(frame.culling, Culling::Views(_)),
         }
     }

@@ -13,9 +13,11 @@ use crate::budget::{CostModel, Workload};
 /// Nanoseconds of a blend of cached palettes, for each matrix, on the machine of
 /// `docs/methods/runtime.md` part 1: about 0.4 of what evaluating a joint takes.
 const BLENDED_MATRIX_NS: f32 = 1.1;
-/// The same of a blended palette, and of a record for the GPU.
+/// The same of a blended palette for the look-up, and of a record for the GPU.
 const BLENDED_NS: f32 = 2.0;
 const RECORD_NS: f32 = 4.0;
+/// The same of a draw with a palette that is cached.
+const STEP_NS: f32 = 3.5;
 /// The same of a set of morph target weights, and of each target in it that is shown.
 const MORPH_SET_NS: f32 = 20.0;
 const MORPH_NS: f32 = 1.5;
@@ -56,9 +58,8 @@ impl OptionLists {
             let all = (0..levels).flat_map(|level| {
                 let evaluated = (Kind::Clip, 0.0, evaluated_ns(parts, level));
                 let cached = cached(parts, cache_use, clip, level);
-                [Some(evaluated), cached]
-                    .into_iter()
-                    .flatten()
+                std::iter::once(evaluated)
+                    .chain(cached)
                     .map(move |(kind, error, cost)| DetailOption {
                         level: level as u8,
                         kind,
@@ -68,7 +69,10 @@ impl OptionLists {
                     })
             });
             let all = with_morph_levels(parts, clip, all.collect());
-            lists.options.extend(undominated(all));
+            let mut kept = undominated(all);
+            // A character keeps its option in a byte.
+            kept.truncate(usize::from(u8::MAX));
+            lists.options.extend(kept);
             lists.first.push(lists.options.len() as u32);
         }
         lists
@@ -139,23 +143,28 @@ pub(crate) fn evaluated_ns(parts: &CrowdParts, level: usize) -> f32 {
     CostModel::default().cost_ns(&evaluated(parts, level, 1)) as f32
 }
 
-/// Source, added error and nanoseconds of a cached pose, if there is one.
+/// Sources, added errors and nanoseconds of a cached pose, if there is one.
 fn cached(
     parts: &CrowdParts,
     cache_use: CacheUse,
     clip: usize,
     level: usize,
-) -> Option<(Kind, f32, f32)> {
-    let error = parts.cache.as_ref()?.error_metres(clip, level)?;
-    match cache_use {
-        CacheUse::Never => None,
-        CacheUse::Cpu => {
-            let matrices = parts.palette.len(level) as f32;
-            let cost = BLENDED_NS + BLENDED_MATRIX_NS * matrices;
-            Some((Kind::Cached, error, cost))
-        }
-        CacheUse::Gpu => Some((Kind::Record, error, RECORD_NS)),
-    }
+) -> impl Iterator<Item = (Kind, f32, f32)> + use<> {
+    let cache = parts.cache.as_ref();
+    let error = cache.and_then(|c| c.error_metres(clip, level));
+    let step_error = cache.and_then(|c| c.step_error_metres(clip, level));
+    let matrices = parts.palette.len(level) as f32;
+    let blended_ns = BLENDED_NS + BLENDED_MATRIX_NS * matrices;
+    let found = match cache_use {
+        CacheUse::Never => [None, None],
+        CacheUse::Cpu => [
+            error.map(|e| (Kind::Cached, e, blended_ns)),
+            step_error.map(|e| (Kind::Step, e, STEP_NS)),
+        ],
+        // A record costs no more than a step, and its error is less.
+        CacheUse::Gpu => [error.map(|e| (Kind::Record, e, RECORD_NS)), None],
+    };
+    found.into_iter().flatten()
 }
 
 /// Workload of evaluating `poses` poses of a level.

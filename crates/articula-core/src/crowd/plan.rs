@@ -1,7 +1,7 @@
 //! Evaluation plan of a frame: characters sorted by level and source of their pose, divided into
 //! batches, and the palette of each.
 
-use super::keys::{FACES, KEYS, KINDS, Kind, SectionKeys};
+use super::keys::{KEYS, KINDS, Kind, SectionKeys, rest_row};
 use super::share::Leader;
 use crate::joint_lods::JointLods;
 use crate::palette::PaletteMap;
@@ -9,12 +9,13 @@ use crate::simd::LANES;
 use std::ops::Range;
 
 /// One visible character and its palette.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(C)]
 pub struct Draw {
     /// Index of the character.
     pub character: u32,
-    /// Index of the first matrix of its palette, among all matrices written in this frame.
+    /// Index of the first matrix of its palette: among all matrices written in this frame, or, of a
+    /// step, among those of the cache.
     pub first_matrix: u32,
 }
 
@@ -40,6 +41,17 @@ pub struct RecordGroup {
     pub matrices: usize,
 }
 
+/// Stepped characters of one level: each shows a cached palette as it is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StepGroup {
+    /// Level of the characters.
+    pub level: usize,
+    /// Range of [`DrawList::stepped`], and of their draws.
+    pub steps: Range<usize>,
+    /// Number of matrices of one palette.
+    pub matrices: usize,
+}
+
 /// Visible characters of a frame, and where their palettes are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawList {
@@ -52,6 +64,11 @@ pub struct DrawList {
     /// Characters that the GPU blends, each from two palettes of the model's cache, in the order of
     /// the groups; [`Crowd::evaluate_records`](super::Crowd::evaluate_records) writes their records.
     pub recorded: Vec<u32>,
+    /// Steps grouped by level; their characters are not among the draws.
+    pub step_groups: Vec<StepGroup>,
+    /// Characters that show the palette of the model's cache that is nearest in time, in the order of
+    /// the groups; [`Crowd::evaluate_steps`](super::Crowd::evaluate_steps) writes their draws.
+    pub stepped: Vec<u32>,
     /// Number of batches to evaluate, of up to eight poses each.
     pub batches: usize,
     /// Number of matrices that all batches write.
@@ -63,12 +80,15 @@ pub struct DrawList {
     /// Number of records, from the first on, with morph target weights: those of record `i` are set
     /// `morph_draws + i`.
     pub morph_records: usize,
+    /// Number of steps, from the first on, with morph target weights: those of step `i` are set
+    /// `morph_draws + morph_records + i`.
+    pub morph_steps: usize,
 }
 
 impl DrawList {
     /// Number of sets of morph target weights of the frame.
     pub fn morph_sets(&self) -> usize {
-        self.morph_draws + self.morph_records
+        self.morph_draws + self.morph_records + self.morph_steps
     }
 
     /// Adds draws to the group of their level, which is the last one.
@@ -95,7 +115,19 @@ impl DrawList {
         }
     }
 
-    /// Has all draws and records so far show morph targets, if any of this level does.
+    /// Adds steps to the group of their level, which is the last one.
+    fn step_as(&mut self, level: usize, steps: Range<usize>, matrices: usize) {
+        match self.step_groups.last_mut().filter(|g| g.level == level) {
+            Some(group) => group.steps.end = steps.end,
+            None => self.step_groups.push(StepGroup {
+                level,
+                steps,
+                matrices,
+            }),
+        }
+    }
+
+    /// Has all draws, records and steps so far show morph targets, if any of this level does.
     fn show_morphs(&mut self, level: usize) {
         if let Some(group) = self.groups.last().filter(|g| g.level == level) {
             self.morph_draws = group.draws.end;
@@ -103,13 +135,21 @@ impl DrawList {
         if let Some(group) = self.record_groups.last().filter(|g| g.level == level) {
             self.morph_records = group.records.end;
         }
+        if let Some(group) = self.step_groups.last().filter(|g| g.level == level) {
+            self.morph_steps = group.steps.end;
+        }
     }
 
     /// Character of a set of morph target weights.
     pub(crate) fn character_of(&self, set: usize) -> usize {
-        let draw = self.draws[..self.morph_draws].get(set);
-        let record = || self.recorded[set - self.morph_draws];
-        draw.map_or_else(record, |d| d.character) as usize
+        let character = if let Some(draw) = self.draws[..self.morph_draws].get(set) {
+            draw.character
+        } else {
+            let set = set - self.morph_draws;
+            let record = self.recorded[..self.morph_records].get(set);
+            *record.unwrap_or_else(|| &self.stepped[set - self.morph_records])
+        };
+        character as usize
     }
 }
 
@@ -151,9 +191,11 @@ pub(crate) struct LevelCounts {
     /// Poses evaluated for several characters, and these characters.
     pub(crate) leaders: usize,
     pub(crate) followers: usize,
-    /// Palettes blended from cached ones, and records of such blends.
+    /// Palettes blended from cached ones, records of such blends, and cached palettes shown as they
+    /// are.
     pub(crate) cached: usize,
     pub(crate) recorded: usize,
+    pub(crate) stepped: usize,
 }
 
 /// Where the next character of one level and source goes.
@@ -172,9 +214,10 @@ struct Room {
     /// The same of shared poses: numbers by level, and where the next one goes.
     leaders: [usize; JointLods::MAX_LEVELS],
     leader_slots: [Slot; JointLods::MAX_LEVELS],
-    /// Draws, records, matrices and shared poses that have a place.
+    /// Draws, records, steps, matrices and shared poses that have a place.
     draws: usize,
     records: usize,
+    steps: usize,
     matrices: usize,
     shared: usize,
 }
@@ -187,6 +230,7 @@ impl Room {
             leader_slots: [Slot::default(); JointLods::MAX_LEVELS],
             draws: 0,
             records: 0,
+            steps: 0,
             matrices: 0,
             shared: 0,
         };
@@ -202,6 +246,15 @@ impl Room {
     }
 }
 
+/// Records or steps of one row of keys, which are in the order of the sections. A group of a level has
+/// up to two.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Run {
+    pub(crate) level: usize,
+    /// Range of their list.
+    pub(crate) at: Range<usize>,
+}
+
 /// The plan of one frame.
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {
@@ -210,6 +263,8 @@ pub(crate) struct Plan {
     leaders: Vec<u32>,
     leader_matrices: Vec<u32>,
     batches: Vec<Batch>,
+    record_runs: Vec<Run>,
+    step_runs: Vec<Run>,
     drawn: DrawList,
 }
 
@@ -219,16 +274,21 @@ impl Plan {
             counts: vec![LevelCounts::default(); levels],
             leaders: Vec::with_capacity(characters),
             leader_matrices: Vec::with_capacity(characters),
-            batches: Vec::with_capacity(characters / LANES + levels * FACES * KINDS),
+            batches: Vec::with_capacity(characters / LANES + 2 * levels * KINDS),
+            record_runs: Vec::with_capacity(2 * levels),
+            step_runs: Vec::with_capacity(2 * levels),
             drawn: DrawList {
                 groups: Vec::with_capacity(levels),
                 draws: Vec::with_capacity(characters),
                 record_groups: Vec::with_capacity(levels),
                 recorded: Vec::with_capacity(characters),
+                step_groups: Vec::with_capacity(levels),
+                stepped: Vec::with_capacity(characters),
                 batches: 0,
                 matrices: 0,
                 morph_draws: 0,
                 morph_records: 0,
+                morph_steps: 0,
             },
         }
     }
@@ -246,13 +306,18 @@ impl Plan {
         self.batches.clear();
         self.drawn.groups.clear();
         self.drawn.record_groups.clear();
-        (self.drawn.morph_draws, self.drawn.morph_records) = (0, 0);
+        self.drawn.step_groups.clear();
+        self.record_runs.clear();
+        self.step_runs.clear();
+        self.drawn.morph_draws = 0;
+        self.drawn.morph_records = 0;
+        self.drawn.morph_steps = 0;
         for level in 0..self.counts.len() {
             self.counts[level] = LevelCounts::default();
-            self.lay_out(level * FACES, palette.len(level), &mut room);
+            self.lay_out(level, level, palette.len(level), &mut room);
             if level < morph_levels {
                 self.drawn.show_morphs(level);
-                self.lay_out(level * FACES + 1, palette.len(level), &mut room);
+                self.lay_out(level, rest_row(level), palette.len(level), &mut room);
             }
         }
         self.place_leaders(leaders, &mut room.leader_slots);
@@ -261,14 +326,14 @@ impl Plan {
         self.drawn.matrices = room.matrices;
     }
 
-    /// Gives the characters and poses of a row of keys, a level with faces shown or at rest, whose
-    /// palettes have so many matrices, their places behind those of the rows before.
-    fn lay_out(&mut self, row: usize, matrices: usize, room: &mut Room) {
-        let level = row / FACES;
-        let counts = [0, 1, 2, 3, 4].map(|kind| room.slots[row * KINDS + kind].at as usize);
-        let [clip, blend, cached, follow, record] = counts;
+    /// Gives the characters and poses of a row of keys, whose palettes have so many matrices, their
+    /// places behind those of the rows before. The row is of a level with faces as they are shown, or
+    /// at rest.
+    fn lay_out(&mut self, level: usize, row: usize, matrices: usize, room: &mut Room) {
+        let counts = [0, 1, 2, 3, 4, 5].map(|kind| room.slots[row * KINDS + kind].at as usize);
+        let [clip, blend, cached, follow, record, step] = counts;
         // Shared poses are those of the level, whatever the faces.
-        let has_leaders = row.is_multiple_of(FACES);
+        let has_leaders = row == level;
         let leaders = if has_leaders { room.leaders[level] } else { 0 };
         let sums = &mut self.counts[level];
         sums.own += clip + blend;
@@ -277,6 +342,7 @@ impl Plan {
         sums.followers += follow;
         sums.cached += cached;
         sums.recorded += record;
+        sums.stepped += step;
         let mut batch = Batch {
             first: 0,
             first_matrix: 0,
@@ -324,19 +390,30 @@ impl Plan {
         room.slots[row * KINDS + Kind::Record as usize].at = room.records as u32;
         if record > 0 {
             let records = room.records..room.records + record;
+            self.record_runs.push(Run {
+                level,
+                at: records.clone(),
+            });
             self.drawn.record_as(level, records, matrices);
         }
         room.records += record;
+        room.slots[row * KINDS + Kind::Step as usize].at = room.steps as u32;
+        if step > 0 {
+            let steps = room.steps..room.steps + step;
+            self.step_runs.push(Run {
+                level,
+                at: steps.clone(),
+            });
+            self.drawn.step_as(level, steps, matrices);
+        }
+        room.steps += step;
     }
 
     /// Puts the characters of every section into their places.
     fn place<'a>(&mut self, sections: impl Iterator<Item = &'a SectionKeys>, room: &mut Room) {
-        let nobody = Draw {
-            character: 0,
-            first_matrix: 0,
-        };
-        self.drawn.draws.resize(room.draws, nobody);
+        self.drawn.draws.resize(room.draws, Draw::default());
         self.drawn.recorded.resize(room.records, 0);
+        self.drawn.stepped.resize(room.steps, 0);
         for section in sections {
             let mut rest = section.order();
             let counts = section.counts().iter().enumerate();
@@ -348,11 +425,16 @@ impl Plan {
                 let slot = &mut room.slots[key];
                 let places = slot.at as usize..slot.at as usize + characters.len();
                 slot.at += characters.len() as u32;
-                if key % KINDS == Kind::Record as usize {
+                let kind = key % KINDS;
+                if kind == Kind::Record as usize {
                     self.drawn.recorded[places].copy_from_slice(characters);
                     continue;
                 }
-                let is_own = key % KINDS != Kind::Follow as usize;
+                if kind == Kind::Step as usize {
+                    self.drawn.stepped[places].copy_from_slice(characters);
+                    continue;
+                }
+                let is_own = kind != Kind::Follow as usize;
                 for (draw, character) in self.drawn.draws[places].iter_mut().zip(characters) {
                     let first_matrix = if is_own {
                         let next = slot.matrix + slot.step;
@@ -388,6 +470,16 @@ impl Plan {
 
     pub(crate) fn draw_list(&self) -> &DrawList {
         &self.drawn
+    }
+
+    /// Records by level and face.
+    pub(crate) fn record_runs(&self) -> &[Run] {
+        &self.record_runs
+    }
+
+    /// Steps by level and face.
+    pub(crate) fn step_runs(&self) -> &[Run] {
+        &self.step_runs
     }
 
     /// Numbers of characters and poses by level.
@@ -471,7 +563,10 @@ mod tests {
 
     /// Two sections with characters at two levels, from every source.
     fn sections() -> [SectionKeys; 2] {
-        let mut sections = [SectionKeys::new(0, 16, 2), SectionKeys::new(16, 54, 2)];
+        let mut sections = [
+            SectionKeys::new(0, 16, 2, 2),
+            SectionKeys::new(16, 54, 2, 2),
+        ];
         for (characters, level, kind) in [
             (10..19, 1, Kind::Clip),
             (5..6, 0, Kind::Clip),
@@ -481,6 +576,8 @@ mod tests {
             (21..22, 1, Kind::Record),
             (22..23, 0, Kind::Record),
             (69..70, 1, Kind::Record),
+            (3..5, 0, Kind::Step),
+            (30..32, 1, Kind::Step),
         ] {
             for character in characters {
                 let [first, second] = &mut sections;
@@ -509,14 +606,16 @@ mod tests {
         let mut plan = Plan::new(70, 2);
         for _ in 0..2 {
             // Without levels that show morph targets, with the first one, and with all.
-            for (levels, sets) in [(0, (0, 0)), (2, (14, 3)), (1, (4, 1))] {
+            for (levels, sets) in [(0, (0, 0, 0)), (2, (14, 3, 4)), (1, (4, 1, 2))] {
                 plan.make(sections.iter(), &leaders, &palette, levels);
                 let list = plan.draw_list();
-                assert_eq!((list.morph_draws, list.morph_records), sets);
+                let found = (list.morph_draws, list.morph_records, list.morph_steps);
+                assert_eq!(found, sets);
+                assert_eq!(list.morph_sets(), sets.0 + sets.1 + sets.2);
             }
             let list = plan.draw_list();
-            let characters: Vec<usize> = (0..5).map(|set| list.character_of(set)).collect();
-            assert_eq!(characters, [5, 7, 8, 9, 22]);
+            let characters: Vec<usize> = (0..7).map(|set| list.character_of(set)).collect();
+            assert_eq!(characters, [5, 7, 8, 9, 22, 3, 4]);
             // At the first level the matrices of clips, of blends and of shared poses.
             let mut expected = vec![(5, 0), (7, 3), (8, 6), (9, 6)];
             expected.extend((0..10).map(|i| (if i < 9 { 10 + i } else { 20 }, 9 + i)));
@@ -530,6 +629,10 @@ mod tests {
             let groups = list.record_groups.iter();
             let groups = groups.map(|g| (g.level, g.records.clone(), g.matrices));
             assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..1, 3), (1, 1..3, 1)]);
+            assert_eq!(list.stepped, [3, 4, 30, 31]);
+            let groups = list.step_groups.iter();
+            let groups = groups.map(|g| (g.level, g.steps.clone(), g.matrices));
+            assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..2, 3), (1, 2..4, 1)]);
             let batches = plan.batches().iter();
             let batches = batches.map(|b| (b.level(), b.poses(), b.is_cached()));
             let mut expected = vec![(0, 1, false); 3];
@@ -549,6 +652,7 @@ mod tests {
                 followers: 2,
                 cached: 0,
                 recorded: 1,
+                stepped: 2,
             };
             assert_eq!(plan.counts()[0], counts);
         }
@@ -561,5 +665,57 @@ mod tests {
         let characters = plan.draw_list().draws.iter().map(|d| d.character);
         assert_eq!(characters.collect::<Vec<_>>(), [16, 17, 18, 20]);
         assert_eq!(plan.draw_list().recorded, [22, 21, 69]);
+        assert_eq!(plan.draw_list().stepped, [30, 31]);
+    }
+
+    #[test]
+    fn faces_at_rest_come_last_in_their_level() {
+        let (palette, mut sections) = (palette(), sections());
+        // Those that blend and follow, a record and one of two steps of each level.
+        let [first, second] = &mut sections;
+        for character in [4, 7, 8] {
+            first.set(character, first.get(character).at_rest());
+        }
+        for character in [21, 30] {
+            second.set(character - 16, second.get(character - 16).at_rest());
+        }
+        second.set(0, Key::new(0, Kind::Step));
+        assert_eq!(first.get(4).level(), Some(0));
+        assert_eq!(second.get(5).level(), Some(1));
+        assert!(sections.iter_mut().all(SectionKeys::sort));
+        let leaders = [Leader {
+            clip: 0,
+            level: 0,
+            secs: 0.0,
+        }];
+        let mut plan = Plan::new(70, 2);
+        for _ in 0..2 {
+            plan.make(sections.iter(), &leaders, &palette, 2);
+            let list = plan.draw_list();
+            let draws = list.draws.iter().map(|d| (d.character, d.first_matrix));
+            // The shared pose is that of both faces; its matrices come before those at rest.
+            let expected = [(5, 0), (9, 3), (7, 6), (8, 3), (10, 9)];
+            assert_eq!(draws.take(5).collect::<Vec<_>>(), expected);
+            let groups = list.groups.iter().map(|g| (g.level, g.draws.clone()));
+            assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..4), (1, 4..13)]);
+            assert_eq!(list.recorded, [22, 69, 21]);
+            assert_eq!(list.stepped, [3, 16, 4, 31, 30]);
+            let groups = list.step_groups.iter();
+            let groups = groups.map(|g| (g.level, g.steps.clone()));
+            assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..3), (1, 3..5)]);
+            let of = |runs: &[Run]| runs.iter().map(|r| r.at.clone()).collect::<Vec<_>>();
+            assert_eq!(of(plan.record_runs()), [0..1, 1..2, 2..3]);
+            assert_eq!(of(plan.step_runs()), [0..2, 2..3, 3..4, 4..5]);
+            // Up to the last of each list that shows morph targets.
+            let sets = (list.morph_draws, list.morph_records, list.morph_steps);
+            assert_eq!(sets, (13, 2, 4));
+            let characters: Vec<usize> = (12..19).map(|set| list.character_of(set)).collect();
+            assert_eq!(characters, [20, 22, 69, 3, 16, 4, 31]);
+            let counts = plan.counts()[0];
+            assert_eq!((counts.own, counts.blended, counts.followers), (2, 1, 2));
+            assert_eq!((counts.recorded, counts.stepped), (1, 3));
+        }
+        // Without levels that show morph targets there is no room for faces at rest.
+        assert_eq!(SectionKeys::new(0, 1, 3, 0).counts().len(), 3 * KINDS);
     }
 }

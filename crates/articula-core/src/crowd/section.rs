@@ -14,6 +14,7 @@ use super::morph_levels::MorphLevels;
 use super::places::{ANEW, CELL, CELL_TILES, WorldBounds};
 use super::root_path::RootDelta;
 use super::share::Sharing;
+use super::weights::Weights;
 use crate::simd::{LANES, Tile};
 use crate::sphere::Sphere;
 use crate::visibility::{Bands, BoxSight, Sight, View, look, look_at_box};
@@ -78,6 +79,8 @@ pub struct CrowdSection {
     keep_least: Vec<Tile>,
     keep_most: Vec<Tile>,
     pub(super) sight: Sight,
+    /// Importance and scale of the last frame.
+    pub(super) weights: Weights,
     /// Characters that are shown, one bit each.
     shown: Vec<u8>,
     /// Mode of the last tick.
@@ -103,12 +106,13 @@ impl CrowdSection {
             world: WorldBounds::new(len),
             renew: vec![u8::MAX; tiles],
             roots: vec![RootDelta::default(); if model.has_paths() { len } else { 0 }],
-            keys: SectionKeys::new(first, len, model.levels()),
+            keys: SectionKeys::new(first, len, model.levels(), model.morphs().0),
             options: vec![NO_OPTION; len],
             morphs: MorphLevels::new(model, len),
             keep_least: vec![Tile([ANEW[0]; LANES]); tiles],
             keep_most: vec![Tile([ANEW[1]; LANES]); tiles],
             sight: Sight::new(tiles),
+            weights: Weights::default(),
             shown: vec![0; tiles],
             mode: Mode::NONE,
             is_sorted_anew: false,
@@ -142,6 +146,7 @@ impl CrowdSection {
         self.advance(step, tell);
         self.renew_bounds(step);
         self.world.update(&frame, &self.bounds);
+        self.weigh(&frame);
         self.look(step, &frame);
         if step.mode.choosing != Choosing::Shared {
             self.choose(step, &frame, None, tell);
@@ -213,8 +218,21 @@ impl CrowdSection {
         self.world.cells[character / CELL].is_fresh = true;
     }
 
+    /// Has the levels of characters chosen again whose importance or scale has changed.
+    fn weigh(&mut self, frame: &Frame<'_>) {
+        let mut weights = std::mem::take(&mut self.weights);
+        weights.update(frame, self.len(), |character| {
+            self.set_keep(character, ANEW);
+            self.world.cells[character / CELL].is_fresh = true;
+        });
+        self.weights = weights;
+    }
+
+    /// Sets the range of tolerances, in metres of the unscaled character without importance, in which a
+    /// character keeps its level.
     #[inline]
-    pub(super) fn set_keep(&mut self, character: usize, [least, most]: [f32; 2]) {
+    pub(super) fn set_keep(&mut self, character: usize, range: [f32; 2]) {
+        let [least, most] = range.map(|metres| metres / self.weights.of(character));
         let (tile, lane) = (character / LANES, character % LANES);
         self.keep_least[tile].0[lane] = least;
         self.keep_most[tile].0[lane] = most;
@@ -276,7 +294,7 @@ impl CrowdSection {
         let count = self.len();
         let tiles = self.clocks.tiles();
         for (c, cell) in self.world.cells.iter_mut().enumerate() {
-            let may_skip = mode.is_plain && !cell.is_fresh;
+            let may_skip = mode.skips && !cell.is_fresh;
             if may_skip && step.same_views && (step.same_px || cell.visible == 0) {
                 continue;
             }
@@ -296,7 +314,7 @@ impl CrowdSection {
                     cell.is_stale = true;
                     if cell.visible > 0 {
                         // Whoever keeps a level is within the tolerance.
-                        cell.bound_px = px;
+                        cell.bound_px = px * self.weights.most_multiplier();
                     }
                     continue;
                 }
@@ -337,7 +355,7 @@ impl CrowdSection {
             for tile in tiles.clone() {
                 let visible = self.sight.visible[tile];
                 let before = std::mem::replace(&mut self.shown[tile], visible);
-                let leaves = if step.mode.is_plain {
+                let leaves = if step.mode.keeps {
                     self.sight.leaves[tile]
                 } else {
                     visible
@@ -382,7 +400,7 @@ impl CrowdSection {
         for tile in tiles {
             visible += self.sight.visible[tile].count_ones();
             near += self.sight.near[tile].count_ones();
-            if mode.is_plain && mode.choosing == Choosing::Options {
+            if mode.keeps && mode.choosing == Choosing::Options {
                 let seen = self.sight.visible[tile];
                 let (least, most) = (&self.keep_least[tile].0, &self.keep_most[tile].0);
                 let metres = &self.sight.metres_per_px[tile].0;
@@ -392,7 +410,9 @@ impl CrowdSection {
                     keeps[0][lane] = keeps[0][lane].max(or(least[lane], 0.0));
                     keeps[1][lane] = keeps[1][lane].min(or(most[lane], f32::INFINITY));
                     // The least tolerance is the error of the option.
-                    bounds[lane] = bounds[lane].max(or(least[lane] / metres[lane], 0.0));
+                    let multiplier = self.weights.multiplier(tile * LANES + lane);
+                    let px = multiplier * least[lane] / metres[lane];
+                    bounds[lane] = bounds[lane].max(or(px, 0.0));
                 }
             }
         }
@@ -424,7 +444,7 @@ impl CrowdSection {
             if self.keys.get(character) == Key::HIDDEN {
                 continue;
             }
-            let pixels_per_metre = self.pixels_per_metre(character);
+            let pixels_per_metre = self.pixels_per_metre(character) / self.weights.of(character);
             if self.clocks.is_fading(character) {
                 sum.see_fading(model, &self.clocks.state(character), pixels_per_metre);
             } else {

@@ -269,6 +269,7 @@ impl Crowd {
             report.shared_poses += counts.leaders;
             report.sharing_characters += counts.followers;
             report.cached += counts.cached + counts.recorded;
+            report.stepped += counts.stepped;
             let poses = (counts.own + counts.leaders) as u64;
             report.work += evaluated(model.parts(), level, poses);
         }

@@ -17,6 +17,6 @@ pub use cull::{ApproachSpeed, Bodies, CullResult, Visibility, cull, secs_until_g
 pub use density::MIN_DEPTH_METRES;
 pub use frustum::Tangents;
 pub(crate) use look::{Bands, BoxSight, Sight, Spheres, look, look_at_box, look_at_one};
-pub use occlusion::Occlusion;
+pub use occlusion::{BoxOcclusion, Occlusion};
 pub use view::View;
 pub(crate) use world_bounds::{carry_four, filled};

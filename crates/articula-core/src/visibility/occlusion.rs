@@ -21,6 +21,7 @@ use crate::capsule::Capsule;
 use crate::motion_bounds::Bound;
 use crate::view::Camera;
 use glam::{Mat3, Quat, Vec2, Vec3, Vec4};
+use std::ops::Range;
 
 /// Depth in metres; capsules and boxes nearer to the eye hide nothing and are not hidden.
 const NEAR_METRES: f32 = 0.05;
@@ -43,6 +44,34 @@ const ARC: [(f32, f32); 5] = {
         (0.0, 1.0),
     ]
 };
+
+/// What is hidden of the bodies in a box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BoxOcclusion {
+    /// Nothing of any body in it.
+    Nothing,
+    /// Perhaps some; each body has a fraction of its own.
+    Some,
+    /// Every body in it, wholly.
+    All,
+}
+
+/// The part of a grid in front of a box.
+enum Reach {
+    /// The box is outside the picture.
+    Nowhere,
+    /// The box reaches the eye or is not finite.
+    Eye,
+    Cells(Rectangle),
+}
+
+/// Cells in front of a box, and its depths with a margin for rounding.
+struct Rectangle {
+    columns: Range<usize>,
+    rows: Range<usize>,
+    nearest: f32,
+    farthest: f32,
+}
 
 /// Depth grid of one camera, into which occluders are drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -180,8 +209,50 @@ impl Occlusion {
         let centre = 0.5 * (bound.least + bound.greatest);
         let half = (0.5 * scale) * (bound.greatest - bound.least);
         let world_from_model = Mat3::from_quat(rotation);
-        let middle = self.view(position + world_from_model * (centre * scale));
-        let turned = self.camera_from_world * world_from_model;
+        let middle = position + world_from_model * (centre * scale);
+        match self.rectangle(middle, half, world_from_model) {
+            Reach::Cells(rectangle) => {
+                let [hidden, cells] = self.hidden_cells(&rectangle, rectangle.nearest);
+                hidden as f32 / cells as f32
+            }
+            Reach::Nowhere | Reach::Eye => 0.0,
+        }
+    }
+
+    /// Returns what of an axis-aligned box of the world is hidden, so that bodies in it need not be tested
+    /// one by one. Does not allocate.
+    pub fn occluded_box(&self, least: Vec3, greatest: Vec3) -> BoxOcclusion {
+        let (middle, half) = (0.5 * (least + greatest), 0.5 * (greatest - least));
+        match self.rectangle(middle, half, Mat3::IDENTITY) {
+            Reach::Nowhere => BoxOcclusion::Nothing,
+            Reach::Eye => BoxOcclusion::Some,
+            Reach::Cells(rectangle) => {
+                let [all, cells] = self.hidden_cells(&rectangle, rectangle.nearest);
+                let [any, _] = self.hidden_cells(&rectangle, rectangle.farthest);
+                match (any, all) {
+                    (0, _) => BoxOcclusion::Nothing,
+                    (_, all) if all == cells => BoxOcclusion::All,
+                    _ => BoxOcclusion::Some,
+                }
+            }
+        }
+    }
+
+    /// Number of cells of a rectangle that hide everything from a depth on, and of all its cells.
+    fn hidden_cells(&self, rectangle: &Rectangle, depth: f32) -> [usize; 2] {
+        let Rectangle { columns, rows, .. } = rectangle;
+        let of_rows = &self.depths[rows.start * self.columns..rows.end * self.columns];
+        let hidden: usize = of_rows
+            .chunks_exact(self.columns)
+            .map(|row| row[columns.clone()].iter().filter(|d| **d <= depth).count())
+            .sum();
+        [hidden, columns.len() * rows.len()]
+    }
+
+    /// Cells and depths of a box around a point of the world, with its half size and rotation.
+    fn rectangle(&self, middle: Vec3, half: Vec3, world_from_box: Mat3) -> Reach {
+        let middle = self.view(middle);
+        let turned = self.camera_from_world * world_from_box;
         let (x, y, z) = (
             turned.x_axis * half.x,
             turned.y_axis * half.y,
@@ -201,7 +272,7 @@ impl Occlusion {
         let depths = corner(middle.z, x.z, y.z, z.z);
         let nearest = depths[0].min(depths[1]).min_element();
         if !(nearest >= NEAR_METRES && middle.is_finite()) {
-            return 0.0;
+            return Reach::Eye;
         }
         let scales = depths.map(|depths| 1.0 / depths);
         let range = |values: [Vec4; 2], cells: f32, middle: f32, most: usize| {
@@ -209,20 +280,19 @@ impl Occlusion {
             let least = at[0].min(at[1]).min_element() - ROUNDING_CELLS;
             let greatest = at[0].max(at[1]).max_element() + ROUNDING_CELLS;
             // A cast truncates towards zero and saturates.
-            (least as usize, ((greatest + 1.0) as usize).min(most))
+            least as usize..((greatest + 1.0) as usize).min(most)
         };
-        let (left, right) = range(xs, self.cells.x, self.middle.x, self.columns);
-        let (top, bottom) = range(ys, -self.cells.y, self.middle.y, self.rows);
-        if left >= right || top >= bottom {
-            return 0.0;
+        let columns = range(xs, self.cells.x, self.middle.x, self.columns);
+        let rows = range(ys, -self.cells.y, self.middle.y, self.rows);
+        if columns.is_empty() || rows.is_empty() {
+            return Reach::Nowhere;
         }
-        let nearest = nearest * (1.0 - 1e-5);
-        let rows =
-            self.depths[top * self.columns..bottom * self.columns].chunks_exact(self.columns);
-        let hidden: usize = rows
-            .map(|row| row[left..right].iter().filter(|d| **d <= nearest).count())
-            .sum();
-        hidden as f32 / ((right - left) * (bottom - top)) as f32
+        Reach::Cells(Rectangle {
+            columns,
+            rows,
+            nearest: nearest * (1.0 - 1e-5),
+            farthest: depths[0].max(depths[1]).max_element(),
+        })
     }
 
     /// Right, up and depth of a point of the world.
@@ -500,5 +570,54 @@ mod tests {
             grid.draw(&ball(Vec3::NEG_Z * 5.0, 1.0));
             assert_eq!(grid.occluded(&cube, behind, Quat::IDENTITY, 1.0), 0.0);
         }
+    }
+
+    #[test]
+    fn a_box_speaks_for_the_bodies_in_it() {
+        let mut grid = grid();
+        let wall = Vec3::new(3.0, 2.0, 0.1);
+        grid.draw_box(Vec3::new(-2.0, 0.0, -8.0), wall, Quat::from_rotation_y(0.3));
+        grid.draw(&ball(Vec3::new(5.0, 0.0, -12.0), 1.5));
+        let body = bound(Vec3::new(0.3, 0.9, 0.3));
+        let mut found = [0; 3];
+        // Rows of five bodies, one metre apart, across the picture, in front of and behind both.
+        for (row, depth) in (-20..20).flat_map(|x| (2..30).map(move |z| (x, z))) {
+            let at = |i: usize| Vec3::new(row as f32 * 0.8 + i as f32, 0.0, -(depth as f32));
+            let bodies = (0..5).map(|i| {
+                let turn = Quat::from_rotation_y(i as f32);
+                grid.occluded(&body, at(i), turn, 1.0)
+            });
+            let fractions: Vec<f32> = bodies.collect();
+            // A turned body stays within its radius.
+            let reach = Vec3::new(0.43, 0.9, 0.43);
+            match grid.occluded_box(at(0) - reach, at(4) + reach) {
+                BoxOcclusion::Nothing => {
+                    found[0] += 1;
+                    assert!(fractions.iter().all(|f| *f == 0.0), "{fractions:?}");
+                }
+                BoxOcclusion::Some => found[1] += 1,
+                BoxOcclusion::All => {
+                    found[2] += 1;
+                    // Those outside of the picture are not in front of any cell.
+                    assert!(
+                        fractions.iter().all(|f| [0.0, 1.0].contains(f)),
+                        "{fractions:?}"
+                    );
+                    assert!(fractions.contains(&1.0));
+                }
+            }
+        }
+        assert!(found.iter().all(|n| *n > 5), "{found:?}");
+        let everywhere = Vec3::splat(1e3);
+        assert_eq!(
+            grid.occluded_box(-everywhere, everywhere),
+            BoxOcclusion::Some
+        );
+        let behind = Vec3::new(0.0, 0.0, 50.0);
+        assert_eq!(
+            grid.occluded_box(behind, behind + 1.0),
+            BoxOcclusion::Some,
+            "at the eye"
+        );
     }
 }

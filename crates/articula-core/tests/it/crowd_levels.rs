@@ -5,12 +5,12 @@ use crate::crowd::{Square, camera, fixed_figure, model, parts, with_cache};
 use articula_core::budget::CostModel;
 use articula_core::crowd::{
     CacheUse, CharacterState, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport, Culling,
-    Detail, Frame,
+    Detail, Frame, Moved,
 };
 use articula_core::visibility::{View, Visibility};
 use articula_core::{
-    Attention, AttentionInterval, Bound, Clip, ClipBounds, ClipLodErrors, MotionBounds, Sphere,
-    Tracks, Viewport,
+    Attention, AttentionInterval, Bound, Camera, Clip, ClipBounds, ClipLodErrors, MotionBounds,
+    Sphere, Tracks, Viewport,
 };
 use glam::{Quat, Vec3};
 
@@ -481,6 +481,60 @@ fn levels_follow_importance_and_scale_while_nobody_moves() {
         let coarsest = levels(&back, &mut crowd);
         assert!(coarsest.iter().all(|l| *l == crowd.level(29)));
         assert_eq!(levels(&changed, &mut crowd), fine(1.0));
+    }
+}
+
+/// While importance, scales and the camera change and cells are skipped, nobody is coarser than its
+/// tolerance, nor finer than the hysteresis keeps it.
+#[test]
+fn levels_hold_while_importance_and_scale_change() {
+    let (rig, clips, sets) = fixed_figure();
+    let model = model(&rig, &clips, &sets);
+    let count = 300;
+    let places = row(count);
+    let mut crowd = Crowd::new(&model, count);
+    let mut importance = vec![1.0; count];
+    let mut scales = vec![1.0; count];
+    for step in 0..60 {
+        let eye = Camera {
+            eye: camera().eye + Vec3::Z * (step / 4) as f32 * 0.5,
+            ..camera()
+        };
+        let views = [View::of(&eye)];
+        if step % 5 == 0 {
+            importance[step * 7 % count] = [4.0, 0.5, 1.0][step % 3];
+            scales[step * 13 % count] = [2.0, 0.5, 1.0][step % 3];
+        }
+        let frame = Frame {
+            importance: &importance,
+            scales: &scales,
+            // Scales are told like places.
+            moved: Moved::All,
+            ..frame(&places, &views, Detail::Tolerance { px: 1.0 })
+        };
+        let report = crowd.tick(&model, &frame, &mut |_| {});
+        let mut worst = 0.0_f32;
+        for c in 0..count {
+            let Some(level) = crowd.level(c) else {
+                continue;
+            };
+            let span = crowd.cull_result(c).pixels_per_metre * scales[c];
+            let error_px = |level: usize| 0.01 * level as f32 * span;
+            let tolerance_px = 1.0 / importance[c];
+            assert!(
+                error_px(level) <= tolerance_px * 1.0001,
+                "{c} in frame {step}"
+            );
+            let coarser = level + 1;
+            if coarser < levels(&model) {
+                assert!(
+                    error_px(coarser) * 1.26 > tolerance_px,
+                    "{c} in frame {step}"
+                );
+            }
+            worst = worst.max(error_px(level));
+        }
+        assert!(report.bound_px >= worst * 0.9999, "frame {step}");
     }
 }
 

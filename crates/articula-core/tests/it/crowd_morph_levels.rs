@@ -3,6 +3,7 @@
 
 use crate::crowd::{Square, camera, fixed_figure, model, parts, with_cache};
 use crate::crowd_morphs::{REST, by_hand, owners, weights, with_morphs};
+use crate::crowd_steps::{STEP_METRES, steps, with_steps};
 use articula_core::Clip;
 use articula_core::crowd::{
     CacheUse, CharacterState, ClipState, Crowd, CrowdEvent, CrowdModel, Detail, Frame, MorphClips,
@@ -17,19 +18,24 @@ const ORDER: [u16; 3] = [3, 0, 1];
 const COUNTS: [u16; 3] = [3, 1, 0];
 const ERRORS: [[f32; 3]; 2] = [[0.0, 0.004, 0.006], [0.0, 0.0, 0.009]];
 
-fn lods() -> MorphLods {
-    let errors = ERRORS.map(|e| e.to_vec());
+fn lods(scale: f32) -> MorphLods {
+    let errors = ERRORS.map(|e| e.map(|metres| scale * metres).to_vec());
     MorphLods::new(ORDER.to_vec(), COUNTS.to_vec(), &errors).unwrap()
 }
 
 /// A crowd's model of which the finest levels show morph targets, with a pose cache.
 fn animated(levels: usize) -> (CrowdModel, Vec<Clip>) {
+    animated_by(levels, 1.0)
+}
+
+/// The same with so many times the errors of faces.
+fn animated_by(levels: usize, scale: f32) -> (CrowdModel, Vec<Clip>) {
     let (rig, clips, sets) = fixed_figure();
     let clips = with_morphs(&clips);
-    let cached = with_cache(model(&rig, &clips, &sets));
+    let cached = with_steps(with_cache(model(&rig, &clips, &sets)));
     let mut parts = parts(&rig, &clips, &sets);
     parts.cache.clone_from(&cached.parts().cache);
-    parts.morphs = Some(MorphClips::with_lods(&clips, &REST, levels, lods()).unwrap());
+    parts.morphs = Some(MorphClips::with_lods(&clips, &REST, levels, lods(scale)).unwrap());
     (CrowdModel::new(parts).unwrap(), clips)
 }
 
@@ -202,8 +208,48 @@ fn a_change_of_the_face_alone_is_told_with_its_jump() {
 }
 
 #[test]
+fn a_jump_counts_body_source_and_face() {
+    let levels = fixed_figure().2.len() + 1;
+    let (model, _) = animated(levels);
+    assert_eq!(model.parts().clips.joint_lods().levels(), levels);
+    let camera = camera();
+    let views = [View::of(&camera)];
+    let places = Square {
+        positions: vec![Vec3::new(0.0, -1.0, -40.0)],
+        rotations: vec![Quat::IDENTITY],
+    };
+    let mut crowd = Crowd::new(&model, 1);
+    let mut told = Vec::new();
+    for px in [0.0, 50.0, 0.0] {
+        let frame = Frame {
+            cache: CacheUse::Cpu,
+            dt_secs: 0.0,
+            ..places.frame(&views, px, false)
+        };
+        crowd.tick(&model, &frame, &mut |event| {
+            if let CrowdEvent::Level { jump_px, .. } = event {
+                told.push(jump_px);
+            }
+        });
+        if px > 0.0 {
+            let list = crowd.draw_list();
+            assert_eq!((list.stepped.len(), list.morph_sets()), (1, 0));
+        }
+    }
+    let span = crowd.cull_result(0).pixels_per_metre;
+    let body = model.error_metres(0, 0, levels - 1);
+    let jump_px = (body + STEP_METRES + 0.006) * span;
+    assert!(body > 0.0 && told.len() == 3 && told[0] == 0.0);
+    for px in &told[1..] {
+        assert!((px / jump_px - 1.0).abs() < 1e-4, "{told:?}, {jump_px}");
+    }
+}
+
+#[test]
 fn threads_and_ranges_change_no_bit_and_nothing_allocates() {
     let (model, _) = animated(2);
+    // Faces that are worth a set of weights where the body is shown by a step.
+    let (of_steps, _) = animated_by(fixed_figure().2.len() + 1, 10.0);
     let count = 2500;
     let places = Square {
         positions: (0..count)
@@ -213,19 +259,19 @@ fn threads_and_ranges_change_no_bit_and_nothing_allocates() {
     };
     let camera = camera();
     let frame_of = |i: usize| 0.25 + 0.25 * (i % 8) as f32;
-    let bytes = |is_threaded: bool| {
-        let mut crowd = played(&model, &places, (1.0, CacheUse::Gpu));
+    let bytes = |is_threaded: bool, (model, cache): (&CrowdModel, CacheUse)| {
+        let mut crowd = played(model, &places, (1.0, cache));
         let mut all = Vec::new();
         for i in 0..8 {
             let views = [View::of(&camera)];
             let frame = Frame {
-                cache: CacheUse::Gpu,
+                cache,
                 ..places.frame(&views, frame_of(i), false)
             };
             let mut events = Vec::new();
             let tell = &mut |event| events.push(event);
             if is_threaded {
-                crowd.tick_on(&model, &frame, tell, |sections, tick| {
+                crowd.tick_on(model, &frame, tell, |sections, tick| {
                     std::thread::scope(|threads| {
                         for section in sections {
                             threads.spawn(|| tick(section));
@@ -233,27 +279,48 @@ fn threads_and_ranges_change_no_bit_and_nothing_allocates() {
                     });
                 });
             } else {
-                crowd.tick(&model, &frame, tell);
+                crowd.tick(model, &frame, tell);
             }
             let list = crowd.draw_list();
             let mut records = vec![Default::default(); list.recorded.len()];
-            crowd.evaluate_records(&model, 0..records.len(), &mut records);
+            crowd.evaluate_records(model, 0..records.len(), &mut records);
             let characters = records.iter().map(|r| r.character);
             assert!(characters.eq(list.recorded.iter().copied()));
+            for (at, record) in records.iter().enumerate().step_by(3) {
+                let mut alone = [Default::default()];
+                crowd.evaluate_records(model, at..at + 1, &mut alone);
+                assert_eq!(alone[0], *record);
+            }
+            let stepped = steps(&crowd, model, usize::MAX);
+            assert_eq!(steps(&crowd, model, 1), stepped);
+            let characters = stepped.iter().map(|d| d.character);
+            assert!(characters.eq(list.stepped.iter().copied()));
             let mut sets = vec![0.0; list.morph_sets() * REST.len()];
             for set in (0..list.morph_sets()).rev() {
                 let out = &mut sets[set * REST.len()..][..REST.len()];
-                crowd.evaluate_morphs(&model, set..set + 1, out);
+                crowd.evaluate_morphs(model, set..set + 1, out);
             }
-            assert_eq!(sets, weights(&crowd, &model));
-            all.push((events, list.clone(), records, sets));
+            assert_eq!(sets, weights(&crowd, model));
+            all.push((events, list.clone(), records, stepped, sets));
         }
         all
     };
-    let plain = bytes(false);
-    assert_eq!(plain, bytes(true));
-    let rows = plain.iter().map(|f| f.1.record_groups.len());
-    assert!(rows.max() > Some(0), "records are used");
+    for (model, cache) in [(&model, CacheUse::Gpu), (&of_steps, CacheUse::Cpu)] {
+        let plain = bytes(false, (model, cache));
+        assert_eq!(plain, bytes(true, (model, cache)));
+        // Of one level in the order of the sections, then once more: faces that are shown, and at rest.
+        let is_split = plain.iter().any(|(_, list, ..)| match cache {
+            CacheUse::Gpu => list.record_groups.iter().any(|g| {
+                let characters = &list.recorded[g.records.clone()];
+                !characters.is_sorted_by_key(|c| c / 1024)
+            }),
+            _ => list.step_groups.iter().any(|g| {
+                let characters = &list.stepped[g.steps.clone()];
+                !characters.is_sorted_by_key(|c| c / 1024)
+            }),
+        });
+        assert!(is_split, "{cache:?}");
+    }
     let mut crowd = played(&model, &places, (1.0, CacheUse::Gpu));
     let mut out = vec![0.0; count * REST.len()];
     let counted = allocation_counter::measure(|| {

@@ -2,6 +2,7 @@
 //! that show them, the same for any division into ranges, without allocation.
 
 use crate::crowd::{Square, camera, fixed_figure, model, parts, with_cache};
+use crate::crowd_steps::with_steps;
 use articula_core::crowd::{
     CacheUse, CharacterState, ClipState, Crowd, CrowdModel, DrawList, Frame, MorphClips,
 };
@@ -44,7 +45,7 @@ pub(crate) fn with_morphs(clips: &[Clip]) -> Vec<Clip> {
 fn animated(levels: usize) -> (CrowdModel, Vec<Clip>) {
     let (rig, clips, sets) = fixed_figure();
     let clips = with_morphs(&clips);
-    let cached = with_cache(model(&rig, &clips, &sets));
+    let cached = with_steps(with_cache(model(&rig, &clips, &sets)));
     let mut parts = parts(&rig, &clips, &sets);
     parts.cache.clone_from(&cached.parts().cache);
     parts.morphs = Some(MorphClips::new(&clips, &REST, levels).unwrap());
@@ -94,7 +95,15 @@ pub(crate) fn owners(list: &DrawList) -> Vec<(usize, usize)> {
         records.iter().map(|r| (*r as usize, g.level))
     });
     let draws = draws.take(list.morph_draws);
-    draws.chain(records.take(list.morph_records)).collect()
+    let steps = list.step_groups.iter().flat_map(|g| {
+        let steps = &list.stepped[g.steps.clone()];
+        steps.iter().map(|s| (*s as usize, g.level))
+    });
+    let cached = records.take(list.morph_records);
+    draws
+        .chain(cached)
+        .chain(steps.take(list.morph_steps))
+        .collect()
 }
 
 /// Weights by the plain sampler, each clip over the defaults, then blended.
@@ -118,8 +127,10 @@ pub(crate) fn by_hand(state: &CharacterState, clips: &[Clip]) -> Vec<f32> {
 #[test]
 fn every_face_shows_its_own_clips_and_times() {
     let square = Square::new(240);
-    let (mut shared, mut recorded, mut faded) = (0, 0, 0);
-    for levels in [1, 2] {
+    let (mut shared, mut recorded, mut stepped, mut faded) = (0, 0, 0, 0);
+    // Where coarser levels without faces are cheaper, nobody steps at one with a face.
+    let all = fixed_figure().2.len() + 1;
+    for levels in [1, 2, all] {
         let (model, clips) = animated(levels);
         for share in [false, true] {
             for cache in [CacheUse::Never, CacheUse::Cpu, CacheUse::Gpu] {
@@ -145,10 +156,11 @@ fn every_face_shows_its_own_clips_and_times() {
                 }
                 shared += usize::from(share) * list.morph_draws;
                 recorded += list.morph_records;
+                stepped += list.morph_steps;
             }
         }
     }
-    assert!(shared > 0 && recorded > 0 && faded > 0);
+    assert!(shared > 0 && recorded > 0 && stepped > 0 && faded > 0);
 }
 
 #[test]

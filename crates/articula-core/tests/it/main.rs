@@ -13,6 +13,7 @@ mod crowd_morph_levels;
 mod crowd_morphs;
 mod crowd_sections;
 mod crowd_selection;
+mod crowd_steps;
 mod drift;
 mod loa;
 mod occlusion;

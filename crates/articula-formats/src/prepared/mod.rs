@@ -28,5 +28,5 @@ pub use joint_levels::{
     write_paired_levels,
 };
 pub use order::{SourceOrder, read_source_orders, restore_order, write_source_orders};
-pub use pose_keys::{CacheKeys, read_cache_keys, write_cache_keys};
+pub use pose_keys::{CACHE_KEYS_VERSION, CacheKeys, read_cache_keys, write_cache_keys};
 pub use skins::{read_level_skins, write_level_skins};

@@ -6,18 +6,30 @@
 use super::numbers::{Numbers, Writer};
 use crate::error::ReadError;
 use crate::limits::Limits;
-use articula_core::{CachedKeys, JointLods};
+use articula_core::{CachedKeys, CachedSteps, JointLods};
 
-/// Keys of each clip at each level; `None` where poses are evaluated.
-pub type CacheKeys = Vec<Vec<Option<CachedKeys>>>;
+/// Version of the layout that is written: the second one has palettes that are shown as they are.
+pub const CACHE_KEYS_VERSION: u64 = 2;
 
-/// Encodes the keys of a pose cache.
-pub fn write_cache_keys(keys: &[Vec<Option<CachedKeys>>]) -> Vec<u8> {
+/// What a pose cache holds, for each clip and in it for each level.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CacheKeys {
+    /// Keys of palettes to be blended; `None` where poses are evaluated.
+    pub keys: Vec<Vec<Option<CachedKeys>>>,
+    /// Palettes that are shown as they are; `None` where none is.
+    pub steps: Vec<Vec<Option<CachedSteps>>>,
+}
+
+/// Encodes the keys of a pose cache. A level that is in one of the lists alone has nothing of the other.
+pub fn write_cache_keys(
+    keys: &[Vec<Option<CachedKeys>>],
+    steps: &[Vec<Option<CachedSteps>>],
+) -> Vec<u8> {
     let mut out = Writer::default();
     out.count(keys.len());
-    for levels in keys {
+    for (clip, levels) in keys.iter().enumerate() {
         out.count(levels.len());
-        for keys in levels {
+        for (level, keys) in levels.iter().enumerate() {
             let times = keys.as_ref().map_or(&[][..], |k| &k.times_secs);
             out.count(times.len());
             if let Some(keys) = keys {
@@ -25,25 +37,36 @@ pub fn write_cache_keys(keys: &[Vec<Option<CachedKeys>>]) -> Vec<u8> {
                 out.float(keys.error_metres);
                 out.floats(times);
             }
+            let steps = steps.get(clip).and_then(|of_clip| *of_clip.get(level)?);
+            out.count(steps.map_or(0, |s| s.count as usize));
+            if let Some(steps) = steps {
+                out.count(steps.first_matrix as usize);
+                out.float(steps.error_metres);
+            }
         }
     }
     out.0
 }
 
-/// Decodes the output of [`write_cache_keys`].
+/// Decodes the output of [`write_cache_keys`], or keys of version 1, which have no steps.
 ///
 /// # Errors
 /// [`ReadError::Malformed`] with the byte offset, [`ReadError::LimitExceeded`].
-pub fn read_cache_keys(bytes: &[u8], limits: &Limits) -> Result<CacheKeys, ReadError> {
+pub fn read_cache_keys(
+    bytes: &[u8],
+    version: u64,
+    limits: &Limits,
+) -> Result<CacheKeys, ReadError> {
     let mut r = Numbers::new(bytes, limits)?;
     let clips = r.count(1, "clips")?;
-    let mut keys = Vec::with_capacity(clips);
+    let mut found = CacheKeys::default();
     for _ in 0..clips {
         let levels = r.at_most(JointLods::MAX_LEVELS, "a number of levels")?;
-        let mut of_clip = Vec::with_capacity(levels);
+        let mut keys = Vec::with_capacity(levels);
+        let mut steps = Vec::with_capacity(levels);
         for _ in 0..levels {
             let count = r.count(4, "keys")?;
-            of_clip.push(match count {
+            keys.push(match count {
                 0 => None,
                 _ => Some(CachedKeys {
                     first_matrix: r.at_most(u32::MAX as usize, "a matrix")? as u32,
@@ -51,9 +74,23 @@ pub fn read_cache_keys(bytes: &[u8], limits: &Limits) -> Result<CacheKeys, ReadE
                     times_secs: r.groups(count, |[secs]| secs)?,
                 }),
             });
+            let count = match version {
+                1 => 0,
+                // What their palettes take is checked before they are evaluated.
+                _ => r.at_most(u32::MAX as usize, "a number of steps")?,
+            };
+            steps.push(match count {
+                0 => None,
+                _ => Some(CachedSteps {
+                    count: count as u32,
+                    first_matrix: r.at_most(u32::MAX as usize, "a matrix")? as u32,
+                    error_metres: r.float()?,
+                }),
+            });
         }
-        keys.push(of_clip);
+        found.keys.push(keys);
+        found.steps.push(steps);
     }
     r.bytes.end()?;
-    Ok(keys)
+    Ok(found)
 }

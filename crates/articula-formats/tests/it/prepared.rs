@@ -3,15 +3,15 @@
 use articula_core::crowd::{RootDelta, RootTrajectory};
 use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{
-    Articulation, Binding, Bound, CachedKeys, Clip, ClipBounds, ClipLodErrors, FigureLevel,
-    JointArticulation, JointLods, LevelSkin, LevelSkins, LodErrors, Mesh, MotionBounds, PaletteMap,
-    Region, Rig, Sphere, Track, Tracks, Transform,
+    Articulation, Binding, Bound, CachedKeys, CachedSteps, Clip, ClipBounds, ClipLodErrors,
+    FigureLevel, JointArticulation, JointLods, LevelSkin, LevelSkins, LodErrors, Mesh,
+    MotionBounds, PaletteMap, Region, Rig, Sphere, Track, Tracks, Transform,
 };
 use articula_formats::prepared::{
-    ClipsInPlace, JointLevels, PairedLevels, SourceOrder, read_cache_keys, read_clips,
-    read_clips_in_place, read_joint_levels, read_level_skins, read_motion_bounds,
-    read_paired_levels, read_source_orders, restore_order, write_cache_keys, write_clips,
-    write_clips_in_place, write_joint_levels, write_level_skins, write_motion_bounds,
+    CACHE_KEYS_VERSION, CacheKeys, ClipsInPlace, JointLevels, PairedLevels, SourceOrder,
+    read_cache_keys, read_clips, read_clips_in_place, read_joint_levels, read_level_skins,
+    read_motion_bounds, read_paired_levels, read_source_orders, restore_order, write_cache_keys,
+    write_clips, write_clips_in_place, write_joint_levels, write_level_skins, write_motion_bounds,
     write_paired_levels, write_source_orders,
 };
 use articula_formats::{Limits, ReadError};
@@ -220,15 +220,21 @@ fn orders() -> Vec<SourceOrder> {
     ]
 }
 
-fn cache_keys() -> Vec<Vec<Option<CachedKeys>>> {
-    vec![vec![
-        None,
-        Some(CachedKeys {
-            times_secs: vec![0.0, 0.5, 1.75],
-            first_matrix: 300,
-            error_metres: 0.001,
-        }),
-    ]]
+fn cache_keys() -> CacheKeys {
+    let keys = CachedKeys {
+        times_secs: vec![0.0, 0.5, 1.75],
+        first_matrix: 300,
+        error_metres: 0.001,
+    };
+    let steps = CachedSteps {
+        count: 200,
+        first_matrix: 309,
+        error_metres: 0.25,
+    };
+    CacheKeys {
+        keys: vec![vec![None, Some(keys.clone())], vec![Some(keys), None]],
+        steps: vec![vec![None, Some(steps)], vec![None, Some(steps)]],
+    }
 }
 
 fn paired() -> PairedLevels {
@@ -288,10 +294,32 @@ fn every_part_comes_back() {
     assert_eq!(read_motion_bounds(&bytes, &limits()).unwrap(), bounds());
     let bytes = write_paired_levels(&paired());
     assert_eq!(read_paired_levels(&bytes, &limits()).unwrap(), paired());
-    let bytes = write_cache_keys(&cache_keys());
-    assert_eq!(read_cache_keys(&bytes, &limits()).unwrap(), cache_keys());
+    let CacheKeys { keys, steps } = cache_keys();
+    let bytes = write_cache_keys(&keys, &steps);
+    let read = |bytes: &[u8], version| read_cache_keys(bytes, version, &limits()).unwrap();
+    assert_eq!(read(&bytes, CACHE_KEYS_VERSION), cache_keys());
     let bytes = write_source_orders(&orders());
     assert_eq!(read_source_orders(&bytes, &limits()).unwrap(), orders());
+}
+
+/// Version 1 of the part had no steps: a clip, a level, two keys.
+#[test]
+fn cache_keys_of_version_1_have_no_steps() {
+    let mut bytes = vec![1, 1, 2, 0xac, 0x02];
+    for number in [0.125f32, 0.0, 1.5] {
+        bytes.extend(number.to_le_bytes());
+    }
+    let keys = CachedKeys {
+        times_secs: vec![0.0, 1.5],
+        first_matrix: 300,
+        error_metres: 0.125,
+    };
+    let expected = CacheKeys {
+        keys: vec![vec![Some(keys)]],
+        steps: vec![vec![None]],
+    };
+    assert_eq!(read_cache_keys(&bytes, 1, &limits()).unwrap(), expected);
+    assert!(read_cache_keys(&bytes, CACHE_KEYS_VERSION, &limits()).is_err());
 }
 
 /// Checks that a part that is cut short is an error, and that mutations of it never panic.
@@ -339,8 +367,9 @@ fn other_bytes_are_errors_and_never_a_panic() {
     endure(&write_paired_levels(&paired()), |b| {
         read_paired_levels(b, &limits())
     });
-    endure(&write_cache_keys(&cache_keys()), |b| {
-        read_cache_keys(b, &limits())
+    let CacheKeys { keys, steps } = cache_keys();
+    endure(&write_cache_keys(&keys, &steps), |b| {
+        read_cache_keys(b, CACHE_KEYS_VERSION, &limits())
     });
     endure(&write_source_orders(&orders()), |b| {
         read_source_orders(b, &limits())

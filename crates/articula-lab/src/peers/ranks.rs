@@ -67,19 +67,24 @@ impl Ranks {
     /// arguments: held characters are evaluated at multiples of their interval, each shifted by its
     /// index so that they do not all fall into one frame.
     pub(crate) fn moments(&self, camera: &Camera, positions: &[Vec3], secs: f64) -> Vec<Moment> {
-        let mut moments: Vec<Moment> = positions
-            .iter()
-            .map(|_| Moment {
+        let near = |p: &Vec3| is_visible(camera, *p).then(|| p.distance_squared(camera.eye));
+        self.moments_of(positions.iter().map(near), secs)
+    }
+
+    /// The same by the squared distance of each character, `None` of those outside of the pictures.
+    pub(crate) fn moments_of(
+        &self,
+        distances: impl Iterator<Item = Option<f32>>,
+        secs: f64,
+    ) -> Vec<Moment> {
+        let (mut moments, mut nearest) = (Vec::new(), Vec::new());
+        for (i, distance) in distances.enumerate() {
+            nearest.extend(distance.map(|d| (d, i)));
+            moments.push(Moment {
                 rank: Rank::Hidden,
                 secs,
-            })
-            .collect();
-        let mut nearest: Vec<(f32, usize)> = positions
-            .iter()
-            .enumerate()
-            .filter(|(_, p)| is_visible(camera, **p))
-            .map(|(i, p)| (p.distance_squared(camera.eye), i))
-            .collect();
+            });
+        }
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (rank, (_, i)) in nearest.into_iter().enumerate() {
             moments[i] = self.moment(rank, i, secs);

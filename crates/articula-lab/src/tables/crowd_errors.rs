@@ -158,18 +158,18 @@ fn of(path: &Path, opened: CharacterFile, frames: usize) -> Result<Option<Found>
 
 /// Plays a crowd. Returns the matrices written per visible character, and the errors.
 fn played_as(asset: &CrowdAsset, play: Play, frames: usize) -> Result<(f64, ErrorSummary)> {
-    let scene = plaza(CHARACTERS, asset.clips().len(), SEED, Plaza::Still);
+    let scene = plaza(CHARACTERS, &[asset.clips().len()], SEED, Plaza::Still);
     let options = SceneOptions {
         detail: DetailGoal::Tolerance(TOLERANCE_PX),
         share: false,
         cache: play.cache,
         hiders: Hiders::Nothing,
     };
-    let mut player = ScenePlayer::new(asset, &scene, options)?;
+    let mut player = ScenePlayer::new(std::slice::from_ref(asset), &scene, options)?;
     if let Some(scales) = play.scales {
         for character in 0..CHARACTERS {
             let scale = scales[character % scales.len()];
-            player.player_mut().set_scale(character, scale);
+            player.crowds_mut()[0].set_scale(character, scale);
         }
     }
     let mut meter = ErrorMeter::new(asset, SEED);
@@ -183,11 +183,11 @@ fn played_as(asset: &CrowdAsset, play: Play, frames: usize) -> Result<(f64, Erro
             0.0
         };
         player.plan(step)?;
-        player.player_mut().evaluate();
+        player.crowds_mut()[0].evaluate();
         if is_counted && (frame - WARM_UP).is_multiple_of(LOOK_EVERY) {
-            let camera = player.camera()?;
-            samples.push(meter.measure(player.player(), player.secs(), &camera));
-            for group in player.player().groups() {
+            let cameras = player.cameras()?;
+            samples.push(meter.measure(&player.crowds()[0], player.secs(), &cameras));
+            for group in player.crowds()[0].groups() {
                 used += group.matrices * group.draws.len();
                 shown += group.draws.len();
             }

@@ -11,10 +11,11 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 /// Names of the files with the buffers.
-pub(super) const BUFFER_FILES: [&str; 8] = [
+pub(super) const BUFFER_FILES: [&str; 9] = [
     "palettes.bin",
     "draws.bin",
     "records.bin",
+    "stepped.bin",
     "cached.bin",
     "morph_weights.bin",
     "transforms.bin",
@@ -27,7 +28,7 @@ pub(super) const BUFFER_FILES: [&str; 8] = [
 pub struct BufferManifest {
     /// `articula-crowd-buffers`.
     pub format: &'static str,
-    /// Version of the layouts, 1.
+    /// Version of the layouts, 2.
     pub version: u32,
     /// Form of all palettes: `matrix`, `half`, `rigid` or `half-rigid`.
     pub form: &'static str,
@@ -43,6 +44,8 @@ pub struct BufferManifest {
     pub draws: DrawnManifest,
     /// Characters whose palette is blended from two cached ones.
     pub records: DrawnManifest,
+    /// Characters that show a cached palette as it is.
+    pub stepped: DrawnManifest,
     /// Number of weights of a set of morph target weights.
     pub morph_targets: usize,
     /// Weights of characters without a set.
@@ -55,7 +58,7 @@ pub struct BufferManifest {
 
 /// Sizes of the buffers in bytes, in the order of [`CrowdBuffers::FILES`](super::CrowdBuffers::FILES).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct BufferSizes(pub [usize; 8]);
+pub struct BufferSizes(pub [usize; 9]);
 
 impl Serialize for BufferSizes {
     fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
@@ -67,7 +70,7 @@ impl Serialize for BufferSizes {
     }
 }
 
-/// A list of characters by level: draws or records.
+/// A list of characters by level: draws, records or stepped draws.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DrawnManifest {
     /// Number of them.
@@ -80,7 +83,7 @@ pub struct DrawnManifest {
     pub groups: Vec<GroupManifest>,
 }
 
-/// Draws or records of one level.
+/// Draws, records or stepped draws of one level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct GroupManifest {
     /// The level.
@@ -149,12 +152,13 @@ impl BufferManifest {
         };
         let draws = list.groups.iter();
         let records = list.record_groups.iter();
+        let stepped = list.step_groups.iter();
         Self {
             format: "articula-crowd-buffers",
-            version: 1,
+            version: 2,
             form: form_name(parts.form),
             characters: player.positions().len(),
-            bytes: BufferSizes([0; 8]),
+            bytes: BufferSizes([0; 9]),
             palette_matrices: list.matrices,
             cached_matrices: cached,
             draws: DrawnManifest {
@@ -168,6 +172,12 @@ impl BufferManifest {
                 with_morph_sets: list.morph_records,
                 first_morph_set: list.morph_draws,
                 groups: records.map(|g| group(g.level, &g.records)).collect(),
+            },
+            stepped: DrawnManifest {
+                count: list.stepped.len(),
+                with_morph_sets: list.morph_steps,
+                first_morph_set: list.morph_draws + list.morph_records,
+                groups: stepped.map(|g| group(g.level, &g.steps)).collect(),
             },
             morph_targets: morphs.map_or(0, |m| m.targets()),
             morph_defaults: player.asset().full().mesh.morph_weights.clone(),
@@ -223,7 +233,8 @@ fn levels(player: &CrowdPlayer) -> Vec<LevelManifest> {
         let made = LevelManifest {
             matrices: asset.level(level).matrices,
             vertices_at,
-            vertices: mesh.len(),
+            // Points on the bones of a character without a mesh are not drawn.
+            vertices: if asset.has_mesh() { mesh.len() } else { 0 },
             vertex_bytes: vertex_bytes(mesh),
             influences: stored_influences(mesh),
             triangles_at,

@@ -1,6 +1,6 @@
 //! What a GPU reads in a frame of a crowd, as bytes.
 //!
-//! Form: `docs/formats/crowd-buffers.md`, version 1. A renderer in the same program reads the arrays of a
+//! Form: `docs/formats/crowd-buffers.md`, version 2. A renderer in the same program reads the arrays of a
 //! [`CrowdPlayer`] instead, which have the same layout and are not copied; these bytes are for files, other
 //! programs and tests.
 
@@ -11,6 +11,7 @@ use super::palettes::{PaletteSlice, rows};
 use super::player::CrowdPlayer;
 use crate::error::{Error, Result};
 use articula_core::CachedRows;
+use articula_core::crowd::Draw;
 
 /// The buffers of one frame, each little endian and without gaps, and what they hold.
 ///
@@ -21,8 +22,10 @@ use articula_core::CachedRows;
 ///
 /// # fn sent(player: &CrowdPlayer) -> articula::Result<()> {
 /// let buffers = CrowdBuffers::new(player)?;
-/// let characters = buffers.manifest.draws.count + buffers.manifest.records.count;
-/// assert_eq!(buffers.draws.len() + buffers.records.len() / 2, 8 * characters);
+/// let manifest = &buffers.manifest;
+/// let characters = manifest.draws.count + manifest.records.count + manifest.stepped.count;
+/// let draws = buffers.draws.len() + buffers.stepped.len();
+/// assert_eq!(draws + buffers.records.len() / 2, 8 * characters);
 /// # Ok(())
 /// # }
 /// ```
@@ -36,7 +39,9 @@ pub struct CrowdBuffers {
     pub draws: Vec<u8>,
     /// Blend records of 16 bytes: two indices of first matrices, blend, character.
     pub records: Vec<u8>,
-    /// Cached palettes that the records refer to.
+    /// Draws of 8 bytes: character, index of the first matrix among the cached ones.
+    pub stepped: Vec<u8>,
+    /// Cached palettes that records and stepped draws refer to.
     pub cached: Vec<u8>,
     /// Sets of morph target weights, 4 bytes each.
     pub morph_weights: Vec<u8>,
@@ -53,7 +58,7 @@ impl CrowdBuffers {
     pub const MANIFEST: &'static str = "crowd.json";
 
     /// Names of the files with the buffers, in the order of the fields.
-    pub const FILES: [&'static str; 8] = BUFFER_FILES;
+    pub const FILES: [&'static str; 9] = BUFFER_FILES;
 
     /// Copies the buffers of a player's current frame, which must be evaluated.
     ///
@@ -68,13 +73,13 @@ impl CrowdBuffers {
             ));
         }
         let list = player.crowd().draw_list();
-        let draws = list.draws.iter();
         let records = player.records().iter();
         let characters = 0..player.positions().len();
         let cache = asset.model().parts().cache.as_ref();
         let mut vertices = Vec::new();
         let mut triangles = Vec::new();
-        for mesh in (0..asset.levels()).map(|level| asset.mesh(level)) {
+        let levels = if asset.has_mesh() { asset.levels() } else { 0 };
+        for mesh in (0..levels).map(|level| asset.mesh(level)) {
             push_vertices(mesh, &mut vertices);
             triangles.extend(
                 mesh.triangles
@@ -86,11 +91,9 @@ impl CrowdBuffers {
         let mut buffers = Self {
             manifest: BufferManifest::new(player),
             palettes: palette_bytes(player.palettes()),
-            draws: draws
-                .flat_map(|d| [d.character, d.first_matrix])
-                .flat_map(u32::to_le_bytes)
-                .collect(),
+            draws: draw_bytes(&list.draws),
             records: records.flat_map(|r| r.to_le_bytes()).collect(),
+            stepped: draw_bytes(player.stepped()),
             cached: cache.map_or_else(Vec::new, |c| cached_bytes(c.rows())),
             morph_weights: floats(player.morph_weights()).collect(),
             transforms: characters
@@ -116,11 +119,12 @@ impl CrowdBuffers {
     }
 
     /// The buffers in the order of [`FILES`](Self::FILES).
-    fn parts(&self) -> [&Vec<u8>; 8] {
+    fn parts(&self) -> [&Vec<u8>; 9] {
         [
             &self.palettes,
             &self.draws,
             &self.records,
+            &self.stepped,
             &self.cached,
             &self.morph_weights,
             &self.transforms,
@@ -128,6 +132,11 @@ impl CrowdBuffers {
             &self.triangles,
         ]
     }
+}
+
+fn draw_bytes(draws: &[Draw]) -> Vec<u8> {
+    let words = draws.iter().flat_map(|d| [d.character, d.first_matrix]);
+    words.flat_map(u32::to_le_bytes).collect()
 }
 
 fn halves(numbers: &[u16]) -> impl Iterator<Item = u8> + '_ {

@@ -4,13 +4,13 @@
 //! ([`Occlusion`]). Who is wholly hidden keeps its clock, its events and its root motion, and is not
 //! evaluated.
 
-use super::asset::CrowdAsset;
 use super::player::CrowdPlayer;
 use crate::error::{Error, Result};
 use articula_build::{Scene, Wall, occluders};
-use articula_core::visibility::Occlusion;
-use articula_core::{Bound, Camera, Capsule, Sphere};
-use glam::Quat;
+use articula_core::visibility::{BoxOcclusion, Occlusion};
+use articula_core::{Bound, Camera, Capsule, ClipBounds, Sphere};
+use glam::{Quat, Vec3};
+use std::f32::consts::SQRT_2;
 
 /// Cells of the grid.
 const GRID: (usize, usize) = (160, 90);
@@ -20,6 +20,9 @@ const CAPSULES: usize = 4;
 
 /// Number of characters, the nearest ones, that hide others.
 const HIDING: usize = 128;
+
+/// Number of neighbours in the order of the crowd that are first looked at together.
+const TOGETHER: usize = 16;
 
 /// What hides the characters of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -33,22 +36,109 @@ pub enum Hiders {
     Everything,
 }
 
-/// A grid, and the occluded fraction of each character.
+/// What is hidden in each view of a scene.
 #[derive(Debug)]
 pub(super) struct Hidden {
-    grid: Occlusion,
     walls: Vec<Wall>,
+    /// Of each crowd.
+    hiding: Vec<Hiding>,
+    views: Vec<HiddenInView>,
+}
+
+/// How the characters of a crowd hide others, and are hidden.
+#[derive(Debug)]
+struct Hiding {
     /// Capsules inside the body, for each clip; empty where characters hide nobody.
     capsules: Vec<Vec<Capsule>>,
-    occluded: Vec<f32>,
-    /// Characters before the camera, by squared distance from the eye.
-    nearest: Vec<(f32, u32)>,
+    /// Distance from the origin of the character that its skin reaches in any clip, metres.
+    reach_metres: f32,
+}
+
+/// A grid, and the occluded fraction of each character of each crowd.
+#[derive(Debug)]
+struct HiddenInView {
+    grid: Occlusion,
+    occluded: Vec<Vec<f32>>,
+    /// Characters before the camera, by squared distance from the eye: crowd and character.
+    nearest: Vec<(f32, [u32; 2])>,
 }
 
 impl Hidden {
     /// Prepares what is drawn; `None` if nothing hides anybody.
-    pub(super) fn new(asset: &CrowdAsset, scene: &Scene, hiders: Hiders) -> Result<Option<Self>> {
-        let capsules: Vec<Vec<Capsule>> = match hiders {
+    pub(super) fn new(
+        crowds: &[CrowdPlayer],
+        scene: &Scene,
+        hiders: Hiders,
+    ) -> Result<Option<Self>> {
+        let hiding = crowds.iter().map(|crowd| Hiding::new(crowd, hiders));
+        let hiding: Vec<Hiding> = hiding.collect();
+        let characters_hide = hiding.iter().any(Hiding::hides);
+        let walls = match hiders {
+            Hiders::Nothing => Vec::new(),
+            _ => scene.walls.clone(),
+        };
+        if walls.is_empty() && !characters_hide {
+            return Ok(None);
+        }
+        let characters = scene.members.len();
+        let view = || {
+            Ok(HiddenInView {
+                grid: Occlusion::new(GRID.0, GRID.1).map_err(|e| Error::unsuited(e.to_string()))?,
+                occluded: crowds
+                    .iter()
+                    .map(|c| vec![0.0; c.positions().len()])
+                    .collect(),
+                nearest: Vec::with_capacity(if characters_hide { characters } else { 0 }),
+            })
+        };
+        let views = scene.views.iter().map(|_| view());
+        Ok(Some(Self {
+            walls,
+            hiding,
+            views: views.collect::<Result<_>>()?,
+        }))
+    }
+
+    /// Finds what each view's camera does not see. Does not allocate.
+    pub(super) fn look(&mut self, cameras: &[Camera], crowds: &[CrowdPlayer]) {
+        for (view, camera) in self.views.iter_mut().zip(cameras) {
+            view.grid.begin(camera);
+            for wall in &self.walls {
+                let turn = Quat::from_rotation_y(wall.yaw_radians);
+                view.grid.draw_box(wall.centre, 0.5 * wall.size, turn);
+            }
+            view.draw_characters(camera, crowds, &self.hiding);
+            if view.grid.is_empty() {
+                view.occluded.iter_mut().for_each(|o| o.fill(0.0));
+                continue;
+            }
+            let of_each = self.hiding.iter().zip(crowds);
+            for (occluded, (hiding, crowd)) in view.occluded.iter_mut().zip(of_each) {
+                look_at(&view.grid, camera, crowd, hiding.reach_metres, occluded);
+            }
+        }
+    }
+
+    /// Occluded fraction of each character of a crowd in a view.
+    pub(super) fn occluded(&self, view: usize, crowd: usize) -> &[f32] {
+        &self.views[view].occluded[crowd]
+    }
+
+    /// Number of characters that are wholly hidden in a view and shown in no other one.
+    pub(super) fn count(&self, crowds: &[CrowdPlayer]) -> usize {
+        let of = |(c, crowd): (usize, &CrowdPlayer)| {
+            let hidden = |i: &usize| self.views.iter().any(|v| v.occluded[c][*i] >= 1.0);
+            let all = (0..crowd.positions().len()).filter(hidden);
+            all.filter(|i| crowd.crowd().level(*i).is_none()).count()
+        };
+        crowds.iter().enumerate().map(of).sum()
+    }
+}
+
+impl Hiding {
+    fn new(crowd: &CrowdPlayer, hiders: Hiders) -> Self {
+        let asset = crowd.asset();
+        let capsules = match hiders {
             Hiders::Everything => {
                 let full = asset.full();
                 let clips = full.clips.iter();
@@ -56,79 +146,94 @@ impl Hidden {
             }
             _ => Vec::new(),
         };
-        let has_walls = hiders != Hiders::Nothing && !scene.walls.is_empty();
-        if !has_walls && capsules.iter().all(Vec::is_empty) {
-            return Ok(None);
-        }
-        let characters = scene.members.len();
-        Ok(Some(Self {
-            grid: Occlusion::new(GRID.0, GRID.1).map_err(|e| Error::unsuited(e.to_string()))?,
-            walls: scene.walls.clone(),
-            occluded: vec![0.0; characters],
-            nearest: Vec::with_capacity(if capsules.is_empty() { 0 } else { characters }),
+        let bounds = &asset.model().parts().bounds;
+        let most = |of: &dyn Fn(&ClipBounds) -> Sphere| {
+            let all = bounds.clips.iter().map(of);
+            let reaches = all.map(|sphere| sphere.centre.length() + sphere.radius);
+            reaches.fold(0.0, f32::max)
+        };
+        // The smallest sphere around two that lie in a ball leaves it by less than the root of 2.
+        let blended = SQRT_2 * most(&|clip| clip.anchors()) + bounds.reach_metres;
+        Self {
             capsules,
-        }))
+            reach_metres: most(&|clip| clip.whole().sphere).max(blended),
+        }
     }
 
-    /// Number of characters that are wholly hidden.
-    pub(super) fn count(&self) -> usize {
-        self.occluded.iter().filter(|o| **o >= 1.0).count()
+    fn hides(&self) -> bool {
+        self.capsules.iter().any(|of_clip| !of_clip.is_empty())
     }
+}
 
-    /// Occluded fraction of each character, seen by a camera. Does not allocate.
-    pub(super) fn look(&mut self, camera: &Camera, player: &CrowdPlayer) -> &[f32] {
-        self.grid.begin(camera);
-        for wall in &self.walls {
-            let turn = Quat::from_rotation_y(wall.yaw_radians);
-            self.grid.draw_box(wall.centre, 0.5 * wall.size, turn);
+/// Occluded fraction of each character of a crowd. Neighbours in the order are first looked at together.
+fn look_at(
+    grid: &Occlusion,
+    camera: &Camera,
+    crowd: &CrowdPlayer,
+    reach_metres: f32,
+    occluded: &mut [f32],
+) {
+    let (positions, forward) = (crowd.positions(), camera.forward());
+    let bounds = &crowd.asset().model().parts().bounds;
+    let groups = positions
+        .chunks(TOGETHER)
+        .zip(occluded.chunks_mut(TOGETHER));
+    for (group, (places, occluded)) in groups.enumerate() {
+        let first = group * TOGETHER;
+        let (mut least, mut greatest) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for (i, place) in places.iter().enumerate() {
+            let reach = reach_metres * crowd.scale(first + i);
+            least = least.min(*place - reach);
+            greatest = greatest.max(*place + reach);
         }
-        self.draw_characters(camera, player);
-        if self.grid.is_empty() {
-            self.occluded.fill(0.0);
-            return &self.occluded;
-        }
-        let bounds = &player.asset().model().parts().bounds;
-        let (crowd, forward) = (player.crowd(), camera.forward());
-        for (character, occluded) in self.occluded.iter_mut().enumerate() {
-            *occluded = 0.0;
-            let position = player.positions()[character];
-            let rotation = player.rotations()[character];
-            let state = crowd.state(character);
-            let clip = state.clip_state().clip();
-            let bound = match state.next() {
-                None => *bounds.clips[clip].whole(),
-                Some(next) => around(bounds.blended(clip, next.clip())),
-            };
-            let scale = player.scale(character);
-            let reach = scale * (bound.sphere.centre.length() + bound.sphere.radius);
-            if (position - camera.eye).dot(forward) > -reach {
-                *occluded = self.grid.occluded(&bound, position, rotation, scale);
+        match grid.occluded_box(least, greatest) {
+            BoxOcclusion::Nothing => occluded.fill(0.0),
+            BoxOcclusion::All => occluded.fill(1.0),
+            BoxOcclusion::Some => {
+                for (i, (place, occluded)) in places.iter().zip(occluded).enumerate() {
+                    let character = first + i;
+                    let scale = crowd.scale(character);
+                    *occluded = 0.0;
+                    if (*place - camera.eye).dot(forward) > -reach_metres * scale {
+                        let state = crowd.crowd().state(character);
+                        let clip = state.clip_state().clip();
+                        let bound = match state.next() {
+                            None => *bounds.clips[clip].whole(),
+                            Some(next) => around(bounds.blended(clip, next.clip())),
+                        };
+                        let turn = crowd.rotations()[character];
+                        *occluded = grid.occluded(&bound, *place, turn, scale);
+                    }
+                }
             }
         }
-        &self.occluded
     }
+}
 
+impl HiddenInView {
     /// Draws the nearest characters before the camera.
-    fn draw_characters(&mut self, camera: &Camera, player: &CrowdPlayer) {
-        if self.capsules.is_empty() {
-            return;
-        }
+    fn draw_characters(&mut self, camera: &Camera, crowds: &[CrowdPlayer], hiding: &[Hiding]) {
         self.nearest.clear();
         let forward = camera.forward();
-        for (character, position) in player.positions().iter().enumerate() {
-            let to = *position - camera.eye;
-            if to.dot(forward) > 0.0 {
-                self.nearest.push((to.length_squared(), character as u32));
+        let of_each = crowds.iter().zip(hiding).enumerate();
+        for (c, (crowd, _)) in of_each.filter(|(_, (_, hiding))| hiding.hides()) {
+            for (character, position) in crowd.positions().iter().enumerate() {
+                let to = *position - camera.eye;
+                if to.dot(forward) > 0.0 {
+                    let who = [c as u32, character as u32];
+                    self.nearest.push((to.length_squared(), who));
+                }
             }
         }
         if self.nearest.len() > HIDING {
             let by_distance =
-                |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+                |a: &(f32, [u32; 2]), b: &(f32, [u32; 2])| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
             self.nearest.select_nth_unstable_by(HIDING, by_distance);
             self.nearest.truncate(HIDING);
         }
-        for (_, character) in &self.nearest {
-            let character = *character as usize;
+        for (_, who) in &self.nearest {
+            let [crowd, character] = who.map(|i| i as usize);
+            let (hiding, player) = (&hiding[crowd], &crowds[crowd]);
             let state = player.crowd().state(character);
             // Between two clips the body may be anywhere.
             if state.next().is_some() {
@@ -136,7 +241,7 @@ impl Hidden {
             }
             let world = player.world_from_model(character);
             let scale = player.scale(character);
-            for capsule in &self.capsules[state.clip_state().clip()] {
+            for capsule in &hiding.capsules[state.clip_state().clip()] {
                 self.grid.draw(&Capsule {
                     ends: capsule.ends.map(|end| world.transform_point3(end)),
                     radius: capsule.radius * scale,

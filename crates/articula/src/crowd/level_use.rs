@@ -3,6 +3,7 @@
 use super::asset::CrowdAsset;
 use super::lod_error::{CharacterError, ErrorSample};
 use super::player::CrowdPlayer;
+use articula_core::crowd::Draw;
 use articula_core::{BlendRecord, percentile};
 use serde::Serialize;
 
@@ -29,6 +30,8 @@ pub struct LevelStatistics {
     pub blended: f64,
     /// Number of characters whose cached palettes the GPU blends from 16-byte records.
     pub records: f64,
+    /// Number of characters that show a cached palette as it is, from 8-byte draws.
+    pub steps: f64,
     /// Greatest error of the level over the clips, in millimetres: 95th percentile over vertices.
     pub error_mm: f32,
     /// The same error in pixels for the nearest character at this level over all frames, with that of
@@ -58,6 +61,8 @@ pub struct DrawCost {
     pub palette_bytes: f64,
     /// Bytes of blend records.
     pub record_bytes: f64,
+    /// Bytes of the draws of cached palettes.
+    pub step_bytes: f64,
     /// Number of skinned vertices.
     pub skinned_vertices: f64,
     /// Number of triangles drawn.
@@ -71,11 +76,12 @@ pub struct DrawCost {
 
 impl DrawCost {
     /// Sums the costs of all levels.
-    pub fn sum(tiers: &[LevelStatistics]) -> Self {
-        tiers.iter().fold(Self::default(), |sum, tier| Self {
+    pub fn sum<'a>(tiers: impl IntoIterator<Item = &'a LevelStatistics>) -> Self {
+        tiers.into_iter().fold(Self::default(), |sum, tier| Self {
             draw_groups: sum.draw_groups + tier.renderer.draw_groups,
             palette_bytes: sum.palette_bytes + tier.renderer.palette_bytes,
             record_bytes: sum.record_bytes + tier.renderer.record_bytes,
+            step_bytes: sum.step_bytes + tier.renderer.step_bytes,
             skinned_vertices: sum.skinned_vertices + tier.renderer.skinned_vertices,
             triangles: sum.triangles + tier.renderer.triangles,
             triangles_full: sum.triangles_full + tier.renderer.triangles_full,
@@ -99,6 +105,7 @@ struct Sums {
     shared: usize,
     blended: usize,
     records: usize,
+    steps: usize,
     groups: usize,
     most_px: f32,
     is_unbounded: bool,
@@ -160,6 +167,15 @@ impl LevelTally {
                 sums.see(player, group.level, *character as usize);
             }
         }
+        for group in &crowd.draw_list().step_groups {
+            let sums = &mut self.levels[group.level];
+            sums.groups += 1;
+            sums.steps += group.steps.len();
+            sums.characters += group.steps.len();
+            for character in &crowd.draw_list().stepped[group.steps.clone()] {
+                sums.see(player, group.level, *character as usize);
+            }
+        }
     }
 
     /// Returns statistics of every level that was used.
@@ -199,6 +215,7 @@ impl LevelTally {
             shared: mean(sums.shared),
             blended: mean(sums.blended),
             records: mean(sums.records),
+            steps: mean(sums.steps),
             error_mm: 1e3 * error_metres,
             error_bound_px: (!sums.is_unbounded).then_some(sums.most_px),
             error_px: (!errors.is_empty()).then(|| MeasuredError {
@@ -210,6 +227,7 @@ impl LevelTally {
                 palette_bytes: mean(sums.poses)
                     * (made.matrices * model.parts().form.bytes()) as f64,
                 record_bytes: mean(sums.records) * size_of::<BlendRecord>() as f64,
+                step_bytes: mean(sums.steps) * size_of::<Draw>() as f64,
                 skinned_vertices: mean(sums.characters) * made.vertices as f64,
                 triangles: mean(sums.characters) * made.triangles as f64,
                 triangles_full: mean(sums.characters) * asset.full().mesh.triangles.len() as f64,

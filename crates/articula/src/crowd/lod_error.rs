@@ -40,7 +40,7 @@ pub struct CharacterError {
     pub character: usize,
     /// Level of the character.
     pub level: usize,
-    /// Distance from the camera to the character's origin, in metres.
+    /// Distance from the nearest camera that sees it to the character's origin, in metres.
     pub distance_m: f32,
     /// 95th percentile over vertices, in pixels.
     pub p95_px: f64,
@@ -170,13 +170,13 @@ impl ErrorMeter {
         }
     }
 
-    /// Measures a frame whose palettes were just written; `secs` is only stored. Each call samples
-    /// different characters.
+    /// Measures a frame whose palettes were just written, seen by some cameras, the greatest error of
+    /// these for each vertex; `secs` is only stored. Each call samples different characters.
     ///
     /// # Panics
     /// If the crowd was made from another asset.
-    pub fn measure(&mut self, player: &CrowdPlayer, secs: f64, camera: &Camera) -> ErrorSample {
-        let visible = visible(player, camera);
+    pub fn measure(&mut self, player: &CrowdPlayer, secs: f64, cameras: &[Camera]) -> ErrorSample {
+        let visible = visible(player, cameras);
         // A new sample for each call.
         let seed = self.seed.wrapping_add(self.looks.wrapping_mul(0x9e37_79b9));
         self.looks += 1;
@@ -186,8 +186,10 @@ impl ErrorMeter {
         }
         let sources = player.sources();
         let mut characters = Vec::new();
-        for (&(character, level), is_sampled) in visible.iter().zip(is_sampled) {
-            let distance_m = camera.eye.distance(player.positions()[character]);
+        for (&(character, distance_m), is_sampled) in visible.iter().zip(is_sampled) {
+            let Some(level) = player.crowd().level(character) else {
+                continue;
+            };
             let Some(source) = &sources[character] else {
                 continue;
             };
@@ -209,7 +211,7 @@ impl ErrorMeter {
             }
             watch.place(&mut self.shown);
             let world = player.world_from_model(character);
-            let found = self.errors_px(camera, &world);
+            let found = self.errors_px(cameras, &world);
             let mut parts_px = [None; PARTS.len()];
             for (part, px) in found.iter().filter_map(|(part, px)| Some(((*part)?, *px))) {
                 parts_px[part] = Some(parts_px[part].map_or(px, |most: f64| most.max(px)));
@@ -280,21 +282,28 @@ impl ErrorMeter {
         sample(clip, secs, Wrap::Clamp, &asset.rig.all(), pose);
     }
 
-    /// Pixels between both skins at each vertex that is in the picture in either, with the part of
-    /// the body.
-    fn errors_px(&self, camera: &Camera, world: &Affine3A) -> Vec<(Option<usize>, f64)> {
-        let (width, height) = (camera.viewport.width_px, camera.viewport.height_px);
-        let is_shown = |at: Vec2| (0.0..=width).contains(&at.x) && (0.0..=height).contains(&at.y);
+    /// Pixels between both skins at each vertex that is in the picture in either, the most of all
+    /// pictures, with the part of the body.
+    fn errors_px(&self, cameras: &[Camera], world: &Affine3A) -> Vec<(Option<usize>, f64)> {
         let pairs = self.truth.iter().zip(&self.shown).zip(&self.parts);
         let pixels = pairs.filter_map(|((truth, shown), part)| {
-            let (truth, depth) = camera.project(world.transform_point3(*truth));
-            let (shown, other) = camera.project(world.transform_point3(*shown));
-            let is_ahead = depth.min(other) >= MIN_DEPTH_METRES;
-            let is_seen = is_ahead && (is_shown(truth) || is_shown(shown));
-            is_seen.then(|| (*part, f64::from(truth.distance(shown))))
+            let ends = [truth, shown].map(|p| world.transform_point3(*p));
+            let each = cameras.iter().filter_map(|camera| apart_px(camera, ends));
+            Some((*part, each.reduce(f64::max)?))
         });
         pixels.collect()
     }
+}
+
+/// Pixels between two points in a picture; `None` if neither is in it.
+fn apart_px(camera: &Camera, [truth, shown]: [Vec3; 2]) -> Option<f64> {
+    let (width, height) = (camera.viewport.width_px, camera.viewport.height_px);
+    let is_shown = |at: Vec2| (0.0..=width).contains(&at.x) && (0.0..=height).contains(&at.y);
+    let (truth, depth) = camera.project(truth);
+    let (shown, other) = camera.project(shown);
+    let is_ahead = depth.min(other) >= MIN_DEPTH_METRES;
+    let is_seen = is_ahead && (is_shown(truth) || is_shown(shown));
+    is_seen.then(|| f64::from(truth.distance(shown)))
 }
 
 /// Takes the positions of some vertices.
@@ -310,8 +319,9 @@ enum Which {
     Other,
 }
 
-/// Characters that are shown and inside the camera's view, with their levels.
-fn visible(player: &CrowdPlayer, camera: &Camera) -> Vec<(usize, usize)> {
+/// Characters that are shown and inside the view of a camera, with their distances from the nearest that
+/// sees them.
+fn visible(player: &CrowdPlayer, cameras: &[Camera]) -> Vec<(usize, f32)> {
     let (crowd, bounds) = (player.crowd(), &player.asset().model().parts().bounds);
     let places = player
         .positions()
@@ -332,13 +342,19 @@ fn visible(player: &CrowdPlayer, camera: &Camera) -> Vec<(usize, usize)> {
         .collect();
     let margins = vec![0.0; spheres.len()];
     let mut seen = vec![CullResult::default(); spheres.len()];
-    if let Ok(bodies) = Bodies::new(&spheres, &margins) {
-        cull(&[View::of(camera)], bodies, &mut seen);
+    let mut nearest = vec![f32::INFINITY; spheres.len()];
+    for camera in cameras {
+        if let Ok(bodies) = Bodies::new(&spheres, &margins) {
+            cull(&[View::of(camera)], bodies, &mut seen);
+        }
+        let each = nearest.iter_mut().zip(&seen).zip(player.positions());
+        for ((nearest, _), at) in each.filter(|((_, s), _)| s.visibility == Visibility::Visible) {
+            *nearest = nearest.min(camera.eye.distance(*at));
+        }
     }
-    let visible = seen.iter().enumerate();
-    visible
-        .filter(|(_, s)| s.visibility == Visibility::Visible)
-        .filter_map(|(character, _)| Some((character, crowd.level(character)?)))
+    let nearest = nearest.into_iter().enumerate();
+    nearest
+        .filter(|(character, metres)| metres.is_finite() && crowd.level(*character).is_some())
         .collect()
 }
 

@@ -35,6 +35,7 @@ mod palette_hash;
 mod palettes;
 mod player;
 pub(crate) mod preparation;
+mod scene_cast;
 mod scene_file;
 mod scene_player;
 mod scene_roles;
@@ -57,7 +58,8 @@ pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolic
 pub use palette_hash::PaletteHash;
 pub use palettes::PaletteSlice;
 pub use player::{CrowdGroup, CrowdPlayer, FramePart, PoseSource};
-pub use scene_file::{MAX_MEMBERS, read_scene, write_scene};
+pub use scene_cast::{CastMember, MAX_CAST, MAX_VIEWS};
+pub use scene_file::{MAX_MEMBERS, ParsedScene, read_scene, write_scene};
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 
 pub use articula_core::crowd::{

@@ -22,11 +22,15 @@ impl Default for PaletteHash {
 }
 
 impl PaletteHash {
-    /// Adds the palettes, blend records and morph target weights of a player's current frame.
+    /// Adds the palettes, blend records, stepped draws and morph target weights of a player's current
+    /// frame.
     pub fn add(&mut self, player: &CrowdPlayer) {
         let matrices = player.crowd().draw_list().matrices;
         self.add_rows(matrices, player.palettes());
         self.add_records(player.records());
+        for step in player.stepped() {
+            self.add_word(u64::from(step.character) | u64::from(step.first_matrix) << 32);
+        }
         for weight in player.morph_weights() {
             self.add_word(u64::from(weight.to_bits()));
         }

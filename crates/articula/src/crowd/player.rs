@@ -37,8 +37,10 @@ pub struct CrowdPlayer {
     palettes: Palettes,
     /// Space for the morph target weights of all characters.
     morph_weights: Vec<f32>,
-    /// Space for the records of all characters; empty without a cache.
+    /// Space for the records of all characters, and for the draws of those that show a cached palette
+    /// as it is; empty without a cache.
     records: Vec<BlendRecord>,
+    stepped: Vec<Draw>,
     positions: Vec<Vec3>,
     rotations: Vec<Quat>,
     /// Uniform scale of each character; empty while all are 1.
@@ -108,6 +110,8 @@ pub enum PoseSource {
     Written(usize),
     /// A record of the pose cache, which the GPU blends.
     Record(BlendRecord),
+    /// A palette of the pose cache as it is: index of its first matrix.
+    Stepped(u32),
 }
 
 impl CrowdPlayer {
@@ -125,7 +129,8 @@ impl CrowdPlayer {
             palettes: Palettes::new(model.parts().form, room(model, characters)?),
             morph_weights: vec![0.0; characters * targets(model)],
             crowd: Crowd::new(model, characters),
-            records: vec![BlendRecord::default(); recordable(model, characters)],
+            records: vec![BlendRecord::default(); cacheable(model, characters)],
+            stepped: vec![Draw::default(); cacheable(model, characters)],
             positions: vec![Vec3::ZERO; characters],
             rotations: vec![Quat::IDENTITY; characters],
             scales: Vec::new(),
@@ -340,6 +345,8 @@ impl CrowdPlayer {
             first_set: 0,
             records: &mut self.records,
             first_record: 0,
+            stepped: &mut self.stepped,
+            first_step: 0,
             crowd: &self.crowd,
             scratches: self.scratches[..count].iter_mut(),
             first: 0,
@@ -372,6 +379,13 @@ impl CrowdPlayer {
         &self.records[..self.crowd.draw_list().recorded.len()]
     }
 
+    /// Returns the draws of the characters that show a cached palette as it is, in the order of
+    /// [`DrawList::stepped`](articula_core::crowd::DrawList::stepped): their matrices are those of
+    /// [`PoseCache::rows`](articula_core::PoseCache::rows).
+    pub fn stepped(&self) -> &[Draw] {
+        &self.stepped[..self.crowd.draw_list().stepped.len()]
+    }
+
     /// Returns the morph target weights of this frame, a set for each character that shows morph
     /// targets; [`DrawList::morph_draws`](articula_core::crowd::DrawList::morph_draws) says whose.
     /// Targets that a character leaves out have their default weights. Empty if no clip moves any.
@@ -385,8 +399,9 @@ impl CrowdPlayer {
     pub fn morph_weights_of(&self, character: usize) -> &[f32] {
         let list = self.crowd.draw_list();
         let draws = list.draws[..list.morph_draws].iter().map(|d| d.character);
-        let recorded = &list.recorded[..list.morph_records];
-        let mut owners = draws.chain(recorded.iter().copied());
+        let recorded = list.recorded[..list.morph_records].iter();
+        let stepped = list.stepped[..list.morph_steps].iter();
+        let mut owners = draws.chain(recorded.chain(stepped).copied());
         let targets = targets(self.asset.model());
         match owners.position(|c| c as usize == character) {
             Some(set) => &self.morph_weights[set * targets..][..targets],
@@ -432,16 +447,25 @@ impl CrowdPlayer {
         for record in self.records() {
             sources[record.character as usize] = Some(PoseSource::Record(*record));
         }
+        for step in self.stepped() {
+            sources[step.character as usize] = Some(PoseSource::Stepped(step.first_matrix));
+        }
         sources
     }
 
     fn source(&self, character: usize) -> Option<PoseSource> {
         let mut draws = self.crowd.draw_list().draws.iter();
-        let mut records = self.records().iter();
         let draw = draws.find(|d| d.character as usize == character);
-        let written = draw.map(|d| PoseSource::Written(d.first_matrix as usize));
-        let mut record = || records.find(|r| r.character as usize == character);
-        written.or_else(|| Some(PoseSource::Record(*record()?)))
+        if let Some(draw) = draw {
+            return Some(PoseSource::Written(draw.first_matrix as usize));
+        }
+        let mut records = self.records().iter();
+        if let Some(record) = records.find(|r| r.character as usize == character) {
+            return Some(PoseSource::Record(*record));
+        }
+        let mut steps = self.stepped().iter();
+        let step = steps.find(|s| s.character as usize == character)?;
+        Some(PoseSource::Stepped(step.first_matrix))
     }
 
     /// Writes the skinning matrices of a level's mesh for a pose source, independent of kind and
@@ -455,6 +479,10 @@ impl CrowdPlayer {
             PoseSource::Written(first) => (&self.palettes, *first),
             PoseSource::Record(record) => {
                 blended = self.blended(level, *record);
+                (&blended, 0)
+            }
+            PoseSource::Stepped(first) => {
+                blended = self.blended(level, BlendRecord::of_key(*first));
                 (&blended, 0)
             }
         };
@@ -497,11 +525,13 @@ pub struct FramePart<'a> {
     weights: &'a mut [f32],
     recorded: Range<usize>,
     records: &'a mut [BlendRecord],
+    steps: Range<usize>,
+    stepped: &'a mut [Draw],
     scratch: &'a mut Scratch,
 }
 
 impl FramePart<'_> {
-    /// Writes its palettes, records and morph target weights; does not allocate.
+    /// Writes its palettes, records, stepped draws and morph target weights; does not allocate.
     pub fn evaluate(&mut self) {
         let rows = match &mut self.rows {
             PaletteRows::Float(rows) => PaletteRows::Float(rows),
@@ -513,6 +543,8 @@ impl FramePart<'_> {
             .evaluate_morphs(self.model, self.sets.clone(), self.weights);
         self.crowd
             .evaluate_records(self.model, self.recorded.clone(), self.records);
+        self.crowd
+            .evaluate_steps(self.model, self.steps.clone(), self.stepped);
     }
 }
 
@@ -525,6 +557,8 @@ struct Parts<'a> {
     first_set: usize,
     records: &'a mut [BlendRecord],
     first_record: usize,
+    stepped: &'a mut [Draw],
+    first_step: usize,
     scratches: std::slice::IterMut<'a, Scratch>,
     first: usize,
     count: usize,
@@ -538,25 +572,26 @@ impl<'a> Iterator for Parts<'a> {
         let mut batches = self.crowd.share_of_batches(self.first, self.count);
         let all_sets = self.crowd.draw_list().morph_sets();
         let all_records = self.crowd.draw_list().recorded.len();
+        let all_steps = self.crowd.draw_list().stepped.len();
         let part = |first: usize, all: usize| first..(first + all.div_ceil(self.count)).min(all);
         let mut sets = part(self.first_set, all_sets);
         let mut recorded = part(self.first_record, all_records);
+        let mut steps = part(self.first_step, all_steps);
         if self.scratches.len() == 0 {
             batches.end = self.crowd.draw_list().batches;
             sets.end = all_sets;
             recorded.end = all_records;
+            steps.end = all_steps;
         }
-        if batches.is_empty() && sets.is_empty() && recorded.is_empty() {
+        if batches.is_empty() && [&sets, &recorded, &steps].iter().all(|r| r.is_empty()) {
             return None;
         }
         self.first_set = sets.end;
         self.first_record = recorded.end;
-        let records = std::mem::take(&mut self.records);
-        let (records, others) = records.split_at_mut(recorded.len());
-        self.records = others;
-        let weights = std::mem::take(&mut self.weights);
-        let (weights, others) = weights.split_at_mut(sets.len() * targets(self.model));
-        self.weights = others;
+        self.first_step = steps.end;
+        let records = taken(&mut self.records, recorded.len());
+        let stepped = taken(&mut self.stepped, steps.len());
+        let weights = taken(&mut self.weights, sets.len() * targets(self.model));
         self.first = batches.end;
         let matrices = self.crowd.matrices_of(batches.clone()).len();
         let rows = matrices * self.model.parts().form.rows();
@@ -571,9 +606,18 @@ impl<'a> Iterator for Parts<'a> {
             weights,
             recorded,
             records,
+            steps,
+            stepped,
             scratch,
         })
     }
+}
+
+/// Takes the first elements off a slice.
+fn taken<'a, T>(all: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let (first, others) = std::mem::take(all).split_at_mut(count);
+    *all = others;
+    first
 }
 
 /// Number of morph target weights of a character; 0 if no level shows them.
@@ -582,8 +626,8 @@ fn targets(model: &CrowdModel) -> usize {
     morphs.filter(|m| m.levels() > 0).map_or(0, |m| m.targets())
 }
 
-/// Number of characters that may be shown by a record of the cache.
-fn recordable(model: &CrowdModel, characters: usize) -> usize {
+/// Number of characters that may be shown from the cache without a palette of their own.
+fn cacheable(model: &CrowdModel, characters: usize) -> usize {
     model.parts().cache.as_ref().map_or(0, |_| characters)
 }
 

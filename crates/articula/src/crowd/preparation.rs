@@ -186,7 +186,7 @@ pub(crate) fn pose_cache(
     if let Some((stored, is_paired)) = stored.filter(|_| opts.form == PaletteForm::Matrix) {
         let counts = (clips.clips(), levels.joint_lods.levels());
         let keys = stored.cache_keys(is_paired, counts);
-        match keys.map(|keys| cache_of_keys(clips, map, &keys, opts.form)) {
+        match keys.map(|k| cache_of_keys(clips, map, (&k.keys, &k.steps), opts)) {
             Some(Ok(cache)) => return Ok(cache),
             Some(Err(error)) => stored.refuse("poseCache", &error.to_string()),
             None => {}

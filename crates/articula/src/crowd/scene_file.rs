@@ -1,18 +1,23 @@
-//! Scenes as JSON files: positions, clips and camera path.
+//! Scenes as JSON files: positions, clips and camera paths.
 //!
-//! The format is described in `docs/formats/scene.md`. Clips by name and angles in degrees are
-//! converted here. Every number is checked here, so later code treats the result like the built-in
+//! The format is described in `docs/formats/scene.md`. A scene names its characters and their clips, so
+//! it is read in two steps: [`ParsedScene::parse`] finds the files of the characters, and
+//! [`ParsedScene::resolve`], when these are open, the clips. Angles in degrees are converted here. Every number is checked here, so later code treats the result like the built-in
 //! plaza scene.
 
+use super::scene_cast::{
+    CastFile, CastMember, ViewFile, cast_of, check_cast, usual_fov_deg, usual_viewport,
+};
 use super::scene_roles::{CueFile, RolesFile, WallFile, ZoneFile};
-use crate::camera_path::{Key, checked, ensure, malformed};
+use crate::camera_path::{Key, ensure, malformed};
 use crate::error::{Context, Error, Result};
 use crate::open::choose;
 use articula_build::{ClipPlayback, CrossFade, Scene, SceneCharacter};
-use articula_core::{Clip, Viewport};
+use articula_core::Clip;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 /// Maximum number of characters in a scene.
 pub const MAX_MEMBERS: usize = 1_000_000;
@@ -21,6 +26,9 @@ pub const MAX_MEMBERS: usize = 1_000_000;
 /// visible.
 const FARTHEST_METRES: f32 = 1e5;
 
+/// Scales of a character.
+const SCALES: RangeInclusive<f32> = 0.01..=100.0;
+
 /// Maximum playback speed, forwards or backwards.
 const MAX_SPEED: f32 = 100.0;
 
@@ -28,6 +36,8 @@ const MAX_SPEED: f32 = 100.0;
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneFile {
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    characters: Vec<CastFile>,
     #[serde(default = "usual_viewport")]
     viewport: [u32; 2],
     #[serde(default = "usual_fov_deg")]
@@ -35,6 +45,8 @@ struct SceneFile {
     camera: Vec<Key>,
     #[serde(default)]
     camera_loops: bool,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    views: Vec<ViewFile>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     roles: BTreeMap<String, f32>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -51,9 +63,13 @@ struct SceneFile {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MemberFile {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    character: Option<String>,
     position: [f32; 3],
     #[serde(default)]
     yaw_deg: f32,
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    scale: f32,
     clip: String,
     #[serde(default)]
     phase: f32,
@@ -78,74 +94,102 @@ struct FadeFile {
     start: f32,
 }
 
-fn usual_viewport() -> [u32; 2] {
-    [1920, 1080]
-}
-
-fn usual_fov_deg() -> f32 {
-    45.0
-}
-
 fn one() -> f32 {
     1.0
 }
 
-/// Reads a scene from the JSON of `docs/formats/scene.md`, with clips found by name in `clips`;
-/// `display_hz` is the frame rate by which the length of the camera path is limited.
-///
-/// # Errors
-/// An [`Error`] that names the line, or the entry and its fault.
-pub fn read_scene(bytes: &[u8], clips: &[Clip], display_hz: f64) -> Result<Scene> {
-    let file: SceneFile = serde_json::from_slice(bytes)
-        .map_err(|e| malformed(&e, "docs/formats/scene.md describes the format"))?;
-    let sides = file.viewport.iter().all(|s| (16..=16384).contains(s));
-    ensure(sides, || {
-        "viewport: give 16 to 16384 pixels per side".to_owned()
-    })?;
-    let opening = (1.0..=170.0).contains(&file.fov_deg);
-    ensure(opening, || "fov_deg: give 1 to 170 degrees".to_owned())?;
-    let camera = checked(&file.camera, display_hz).context("camera")?;
-    let starts = camera[0].secs;
-    ensure(starts == 0.0, || {
-        format!("camera[0].t: {starts}; the path must begin at 0 s")
-    })?;
-    let count = file.members.len();
-    ensure((1..=MAX_MEMBERS).contains(&count), || {
-        format!("members: {count} characters; give 1 to {MAX_MEMBERS}")
-    })?;
-    let members = file.members.iter().enumerate();
-    let members = members.map(|(i, m)| member(m, clips).with_context(|| format!("members[{i}]")));
-    let members = members.collect::<Result<_>>()?;
-    let roles: Vec<Option<&str>> = file.members.iter().map(|m| m.role.as_deref()).collect();
-    let of_roles = RolesFile {
-        roles: file.roles,
-        clip_importance: file.clip_importance,
-        zones: file.zones,
-        walls: file.walls,
-        cues: file.cues,
-    };
-    let (importance, walls) = of_roles.read(&roles, clips)?;
-    Ok(Scene {
-        members,
-        viewport: Viewport {
-            width_px: file.viewport[0] as f32,
-            height_px: file.viewport[1] as f32,
-            fov_y_radians: file.fov_deg.to_radians(),
-        },
-        camera,
-        camera_loops: file.camera_loops,
-        importance,
-        walls,
-    })
+fn is_one(number: &f32) -> bool {
+    *number == 1.0
 }
 
-fn member(file: &MemberFile, clips: &[Clip]) -> Result<SceneCharacter> {
+/// A scene file that was read, whose characters and clips are still names.
+#[derive(Debug)]
+pub struct ParsedScene {
+    file: SceneFile,
+}
+
+impl ParsedScene {
+    /// Reads the JSON of `docs/formats/scene.md`.
+    ///
+    /// # Errors
+    /// An [`Error`] that names the line, or the character and its fault.
+    pub fn parse(bytes: &[u8]) -> Result<Self> {
+        let file: SceneFile = serde_json::from_slice(bytes)
+            .map_err(|e| malformed(&e, "docs/formats/scene.md describes the format"))?;
+        check_cast(&file.characters)?;
+        Ok(Self { file })
+    }
+
+    /// Names and files of the characters that it names, each file relative to the folder of the scene
+    /// file; none if the characters are given otherwise.
+    pub fn characters(&self) -> impl ExactSizeIterator<Item = (&str, &str)> {
+        let all = self.file.characters.iter();
+        all.map(|character| (character.name.as_str(), character.file.as_str()))
+    }
+
+    /// Finds characters and clips by name in a cast; `display_hz` is the frame rate by which the length
+    /// of camera paths is limited. Every number is checked here, so that what follows treats the scene
+    /// like a built-in one.
+    ///
+    /// # Errors
+    /// An [`Error`] that names the entry and its fault.
+    pub fn resolve(self, cast: &[CastMember<'_>], display_hz: f64) -> Result<Scene> {
+        let file = self.file;
+        let first = ViewFile {
+            viewport: file.viewport,
+            fov_deg: file.fov_deg,
+            camera: file.camera,
+            camera_loops: file.camera_loops,
+        };
+        let views = first.with_others(&file.views, display_hz)?;
+        let count = file.members.len();
+        ensure((1..=MAX_MEMBERS).contains(&count), || {
+            format!("members: {count} characters; give 1 to {MAX_MEMBERS}")
+        })?;
+        let members = file.members.iter().enumerate();
+        let members =
+            members.map(|(i, m)| member(m, cast).with_context(|| format!("members[{i}]")));
+        let members = members.collect::<Result<_>>()?;
+        let roles: Vec<Option<&str>> = file.members.iter().map(|m| m.role.as_deref()).collect();
+        let of_roles = RolesFile {
+            roles: file.roles,
+            clip_importance: file.clip_importance,
+            zones: file.zones,
+            walls: file.walls,
+            cues: file.cues,
+        };
+        let (importance, walls) = of_roles.read(&roles, cast)?;
+        Ok(Scene {
+            members,
+            views,
+            importance,
+            walls,
+        })
+    }
+}
+
+/// Reads a scene from the JSON of `docs/formats/scene.md`, with the characters of a cast that is open
+/// already: both steps of [`ParsedScene`].
+///
+/// # Errors
+/// As both.
+pub fn read_scene(bytes: &[u8], cast: &[CastMember<'_>], display_hz: f64) -> Result<Scene> {
+    ParsedScene::parse(bytes)?.resolve(cast, display_hz)
+}
+
+fn member(file: &MemberFile, cast: &[CastMember<'_>]) -> Result<SceneCharacter> {
+    let character = cast_of(file.character.as_deref(), cast)?;
+    let clips = cast[character].clips;
     let near = file.position.iter().all(|p| p.abs() <= FARTHEST_METRES);
     ensure(near, || {
         format!("position: give metres within {FARTHEST_METRES} of the origin")
     })?;
     ensure(file.yaw_deg.is_finite(), || {
         "yaw_deg: give a finite number of degrees".to_owned()
+    })?;
+    ensure(SCALES.contains(&file.scale), || {
+        let (least, most) = (SCALES.start(), SCALES.end());
+        format!("scale: give {least} to {most}; 1 is the size of the file")
     })?;
     let cross_fade = file.cross_fade.as_ref().map(|fade| {
         let play = play((&fade.clip, fade.phase, fade.speed), clips)?;
@@ -162,8 +206,10 @@ fn member(file: &MemberFile, clips: &[Clip]) -> Result<SceneCharacter> {
         })
     });
     Ok(SceneCharacter {
+        character: character as u16,
         position: Vec3::from(file.position),
         yaw_radians: file.yaw_deg.to_radians(),
+        scale: file.scale,
         play: play((&file.clip, file.phase, file.speed), clips)?,
         cross_fade: cross_fade.transpose().context("cross_fade")?,
     })
@@ -186,39 +232,49 @@ fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> Result<ClipPl
     })
 }
 
-/// Writes a scene as JSON, with the names of the clips.
-pub fn write_scene(scene: &Scene, clips: &[Clip]) -> Vec<u8> {
-    let name = |clip: usize| clips.get(clip).map_or(String::new(), |c| c.name.clone());
+/// Writes a scene as JSON, with the names of characters and clips. The characters of the cast that have
+/// a file are listed with it.
+pub fn write_scene(scene: &Scene, cast: &[CastMember<'_>]) -> Vec<u8> {
     let importance = &scene.importance;
     let role = |member: usize| {
         let role = importance.role_of.get(member).copied().flatten()?;
         Some(importance.roles.get(usize::from(role))?.name.clone())
     };
     let members = scene.members.iter().enumerate();
-    let members = members.map(|(i, m)| MemberFile {
-        position: m.position.to_array(),
-        yaw_deg: m.yaw_radians.to_degrees(),
-        clip: name(m.play.clip),
-        phase: m.play.phase,
-        speed: m.play.speed,
-        cross_fade: m.cross_fade.map(|f| FadeFile {
-            clip: name(f.other.clip),
-            phase: f.other.phase,
-            speed: f.other.speed,
-            secs: f.fade_secs,
-            start: f.start,
-        }),
-        role: role(i),
+    let members = members.map(|(i, m)| {
+        let own = cast.get(usize::from(m.character));
+        let name = |clip: usize| {
+            let clip = own.and_then(|own| own.clips.get(clip));
+            clip.map_or(String::new(), |c| c.name.clone())
+        };
+        MemberFile {
+            character: own.filter(|_| cast.len() > 1).map(|c| c.name.to_owned()),
+            position: m.position.to_array(),
+            yaw_deg: m.yaw_radians.to_degrees(),
+            scale: m.scale,
+            clip: name(m.play.clip),
+            phase: m.play.phase,
+            speed: m.play.speed,
+            cross_fade: m.cross_fade.map(|f| FadeFile {
+                clip: name(f.other.clip),
+                phase: f.other.phase,
+                speed: f.other.speed,
+                secs: f.fade_secs,
+                start: f.start,
+            }),
+            role: role(i),
+        }
     });
-    let of_roles = RolesFile::of(importance, &scene.walls, clips);
+    let of_roles = RolesFile::of(importance, &scene.walls, cast);
+    let mut views = scene.views.iter().map(ViewFile::of);
+    let first = views.next().unwrap_or_default();
     let file = SceneFile {
-        viewport: [
-            scene.viewport.width_px as u32,
-            scene.viewport.height_px as u32,
-        ],
-        fov_deg: scene.viewport.fov_y_radians.to_degrees(),
-        camera: scene.camera.iter().map(Key::from).collect(),
-        camera_loops: scene.camera_loops,
+        characters: cast.iter().filter_map(CastFile::of).collect(),
+        viewport: first.viewport,
+        fov_deg: first.fov_deg,
+        camera: first.camera,
+        camera_loops: first.camera_loops,
+        views: views.collect(),
         roles: of_roles.roles,
         clip_importance: of_roles.clip_importance,
         zones: of_roles.zones,
@@ -246,14 +302,21 @@ mod tests {
 
     fn scene(members: &str) -> Result<Scene> {
         let text = format!("{{{CAMERA}, \"members\": [{members}]}}");
-        read_scene(text.as_bytes(), &clips(), 60.0)
+        let clips = clips();
+        let cast = CastMember {
+            name: "man",
+            file: None,
+            clips: &clips,
+        };
+        read_scene(text.as_bytes(), &[cast], 60.0)
     }
 
     #[test]
     fn what_is_left_out_is_usual() {
         let found = scene(r#"{"position": [1, 0, 2], "clip": "walk", "yaw_deg": 180}"#).unwrap();
-        assert_eq!(found.viewport.width_px, 1920.0);
-        assert!(!found.camera_loops);
+        assert_eq!(found.views.len(), 1);
+        assert_eq!(found.views[0].viewport.width_px, 1920.0);
+        assert!(!found.views[0].camera_loops);
         let [member] = &found.members[..] else {
             panic!("one member")
         };
@@ -283,6 +346,7 @@ mod tests {
             ("position", r#""position": [0, 1e9, 0]"#),
             ("phase", r#""position": [0, 0, 0], "phase": 1.5"#),
             ("speed", r#""position": [0, 0, 0], "speed": 1e30"#),
+            ("scale", r#""position": [0, 0, 0], "scale": 0"#),
             (
                 "cross_fade: secs",
                 r#""position": [0, 0, 0], "cross_fade": {"clip": "idle", "secs": -1}"#,
@@ -295,7 +359,7 @@ mod tests {
             assert!(found.contains(place), "{field}: {found}");
         }
         let late = r#"{"camera": [{"t": 1, "eye": [0,0,1], "target": [0,0,0]}], "members": []}"#;
-        let late = read_scene(late.as_bytes(), &clips(), 60.0).unwrap_err();
+        let late = read_scene(late.as_bytes(), &[], 60.0).unwrap_err();
         assert!(late.to_string().contains("camera[0].t"));
     }
 }

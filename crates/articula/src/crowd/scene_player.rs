@@ -1,14 +1,16 @@
 //! Playback of a scene, frame by frame.
 //!
-//! Adds to a [`CrowdPlayer`] what a scene defines: positions, cameras, and repeated cross-fades.
+//! Adds to the [`CrowdPlayer`]s of its characters, one crowd for each of the cast, what a scene defines:
+//! positions, cameras, roles, and repeated cross-fades.
 
 use super::asset::CrowdAsset;
 use super::hidden::{Hidden, Hiders};
 use super::player::CrowdPlayer;
+use super::scene_cast::MAX_VIEWS;
 use crate::error::{Error, Result};
-use articula_build::{ClipPlayback, CrossFade, Scene};
+use articula_build::{ClipPlayback, CrossFade, Scene, SceneView};
 use articula_core::crowd::{
-    CacheUse, CharacterState, ClipState, CrowdReport, CrowdSection, Culling, Detail,
+    Budget, CacheUse, CharacterState, ClipState, CrowdReport, CrowdSection, Culling, Detail,
 };
 use articula_core::visibility::View;
 use articula_core::{Camera, ClipSet};
@@ -49,15 +51,19 @@ pub struct SceneOptions {
     pub hiders: Hiders,
 }
 
-/// A crowd that follows a scene.
+/// The crowds of a scene, one for each character of its cast.
 #[derive(Debug)]
 pub struct ScenePlayer<'a> {
     scene: &'a Scene,
-    player: CrowdPlayer,
+    crowds: Vec<CrowdPlayer>,
+    /// Index in the scene of each character of each crowd.
+    members: Vec<Vec<u32>>,
+    /// Crowd and character of each member of the scene.
+    places: Vec<(u16, u32)>,
     detail: DetailGoal,
     secs: f64,
     fades: Vec<Turning>,
-    /// Role of each character now; empty where nobody ever has one.
+    /// Role of each member now; empty where nobody ever has one.
     roles: Vec<Option<u16>>,
     /// Number of cues that have passed.
     cues: usize,
@@ -67,6 +73,7 @@ pub struct ScenePlayer<'a> {
 /// A cross-fade that alternates between two clips.
 #[derive(Debug, Clone, Copy)]
 struct Turning {
+    crowd: usize,
     character: usize,
     own: ClipPlayback,
     fade: CrossFade,
@@ -75,80 +82,133 @@ struct Turning {
 }
 
 impl<'a> ScenePlayer<'a> {
-    /// Creates the crowd in its state at time 0.
+    /// Creates the crowds in their state at time 0. `cast` has the asset of each character of the cast.
     ///
     /// # Errors
-    /// An [`Error`] if the palettes would take too much memory.
-    pub fn new(asset: &CrowdAsset, scene: &'a Scene, options: SceneOptions) -> Result<Self> {
-        let mut player = CrowdPlayer::new(asset, scene.members.len())?;
-        let clips = &asset.model().parts().clips;
-        let mut fades = Vec::new();
-        for (character, member) in scene.members.iter().enumerate() {
-            player.place(character, member.position, member.yaw_radians);
-            let own = clip_state(clips, &member.play, 0.0);
-            let Some(fade) = member.cross_fade else {
-                player.crowd_mut().play(character, own.into());
-                continue;
+    /// An [`Error`] if a character of the scene is not in the cast, the scene has more than [`MAX_VIEWS`]
+    /// views, or the palettes would take too much memory.
+    pub fn new(cast: &[CrowdAsset], scene: &'a Scene, options: SceneOptions) -> Result<Self> {
+        if scene.views.len() > MAX_VIEWS {
+            return Err(Error::unsuited(format!(
+                "the scene has {} views, at most {MAX_VIEWS}",
+                scene.views.len()
+            )));
+        }
+        let mut members = vec![Vec::new(); cast.len()];
+        let mut places = Vec::with_capacity(scene.members.len());
+        for (i, member) in scene.members.iter().enumerate() {
+            let Some(of_crowd) = members.get_mut(usize::from(member.character)) else {
+                let (which, count) = (member.character, cast.len());
+                return Err(Error::unsuited(format!(
+                    "members[{i}]: character {which} of a cast of {count}"
+                )));
             };
-            let turning = Turning {
-                character,
-                own: member.play,
-                fade,
-                goes: fade.start.rem_euclid(1.0) < 0.5,
-            };
-            player.crowd_mut().play(character, turning.start(clips));
-            if fade.fade_secs > 0.0 {
-                fades.push(turning);
-            }
+            places.push((member.character, of_crowd.len() as u32));
+            of_crowd.push(i as u32);
         }
-        match options.detail {
-            DetailGoal::Full => player.detail = Detail::Full,
-            DetailGoal::Level(level) => player.detail = Detail::Level(level),
-            DetailGoal::Tolerance(px) => player.detail = Detail::Tolerance { px },
-            DetailGoal::Budget { cap_px, .. } => player.detail = Detail::Tolerance { px: cap_px },
+        let crowds = cast.iter().zip(&members);
+        let crowds = crowds.map(|(asset, members)| CrowdPlayer::new(asset, members.len()));
+        let mut crowds = crowds.collect::<Result<Vec<_>>>()?;
+        let detail = match options.detail {
+            DetailGoal::Full => Detail::Full,
+            DetailGoal::Level(level) => Detail::Level(level),
+            DetailGoal::Tolerance(px) => Detail::Tolerance { px },
+            DetailGoal::Budget { cap_px, .. } => Detail::Tolerance { px: cap_px },
+        };
+        for crowd in &mut crowds {
+            crowd.detail = detail;
+            crowd.share = options.share;
+            crowd.cache = options.cache;
         }
-        player.share = options.share;
-        player.cache = options.cache;
-        let importance = &scene.importance;
-        let mut roles = Vec::new();
-        if !importance.is_neutral() {
-            roles.clone_from(&importance.role_of);
-            roles.resize(scene.members.len(), None);
-            for (character, (member, role)) in scene.members.iter().zip(&roles).enumerate() {
-                player.set_importance(character, importance.of(member, *role));
-            }
-        }
-        Ok(Self {
+        let mut made = Self {
             scene,
-            hidden: Hidden::new(asset, scene, options.hiders)?,
-            player,
+            hidden: Hidden::new(&crowds, scene, options.hiders)?,
+            crowds,
+            members,
+            places,
             detail: options.detail,
             secs: 0.0,
-            fades,
-            roles,
+            fades: Vec::new(),
+            roles: Vec::new(),
             cues: 0,
-        })
+        };
+        made.place_members();
+        Ok(made)
     }
 
-    /// Returns the crowd.
-    pub fn player(&self) -> &CrowdPlayer {
-        &self.player
+    /// Places the members and starts their clips.
+    fn place_members(&mut self) {
+        let importance = &self.scene.importance;
+        if !importance.is_neutral() {
+            self.roles.clone_from(&importance.role_of);
+            self.roles.resize(self.scene.members.len(), None);
+        }
+        for (i, (member, place)) in self.scene.members.iter().zip(&self.places).enumerate() {
+            let (crowd, character) = (usize::from(place.0), place.1 as usize);
+            let player = &mut self.crowds[crowd];
+            player.place(character, member.position, member.yaw_radians);
+            if member.scale != 1.0 {
+                player.set_scale(character, member.scale);
+            }
+            if let Some(role) = self.roles.get(i) {
+                player.set_importance(character, importance.of(member, *role));
+            }
+            let clips = &player.asset().model().parts().clips;
+            let mut state = clip_state(clips, &member.play, 0.0).into();
+            if let Some(fade) = member.cross_fade {
+                let turning = Turning {
+                    crowd,
+                    character,
+                    own: member.play,
+                    fade,
+                    goes: fade.start.rem_euclid(1.0) < 0.5,
+                };
+                state = turning.start(clips);
+                if fade.fade_secs > 0.0 {
+                    self.fades.push(turning);
+                }
+            }
+            player.crowd_mut().play(character, state);
+        }
     }
 
-    /// Returns the crowd, to be evaluated.
-    pub fn player_mut(&mut self) -> &mut CrowdPlayer {
-        &mut self.player
+    /// Returns the crowds, one for each character of the cast, in its order.
+    pub fn crowds(&self) -> &[CrowdPlayer] {
+        &self.crowds
     }
 
-    /// Returns the role of a character now, as an index into the roles of the scene.
-    pub fn role(&self, character: usize) -> Option<usize> {
-        let role = self.roles.get(character).copied().flatten()?;
+    /// Returns the crowds, to be evaluated.
+    pub fn crowds_mut(&mut self) -> &mut [CrowdPlayer] {
+        &mut self.crowds
+    }
+
+    /// Returns the index in the scene of a character of a crowd.
+    ///
+    /// # Panics
+    /// If there is no such crowd or character.
+    pub fn member(&self, crowd: usize, character: usize) -> usize {
+        self.members[crowd][character] as usize
+    }
+
+    /// Returns the crowd of a member of the scene, and its index among the characters of that.
+    ///
+    /// # Panics
+    /// If there is no such member.
+    pub fn place(&self, member: usize) -> (usize, usize) {
+        let (crowd, character) = self.places[member];
+        (usize::from(crowd), character as usize)
+    }
+
+    /// Returns the role of a member of the scene now, as an index into the roles of the scene.
+    pub fn role(&self, member: usize) -> Option<usize> {
+        let role = self.roles.get(member).copied().flatten()?;
         Some(usize::from(role))
     }
 
     /// Returns the number of characters that were wholly hidden in the last frame.
     pub fn hidden(&self) -> usize {
-        self.hidden.as_ref().map_or(0, Hidden::count)
+        let hidden = self.hidden.as_ref();
+        hidden.map_or(0, |hidden| hidden.count(&self.crowds))
     }
 
     /// Returns the time of the scene in seconds.
@@ -156,18 +216,37 @@ impl<'a> ScenePlayer<'a> {
         self.secs
     }
 
-    /// Returns the camera at the current time.
+    /// Returns the camera of the first view at the current time.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if the scene has none.
     pub fn camera(&self) -> Result<Camera> {
         let camera = self.scene.camera_at(self.secs);
-        camera.ok_or_else(|| Error::unsuited("the scene has no camera"))
+        camera.ok_or_else(no_camera)
+    }
+
+    /// Returns the cameras of all views at the current time. Allocates.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if a view has none.
+    pub fn cameras(&self) -> Result<Vec<Camera>> {
+        let views = self.scene.views.iter();
+        let cameras = views.map(|view| view.camera_at(self.secs).ok_or_else(no_camera));
+        cameras.collect()
     }
 
     /// Sets the tolerance of the next frames in pixels.
     pub fn set_tolerance(&mut self, px: f32) {
-        self.player.detail = Detail::Tolerance { px };
+        for crowd in &mut self.crowds {
+            crowd.detail = Detail::Tolerance { px };
+        }
+    }
+
+    /// Adds the planned frame of all crowds to a budget, within whose [`Budget::px`] it was planned.
+    pub fn add_to(&mut self, budget: &mut Budget) {
+        for crowd in &mut self.crowds {
+            crowd.add_to(budget);
+        }
     }
 
     /// Advances by `dt_secs` seconds and plans the frame.
@@ -180,46 +259,62 @@ impl<'a> ScenePlayer<'a> {
         })
     }
 
-    /// [`plan`](Self::plan) on several threads, as [`CrowdPlayer::plan_on`].
+    /// [`plan`](Self::plan) on several threads, as [`CrowdPlayer::plan_on`], one crowd after the other.
     ///
     /// # Errors
     /// As [`plan`](Self::plan).
     pub fn plan_on(
         &mut self,
         dt_secs: f64,
-        run: impl FnOnce(&mut [CrowdSection], &(dyn Fn(&mut CrowdSection) + Sync)),
+        mut run: impl FnMut(&mut [CrowdSection], &(dyn Fn(&mut CrowdSection) + Sync)),
     ) -> Result<CrowdReport> {
         self.plan_by(dt_secs, |player, dt_secs, culling| {
-            player.plan_on(dt_secs, culling, &mut |_| (), run)
+            player.plan_on(dt_secs, culling, &mut |_| (), &mut run)
         })
     }
 
     fn plan_by(
         &mut self,
         dt_secs: f64,
-        plan: impl FnOnce(&mut CrowdPlayer, f32, Culling<'_>) -> CrowdReport,
+        mut plan: impl FnMut(&mut CrowdPlayer, f32, Culling<'_>) -> CrowdReport,
     ) -> Result<CrowdReport> {
         self.secs += dt_secs;
-        let camera = self.camera()?;
-        let (way, turn) = self.ahead(&camera);
+        let mut cameras = [self.camera()?; MAX_VIEWS];
+        let count = self.scene.views.len();
+        for (camera, view) in cameras.iter_mut().zip(&self.scene.views) {
+            *camera = view.camera_at(self.secs).ok_or_else(no_camera)?;
+        }
+        let cameras = &cameras[..count];
         self.turn_fades();
         self.change_roles();
-        let occluded = match &mut self.hidden {
-            Some(hidden) => hidden.look(&camera, &self.player),
-            None => &[],
-        };
-        let view = View::of(&camera).with_cull_margin(way, turn);
-        let views = [view.with_occluded(occluded)];
-        let culling = match self.detail {
-            DetailGoal::Full => Culling::Off,
-            _ => Culling::Views(&views),
-        };
-        Ok(plan(&mut self.player, dt_secs as f32, culling))
+        if let Some(hidden) = &mut self.hidden {
+            hidden.look(cameras, &self.crowds);
+        }
+        let mut seen = [View::of(&cameras[0]); MAX_VIEWS];
+        for (v, (seen, camera)) in seen.iter_mut().zip(cameras).enumerate() {
+            let (way, turn) = self.ahead(&self.scene.views[v], camera);
+            *seen = View::of(camera).with_cull_margin(way, turn);
+        }
+        let mut report = CrowdReport::default();
+        for (c, crowd) in self.crowds.iter_mut().enumerate() {
+            let mut views = seen;
+            if let Some(hidden) = &self.hidden {
+                for (v, view) in views[..count].iter_mut().enumerate() {
+                    *view = view.with_occluded(hidden.occluded(v, c));
+                }
+            }
+            let culling = match self.detail {
+                DetailGoal::Full => Culling::Off,
+                _ => Culling::Views(&views[..count]),
+            };
+            report = report.and(plan(crowd, dt_secs as f32, culling));
+        }
+        Ok(report)
     }
 
-    /// Distance and angle that the camera moves in the time ahead, in metres and radians.
-    fn ahead(&self, camera: &Camera) -> (f32, f32) {
-        let Some(later) = self.scene.camera_at(self.secs + AHEAD_SECS) else {
+    /// Distance and angle that the camera of a view moves in the time ahead, in metres and radians.
+    fn ahead(&self, view: &SceneView, camera: &Camera) -> (f32, f32) {
+        let Some(later) = view.camera_at(self.secs + AHEAD_SECS) else {
             return (0.0, 0.0);
         };
         if later.eye == camera.eye && later.orientation == camera.orientation {
@@ -234,11 +329,11 @@ impl<'a> ScenePlayer<'a> {
         let importance = &self.scene.importance;
         let due = importance.cues[self.cues..].iter();
         for cue in due.take_while(|cue| cue.secs <= self.secs) {
-            for character in cue.members.iter().map(|m| *m as usize) {
-                self.roles[character] = cue.role;
-                let member = &self.scene.members[character];
-                let value = importance.of(member, cue.role);
-                self.player.set_importance(character, value);
+            for member in cue.members.iter().map(|m| *m as usize) {
+                self.roles[member] = cue.role;
+                let value = importance.of(&self.scene.members[member], cue.role);
+                let (crowd, character) = self.places[member];
+                self.crowds[usize::from(crowd)].set_importance(character as usize, value);
             }
             self.cues += 1;
         }
@@ -247,21 +342,21 @@ impl<'a> ScenePlayer<'a> {
     /// Reverses cross-fades that are complete.
     fn turn_fades(&mut self) {
         for turning in &mut self.fades {
-            if self
-                .player
-                .crowd()
-                .state(turning.character)
-                .next()
-                .is_none()
-            {
+            let player = &mut self.crowds[turning.crowd];
+            if player.crowd().state(turning.character).next().is_none() {
                 turning.goes = !turning.goes;
-                let next = turning.next(&self.player.asset().model().parts().clips, self.secs);
+                let next = turning.next(&player.asset().model().parts().clips, self.secs);
                 let fade_secs = turning.fade.fade_secs;
-                let crowd = self.player.crowd_mut();
-                crowd.fade_to(turning.character, next, fade_secs);
+                player
+                    .crowd_mut()
+                    .fade_to(turning.character, next, fade_secs);
             }
         }
     }
+}
+
+fn no_camera() -> Error {
+    Error::unsuited("the scene has no camera")
 }
 
 impl Turning {

@@ -2,11 +2,11 @@
 //!
 //! The format is described in `docs/formats/scene.md`.
 
+use super::scene_cast::CastMember;
 use crate::camera_path::ensure;
 use crate::error::{Context, Error, Result};
 use crate::open::choose;
 use articula_build::{Cue, IMPORTANCE_RANGE, Role, SceneImportance, USUAL_ROLES, Wall, Zone};
-use articula_core::Clip;
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -54,7 +54,7 @@ impl RolesFile {
     pub(super) fn read(
         &self,
         roles_of: &[Option<&str>],
-        clips: &[Clip],
+        cast: &[CastMember<'_>],
     ) -> Result<(SceneImportance, Vec<Wall>)> {
         for (what, count) in [
             ("roles", self.roles.len()),
@@ -73,7 +73,7 @@ impl RolesFile {
             found.map_err(|e| Error::unsuited(e.to_string()))
         };
         let mut importance = SceneImportance {
-            clips: self.clips(clips)?,
+            clips: self.clips(cast)?,
             ..SceneImportance::default()
         };
         if roles_of.iter().any(Option::is_some) {
@@ -114,17 +114,22 @@ impl RolesFile {
         Ok(roles)
     }
 
-    /// Importance of each clip; empty if all are neutral.
-    fn clips(&self, clips: &[Clip]) -> Result<Vec<f32>> {
-        let mut all = Vec::new();
-        for (name, importance) in &self.clip_importance {
-            checked(*importance).with_context(|| format!("clip_importance: {name}"))?;
-            let names = clips.iter().map(|c| c.name.as_str());
-            let found = choose("clip", name, names).map_err(|e| Error::unsuited(e.to_string()));
-            all.resize(clips.len(), 1.0);
-            all[found.context("clip_importance")?] = *importance;
+    /// Importance of each clip of each character; empty if all are neutral.
+    fn clips(&self, cast: &[CastMember<'_>]) -> Result<Vec<Vec<f32>>> {
+        let mut importance = SceneImportance::default();
+        let names: Vec<Vec<&str>> = cast
+            .iter()
+            .map(|c| c.clips.iter().map(|clip| clip.name.as_str()).collect())
+            .collect();
+        for (name, value) in &self.clip_importance {
+            checked(*value).with_context(|| format!("clip_importance: {name}"))?;
+            if !importance.mark_clips(&names, name, *value) {
+                let all = names.iter().flatten().copied();
+                let found = choose("clip", name, all).map_err(|e| Error::unsuited(e.to_string()));
+                found.context("clip_importance")?;
+            }
         }
-        Ok(all)
+        Ok(importance.clips)
     }
 
     fn cue(
@@ -155,7 +160,11 @@ impl RolesFile {
     }
 
     /// Writes what a scene says; roles that are as usual are left out.
-    pub(super) fn of(importance: &SceneImportance, walls: &[Wall], clips: &[Clip]) -> Self {
+    pub(super) fn of(
+        importance: &SceneImportance,
+        walls: &[Wall],
+        cast: &[CastMember<'_>],
+    ) -> Self {
         let usual = |role: &Role| USUAL_ROLES.contains(&(role.name.as_str(), role.importance));
         let roles = importance.roles.iter().filter(|r| !usual(r));
         let name = |role: u16| {
@@ -164,11 +173,9 @@ impl RolesFile {
                 .get(usize::from(role))
                 .map(|r| r.name.clone())
         };
-        let marked = importance
-            .clips
-            .iter()
-            .zip(clips)
-            .filter(|(i, _)| **i != 1.0);
+        let of_each = importance.clips.iter().zip(cast);
+        let marked = of_each.flat_map(|(marks, character)| marks.iter().zip(character.clips));
+        let marked = marked.filter(|(i, _)| **i != 1.0);
         Self {
             roles: roles.map(|r| (r.name.clone(), r.importance)).collect(),
             cues: importance

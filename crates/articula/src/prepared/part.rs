@@ -1,5 +1,6 @@
 //! The parts of an asset's preparation.
 
+use articula_formats::prepared::CACHE_KEYS_VERSION;
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
@@ -87,6 +88,14 @@ impl PreparedPart {
             Self::CompactClips => Some(COMPACT),
             _ => None,
         }
+    }
+}
+
+/// Version of the layout of an entry.
+pub(crate) fn version(entry: &str) -> u64 {
+    match entry {
+        POSE_CACHE | PAIRED_POSE_CACHE => CACHE_KEYS_VERSION,
+        _ => 1,
     }
 }
 

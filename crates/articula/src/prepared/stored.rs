@@ -15,9 +15,6 @@ use articula_formats::prepared::{
 use articula_formats::{Limits, ReadError};
 use std::cell::RefCell;
 
-/// Version of the layout of every part.
-pub(crate) const PART_VERSION: u64 = 1;
-
 /// What follows from stored data that cannot be used, and how to renew it.
 const MEND: &str = "it is computed again; `articula build` renews it";
 
@@ -175,21 +172,32 @@ impl<'a> Stored<'a> {
         name: &str,
         decode: impl FnOnce(&'a [u8], &Limits) -> Result<T, ReadError>,
     ) -> Option<T> {
+        self.read_version(name, |bytes, _, limits| decode(bytes, limits))
+    }
+
+    /// Decodes a part of which earlier versions are read too.
+    fn read_version<T>(
+        &self,
+        name: &str,
+        decode: impl FnOnce(&'a [u8], u64, &Limits) -> Result<T, ReadError>,
+    ) -> Option<T> {
         let Some(part) = self.document.prepared_part(name) else {
             if self.document.lists_prepared_part(name) {
                 self.refuse(name, "its entry is malformed, or its bytes are missing");
             }
             return None;
         };
-        let found = if part.version != PART_VERSION {
-            Err(format!(
-                "version {}, this program reads {PART_VERSION}",
-                part.version
-            ))
+        let known = part::version(name);
+        let found = if !(1..=known).contains(&part.version) {
+            let found = part.version;
+            Err(match known {
+                1 => format!("version {found}, this program reads 1"),
+                _ => format!("version {found}, this program reads 1 to {known}"),
+            })
         } else if hash::bytes(part.bytes) != part.hash {
             Err("its bytes have changed".to_owned())
         } else {
-            decode(part.bytes, &Limits::default()).map_err(|e| e.to_string())
+            decode(part.bytes, part.version, &Limits::default()).map_err(|e| e.to_string())
         };
         match found {
             Ok(value) => Some(value),
@@ -313,10 +321,10 @@ impl<'a> Stored<'a> {
             true => part::PAIRED_POSE_CACHE,
             false => part::POSE_CACHE,
         };
-        self.read(name, |bytes, limits| {
-            let keys = read_cache_keys(bytes, limits)?;
-            same_count("clips", keys.len(), clips)?;
-            for of_clip in &keys {
+        self.read_version(name, |bytes, version, limits| {
+            let keys = read_cache_keys(bytes, version, limits)?;
+            same_count("clips", keys.keys.len(), clips)?;
+            for of_clip in &keys.keys {
                 same_count("levels", of_clip.len(), levels)?;
             }
             Ok(keys)

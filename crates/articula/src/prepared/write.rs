@@ -3,7 +3,6 @@
 use super::hash::{self, SourceHashes};
 use super::options::PrepareOptions;
 use super::part::{self, PreparedPart};
-use super::stored::PART_VERSION;
 use crate::crowd::RootMotionPolicy;
 use crate::crowd::mesh_lods::{MeshLods, canonical};
 use crate::crowd::preparation::{CharacterInPlace, bounds, in_place, joint_levels};
@@ -69,7 +68,7 @@ impl Parts {
         let entries = self.entries.iter().zip(&sums);
         let entries = entries.map(|((name, bytes), (_, hash))| PreparedEntry {
             name,
-            version: PART_VERSION,
+            version: part::version(name),
             hash: *hash,
             bytes,
         });
@@ -210,7 +209,8 @@ impl Parts {
         };
         let cached = cached_poses(asset, levels, &clips, &opts).context("cache")?;
         self.pose_cache_bytes += cached.cache.bytes();
-        self.entries.push((name, write_cache_keys(&cached.keys)));
+        let keys = write_cache_keys(&cached.keys, &cached.steps);
+        self.entries.push((name, keys));
         Ok(())
     }
 }

@@ -36,7 +36,7 @@ fn every_head_shows_its_own_clip_and_time() {
     assert!(open > 60, "{open} of 120 faces are not at rest");
     // Palettes and weights are those of the full character, so nothing differs.
     let mut meter = ErrorMeter::new(&asset, 1);
-    let sample = meter.measure(&crowd, 0.0, &camera);
+    let sample = meter.measure(&crowd, 0.0, &[camera]);
     assert!(sample.characters.len() > 6);
     assert!(sample.characters.iter().all(|c| c.worst_px < 0.02));
 }
@@ -114,7 +114,7 @@ fn faces_leave_out_targets_within_the_tolerance() {
             }
         }
         assert!(list.morph_sets() < list.draws.len(), "frame {frame}");
-        let sample = meter.measure(&crowd, 0.0, &camera);
+        let sample = meter.measure(&crowd, 0.0, std::slice::from_ref(&camera));
         for found in &sample.characters {
             let near = found.distance_m;
             assert!(found.p95_px <= 1.0, "{} px at {near} m", found.p95_px);

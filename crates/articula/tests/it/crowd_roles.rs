@@ -2,8 +2,8 @@
 
 use crate::crowd::{asset_of, human};
 use articula::crowd::{
-    CacheUse, CrowdAsset, CrowdOptions, DetailGoal, Hiders, SceneOptions, ScenePlayer, read_scene,
-    write_scene,
+    CacheUse, CastMember, CrowdAsset, CrowdOptions, DetailGoal, Hiders, SceneOptions, ScenePlayer,
+    read_scene, write_scene,
 };
 use articula_build::Scene;
 use std::fmt::Write as _;
@@ -14,6 +14,15 @@ const OPTIONS: SceneOptions = SceneOptions {
     cache: CacheUse::Never,
     hiders: Hiders::Walls,
 };
+
+/// A cast of one.
+fn cast(asset: &CrowdAsset) -> CastMember<'_> {
+    CastMember {
+        name: "human",
+        file: None,
+        clips: asset.clips(),
+    }
+}
 
 /// A camera at the origin that looks along -Z, and characters in rows before it.
 fn scene_of(asset: &CrowdAsset, more: &str, places: &[[f32; 2]], member: &str) -> Scene {
@@ -27,16 +36,16 @@ fn scene_of(asset: &CrowdAsset, more: &str, places: &[[f32; 2]], member: &str) -
         write!(text, r#"{comma}{{{place}, "clip": "{clip}"{member}}}"#).unwrap();
     }
     text.push_str("]}");
-    read_scene(text.as_bytes(), asset.clips(), 60.0).unwrap()
+    read_scene(text.as_bytes(), &[cast(asset)], 60.0).unwrap()
 }
 
 /// Levels of the characters after some frames.
 fn levels(player: &mut ScenePlayer<'_>, count: usize, frames: usize) -> Vec<Option<usize>> {
     for _ in 0..frames {
         player.plan(1.0 / 60.0).unwrap();
-        player.player_mut().evaluate();
+        player.crowds_mut()[0].evaluate();
     }
-    let crowd = player.player().crowd();
+    let crowd = player.crowds()[0].crowd();
     (0..count).map(|c| crowd.level(c)).collect()
 }
 
@@ -48,28 +57,32 @@ fn who_stands_behind_a_wall_costs_nothing_and_keeps_time() {
     let open = scene_of(&asset, "", &places, "");
     let walled = scene_of(&asset, wall, &places, "");
     let heroes = scene_of(&asset, wall, &places, r#", "role": "main""#);
-    let mut open_player = ScenePlayer::new(&asset, &open, OPTIONS).unwrap();
-    let mut player = ScenePlayer::new(&asset, &walled, OPTIONS).unwrap();
+    let mut open_player = ScenePlayer::new(std::slice::from_ref(&asset), &open, OPTIONS).unwrap();
+    let mut player = ScenePlayer::new(std::slice::from_ref(&asset), &walled, OPTIONS).unwrap();
     let all = levels(&mut open_player, 4, 90);
     let seen = levels(&mut player, 4, 90);
     assert!(all.iter().all(Option::is_some), "{all:?}");
     assert_eq!(seen, [None, None, all[2], all[3]]);
     assert_eq!((open_player.hidden(), player.hidden()), (0, 2));
     for character in 0..4 {
-        let state = |p: &ScenePlayer<'_>| p.player().crowd().state(character);
+        let state = |p: &ScenePlayer<'_>| p.crowds()[0].crowd().state(character);
         assert_eq!(state(&player), state(&open_player), "{character}");
     }
-    let mut heroes = ScenePlayer::new(&asset, &heroes, OPTIONS).unwrap();
+    let mut heroes = ScenePlayer::new(std::slice::from_ref(&asset), &heroes, OPTIONS).unwrap();
     assert_eq!(levels(&mut heroes, 4, 90)[..2], [None, None]);
     // Without hiders the walls are not drawn.
     let nothing = SceneOptions {
         hiders: Hiders::Nothing,
         ..OPTIONS
     };
-    let mut player = ScenePlayer::new(&asset, &walled, nothing).unwrap();
+    let mut player = ScenePlayer::new(std::slice::from_ref(&asset), &walled, nothing).unwrap();
     assert_eq!(
         levels(&mut player, 4, 1),
-        levels(&mut ScenePlayer::new(&asset, &open, OPTIONS).unwrap(), 4, 1)
+        levels(
+            &mut ScenePlayer::new(std::slice::from_ref(&asset), &open, OPTIONS).unwrap(),
+            4,
+            1
+        )
     );
 }
 
@@ -84,7 +97,7 @@ fn a_crowd_hides_who_stands_behind_it() {
         hiders: Hiders::Everything,
         ..OPTIONS
     };
-    let mut player = ScenePlayer::new(&asset, &scene, everything).unwrap();
+    let mut player = ScenePlayer::new(std::slice::from_ref(&asset), &scene, everything).unwrap();
     let seen = levels(&mut player, places.len(), 2);
     assert_eq!(seen[9], None, "{seen:?}");
     assert!(seen[..9].iter().all(Option::is_some), "{seen:?}");
@@ -99,18 +112,21 @@ fn roles_change_the_tolerance_and_change_by_cue() {
         {"t": 1.0, "role": null, "members": [1]}],"#;
     let scene = scene_of(&asset, more, &places, r#", "role": "extra""#);
     let neutral = scene_of(&asset, "", &places, "");
-    let mut player = ScenePlayer::new(&asset, &scene, OPTIONS).unwrap();
-    let mut plain = ScenePlayer::new(&asset, &neutral, OPTIONS).unwrap();
+    let mut player = ScenePlayer::new(std::slice::from_ref(&asset), &scene, OPTIONS).unwrap();
+    let mut plain = ScenePlayer::new(std::slice::from_ref(&asset), &neutral, OPTIONS).unwrap();
     let usual = levels(&mut plain, 2, 10)[0];
     let extra = levels(&mut player, 2, 10);
     assert!(extra[1] > usual, "{extra:?} against {usual:?}");
-    assert_eq!(player.player().importance(1), 0.25);
+    assert_eq!(player.crowds()[0].importance(1), 0.25);
     let hero = levels(&mut player, 2, 30);
     assert_eq!(hero[0], extra[0], "who has no cue keeps its role");
     assert!(hero[1] < usual, "{hero:?} against {usual:?}");
     assert_eq!(scene.importance.roles[player.role(1).unwrap()].name, "main");
     levels(&mut player, 2, 30);
-    assert_eq!((player.role(1), player.player().importance(1)), (None, 1.0));
+    assert_eq!(
+        (player.role(1), player.crowds()[0].importance(1)),
+        (None, 1.0)
+    );
 }
 
 #[test]
@@ -125,13 +141,13 @@ fn scenes_with_roles_are_written_as_they_were_read() {
     );
     let places = [[0.0, -10.0], [3.0, -10.0]];
     let scene = scene_of(&asset, &more, &places, r#", "role": "king""#);
-    let again = read_scene(&write_scene(&scene, asset.clips()), asset.clips(), 60.0).unwrap();
+    let again = read_scene(&write_scene(&scene, &[cast(&asset)]), &[cast(&asset)], 60.0).unwrap();
     assert_eq!(again.importance, scene.importance);
     assert_eq!(again.members, scene.members);
     let wall = again.walls[0];
     assert!((wall.yaw_radians - scene.walls[0].yaw_radians).abs() < 1e-6);
-    let player = ScenePlayer::new(&asset, &scene, OPTIONS).unwrap();
-    let importance = [0, 1].map(|c| player.player().importance(c));
+    let player = ScenePlayer::new(std::slice::from_ref(&asset), &scene, OPTIONS).unwrap();
+    let importance = [0, 1].map(|c| player.crowds()[0].importance(c));
     assert_eq!(importance, [8.0 * 3.0 * 2.0, 8.0 * 2.0]);
 }
 
@@ -143,7 +159,7 @@ fn mistakes_in_roles_are_named_with_their_place() {
     let why = |more: &str, role: &str| {
         let member = format!(r#"{{"position": [0, 0, 0], "clip": "{clip}"{role}}}"#);
         let text = format!(r#"{{{camera}, {more} "members": [{member}]}}"#);
-        let read = read_scene(text.as_bytes(), asset.clips(), 60.0);
+        let read = read_scene(text.as_bytes(), &[cast(&asset)], 60.0);
         read.unwrap_err().to_string()
     };
     for (more, role, says) in [

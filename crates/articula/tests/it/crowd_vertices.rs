@@ -34,7 +34,7 @@ fn walked(asset: &CrowdAsset, px: f32, cache: CacheUse, scales: &[f32]) -> Error
         let eye = Vec3::new(0.3, 1.6, 2.0 - 0.4 * frame as f32);
         let camera = Camera::looking_at(eye, eye + Vec3::new(0.1, -0.2, -1.0), viewport);
         crowd.frame(0.11, &camera);
-        samples.push(meter.measure(&crowd, 0.0, &camera));
+        samples.push(meter.measure(&crowd, 0.0, &[camera]));
     }
     ErrorSummary::of(&samples)
 }

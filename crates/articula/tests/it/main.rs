@@ -13,6 +13,7 @@ mod bare;
 mod convert;
 mod crowd;
 mod crowd_buffers;
+mod crowd_casts;
 mod crowd_faces;
 mod crowd_roles;
 mod crowd_vertices;

@@ -56,8 +56,8 @@ impl ImportanceArgs {
         }
     }
 
-    /// Adds the roles and the importance of clips to a scene.
-    pub(super) fn apply(&self, scene: &mut Scene, clips: &[Clip]) -> anyhow::Result<()> {
+    /// Adds the roles and the importance of clips to a scene; `clips` has those of each character of the cast.
+    pub(super) fn apply(&self, scene: &mut Scene, clips: &[&[Clip]]) -> anyhow::Result<()> {
         let count = scene.members.len();
         let importance = &mut scene.importance;
         for RoleOf { role, ranges } in &self.role {
@@ -78,10 +78,13 @@ impl ImportanceArgs {
             importance: i,
         } in &self.clip_importance
         {
-            let names = clips.iter().map(|c| c.name.as_str());
-            let at = articula::choose("clip", clip, names).context("--clip-importance")?;
-            importance.clips.resize(clips.len(), 1.0);
-            importance.clips[at] = *i;
+            let names = clips.iter();
+            let names = names.map(|clips| clips.iter().map(|c| c.name.as_str()).collect());
+            let names: Vec<Vec<&str>> = names.collect();
+            if !importance.mark_clips(&names, clip, *i) {
+                let all = names.iter().flatten().copied();
+                articula::choose("clip", clip, all).context("--clip-importance")?;
+            }
         }
         Ok(())
     }

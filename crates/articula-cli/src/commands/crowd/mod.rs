@@ -1,31 +1,32 @@
-//! `articula crowd FILE`: simulates a crowd; reports its cost, its error and the levels in use.
+//! `articula crowd FILE…`: simulates a crowd; reports its cost, its error and the levels in use.
 
+mod cast;
 mod importance;
+mod outputs;
 mod report;
+mod storage;
 
-use crate::arguments::{CharacterArgs, field_of_view, not_negative, positive, size};
+use crate::arguments::{field_of_view, not_negative, positive, size};
 use crate::console::Console;
-use crate::crowd::picture;
-use crate::crowd::run::{self, Run};
-use crate::crowd::stage::{DISPLAY_HZ, Settings, TimedCrowd};
-use crate::files::{self, Files};
-use crate::open;
+use crate::crowd::run;
+use crate::crowd::stage::{DISPLAY_HZ, Settings};
+use crate::files;
 use crate::play::read_camera_path;
 use crate::{fault, selection};
 use anyhow::Context;
 use articula::crowd::{
-    Backend, CacheUse, ClipStorage, CrowdAsset, CrowdBuffers, CrowdOptions, DetailGoal,
-    ErrorSummary, JointLodMethod, MAX_MEMBERS, MAX_MESH_LEVELS, PaletteForm, PaletteMatrices,
-    RootMotionPolicy, read_scene, write_scene,
+    Backend, CacheUse, ClipStorage, CrowdAsset, CrowdOptions, DetailGoal, JointLodMethod,
+    MAX_MEMBERS, MAX_MESH_LEVELS, MAX_VIEWS, PaletteForm, PaletteMatrices, RootMotionPolicy,
 };
-use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
+use articula_build::{PLAZA_COUNT, Plaza, Scene, SceneView, plaza};
 use articula_core::Clip;
-use articula_report::{Plot, PlotOptions, Series, line_plot, stacked};
-use clap::{Args, ValueEnum};
+use cast::{CastArgs, CastAsset, NamedScene};
+use clap::Args;
 use importance::ImportanceArgs;
 use report::CrowdRunReport;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use storage::{FormName, MatricesName, SourceName, StorageArgs, StorageName};
 
 /// Seconds to play a scene without a camera path.
 const USUAL_SECS: f64 = 2.0;
@@ -39,9 +40,6 @@ const MAX_FRAMES: f64 = 36_000.0;
 /// Maximum number of threads.
 const MAX_THREADS: usize = 256;
 
-/// Maximum size of a scene file in bytes.
-const MAX_SCENE_BYTES: u64 = 512 << 20;
-
 /// Size in pixels of the picture that `--picture` writes.
 const PICTURE_PX: (u32, u32) = (1280, 720);
 
@@ -49,7 +47,7 @@ const PICTURE_PX: (u32, u32) = (1280, 720);
 #[derive(Debug, Args)]
 pub(crate) struct CrowdArgs {
     #[command(flatten)]
-    character: CharacterArgs,
+    cast: CastArgs,
     /// Number of characters [default: 10000, or all of a scene file]
     #[arg(long, value_name = "N", value_parser = count)]
     count: Option<usize>,
@@ -81,12 +79,13 @@ pub(crate) struct CrowdArgs {
     #[arg(long, value_name = "S", value_parser = positive)]
     seconds: Option<f32>,
     /// JSON file with a camera path to use instead: a list of key frames with t, eye and target
+    /// (repeatable: every further one is another view)
     #[arg(long, value_name = "F.json")]
-    camera_path: Option<PathBuf>,
+    camera_path: Vec<PathBuf>,
     /// Also compute the root motion of travelling clips; characters do not move by it here
     #[arg(long)]
     root_motion: bool,
-    /// Name of a clip to play (repeatable) [default: all]
+    /// Name of a clip to play (repeatable), by every character that has it [default: all]
     #[arg(long, value_name = "NAME|all")]
     clip: Vec<String>,
     #[command(flatten)]
@@ -108,89 +107,22 @@ pub(crate) struct CrowdArgs {
     /// Write a plot of frame time and error over time
     #[arg(long, value_name = "F.svg")]
     plot: Option<PathBuf>,
-    /// Write a picture of the first frame, each character in the colour of its level
+    /// Write a picture of the first frame, each character in the colour of its level; the views below
+    /// each other
     #[arg(long, value_name = "F.png")]
     picture: Option<PathBuf>,
     /// Write what a GPU reads in the first frame into a folder: palettes of the skin, draws, records,
-    /// transforms, meshes and their description, crowd.json
+    /// transforms, meshes and their description, crowd.json; of several characters, each in a folder with
+    /// its name
     #[arg(long, value_name = "DIR")]
     buffers: Option<PathBuf>,
 }
 
-/// Storage of clips and format of palettes.
-#[derive(Debug, Clone, Args)]
-struct StorageArgs {
-    /// Storage of clips: 32-bit floats or 16-bit integers
-    #[arg(long, value_enum, default_value = "float")]
-    storage: StorageName,
-    /// Format of a palette matrix: 48, 24, 32 or 16 bytes
-    #[arg(long, value_enum, default_value = "matrix")]
-    form: FormName,
-    /// Palette matrices: one per joint, or one per skin binding including the inverse bind matrix
-    /// [default: skin where poses may be cached, else joints]
-    #[arg(long, value_enum)]
-    palette: Option<MatricesName>,
-    /// Source of poses. auto: evaluated, or blended from cached ones where that is cheaper within
-    /// the tolerance; records: the same, with cached poses blended by the GPU from records of 16
-    /// bytes; own: evaluated for each character; shared: evaluated, and shared by characters whose
-    /// poses agree within the tolerance
-    #[arg(long, value_enum, default_value = "auto")]
-    source: SourceName,
-    /// Instruction set; all give the same bits [default: the fastest]
-    #[arg(long, value_name = "NAME", value_parser = backend)]
-    backend: Option<Backend>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum StorageName {
-    Float,
-    Short,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum FormName {
-    Matrix,
-    Half,
-    Rigid,
-    HalfRigid,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum MatricesName {
-    Joints,
-    Skin,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SourceName {
-    Auto,
-    Records,
-    Own,
-    Shared,
-}
-
-impl StorageArgs {
-    /// Whether the form of palettes can be cached.
-    fn is_cacheable(&self) -> bool {
-        matches!(self.form, FormName::Matrix | FormName::Half)
-    }
-
-    /// Use of the pose cache that the source asks for.
-    fn cache(&self) -> CacheUse {
-        match self.source {
-            SourceName::Auto => CacheUse::Cpu,
-            SourceName::Records => CacheUse::Gpu,
-            SourceName::Own | SourceName::Shared => CacheUse::Never,
-        }
-    }
-}
-
 /// The parsed and checked inputs of a run.
 struct Piece {
-    asset: CrowdAsset,
+    cast: Vec<CastAsset>,
     scene: Scene,
     scene_name: String,
-    in_place: Vec<String>,
     settings: Settings,
 }
 
@@ -201,21 +133,24 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     args.check_records()?;
     args.check_mesh_levels()?;
     args.check_buffers()?;
-    let buffers = args.buffer_files();
+    let scene_file = args.scene_file()?;
+    let files = args.cast.of(scene_file.as_ref())?;
+    let buffers = args.buffer_files(&files);
     let outputs = args.outputs().chain(buffers.iter().map(PathBuf::as_path));
-    console.files.plan(args.inputs(), outputs)?;
+    let inputs = args.inputs().chain(files.iter().map(|f| f.path.as_path()));
+    console.files.plan(inputs, outputs)?;
     let start = Instant::now();
-    let figure = open::figure(&console.files, &args.character)?;
-    let place = figure.opened.name.clone();
-    let mut warnings = open::warnings(&figure.opened.warnings);
-    let options = args.options(&figure.asset.clips)?;
-    let asset = console.work(|work| CrowdAsset::new(&figure, &options, work))?;
+    let several = files.len() > 1;
+    let options = |clips: &[Clip]| args.options(clips, several);
+    let cast = files.into_iter();
+    let cast = cast.map(|file| args.cast.open(file, &options, console));
+    let cast = cast.collect::<anyhow::Result<Vec<CastAsset>>>()?;
     let ready_ms = start.elapsed().as_secs_f64() * 1e3;
-    warnings.extend_from_slice(asset.warnings());
-    if args.picture.is_some() && !asset.has_mesh() {
+    if let (Some(_), Some(bare)) = (&args.picture, cast.iter().find(|c| !c.asset.has_mesh())) {
+        let place = files::shown(&bare.file.path);
         anyhow::bail!("{place}: no mesh, so there is nothing to draw; leave --picture out");
     }
-    let scene = args.scene(&asset)?;
+    let scene = args.scene(&cast, scene_file)?;
     let settings = Settings {
         detail,
         share: args.storage.source == SourceName::Shared,
@@ -224,21 +159,25 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
         threads: args.threads,
         frames: args.frames(&scene)?,
     };
-    let clips = asset.clips().iter().enumerate();
-    let in_place = clips.filter(|(c, _)| asset.travels(*c));
     let piece = Piece {
-        in_place: in_place.map(|(_, clip)| clip.name.clone()).collect(),
-        asset,
+        cast,
         scene,
         scene_name: args.scene.clone(),
         settings,
     };
-    let found = run::run(&piece.asset, &piece.scene, settings, args.seed, console)?;
-    let mut report = CrowdRunReport::new(args, &piece, &found, place);
+    let assets = piece.assets();
+    let found = run::run(&assets, &piece.scene, settings, args.seed, console)?;
+    let mut report = CrowdRunReport::new(args, &piece, &found);
     report.ready_ms = ready_ms;
-    report.warnings.extend(warnings);
     args.write(&piece, &found, &mut report, &console.files)?;
     console.result(&report, CrowdRunReport::text)
+}
+
+impl Piece {
+    /// The assets of the cast, which share their data with it.
+    fn assets(&self) -> Vec<CrowdAsset> {
+        self.cast.iter().map(|c| c.asset.clone()).collect()
+    }
 }
 
 impl CrowdArgs {
@@ -262,78 +201,32 @@ impl CrowdArgs {
     /// The files that are read.
     fn inputs(&self) -> impl Iterator<Item = &Path> {
         let scene = [Path::new(&self.scene)].into_iter();
-        let path = self.camera_path.as_deref();
-        self.character.inputs().chain(scene).chain(path)
+        let paths = self.camera_path.iter().map(PathBuf::as_path);
+        self.cast.inputs().chain(scene).chain(paths)
     }
 
-    /// The files that are written.
-    fn outputs(&self) -> impl Iterator<Item = &Path> {
-        let all = [&self.save_scene, &self.plot, &self.picture];
-        all.into_iter().flatten().map(PathBuf::as_path)
-    }
-
-    /// The files of `--buffers` that may exist already; a missing folder has none.
-    fn buffer_files(&self) -> Vec<PathBuf> {
-        let folder = self.buffers.iter().filter(|folder| folder.is_dir());
-        let names = CrowdBuffers::FILES.into_iter();
-        let names = names.chain([CrowdBuffers::MANIFEST]);
-        folder
-            .flat_map(|folder| names.clone().map(|name| folder.join(name)))
-            .collect()
-    }
-
-    fn check_buffers(&self) -> anyhow::Result<()> {
-        let Some(folder) = &self.buffers else {
-            return Ok(());
-        };
-        if self.storage.palette == Some(MatricesName::Joints) {
-            let what = "--buffers requires palettes of the skin; leave --palette out";
-            return Err(fault::usage(what));
+    /// Names of the clips to play; empty for all. Where there are several characters, each plays those
+    /// that it has.
+    fn clips(&self, clips: &[Clip], several: bool) -> Vec<String> {
+        let has = |name: &String| clips.iter().any(|c| c.name == *name);
+        if self.clip.iter().any(|name| name == "all" && !has(name)) {
+            return Vec::new();
         }
-        if files::is_no_folder(folder) {
-            let folder = files::shown(folder);
-            let what = format!("--buffers {folder}: this is no folder; name a folder");
-            return Err(fault::usage(what));
-        }
-        Ok(())
-    }
-
-    fn check_outputs(&self) -> anyhow::Result<()> {
-        let wanted = [
-            ("--plot", &self.plot, "svg", "plots are SVG"),
-            ("--picture", &self.picture, "png", "pictures are PNG"),
-            ("--save-scene", &self.save_scene, "json", "scenes are JSON"),
-        ];
-        for (flag, path, ending, what) in wanted {
-            let Some(path) = path else { continue };
-            let found = path.extension().unwrap_or_default();
-            if !found.eq_ignore_ascii_case(ending) {
-                let path = files::shown(path);
-                let mend = format!("name a .{ending} file");
-                return Err(fault::usage(format!("{flag} {path}: {what}; {mend}")));
-            }
-        }
-        Ok(())
-    }
-
-    /// Names of the clips to play; empty for all.
-    fn clips(&self, clips: &[Clip]) -> Vec<String> {
-        let is_all = |name: &String| name == "all" && !clips.iter().any(|c| c.name == "all");
-        if self.clip.iter().any(is_all) {
-            Vec::new()
-        } else {
-            self.clip.clone()
+        let own = || self.clip.iter().filter(|name| has(name)).cloned();
+        match several && own().next().is_some() {
+            true => own().collect(),
+            false => self.clip.clone(),
         }
     }
 
-    fn options(&self, clips: &[Clip]) -> anyhow::Result<CrowdOptions> {
+    fn options(&self, clips: &[Clip], several: bool) -> anyhow::Result<CrowdOptions> {
         let joints = match self.level.as_str() {
             "full" => JointLodMethod::Whole,
             "auto" => JointLodMethod::Merged,
             text => JointLodMethod::Named(selection::expression("--level", text)?),
         };
         Ok(CrowdOptions {
-            clips: self.clips(clips),
+            clips: self.clips(clips, several),
             root_motion: if self.root_motion {
                 RootMotionPolicy::Extracted
             } else {
@@ -405,51 +298,85 @@ impl CrowdArgs {
         Err(fault::usage(format!("--source records {mend}")))
     }
 
-    fn scene(&self, asset: &CrowdAsset) -> anyhow::Result<Scene> {
-        let clips = asset.clips();
-        let count = self.count.unwrap_or(PLAZA_COUNT);
-        let made = |kind| plaza(count, clips.len(), self.seed, kind);
-        let mut scene = match self.scene.as_str() {
-            "plaza" => made(Plaza::Still),
-            "plaza-2" => made(Plaza::Moving),
-            "plaza-2-in-step" => made(Plaza::InPhase),
-            path => self.scene_file(Path::new(path), clips)?,
-        };
-        if let Some((width, height)) = self.viewport {
-            scene.viewport.width_px = width as f32;
-            scene.viewport.height_px = height as f32;
+    /// The scene file, unless the scene is a built-in one.
+    fn scene_file(&self) -> anyhow::Result<Option<NamedScene>> {
+        if self.plaza().is_some() {
+            return Ok(None);
         }
-        if let Some(fov_deg) = self.fov_deg {
-            scene.viewport.fov_y_radians = fov_deg.to_radians();
-        }
-        if let Some(path) = &self.camera_path {
-            scene.camera = read_camera_path(path, DISPLAY_HZ)?;
-            scene.camera_loops = false;
-        }
-        self.importance.apply(&mut scene, clips)?;
-        Ok(scene)
-    }
-
-    fn scene_file(&self, path: &Path, clips: &[Clip]) -> anyhow::Result<Scene> {
+        let path = Path::new(&self.scene);
         if path.extension().is_none() && !path.exists() {
             let known = "give plaza, plaza-2, plaza-2-in-step or a .json file";
             return Err(fault::usage(format!("--scene {}: {known}", self.scene)));
         }
-        let bytes = files::read(path, MAX_SCENE_BYTES)?;
-        let mut scene = read_scene(&bytes, clips, DISPLAY_HZ)
-            .map_err(|e| match e {
-                // Not JSON, or not a scene; an error inside a scene is reported as it is.
-                articula::Error::Read(e) => {
-                    anyhow::anyhow!("{e}; --save-scene writes an example")
-                }
-                other => other.into(),
-            })
-            .with_context(|| files::shown(path))?;
+        NamedScene::read(path).map(Some)
+    }
+
+    /// The built-in scene, if it is one.
+    fn plaza(&self) -> Option<Plaza> {
+        match self.scene.as_str() {
+            "plaza" => Some(Plaza::Still),
+            "plaza-2" => Some(Plaza::Moving),
+            "plaza-2-in-step" => Some(Plaza::InPhase),
+            _ => None,
+        }
+    }
+
+    fn scene(&self, cast: &[CastAsset], file: Option<NamedScene>) -> anyhow::Result<Scene> {
+        let mut scene = match file {
+            Some(file) => self.scene_of(file, cast)?,
+            None => {
+                let count = self.count.unwrap_or(PLAZA_COUNT);
+                let clips: Vec<usize> = cast.iter().map(|c| c.asset.clips().len()).collect();
+                plaza(count, &clips, self.seed, self.plaza().unwrap_or_default())
+            }
+        };
+        self.apply_views(&mut scene)?;
+        let clips: Vec<&[Clip]> = cast.iter().map(|c| c.asset.clips()).collect();
+        self.importance.apply(&mut scene, &clips)?;
+        Ok(scene)
+    }
+
+    /// Replaces the camera paths, and the pictures of all views.
+    fn apply_views(&self, scene: &mut Scene) -> anyhow::Result<()> {
+        if self.camera_path.len() > MAX_VIEWS {
+            let count = self.camera_path.len();
+            let what = format!("--camera-path: {count} views, at most {MAX_VIEWS}");
+            return Err(fault::usage(what));
+        }
+        for (i, path) in self.camera_path.iter().enumerate() {
+            let viewport = scene.views[i.min(scene.views.len() - 1)].viewport;
+            let view = SceneView {
+                viewport,
+                camera: read_camera_path(path, DISPLAY_HZ)?,
+                camera_loops: false,
+            };
+            match scene.views.get_mut(i) {
+                Some(there) => *there = view,
+                None => scene.views.push(view),
+            }
+        }
+        for view in &mut scene.views {
+            if let Some((width, height)) = self.viewport {
+                view.viewport.width_px = width as f32;
+                view.viewport.height_px = height as f32;
+            }
+            if let Some(fov_deg) = self.fov_deg {
+                view.viewport.fov_y_radians = fov_deg.to_radians();
+            }
+        }
+        Ok(())
+    }
+
+    fn scene_of(&self, file: NamedScene, cast: &[CastAsset]) -> anyhow::Result<Scene> {
+        let nowhere = vec![None; cast.len()];
+        let members = cast::members(cast, &nowhere);
+        let scene = file.parsed.resolve(&members, DISPLAY_HZ);
+        let mut scene = scene.with_context(|| files::shown(Path::new(&self.scene)))?;
         let there = scene.members.len();
         match self.count {
             Some(count) if count > there => Err(fault::usage(format!(
                 "--count {count}: {} has {there} characters",
-                files::shown(path)
+                files::shown(Path::new(&self.scene))
             ))),
             count => {
                 scene.truncate(count.unwrap_or(there));
@@ -475,90 +402,6 @@ impl CrowdArgs {
         }
         Ok(frames as usize)
     }
-
-    /// Writes the scene, plot, picture and buffers that were asked for.
-    fn write(
-        &self,
-        piece: &Piece,
-        found: &Run,
-        report: &mut CrowdRunReport,
-        files: &Files,
-    ) -> anyhow::Result<()> {
-        if let Some(path) = &self.save_scene {
-            files.write(path, &write_scene(&piece.scene, piece.asset.clips()))?;
-            report.written.push(files::shown(path));
-        }
-        if let Some(path) = &self.plot {
-            let svg = stacked(&plots(found, self.budget_ms));
-            files.write(path, svg.as_bytes())?;
-            report.written.push(files::shown(path));
-        }
-        if let Some(path) = &self.picture {
-            let picture = picture::draw(&piece.asset, &piece.scene, piece.settings, PICTURE_PX)?;
-            let png = picture.to_png().with_context(|| files::shown(path))?;
-            files.write(path, &png)?;
-            report.written.push(files::shown(path));
-        }
-        if let Some(folder) = &self.buffers {
-            let stage = TimedCrowd::first_frame(&piece.asset, &piece.scene, piece.settings)?;
-            let buffers = CrowdBuffers::new(stage.scene.player())?
-                .files()?
-                .into_iter();
-            let buffers = buffers.map(|(name, bytes)| (folder.join(name), bytes));
-            let buffers: Vec<(PathBuf, Vec<u8>)> = buffers.collect();
-            files.make_folder(folder)?;
-            files.write_all(&buffers)?;
-            let written = buffers.iter().map(|(path, _)| files::shown(path));
-            report.written.extend(written);
-        }
-        Ok(())
-    }
-}
-
-/// Plots of frame time and error over the time of the scene.
-pub(crate) fn plots(found: &Run, budget_ms: Option<f32>) -> Vec<Plot> {
-    let options = |title: &str, y: &str, target| PlotOptions {
-        title: title.into(),
-        x_label: "time (s)".into(),
-        y_label: y.into(),
-        target,
-        ..PlotOptions::default()
-    };
-    let target = budget_ms.map(|ms| (f64::from(ms), format!("budget {ms} ms")));
-    let time = Series {
-        points: found.over_time.clone(),
-        ..Series::default()
-    };
-    let line = |name: &str, of: &dyn Fn(&ErrorSummary) -> f64| Series {
-        name: name.into(),
-        points: found
-            .looks
-            .iter()
-            .map(|l| {
-                let one = std::slice::from_ref(l);
-                (l.secs, of(&ErrorSummary::of(one)))
-            })
-            .collect(),
-        dashed: name != "p95 of visible characters",
-    };
-    let errors = [
-        line("p95 of visible characters", &|s| s.p95),
-        line("max", &|s| s.max),
-        line("max within 20 m", &|s| s.near_max),
-    ];
-    vec![
-        Plot {
-            name: "frame-time.svg",
-            svg: line_plot(
-                &options("Processor time of a frame", "time (ms)", target),
-                &[time],
-            ),
-        },
-        Plot {
-            name: "crowd-error.svg",
-            svg: line_plot(&options("Error of the crowd", "error (px)", None), &errors),
-        },
-    ]
 }
 
 fn count(text: &str) -> Result<usize, String> {
@@ -578,13 +421,4 @@ fn threads(text: &str) -> Result<usize, String> {
     let number = text.parse::<usize>().ok();
     let number = number.filter(|n| (1..=MAX_THREADS).contains(n));
     number.ok_or_else(|| format!("expected a whole number of 1 to {MAX_THREADS}"))
-}
-
-fn backend(text: &str) -> Result<Backend, String> {
-    let here = Backend::ALL.into_iter().filter(|b| b.is_available());
-    let found = text.parse().ok().filter(|b: &Backend| b.is_available());
-    found.ok_or_else(|| {
-        let here: Vec<String> = here.map(|b| b.to_string()).collect();
-        format!("this machine has {}", here.join(", "))
-    })
 }

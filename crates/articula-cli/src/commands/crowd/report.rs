@@ -6,6 +6,7 @@ use crate::crowd::roles::RoleError;
 use crate::crowd::run::{BudgetFound, Memory, Poses, Run};
 use crate::crowd::timing::Spread;
 use crate::fault::clean;
+use crate::files;
 use crate::table::Table;
 use articula::crowd::{DrawCost, ErrorSummary, LevelStatistics};
 use clap::ValueEnum;
@@ -15,7 +16,11 @@ use serde::{Serialize, Serializer};
 #[derive(Debug, Serialize)]
 pub(super) struct CrowdRunReport {
     pub(super) file: String,
+    /// The characters, if there are several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) cast: Vec<CastReport>,
     pub(super) scene: String,
+    pub(super) views: usize,
     pub(super) level: String,
     pub(super) mesh_levels: usize,
     pub(super) clips: Vec<String>,
@@ -61,6 +66,7 @@ pub(super) struct CrowdRunReport {
     /// Time beyond the budget as a fraction of it, 95th percentile.
     pub(super) overrun_p95: Option<f64>,
     pub(super) budget: Option<BudgetFound>,
+    /// Levels of the character; of several, in `cast`.
     #[serde(serialize_with = "by_level")]
     pub(super) tiers: Vec<LevelStatistics>,
     pub(super) renderer: DrawCost,
@@ -68,6 +74,19 @@ pub(super) struct CrowdRunReport {
     /// Files written.
     pub(super) written: Vec<String>,
     pub(super) warnings: Vec<String>,
+}
+
+/// One of several characters of a run.
+#[derive(Debug, Serialize)]
+pub(super) struct CastReport {
+    /// Its name in scene files.
+    pub(super) name: String,
+    pub(super) file: String,
+    pub(super) characters: usize,
+    pub(super) clips: Vec<String>,
+    #[serde(serialize_with = "by_level")]
+    pub(super) tiers: Vec<LevelStatistics>,
+    pub(super) renderer: DrawCost,
 }
 
 /// Serialises levels as an object, keyed by name in the order of the levels.
@@ -82,7 +101,7 @@ fn name_of(value: impl ValueEnum) -> String {
 
 impl CrowdRunReport {
     /// Makes the report of a run.
-    pub(super) fn new(args: &CrowdArgs, piece: &Piece, run: &Run, file: String) -> Self {
+    pub(super) fn new(args: &CrowdArgs, piece: &Piece, run: &Run) -> Self {
         let characters = piece.scene.members.len();
         let frame_ns = |ms: f64| ms * 1e6 / characters.max(1) as f64;
         let visible = run.visible.median.round() as usize;
@@ -90,14 +109,28 @@ impl CrowdRunReport {
         let in_cull_margin = run.in_cull_margin.median.round() as usize;
         // Who is occluded counts as in the margin for a frame.
         let in_cull_margin = in_cull_margin.saturating_sub(occluded);
-        let viewport = piece.scene.viewport;
-        let clips = piece.asset.clips().iter();
+        let viewport = piece.scene.views[0].viewport;
+        let all = || run.tiers.iter().flatten();
+        let cast = cast_of(piece, run);
         Self {
-            file,
+            file: listed(cast.iter().map(|c| &c.file)).join(", "),
+            clips: listed(cast.iter().flat_map(|c| &c.clips)),
+            clips_in_place: listed(piece.cast.iter().flat_map(|c| {
+                let clips = c.asset.clips().iter().enumerate();
+                let travelling = clips.filter(|(i, _)| c.asset.travels(*i));
+                travelling.map(|(_, clip)| &clip.name)
+            })),
+            warnings: warnings(piece),
+            tiers: match &run.tiers[..] {
+                [tiers] => tiers.clone(),
+                _ => Vec::new(),
+            },
+            renderer: DrawCost::sum(all()),
+            cast: if cast.len() > 1 { cast } else { Vec::new() },
+            views: piece.scene.views.len(),
             scene: piece.scene_name.clone(),
             level: args.level.clone(),
             mesh_levels: args.mesh_levels,
-            clips: clips.map(|c| c.name.clone()).collect(),
             characters,
             visible,
             in_cull_margin,
@@ -108,7 +141,6 @@ impl CrowdRunReport {
             threads: args.threads,
             source: name_of(args.storage.source),
             root_motion: args.root_motion,
-            clips_in_place: piece.in_place.clone(),
             epsilon_px: args.epsilon_px,
             viewport_px: [viewport.width_px, viewport.height_px],
             fov_deg: viewport.fov_y_radians.to_degrees(),
@@ -140,11 +172,8 @@ impl CrowdRunReport {
             budget_ms: args.budget_ms,
             overrun_p95: run.overrun_p95,
             budget: run.budget,
-            tiers: run.tiers.clone(),
-            renderer: DrawCost::sum(&run.tiers),
             palette_hash: run.hash.clone(),
             written: Vec::new(),
-            warnings: Vec::new(),
         }
     }
 
@@ -152,7 +181,16 @@ impl CrowdRunReport {
     pub(super) fn text(&self) -> String {
         let mut text = self.heading();
         text.push('\n');
-        text.push_str(&self.tier_table().text());
+        if self.cast.is_empty() {
+            text.push_str(&tier_table(&self.tiers).text());
+        }
+        for (i, character) in self.cast.iter().enumerate() {
+            let count = character.characters;
+            let name = clean(&character.name);
+            let gap = if i > 0 { "\n" } else { "" };
+            text.push_str(&format!("{gap}{name}: {count} characters\n"));
+            text.push_str(&tier_table(&character.tiers).text());
+        }
         text.push_str(&self.sums());
         for warning in &self.warnings {
             text.push_str(&format!("warning: {}\n", clean(warning)));
@@ -164,12 +202,19 @@ impl CrowdRunReport {
     }
 
     fn heading(&self) -> String {
-        let name = self.file.rsplit(['/', '\\']).next().unwrap_or(&self.file);
+        let name = match self.cast.len() {
+            0 => self.file.rsplit(['/', '\\']).next().unwrap_or(&self.file),
+            count => &format!("{count} different characters"),
+        };
+        let views = match self.views {
+            1 => String::new(),
+            count => format!("{count} views, the first "),
+        };
         let threads = crate::table::counted(self.threads, "thread", "threads");
         let clips = crate::table::counted(self.clips.len(), "clip", "clips");
         format!(
             "{}, {} characters, scene {}, level {}, {clips}\n\
-             {} frames at {} Hz, {threads}, {}, {} x {} px, {:.0} degrees\n\
+             {} frames at {} Hz, {threads}, {}, {views}{} x {} px, {:.0} degrees\n\
              characters: {} visible, {} in the cull margin, {} hidden{}\n\
              ready in {:.0} ms\n",
             clean(name),
@@ -191,45 +236,6 @@ impl CrowdRunReport {
             },
             self.ready_ms
         )
-    }
-
-    fn tier_table(&self) -> Table {
-        let mut table = Table::new(&[
-            "level",
-            "joints",
-            "triangles",
-            "influences",
-            "characters",
-            "poses",
-            "error mm",
-            "bound px",
-            "p95 px",
-            "max px",
-            "draw groups",
-            "palettes",
-            "records",
-            "vertices",
-        ]);
-        for t in &self.tiers {
-            let px = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.2}"));
-            table.row([
-                t.level.to_string(),
-                t.joints.to_string(),
-                t.triangles.to_string(),
-                t.influences.to_string(),
-                format!("{:.0}", t.characters),
-                format!("{:.0}", t.poses),
-                format!("{:.1}", t.error_mm),
-                px(t.error_bound_px.map(f64::from)),
-                px(t.error_px.map(|e| e.p95)),
-                px(t.error_px.map(|e| e.max)),
-                format!("{:.0}", t.renderer.draw_groups),
-                format!("{:.2} MB", t.renderer.palette_bytes / 1e6),
-                format!("{:.2} MB", t.renderer.record_bytes / 1e6),
-                format!("{:.2} M", t.renderer.skinned_vertices / 1e6),
-            ]);
-        }
-        table
     }
 
     /// Errors of small parts of the body and of roles.
@@ -281,12 +287,13 @@ impl CrowdRunReport {
         ));
         text.push_str(&self.error_parts());
         text.push_str(&format!(
-            "poses  {:.0} per frame for one character ({:.0} blend two clips), {:.0} shared by {:.0} characters, {:.0} from the cache\n",
+            "poses  {:.0} per frame for one character ({:.0} blend two clips), {:.0} shared by {:.0} characters, {:.0} blended from the cache, {:.0} shown from it as they are\n",
             self.poses.own,
             self.poses.blended,
             self.poses.shared,
             self.poses.followers,
-            self.poses.cached
+            self.poses.cached,
+            self.poses.stepped
         ));
         if !self.morphs.levels.is_empty() {
             text.push_str(&format!(
@@ -297,13 +304,14 @@ impl CrowdRunReport {
             ));
         }
         text.push_str(&format!(
-            "draw   {:.0} groups, {:.2} M vertices, {:.2} M triangles ({:.2} M in full detail); palettes {:.2} MB, records {:.2} MB\n",
+            "draw   {:.0} groups, {:.2} M vertices, {:.2} M triangles ({:.2} M in full detail); palettes {:.2} MB, records {:.2} MB, draws of cached palettes {:.2} MB\n",
             self.renderer.draw_groups,
             self.renderer.skinned_vertices / 1e6,
             self.renderer.triangles / 1e6,
             self.renderer.triangles_full / 1e6,
             self.renderer.palette_bytes / 1e6,
-            self.renderer.record_bytes / 1e6
+            self.renderer.record_bytes / 1e6,
+            self.renderer.step_bytes / 1e6
         ));
         text.push_str(&format!(
             "memory {:.2} MB written per frame; clips {:.2} MB, pose cache {:.2} MB, palettes {:.2} MB, state {:.2} MB ({} bytes per character), meshes {:.2} MB\n",
@@ -329,4 +337,87 @@ impl CrowdRunReport {
         }
         text
     }
+}
+
+/// The levels of a character.
+fn tier_table(tiers: &[LevelStatistics]) -> Table {
+    let mut table = Table::new(&[
+        "level",
+        "joints",
+        "triangles",
+        "influences",
+        "characters",
+        "poses",
+        "error mm",
+        "bound px",
+        "p95 px",
+        "max px",
+        "draw groups",
+        "palettes",
+        "records",
+        "steps",
+        "vertices",
+    ]);
+    for t in tiers {
+        let px = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.2}"));
+        table.row([
+            t.level.to_string(),
+            t.joints.to_string(),
+            t.triangles.to_string(),
+            t.influences.to_string(),
+            format!("{:.0}", t.characters),
+            format!("{:.0}", t.poses),
+            format!("{:.1}", t.error_mm),
+            px(t.error_bound_px.map(f64::from)),
+            px(t.error_px.map(|e| e.p95)),
+            px(t.error_px.map(|e| e.max)),
+            format!("{:.0}", t.renderer.draw_groups),
+            format!("{:.2} MB", t.renderer.palette_bytes / 1e6),
+            format!("{:.2} MB", t.renderer.record_bytes / 1e6),
+            format!("{:.0}", t.steps),
+            format!("{:.2} M", t.renderer.skinned_vertices / 1e6),
+        ]);
+    }
+    table
+}
+
+/// The characters of a run.
+fn cast_of(piece: &Piece, run: &Run) -> Vec<CastReport> {
+    let each = piece.cast.iter().zip(&run.tiers).enumerate();
+    let cast = each.map(|(i, (character, tiers))| {
+        let members = piece.scene.members.iter();
+        let clips = character.asset.clips().iter();
+        CastReport {
+            name: character.file.name.clone(),
+            file: files::shown(&character.file.path),
+            characters: members.filter(|m| usize::from(m.character) == i).count(),
+            clips: clips.map(|c| c.name.clone()).collect(),
+            renderer: DrawCost::sum(tiers),
+            tiers: tiers.clone(),
+        }
+    });
+    cast.collect()
+}
+
+/// The warnings about all characters; of several, each with the name of its character.
+fn warnings(piece: &Piece) -> Vec<String> {
+    let all = piece.cast.iter().flat_map(|c| {
+        let name = &c.file.name;
+        c.warnings.iter().map(move |w| match piece.cast.len() {
+            1 => w.clone(),
+            _ => format!("{name}: {w}"),
+        })
+    });
+    all.collect()
+}
+
+/// Each text once, in their order.
+fn listed<'a>(all: impl Iterator<Item = &'a String>) -> Vec<String> {
+    let mut listed: Vec<String> = Vec::new();
+    for text in all {
+        if !listed.contains(text) {
+            listed.push(text.clone());
+        }
+    }
+    listed
 }

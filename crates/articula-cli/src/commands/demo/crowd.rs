@@ -13,6 +13,7 @@ use articula::crowd::{
 };
 use articula_build::{Plaza, Scene, plaza};
 use serde::Serialize;
+use std::slice::from_ref;
 
 /// Number of characters: a square of 14 by 14.
 const COUNT: usize = 196;
@@ -49,7 +50,7 @@ pub(super) fn of(
     folder: &Folder<'_>,
     console: &Console,
 ) -> anyhow::Result<Crowd> {
-    let scene = plaza(COUNT, figure.asset.clips.len(), SEED, Plaza::Still);
+    let scene = plaza(COUNT, &[figure.asset.clips.len()], SEED, Plaza::Still);
     let asset = |joints| console.work(|work| CrowdAsset::new(figure, &options(joints), work));
     let (whole, merged) = (
         asset(JointLodMethod::Whole)?,
@@ -59,7 +60,12 @@ pub(super) fn of(
     let full = play(&whole, &scene, settings(DetailGoal::Full, false), console)?;
     let seen = play(&merged, &scene, settings(tolerance, false), console)?;
     let shared = play(&merged, &scene, settings(tolerance, true), console)?;
-    let picture = picture::draw(&merged, &scene, settings(tolerance, false), PICTURE_PX)?;
+    let picture = picture::draw(
+        from_ref(&merged),
+        &scene,
+        settings(tolerance, false),
+        PICTURE_PX,
+    )?;
     folder.write("crowd.png", &picture.to_png().context("crowd.png")?)?;
     Ok(Crowd {
         characters: COUNT,
@@ -70,7 +76,7 @@ pub(super) fn of(
             way("merged levels, characters in view", &seen),
             way("as above, with shared poses", &shared),
         ],
-        levels: seen.tiers,
+        levels: seen.tiers.into_iter().flatten().collect(),
     })
 }
 
@@ -100,7 +106,7 @@ fn play(
     settings: Settings,
     console: &Console,
 ) -> anyhow::Result<Run> {
-    run::run(asset, scene, settings, SEED, console)
+    run::run(from_ref(asset), scene, settings, SEED, console)
 }
 
 fn way(label: &'static str, run: &Run) -> CrowdVariant {

@@ -39,7 +39,7 @@ impl Access {
             let phases = match self {
                 // A different seed for each frame gives the phases of another crowd.
                 Self::Random => {
-                    let other = plaza(count, 1, f as u64 + 2, Plaza::Still);
+                    let other = plaza(count, &[1], f as u64 + 2, Plaza::Still);
                     other.members.iter().map(|m| m.play.phase).collect()
                 }
                 _ => phases.clone(),

@@ -65,7 +65,7 @@ impl Bench {
 
     /// Phase in the clip at which each character starts, 0 to 1.
     fn phases(&self, count: usize) -> Vec<f32> {
-        let members = plaza(count, 1, SEED, Plaza::Still).members;
+        let members = plaza(count, &[1], SEED, Plaza::Still).members;
         members.iter().map(|m| m.play.phase).collect()
     }
 }

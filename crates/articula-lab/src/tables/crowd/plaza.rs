@@ -37,7 +37,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
     let count = if bench.small { 400 } else { PLAZA_COUNT };
     let clips = bench.asset.clips.len();
     let stage = SceneBench::new(bench)?;
-    let still = plaza(count, clips, SEED, Plaza::Still);
+    let still = plaza(count, &[clips], SEED, Plaza::Still);
     let kept: Vec<String> = stage.kept().iter().map(usize::to_string).collect();
     report.heading(
         "The plaza by level",
@@ -120,7 +120,7 @@ fn moving(
 ) -> Result<()> {
     let count = if bench.small { 400 } else { PLAZA_COUNT };
     for (name, kind) in [("distinct", Plaza::Moving), ("equal", Plaza::InPhase)] {
-        let moving = plaza(count, bench.asset.clips.len(), SEED, kind);
+        let moving = plaza(count, &[bench.asset.clips.len()], SEED, kind);
         let play = Play {
             frames: lap_frames(bench, &moving),
             cache: CacheUse::Cpu,
@@ -146,7 +146,7 @@ fn many(
     let mut select_ms = Vec::new();
     for (times, most_ms) in [(1, 0.25), (10, 2.5), (100, 16.0)] {
         let count = times * if bench.small { 40 } else { PLAZA_COUNT };
-        let scene = plaza(count, bench.asset.clips.len(), SEED, Plaza::Still);
+        let scene = plaza(count, &[bench.asset.clips.len()], SEED, Plaza::Still);
         let play = Play {
             frames: if bench.small { 8 } else { 120 },
             cache: CacheUse::Gpu,

@@ -45,7 +45,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables, ours: &AtOnePixel) ->
     let count = if bench.small { 400 } else { PLAZA_COUNT };
     let trial = Trial {
         bench,
-        scene: plaza(count, bench.asset.clips.len(), SEED, Plaza::Still),
+        scene: plaza(count, &[bench.asset.clips.len()], SEED, Plaza::Still),
         pose_ns: pose_ns(bench)?,
         vertices: draw_vertices(bench.asset.mesh.len(), POINTS, SEED),
     };

@@ -175,8 +175,8 @@ impl<'a> SceneBench<'a> {
             outcome.select_ms.push(1e-6 * (selected - start) as f64);
             let evaluate_ns = evaluated - selected;
             outcome.evaluate_ms.push(1e-6 * evaluate_ns as f64);
-            let records = size_of_val(player.records());
-            outcome.add(&report, bytes + records, play.frames);
+            let drawn = size_of_val(player.records()) + size_of_val(player.stepped());
+            outcome.add(&report, bytes + drawn, play.frames);
             if number.is_multiple_of(8) {
                 let now = DisplayedFrame {
                     number: number / 8,
@@ -336,7 +336,7 @@ mod tests {
     #[test]
     fn what_is_off_the_screen_does_not_count() {
         use articula_build::{Plaza, plaza};
-        let scene = plaza(4, 1, 1, Plaza::Still);
+        let scene = plaza(4, &[1], 1, Plaza::Still);
         let camera = scene.camera_at(0.0).unwrap();
         let member = SceneCharacter {
             position: Vec3::ZERO,

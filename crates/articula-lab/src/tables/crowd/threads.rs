@@ -85,7 +85,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
             CacheUse::Gpu,
         ),
     ] {
-        let scene = plaza(count, bench.asset.clips.len(), SEED, Plaza::Still);
+        let scene = plaza(count, &[bench.asset.clips.len()], SEED, Plaza::Still);
         let camera = scene.camera_at(0.0).context("the scene has a camera")?;
         let mut players = [stage.player(&scene)?, stage.player(&scene)?];
         for player in &mut players {

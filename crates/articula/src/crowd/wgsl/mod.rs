@@ -1,6 +1,6 @@
 //! Shaders that skin the characters of a crowd, in WGSL, to be put in front of a renderer's own.
 //!
-//! They read the buffers of `docs/formats/crowd-buffers.md`, version 1, and declare no entry point. A
+//! They read the buffers of `docs/formats/crowd-buffers.md`, version 2, and declare no entry point. A
 //! renderer concatenates one of them and its own source, in which it calls
 //!
 //! - `articula_skin(instance, entries, weights)`: the matrix of a vertex, as three rows
@@ -11,9 +11,11 @@
 //!
 //! | group 1 | buffer, as read-only storage |
 //! | --- | --- |
-//! | binding 0 | palettes; for records the cached ones |
-//! | binding 1 | draws, or records |
+//! | binding 0 | palettes; for records and stepped draws the cached ones |
+//! | binding 1 | draws, records, or stepped draws |
 //! | binding 2 | world transforms |
+//!
+//! Stepped draws are drawn by the shader for draws, with their own buffers bound.
 //!
 //! `instance` counts the draws or records of the whole frame: draw each group with its first index as
 //! `first_instance`. All names begin with `articula_` or `Articula`. Forms of halves are unpacked by
@@ -62,7 +64,7 @@ pub const RECORDS_MATRIX: &str = module!("matrix.wgsl", "records.wgsl");
 /// Blend records of cached palettes of [`PaletteForm::HalfMatrix`].
 pub const RECORDS_HALF: &str = module!("halves.wgsl", "half.wgsl", "records.wgsl");
 
-/// Returns the shader for draws with palettes of a form.
+/// Returns the shader for draws with palettes of a form, and for stepped draws with cached ones.
 pub fn draws(form: PaletteForm) -> &'static str {
     match form {
         PaletteForm::Matrix => DRAWS_MATRIX,

@@ -24,8 +24,13 @@ pub(crate) struct Member {
 /// All shown characters, as JSON: matrices of each skin's joints in the order of its source, `null` for
 /// joints that the level drops; weights; world transforms.
 ///
-/// Poses of `cache` are those of its two key times, blended matrix by matrix.
-pub(crate) fn expected(figure: &Figure, members: &[Member], cache: Option<&PoseCache>) -> Value {
+/// Poses of `cache` are those of its two key times, blended matrix by matrix, and of the characters
+/// `stepped` those at the nearest of the equal parts of the clip.
+pub(crate) fn expected(
+    figure: &Figure,
+    members: &[Member],
+    (cache, is_by_gpu, stepped): (Option<&PoseCache>, bool, &[u32]),
+) -> Value {
     let names = |j: &usize| figure.asset.rig.name(*j).to_owned();
     let skins = figure.skins.iter().map(|skin| {
         let binds: Vec<Value> = skin.inverse_bind.iter().map(numbers).collect();
@@ -34,13 +39,17 @@ pub(crate) fn expected(figure: &Figure, members: &[Member], cache: Option<&PoseC
     let shown = members.iter().enumerate();
     let shown = shown.filter_map(|(c, member)| Some((c, member, member.level?)));
     let characters = shown.map(|(c, member, level)| {
+        let is_step = stepped.contains(&(c as u32));
         let matrices = figure.skins.iter().map(|skin| {
             let all = skin.joints.iter().zip(&skin.inverse_bind);
             let of = |(joint, bind): (&usize, &Affine3A)| match level > 0
                 && !KEPT.contains(&names(joint).as_str())
             {
                 true => Value::Null,
-                false => matrix(figure, member, cache.map(|c| (c, level)), (*joint, bind)),
+                false => {
+                    let cache = cache.map(|cache| (cache, level, is_step));
+                    matrix(figure, member, cache, (*joint, bind))
+                }
             };
             all.map(of).collect::<Vec<_>>()
         });
@@ -52,7 +61,11 @@ pub(crate) fn expected(figure: &Figure, members: &[Member], cache: Option<&PoseC
         json!({
             "character": c,
             "level": level,
-            "is_record": cache.is_some_and(|c| key_times(c, level, member).is_some()),
+            "source": match cache.and_then(|c| key_times(c, level, member)) {
+                _ if is_step => "stepped",
+                Some(_) if is_by_gpu => "record",
+                _ => "draw",
+            },
             "matrices": matrices.collect::<Vec<_>>(),
             "morph_weights": (level == 0).then(|| weights(figure, member)),
             "world": numbers(&world),
@@ -65,12 +78,15 @@ pub(crate) fn expected(figure: &Figure, members: &[Member], cache: Option<&PoseC
 fn matrix(
     figure: &Figure,
     member: &Member,
-    cache: Option<(&PoseCache, usize)>,
+    cache: Option<(&PoseCache, usize, bool)>,
     (joint, bind): (usize, &Affine3A),
 ) -> Value {
     let (clip, secs) = member.shows;
     let at = |secs: f32| posed(figure, (clip, secs), member.fades_to).matrices[joint] * *bind;
-    let keys = cache.and_then(|(cache, level)| key_times(cache, level, member));
+    let keys = cache.and_then(|(cache, level, is_step)| match is_step {
+        true => Some(vec![nearest_step(figure, cache, level, member)]),
+        false => key_times(cache, level, member),
+    });
     let keys = keys.unwrap_or_else(|| vec![secs]);
     let after = keys.iter().position(|key| *key > secs);
     let after = after.unwrap_or(keys.len() - 1);
@@ -90,6 +106,16 @@ fn matrix(
 fn key_times(cache: &PoseCache, level: usize, member: &Member) -> Option<Vec<f32>> {
     let keys = cache.times_secs(member.shows.0, level)?;
     member.fades_to.is_none().then(|| keys.collect())
+}
+
+/// The nearest of the equal parts of the clip that a member plays.
+fn nearest_step(figure: &Figure, cache: &PoseCache, level: usize, member: &Member) -> f32 {
+    let (clip, secs) = member.shows;
+    let spans = cache.step_count(clip, level).unwrap() - 1;
+    let end_secs = figure.asset.clips[clip].duration_secs();
+    let steps = (0..=spans).map(|i| end_secs * i as f32 / spans as f32);
+    let apart = |step: &f32| (step - secs).abs();
+    steps.min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap()
 }
 
 fn posed(

@@ -18,11 +18,14 @@ use glam::Vec3;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-const FORMS: [(&str, PaletteForm); 4] = [
-    ("matrix", PaletteForm::Matrix),
-    ("half", PaletteForm::HalfMatrix),
-    ("rigid", PaletteForm::Rigid),
-    ("half-rigid", PaletteForm::HalfRigid),
+/// Folder, form and use of the cache.
+const FRAMES: [(&str, PaletteForm, CacheUse); 6] = [
+    ("matrix", PaletteForm::Matrix, CacheUse::Gpu),
+    ("half", PaletteForm::HalfMatrix, CacheUse::Gpu),
+    ("rigid", PaletteForm::Rigid, CacheUse::Gpu),
+    ("half-rigid", PaletteForm::HalfRigid, CacheUse::Gpu),
+    ("matrix-stepped", PaletteForm::Matrix, CacheUse::Cpu),
+    ("half-stepped", PaletteForm::HalfMatrix, CacheUse::Cpu),
 ];
 
 fn member(x: f32, z: f32, shows: (usize, f32), level: Option<usize>) -> Member {
@@ -53,7 +56,7 @@ fn members() -> Vec<Member> {
     members
 }
 
-fn played(form: PaletteForm) -> CrowdPlayer {
+fn played((form, cache): (PaletteForm, CacheUse)) -> CrowdPlayer {
     let kept = figure::KEPT.map(|name| format!("joint({name})"));
     let options = CrowdOptions {
         joints: JointLodMethod::Named(kept.join(" + ").parse().unwrap()),
@@ -65,7 +68,7 @@ fn played(form: PaletteForm) -> CrowdPlayer {
     let members = members();
     let mut player = CrowdPlayer::new(&asset, members.len()).unwrap();
     player.detail = Detail::Tolerance { px: 2.0 };
-    player.cache = CacheUse::Gpu;
+    player.cache = cache;
     let clips = &asset.model().parts().clips;
     for (c, member) in members.iter().enumerate() {
         player.place(c, member.position, member.yaw_radians);
@@ -97,8 +100,8 @@ fn is_renewed() -> bool {
 
 #[test]
 fn bytes_are_the_golden_ones() {
-    for (name, form) in FORMS {
-        let buffers = CrowdBuffers::new(&played(form)).unwrap();
+    for (name, form, cache) in FRAMES {
+        let buffers = CrowdBuffers::new(&played((form, cache))).unwrap();
         for (file, bytes) in buffers.files().unwrap() {
             let path = golden(name).join(file);
             if is_renewed() {
@@ -113,8 +116,8 @@ fn bytes_are_the_golden_ones() {
 
 #[test]
 fn expected_poses_are_those_of_the_plain_path() {
-    for (name, form) in FORMS {
-        let player = played(form);
+    for (name, form, cache_use) in FRAMES {
+        let player = played((form, cache_use));
         let members = members();
         for (c, member) in members.iter().enumerate() {
             assert_eq!(
@@ -125,7 +128,9 @@ fn expected_poses_are_those_of_the_plain_path() {
         }
         let cache = player.asset().model().parts().cache.as_ref();
         assert_eq!(cache.is_some(), !form.is_rigid());
-        let made = expected(&figure(), &members, cache);
+        let is_by_gpu = cache_use == CacheUse::Gpu;
+        let stepped = &player.crowd().draw_list().stepped;
+        let made = expected(&figure(), &members, (cache, is_by_gpu, stepped));
         let path = golden(name).join("expected.json");
         if is_renewed() {
             let text = made
@@ -140,23 +145,21 @@ fn expected_poses_are_those_of_the_plain_path() {
 }
 
 #[test]
-fn both_levels_have_draws_and_records() {
-    for (name, form) in FORMS {
-        let manifest = CrowdBuffers::new(&played(form)).unwrap().manifest;
+fn both_levels_have_draws_and_cached_poses() {
+    for (name, form, cache) in FRAMES {
+        let manifest = CrowdBuffers::new(&played((form, cache))).unwrap().manifest;
         let levels = |groups: &[articula::crowd::GroupManifest]| -> Vec<(usize, usize)> {
             groups.iter().map(|g| (g.level, g.count)).collect()
         };
-        let (draws, records) = (
-            levels(&manifest.draws.groups),
-            levels(&manifest.records.groups),
-        );
-        if form.is_rigid() {
-            assert_eq!((draws, records), (vec![(0, 3), (1, 3)], vec![]), "{name}");
-        } else {
-            // One clip is too fast to be cached at level 0.
-            assert_eq!(draws, [(0, 2), (1, 1)], "{name}");
-            assert_eq!(records, [(0, 1), (1, 2)], "{name}");
-        }
+        let found = [&manifest.draws, &manifest.records, &manifest.stepped];
+        let found = found.map(|list| levels(&list.groups));
+        // One clip is too fast to be blended at level 0.
+        let expected = match (form.is_rigid(), cache) {
+            (true, _) => [vec![(0, 3), (1, 3)], vec![], vec![]],
+            (_, CacheUse::Gpu) => [vec![(0, 2), (1, 1)], vec![(0, 1), (1, 2)], vec![]],
+            _ => [vec![(0, 2), (1, 1)], vec![], vec![(0, 1), (1, 2)]],
+        };
+        assert_eq!(found, expected, "{name}");
         let matrices: Vec<usize> = manifest.levels.iter().map(|l| l.matrices).collect();
         assert_eq!(
             (manifest.entries.len(), matrices),
@@ -165,7 +168,9 @@ fn both_levels_have_draws_and_records() {
         );
         // The other one at level 0 plays the clip in which the face rests.
         assert_eq!(
-            manifest.draws.with_morph_sets + manifest.records.with_morph_sets,
+            manifest.draws.with_morph_sets
+                + manifest.records.with_morph_sets
+                + manifest.stepped.with_morph_sets,
             2
         );
     }
