@@ -14,11 +14,8 @@ use glam::{Quat, Vec3};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Once: levels, errors and bounds of one character. Files are read by articula-formats.
-    let asset = character(
-        &human(&HumanOptions::default())?,
-        None,
-        &ClipOptions::default(),
-    )?;
+    let human = human(&HumanOptions::default())?;
+    let asset = character(&human, None, &ClipOptions::default())?;
     let levels = merged_levels(&asset, &JointLodOptions::default())?;
     let model = CrowdModel::new(CrowdParts {
         clips: ClipSet::new(

@@ -7,8 +7,10 @@
 //! - [`stage`]: frames on one or several threads, timed
 //! - [`timing`]: processor time of threads, and its median and percentiles over frames
 //! - [`run`]: both passes
+//! - [`faces`]: morph targets that are shown
 //! - [`picture`]: a picture of the crowd, coloured by level
 
+pub(crate) mod faces;
 pub(crate) mod picture;
 pub(crate) mod roles;
 pub(crate) mod run;

@@ -3,6 +3,7 @@
 //! The second pass repeats every decision of the first, so it shows the same palettes; measuring
 //! takes no time and no cache from the timed pass.
 
+use super::faces::{MorphTally, MorphUse};
 use super::roles::{RoleError, RoleTally};
 use super::stage::{DISPLAY_HZ, Settings, TimedCrowd};
 use super::timing::{Spread, thread_ns};
@@ -50,7 +51,7 @@ pub(crate) struct Run {
     pub(crate) written_mb: Spread,
     pub(crate) memory: Memory,
     pub(crate) poses: Poses,
-    pub(crate) morphs: Morphs,
+    pub(crate) morphs: MorphUse,
     /// Maximum error in pixels by which levels and shared poses were chosen.
     pub(crate) bound_px: Option<f32>,
     /// Levels of each character of the cast.
@@ -79,15 +80,6 @@ pub(crate) struct Poses {
     pub(crate) cached: f64,
     /// Shown from the cache as they are.
     pub(crate) stepped: f64,
-}
-
-/// Morph target weights written in a frame.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
-pub(crate) struct Morphs {
-    /// Characters whose level shows morph targets, on average over frames.
-    pub(crate) characters: f64,
-    /// Bytes of the weights of the largest frame.
-    pub(crate) bytes: usize,
 }
 
 /// Memory of a crowd.
@@ -211,7 +203,7 @@ fn looked_at(
     let mut watched: Vec<Watched<'_>> = cast.iter().map(|a| Watched::new(a, seed)).collect();
     let mut hash = PaletteHash::default();
     let mut roles = RoleTally::new(scene);
-    let mut faces = (0, 0);
+    let mut morph_bytes = 0;
     let mut occluded = Vec::with_capacity(settings.frames);
     let mut reports = Vec::with_capacity(settings.frames);
     let looks = settings.frames.min(LOOKS);
@@ -229,15 +221,15 @@ fn looked_at(
         for (watched, player) in watched.iter_mut().zip(stage.scene.crowds()) {
             hash.add(player);
             watched.tally.add(player);
+            watched.faces.add(player);
             let list = player.crowd().draw_list();
             let form = player.asset().model().parts().form;
             let drawn = size_of_val(player.records()) + size_of_val(player.stepped());
             let drawn = drawn + size_of_val(player.impostors());
             bytes += list.matrices * form.bytes() + drawn;
             weights += size_of_val(player.morph_weights());
-            faces.0 += list.morph_sets();
         }
-        faces.1 = weights.max(faces.1);
+        morph_bytes = weights.max(morph_bytes);
         reports.push((report, bytes + weights));
         // The first frame, then at even intervals.
         if counted * looks / settings.frames >= looked.len() && looked.len() < looks {
@@ -273,10 +265,7 @@ fn looked_at(
             cached: mean(&|r| r.cached),
             stepped: mean(&|r| r.stepped),
         },
-        morphs: Morphs {
-            characters: faces.0 as f64 / settings.frames.max(1) as f64,
-            bytes: faces.1,
-        },
+        morphs: MorphUse::of(watched.iter().map(Watched::faces), morph_bytes),
         // In full detail nothing is chosen by its error.
         bound_px: (settings.detail != DetailGoal::Full).then_some(bound),
         tiers: watched.iter().map(Watched::levels).collect(),
@@ -293,6 +282,7 @@ struct Watched<'a> {
     asset: &'a CrowdAsset,
     meter: ErrorMeter,
     tally: LevelTally,
+    faces: MorphTally,
     /// Errors at the sampled frames.
     looks: Vec<ErrorSample>,
 }
@@ -303,12 +293,17 @@ impl<'a> Watched<'a> {
             asset,
             meter: ErrorMeter::new(asset, seed),
             tally: LevelTally::new(asset),
+            faces: MorphTally::new(asset),
             looks: Vec::new(),
         }
     }
 
     fn levels(&self) -> Vec<LevelStatistics> {
         self.tally.levels(self.asset, &self.looks)
+    }
+
+    fn faces(&self) -> MorphUse {
+        self.faces.means(self.asset)
     }
 }
 

@@ -5,6 +5,7 @@ use super::frame::{CrowdEvent, Detail, Frame};
 use super::keys::{Key, Kind};
 use super::mode::Choosing;
 use super::model::CrowdModel;
+use super::options::DetailOption;
 use super::section::{CrowdSection, NO_OPTION};
 use super::share::{ClipWay, Follower, Sharing};
 use crate::attention::multiplier;
@@ -12,13 +13,18 @@ use crate::level_choice::{level_within, tolerance_range};
 use crate::sample::Wrap;
 use crate::simd::LANES;
 
-/// A level and source of a pose, and an upper bound on its error.
+/// A level, a source of a pose and a morph level, and an upper bound on their error.
 #[derive(Debug, Clone, Copy)]
 struct Choice {
     key: Key,
+    /// Morph level; 0 at levels that show no morph targets.
+    morphs: u8,
     /// Metres of the unscaled character.
     error_metres: f32,
 }
+
+/// Key and morph level of a character.
+type Shown = (Key, u8);
 
 impl CrowdSection {
     /// Stops to show a character.
@@ -28,7 +34,7 @@ impl CrowdSection {
         character: usize,
         tell: &mut dyn FnMut(CrowdEvent),
     ) {
-        self.set_level(model, character, (Key::HIDDEN, 0.0), tell);
+        self.set_level(model, character, ((Key::HIDDEN, 0), 0.0), tell);
         self.options[character] = NO_OPTION;
         self.keys.set(character, Key::HIDDEN);
     }
@@ -54,6 +60,7 @@ impl CrowdSection {
             let (from, to) = self.clocks.state(character).clips();
             Choice {
                 key: Key::new(level, kind),
+                morphs: 0,
                 error_metres: model.error_metres(from, to, level),
             }
         } else {
@@ -69,8 +76,10 @@ impl CrowdSection {
                 shared.unwrap_or(option)
             }
         };
-        self.set_level(model, character, (choice.key, pixels_per_metre), tell);
+        let shown = (choice.key, choice.morphs);
+        self.set_level(model, character, (shown, pixels_per_metre), tell);
         self.keys.set(character, choice.key);
+        self.morphs.set(character, choice.morphs);
         if choice.error_metres > 0.0 {
             choice.error_metres * pixels_per_metre
         } else {
@@ -106,7 +115,10 @@ impl CrowdSection {
         // A level is kept over a change of the clip.
         let shown = shown.or_else(|| {
             let level = self.keys.get(character).level()?;
-            options.iter().rposition(|o| usize::from(o.level) <= level)
+            let morphs = self.morphs.get(character);
+            let is_as_fine =
+                |o: &DetailOption| usize::from(o.level) <= level && usize::from(o.morphs) <= morphs;
+            options.iter().rposition(is_as_fine)
         });
         let error = |option: usize| options[option].error_metres;
         let chosen = level_within(tolerance_metres, shown, options.len() - 1, error);
@@ -115,13 +127,18 @@ impl CrowdSection {
         self.options[character] = chosen as u8;
         self.set_keep(character, tolerance_range(option.error_metres, next));
         let level = usize::from(option.level);
+        let mut key = Key::new(level, option.kind);
+        if model.is_at_rest(level, usize::from(option.morphs)) {
+            key = key.at_rest();
+        }
         Choice {
-            key: Key::new(level, option.kind),
+            key,
+            morphs: option.morphs,
             error_metres: option.error_metres,
         }
     }
 
-    /// The coarsest level of a cross-fade within a tolerance.
+    /// The coarsest level of a cross-fade within a tolerance, with all morph targets if it shows any.
     fn fading_option(
         &mut self,
         model: &CrowdModel,
@@ -138,6 +155,7 @@ impl CrowdSection {
         self.set_keep(character, tolerance_range(error(level), next));
         Choice {
             key: Key::new(level, kind),
+            morphs: 0,
             error_metres: error(level),
         }
     }
@@ -182,39 +200,53 @@ impl CrowdSection {
         self.keys.follow(character, leader);
         Some(Choice {
             key: Key::new(level, Kind::Follow),
+            morphs: 0,
             error_metres: tolerance_metres,
         })
     }
 
-    /// Reports an event if the level of a character changes with its key. A metre of it spans
-    /// `pixels_per_metre`.
+    /// Reports an event if the level of a character changes with its key, or its morph level does. A
+    /// metre of it spans `pixels_per_metre`.
     #[inline]
     fn set_level(
         &mut self,
         model: &CrowdModel,
         character: usize,
-        (key, pixels_per_metre): (Key, f32),
+        ((key, morphs), pixels_per_metre): (Shown, f32),
         tell: &mut dyn FnMut(CrowdEvent),
     ) {
-        let before = self.keys.get(character);
-        let (from, level) = (before.level(), key.level());
-        if from == level {
+        let before = (self.keys.get(character), self.morphs.get(character));
+        let (from, to) = (before.0.level(), key.level());
+        let morphs = usize::from(morphs);
+        if from == to && (to.is_none() || before.1 == morphs) {
             return;
         }
         let (a, b) = self.clocks.state(character).clips();
         let (cache, impostors) = (&model.parts().cache, &model.parts().impostors);
-        let error = |level: usize, key: Key| match impostors {
+        let body = |level: usize, key: Key| match impostors {
             Some(impostors) if key.is_impostor() => impostors.error_metres(a).unwrap_or(0.0),
-            _ => model.error_metres(a, b, level) + key.source_metres(cache.as_ref(), a),
+            _ => model.error_metres(a, b, level),
         };
-        let jump_px = match (from, level) {
-            (Some(from), Some(to)) => (error(from, before) + error(to, key)) * pixels_per_metre,
+        let source = |key: Key| key.source_metres(cache.as_ref(), a);
+        let face = |morphs: usize| model.morph_error_metres(a, b, morphs);
+        let jump_px = match (from, to) {
+            (Some(from), Some(to)) => {
+                let mut metres = face(before.1) + face(morphs);
+                // At the same level the bodies are the same, but for their sources.
+                if from != to || before.0.is_impostor() != key.is_impostor() {
+                    metres += body(from, before.0) + body(to, key);
+                }
+                if !before.0.has_pose_of(key) {
+                    metres += source(before.0) + source(key);
+                }
+                metres * pixels_per_metre
+            }
             _ => 0.0,
         };
         tell(CrowdEvent::Level {
             character: self.first + character,
             from,
-            to: level,
+            to,
             jump_px,
         });
     }

@@ -6,7 +6,7 @@
 
 use super::character_state::CharacterState;
 use super::model::CrowdModel;
-use super::options::{DetailOption, evaluated_ns};
+use super::options::{DetailOption, evaluated_ns, morphs_ns};
 
 /// Tolerances of the table: four to an octave, from 2^-8 px on.
 const BINS: usize = 96;
@@ -60,7 +60,8 @@ impl Demand {
     ) {
         let (from, to) = state.clips();
         let poses = if state.fade == 0.0 { 1.0 } else { 2.0 };
-        let cost = |level: usize| poses * evaluated_ns(model.parts(), level);
+        let parts = model.parts();
+        let cost = |level| poses * (evaluated_ns(parts, level) + morphs_ns(parts, level, 0));
         let coarsest = model.levels() - 1;
         for level in 1..=coarsest {
             let bin = bin_of(model.error_metres(from, to, level) * px_per_metre);
@@ -123,6 +124,7 @@ mod tests {
         let option = |(error_metres, cost_ns)| DetailOption {
             level: 0,
             kind: Kind::Clip,
+            morphs: 0,
             error_metres,
             cost_ns,
         };

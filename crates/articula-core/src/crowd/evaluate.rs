@@ -98,8 +98,8 @@ impl Crowd {
 
     /// Writes the morph target weights of a range of sets, for each as many as the mesh has targets
     /// ([`MorphClips::targets`](super::MorphClips::targets)), at the character's own times: a
-    /// character with a shared or cached pose has its own face. Ranges are independent, as of
-    /// [`Crowd::evaluate`].
+    /// character with a shared or cached pose has its own face. Targets that its morph level leaves
+    /// out have their default weights. Ranges are independent, as of [`Crowd::evaluate`].
     ///
     /// O(targets of the sets); does not allocate.
     ///
@@ -122,7 +122,9 @@ impl Crowd {
         };
         for (set, out) in sets.zip(out.chunks_exact_mut(targets)) {
             let character = self.draw_list().character_of(set);
-            morphs.sample(&self.state(character), out);
+            let (section, character) = self.at(character);
+            let level = section.morphs.get(character);
+            morphs.sample(&section.clocks.state(character), level, out);
         }
     }
 
@@ -148,10 +150,10 @@ impl Crowd {
         let Some(cache) = model.parts().cache.as_ref() else {
             return;
         };
-        for group in &list.record_groups {
-            let of = (&list.recorded[..], group.records.clone());
+        for run in self.plan.record_runs() {
+            let of = (&list.recorded[..], run.at.clone());
             self.for_cached(of, &records, out, |character, state| {
-                let located = cache.locate(state.clip(), group.level, state.secs);
+                let located = cache.locate(state.clip(), run.level, state.secs);
                 located.unwrap_or_default().of(character)
             });
         }
@@ -176,10 +178,10 @@ impl Crowd {
         let Some(cache) = model.parts().cache.as_ref() else {
             return;
         };
-        for group in &list.step_groups {
-            let of = (&list.stepped[..], group.steps.clone());
+        for run in self.plan.step_runs() {
+            let of = (&list.stepped[..], run.at.clone());
             self.for_cached(of, &steps, out, |character, state| {
-                let nearest = cache.nearest(state.clip(), group.level, state.secs);
+                let nearest = cache.nearest(state.clip(), run.level, state.secs);
                 Draw {
                     character,
                     first_matrix: nearest.unwrap_or_default(),
@@ -218,30 +220,30 @@ impl Crowd {
         });
     }
 
-    /// Writes something for each character of a group of a list that lies in a range of the list.
+    /// Writes something for each character of a run of a list that lies in a range of the list.
     /// `out` is of that range.
     #[inline]
     fn for_cached<T>(
         &self,
-        (list, group): (&[u32], Range<usize>),
+        (list, run): (&[u32], Range<usize>),
         range: &Range<usize>,
         out: &mut [T],
         write: impl Fn(u32, ClipState) -> T,
     ) {
-        let part = group.start.max(range.start)..group.end.min(range.end);
+        let part = run.start.max(range.start)..run.end.min(range.end);
         if part.is_empty() {
             return;
         }
         let (mut rest, start) = (&list[part.clone()], range.start);
         let mut out = out[part.start - start..part.end - start].iter_mut();
         while let Some(&first) = rest.first() {
-            // A group is in the order of the sections.
+            // A run is in the order of the sections.
             let section = first as usize / SECTION;
             let end = rest.partition_point(|c| *c as usize / SECTION <= section);
-            let (run, others) = rest.split_at(end);
+            let (characters, others) = rest.split_at(end);
             rest = others;
             let clocks = &self.sections[section].clocks;
-            for (&character, out) in run.iter().zip(&mut out) {
+            for (&character, out) in characters.iter().zip(&mut out) {
                 *out = write(
                     character,
                     clocks.from(character as usize - section * SECTION),

@@ -98,13 +98,14 @@ pub enum CrowdEvent {
         /// Weight of the clip in the pose, 0 to 1.
         weight: f32,
     },
-    /// A character changes its level, appears or disappears.
+    /// A character changes its level or its morph level, appears or disappears.
     Level {
         /// Index of the character.
         character: usize,
         /// Level before; `None` if the character was not shown.
         from: Option<usize>,
-        /// Level now; `None` if the character is no longer shown.
+        /// Level now; `None` if the character is no longer shown. The level before if only the morph
+        /// level changes.
         to: Option<usize>,
         /// Upper bound on the jump of the skin in pixels; 0 if the character appears or disappears.
         jump_px: f32,

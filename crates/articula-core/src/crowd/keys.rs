@@ -5,10 +5,19 @@ use crate::pose_cache::PoseCache;
 
 /// Number of kinds at a level.
 pub(super) const KINDS: usize = 7;
-/// Number of levels times kinds.
-pub(super) const KEYS: usize = KINDS * JointLods::MAX_LEVELS;
+/// Number of rows of keys with kinds each. The first rows are the levels; as many follow for characters
+/// whose face rests although their level shows morph targets.
+const ROWS: usize = 2 * JointLods::MAX_LEVELS;
+/// Number of rows times kinds.
+pub(super) const KEYS: usize = ROWS * KINDS;
 
 const _: () = assert!(KEYS < u8::MAX as usize, "a key has to fit in a byte");
+
+/// Row of the characters of a level whose face rests although the level shows morph targets. The row of
+/// the others is the level itself.
+pub(super) const fn rest_row(level: usize) -> usize {
+    JointLods::MAX_LEVELS + level
+}
 
 /// Source of a character's pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,7 +49,12 @@ impl Key {
         Self((level * KINDS + kind as usize) as u8)
     }
 
-    /// Level and kind as one index, below [`KEYS`]; `None` if the character is not shown.
+    /// The same with a face at rest, at a level that shows morph targets.
+    pub(crate) fn at_rest(self) -> Self {
+        Self(self.0 + (JointLods::MAX_LEVELS * KINDS) as u8)
+    }
+
+    /// Row and kind as one index, below [`KEYS`]; `None` if the character is not shown.
     #[inline]
     pub(super) fn index(self) -> Option<usize> {
         (self != Self::HIDDEN).then_some(usize::from(self.0))
@@ -57,7 +71,7 @@ impl Key {
         let (Some(index), Some(cache)) = (self.index(), cache) else {
             return 0.0;
         };
-        let (level, kind) = (index / KINDS, index % KINDS);
+        let (level, kind) = (index / KINDS % JointLods::MAX_LEVELS, index % KINDS);
         let blended = [Kind::Cached as usize, Kind::Record as usize];
         let found = if kind == Kind::Step as usize {
             cache.step_error_metres(clip, level)
@@ -72,7 +86,13 @@ impl Key {
     /// The level; `None` if the character is not shown.
     #[inline]
     pub(crate) fn level(self) -> Option<usize> {
-        Some(self.index()? / KINDS)
+        Some(self.index()? / KINDS % JointLods::MAX_LEVELS)
+    }
+
+    /// Whether the level and the source are those of another key, whatever the faces.
+    pub(super) fn has_pose_of(self, other: Self) -> bool {
+        let pose = |key: Self| Some(key.index()? % (JointLods::MAX_LEVELS * KINDS));
+        pose(self) == pose(other)
     }
 
     /// Whether the character is evaluated alone, at one clip.
@@ -88,7 +108,7 @@ pub(crate) struct SectionKeys {
     /// Index of its first character in the crowd.
     first: usize,
     keys: Vec<Key>,
-    /// Number of characters of each key of the levels that there are.
+    /// Number of characters of each key of the rows that there are.
     counts: Vec<u16>,
     /// All that are shown, as indices into the crowd, by key and index.
     order: Vec<u32>,
@@ -102,12 +122,18 @@ impl SectionKeys {
     /// Bytes of each character.
     pub(super) const BYTES: usize = size_of::<Key>();
 
-    /// Characters `first` to `first + len` of a crowd, none of them shown at any of so many levels.
-    pub(super) fn new(first: usize, len: usize, levels: usize) -> Self {
+    /// Characters `first` to `first + len` of a crowd, none of them shown at any of so many levels, of
+    /// which the first `morph_levels` show morph targets.
+    pub(super) fn new(first: usize, len: usize, levels: usize, morph_levels: usize) -> Self {
+        // Where no level shows morph targets, there are no rows of faces at rest.
+        let rows = match morph_levels {
+            0 => levels,
+            _ => rest_row(morph_levels.min(levels)),
+        };
         Self {
             first,
             keys: vec![Key::HIDDEN; len],
-            counts: vec![0; levels * KINDS],
+            counts: vec![0; rows * KINDS],
             order: Vec::with_capacity(len),
             is_stirred: false,
             leader_of: vec![0; len],
@@ -148,16 +174,16 @@ impl SectionKeys {
         if !std::mem::replace(&mut self.is_stirred, false) {
             return false;
         }
-        let mut next = [0; KEYS];
+        let mut next = [0_u16; KEYS];
         let mut all = 0;
         for (next, count) in next.iter_mut().zip(&self.counts) {
             *next = all;
-            all += usize::from(*count);
+            all += count;
         }
-        self.order.resize(all, 0);
+        self.order.resize(usize::from(all), 0);
         for (character, key) in self.keys.iter().enumerate() {
             if let Some(key) = key.index() {
-                self.order[next[key]] = (self.first + character) as u32;
+                self.order[usize::from(next[key])] = (self.first + character) as u32;
                 next[key] += 1;
             }
         }

@@ -9,7 +9,7 @@
 //! - [`CrowdModel`]: the data that all characters share, made once
 //! - [`CharacterState`], [`ClipState`]: the playback state of one character
 //! - [`MorphClips`]: morph target weights of the clips, which [`Crowd::evaluate_morphs`] writes for
-//!   characters near enough to show them
+//!   characters near enough to show them; [`MorphLods`]: how many targets of a face are shown
 //! - [`ClipEvent`], [`RootTrajectory`], [`attachment`]: events, root motion and attachments, which
 //!   are never skipped, whatever the level and visibility of a character
 //!
@@ -50,6 +50,8 @@ mod frame;
 mod keys;
 mod mode;
 mod model;
+mod morph_levels;
+mod morph_lods;
 mod morphs;
 mod options;
 mod parts;
@@ -71,6 +73,7 @@ pub(crate) use events::sorted as sorted_events;
 pub use frame::{CacheUse, CrowdEvent, CrowdReport, Culling, Detail, Frame, Moved};
 pub use model::CrowdModel;
 pub(crate) use model::filled;
+pub use morph_lods::MorphLods;
 pub use morphs::MorphClips;
 pub use parts::CrowdParts;
 pub use plan::{Draw, DrawGroup, DrawList, ImpostorDraw, RecordGroup, StepGroup};

@@ -3,6 +3,7 @@
 use super::clip_times::ClipTimes;
 use super::events::{ClipEvent, sorted};
 use super::frame::CacheUse;
+use super::morphs::MorphClips;
 use super::options::OptionLists;
 use super::parts::CrowdParts;
 use super::root_path::RootTrajectory;
@@ -104,6 +105,26 @@ impl CrowdModel {
     #[inline]
     pub fn error_metres(&self, from: usize, to: usize, level: usize) -> f32 {
         self.errors_of(from)[level].max(self.errors_of(to)[level])
+    }
+
+    /// Error of a morph level in metres, as [`error_metres`](Self::error_metres) is that of a level; 0 if
+    /// no clip moves morph targets.
+    ///
+    /// # Panics
+    /// If there is no such clip or morph level.
+    #[inline]
+    pub fn morph_error_metres(&self, from: usize, to: usize, morph_level: usize) -> f32 {
+        let lods = self.parts.morphs.as_ref().map(MorphClips::lods);
+        lods.map_or(0.0, |lods| {
+            lods.errors_metres(from)[morph_level].max(lods.errors_metres(to)[morph_level])
+        })
+    }
+
+    /// Whether the faces of a level rest at a morph level although the level shows morph targets.
+    #[inline]
+    pub(crate) fn is_at_rest(&self, level: usize, morph_level: usize) -> bool {
+        let morphs = self.parts.morphs.as_ref();
+        morphs.is_some_and(|m| level < m.levels() && m.lods().count(morph_level) == 0)
     }
 
     /// LOD errors of all levels in a clip.

@@ -2,10 +2,12 @@
 //! sets of weights of one frame.
 //!
 //! One frame of a clip is one row: the weights of all targets that move in any clip, so that a
-//! character interpolates two rows and never looks a target up. The other targets keep their
-//! default weights.
+//! character interpolates two rows and never looks a target up. The targets are in the order of the
+//! morph levels, so a coarser level reads a prefix of the rows. The other targets keep their default
+//! weights.
 
 use super::character_state::{CharacterState, ClipState};
+use super::morph_lods::MorphLods;
 use crate::Mismatch;
 use crate::clip::{Clip, Track, Tracks};
 use crate::sample::{FramePosition, Wrap, frame_position_f32, sample_morphs_at};
@@ -14,15 +16,16 @@ use crate::sample::{FramePosition, Wrap, frame_position_f32, sample_morphs_at};
 ///
 /// A level shows morph targets if its mesh has them and the face is large enough on screen to be
 /// worth it, which the caller decides by `levels`: the finest so many levels. The errors of coarser
-/// levels must include that their faces rest.
+/// levels must include that their faces rest. How many targets a character of these levels shows is
+/// its morph level ([`MorphLods`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct MorphClips {
     levels: usize,
     /// Default weights of all targets.
     rest: Vec<f32>,
-    /// Targets that leave their default weight in any clip, ascending.
-    moving: Vec<u16>,
-    /// Rows of all clips, one after the other, `moving.len()` weights each.
+    /// Morph levels; their order has all targets that leave their default weight in any clip.
+    lods: MorphLods,
+    /// Rows of all clips, one after the other, with a weight for each target of that order.
     rows: Vec<f32>,
     clips: Vec<MorphClip>,
 }
@@ -45,6 +48,52 @@ impl MorphClips {
     /// # Errors
     /// A [`Mismatch`] if a weight is not finite.
     pub fn new(clips: &[Clip], rest: &[f32], levels: usize) -> Result<Self, Mismatch> {
+        let lods = MorphLods::whole(Self::moving(clips, rest)?, clips.len());
+        Self::with_lods(clips, rest, levels, lods)
+    }
+
+    /// The same with the morph levels of these clips.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if a weight is not finite, or the levels are not of these clips and of the
+    /// targets that [move](Self::moving).
+    pub fn with_lods(
+        clips: &[Clip],
+        rest: &[f32],
+        levels: usize,
+        lods: MorphLods,
+    ) -> Result<Self, Mismatch> {
+        let moving = Self::moving(clips, rest)?;
+        let mut ordered = lods.order().to_vec();
+        ordered.sort_unstable();
+        if ordered != moving || lods.clips() != clips.len() {
+            let what = format!(
+                "{} targets in {} clips, expected the {} that move in {} clips",
+                ordered.len(),
+                lods.clips(),
+                moving.len(),
+                clips.len()
+            );
+            return Err(Mismatch::new("lods", what));
+        }
+        let mut made = Self {
+            levels: if moving.is_empty() { 0 } else { levels },
+            rest: rest.to_vec(),
+            lods,
+            rows: Vec::new(),
+            clips: Vec::with_capacity(clips.len()),
+        };
+        for clip in clips {
+            made.append(clip)?;
+        }
+        Ok(made)
+    }
+
+    /// The targets that leave their default weight in any clip, ascending.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if a weight is not finite.
+    pub fn moving(clips: &[Clip], rest: &[f32]) -> Result<Vec<u16>, Mismatch> {
         let tracks = clips.iter().flat_map(|c| &c.tracks().morphs);
         for track in tracks.clone() {
             finite("clips", &track.values)?;
@@ -57,17 +106,7 @@ impl MorphClips {
         let mut moving: Vec<u16> = tracks.filter(moves).map(|t| t.target).collect();
         moving.sort_unstable();
         moving.dedup();
-        let mut made = Self {
-            levels: if moving.is_empty() { 0 } else { levels },
-            rest: rest.to_vec(),
-            moving,
-            rows: Vec::new(),
-            clips: Vec::with_capacity(clips.len()),
-        };
-        for clip in clips {
-            made.append(clip)?;
-        }
-        Ok(made)
+        Ok(moving)
     }
 
     fn append(&mut self, clip: &Clip) -> Result<(), Mismatch> {
@@ -78,7 +117,7 @@ impl MorphClips {
             let last = morphs.iter().rev().find(|t| t.target == *target);
             last.is_some_and(|t| t.step)
         };
-        let columns = self.moving.iter().enumerate();
+        let columns = self.lods.order().iter().enumerate();
         self.clips.push(MorphClip {
             times,
             first: self.rows.len(),
@@ -95,7 +134,7 @@ impl MorphClips {
                 blend: 0.0,
             };
             sample_morphs_at(clip, at, &mut weights);
-            let row = self.moving.iter().map(|t| weights[usize::from(*t)]);
+            let row = self.lods.order().iter().map(|t| weights[usize::from(*t)]);
             self.rows.extend(row);
         }
         Ok(())
@@ -111,6 +150,11 @@ impl MorphClips {
         self.rest.len()
     }
 
+    /// The morph levels of the characters that show morph targets.
+    pub fn lods(&self) -> &MorphLods {
+        &self.lods
+    }
+
     /// Number of clips.
     pub(crate) fn clips(&self) -> usize {
         self.clips.len()
@@ -121,29 +165,34 @@ impl MorphClips {
         size_of_val(self.rows.as_slice())
     }
 
-    /// Writes all weights of a character at the times of its clips, blended as they are. Does not
+    /// Writes all weights of a character at the times of its clips, blended as they are: those of the
+    /// targets that a morph level shows, the default weights of the others. O(targets); does not
     /// allocate.
-    pub(crate) fn sample(&self, state: &CharacterState, out: &mut [f32]) {
+    pub(crate) fn sample(&self, state: &CharacterState, level: usize, out: &mut [f32]) {
         out.copy_from_slice(&self.rest);
-        self.one(&state.from, |out, weight| *out = weight, out);
+        let shown = &self.lods.order()[..self.lods.count(level)];
+        if shown.is_empty() {
+            return;
+        }
+        self.one(&state.from, shown, |out, weight| *out = weight, out);
         if state.fade > 0.0 {
             let fade = state.fade;
-            self.one(&state.to, |out, to| *out += (to - *out) * fade, out);
+            self.one(&state.to, shown, |out, to| *out += (to - *out) * fade, out);
         }
     }
 
-    /// Joins the weights of one clip with those of the targets that move.
-    fn one(&self, state: &ClipState, join: impl Fn(&mut f32, f32), out: &mut [f32]) {
+    /// Joins the weights of one clip with those of the first targets of the order.
+    fn one(&self, state: &ClipState, shown: &[u16], join: impl Fn(&mut f32, f32), out: &mut [f32]) {
         let clip = &self.clips[usize::from(state.clip)];
         // The time is already wrapped; as for the body, the end of a clip is its last frame.
         let at = frame_position_f32(&clip.times, state.secs, Wrap::Clamp);
-        let count = self.moving.len();
-        let row = |frame: usize| &self.rows[clip.first + frame * count..][..count];
+        let count = self.lods.order().len();
+        let row = |frame: usize| &self.rows[clip.first + frame * count..][..shown.len()];
         let before = row(at.before);
         // At a frame itself its weights are taken as they are stored.
         let after = row(if at.blend == 0.0 { at.before } else { at.after });
         let mut held = clip.held.iter().peekable();
-        for (column, target) in self.moving.iter().enumerate() {
+        for (column, target) in shown.iter().enumerate() {
             let (a, b) = (before[column], after[column]);
             let is_held = held.next_if(|h| usize::from(**h) == column).is_some();
             let weight = if is_held { a } else { a + (b - a) * at.blend };

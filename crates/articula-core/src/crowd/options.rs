@@ -1,4 +1,5 @@
-//! Options of a character: levels with the source of the pose, each with its error and its cost.
+//! Options of a character: levels with the source of the pose and the morph level, each with its
+//! error and its cost.
 //!
 //! Source: `docs/methods/runtime.md` 4.1. The lists are made with the model, finest first. An option
 //! that costs as much as one with no greater error is left out, so along a list the error rises and
@@ -19,6 +20,9 @@ const RECORD_NS: f32 = 4.0;
 const STEP_NS: f32 = 3.5;
 /// The same of a draw of an impostor, which looks up a pose.
 const IMPOSTOR_NS: f32 = 3.5;
+/// The same of a set of morph target weights, and of each target in it that is shown.
+const MORPH_SET_NS: f32 = 20.0;
+const MORPH_NS: f32 = 1.5;
 /// What a level is preferred by before a finer one of equal cost, which differs in the mesh alone.
 const MESH_NS: f32 = 1e-3;
 
@@ -27,7 +31,9 @@ const MESH_NS: f32 = 1e-3;
 pub(crate) struct DetailOption {
     pub(crate) level: u8,
     pub(crate) kind: Kind,
-    /// Error of the level and of the source together, metres.
+    /// Morph level; 0 at levels that show no morph targets.
+    pub(crate) morphs: u8,
+    /// Error of the level, of the source and of the morph level together, metres.
     pub(crate) error_metres: f32,
     /// Nanoseconds, by the costs that a [`CostModel`] starts from.
     pub(crate) cost_ns: f32,
@@ -59,14 +65,17 @@ impl OptionLists {
                     .map(move |(kind, error, cost)| DetailOption {
                         level: level as u8,
                         kind,
+                        morphs: 0,
                         error_metres: errors[level] + error,
                         cost_ns: cost + MESH_NS * (levels - level) as f32,
                     })
             });
-            let impostor = impostor(parts, cache_use, clip, levels);
-            lists
-                .options
-                .extend(undominated(all.chain(impostor).collect()));
+            let mut all = with_morph_levels(parts, clip, all.collect());
+            all.extend(impostor(parts, cache_use, clip, levels));
+            let mut kept = undominated(all);
+            // A character keeps its option in a byte.
+            kept.truncate(usize::from(u8::MAX));
+            lists.options.extend(kept);
             lists.first.push(lists.options.len() as u32);
         }
         lists
@@ -93,6 +102,43 @@ fn undominated(mut all: Vec<DetailOption>) -> Vec<DetailOption> {
     });
     // Of equal errors the cheapest came first, so errors rise.
     all
+}
+
+/// Each option of a clip at every morph level, where its level shows morph targets.
+///
+/// Errors are added: the maximum over vertices of both together is at most the sum of the maxima, and
+/// so is half of it; the percentile is, as far as faces and bodies err at different vertices.
+fn with_morph_levels(
+    parts: &CrowdParts,
+    clip: usize,
+    options: Vec<DetailOption>,
+) -> Vec<DetailOption> {
+    let Some(morphs) = &parts.morphs else {
+        return options;
+    };
+    let errors = morphs.lods().errors_metres(clip);
+    let at_each = options.into_iter().flat_map(|option| {
+        let shows = usize::from(option.level) < morphs.levels();
+        let errors = if shows { errors } else { &[0.0][..] };
+        let level = usize::from(option.level);
+        let each = errors.iter().enumerate();
+        each.map(move |(morph_level, error)| DetailOption {
+            morphs: morph_level as u8,
+            error_metres: option.error_metres + error,
+            cost_ns: option.cost_ns + morphs_ns(parts, level, morph_level),
+            ..option
+        })
+    });
+    at_each.collect()
+}
+
+/// Nanoseconds of the morph target weights of a level at a morph level.
+pub(crate) fn morphs_ns(parts: &CrowdParts, level: usize, morph_level: usize) -> f32 {
+    let morphs = parts.morphs.as_ref().filter(|m| level < m.levels());
+    match morphs.map_or(0, |m| m.lods().count(morph_level)) {
+        0 => 0.0,
+        shown => MORPH_SET_NS + MORPH_NS * shown as f32,
+    }
 }
 
 /// Nanoseconds of evaluating one pose of a level.
@@ -124,8 +170,8 @@ fn cached(
     found.into_iter().flatten()
 }
 
-/// An impostor, if the clip has one. It counts as of the coarsest level and is preferred before its
-/// cached poses, which have more vertices.
+/// An impostor, if the clip has one. It counts as of the coarsest level with a face at rest, and is
+/// preferred before its cached poses, which have more vertices.
 fn impostor(
     parts: &CrowdParts,
     cache_use: CacheUse,
@@ -134,10 +180,16 @@ fn impostor(
 ) -> Option<DetailOption> {
     let impostors = parts.impostors.as_ref();
     let impostors = impostors.filter(|_| cache_use != CacheUse::Never)?;
+    let level = levels - 1;
+    let morphs = parts.morphs.as_ref();
+    let faces = morphs.map_or(&[][..], |m| m.lods().errors_metres(clip));
+    let shows = morphs.is_some_and(|m| level < m.levels());
     Some(DetailOption {
-        level: (levels - 1) as u8,
+        level: level as u8,
         kind: Kind::Impostor,
-        error_metres: impostors.error_metres(clip)?,
+        // The last morph level shows no target.
+        morphs: if shows { faces.len() as u8 - 1 } else { 0 },
+        error_metres: impostors.error_metres(clip)? + faces.last().copied().unwrap_or(0.0),
         cost_ns: IMPOSTOR_NS,
     })
 }
@@ -162,6 +214,7 @@ mod tests {
         DetailOption {
             level: 0,
             kind: Kind::Clip,
+            morphs: 0,
             error_metres,
             cost_ns,
         }

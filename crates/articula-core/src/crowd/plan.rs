@@ -1,7 +1,7 @@
 //! Evaluation plan of a frame: characters sorted by level and source of their pose, divided into
 //! batches, and the palette of each.
 
-use super::keys::{KEYS, KINDS, Kind, SectionKeys};
+use super::keys::{KEYS, KINDS, Kind, SectionKeys, rest_row};
 use super::share::Leader;
 use crate::joint_lods::JointLods;
 use crate::palette::PaletteMap;
@@ -86,23 +86,71 @@ pub struct DrawList {
     pub batches: usize,
     /// Number of matrices that all batches write.
     pub matrices: usize,
-    /// Number of draws, from the first on, whose level shows morph targets: the weights of draw `i`
-    /// are set `i` of [`Crowd::evaluate_morphs`](super::Crowd::evaluate_morphs). The faces of later
-    /// draws rest, with the mesh's default weights.
+    /// Number of draws, from the first on, with morph target weights: those of draw `i` are set `i` of
+    /// [`Crowd::evaluate_morphs`](super::Crowd::evaluate_morphs). The faces of later draws rest, with
+    /// the mesh's default weights, and so do some before the last draw that shows morph targets.
     pub morph_draws: usize,
-    /// Number of records, from the first on, whose level shows morph targets: the weights of record
-    /// `i` are set `morph_draws + i`.
+    /// Number of records, from the first on, with morph target weights: those of record `i` are set
+    /// `morph_draws + i`.
     pub morph_records: usize,
-    /// Number of steps, from the first on, whose level shows morph targets: the weights of step `i`
-    /// are set `morph_draws + morph_records + i`.
+    /// Number of steps, from the first on, with morph target weights: those of step `i` are set
+    /// `morph_draws + morph_records + i`.
     pub morph_steps: usize,
 }
 
 impl DrawList {
-    /// Number of sets of morph target weights of the frame, one for each character whose level
-    /// shows them.
+    /// Number of sets of morph target weights of the frame.
     pub fn morph_sets(&self) -> usize {
         self.morph_draws + self.morph_records + self.morph_steps
+    }
+
+    /// Adds draws to the group of their level, which is the last one.
+    fn draw_as(&mut self, level: usize, draws: Range<usize>, matrices: usize) {
+        match self.groups.last_mut().filter(|g| g.level == level) {
+            Some(group) => group.draws.end = draws.end,
+            None => self.groups.push(DrawGroup {
+                level,
+                draws,
+                matrices,
+            }),
+        }
+    }
+
+    /// Adds records to the group of their level, which is the last one.
+    fn record_as(&mut self, level: usize, records: Range<usize>, matrices: usize) {
+        match self.record_groups.last_mut().filter(|g| g.level == level) {
+            Some(group) => group.records.end = records.end,
+            None => self.record_groups.push(RecordGroup {
+                level,
+                records,
+                matrices,
+            }),
+        }
+    }
+
+    /// Adds steps to the group of their level, which is the last one.
+    fn step_as(&mut self, level: usize, steps: Range<usize>, matrices: usize) {
+        match self.step_groups.last_mut().filter(|g| g.level == level) {
+            Some(group) => group.steps.end = steps.end,
+            None => self.step_groups.push(StepGroup {
+                level,
+                steps,
+                matrices,
+            }),
+        }
+    }
+
+    /// Has all draws, records and steps so far show morph targets, if any of this level does.
+    fn show_morphs(&mut self, level: usize) {
+        if let Some(group) = self.groups.last().filter(|g| g.level == level) {
+            self.morph_draws = group.draws.end;
+        }
+        if let Some(group) = self.record_groups.last().filter(|g| g.level == level) {
+            self.morph_records = group.records.end;
+        }
+        if let Some(group) = self.step_groups.last().filter(|g| g.level == level) {
+            self.morph_steps = group.steps.end;
+        }
     }
 
     /// Character of a set of morph target weights.
@@ -215,6 +263,15 @@ impl Room {
     }
 }
 
+/// Records or steps of one row of keys, which are in the order of the sections. A group of a level has
+/// up to two.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Run {
+    pub(crate) level: usize,
+    /// Range of their list.
+    pub(crate) at: Range<usize>,
+}
+
 /// The plan of one frame.
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {
@@ -223,6 +280,8 @@ pub(crate) struct Plan {
     leaders: Vec<u32>,
     leader_matrices: Vec<u32>,
     batches: Vec<Batch>,
+    record_runs: Vec<Run>,
+    step_runs: Vec<Run>,
     drawn: DrawList,
 }
 
@@ -232,7 +291,9 @@ impl Plan {
             counts: vec![LevelCounts::default(); levels],
             leaders: Vec::with_capacity(characters),
             leader_matrices: Vec::with_capacity(characters),
-            batches: Vec::with_capacity(characters / LANES + levels * KINDS),
+            batches: Vec::with_capacity(characters / LANES + 2 * levels * KINDS),
+            record_runs: Vec::with_capacity(2 * levels),
+            step_runs: Vec::with_capacity(2 * levels),
             drawn: DrawList {
                 groups: Vec::with_capacity(levels),
                 draws: Vec::with_capacity(characters),
@@ -264,40 +325,43 @@ impl Plan {
         self.drawn.groups.clear();
         self.drawn.record_groups.clear();
         self.drawn.step_groups.clear();
+        self.record_runs.clear();
+        self.step_runs.clear();
+        self.drawn.morph_draws = 0;
+        self.drawn.morph_records = 0;
+        self.drawn.morph_steps = 0;
         for level in 0..self.counts.len() {
-            self.lay_out(level, palette.len(level), &mut room);
+            self.counts[level] = LevelCounts::default();
+            self.lay_out(level, level, palette.len(level), &mut room);
+            if level < morph_levels {
+                self.drawn.show_morphs(level);
+                self.lay_out(level, rest_row(level), palette.len(level), &mut room);
+            }
         }
         self.place_leaders(leaders, &mut room.leader_slots);
         self.place(sections, &mut room);
         self.drawn.batches = self.batches.len();
         self.drawn.matrices = room.matrices;
-        let drawn = &mut self.drawn;
-        let groups = drawn.groups.iter().filter(|g| g.level < morph_levels);
-        drawn.morph_draws = groups.map(|g| g.draws.len()).sum();
-        let groups = drawn.record_groups.iter();
-        let groups = groups.filter(|g| g.level < morph_levels);
-        drawn.morph_records = groups.map(|g| g.records.len()).sum();
-        let groups = drawn.step_groups.iter();
-        let groups = groups.filter(|g| g.level < morph_levels);
-        drawn.morph_steps = groups.map(|g| g.steps.len()).sum();
     }
 
-    /// Gives the characters and poses of a level, whose palettes have so many matrices, their places
-    /// behind those of the levels before.
-    fn lay_out(&mut self, level: usize, matrices: usize, room: &mut Room) {
-        let counts = [0, 1, 2, 3, 4, 5, 6].map(|kind| room.slots[level * KINDS + kind].at as usize);
+    /// Gives the characters and poses of a row of keys, whose palettes have so many matrices, their
+    /// places behind those of the rows before. The row is of a level with faces as they are shown, or
+    /// at rest.
+    fn lay_out(&mut self, level: usize, row: usize, matrices: usize, room: &mut Room) {
+        let counts = [0, 1, 2, 3, 4, 5, 6].map(|kind| room.slots[row * KINDS + kind].at as usize);
         let [clip, blend, cached, follow, record, step, impostors] = counts;
-        let leaders = room.leaders[level];
-        self.counts[level] = LevelCounts {
-            own: clip + blend,
-            blended: blend,
-            leaders,
-            followers: follow,
-            cached,
-            recorded: record,
-            stepped: step,
-            impostors,
-        };
+        // Shared poses are those of the level, whatever the faces.
+        let has_leaders = row == level;
+        let leaders = if has_leaders { room.leaders[level] } else { 0 };
+        let sums = &mut self.counts[level];
+        sums.own += clip + blend;
+        sums.blended += blend;
+        sums.leaders += leaders;
+        sums.followers += follow;
+        sums.cached += cached;
+        sums.recorded += record;
+        sums.stepped += step;
+        sums.impostors += impostors;
         let mut batch = Batch {
             first: 0,
             first_matrix: 0,
@@ -311,7 +375,7 @@ impl Plan {
             (Kind::Blend, blend),
             (Kind::Cached, cached),
         ] {
-            room.slots[level * KINDS + kind as usize] = Slot {
+            room.slots[row * KINDS + kind as usize] = Slot {
                 at: room.draws as u32,
                 matrix: room.matrices as u32,
                 step: matrices as u32,
@@ -328,41 +392,41 @@ impl Plan {
         batch.jobs = Jobs::Shared;
         let at = (room.shared, room.matrices);
         cut(&mut self.batches, batch, leaders, at, matrices);
-        room.leader_slots[level] = Slot {
-            at: room.shared as u32,
-            matrix: room.matrices as u32,
-            step: matrices as u32,
-        };
+        if has_leaders {
+            room.leader_slots[level] = Slot {
+                at: room.shared as u32,
+                matrix: room.matrices as u32,
+                step: matrices as u32,
+            };
+        }
         room.shared += leaders;
         room.matrices += leaders * matrices;
-        room.slots[level * KINDS + Kind::Follow as usize].at = room.draws as u32;
+        room.slots[row * KINDS + Kind::Follow as usize].at = room.draws as u32;
         room.draws += follow;
         if room.draws > first_draw {
-            self.drawn.groups.push(DrawGroup {
-                level,
-                draws: first_draw..room.draws,
-                matrices,
-            });
+            self.drawn.draw_as(level, first_draw..room.draws, matrices);
         }
-        room.slots[level * KINDS + Kind::Record as usize].at = room.records as u32;
+        room.slots[row * KINDS + Kind::Record as usize].at = room.records as u32;
         if record > 0 {
-            self.drawn.record_groups.push(RecordGroup {
+            let records = room.records..room.records + record;
+            self.record_runs.push(Run {
                 level,
-                records: room.records..room.records + record,
-                matrices,
+                at: records.clone(),
             });
+            self.drawn.record_as(level, records, matrices);
         }
         room.records += record;
-        room.slots[level * KINDS + Kind::Step as usize].at = room.steps as u32;
+        room.slots[row * KINDS + Kind::Step as usize].at = room.steps as u32;
         if step > 0 {
-            self.drawn.step_groups.push(StepGroup {
+            let steps = room.steps..room.steps + step;
+            self.step_runs.push(Run {
                 level,
-                steps: room.steps..room.steps + step,
-                matrices,
+                at: steps.clone(),
             });
+            self.drawn.step_as(level, steps, matrices);
         }
         room.steps += step;
-        room.slots[level * KINDS + Kind::Impostor as usize].at = room.impostors as u32;
+        room.slots[row * KINDS + Kind::Impostor as usize].at = room.impostors as u32;
         room.impostors += impostors;
     }
 
@@ -432,6 +496,16 @@ impl Plan {
 
     pub(crate) fn draw_list(&self) -> &DrawList {
         &self.drawn
+    }
+
+    /// Records by level and face.
+    pub(crate) fn record_runs(&self) -> &[Run] {
+        &self.record_runs
+    }
+
+    /// Steps by level and face.
+    pub(crate) fn step_runs(&self) -> &[Run] {
+        &self.step_runs
     }
 
     /// Numbers of characters and poses by level.
@@ -515,7 +589,10 @@ mod tests {
 
     /// Two sections with characters at two levels, from every source.
     fn sections() -> [SectionKeys; 2] {
-        let mut sections = [SectionKeys::new(0, 16, 2), SectionKeys::new(16, 54, 2)];
+        let mut sections = [
+            SectionKeys::new(0, 16, 2, 2),
+            SectionKeys::new(16, 54, 2, 2),
+        ];
         for (characters, level, kind) in [
             (10..19, 1, Kind::Clip),
             (5..6, 0, Kind::Clip),
@@ -620,5 +697,56 @@ mod tests {
         assert_eq!(plan.draw_list().recorded, [22, 21, 69]);
         assert_eq!(plan.draw_list().stepped, [30, 31]);
         assert_eq!(plan.draw_list().impostors, [40, 67, 68]);
+    }
+
+    #[test]
+    fn faces_at_rest_come_last_in_their_level() {
+        let (palette, mut sections) = (palette(), sections());
+        // Those that blend and follow, a record and one of two steps of each level.
+        let [first, second] = &mut sections;
+        for character in [4, 7, 8] {
+            first.set(character, first.get(character).at_rest());
+        }
+        for character in [21, 30] {
+            second.set(character - 16, second.get(character - 16).at_rest());
+        }
+        second.set(0, Key::new(0, Kind::Step));
+        assert_eq!(first.get(4).level(), Some(0));
+        assert_eq!(second.get(5).level(), Some(1));
+        assert!(sections.iter_mut().all(SectionKeys::sort));
+        let leaders = [Leader {
+            clip: 0,
+            level: 0,
+            secs: 0.0,
+        }];
+        let mut plan = Plan::new(70, 2);
+        for _ in 0..2 {
+            plan.make(sections.iter(), &leaders, &palette, 2);
+            let list = plan.draw_list();
+            let draws = list.draws.iter().map(|d| (d.character, d.first_matrix));
+            // The shared pose is that of both faces; its matrices come before those at rest.
+            let expected = [(5, 0), (9, 3), (7, 6), (8, 3), (10, 9)];
+            assert_eq!(draws.take(5).collect::<Vec<_>>(), expected);
+            let groups = list.groups.iter().map(|g| (g.level, g.draws.clone()));
+            assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..4), (1, 4..13)]);
+            assert_eq!(list.recorded, [22, 69, 21]);
+            assert_eq!(list.stepped, [3, 16, 4, 31, 30]);
+            let groups = list.step_groups.iter();
+            let groups = groups.map(|g| (g.level, g.steps.clone()));
+            assert_eq!(groups.collect::<Vec<_>>(), [(0, 0..3), (1, 3..5)]);
+            let of = |runs: &[Run]| runs.iter().map(|r| r.at.clone()).collect::<Vec<_>>();
+            assert_eq!(of(plan.record_runs()), [0..1, 1..2, 2..3]);
+            assert_eq!(of(plan.step_runs()), [0..2, 2..3, 3..4, 4..5]);
+            // Up to the last of each list that shows morph targets.
+            let sets = (list.morph_draws, list.morph_records, list.morph_steps);
+            assert_eq!(sets, (13, 2, 4));
+            let characters: Vec<usize> = (12..19).map(|set| list.character_of(set)).collect();
+            assert_eq!(characters, [20, 22, 69, 3, 16, 4, 31]);
+            let counts = plan.counts()[0];
+            assert_eq!((counts.own, counts.blended, counts.followers), (2, 1, 2));
+            assert_eq!((counts.recorded, counts.stepped), (1, 3));
+        }
+        // Without levels that show morph targets there is no room for faces at rest.
+        assert_eq!(SectionKeys::new(0, 1, 3, 0).counts().len(), 3 * KINDS);
     }
 }

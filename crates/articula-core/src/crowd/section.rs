@@ -10,6 +10,7 @@ use super::frame::{CrowdEvent, Frame};
 use super::keys::{Key, SectionKeys};
 use super::mode::{Choosing, Mode};
 use super::model::CrowdModel;
+use super::morph_levels::MorphLevels;
 use super::places::{ANEW, CELL, CELL_TILES, WorldBounds};
 use super::root_path::RootDelta;
 use super::share::Sharing;
@@ -74,6 +75,7 @@ pub struct CrowdSection {
     /// of tolerances in metres in which it keeps them.
     pub(super) keys: SectionKeys,
     pub(super) options: Vec<u8>,
+    pub(super) morphs: MorphLevels,
     keep_least: Vec<Tile>,
     keep_most: Vec<Tile>,
     pub(super) sight: Sight,
@@ -104,8 +106,9 @@ impl CrowdSection {
             world: WorldBounds::new(len),
             renew: vec![u8::MAX; tiles],
             roots: vec![RootDelta::default(); if model.has_paths() { len } else { 0 }],
-            keys: SectionKeys::new(first, len, model.levels()),
+            keys: SectionKeys::new(first, len, model.levels(), model.morphs().0),
             options: vec![NO_OPTION; len],
+            morphs: MorphLevels::new(model, len),
             keep_least: vec![Tile([ANEW[0]; LANES]); tiles],
             keep_most: vec![Tile([ANEW[1]; LANES]); tiles],
             sight: Sight::new(tiles),

@@ -76,7 +76,8 @@ impl Crowd {
         }
     }
 
-    /// Bytes of state per character, without budget and output. One that fades takes 28 more.
+    /// Bytes of state per character, without budget and output. One that fades takes 28 more, and each
+    /// of a model whose clips move morph targets one more.
     pub const BYTES_PER_CHARACTER: usize = Clocks::BYTES
         + size_of::<Sphere>()
         + WorldBounds::BYTES
@@ -322,6 +323,15 @@ impl Crowd {
     pub fn level(&self, character: usize) -> Option<usize> {
         let (section, character) = self.at(character);
         section.keys.get(character).level()
+    }
+
+    /// Morph level at which a character is shown ([`MorphLods`](super::MorphLods)); `None` if it is
+    /// not visible, or its level shows no morph targets.
+    pub fn morph_level(&self, model: &CrowdModel, character: usize) -> Option<usize> {
+        let (levels, _) = model.morphs();
+        self.level(character).filter(|level| *level < levels)?;
+        let (section, character) = self.at(character);
+        Some(section.morphs.get(character))
     }
 
     /// Result of culling a character in the last tick.

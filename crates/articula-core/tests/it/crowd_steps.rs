@@ -13,7 +13,7 @@ use glam::{Quat, Vec3};
 /// Palettes of each clip at each level but the finest.
 const COUNT: u32 = 9;
 /// Stated error of showing one as it is, and of a blend of `with_cache`.
-const STEP_METRES: f32 = 0.02;
+pub(crate) const STEP_METRES: f32 = 0.02;
 const BLEND_METRES: f32 = 0.005;
 
 /// The model with palettes in its cache that are shown as they are.

@@ -10,6 +10,7 @@ mod crowd;
 mod crowd_budget;
 mod crowd_impostors;
 mod crowd_levels;
+mod crowd_morph_levels;
 mod crowd_morphs;
 mod crowd_sections;
 mod crowd_selection;

@@ -36,8 +36,8 @@ pub struct LevelStatistics {
     pub steps: f64,
     /// Greatest error of the level over the clips, in millimetres: 95th percentile over vertices.
     pub error_mm: f32,
-    /// The same error in pixels for the nearest character at this level over all frames; null if
-    /// all characters are shown in full, visible or not.
+    /// The same error in pixels for the nearest character at this level over all frames, with that of
+    /// its morph level; null if all characters are shown in full, visible or not.
     pub error_bound_px: Option<f32>,
     /// Errors measured on the sampled characters.
     pub error_px: Option<MeasuredError>,
@@ -123,7 +123,10 @@ impl Sums {
         self.blended += usize::from(state.fade() > 0.0);
         let from = state.clip_state().clip();
         let to = state.next().map_or(from, |v| v.clip());
-        let error = player.asset().model().error_metres(from, to, level);
+        let model = player.asset().model();
+        let morph_level = player.crowd().morph_level(model, character);
+        let face = morph_level.map_or(0.0, |level| model.morph_error_metres(from, to, level));
+        let error = model.error_metres(from, to, level) + face;
         let density = player.crowd().cull_result(character).pixels_per_metre;
         self.is_unbounded |= density == f32::MAX;
         self.most_px = self.most_px.max(error * density);

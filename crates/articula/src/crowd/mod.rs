@@ -13,7 +13,8 @@
 //! The [crate page](crate) has an example.
 //!
 //! Characters near enough to show their faces get the weights of their morph targets
-//! ([`CrowdPlayer::morph_weights`]); the errors of coarser levels include that their faces rest.
+//! ([`CrowdPlayer::morph_weights`]), of as many targets as their tolerance needs; the errors of coarser
+//! levels include that their faces rest.
 //!
 //! There is no clock and no thread here: the caller provides time steps, frame times in nanoseconds
 //! and the threads that evaluate [`parts`](CrowdPlayer::parts).
@@ -28,6 +29,7 @@ mod in_place;
 mod level_use;
 mod lod_error;
 pub(crate) mod mesh_lods;
+mod morph_order;
 mod options;
 mod palette_hash;
 mod palettes;

@@ -431,9 +431,9 @@ impl CrowdPlayer {
         );
     }
 
-    /// Returns the morph target weights of this frame, a set for each character whose level shows
-    /// morph targets; [`DrawList::morph_draws`](articula_core::crowd::DrawList::morph_draws) says
-    /// whose. Empty if no clip moves any.
+    /// Returns the morph target weights of this frame, a set for each character that shows morph
+    /// targets; [`DrawList::morph_draws`](articula_core::crowd::DrawList::morph_draws) says whose.
+    /// Targets that a character leaves out have their default weights. Empty if no clip moves any.
     pub fn morph_weights(&self) -> &[f32] {
         let targets = targets(self.asset.model());
         &self.morph_weights[..self.crowd.draw_list().morph_sets() * targets]

@@ -55,7 +55,7 @@ fn who_is_far_is_shown_by_an_impostor_within_the_tolerance() {
         assert_eq!(parted.text(), whole.text());
         assert!(draws.len() > 40, "{}", draws.len());
         tally.add(&crowd);
-        let sample = meter.measure(&crowd, f64::from(frame), &camera);
+        let sample = meter.measure(&crowd, f64::from(frame), &[camera.into()]);
         let far: Vec<_> = sample
             .characters
             .iter()

@@ -1,8 +1,9 @@
 //! The report of `crowd`; its field names are stable (`docs/commands.md`).
 
 use super::{CrowdArgs, Piece};
+use crate::crowd::faces::MorphUse;
 use crate::crowd::roles::RoleError;
-use crate::crowd::run::{BudgetFound, Memory, Morphs, Poses, Run};
+use crate::crowd::run::{BudgetFound, Memory, Poses, Run};
 use crate::crowd::timing::Spread;
 use crate::fault::clean;
 use crate::files;
@@ -56,7 +57,7 @@ pub(super) struct CrowdRunReport {
     pub(super) written_mb: Spread,
     pub(super) working_set: Memory,
     pub(super) poses: Poses,
-    pub(super) morphs: Morphs,
+    pub(super) morphs: MorphUse,
     pub(super) error_px: ErrorSummary,
     /// Errors by role, if any character has one.
     pub(super) roles: Vec<RoleError>,
@@ -168,7 +169,7 @@ impl CrowdRunReport {
             written_mb: run.written_mb,
             working_set: run.memory,
             poses: run.poses,
-            morphs: run.morphs,
+            morphs: run.morphs.clone(),
             error_px: run.error,
             roles: run.roles.clone(),
             error_bound_px: run.bound_px,
@@ -298,11 +299,12 @@ impl CrowdRunReport {
             self.poses.cached,
             self.poses.stepped
         ));
-        if self.morphs.bytes > 0 {
+        if !self.morphs.levels.is_empty() {
             text.push_str(&format!(
-                "faces  {:.0} characters per frame with morph targets, {:.3} MB of weights\n",
+                "faces  {:.0} characters per frame with morph target weights, {:.3} MB; characters by targets shown: {}\n",
                 self.morphs.characters,
-                self.morphs.bytes as f64 / 1e6
+                self.morphs.bytes as f64 / 1e6,
+                self.morphs.by_level()
             ));
         }
         text.push_str(&format!(
