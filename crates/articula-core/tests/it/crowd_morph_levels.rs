@@ -245,27 +245,33 @@ fn a_jump_counts_body_source_and_face() {
     }
 }
 
+/// Tolerance of a frame.
+fn tolerance_px(frame: usize) -> f32 {
+    0.25 + 0.25 * (frame % 8) as f32
+}
+
+/// Rows of 50, near and far ones in every section.
+fn rows() -> Square {
+    let count = 2500;
+    let place = |i: usize| {
+        Vec3::new(
+            (i % 50) as f32 - 25.0,
+            -1.0,
+            -2.0 - (i / 50 * 7 % 50) as f32,
+        )
+    };
+    Square {
+        positions: (0..count).map(place).collect(),
+        rotations: vec![Quat::IDENTITY; count],
+    }
+}
+
 #[test]
-fn threads_and_ranges_change_no_bit_and_nothing_allocates() {
+fn threads_and_ranges_change_no_bit() {
     let (model, _) = animated(2);
     // Faces that are worth a set of weights where the body is shown by a step.
     let (of_steps, _) = animated_by(fixed_figure().2.len() + 1, 10.0);
-    let count = 2500;
-    let places = Square {
-        // Rows of 50, near and far ones in every section.
-        positions: (0..count)
-            .map(|i| {
-                Vec3::new(
-                    (i % 50) as f32 - 25.0,
-                    -1.0,
-                    -2.0 - (i / 50 * 7 % 50) as f32,
-                )
-            })
-            .collect(),
-        rotations: vec![Quat::IDENTITY; count],
-    };
-    let camera = camera();
-    let frame_of = |i: usize| 0.25 + 0.25 * (i % 8) as f32;
+    let (places, camera) = (rows(), camera());
     let bytes = |is_threaded: bool, (model, cache): (&CrowdModel, CacheUse)| {
         let mut crowd = played(model, &places, (1.0, cache));
         let mut all = Vec::new();
@@ -273,7 +279,7 @@ fn threads_and_ranges_change_no_bit_and_nothing_allocates() {
             let views = [View::of(&camera)];
             let frame = Frame {
                 cache,
-                ..places.frame(&views, frame_of(i), false)
+                ..places.frame(&views, tolerance_px(i), false)
             };
             let mut events = Vec::new();
             let tell = &mut |event| events.push(event);
@@ -328,14 +334,20 @@ fn threads_and_ranges_change_no_bit_and_nothing_allocates() {
         });
         assert!(is_split, "{cache:?}");
     }
+}
+
+#[test]
+fn faces_that_change_their_level_allocate_nothing() {
+    let (model, _) = animated(2);
+    let (places, camera) = (rows(), camera());
     let mut crowd = played(&model, &places, (1.0, CacheUse::Gpu));
-    let mut out = vec![0.0; count * REST.len()];
+    let mut out = vec![0.0; places.positions.len() * REST.len()];
     let counted = allocation_counter::measure(|| {
         for i in 0..16 {
             let views = [View::of(&camera)];
             let frame = Frame {
                 cache: CacheUse::Gpu,
-                ..places.frame(&views, frame_of(i), false)
+                ..places.frame(&views, tolerance_px(i), false)
             };
             crowd.tick(&model, &frame, &mut |_| {});
             let sets = crowd.draw_list().morph_sets();
