@@ -29,6 +29,9 @@ const NEAR_METRES: f32 = 0.05;
 /// Margin for rounding, as a fraction of a cell.
 const ROUNDING_CELLS: f32 = 1e-3;
 
+/// Cells on each side of a block.
+const BLOCK: usize = 8;
+
 /// Length of the steps by which a box is drawn, and their greatest number.
 const PIECE_METRES: f32 = 1.0;
 const PIECES: usize = 32;
@@ -80,6 +83,8 @@ pub struct Occlusion {
     rows: usize,
     /// For each cell, row by row from the top, the depth behind which all of it is hidden.
     depths: Vec<f32>,
+    /// The least of these depths in each square block of cells, row by row.
+    block_depths: Vec<f32>,
     eye: Vec3,
     /// Axes: right, up, depth.
     camera_from_world: Mat3,
@@ -104,6 +109,7 @@ impl Occlusion {
             columns,
             rows,
             depths: vec![f32::INFINITY; columns * rows],
+            block_depths: vec![f32::INFINITY; columns.div_ceil(BLOCK) * rows.div_ceil(BLOCK)],
             eye: Vec3::ZERO,
             camera_from_world: Mat3::IDENTITY,
             cells: Vec2::ONE,
@@ -121,6 +127,7 @@ impl Occlusion {
     /// the orientation is world from camera, looking along -Z. An invalid camera hides nothing.
     pub fn begin_off_axis(&mut self, eye: Vec3, orientation: Quat, tangents: Tangents) {
         self.depths.fill(f32::INFINITY);
+        self.block_depths.fill(f32::INFINITY);
         self.eye = eye;
         let back = Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0));
         self.camera_from_world = back * Mat3::from_quat(orientation.conjugate());
@@ -199,7 +206,8 @@ impl Occlusion {
 
     /// Whether nothing that was drawn in this frame hides anything. O(cells).
     pub fn is_empty(&self) -> bool {
-        self.depths.iter().all(|depth| *depth == f32::INFINITY)
+        let mut depths = self.block_depths.iter();
+        depths.all(|depth| *depth == f32::INFINITY)
     }
 
     /// Returns the occluded fraction of a body, 0 to 1: the part of the cells of its screen
@@ -211,10 +219,7 @@ impl Occlusion {
         let world_from_model = Mat3::from_quat(rotation);
         let middle = position + world_from_model * (centre * scale);
         match self.rectangle(middle, half, world_from_model) {
-            Reach::Cells(rectangle) => {
-                let [hidden, cells] = self.hidden_cells(&rectangle, rectangle.nearest);
-                hidden as f32 / cells as f32
-            }
+            Reach::Cells(rectangle) => self.hidden_part(&rectangle),
             Reach::Nowhere | Reach::Eye => 0.0,
         }
     }
@@ -224,10 +229,7 @@ impl Occlusion {
     /// `heights` are least and greatest above it. Does not allocate.
     pub fn occluded_upright(&self, foot: Vec3, radius: f32, heights: [f32; 2]) -> f32 {
         match self.upright(foot, radius, heights) {
-            Reach::Cells(rectangle) => {
-                let [hidden, cells] = self.hidden_cells(&rectangle, rectangle.nearest);
-                hidden as f32 / cells as f32
-            }
+            Reach::Cells(rectangle) => self.hidden_part(&rectangle),
             Reach::Nowhere | Reach::Eye => 0.0,
         }
     }
@@ -287,27 +289,49 @@ impl Occlusion {
         match self.rectangle(middle, half, Mat3::IDENTITY) {
             Reach::Nowhere => BoxOcclusion::Nothing,
             Reach::Eye => BoxOcclusion::Some,
+            Reach::Cells(rectangle) if !self.may_hide(&rectangle, rectangle.farthest) => {
+                BoxOcclusion::Nothing
+            }
             Reach::Cells(rectangle) => {
-                let [all, cells] = self.hidden_cells(&rectangle, rectangle.nearest);
-                let [any, _] = self.hidden_cells(&rectangle, rectangle.farthest);
-                match (any, all) {
-                    (0, _) => BoxOcclusion::Nothing,
-                    (_, all) if all == cells => BoxOcclusion::All,
-                    _ => BoxOcclusion::Some,
+                let mut rows = self.rows_of(&rectangle);
+                match rows.all(|row| row.iter().all(|depth| *depth <= rectangle.nearest)) {
+                    true => BoxOcclusion::All,
+                    false => BoxOcclusion::Some,
                 }
             }
         }
     }
 
-    /// Number of cells of a rectangle that hide everything from a depth on, and of all its cells.
-    fn hidden_cells(&self, rectangle: &Rectangle, depth: f32) -> [usize; 2] {
+    /// The part of the cells of a rectangle that hide everything behind its nearest depth.
+    fn hidden_part(&self, rectangle: &Rectangle) -> f32 {
+        let nearest = rectangle.nearest;
+        if !self.may_hide(rectangle, nearest) {
+            return 0.0;
+        }
+        let rows = self.rows_of(rectangle);
+        let hidden = rows.map(|row| row.iter().filter(|depth| **depth <= nearest).count());
+        let hidden: usize = hidden.sum();
+        hidden as f32 / (rectangle.columns.len() * rectangle.rows.len()) as f32
+    }
+
+    /// The cells of a rectangle, row by row.
+    fn rows_of(&self, rectangle: &Rectangle) -> impl Iterator<Item = &[f32]> {
         let Rectangle { columns, rows, .. } = rectangle;
         let of_rows = &self.depths[rows.start * self.columns..rows.end * self.columns];
-        let hidden: usize = of_rows
-            .chunks_exact(self.columns)
-            .map(|row| row[columns.clone()].iter().filter(|d| **d <= depth).count())
-            .sum();
-        [hidden, columns.len() * rows.len()]
+        let rows = of_rows.chunks_exact(self.columns);
+        rows.map(|row| &row[columns.clone()])
+    }
+
+    /// Whether a cell in the blocks of a rectangle hides something behind a depth.
+    fn may_hide(&self, rectangle: &Rectangle, depth: f32) -> bool {
+        let blocks = |cells: &Range<usize>| cells.start / BLOCK..cells.end.div_ceil(BLOCK);
+        let across = self.columns.div_ceil(BLOCK);
+        let columns = blocks(&rectangle.columns);
+        let mut rows = blocks(&rectangle.rows).map(|row| row * across);
+        rows.any(|row| {
+            let blocks = &self.block_depths[row + columns.start..row + columns.end];
+            blocks.iter().any(|least| *least <= depth)
+        })
     }
 
     /// Cells and depths of a box around a point of the world, with its half size and rotation.
@@ -384,6 +408,11 @@ impl Occlusion {
                 let cells = row * self.columns;
                 for cell in &mut self.depths[cells + left..cells + right] {
                     *cell = cell.min(depth);
+                }
+                let blocks = row / BLOCK * self.columns.div_ceil(BLOCK);
+                let (left, right) = (left / BLOCK, right.div_ceil(BLOCK));
+                for block in &mut self.block_depths[blocks + left..blocks + right] {
+                    *block = block.min(depth);
                 }
             }
         }
