@@ -88,6 +88,8 @@ pub struct Occlusion {
     eye: Vec3,
     /// Axes: right, up, depth.
     camera_from_world: Mat3,
+    /// Half of the extent of a horizontal disc of radius 1 along these axes.
+    disc: Vec3,
     /// Cells per unit of tangent, to the right and down, and the cell position of the viewing
     /// direction.
     cells: Vec2,
@@ -112,6 +114,7 @@ impl Occlusion {
             block_depths: vec![f32::INFINITY; columns.div_ceil(BLOCK) * rows.div_ceil(BLOCK)],
             eye: Vec3::ZERO,
             camera_from_world: Mat3::IDENTITY,
+            disc: Vec3::new(1.0, 0.0, 1.0),
             cells: Vec2::ONE,
             middle: Vec2::ZERO,
         })
@@ -131,6 +134,9 @@ impl Occlusion {
         self.eye = eye;
         let back = Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0));
         self.camera_from_world = back * Mat3::from_quat(orientation.conjugate());
+        let up = self.camera_from_world.y_axis;
+        let spread = (Vec3::ONE - up * up).max(Vec3::ZERO);
+        self.disc = Vec3::new(spread.x.sqrt(), spread.y.sqrt(), spread.z.sqrt());
         let size = Vec2::new(tangents.left + tangents.right, tangents.up + tangents.down);
         self.cells = Vec2::new(self.columns as f32, self.rows as f32) / size;
         self.middle = Vec2::new(tangents.left, tangents.up) * self.cells;
@@ -235,42 +241,31 @@ impl Occlusion {
     }
 
     /// Cells and depths of an upright cylinder.
+    #[inline]
     fn upright(&self, foot: Vec3, radius: f32, heights: [f32; 2]) -> Reach {
-        let axis = self.camera_from_world.y_axis;
         let foot = self.view(foot);
-        let ends = heights.map(|height| foot + axis * height);
-        // A horizontal disc of radius 1 extends so far along the axes of the camera.
-        let spread = (Vec3::ONE - axis * axis).max(Vec3::ZERO);
-        let spread = Vec3::new(spread.x.sqrt(), spread.y.sqrt(), spread.z.sqrt()) * radius;
-        let nearest = ends[0].z.min(ends[1].z) - spread.z;
+        let axis = self.camera_from_world.y_axis;
+        let spread = self.disc * radius;
+        // The box around each end, at its near and at its far face.
+        let ends = Vec4::new(heights[0], heights[0], heights[1], heights[1]);
+        let faces = Vec4::new(-spread.z, spread.z, -spread.z, spread.z);
+        let depths = foot.z + axis.z * ends + faces;
+        let nearest = depths.min_element();
         if !(nearest >= NEAR_METRES && foot.is_finite() && spread.is_finite()) {
             return Reach::Eye;
         }
-        let mut least = Vec2::INFINITY;
-        let mut greatest = Vec2::NEG_INFINITY;
-        for end in ends {
-            // The sides of the box around the disc, at its near and at its far face.
-            let faces = [1.0 / (end.z - spread.z), 1.0 / (end.z + spread.z)];
-            let low = Vec2::new(end.x - spread.x, -end.y - spread.y);
-            let high = Vec2::new(end.x + spread.x, -end.y + spread.y);
-            for per_metre in faces {
-                least = least.min(low * per_metre);
-                greatest = greatest.max(high * per_metre);
-            }
-        }
-        let range = |least: f32, greatest: f32, cells: f32, middle: f32, most: usize| {
-            let least = least * cells + middle - ROUNDING_CELLS;
-            let greatest = greatest * cells + middle + ROUNDING_CELLS;
+        let scales = 1.0 / depths;
+        let range = |middle: Vec4, side: f32, cells: f32, centre: f32, most: usize| {
+            let least = ((middle - side) * scales).min_element();
+            let greatest = ((middle + side) * scales).max_element();
+            let least = least * cells + centre - ROUNDING_CELLS;
+            let greatest = greatest * cells + centre + ROUNDING_CELLS;
+            // A cast truncates towards zero and saturates.
             least as usize..((greatest + 1.0) as usize).min(most)
         };
-        let columns = range(
-            least.x,
-            greatest.x,
-            self.cells.x,
-            self.middle.x,
-            self.columns,
-        );
-        let rows = range(least.y, greatest.y, self.cells.y, self.middle.y, self.rows);
+        let (x, y) = (foot.x + axis.x * ends, -(foot.y + axis.y * ends));
+        let columns = range(x, spread.x, self.cells.x, self.middle.x, self.columns);
+        let rows = range(y, spread.y, self.cells.y, self.middle.y, self.rows);
         if columns.is_empty() || rows.is_empty() {
             return Reach::Nowhere;
         }
@@ -278,7 +273,7 @@ impl Occlusion {
             columns,
             rows,
             nearest: nearest * (1.0 - 1e-5),
-            farthest: ends[0].z.max(ends[1].z) + spread.z,
+            farthest: depths.max_element(),
         })
     }
 

@@ -2,7 +2,8 @@
 //!
 //! Hiders are drawn into a coarse depth grid, against which the boxes of all characters are tested
 //! ([`Occlusion`]). Who is wholly hidden keeps its clock, its events and its root motion, and is not
-//! evaluated.
+//! evaluated. Whoever is hidden is tested in every frame, since it must not come into view late; the
+//! others in turns, since to show them for some frames more costs little.
 
 use super::player::CrowdPlayer;
 use crate::error::{Error, Result};
@@ -36,9 +37,14 @@ pub enum Hiders {
     Everything,
 }
 
+/// Number of frames in which all who are not hidden are tested once.
+const TURNS: usize = 8;
+
 /// What is hidden in each view of a scene.
 #[derive(Debug)]
 pub(super) struct Hidden {
+    /// Number of frames that were looked at.
+    frames: usize,
     walls: Vec<Wall>,
     /// Of each crowd.
     hiding: Vec<Hiding>,
@@ -120,6 +126,7 @@ impl Hidden {
         };
         let views = scene.views.iter().map(|_| view());
         Ok(Some(Self {
+            frames: 0,
             walls,
             hiding,
             views: views.collect::<Result<_>>()?,
@@ -128,6 +135,9 @@ impl Hidden {
 
     /// Finds what each view's camera does not see. Does not allocate.
     pub(super) fn look(&mut self, cameras: &[Camera], crowds: &[CrowdPlayer]) {
+        // Everyone in the first frame.
+        let turn = (self.frames > 0).then_some(self.frames % TURNS);
+        self.frames += 1;
         for (view, camera) in self.views.iter_mut().zip(cameras) {
             view.grid.begin(camera);
             for wall in &self.walls {
@@ -141,7 +151,7 @@ impl Hidden {
             }
             let of_each = self.hiding.iter().zip(crowds);
             for (occluded, (hiding, crowd)) in view.occluded.iter_mut().zip(of_each) {
-                look_at(&view.grid, crowd, hiding, occluded);
+                look_at(&view.grid, (crowd, hiding), turn, occluded);
             }
         }
     }
@@ -196,7 +206,14 @@ impl Hiding {
 }
 
 /// Occluded fraction of each character of a crowd. Neighbours in the order are first looked at together.
-fn look_at(grid: &Occlusion, crowd: &CrowdPlayer, hiding: &Hiding, occluded: &mut [f32]) {
+///
+/// Of those who are not hidden only the ones of a turn are tested, if there are turns.
+fn look_at(
+    grid: &Occlusion,
+    (crowd, hiding): (&CrowdPlayer, &Hiding),
+    turn: Option<usize>,
+    occluded: &mut [f32],
+) {
     let bounds = &crowd.asset().model().parts().bounds;
     let positions = crowd.positions();
     let groups = positions
@@ -216,6 +233,9 @@ fn look_at(grid: &Occlusion, crowd: &CrowdPlayer, hiding: &Hiding, occluded: &mu
             BoxOcclusion::Some => {
                 for (i, (place, occluded)) in places.iter().zip(occluded).enumerate() {
                     let character = first + i;
+                    if *occluded < 1.0 && turn.is_some_and(|turn| character % TURNS != turn) {
+                        continue;
+                    }
                     let cylinder = match crowd.crowd().clips(character) {
                         (clip, None) => hiding.cylinders[clip],
                         (clip, Some(to)) => Cylinder::of_sphere(bounds.blended(clip, to)),
