@@ -337,12 +337,12 @@ fn allot(plans: &mut [Vec<Plan>], most_bytes: usize) {
     }
 }
 
+/// Keys and steps of each clip at each level.
+type KeysAndSteps = (Vec<Vec<Option<CachedKeys>>>, Vec<Vec<Option<CachedSteps>>>);
+
 /// Keys and steps of everything that is cached, and the positions of their palettes: the coarsest
 /// level comes first.
-fn placed(
-    plans: &[Vec<Plan>],
-    map: &PaletteMap,
-) -> (Vec<Vec<Option<CachedKeys>>>, Vec<Vec<Option<CachedSteps>>>) {
+fn placed(plans: &[Vec<Plan>], map: &PaletteMap) -> KeysAndSteps {
     let mut keys = vec![vec![None; map.levels()]; plans.len()];
     let mut steps = vec![vec![None; map.levels()]; plans.len()];
     let mut first_matrix = 0;

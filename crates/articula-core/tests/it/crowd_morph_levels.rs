@@ -245,28 +245,36 @@ fn a_jump_counts_body_source_and_face() {
     }
 }
 
+/// Characters of several sections, each with near and far ones.
+fn field() -> Square {
+    let count = 2500;
+    let place = |i: usize| Vec3::new((i / 50) as f32 - 25.0, -1.0, -2.0 - (i % 50) as f32);
+    Square {
+        positions: (0..count).map(place).collect(),
+        rotations: vec![Quat::IDENTITY; count],
+    }
+}
+
+/// Tolerance of a frame in pixels.
+fn px_of(frame: usize) -> f32 {
+    0.25 + 0.25 * (frame % 8) as f32
+}
+
 #[test]
-fn threads_and_ranges_change_no_bit_and_nothing_allocates() {
+fn threads_and_ranges_change_no_bit() {
     let (model, _) = animated(2);
     // Faces that are worth a set of weights where the body is shown by a step.
-    let (of_steps, _) = animated_by(fixed_figure().2.len() + 1, 10.0);
-    let count = 2500;
-    let places = Square {
-        positions: (0..count)
-            .map(|i| Vec3::new((i % 50) as f32 - 25.0, -1.0, -2.0 - (i / 50) as f32))
-            .collect(),
-        rotations: vec![Quat::IDENTITY; count],
-    };
+    let (of_steps, _) = animated_by(fixed_figure().2.len() + 1, 5.0);
+    let places = field();
     let camera = camera();
-    let frame_of = |i: usize| 0.25 + 0.25 * (i % 8) as f32;
-    let bytes = |is_threaded: bool, (model, cache): (&CrowdModel, CacheUse)| {
+    let bytes = |is_threaded: bool, (model, cache, factor): (&CrowdModel, CacheUse, f32)| {
         let mut crowd = played(model, &places, (1.0, cache));
         let mut all = Vec::new();
         for i in 0..8 {
             let views = [View::of(&camera)];
             let frame = Frame {
                 cache,
-                ..places.frame(&views, frame_of(i), false)
+                ..places.frame(&views, factor * px_of(i), false)
             };
             let mut events = Vec::new();
             let tell = &mut |event| events.push(event);
@@ -305,9 +313,13 @@ fn threads_and_ranges_change_no_bit_and_nothing_allocates() {
         }
         all
     };
-    for (model, cache) in [(&model, CacheUse::Gpu), (&of_steps, CacheUse::Cpu)] {
-        let plain = bytes(false, (model, cache));
-        assert_eq!(plain, bytes(true, (model, cache)));
+    for of in [
+        (&model, CacheUse::Gpu, 1.0),
+        (&of_steps, CacheUse::Cpu, 3.0),
+    ] {
+        let plain = bytes(false, of);
+        assert_eq!(plain, bytes(true, of));
+        let cache = of.1;
         // Of one level in the order of the sections, then once more: faces that are shown, and at rest.
         let is_split = plain.iter().any(|(_, list, ..)| match cache {
             CacheUse::Gpu => list.record_groups.iter().any(|g| {
@@ -321,14 +333,21 @@ fn threads_and_ranges_change_no_bit_and_nothing_allocates() {
         });
         assert!(is_split, "{cache:?}");
     }
+}
+
+#[test]
+fn a_frame_with_morph_levels_allocates_nothing() {
+    let (model, _) = animated(2);
+    let places = field();
+    let camera = camera();
     let mut crowd = played(&model, &places, (1.0, CacheUse::Gpu));
-    let mut out = vec![0.0; count * REST.len()];
+    let mut out = vec![0.0; places.positions.len() * REST.len()];
     let counted = allocation_counter::measure(|| {
         for i in 0..16 {
             let views = [View::of(&camera)];
             let frame = Frame {
                 cache: CacheUse::Gpu,
-                ..places.frame(&views, frame_of(i), false)
+                ..places.frame(&views, px_of(i), false)
             };
             crowd.tick(&model, &frame, &mut |_| {});
             let sets = crowd.draw_list().morph_sets();

@@ -157,6 +157,8 @@ fn both_levels_have_draws_and_cached_poses() {
         let expected = match (form.is_rigid(), cache) {
             (true, _) => [vec![(0, 3), (1, 3)], vec![], vec![]],
             (_, CacheUse::Gpu) => [vec![(0, 2), (1, 1)], vec![(0, 1), (1, 2)], vec![]],
+            // The rounding of halves is too much for a step of the near one, which the CPU blends.
+            _ if name == "half-stepped" => [vec![(0, 3), (1, 1)], vec![], vec![(1, 2)]],
             _ => [vec![(0, 2), (1, 1)], vec![], vec![(0, 1), (1, 2)]],
         };
         assert_eq!(found, expected, "{name}");
