@@ -24,10 +24,13 @@ const REMEMBERED: usize = 64;
 const MAY_EXCEED: usize = 2;
 /// Margin that is kept before the first frames have shown how much their times vary.
 const FIRST_MARGIN: f32 = 1.03;
-/// A change of the tolerance has all levels chosen again, which takes time. So a finer one has to be
-/// finer by this factor, and a coarser one leaves a part of the time for evaluation unused.
+/// A change of the tolerance has all levels chosen again, which takes time. So a finer or a coarser one
+/// differs by these factors at least, and a coarser one leaves a part of the time for evaluation unused.
 const FINER: f32 = 1.25;
+const COARSER: f32 = 1.1;
 const USED: f64 = 0.96;
+/// Nominal cost over the least one that any tolerance has: what is saved below it is not worth the error.
+const WORTH: f64 = 1.02;
 
 /// A limit to the processor time of all crowds of a frame together.
 ///
@@ -56,8 +59,10 @@ pub struct Budget {
     demand: Demand,
     /// Measured over nominal cost; `None` before the first frame.
     ratio: Option<f64>,
-    /// Mean time of a frame outside of evaluation.
+    /// Mean time of a frame outside of evaluation, of those with the tolerance of the frame before.
     tick_ns: f64,
+    /// Whether the tolerance of this frame is that of the frame before.
+    is_kept: bool,
     /// Ratio of measured to expected time of the last frames, and which of them is the oldest.
     ratios: [f32; REMEMBERED],
     oldest: usize,
@@ -100,6 +105,7 @@ impl Budget {
             demand: Demand::NONE,
             ratio: None,
             tick_ns: 0.0,
+            is_kept: true,
             ratios: [FIRST_MARGIN; REMEMBERED],
             oldest: 0,
         }
@@ -138,6 +144,7 @@ impl Budget {
         if is_time(tick_ns) && is_time(evaluate_ns) && nominal_ns > 0.0 {
             self.learn(tick_ns, evaluate_ns, nominal_ns, expected_ns);
             self.px = self.chosen(&demand);
+            self.is_kept = self.px == px;
         }
         BudgetReport {
             limit_ns: self.limit_ns,
@@ -158,7 +165,9 @@ impl Budget {
         self.ratios[self.oldest] = ((tick_ns + evaluate_ns) / expected_ns) as f32;
         self.oldest = (self.oldest + 1) % REMEMBERED;
         self.ratio = Some(ratio + GAIN * (measured.min(OUTLIER * ratio) - ratio));
-        self.tick_ns += GAIN * (tick_ns.min(OUTLIER * self.tick_ns) - self.tick_ns);
+        if self.is_kept {
+            self.tick_ns += GAIN * (tick_ns.min(OUTLIER * self.tick_ns) - self.tick_ns);
+        }
     }
 
     /// Ratio of measured to expected time that few of the last frames exceed.
@@ -171,9 +180,11 @@ impl Budget {
     fn chosen(&self, demand: &Demand) -> f32 {
         let left_ns = self.limit_ns / self.margin() - self.tick_ns;
         let nominal_ns = left_ns / self.ratio.unwrap_or(1.0);
-        let px = demand.px_within(nominal_ns, FINEST_PX);
+        let least_ns = WORTH * demand.least_ns();
+        let px = demand.px_within(nominal_ns.max(least_ns), FINEST_PX);
         if px > self.px {
-            demand.px_within(USED * nominal_ns, FINEST_PX)
+            let px = demand.px_within((USED * nominal_ns).max(least_ns), FINEST_PX);
+            px.max(COARSER * self.px)
         } else if px * FINER < self.px {
             px
         } else {

@@ -70,6 +70,11 @@ impl Demand {
         self.least_ns += f64::from(cost(coarsest));
     }
 
+    /// Nanoseconds with the cheapest option of each character.
+    pub(crate) fn least_ns(&self) -> f64 {
+        self.least_ns
+    }
+
     /// Nanoseconds at a tolerance.
     pub(crate) fn cost_ns(&self, px: f32) -> f64 {
         let bin = bin_of(px);
