@@ -232,7 +232,11 @@ impl CrowdSection {
     /// character keeps its level.
     #[inline]
     pub(super) fn set_keep(&mut self, character: usize, range: [f32; 2]) {
-        let [least, most] = range.map(|metres| metres / self.weights.of(character));
+        let weight = self.weights.of(character);
+        let [least, most] = match weight == 1.0 {
+            true => range,
+            false => range.map(|metres| metres / weight),
+        };
         let (tile, lane) = (character / LANES, character % LANES);
         self.keep_least[tile].0[lane] = least;
         self.keep_most[tile].0[lane] = most;
