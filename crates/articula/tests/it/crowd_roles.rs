@@ -2,10 +2,11 @@
 
 use crate::crowd::{asset_of, human};
 use articula::crowd::{
-    CacheUse, CastMember, CrowdAsset, CrowdOptions, DetailGoal, Hiders, SceneOptions, ScenePlayer,
-    read_scene, write_scene,
+    CacheUse, Camera, CastMember, CrowdAsset, CrowdEvent, CrowdOptions, CrowdPlayer, Culling,
+    DetailGoal, Hiders, SceneOptions, ScenePlayer, View, Viewport, read_scene, write_scene,
 };
 use articula_build::Scene;
+use glam::Vec3;
 use std::fmt::Write as _;
 
 const OPTIONS: SceneOptions = SceneOptions {
@@ -200,4 +201,57 @@ fn mistakes_in_roles_are_named_with_their_place() {
         let found = why(more, role);
         assert!(found.contains(says), "{more}{role}: {found}");
     }
+}
+
+/// A change of importance moves no character farther than its event says, in the measure of errors: the
+/// 95th percentile over vertices, and half of the maximum.
+#[test]
+fn a_change_of_role_jumps_no_farther_than_told() {
+    let options = CrowdOptions {
+        pose_cache: true,
+        ..CrowdOptions::default()
+    };
+    let asset = asset_of(human(), &options);
+    let mut crowd = CrowdPlayer::new(&asset, 40).unwrap();
+    for c in 0..40 {
+        let place = Vec3::new((c % 8) as f32 - 3.5, 0.0, -6.0 - (c / 8) as f32 * 9.0);
+        crowd.place(c, place, c as f32);
+        crowd.play(c, c % asset.clips().len(), 0.07 * c as f32);
+    }
+    let eye = Vec3::new(0.0, 1.5, 0.0);
+    let camera = Camera::looking_at(eye, eye - Vec3::Z, Viewport::default());
+    let mut told = 0;
+    for importance in [1.0, 8.0, 0.25, 1.0] {
+        let before: Vec<_> = (0..40).map(|c| crowd.skinned(c).map(|(_, s)| s)).collect();
+        for c in 0..40 {
+            crowd.set_importance(c, importance);
+        }
+        let (mut events, views) = (Vec::new(), [View::of(&camera)]);
+        crowd.plan(0.0, Culling::Views(&views), &mut |event| events.push(event));
+        crowd.evaluate();
+        for event in events {
+            let CrowdEvent::Level {
+                character,
+                from: Some(_),
+                to: Some(_),
+                jump_px,
+            } = event
+            else {
+                continue;
+            };
+            let (_, after) = crowd.skinned(character).unwrap();
+            let before = before[character].as_ref().unwrap();
+            let span = crowd.crowd().cull_result(character).pixels_per_metre;
+            let pairs = before.positions.iter().zip(&after.positions);
+            let mut apart: Vec<f32> = pairs.map(|(a, b)| a.distance(*b) * span).collect();
+            apart.sort_by(f32::total_cmp);
+            let (p95, worst) = (apart[apart.len() * 95 / 100], apart[apart.len() - 1]);
+            assert!(
+                p95.max(0.5 * worst) <= jump_px * 1.01,
+                "{character}: {p95}, {worst} of {jump_px}"
+            );
+            told += 1;
+        }
+    }
+    assert!(told > 40, "{told} changes");
 }
