@@ -118,7 +118,7 @@ fn wrong_words_and_files_are_told_in_one_line() {
     let here = folder("flatten-refused");
     let human = word(human());
     for (status, words, expected) in [
-        (2, vec!["flatten", human, "a.png"], "name the file .svg"),
+        (2, vec!["flatten", human, "a.bmp"], "name the file .svg"),
         (2, vec!["flatten", human, "a.svg", "--exact"], "--exact"),
         (
             2,

@@ -65,10 +65,11 @@ mod tests {
         (0..asset.rig.len()).map(at).collect()
     }
 
-    fn kernels() -> [(Sampled, Kernel); 3] {
+    fn kernels() -> [(Sampled, Kernel); 4] {
         [
             (Sampled::Moving, Kernel::Arrays),
             (Sampled::Moving, Kernel::best()),
+            (Sampled::Moving, Kernel::unfused()),
             (Sampled::AllRotations, Kernel::best()),
         ]
     }

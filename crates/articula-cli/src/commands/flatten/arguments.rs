@@ -292,21 +292,25 @@ impl ConvertArgs {
             .to_ascii_lowercase();
         let ending = ending.to_string_lossy();
         let told = match ending.as_ref() {
-            "json" => ProfileName::Lottie,
-            "js" => ProfileName::Player,
-            "html" => ProfileName::Portrait,
-            "png" => ProfileName::Impostor,
-            _ => ProfileName::Smil,
+            "svg" => Some(ProfileName::Smil),
+            "json" => Some(ProfileName::Lottie),
+            "js" => Some(ProfileName::Player),
+            "html" => Some(ProfileName::Portrait),
+            "png" => Some(ProfileName::Impostor),
+            _ => None,
         };
-        let profile = self.profile.unwrap_or(told);
+        let profile = self.profile.or(told);
         let fits: &[&str] = match profile {
-            ProfileName::Lottie => &["json"],
-            ProfileName::Portrait => &["html", "json"],
-            ProfileName::Player => &["svg", "js"],
-            ProfileName::Impostor => &["png"],
-            _ => &["svg"],
+            None => &["svg", "json", "html", "js", "png"],
+            Some(ProfileName::Lottie) => &["json"],
+            Some(ProfileName::Portrait) => &["html", "json"],
+            Some(ProfileName::Player) => &["svg", "js"],
+            Some(ProfileName::Impostor) => &["png"],
+            Some(_) => &["svg"],
         };
-        if fits.contains(&ending.as_ref()) {
+        if let Some(profile) = profile
+            && fits.contains(&ending.as_ref())
+        {
             return Ok(profile);
         }
         let out = crate::files::shown(self.out());

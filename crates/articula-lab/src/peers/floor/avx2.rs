@@ -1,4 +1,5 @@
-//! The kernel of the floor with AVX2 and FMA intrinsics; the same steps as [`super::arrays`].
+//! The kernel of the floor with AVX2 intrinsics, with fused multiplications and additions or without;
+//! the same steps as [`super::arrays`].
 
 use super::{Batch, Channel, Columns, LANES, Lanes, Link, Out, Rows, Tile};
 use std::arch::x86_64::*;
@@ -11,19 +12,26 @@ type Wide = __m256;
 type Place = ([Wide; 4], [Wide; 3]);
 
 /// Samples a batch, applies the hierarchy and writes the matrices.
-pub(super) fn evaluate(clip: &Rows, at: &Batch, chain: &mut [Link], out: Out<'_>) {
+pub(super) fn evaluate<const FUSED: bool>(
+    clip: &Rows,
+    at: &Batch,
+    chain: &mut [Link],
+    out: Out<'_>,
+) {
     match out {
         // SAFETY: a floor with this kernel is only made on machines with AVX2 and FMA.
-        Out::Stored(out) => unsafe { run::<true>(clip, at, chain, &mut [], out) },
+        Out::Stored(out) => unsafe { run::<true, FUSED>(clip, at, chain, &mut [], out) },
         // SAFETY: as above.
-        Out::Tile(tile) => unsafe { run::<false>(clip, at, chain, tile, Default::default()) },
+        Out::Tile(tile) => unsafe {
+            run::<false, FUSED>(clip, at, chain, tile, Default::default())
+        },
     }
 }
 
 /// Writes into `out` if `STORED`, else into `tile`; the unused one is empty. A closure instead
 /// would not be inlined into the loop.
 #[target_feature(enable = "avx2,fma")]
-fn run<const STORED: bool>(
+fn run<const STORED: bool, const FUSED: bool>(
     clip: &Rows,
     at: &Batch,
     chain: &mut [Link],
@@ -46,15 +54,17 @@ fn run<const STORED: bool>(
     for (index, joint) in clip.joints.iter().enumerate() {
         let rotation = match joint.rotation {
             Channel::Still(still) => still.map(|c| _mm256_set1_ps(c)),
-            Channel::Moving(column) => normalised(blended(&rotations, column, &blend)),
+            Channel::Moving(column) => {
+                normalised::<FUSED>(blended::<FUSED>(&rotations, column, &blend))
+            }
         };
         let [x, y, z, _] = match joint.translation {
             Channel::Still(still) => still.map(|c| _mm256_set1_ps(c)),
-            Channel::Moving(column) => blended(&translations, column, &blend),
+            Channel::Moving(column) => blended::<FUSED>(&translations, column, &blend),
         };
         let mut place = (rotation, [x, y, z]);
         if joint.parent < joints {
-            place = below(load_link(&chain[joint.parent]), place);
+            place = below::<FUSED>(load_link(&chain[joint.parent]), place);
         }
         store_link(&mut chain[index], &place);
         let matrix = matrix(&place);
@@ -108,7 +118,7 @@ impl<'a> Span<'a> {
 /// transposition within its halves is sufficient.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
-fn blended(span: &Span<'_>, column: usize, blend: &[Wide; 4]) -> [Wide; 4] {
+fn blended<const FUSED: bool>(span: &Span<'_>, column: usize, blend: &[Wide; 4]) -> [Wide; 4] {
     assert!(column < span.width, "a column of the clip");
     let pair = |rows: &[&[[f32; 4]]; LANES], i: usize| {
         // SAFETY: the column was just checked, and every row of a span has `width` of them.
@@ -117,7 +127,7 @@ fn blended(span: &Span<'_>, column: usize, blend: &[Wide; 4]) -> [Wide; 4] {
     };
     transposed(from_fn(|i| {
         let (before, after) = (pair(&span.before, i), pair(&span.after, i));
-        _mm256_fmadd_ps(_mm256_sub_ps(after, before), blend[i], before)
+        fma::<FUSED>(_mm256_sub_ps(after, before), blend[i], before)
     }))
 }
 
@@ -143,8 +153,8 @@ fn transposed(v: [Wide; 4]) -> [Wide; 4] {
 
 #[inline]
 #[target_feature(enable = "avx2,fma")]
-fn normalised([x, y, z, w]: [Wide; 4]) -> [Wide; 4] {
-    let squared = fma(x, x, fma(y, y, fma(z, z, mul(w, w))));
+fn normalised<const FUSED: bool>([x, y, z, w]: [Wide; 4]) -> [Wide; 4] {
+    let squared = fma::<FUSED>(x, x, fma::<FUSED>(y, y, fma::<FUSED>(z, z, mul(w, w))));
     let inverse = _mm256_div_ps(_mm256_set1_ps(1.0), _mm256_sqrt_ps(squared));
     [
         mul(x, inverse),
@@ -156,22 +166,50 @@ fn normalised([x, y, z, w]: [Wide; 4]) -> [Wide; 4] {
 
 #[inline]
 #[target_feature(enable = "avx2,fma")]
-fn below(parent: Place, local: Place) -> Place {
+fn below<const FUSED: bool>(parent: Place, local: Place) -> Place {
     let ([px, py, pz, pw], [ax, ay, az]) = parent;
     let ([x, y, z, w], [tx, ty, tz]) = local;
     let rotation = [
-        fma(pw, x, fma(px, w, minus(pz, y, mul(py, z)))),
-        fma(pw, y, fma(py, w, minus(px, z, mul(pz, x)))),
-        fma(pw, z, fma(pz, w, minus(py, x, mul(px, y)))),
-        minus(px, x, minus(py, y, minus(pz, z, mul(pw, w)))),
+        fma::<FUSED>(
+            pw,
+            x,
+            fma::<FUSED>(px, w, minus::<FUSED>(pz, y, mul(py, z))),
+        ),
+        fma::<FUSED>(
+            pw,
+            y,
+            fma::<FUSED>(py, w, minus::<FUSED>(px, z, mul(pz, x))),
+        ),
+        fma::<FUSED>(
+            pw,
+            z,
+            fma::<FUSED>(pz, w, minus::<FUSED>(py, x, mul(px, y))),
+        ),
+        minus::<FUSED>(
+            px,
+            x,
+            minus::<FUSED>(py, y, minus::<FUSED>(pz, z, mul(pw, w))),
+        ),
     ];
-    let cx = twice(minus(pz, ty, mul(py, tz)));
-    let cy = twice(minus(px, tz, mul(pz, tx)));
-    let cz = twice(minus(py, tx, mul(px, ty)));
+    let cx = twice(minus::<FUSED>(pz, ty, mul(py, tz)));
+    let cy = twice(minus::<FUSED>(px, tz, mul(pz, tx)));
+    let cz = twice(minus::<FUSED>(py, tx, mul(px, ty)));
     let translation = [
-        fma(pw, cx, minus(pz, cy, fma(py, cz, _mm256_add_ps(tx, ax)))),
-        fma(pw, cy, minus(px, cz, fma(pz, cx, _mm256_add_ps(ty, ay)))),
-        fma(pw, cz, minus(py, cx, fma(px, cy, _mm256_add_ps(tz, az)))),
+        fma::<FUSED>(
+            pw,
+            cx,
+            minus::<FUSED>(pz, cy, fma::<FUSED>(py, cz, _mm256_add_ps(tx, ax))),
+        ),
+        fma::<FUSED>(
+            pw,
+            cy,
+            minus::<FUSED>(px, cz, fma::<FUSED>(pz, cx, _mm256_add_ps(ty, ay))),
+        ),
+        fma::<FUSED>(
+            pw,
+            cz,
+            minus::<FUSED>(py, cx, fma::<FUSED>(px, cy, _mm256_add_ps(tz, az))),
+        ),
     ];
     (rotation, translation)
 }
@@ -211,15 +249,21 @@ fn mul(a: Wide, b: Wide) -> Wide {
 /// `a b + c`.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
-fn fma(a: Wide, b: Wide, c: Wide) -> Wide {
-    _mm256_fmadd_ps(a, b, c)
+fn fma<const FUSED: bool>(a: Wide, b: Wide, c: Wide) -> Wide {
+    match FUSED {
+        true => _mm256_fmadd_ps(a, b, c),
+        false => _mm256_add_ps(_mm256_mul_ps(a, b), c),
+    }
 }
 
 /// `c - a b`.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
-fn minus(a: Wide, b: Wide, c: Wide) -> Wide {
-    _mm256_fnmadd_ps(a, b, c)
+fn minus<const FUSED: bool>(a: Wide, b: Wide, c: Wide) -> Wide {
+    match FUSED {
+        true => _mm256_fnmadd_ps(a, b, c),
+        false => _mm256_sub_ps(c, _mm256_mul_ps(a, b)),
+    }
 }
 
 #[inline]

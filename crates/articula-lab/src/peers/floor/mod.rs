@@ -117,9 +117,21 @@ pub(crate) enum Kernel {
     Arrays,
     /// AVX2 and FMA; [`Floor::with`] refuses it on machines without them.
     Avx2,
+    /// The same, with a rounding after each multiplication as on a machine without FMA: what is left to
+    /// evaluators with equal bits on all machines.
+    Avx2Unfused,
 }
 
 impl Kernel {
+    /// The fastest kernel of this machine without fused operations.
+    pub(crate) fn unfused() -> Self {
+        if Self::Avx2Unfused.is_here() {
+            Self::Avx2Unfused
+        } else {
+            Self::Arrays
+        }
+    }
+
     /// The fastest kernel of this machine.
     pub(crate) fn best() -> Self {
         if Self::Avx2.is_here() {
@@ -227,7 +239,9 @@ enum Out<'a> {
 fn evaluate(kernel: Kernel, clip: &Rows, at: &Batch, chain: &mut [Link], out: Out<'_>) {
     match kernel {
         #[cfg(target_arch = "x86_64")]
-        Kernel::Avx2 => avx2::evaluate(clip, at, chain, out),
+        Kernel::Avx2 => avx2::evaluate::<true>(clip, at, chain, out),
+        #[cfg(target_arch = "x86_64")]
+        Kernel::Avx2Unfused => avx2::evaluate::<false>(clip, at, chain, out),
         _ => arrays::evaluate(clip, at, chain, out),
     }
 }

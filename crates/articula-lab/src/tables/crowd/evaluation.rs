@@ -4,7 +4,7 @@ use super::frame_order::Access;
 use super::ours::{Batched, plain};
 use super::{Bench, CrowdTables, Line};
 use crate::measure::{Contestant, Timing, race};
-use crate::peers::floor::{Floor, Sampled};
+use crate::peers::floor::{Floor, Kernel, Sampled};
 use crate::peers::quoted::{FLOOR_THERE, QUOTED, Quoted};
 use crate::peers::structs::Structs;
 use crate::peers::three::{self, Effort, ThreeTimes};
@@ -44,7 +44,8 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
         "Evaluators that store their output are compared with the floor that stores 3x4 matrices, \
          those whose output is consumed in tiles with the floor in tiles. The floor and *ours* \
          (Articula) sample the channels that move; the rows with all rotations show the floor for a \
-         clip in which every joint rotates.",
+         clip in which every joint rotates. The floor fuses multiplications and additions; Articula does \
+         not, since its bits are equal on all machines. *Unfused*: the floor without that.",
     );
     let mut head = vec!["evaluator".to_owned()];
     for (count, _) in &counts {
@@ -107,11 +108,21 @@ fn floor_of(rows: &[Row], against: Against) -> &[Timing] {
 
 /// The floor that writes 3x4 matrices.
 pub(super) fn floor_stored<'a>(bench: &Bench, count: usize) -> Result<Contestant<'a>> {
-    floor(bench, "floor, 3x4 f32", Sampled::Moving, count)
+    floor(
+        bench,
+        "floor, 3x4 f32",
+        (Sampled::Moving, Kernel::best()),
+        count,
+    )
 }
 
-fn floor<'a>(bench: &Bench, name: &str, sampled: Sampled, count: usize) -> Result<Contestant<'a>> {
-    let mut floor = Floor::new(&bench.asset.rig, bench.clip(), sampled)?;
+fn floor<'a>(
+    bench: &Bench,
+    name: &str,
+    (sampled, kernel): (Sampled, Kernel),
+    count: usize,
+) -> Result<Contestant<'a>> {
+    let mut floor = Floor::with(&bench.asset.rig, bench.clip(), sampled, kernel)?;
     let mut out = vec![[0.0; 12]; count * floor.joints()];
     let frame = move |secs: &[f32]| {
         floor.store(secs, &mut out);
@@ -123,8 +134,12 @@ fn floor<'a>(bench: &Bench, name: &str, sampled: Sampled, count: usize) -> Resul
     })
 }
 
-fn floor_tiles<'a>(bench: &Bench, name: &str, sampled: Sampled) -> Result<Contestant<'a>> {
-    let mut floor = Floor::new(&bench.asset.rig, bench.clip(), sampled)?;
+fn floor_tiles<'a>(
+    bench: &Bench,
+    name: &str,
+    (sampled, kernel): (Sampled, Kernel),
+) -> Result<Contestant<'a>> {
+    let mut floor = Floor::with(&bench.asset.rig, bench.clip(), sampled, kernel)?;
     let frame = move |secs: &[f32]| {
         floor.tiles(secs, |tile| {
             black_box(tile);
@@ -203,8 +218,11 @@ fn candidates<'a>(bench: &'a Bench, ours: &'a Ours, count: usize) -> Result<Vec<
         Ok(Some(floor.clip_bytes()))
     };
     let (moving, whole) = (Sampled::Moving, Sampled::AllRotations);
-    let stored = floor(bench, "floor, all rotations, 3x4 f32", whole, count)?;
-    let tiles = floor_tiles(bench, "floor, all rotations, in tiles", whole)?;
+    let (best, unfused) = (Kernel::best(), Kernel::unfused());
+    let stored = floor(bench, "floor, all rotations, 3x4 f32", (whole, best), count)?;
+    let tiles = floor_tiles(bench, "floor, all rotations, in tiles", (whole, best))?;
+    let apart = floor(bench, "floor, unfused, 3x4 f32", (moving, unfused), count)?;
+    let apart_tiles = floor_tiles(bench, "floor, unfused, in tiles", (moving, unfused))?;
     let mut all = vec![
         of(
             floor_stored(bench, count)?,
@@ -213,11 +231,13 @@ fn candidates<'a>(bench: &'a Bench, ours: &'a Ours, count: usize) -> Result<Vec<
             bytes_of(moving)?,
         ),
         of(
-            floor_tiles(bench, "floor, in tiles", moving)?,
+            floor_tiles(bench, "floor, in tiles", (moving, best))?,
             Against::Tiles,
             0,
             bytes_of(moving)?,
         ),
+        of(apart, Against::Stored, 48, bytes_of(moving)?),
+        of(apart_tiles, Against::Tiles, 0, bytes_of(moving)?),
         of(stored, Against::Stored, 48, bytes_of(whole)?),
         of(tiles, Against::Tiles, 0, bytes_of(whole)?),
     ];
