@@ -400,8 +400,8 @@ impl<'a, L: Lanes, N> Span<'a, L, N> {
 /// written.
 const BLOCK: usize = 8;
 
-// Measured on a figure of 67 joints, ns per character: 250 with chaining and writing in one loop, 196
-// apart, although each step loads what the one before has stored.
+// Each step loads what the one before has stored, and yet takes less time than one loop for chaining and
+// writing, of which the compiler keeps half on the stack.
 impl Batch<'_> {
     #[inline(always)]
     fn walk<L: Lanes, F: Frames>(mut self, frames: F) {

@@ -8,19 +8,10 @@ use super::LANES;
 
 /// Parts of a slice, one for each lane and all of one length, so that one check of an index holds
 /// for every lane.
-#[derive(Debug)]
 pub(crate) struct Eight<'a, T> {
     parts: [&'a [T]; LANES],
     len: usize,
 }
-
-impl<T> Clone for Eight<'_, T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for Eight<'_, T> {}
 
 impl<'a, T> Eight<'a, T> {
     /// The parts of `len` elements from each of the `starts`.

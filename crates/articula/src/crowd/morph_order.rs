@@ -5,7 +5,7 @@
 //! 95th percentile over vertices and half of their maximum, as the maximum over sampled frames. Most
 //! of the others can only cost more than when they were last looked at, so few are looked at again.
 
-use articula_core::percentile;
+use articula_core::{lod_error_metres, percentile};
 use glam::Vec3A;
 
 /// Maximum number of frames and of vertices on which targets are ordered.
@@ -125,7 +125,7 @@ impl MovedFaces {
         }
     }
 
-    /// The larger of the 95th percentile over all vertices and half of the maximum.
+    /// The error by which levels are chosen, over all vertices.
     fn error(&self, lengths: &mut [f32]) -> f32 {
         let worst = lengths.iter().copied().fold(0.0, f32::max);
         // Vertices that no target moves are at the lower end.
@@ -134,7 +134,7 @@ impl MovedFaces {
             true => percentile(lengths, share),
             false => 0.0,
         };
-        p95.max(0.5 * worst)
+        lod_error_metres(p95, worst)
     }
 }
 
