@@ -3,7 +3,7 @@
 
 mod human;
 
-use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
+use articula_core::batch::{BatchEvaluator, BatchPose};
 use articula_core::{
     Backend, ClipSet, ClipStorage, JointLods, PaletteForm, PaletteMap, PaletteRows,
 };
@@ -92,11 +92,12 @@ fn walk(
             fade,
         })
         .collect();
-    let rows = LANES * evaluator.rows(0);
+    let lanes = evaluator.lanes();
+    let rows = lanes * evaluator.rows(0);
     let mut floats = vec![[0.0; 4]; if form.is_half() { 0 } else { rows }];
     let mut halves = vec![[0; 4]; if form.is_half() { rows } else { 0 }];
     bencher.counter(COUNT).bench_local(|| {
-        for batch in black_box(&shown).chunks(LANES) {
+        for batch in black_box(&shown).chunks(lanes) {
             let out = if form.is_half() {
                 PaletteRows::Half(&mut halves)
             } else {

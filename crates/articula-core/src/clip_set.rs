@@ -11,6 +11,7 @@ use crate::Mismatch;
 use crate::clip::{Clip, Track};
 use crate::joint_lods::JointLods;
 use crate::math::{Transform, normalised, same_hemisphere};
+use crate::palette::rows_of;
 use crate::pose::LocalPose;
 use crate::rig::Rig;
 use crate::simd::Row;
@@ -88,6 +89,9 @@ pub struct ClipSet {
     held: Vec<u32>,
     /// Whether each joint or one above it is scaled, in LOD order.
     scaled: Vec<bool>,
+    /// Rows of the constant local matrix of each joint that no clip moves, nor any joint below it, in
+    /// LOD order.
+    still: Vec<Option<[Row; 3]>>,
 }
 
 impl ClipSet {
@@ -157,7 +161,9 @@ impl ClipSet {
             let places = (0..joint_lods.joints().len()).filter(|&p| sources[p][channel].is_some());
             places.map(|p| p as u16).collect()
         });
+        let still = still(&joint_lods, &constants, &sources);
         Ok(Self {
+            still,
             scaled,
             moving,
             joint_lods,
@@ -273,20 +279,25 @@ impl ClipSet {
         &self.sources
     }
 
-    /// Places below `kept` whose rotations take slots; these slots are numbered from 0.
-    pub(crate) fn rotations(&self, kept: usize) -> &[u16] {
-        below(&self.moving[0], kept)
+    /// Places whose rotations take slots, ascending; these slots are numbered from 0.
+    pub(crate) fn rotations(&self) -> &[u16] {
+        &self.moving[0]
     }
 
-    /// Places below `kept` whose translations take slots, and the first of these slots.
-    pub(crate) fn translations(&self, kept: usize) -> (&[u16], usize) {
-        (below(&self.moving[1], kept), self.moving[0].len())
+    /// Places whose translations take slots, ascending, and the first of these slots.
+    pub(crate) fn translations(&self) -> (&[u16], usize) {
+        (&self.moving[1], self.moving[0].len())
     }
 
-    /// Places below `kept` whose scales take slots, and the first of these slots.
-    pub(crate) fn scales(&self, kept: usize) -> (&[u16], usize) {
+    /// Places whose scales take slots, ascending, and the first of these slots.
+    pub(crate) fn scales(&self) -> (&[u16], usize) {
         let first = self.moving[0].len() + self.moving[1].len();
-        (below(&self.moving[2], kept), first)
+        (&self.moving[2], first)
+    }
+
+    /// Rows of the constant local matrix of a joint that no clip moves, nor any joint below it.
+    pub(crate) fn still(&self, place: usize) -> Option<&[Row; 3]> {
+        self.still[place].as_ref()
     }
 
     pub(crate) fn constants(&self) -> &[Transform] {
@@ -312,8 +323,26 @@ impl ClipSet {
     }
 }
 
-fn below(places: &[u16], kept: usize) -> &[u16] {
-    &places[..places.partition_point(|p| usize::from(*p) < kept)]
+/// Local matrices of the joints that are constant with all joints below them.
+fn still(
+    joint_lods: &JointLods,
+    constants: &[Transform],
+    sources: &[TrackSlots],
+) -> Vec<Option<[Row; 3]>> {
+    let mut moves: Vec<bool> = sources
+        .iter()
+        .map(|slots| slots.iter().any(Option::is_some))
+        .collect();
+    // Joints come after their parents.
+    for (place, parent) in joint_lods.parents().iter().enumerate().rev() {
+        if let Some(parent) = parent {
+            moves[usize::from(*parent)] |= moves[place];
+        }
+    }
+    let rows = |constant: &Transform| rows_of(&constant.to_affine());
+    let each = constants.iter().zip(moves);
+    each.map(|(constant, moves)| (!moves).then(|| rows(constant)))
+        .collect()
 }
 
 fn check(clip: &Clip, joints: usize) -> Result<(), Mismatch> {

@@ -192,14 +192,19 @@ impl PaletteMap {
 
 fn bind(matrix: &Affine3A) -> Bind {
     let (_, rotation, translation) = matrix.to_scale_rotation_translation();
-    let m = matrix.matrix3.transpose();
-    let t = Vec3::from(matrix.translation);
-    let row = |r: glam::Vec3A, t: f32| [r.x, r.y, r.z, t];
     Bind {
-        rows: [row(m.x_axis, t.x), row(m.y_axis, t.y), row(m.z_axis, t.z)],
+        rows: rows_of(matrix),
         rotation,
         translation,
     }
+}
+
+/// The three rows of a 3x4 matrix.
+pub(crate) fn rows_of(matrix: &Affine3A) -> [[f32; 4]; 3] {
+    let m = matrix.matrix3.transpose();
+    let t = Vec3::from(matrix.translation);
+    let row = |r: glam::Vec3A, t: f32| [r.x, r.y, r.z, t];
+    [row(m.x_axis, t.x), row(m.y_axis, t.y), row(m.z_axis, t.z)]
 }
 
 /// Whether a matrix preserves lengths and angles, within the precision of f32 files.

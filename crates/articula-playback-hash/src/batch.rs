@@ -1,14 +1,14 @@
 //! Palettes of batches, in every form and storage, by the fastest instruction set of the platform.
 
 use crate::Fnv;
-use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
+use articula_core::batch::{BatchEvaluator, BatchPose};
 use articula_core::{
     Backend, Clip, ClipSet, ClipStorage, JointLods, Mismatch, PaletteForm, PaletteMap, PaletteRows,
     Rig,
 };
 
-/// Batches of each form and storage.
-const BATCHES: usize = 20;
+/// Characters of each form and storage.
+const CHARACTERS: usize = 160;
 
 pub(crate) fn evaluate(rig: &Rig, clips: &[Clip], sum: &mut Fnv) -> Result<(), Mismatch> {
     for storage in [ClipStorage::Float, ClipStorage::Short] {
@@ -22,19 +22,21 @@ pub(crate) fn evaluate(rig: &Rig, clips: &[Clip], sum: &mut Fnv) -> Result<(), M
         ] {
             let evaluator = BatchEvaluator::new(&set, &map, form, Backend::best())?;
             let mut scratch = evaluator.scratch();
-            let rows = LANES * evaluator.rows(0);
-            let (mut floats, mut halves) = (vec![[0.0; 4]; rows], vec![[0; 4]; rows]);
-            for batch in 0..BATCHES {
-                let shown: [BatchPose; LANES] =
-                    std::array::from_fn(|lane| pose(&set, batch * LANES + lane));
+            // Palettes do not depend on how many are evaluated together.
+            let lanes = evaluator.lanes();
+            let all: Vec<BatchPose> = (0..CHARACTERS).map(|c| pose(&set, c)).collect();
+            for shown in all.chunks(lanes) {
+                let rows = shown.len() * evaluator.rows(0);
                 if form.is_half() {
+                    let mut halves = vec![[0; 4]; rows];
                     let out = PaletteRows::Half(&mut halves);
-                    evaluator.evaluate(0, &shown, out, &mut scratch);
+                    evaluator.evaluate(0, shown, out, &mut scratch);
                     let numbers = halves.as_flattened().iter();
                     numbers.for_each(|half| sum.bytes(&half.to_le_bytes()));
                 } else {
+                    let mut floats = vec![[0.0; 4]; rows];
                     let out = PaletteRows::Float(&mut floats);
-                    evaluator.evaluate(0, &shown, out, &mut scratch);
+                    evaluator.evaluate(0, shown, out, &mut scratch);
                     sum.floats(floats.as_flattened());
                 }
             }

@@ -1,7 +1,7 @@
 //! Evaluation of the palettes of a cache.
 
 use super::keys::Ticks;
-use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
+use articula_core::batch::{BatchEvaluator, BatchPose};
 use articula_core::{
     CachedKeys, CachedRows, CachedSteps, ClipSet, Mismatch, PaletteForm, PaletteMap, PaletteRows,
 };
@@ -101,7 +101,7 @@ pub(super) fn bake(
     let mut scratch = baker.scratch();
     for run in &runs {
         let mut from = 3 * run.first_matrix;
-        for times in run.times_secs.chunks(LANES) {
+        for times in run.times_secs.chunks(baker.lanes()) {
             let shown: Vec<BatchPose> = times
                 .iter()
                 .map(|t| clips.cursor(run.clip, *t).into())

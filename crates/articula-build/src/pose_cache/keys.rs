@@ -2,7 +2,7 @@
 
 use super::skins::Skins;
 use crate::motion_error::runs::long_runs;
-use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
+use articula_core::batch::{BatchEvaluator, BatchPose};
 use articula_core::{Backend, ClipSet, Mismatch, PaletteForm, PaletteMap, PaletteRows, SMALL_PART};
 use glam::Vec3;
 use std::ops::Range;
@@ -106,14 +106,14 @@ pub(super) fn evaluated(
 ) -> Result<Vec<[f32; 4]>, Mismatch> {
     let evaluator = BatchEvaluator::new(clips, map, PaletteForm::Matrix, Backend::best())?;
     let mut scratch = evaluator.scratch();
-    let stride = evaluator.rows(0);
+    let (lanes, stride) = (evaluator.lanes(), evaluator.rows(0));
     let mut rows = vec![[0.0; 4]; halves.len() * stride];
     let shown: Vec<BatchPose> = halves
         .map(|half| clips.cursor(clip, ticks.secs(half)).into())
         .collect();
     for (shown, rows) in shown
-        .chunks(LANES)
-        .zip(rows.chunks_mut((LANES * stride).max(1)))
+        .chunks(lanes)
+        .zip(rows.chunks_mut((lanes * stride).max(1)))
     {
         evaluator.evaluate(0, shown, PaletteRows::Float(rows), &mut scratch);
     }

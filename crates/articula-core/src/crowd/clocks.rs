@@ -223,10 +223,10 @@ impl Kernel for Advance<'_> {
         let times = clocks.secs.iter_mut().zip(&clocks.speeds);
         let limits = clocks.limits.iter().zip(&mut clocks.slow);
         for ((secs, speed), (limit, slow)) in times.zip(limits) {
-            let speed = L::load(speed);
-            let before = L::load(secs);
+            let speed = L::load(&speed.0);
+            let before = L::load(&secs.0);
             let after = before.add(speed.mul(dt));
-            let within = after.mul(speed.sign()).less(L::load(limit));
+            let within = after.mul(speed.sign()).less(L::load(&limit.0));
             L::select(within, after, before).store(secs);
             *slow = !L::bits(within);
         }

@@ -8,10 +8,9 @@ use super::plan::{Batch, Draw, DrawList, ImpostorDraw, Poser};
 use super::section::SECTION;
 use super::share::Leader;
 use super::tick::Crowd;
-use crate::batch::{BatchPose, Scratch};
+use crate::batch::{BatchPose, MAX_LANES, Scratch};
 use crate::blend_record::BlendRecord;
 use crate::palette::PaletteRows;
-use crate::simd::LANES;
 use glam::Affine3A;
 use std::ops::Range;
 
@@ -87,7 +86,7 @@ impl Crowd {
                 self.blend(model, &batch, out.part(part));
                 continue;
             }
-            let mut shown = [BatchPose::from(model.parts().clips.cursor(0, 0.0)); LANES];
+            let mut shown = [BatchPose::from(model.parts().clips.cursor(0, 0.0)); MAX_LANES];
             for (shown, poser) in shown.iter_mut().zip(self.plan.posers(&batch)) {
                 *shown = self.posed(model, poser);
             }
@@ -257,7 +256,7 @@ impl Crowd {
         let Some(cache) = model.parts().cache.as_ref() else {
             return;
         };
-        let mut records = [BlendRecord::default(); LANES];
+        let mut records = [BlendRecord::default(); MAX_LANES];
         for (record, poser) in records.iter_mut().zip(self.plan.posers(batch)) {
             if let Poser::Character(character) = poser {
                 let ClipState { secs, clip, .. } = self.clip_state(character);

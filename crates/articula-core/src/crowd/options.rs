@@ -197,9 +197,10 @@ fn impostor(
 /// Workload of evaluating `poses` poses of a level.
 pub(crate) fn evaluated(parts: &CrowdParts, level: usize, poses: u64) -> Workload {
     let kept = parts.clips.joint_lods().joint_count(level);
+    let is_kept = |place: &u16| usize::from(*place) < kept;
     Workload {
         characters: poses,
-        sampled_joints: poses * parts.clips.rotations(kept).len() as u64,
+        sampled_joints: poses * parts.clips.rotations().partition_point(is_kept) as u64,
         fk_joints: poses * kept as u64,
         matrices: poses * parts.palette.len(level) as u64,
     }

@@ -82,7 +82,8 @@ pub struct DrawList {
     /// Characters that are shown by impostors, which have one size and no levels;
     /// [`Crowd::evaluate_impostors`](super::Crowd::evaluate_impostors) writes their draws.
     pub impostors: Vec<u32>,
-    /// Number of batches to evaluate, of up to eight poses each.
+    /// Number of batches to evaluate, of up to [`lanes`](crate::batch::BatchEvaluator::lanes) poses
+    /// each.
     pub batches: usize,
     /// Number of matrices that all batches write.
     pub matrices: usize,
@@ -166,7 +167,7 @@ impl DrawList {
     }
 }
 
-/// Up to eight poses that are evaluated together.
+/// Poses that are evaluated together, up to as many as the backend has lanes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Batch {
     /// Index of the first among the draws, or among the shared poses by level.
@@ -236,10 +237,16 @@ struct Room {
     impostors: usize,
     matrices: usize,
     shared: usize,
+    /// Most poses of a batch.
+    lanes: usize,
 }
 
 impl Room {
-    fn counted<'a>(sections: impl Iterator<Item = &'a SectionKeys>, leaders: &[Leader]) -> Self {
+    fn counted<'a>(
+        sections: impl Iterator<Item = &'a SectionKeys>,
+        leaders: &[Leader],
+        lanes: usize,
+    ) -> Self {
         let mut room = Self {
             slots: [Slot::default(); KEYS],
             leaders: [0; JointLods::MAX_LEVELS],
@@ -250,6 +257,7 @@ impl Room {
             impostors: 0,
             matrices: 0,
             shared: 0,
+            lanes,
         };
         for section in sections {
             for (slot, count) in room.slots.iter_mut().zip(section.counts()) {
@@ -260,6 +268,25 @@ impl Room {
             room.leaders[usize::from(leader.level)] += 1;
         }
         room
+    }
+
+    /// Adds batches like `batch` for so many poses, from a first pose on, with palettes of so many
+    /// matrices, each of as many poses as there are lanes at most.
+    fn cut(
+        &self,
+        batches: &mut Vec<Batch>,
+        batch: Batch,
+        (first_pose, poses): (usize, usize),
+        matrices: usize,
+    ) {
+        for first in (0..poses).step_by(self.lanes) {
+            batches.push(Batch {
+                first: (first_pose + first) as u32,
+                first_matrix: (self.matrices + first * matrices) as u32,
+                poses: (poses - first).min(self.lanes) as u8,
+                ..batch
+            });
+        }
     }
 }
 
@@ -311,16 +338,17 @@ impl Plan {
         }
     }
 
-    /// Joins the characters of the sections, each sorted by level and source. The first
-    /// `morph_levels` levels show morph targets. O(characters).
+    /// Joins the characters of the sections, each sorted by level and source, with up to `lanes` poses
+    /// in a batch. The first `morph_levels` levels show morph targets. O(characters).
     pub(crate) fn make<'a>(
         &mut self,
         sections: impl Iterator<Item = &'a SectionKeys> + Clone,
         leaders: &[Leader],
         palette: &PaletteMap,
+        lanes: usize,
         morph_levels: usize,
     ) {
-        let mut room = Room::counted(sections.clone(), leaders);
+        let mut room = Room::counted(sections.clone(), leaders, lanes);
         self.batches.clear();
         self.drawn.groups.clear();
         self.drawn.record_groups.clear();
@@ -384,14 +412,12 @@ impl Plan {
                 Kind::Cached => Jobs::Cached,
                 _ => Jobs::Own,
             };
-            let at = (room.draws, room.matrices);
-            cut(&mut self.batches, batch, count, at, matrices);
+            room.cut(&mut self.batches, batch, (room.draws, count), matrices);
             room.draws += count;
             room.matrices += count * matrices;
         }
         batch.jobs = Jobs::Shared;
-        let at = (room.shared, room.matrices);
-        cut(&mut self.batches, batch, leaders, at, matrices);
+        room.cut(&mut self.batches, batch, (room.shared, leaders), matrices);
         if has_leaders {
             room.leader_slots[level] = Slot {
                 at: room.shared as u32,
@@ -533,24 +559,6 @@ impl Plan {
     }
 }
 
-/// Adds batches like `batch` for so many poses, from a first pose and matrix on.
-fn cut(
-    batches: &mut Vec<Batch>,
-    batch: Batch,
-    poses: usize,
-    (first_pose, first_matrix): (usize, usize),
-    matrices: usize,
-) {
-    for first in (0..poses).step_by(LANES) {
-        batches.push(Batch {
-            first: (first_pose + first) as u32,
-            first_matrix: (first_matrix + first * matrices) as u32,
-            poses: (poses - first).min(LANES) as u8,
-            ..batch
-        });
-    }
-}
-
 impl Batch {
     /// Whether cached palettes are blended.
     pub(crate) fn is_cached(&self) -> bool {
@@ -562,7 +570,7 @@ impl Batch {
         usize::from(self.level)
     }
 
-    /// Number of its poses, 1 to 8.
+    /// Number of its poses, 1 to 16.
     pub(crate) fn poses(&self) -> usize {
         usize::from(self.poses)
     }
@@ -574,6 +582,7 @@ mod tests {
     use crate::crowd::keys::Key;
     use crate::joint_set::JointSet;
     use crate::rig::tests::rig_of;
+    use crate::simd::WIDE;
     use glam::Vec3;
 
     /// Three matrices at the first level, one at the second.
@@ -635,7 +644,7 @@ mod tests {
         for _ in 0..2 {
             // Without levels that show morph targets, with the first one, and with all.
             for (levels, sets) in [(0, (0, 0, 0)), (2, (14, 3, 4)), (1, (4, 1, 2))] {
-                plan.make(sections.iter(), &leaders, &palette, levels);
+                plan.make(sections.iter(), &leaders, &palette, LANES, levels);
                 let list = plan.draw_list();
                 let found = (list.morph_draws, list.morph_records, list.morph_steps);
                 assert_eq!(found, sets);
@@ -686,12 +695,18 @@ mod tests {
             };
             assert_eq!(plan.counts()[0], counts);
         }
+        // Where there are sixteen lanes, nine poses are one batch.
+        plan.make(sections.iter(), &leaders, &palette, WIDE, 0);
+        let poses: Vec<usize> = plan.batches().iter().map(Batch::poses).collect();
+        assert_eq!(poses, [1, 1, 1, 9, 1, 1]);
+        let first: Vec<usize> = (0..6).map(|b| plan.first_matrix(b)).collect();
+        assert_eq!(first, [0, 3, 6, 9, 18, 19]);
         // Who is hidden is in no list.
         for character in 0..16 {
             sections[0].set(character, Key::HIDDEN);
         }
         sections[0].sort();
-        plan.make(sections.iter(), &[], &palette, 0);
+        plan.make(sections.iter(), &[], &palette, LANES, 0);
         let characters = plan.draw_list().draws.iter().map(|d| d.character);
         assert_eq!(characters.collect::<Vec<_>>(), [16, 17, 18, 20]);
         assert_eq!(plan.draw_list().recorded, [22, 21, 69]);
@@ -721,7 +736,7 @@ mod tests {
         }];
         let mut plan = Plan::new(70, 2);
         for _ in 0..2 {
-            plan.make(sections.iter(), &leaders, &palette, 2);
+            plan.make(sections.iter(), &leaders, &palette, LANES, 2);
             let list = plan.draw_list();
             let draws = list.draws.iter().map(|d| (d.character, d.first_matrix));
             // The shared pose is that of both faces; its matrices come before those at rest.

@@ -245,9 +245,9 @@ impl Crowd {
         if is_sharing || self.sections.iter().any(|s| s.is_sorted_anew) {
             let keys = self.sections.iter().map(|s| &s.keys);
             let (morph_levels, _) = step.model.morphs();
-            let palette = &step.model.parts().palette;
+            let (palette, lanes) = (&step.model.parts().palette, step.model.evaluator().lanes());
             self.plan
-                .make(keys, self.sharing.leaders(), palette, morph_levels);
+                .make(keys, self.sharing.leaders(), palette, lanes, morph_levels);
         }
         self.report(step.model)
     }

@@ -4,7 +4,7 @@
     reason = "vector instructions; loads and stores by address, checked next to each"
 )]
 
-use super::{Halves, Kernel, LANES, Lanes, Row, Tile};
+use super::{Halves, Kernel, LANES, Lanes, Row, Rows, Tile, Vector};
 use std::arch::aarch64::*;
 
 /// Runs a kernel on 128-bit vectors, which every AArch64 machine with an operating system has.
@@ -43,10 +43,12 @@ impl Neon {
         std::array::from_fn(|c| Self([low[c], high[c]]))
     }
 
+    /// The rows of each lane.
     #[inline(always)]
-    fn rows(components: [Self; 4]) -> [float32x4_t; LANES] {
-        let low = turned(components.map(|c| c.0[0]));
-        let high = turned(components.map(|c| c.0[1]));
+    fn rows<const W: usize>(row: [&Tile<W>; 4], eight: usize) -> [float32x4_t; LANES] {
+        let lanes = row.map(|tile| Self::load(tile.eight(eight)));
+        let low = turned(lanes.map(|c| c.0[0]));
+        let high = turned(lanes.map(|c| c.0[1]));
         std::array::from_fn(|lane| if lane < 4 { low[lane] } else { high[lane - 4] })
     }
 }
@@ -81,31 +83,11 @@ fn turned(rows: [float32x4_t; 4]) -> [float32x4_t; 4] {
     }
 }
 
-impl Lanes for Neon {
-    type Weights = [float32x4_t; LANES];
-    type Mask = [uint32x4_t; 2];
-
+impl Vector for Neon {
     #[inline(always)]
     fn splat(value: f32) -> Self {
         // SAFETY: NEON belongs to AArch64, here and in all methods below.
         unsafe { Self([vdupq_n_f32(value); 2]) }
-    }
-
-    #[inline(always)]
-    fn load(from: &Tile) -> Self {
-        let at = from.0.as_ptr();
-        // SAFETY: a tile is eight numbers.
-        unsafe { Self([vld1q_f32(at), vld1q_f32(at.add(4))]) }
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut Tile) {
-        let at = to.0.as_mut_ptr();
-        // SAFETY: a tile is eight numbers.
-        unsafe {
-            vst1q_f32(at, self.0[0]);
-            vst1q_f32(at.add(4), self.0[1]);
-        }
     }
 
     #[inline(always)]
@@ -146,6 +128,67 @@ impl Lanes for Neon {
             vbslq_f32(sign, v, vdupq_n_f32(1.0))
         }))
     }
+
+    #[inline(always)]
+    fn if_nonzero(self, yes: Self, no: Self) -> Self {
+        // SAFETY: see `splat`.
+        let none = self.0.map(|v| unsafe { vceqzq_f32(v) });
+        Self::select(none, no, yes)
+    }
+}
+
+impl Rows<LANES> for Neon {
+    type Weights = [float32x4_t; LANES];
+    type Eight = Self;
+
+    #[inline(always)]
+    fn load(from: &[f32; LANES]) -> Self {
+        let at = from.as_ptr();
+        // SAFETY: eight numbers are read from eight.
+        unsafe { Self([vld1q_f32(at), vld1q_f32(at.add(4))]) }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Tile) {
+        let at = to.0.as_mut_ptr();
+        // SAFETY: a tile is eight numbers.
+        unsafe {
+            vst1q_f32(at, self.0[0]);
+            vst1q_f32(at.add(4), self.0[1]);
+        }
+    }
+
+    #[inline(always)]
+    fn weights(weights: &[f32; LANES]) -> [float32x4_t; LANES] {
+        // SAFETY: see `splat`.
+        weights.map(|w| unsafe { vdupq_n_f32(w) })
+    }
+
+    #[inline(always)]
+    fn lerp_rows(
+        before: [&Row; LANES],
+        after: [&Row; LANES],
+        weights: [float32x4_t; LANES],
+    ) -> [Self; 4] {
+        // SAFETY: a row is four numbers.
+        let row = |row: &Row| unsafe { vld1q_f32(row.as_ptr()) };
+        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
+    }
+
+    #[inline(always)]
+    fn lerp_short_rows(
+        before: [&[i16; 4]; LANES],
+        after: [&[i16; 4]; LANES],
+        weights: [float32x4_t; LANES],
+    ) -> [Self; 4] {
+        // SAFETY: a row is four 16-bit numbers, so 64 bits are read.
+        let row = |row: &[i16; 4]| unsafe { vcvtq_f32_s32(vmovl_s16(vld1_s16(row.as_ptr()))) };
+        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
+    }
+}
+
+impl Lanes for Neon {
+    type Mask = [uint32x4_t; 2];
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -202,52 +245,6 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
-    fn weights(weights: &[f32; LANES]) -> [float32x4_t; LANES] {
-        // SAFETY: see `splat`.
-        weights.map(|w| unsafe { vdupq_n_f32(w) })
-    }
-
-    #[inline(always)]
-    fn lerp_rows(
-        before: [&Row; LANES],
-        after: [&Row; LANES],
-        weights: [float32x4_t; LANES],
-    ) -> [Self; 4] {
-        // SAFETY: a row is four numbers.
-        let row = |row: &Row| unsafe { vld1q_f32(row.as_ptr()) };
-        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
-    }
-
-    #[inline(always)]
-    fn lerp_short_rows(
-        before: [&[i16; 4]; LANES],
-        after: [&[i16; 4]; LANES],
-        weights: [float32x4_t; LANES],
-    ) -> [Self; 4] {
-        // SAFETY: a row is four 16-bit numbers, so 64 bits are read.
-        let row = |row: &[i16; 4]| unsafe { vcvtq_f32_s32(vmovl_s16(vld1_s16(row.as_ptr()))) };
-        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
-    }
-
-    #[inline(always)]
-    fn store_rows(components: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
-        for (lane, row) in Self::rows(components).into_iter().enumerate() {
-            let out: &mut Row = &mut out[lane * stride + at];
-            // SAFETY: four numbers are written to four.
-            unsafe { vst1q_f32(out.as_mut_ptr(), row) };
-        }
-    }
-
-    #[inline(always)]
-    fn store_half_rows(components: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize) {
-        for (lane, row) in Self::rows(components).into_iter().enumerate() {
-            let out: &mut [u16; 4] = &mut out[lane * stride + at];
-            // SAFETY: four half floats are written to four.
-            unsafe { vst1_u16(out.as_mut_ptr(), vreinterpret_u16_f16(vcvt_f16_f32(row))) };
-        }
-    }
-
-    #[inline(always)]
     fn lerp_halves(before: &Halves, after: &Halves, weight: f32, out: &mut Halves) {
         // Without remainder, as there are eight.
         let each = before.as_chunks::<4>().0.iter();
@@ -259,6 +256,43 @@ impl Lanes for Neon {
                     |from: &[u16; 4]| vcvt_f32_f16(vreinterpret_f16_u16(vld1_u16(from.as_ptr())));
                 let sum = blended(value(a), value(b), vdupq_n_f32(weight));
                 vst1_u16(out.as_mut_ptr(), vreinterpret_u16_f16(vcvt_f16_f32(sum)));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn store_rows<const W: usize, const R: usize>(
+        rows: [[&Tile<W>; 4]; R],
+        eight: usize,
+        out: &mut [Row],
+        stride: usize,
+        at: usize,
+    ) {
+        for (row, tiles) in rows.into_iter().enumerate() {
+            for (lane, numbers) in Self::rows(tiles, eight).into_iter().enumerate() {
+                let out: &mut Row = &mut out[lane * stride + at + row];
+                // SAFETY: four numbers are written to four.
+                unsafe { vst1q_f32(out.as_mut_ptr(), numbers) };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn store_half_rows<const W: usize, const R: usize>(
+        rows: [[&Tile<W>; 4]; R],
+        eight: usize,
+        out: &mut [[u16; 4]],
+        stride: usize,
+        at: usize,
+    ) {
+        for (row, tiles) in rows.into_iter().enumerate() {
+            for (lane, numbers) in Self::rows(tiles, eight).into_iter().enumerate() {
+                let out: &mut [u16; 4] = &mut out[lane * stride + at + row];
+                // SAFETY: four half floats are written to four.
+                unsafe {
+                    let halves = vreinterpret_u16_f16(vcvt_f16_f32(numbers));
+                    vst1_u16(out.as_mut_ptr(), halves);
+                }
             }
         }
     }

@@ -1,13 +1,13 @@
 //! Lanes as plain arrays: the oracle of the other backends.
 
 use super::half::half_from_f32;
-use super::{LANES, Lanes, Row, Tile};
+use super::{LANES, Lanes, Row, Rows, Tile, Vector};
 
-/// Eight numbers in an array.
+/// Numbers in an array.
 #[derive(Clone, Copy)]
-pub(crate) struct Plain([f32; LANES]);
+pub(crate) struct Plain<const W: usize>([f32; W]);
 
-impl Plain {
+impl<const W: usize> Plain<W> {
     #[inline(always)]
     fn each(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
         let mut out = self.0;
@@ -18,8 +18,8 @@ impl Plain {
     }
 
     #[inline(always)]
-    fn compare(self, other: Self, f: impl Fn(f32, f32) -> bool) -> [bool; LANES] {
-        let mut out = [false; LANES];
+    fn compare(self, other: Self, f: impl Fn(f32, f32) -> bool) -> [bool; W] {
+        let mut out = [false; W];
         for (out, (a, b)) in out.iter_mut().zip(self.0.into_iter().zip(other.0)) {
             *out = f(a, b);
         }
@@ -27,23 +27,10 @@ impl Plain {
     }
 }
 
-impl Lanes for Plain {
-    type Weights = [f32; LANES];
-    type Mask = [bool; LANES];
-
+impl<const W: usize> Vector for Plain<W> {
     #[inline(always)]
     fn splat(value: f32) -> Self {
-        Self([value; LANES])
-    }
-
-    #[inline(always)]
-    fn load(from: &Tile) -> Self {
-        Self(from.0)
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut Tile) {
-        to.0 = self.0;
+        Self([value; W])
     }
 
     #[inline(always)]
@@ -75,6 +62,64 @@ impl Lanes for Plain {
     fn sign(self) -> Self {
         Self(self.0.map(|v| 1f32.copysign(v)))
     }
+
+    #[inline(always)]
+    fn if_nonzero(self, yes: Self, no: Self) -> Self {
+        let mut out = no;
+        for lane in 0..W {
+            if self.0[lane] != 0.0 {
+                out.0[lane] = yes.0[lane];
+            }
+        }
+        out
+    }
+}
+
+impl<const W: usize> Rows<W> for Plain<W> {
+    type Weights = [f32; W];
+    type Eight = Plain<LANES>;
+
+    #[inline(always)]
+    fn load(from: &[f32; W]) -> Self {
+        Self(*from)
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Tile<W>) {
+        to.0 = self.0;
+    }
+
+    #[inline(always)]
+    fn weights(weights: &[f32; W]) -> [f32; W] {
+        *weights
+    }
+
+    #[inline(always)]
+    fn lerp_rows(before: [&Row; W], after: [&Row; W], weights: [f32; W]) -> [Self; 4] {
+        let mut out = [[0.0; W]; 4];
+        for lane in 0..W {
+            for (c, component) in out.iter_mut().enumerate() {
+                let (a, b) = (before[lane][c], after[lane][c]);
+                component[lane] = a + (b - a) * weights[lane];
+            }
+        }
+        out.map(Self)
+    }
+
+    #[inline(always)]
+    fn lerp_short_rows(
+        before: [&[i16; 4]; W],
+        after: [&[i16; 4]; W],
+        weights: [f32; W],
+    ) -> [Self; 4] {
+        let a = before.map(|row| row.map(f32::from));
+        let b = after.map(|row| row.map(f32::from));
+        Self::lerp_rows(a.each_ref(), b.each_ref(), weights)
+    }
+}
+
+impl Lanes for Plain<LANES> {
+    type Mask = [bool; LANES];
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -120,44 +165,34 @@ impl Lanes for Plain {
     }
 
     #[inline(always)]
-    fn weights(weights: &[f32; LANES]) -> [f32; LANES] {
-        *weights
-    }
-
-    #[inline(always)]
-    fn lerp_rows(before: [&Row; LANES], after: [&Row; LANES], weights: [f32; LANES]) -> [Self; 4] {
-        let mut out = [[0.0; LANES]; 4];
+    fn store_rows<const W: usize, const R: usize>(
+        rows: [[&Tile<W>; 4]; R],
+        eight: usize,
+        out: &mut [Row],
+        stride: usize,
+        at: usize,
+    ) {
         for lane in 0..LANES {
-            for (c, component) in out.iter_mut().enumerate() {
-                let (a, b) = (before[lane][c], after[lane][c]);
-                component[lane] = a + (b - a) * weights[lane];
+            for (i, row) in rows.iter().enumerate() {
+                let number = |tile: &Tile<W>| tile.eight(eight)[lane];
+                out[lane * stride + at + i] = row.map(number);
             }
         }
-        out.map(Self)
     }
 
     #[inline(always)]
-    fn lerp_short_rows(
-        before: [&[i16; 4]; LANES],
-        after: [&[i16; 4]; LANES],
-        weights: [f32; LANES],
-    ) -> [Self; 4] {
-        let a = before.map(|row| row.map(f32::from));
-        let b = after.map(|row| row.map(f32::from));
-        Self::lerp_rows(a.each_ref(), b.each_ref(), weights)
-    }
-
-    #[inline(always)]
-    fn store_rows(components: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
+    fn store_half_rows<const W: usize, const R: usize>(
+        rows: [[&Tile<W>; 4]; R],
+        eight: usize,
+        out: &mut [[u16; 4]],
+        stride: usize,
+        at: usize,
+    ) {
         for lane in 0..LANES {
-            out[lane * stride + at] = components.map(|c| c.0[lane]);
-        }
-    }
-
-    #[inline(always)]
-    fn store_half_rows(components: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize) {
-        for lane in 0..LANES {
-            out[lane * stride + at] = components.map(|c| half_from_f32(c.0[lane]));
+            for (i, row) in rows.iter().enumerate() {
+                let half = |tile: &Tile<W>| half_from_f32(tile.eight(eight)[lane]);
+                out[lane * stride + at + i] = row.map(half);
+            }
         }
     }
 }

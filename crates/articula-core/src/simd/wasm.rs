@@ -5,7 +5,7 @@
 )]
 
 use super::half::half_from_f32;
-use super::{Kernel, LANES, Lanes, Row, Tile};
+use super::{Kernel, LANES, Lanes, Row, Rows, Tile, Vector};
 use std::arch::wasm32::*;
 
 /// Runs a kernel on 128-bit vectors.
@@ -38,10 +38,12 @@ impl Simd128 {
         std::array::from_fn(|c| Self([low[c], high[c]]))
     }
 
+    /// The rows of each lane.
     #[inline(always)]
-    fn rows(components: [Self; 4]) -> [v128; LANES] {
-        let low = turned(components.map(|c| c.0[0]));
-        let high = turned(components.map(|c| c.0[1]));
+    fn rows<const W: usize>(row: [&Tile<W>; 4], eight: usize) -> [v128; LANES] {
+        let lanes = row.map(|tile| Self::load(tile.eight(eight)));
+        let low = turned(lanes.map(|c| c.0[0]));
+        let high = turned(lanes.map(|c| c.0[1]));
         std::array::from_fn(|lane| if lane < 4 { low[lane] } else { high[lane - 4] })
     }
 }
@@ -69,30 +71,10 @@ fn loaded(row: &Row) -> v128 {
     unsafe { v128_load(row.as_ptr().cast()) }
 }
 
-impl Lanes for Simd128 {
-    type Weights = [v128; LANES];
-    type Mask = [v128; 2];
-
+impl Vector for Simd128 {
     #[inline(always)]
     fn splat(value: f32) -> Self {
         Self([f32x4_splat(value); 2])
-    }
-
-    #[inline(always)]
-    fn load(from: &Tile) -> Self {
-        let at = from.0.as_ptr();
-        // SAFETY: a tile is eight numbers.
-        unsafe { Self([v128_load(at.cast()), v128_load(at.add(4).cast())]) }
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut Tile) {
-        let at = to.0.as_mut_ptr();
-        // SAFETY: a tile is eight numbers.
-        unsafe {
-            v128_store(at.cast(), self.0[0]);
-            v128_store(at.add(4).cast(), self.0[1]);
-        }
     }
 
     #[inline(always)]
@@ -125,6 +107,62 @@ impl Lanes for Simd128 {
         let sign = f32x4_splat(-0.0);
         Self(self.0.map(|v| v128_or(v128_and(v, sign), f32x4_splat(1.0))))
     }
+
+    #[inline(always)]
+    fn if_nonzero(self, yes: Self, no: Self) -> Self {
+        let any = self.0.map(|v| f32x4_ne(v, f32x4_splat(0.0)));
+        Self::select(any, yes, no)
+    }
+}
+
+impl Rows<LANES> for Simd128 {
+    type Weights = [v128; LANES];
+    type Eight = Self;
+
+    #[inline(always)]
+    fn load(from: &[f32; LANES]) -> Self {
+        let at = from.as_ptr();
+        // SAFETY: eight numbers are read from eight.
+        unsafe { Self([v128_load(at.cast()), v128_load(at.add(4).cast())]) }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Tile) {
+        let at = to.0.as_mut_ptr();
+        // SAFETY: a tile is eight numbers.
+        unsafe {
+            v128_store(at.cast(), self.0[0]);
+            v128_store(at.add(4).cast(), self.0[1]);
+        }
+    }
+
+    #[inline(always)]
+    fn weights(weights: &[f32; LANES]) -> [v128; LANES] {
+        weights.map(|w| f32x4_splat(w))
+    }
+
+    #[inline(always)]
+    fn lerp_rows(before: [&Row; LANES], after: [&Row; LANES], weights: [v128; LANES]) -> [Self; 4] {
+        Self::lerp(|i| loaded(before[i]), |i| loaded(after[i]), weights)
+    }
+
+    #[inline(always)]
+    fn lerp_short_rows(
+        before: [&[i16; 4]; LANES],
+        after: [&[i16; 4]; LANES],
+        weights: [v128; LANES],
+    ) -> [Self; 4] {
+        let row = |row: &[i16; 4]| {
+            // SAFETY: a row is four 16-bit numbers, so 64 bits are read.
+            let wide = unsafe { i32x4_load_extend_i16x4(row.as_ptr()) };
+            f32x4_convert_i32x4(wide)
+        };
+        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
+    }
+}
+
+impl Lanes for Simd128 {
+    type Mask = [v128; 2];
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -169,45 +207,37 @@ impl Lanes for Simd128 {
     }
 
     #[inline(always)]
-    fn weights(weights: &[f32; LANES]) -> [v128; LANES] {
-        weights.map(|w| f32x4_splat(w))
-    }
-
-    #[inline(always)]
-    fn lerp_rows(before: [&Row; LANES], after: [&Row; LANES], weights: [v128; LANES]) -> [Self; 4] {
-        Self::lerp(|i| loaded(before[i]), |i| loaded(after[i]), weights)
-    }
-
-    #[inline(always)]
-    fn lerp_short_rows(
-        before: [&[i16; 4]; LANES],
-        after: [&[i16; 4]; LANES],
-        weights: [v128; LANES],
-    ) -> [Self; 4] {
-        let row = |row: &[i16; 4]| {
-            // SAFETY: a row is four 16-bit numbers, so 64 bits are read.
-            let wide = unsafe { i32x4_load_extend_i16x4(row.as_ptr()) };
-            f32x4_convert_i32x4(wide)
-        };
-        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
-    }
-
-    #[inline(always)]
-    fn store_rows(components: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
-        for (lane, row) in Self::rows(components).into_iter().enumerate() {
-            let out: &mut Row = &mut out[lane * stride + at];
-            // SAFETY: four numbers are written to four.
-            unsafe { v128_store(out.as_mut_ptr().cast(), row) };
+    fn store_rows<const W: usize, const R: usize>(
+        rows: [[&Tile<W>; 4]; R],
+        eight: usize,
+        out: &mut [Row],
+        stride: usize,
+        at: usize,
+    ) {
+        for (row, tiles) in rows.into_iter().enumerate() {
+            for (lane, numbers) in Self::rows(tiles, eight).into_iter().enumerate() {
+                let out: &mut Row = &mut out[lane * stride + at + row];
+                // SAFETY: four numbers are written to four.
+                unsafe { v128_store(out.as_mut_ptr().cast(), numbers) };
+            }
         }
     }
 
     #[inline(always)]
-    fn store_half_rows(components: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize) {
-        for (lane, row) in Self::rows(components).into_iter().enumerate() {
-            let mut values = [0.0; 4];
-            // SAFETY: four numbers are written to four.
-            unsafe { v128_store(values.as_mut_ptr().cast(), row) };
-            out[lane * stride + at] = values.map(half_from_f32);
+    fn store_half_rows<const W: usize, const R: usize>(
+        rows: [[&Tile<W>; 4]; R],
+        eight: usize,
+        out: &mut [[u16; 4]],
+        stride: usize,
+        at: usize,
+    ) {
+        for (row, tiles) in rows.into_iter().enumerate() {
+            for (lane, numbers) in Self::rows(tiles, eight).into_iter().enumerate() {
+                let mut values = [0.0; 4];
+                // SAFETY: four numbers are written to four.
+                unsafe { v128_store(values.as_mut_ptr().cast(), numbers) };
+                out[lane * stride + at + row] = values.map(half_from_f32);
+            }
         }
     }
 }

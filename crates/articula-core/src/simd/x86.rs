@@ -5,7 +5,7 @@
 )]
 
 use super::half::half_from_f32;
-use super::{Backend, Halves, Kernel, LANES, Lanes, Row, Tile};
+use super::{Backend, Halves, Kernel, LANES, Lanes, Row, Rows, Tile, Vector};
 use std::arch::x86_64::*;
 
 /// Runs a kernel on 256-bit vectors.
@@ -25,6 +25,13 @@ pub(super) fn run_avx2<K: Kernel>(kernel: K) {
 /// Runs a kernel on 128-bit vectors, which every x86-64 machine has.
 pub(super) fn run_sse2<K: Kernel>(kernel: K) {
     kernel.run::<Sse2>();
+}
+
+#[inline(always)]
+pub(super) fn prefetch_to_write(address: usize) {
+    let at = std::ptr::without_provenance(address);
+    // SAFETY: a prefetch neither faults nor changes memory, whatever the address.
+    unsafe { _mm_prefetch::<_MM_HINT_ET0>(at) }
 }
 
 /// Transposes four rows, in each half of 128 bits.
@@ -51,7 +58,7 @@ unsafe fn turned(rows: [__m256; 4]) -> [__m256; 4] {
 
 /// Eight lanes in one vector. Lanes `i` and `i + 4` have the same position within their halves.
 #[derive(Clone, Copy)]
-struct Avx2(__m256);
+pub(super) struct Avx2(pub(super) __m256);
 
 /// Blends pairs of rows (lanes `i` and `i + 4`) and transposes them.
 ///
@@ -99,6 +106,58 @@ unsafe fn short_pair(rows: &[&[i16; 4]; LANES], i: usize) -> __m256 {
     }
 }
 
+/// Two rows of each of four lanes, those of the lower or upper half.
+///
+/// # Safety
+/// The machine has AVX.
+#[inline(always)]
+unsafe fn row_pairs<const W: usize>(
+    first: [&Tile<W>; 4],
+    second: [&Tile<W>; 4],
+    eight: usize,
+    half: usize,
+) -> [__m256; 4] {
+    // SAFETY: the caller vouches for AVX.
+    unsafe {
+        let mut columns = [_mm256_setzero_ps(); 4];
+        for c in 0..4 {
+            // An insertion from memory does not need one of the two ports that shuffle.
+            let low = four(first[c].eight(eight), half);
+            columns[c] = _mm256_set_m128(four(second[c].eight(eight), half), low);
+        }
+        turned(columns)
+    }
+}
+
+/// The first or last four of eight numbers.
+///
+/// # Safety
+/// The machine has AVX.
+#[inline(always)]
+unsafe fn four(from: &[f32; LANES], half: usize) -> __m128 {
+    let [low, high] = [&from[..4], &from[4..]];
+    // SAFETY: each is four numbers; the caller vouches for AVX.
+    unsafe { _mm_loadu_ps(if half == 0 { low } else { high }.as_ptr()) }
+}
+
+/// The row of lanes `i` and `i + 4`.
+///
+/// # Safety
+/// The machine has AVX.
+#[inline(always)]
+unsafe fn lane_pairs<const W: usize>(row: [&Tile<W>; 4], eight: usize) -> [__m256; 4] {
+    let [x, y, z, w] = row;
+    // SAFETY: eight numbers are read from eight; the caller vouches for AVX.
+    unsafe {
+        turned([
+            _mm256_loadu_ps(x.eight(eight).as_ptr()),
+            _mm256_loadu_ps(y.eight(eight).as_ptr()),
+            _mm256_loadu_ps(z.eight(eight).as_ptr()),
+            _mm256_loadu_ps(w.eight(eight).as_ptr()),
+        ])
+    }
+}
+
 /// A weight in the lower and another in the upper half.
 ///
 /// # Safety
@@ -109,26 +168,11 @@ unsafe fn halves(low: f32, high: f32) -> __m256 {
     unsafe { _mm256_set_m128(_mm_set1_ps(high), _mm_set1_ps(low)) }
 }
 
-impl Lanes for Avx2 {
-    type Weights = [__m256; 4];
-    type Mask = __m256;
-
+impl Vector for Avx2 {
     #[inline(always)]
     fn splat(value: f32) -> Self {
         // SAFETY: called inside `run_avx2` only, here and in all methods below.
         unsafe { Self(_mm256_set1_ps(value)) }
-    }
-
-    #[inline(always)]
-    fn load(from: &Tile) -> Self {
-        // SAFETY: a tile is 32 aligned bytes.
-        unsafe { Self(_mm256_load_ps(from.0.as_ptr())) }
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut Tile) {
-        // SAFETY: a tile is 32 aligned bytes.
-        unsafe { _mm256_store_ps(to.0.as_mut_ptr(), self.0) }
     }
 
     #[inline(always)]
@@ -169,6 +213,78 @@ impl Lanes for Avx2 {
             Self(_mm256_or_ps(sign, _mm256_set1_ps(1.0)))
         }
     }
+
+    #[inline(always)]
+    fn if_nonzero(self, yes: Self, no: Self) -> Self {
+        // SAFETY: see `splat`.
+        unsafe {
+            let any = _mm256_cmp_ps::<_CMP_NEQ_UQ>(self.0, _mm256_setzero_ps());
+            Self(_mm256_blendv_ps(no.0, yes.0, any))
+        }
+    }
+}
+
+impl Rows<LANES> for Avx2 {
+    type Weights = [__m256; 4];
+    type Eight = Self;
+
+    #[inline(always)]
+    fn load(from: &[f32; LANES]) -> Self {
+        // SAFETY: eight numbers are read from eight.
+        unsafe { Self(_mm256_loadu_ps(from.as_ptr())) }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Tile) {
+        // SAFETY: a tile is 32 aligned bytes.
+        unsafe { _mm256_store_ps(to.0.as_mut_ptr(), self.0) }
+    }
+
+    // No closures and no iterators over vectors from here on: they would be compiled without the
+    // instructions, and then not be inlined into the kernel.
+
+    #[inline(always)]
+    fn weights(w: &[f32; LANES]) -> [__m256; 4] {
+        // SAFETY: see `splat`.
+        unsafe {
+            [
+                halves(w[0], w[4]),
+                halves(w[1], w[5]),
+                halves(w[2], w[6]),
+                halves(w[3], w[7]),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn lerp_rows(a: [&Row; LANES], b: [&Row; LANES], weights: [__m256; 4]) -> [Self; 4] {
+        // SAFETY: see `splat`.
+        unsafe {
+            let before = [pair(&a, 0), pair(&a, 1), pair(&a, 2), pair(&a, 3)];
+            let after = [pair(&b, 0), pair(&b, 1), pair(&b, 2), pair(&b, 3)];
+            lerp_turned(before, after, weights)
+        }
+    }
+
+    #[inline(always)]
+    fn lerp_short_rows(
+        a: [&[i16; 4]; LANES],
+        b: [&[i16; 4]; LANES],
+        weights: [__m256; 4],
+    ) -> [Self; 4] {
+        // SAFETY: see `splat`.
+        unsafe {
+            let (a0, a1) = (short_pair(&a, 0), short_pair(&a, 1));
+            let (a2, a3) = (short_pair(&a, 2), short_pair(&a, 3));
+            let (b0, b1) = (short_pair(&b, 0), short_pair(&b, 1));
+            let (b2, b3) = (short_pair(&b, 2), short_pair(&b, 3));
+            lerp_turned([a0, a1, a2, a3], [b0, b1, b2, b3], weights)
+        }
+    }
+}
+
+impl Lanes for Avx2 {
+    type Mask = __m256;
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -218,87 +334,6 @@ impl Lanes for Avx2 {
         unsafe { _mm256_movemask_ps(mask) as u8 }
     }
 
-    // No closures and no iterators over vectors from here on: they would be compiled without the
-    // instructions, and then not be inlined into the kernel.
-
-    #[inline(always)]
-    fn weights(w: &[f32; LANES]) -> [__m256; 4] {
-        // SAFETY: see `splat`.
-        unsafe {
-            [
-                halves(w[0], w[4]),
-                halves(w[1], w[5]),
-                halves(w[2], w[6]),
-                halves(w[3], w[7]),
-            ]
-        }
-    }
-
-    #[inline(always)]
-    fn lerp_rows(a: [&Row; LANES], b: [&Row; LANES], weights: [__m256; 4]) -> [Self; 4] {
-        // SAFETY: see `splat`.
-        unsafe {
-            let before = [pair(&a, 0), pair(&a, 1), pair(&a, 2), pair(&a, 3)];
-            let after = [pair(&b, 0), pair(&b, 1), pair(&b, 2), pair(&b, 3)];
-            lerp_turned(before, after, weights)
-        }
-    }
-
-    #[inline(always)]
-    fn lerp_short_rows(
-        a: [&[i16; 4]; LANES],
-        b: [&[i16; 4]; LANES],
-        weights: [__m256; 4],
-    ) -> [Self; 4] {
-        // SAFETY: see `splat`.
-        unsafe {
-            let (a0, a1) = (short_pair(&a, 0), short_pair(&a, 1));
-            let (a2, a3) = (short_pair(&a, 2), short_pair(&a, 3));
-            let (b0, b1) = (short_pair(&b, 0), short_pair(&b, 1));
-            let (b2, b3) = (short_pair(&b, 2), short_pair(&b, 3));
-            lerp_turned([a0, a1, a2, a3], [b0, b1, b2, b3], weights)
-        }
-    }
-
-    #[inline(always)]
-    fn store_rows(c: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
-        assert!(
-            out.len() > (LANES - 1) * stride + at,
-            "the slice must hold eight rows"
-        );
-        let out = out.as_mut_ptr();
-        // SAFETY: the rows `lane * stride + at` lie within `out`, as was just checked.
-        unsafe {
-            let pairs = turned([c[0].0, c[1].0, c[2].0, c[3].0]);
-            for (i, pair) in pairs.iter().enumerate() {
-                let low = out.add(i * stride + at).cast::<f32>();
-                let high = out.add((i + 4) * stride + at).cast::<f32>();
-                _mm_storeu_ps(low, _mm256_castps256_ps128(*pair));
-                _mm_storeu_ps(high, _mm256_extractf128_ps::<1>(*pair));
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn store_half_rows(c: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize) {
-        assert!(
-            out.len() > (LANES - 1) * stride + at,
-            "the slice must hold eight rows"
-        );
-        let out = out.as_mut_ptr();
-        // SAFETY: the rows `lane * stride + at` lie within `out`, as was just checked.
-        unsafe {
-            let pairs = turned([c[0].0, c[1].0, c[2].0, c[3].0]);
-            for (i, pair) in pairs.iter().enumerate() {
-                let halves = _mm256_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(*pair);
-                let low = out.add(i * stride + at).cast::<__m128i>();
-                let high = out.add((i + 4) * stride + at).cast::<__m128i>();
-                _mm_storel_epi64(low, halves);
-                _mm_storel_epi64(high, _mm_unpackhi_epi64(halves, halves));
-            }
-        }
-    }
-
     #[inline(always)]
     fn lerp_halves(before: &Halves, after: &Halves, weight: f32, out: &mut Halves) {
         // SAFETY: see `splat`; eight half floats are 128 bits.
@@ -309,6 +344,82 @@ impl Lanes for Avx2 {
             let sum = _mm256_add_ps(a, way);
             let halves = _mm256_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(sum);
             _mm_storeu_si128(out.as_mut_ptr().cast(), halves);
+        }
+    }
+
+    #[inline(always)]
+    fn store_rows<const W: usize, const R: usize>(
+        rows: [[&Tile<W>; 4]; R],
+        eight: usize,
+        out: &mut [Row],
+        stride: usize,
+        at: usize,
+    ) {
+        let whole = out.len() >= (LANES - 1) * stride + at + R;
+        assert!(whole, "the slice must hold the rows of eight lanes");
+        let out = out.as_mut_ptr();
+        // SAFETY: see `splat`; the rows from `lane * stride + at` on lie within `out`, as was just
+        // checked.
+        unsafe {
+            let last = lane_pairs(rows[R - 1], eight);
+            for half in 0..2 {
+                let mut pairs = [[_mm256_setzero_ps(); 4]; R];
+                for first in (0..R - 1).step_by(2) {
+                    pairs[first] = row_pairs(rows[first], rows[first + 1], eight, half);
+                }
+                // All rows of a lane one after the other: two stores to a cache line take one cycle.
+                for i in 0..4 {
+                    let to = out.add((half * 4 + i) * stride + at);
+                    for first in (0..R - 1).step_by(2) {
+                        _mm256_storeu_ps(to.add(first).cast(), pairs[first][i]);
+                    }
+                    if R % 2 == 1 {
+                        let row = if half == 0 {
+                            _mm256_castps256_ps128(last[i])
+                        } else {
+                            _mm256_extractf128_ps::<1>(last[i])
+                        };
+                        _mm_storeu_ps(to.add(R - 1).cast(), row);
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn store_half_rows<const W: usize, const R: usize>(
+        rows: [[&Tile<W>; 4]; R],
+        eight: usize,
+        out: &mut [[u16; 4]],
+        stride: usize,
+        at: usize,
+    ) {
+        let whole = out.len() >= (LANES - 1) * stride + at + R;
+        assert!(whole, "the slice must hold the rows of eight lanes");
+        let out = out.as_mut_ptr();
+        for half in 0..2 {
+            for first in (0..R).step_by(2) {
+                // SAFETY: as in `store_rows`.
+                unsafe {
+                    if first + 1 < R {
+                        let pairs = row_pairs(rows[first], rows[first + 1], eight, half);
+                        for (i, pair) in pairs.iter().enumerate() {
+                            let to = out.add((half * 4 + i) * stride + at + first);
+                            let halves = _mm256_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(*pair);
+                            _mm_storeu_si128(to.cast(), halves);
+                        }
+                    } else if half == 1 {
+                        let pairs = lane_pairs(rows[first], eight);
+                        for (i, pair) in pairs.iter().enumerate() {
+                            let halves = _mm256_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(*pair);
+                            let to = out.add(i * stride + at + first).cast();
+                            _mm_storel_epi64(to, halves);
+                            let to = out.add((i + 4) * stride + at + first).cast();
+                            _mm_storeh_pd(to, _mm_castsi128_pd(halves));
+                        }
+                    }
+                }
+            }
         }
     }
 }
@@ -339,10 +450,12 @@ impl Sse2 {
         std::array::from_fn(|c| Self([low[c], high[c]]))
     }
 
+    /// The rows of each lane.
     #[inline(always)]
-    fn rows(components: [Self; 4]) -> [__m128; LANES] {
-        let low = turned_quarter(components.map(|c| c.0[0]));
-        let high = turned_quarter(components.map(|c| c.0[1]));
+    fn rows<const W: usize>(row: [&Tile<W>; 4], eight: usize) -> [__m128; LANES] {
+        let lanes = row.map(|tile| Self::load(tile.eight(eight)));
+        let low = turned_quarter(lanes.map(|c| c.0[0]));
+        let high = turned_quarter(lanes.map(|c| c.0[1]));
         std::array::from_fn(|lane| if lane < 4 { low[lane] } else { high[lane - 4] })
     }
 }
@@ -356,31 +469,11 @@ fn turned_quarter(rows: [__m128; 4]) -> [__m128; 4] {
     [a, b, c, d]
 }
 
-impl Lanes for Sse2 {
-    type Weights = [__m128; LANES];
-    type Mask = [__m128; 2];
-
+impl Vector for Sse2 {
     #[inline(always)]
     fn splat(value: f32) -> Self {
         // SAFETY: SSE2 belongs to x86-64, here and in all methods below.
         unsafe { Self([_mm_set1_ps(value); 2]) }
-    }
-
-    #[inline(always)]
-    fn load(from: &Tile) -> Self {
-        let at = from.0.as_ptr();
-        // SAFETY: a tile is 32 aligned bytes.
-        unsafe { Self([_mm_load_ps(at), _mm_load_ps(at.add(4))]) }
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut Tile) {
-        let at = to.0.as_mut_ptr();
-        // SAFETY: a tile is 32 aligned bytes.
-        unsafe {
-            _mm_store_ps(at, self.0[0]);
-            _mm_store_ps(at.add(4), self.0[1]);
-        }
     }
 
     #[inline(always)]
@@ -421,6 +514,74 @@ impl Lanes for Sse2 {
             _mm_or_ps(sign, _mm_set1_ps(1.0))
         }))
     }
+
+    #[inline(always)]
+    fn if_nonzero(self, yes: Self, no: Self) -> Self {
+        // SAFETY: see `splat`.
+        let any = Self(
+            self.0
+                .map(|v| unsafe { _mm_cmpneq_ps(v, _mm_setzero_ps()) }),
+        );
+        Self::select(any.0, yes, no)
+    }
+}
+
+impl Rows<LANES> for Sse2 {
+    type Weights = [__m128; LANES];
+    type Eight = Self;
+
+    #[inline(always)]
+    fn load(from: &[f32; LANES]) -> Self {
+        let at = from.as_ptr();
+        // SAFETY: eight numbers are read from eight.
+        unsafe { Self([_mm_loadu_ps(at), _mm_loadu_ps(at.add(4))]) }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Tile) {
+        let at = to.0.as_mut_ptr();
+        // SAFETY: a tile is 32 aligned bytes.
+        unsafe {
+            _mm_store_ps(at, self.0[0]);
+            _mm_store_ps(at.add(4), self.0[1]);
+        }
+    }
+
+    #[inline(always)]
+    fn weights(weights: &[f32; LANES]) -> [__m128; LANES] {
+        // SAFETY: see `splat`.
+        weights.map(|w| unsafe { _mm_set1_ps(w) })
+    }
+
+    #[inline(always)]
+    fn lerp_rows(
+        before: [&Row; LANES],
+        after: [&Row; LANES],
+        weights: [__m128; LANES],
+    ) -> [Self; 4] {
+        // SAFETY: a row is four numbers.
+        let row = |row: &Row| unsafe { _mm_loadu_ps(row.as_ptr()) };
+        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
+    }
+
+    #[inline(always)]
+    fn lerp_short_rows(
+        before: [&[i16; 4]; LANES],
+        after: [&[i16; 4]; LANES],
+        weights: [__m128; LANES],
+    ) -> [Self; 4] {
+        // SAFETY: a row is four 16-bit numbers, so 64 bits are read.
+        let row = |row: &[i16; 4]| unsafe {
+            let short = _mm_loadl_epi64(row.as_ptr().cast());
+            // Each number twice, then shifted down with its sign.
+            _mm_cvtepi32_ps(_mm_srai_epi32::<16>(_mm_unpacklo_epi16(short, short)))
+        };
+        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
+    }
+}
+
+impl Lanes for Sse2 {
+    type Mask = [__m128; 2];
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -478,57 +639,39 @@ impl Lanes for Sse2 {
     }
 
     #[inline(always)]
-    fn weights(weights: &[f32; LANES]) -> [__m128; LANES] {
-        // SAFETY: see `splat`.
-        weights.map(|w| unsafe { _mm_set1_ps(w) })
-    }
-
-    #[inline(always)]
-    fn lerp_rows(
-        before: [&Row; LANES],
-        after: [&Row; LANES],
-        weights: [__m128; LANES],
-    ) -> [Self; 4] {
-        // SAFETY: a row is four numbers.
-        let row = |row: &Row| unsafe { _mm_loadu_ps(row.as_ptr()) };
-        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
-    }
-
-    #[inline(always)]
-    fn lerp_short_rows(
-        before: [&[i16; 4]; LANES],
-        after: [&[i16; 4]; LANES],
-        weights: [__m128; LANES],
-    ) -> [Self; 4] {
-        // SAFETY: a row is four 16-bit numbers, so 64 bits are read.
-        let row = |row: &[i16; 4]| unsafe {
-            let short = _mm_loadl_epi64(row.as_ptr().cast());
-            // Each number twice, then shifted down with its sign.
-            _mm_cvtepi32_ps(_mm_srai_epi32::<16>(_mm_unpacklo_epi16(short, short)))
-        };
-        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
-    }
-
-    #[inline(always)]
-    fn store_rows(components: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
-        assert!(
-            out.len() > (LANES - 1) * stride + at,
-            "the slice must hold eight rows"
-        );
+    fn store_rows<const W: usize, const R: usize>(
+        rows: [[&Tile<W>; 4]; R],
+        eight: usize,
+        out: &mut [Row],
+        stride: usize,
+        at: usize,
+    ) {
+        let whole = out.len() >= (LANES - 1) * stride + at + R;
+        assert!(whole, "the slice must hold the rows of eight lanes");
         let out = out.as_mut_ptr();
-        for (lane, row) in Self::rows(components).into_iter().enumerate() {
-            // SAFETY: the row lies within `out`, as was just checked.
-            unsafe { _mm_storeu_ps(out.add(lane * stride + at).cast(), row) };
+        for (row, tiles) in rows.into_iter().enumerate() {
+            for (lane, numbers) in Self::rows(tiles, eight).into_iter().enumerate() {
+                // SAFETY: the row lies within `out`, as was just checked.
+                unsafe { _mm_storeu_ps(out.add(lane * stride + at + row).cast(), numbers) };
+            }
         }
     }
 
     #[inline(always)]
-    fn store_half_rows(components: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize) {
-        for (lane, row) in Self::rows(components).into_iter().enumerate() {
-            let mut values = [0.0; 4];
-            // SAFETY: four numbers are written to four.
-            unsafe { _mm_storeu_ps(values.as_mut_ptr(), row) };
-            out[lane * stride + at] = values.map(half_from_f32);
+    fn store_half_rows<const W: usize, const R: usize>(
+        rows: [[&Tile<W>; 4]; R],
+        eight: usize,
+        out: &mut [[u16; 4]],
+        stride: usize,
+        at: usize,
+    ) {
+        for (row, tiles) in rows.into_iter().enumerate() {
+            for (lane, numbers) in Self::rows(tiles, eight).into_iter().enumerate() {
+                let mut values = [0.0; 4];
+                // SAFETY: four numbers are written to four.
+                unsafe { _mm_storeu_ps(values.as_mut_ptr(), numbers) };
+                out[lane * stride + at + row] = values.map(half_from_f32);
+            }
         }
     }
 }

@@ -107,8 +107,8 @@ impl Kernel for Look<'_> {
         for tile in self.tiles {
             let t = *tile as usize;
             let centre = [&self.spheres.x[t], &self.spheres.y[t], &self.spheres.z[t]];
-            let radius = L::load(&self.spheres.radius[t]);
-            let margin = L::load(&margins_of(self.margins, t));
+            let radius = L::load(&self.spheres.radius[t].0);
+            let margin = L::load(&margins_of(self.margins, t).0);
             let mut seen = L::splat(f32::INFINITY);
             let (mut visible, mut near) = (0, 0);
             for view in self.views {
@@ -123,7 +123,7 @@ impl Kernel for Look<'_> {
                     let lanes = tile.0.iter_mut().enumerate();
                     let hidden = lanes.filter(|(lane, _)| occluded >> lane & 1 == 1);
                     hidden.for_each(|(_, metres)| *metres = f32::INFINITY);
-                    seen = seen.min(L::load(&tile));
+                    seen = seen.min(L::load(&tile.0));
                     visible |= L::bits(found.visible) & !occluded;
                 }
                 near |= L::bits(found.near);
@@ -131,8 +131,8 @@ impl Kernel for Look<'_> {
             seen.store(&mut self.sight.metres_per_px[t]);
             let tolerance = seen.mul(px);
             let stays = L::both(
-                L::load(&self.bands.least[t]).at_most(tolerance),
-                tolerance.less(L::load(&self.bands.most[t])),
+                L::load(&self.bands.least[t].0).at_most(tolerance),
+                tolerance.less(L::load(&self.bands.most[t].0)),
             );
             self.sight.visible[t] = visible;
             self.sight.near[t] = near;
@@ -152,9 +152,9 @@ struct Through<L: Lanes> {
 #[inline(always)]
 fn through<L: Lanes>(view: &View<'_>, [x, y, z]: [&Tile; 3], radius: L, margin: L) -> Through<L> {
     let f = &view.frustum;
-    let x = L::load(x).sub(L::splat(f.eye.x));
-    let y = L::load(y).sub(L::splat(f.eye.y));
-    let z = L::load(z).sub(L::splat(f.eye.z));
+    let x = L::load(&x.0).sub(L::splat(f.eye.x));
+    let y = L::load(&y.0).sub(L::splat(f.eye.y));
+    let z = L::load(&z.0).sub(L::splat(f.eye.z));
     let depth = dot(f.forward, x, y, z);
     let [a, b, c, d] = f.sides;
     let a = dot(a.truncate(), x, y, z).add(L::splat(a.w));

@@ -3,7 +3,7 @@
 //! allocation.
 
 use crate::random_rig::{Options, figure};
-use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
+use articula_core::batch::{BatchEvaluator, BatchPose, MAX_LANES};
 use articula_core::{
     Backend, Clip, ClipSet, ClipStorage, JointLods, ModelPose, PaletteForm, PaletteMap,
     PaletteRows, Rig, Wrap, blend, f32_from_half, local_to_model, sample,
@@ -93,6 +93,12 @@ fn bindings(joint_lods: &JointLods, scale: f32) -> Vec<(u16, Affine3A)> {
 }
 
 /// Evaluates into f32 rows, for any form.
+/// Those of this machine, and the one with sixteen lanes, which plain arrays replace elsewhere.
+fn backends() -> impl Iterator<Item = Backend> {
+    let has = |b: &Backend| b.is_available() || *b == Backend::Avx512;
+    Backend::ALL.into_iter().filter(has)
+}
+
 fn evaluated(
     set: &ClipSet,
     map: &PaletteMap,
@@ -102,15 +108,19 @@ fn evaluated(
 ) -> Vec<[f32; 4]> {
     let evaluator = BatchEvaluator::new(set, map, form, backend).unwrap();
     let mut scratch = evaluator.scratch();
-    let len = evaluator.rows(level) * shown.len();
-    if form.is_half() {
-        let mut rows = vec![[0u16; 4]; len];
-        evaluator.evaluate(level, shown, PaletteRows::Half(&mut rows), &mut scratch);
-        return rows.iter().map(|row| row.map(f32_from_half)).collect();
+    let mut all = Vec::new();
+    for shown in shown.chunks(evaluator.lanes()) {
+        let len = evaluator.rows(level) * shown.len();
+        let (mut halves, mut floats) = (vec![[0u16; 4]; len], vec![[0f32; 4]; len]);
+        if form.is_half() {
+            evaluator.evaluate(level, shown, PaletteRows::Half(&mut halves), &mut scratch);
+            all.extend(halves.iter().map(|row| row.map(f32_from_half)));
+        } else {
+            evaluator.evaluate(level, shown, PaletteRows::Float(&mut floats), &mut scratch);
+            all.extend(floats);
+        }
     }
-    let mut rows = vec![[0f32; 4]; len];
-    evaluator.evaluate(level, shown, PaletteRows::Float(&mut rows), &mut scratch);
-    rows
+    all
 }
 
 proptest! {
@@ -119,7 +129,7 @@ proptest! {
     #[test]
     fn every_backend_level_and_form_follows_the_plain_path(
         (rig, clips, sets) in figure(Options { scaled: true, steps: true }),
-        plays in prop::collection::vec(play(), 1..=LANES),
+        plays in prop::collection::vec(play(), 1..=MAX_LANES + 1),
     ) {
         let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
         let set = ClipSet::new(&rig, joint_lods.clone(), &clips, ClipStorage::Float).unwrap();
@@ -144,7 +154,7 @@ proptest! {
             for (a, b) in float.iter().flatten().zip(half.iter().flatten()) {
                 prop_assert!((a - b).abs() <= a.abs() / 2048.0 + 6e-8, "{a} as half is {b}");
             }
-            for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+            for backend in backends() {
                 for (form, expected) in [(PaletteForm::Matrix, &float), (PaletteForm::HalfMatrix, &half)] {
                     let rows = evaluated(&set, map, (form, backend), level, &shown);
                     prop_assert_eq!(&rows, expected, "{} differs", backend);
@@ -156,7 +166,7 @@ proptest! {
     #[test]
     fn rigid_forms_stand_for_the_same_matrices(
         (rig, clips, sets) in figure(Options { scaled: false, steps: false }),
-        plays in prop::collection::vec(play(), 1..=LANES),
+        plays in prop::collection::vec(play(), 1..=MAX_LANES + 1),
     ) {
         let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
         let set = ClipSet::new(&rig, joint_lods.clone(), &clips, ClipStorage::Float).unwrap();
@@ -166,7 +176,7 @@ proptest! {
         for level in [0, last] {
             let best = (PaletteForm::Matrix, Backend::best());
             let matrices = evaluated(&set, &map, best, level, &shown);
-            for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+            for backend in backends() {
                 let rows = evaluated(&set, &map, (PaletteForm::Rigid, backend), level, &shown);
                 for (m, r) in matrices.chunks(3).zip(rows.chunks(2)) {
                     prop_assert!(apart(&matrix(m), &rigid(r)) < BOUND_METRES);
@@ -182,7 +192,7 @@ proptest! {
     #[test]
     fn short_storage_stays_within_its_bound_and_tiles_are_the_same_matrices(
         (rig, clips, _) in figure(Options { scaled: false, steps: false }),
-        plays in prop::collection::vec(play(), 1..=LANES),
+        plays in prop::collection::vec(play(), 1..=MAX_LANES + 1),
     ) {
         let joint_lods = JointLods::whole(&rig).unwrap();
         let float = ClipSet::new(&rig, joint_lods.clone(), &clips, ClipStorage::Float).unwrap();
@@ -201,20 +211,56 @@ proptest! {
             let off = apart(&matrix(a), &matrix(b));
             prop_assert!(off < each * chain + BOUND_METRES, "{off} m after {chain} joints");
         }
-        for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+        for backend in backends() {
             let same = evaluated(&short, &map, (PaletteForm::Matrix, backend), 0, &shown_in(&short));
             prop_assert_eq!(&same, &found);
         }
         let evaluator = BatchEvaluator::new(&float, &map, PaletteForm::Matrix, Backend::best()).unwrap();
         let mut scratch = evaluator.scratch();
-        let tiles = evaluator.tile(0, &shown_in(&float), &mut scratch);
-        for (i, rows) in wanted.chunks(3).enumerate() {
-            let (character, place) = (i / rig.len(), i % rig.len());
-            for (row, lanes) in rows.iter().zip(tiles.matrix(place)) {
-                let lane = lanes.each_ref().map(|t| t.0[character]);
-                prop_assert_eq!(*row, lane);
+        let batches = wanted.chunks(evaluator.lanes() * rig.len() * 3);
+        for (shown, wanted) in shown_in(&float).chunks(evaluator.lanes()).zip(batches) {
+            let tiles = evaluator.tile(0, shown, &mut scratch);
+            for (i, rows) in wanted.chunks(3).enumerate() {
+                let (character, place) = (i / rig.len(), i % rig.len());
+                for (row, lanes) in rows.iter().zip(tiles.matrix(place)) {
+                    prop_assert_eq!(*row, lanes.map(|lanes| lanes[character]));
+                }
             }
         }
+    }
+}
+
+#[test]
+fn a_pose_does_not_depend_on_the_others_of_its_batch() {
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let options = Options {
+        scaled: true,
+        steps: true,
+    };
+    let tree = figure(options).new_tree(&mut runner).unwrap();
+    let (rig, clips, sets) = proptest::strategy::ValueTree::current(&tree);
+    let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+    let set = ClipSet::new(&rig, joint_lods, &clips, ClipStorage::Float).unwrap();
+    let map = PaletteMap::joints(set.joint_lods());
+    // Those that are not blended, among those that are.
+    let shown: Vec<BatchPose> = (0..MAX_LANES)
+        .map(|i| BatchPose {
+            from: set.cursor(0, 0.07 * i as f32),
+            to: set.cursor(1, 0.05 * i as f32),
+            fade: if i % 3 == 0 { 0.4 } else { 0.0 },
+        })
+        .collect();
+    for backend in backends() {
+        let kind = (PaletteForm::Matrix, backend);
+        let together = evaluated(&set, &map, kind, 0, &shown);
+        let alone = shown
+            .iter()
+            .flat_map(|shown| evaluated(&set, &map, kind, 0, &[*shown]));
+        let bits = |row: [f32; 4]| row.map(f32::to_bits);
+        assert!(
+            together.into_iter().map(bits).eq(alone.map(bits)),
+            "{backend}"
+        );
     }
 }
 
@@ -230,11 +276,11 @@ fn evaluating_allocates_nothing() {
     let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
     let set = ClipSet::new(&rig, joint_lods, &clips, ClipStorage::Float).unwrap();
     let map = PaletteMap::joints(set.joint_lods());
-    for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+    for backend in backends() {
         let evaluator = BatchEvaluator::new(&set, &map, PaletteForm::Matrix, backend).unwrap();
         let mut scratch = evaluator.scratch();
-        let mut rows = vec![[0.0; 4]; evaluator.rows(0) * 5];
-        let shown = [BatchPose::from(set.cursor(0, 0.3)); 5];
+        let shown = vec![BatchPose::from(set.cursor(0, 0.3)); evaluator.lanes() - 3];
+        let mut rows = vec![[0.0; 4]; evaluator.rows(0) * shown.len()];
         let counted = allocation_counter::measure(|| {
             evaluator.evaluate(0, &shown, PaletteRows::Float(&mut rows), &mut scratch);
         });

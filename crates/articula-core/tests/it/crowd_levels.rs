@@ -265,10 +265,10 @@ fn a_change_of_level_tells_how_far_the_skin_may_jump() {
 fn ranges_of_batches_write_about_as_much() {
     let (rig, clips, sets) = fixed_figure();
     let model = model(&rig, &clips, &sets);
-    let places = row(120);
+    let places = row(240);
     let camera = camera();
     let views = [View::of(&camera)];
-    let mut crowd = Crowd::new(&model, 120);
+    let mut crowd = Crowd::new(&model, 240);
     let frame = frame(&places, &views, Detail::Tolerance { px: 2.0 });
     crowd.tick(&model, &frame, &mut |_| {});
     let (batches, matrices) = (crowd.draw_list().batches, crowd.draw_list().matrices);

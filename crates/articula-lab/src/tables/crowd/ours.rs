@@ -3,7 +3,7 @@
 use super::Bench;
 use crate::measure::Contestant;
 use anyhow::Result;
-use articula_core::batch::{BatchEvaluator, BatchPose, LANES, Scratch};
+use articula_core::batch::{BatchEvaluator, BatchPose, MAX_LANES, Scratch};
 use articula_core::{
     Backend, ClipSet, ModelPose, PaletteForm, PaletteMap, PaletteRows, Wrap, local_to_model, sample,
 };
@@ -52,11 +52,11 @@ impl<'a> Batched<'a> {
     ) -> Result<Contestant<'a>> {
         let evaluator = BatchEvaluator::new(self.clips, self.map, form, Backend::best())?;
         let mut scratch = evaluator.scratch();
-        let rows = evaluator.rows(self.level);
+        let (lanes, rows) = (evaluator.lanes(), evaluator.rows(self.level));
         let mut palettes = Palettes::new(form, count * rows);
         let frame = move |secs: &[f32]| {
-            for (batch, times) in secs.chunks(LANES).enumerate() {
-                let (shown, from) = (self.shown(times), batch * LANES * rows);
+            for (batch, times) in secs.chunks(lanes).enumerate() {
+                let (shown, from) = (self.shown(times), batch * lanes * rows);
                 let mut all = palettes.all();
                 let out = all.part(from..from + times.len() * rows);
                 evaluator.evaluate(self.level, &shown[..times.len()], out, &mut scratch);
@@ -75,7 +75,7 @@ impl<'a> Batched<'a> {
         let evaluator = BatchEvaluator::new(self.clips, self.map, form, Backend::best())?;
         let mut scratch: Scratch = evaluator.scratch();
         let frame = move |secs: &[f32]| {
-            for times in secs.chunks(LANES) {
+            for times in secs.chunks(evaluator.lanes()) {
                 let shown = self.shown(times);
                 black_box(evaluator.tile(self.level, &shown[..times.len()], &mut scratch));
             }
@@ -86,7 +86,7 @@ impl<'a> Batched<'a> {
         })
     }
 
-    fn shown(&self, times: &[f32]) -> [BatchPose; LANES] {
+    fn shown(&self, times: &[f32]) -> [BatchPose; MAX_LANES] {
         let at = |i: usize| times[i.min(times.len() - 1)];
         std::array::from_fn(|i| self.clips.cursor(self.clip, at(i)).into())
     }
