@@ -154,12 +154,20 @@ impl<'a> BatchEvaluator<'a> {
         &self,
         level: usize,
         shown: &[BatchPose],
-        out: PaletteRows<'_>,
+        mut out: PaletteRows<'_>,
         scratch: &mut Scratch,
     ) {
         let lanes = self.check(shown);
         let used = shown.len() * self.rows(level);
         assert_eq!(out.len(), used, "the output must hold every palette");
+        // Two clips of sixteen characters lie in more places than the processor prefetches from.
+        if lanes == WIDE && shown.iter().any(|s| s.fade != 0.0) {
+            let (first, second) = shown.split_at(LANES);
+            let middle = LANES * self.rows(level);
+            self.evaluate(level, first, out.part(0..middle), scratch);
+            self.evaluate(level, second, out.part(middle..used), scratch);
+            return;
+        }
         let Scratch {
             joints,
             wide,

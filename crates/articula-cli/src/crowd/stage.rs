@@ -14,7 +14,7 @@ use rayon::prelude::*;
 pub(crate) const DISPLAY_HZ: f64 = 60.0;
 
 /// Parts of a frame per thread: more than one, so that no thread waits long for the others.
-const PARTS_PER_THREAD: usize = 4;
+const PARTS_PER_THREAD: usize = 8;
 
 /// Options for playing a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]

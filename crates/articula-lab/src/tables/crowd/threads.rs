@@ -18,7 +18,7 @@ use std::time::Instant;
 const GAIN: f64 = 1.85;
 const THREADS: usize = 2;
 /// Parts of a frame for each thread.
-const PARTS: usize = 4;
+const PARTS: usize = 8;
 const STEP_SECS: f32 = 1.0 / 60.0;
 
 /// Median milliseconds of a frame on one thread and on two.
@@ -51,7 +51,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS);
     let pool = pool.build().context("threads")?;
     let mut floors = Vec::new();
-    for count in [count, count / 10] {
+    for count in [count, count / 10, count / 20] {
         let times = pool.install(|| floor(bench, count, frames))?;
         row(report, "floor, 3x4 f32", count, times);
         floors.push(times);
