@@ -8,7 +8,7 @@
 //!
 //! Each character is one SIMD lane, so lanes do not depend on each other. Joints without scale, in
 //! themselves or above, concatenate quaternions; from a scaled joint downwards matrices are
-//! concatenated, as glTF defines.
+//! concatenated, as glTF defines, and so are those that no clip moves, nor any joint below them.
 
 mod frames;
 mod joint;
@@ -49,7 +49,7 @@ impl From<ClipCursor> for BatchPose {
     }
 }
 
-/// Working memory of one thread, small enough for its L1 cache.
+/// Working memory of one thread, small enough for its L1 cache; for sixteen lanes, its L2 cache.
 #[derive(Debug, Clone)]
 pub struct Scratch {
     joints: Vec<Joint<LANES>>,

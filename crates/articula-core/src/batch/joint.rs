@@ -9,7 +9,8 @@ use crate::simd::{Rows, Tile};
 pub(super) struct Joint<const W: usize> {
     /// Rows of the 3x4 model-from-joint matrix.
     pub(super) matrix: [[Tile<W>; 4]; 3],
-    /// Rotation of that matrix; undefined at and below a scaled joint.
+    /// Rotation of that matrix; undefined at and below a scaled joint, and where matrices
+    /// are written and no clip moves the joint nor any below it.
     pub(super) rotation: [Tile<W>; 4],
 }
 

@@ -215,15 +215,17 @@ proptest! {
             let same = evaluated(&short, &map, (PaletteForm::Matrix, backend), 0, &shown_in(&short));
             prop_assert_eq!(&same, &found);
         }
-        let evaluator = BatchEvaluator::new(&float, &map, PaletteForm::Matrix, Backend::best()).unwrap();
-        let mut scratch = evaluator.scratch();
-        let batches = wanted.chunks(evaluator.lanes() * rig.len() * 3);
-        for (shown, wanted) in shown_in(&float).chunks(evaluator.lanes()).zip(batches) {
-            let tiles = evaluator.tile(0, shown, &mut scratch);
-            for (i, rows) in wanted.chunks(3).enumerate() {
-                let (character, place) = (i / rig.len(), i % rig.len());
-                for (row, lanes) in rows.iter().zip(tiles.matrix(place)) {
-                    prop_assert_eq!(*row, lanes.map(|lanes| lanes[character]));
+        for backend in backends() {
+            let evaluator = BatchEvaluator::new(&float, &map, PaletteForm::Matrix, backend).unwrap();
+            let mut scratch = evaluator.scratch();
+            let batches = wanted.chunks(evaluator.lanes() * rig.len() * 3);
+            for (shown, wanted) in shown_in(&float).chunks(evaluator.lanes()).zip(batches) {
+                let tiles = evaluator.tile(0, shown, &mut scratch);
+                for (i, rows) in wanted.chunks(3).enumerate() {
+                    let (character, place) = (i / rig.len(), i % rig.len());
+                    for (row, lanes) in rows.iter().zip(tiles.matrix(place)) {
+                        prop_assert_eq!(*row, lanes.map(|lanes| lanes[character]));
+                    }
                 }
             }
         }
