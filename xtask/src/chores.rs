@@ -1,6 +1,8 @@
-//! The chores that are a single program call, and helpers to call programs.
+//! The chores that are a single program call, and the folders that all chores use.
 
-use anyhow::{Context, Result, bail};
+use crate::cut_alone;
+use crate::processes::run;
+use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -40,6 +42,7 @@ pub(crate) fn tidy() -> Result<()> {
 pub(crate) fn golden() -> Result<()> {
     let words = ["test", "--workspace", "--quiet"];
     run(cargo().args(words).env("ARTICULA_GOLDEN", "renew"))?;
+    run(cut_alone::call().env("ARTICULA_GOLDEN", "renew"))?;
     println!("changed golden files (review each one before committing):");
     run(Command::new("git")
         .args(["status", "--short", "--", ":(glob)**/tests/golden/**"])
@@ -52,28 +55,21 @@ pub(crate) fn root() -> PathBuf {
     here.parent().unwrap_or(here).to_path_buf()
 }
 
+/// Returns the folder of everything that is built.
+pub(crate) fn target() -> PathBuf {
+    let given = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
+    given.unwrap_or_else(|| root().join("target"))
+}
+
+/// Returns the folder of real characters, whether it is there or not.
+pub(crate) fn data_folder() -> PathBuf {
+    let given = std::env::var_os("ARTICULA_DATA").map(PathBuf::from);
+    given.unwrap_or_else(|| root().join("../shared/data"))
+}
+
 /// Returns a call of the running cargo, in the root of the repository.
 pub(crate) fn cargo() -> Command {
     let mut call = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     call.current_dir(root());
     call
-}
-
-/// Runs a program in the current terminal; an unsuccessful exit is an error.
-pub(crate) fn run(call: &mut Command) -> Result<()> {
-    let program = call.get_program().to_string_lossy().into_owned();
-    let status = call
-        .status()
-        .with_context(|| format!("cannot start {program}"))?;
-    if !status.success() {
-        bail!("{program} failed: {status}");
-    }
-    Ok(())
-}
-
-/// Returns the output of a program, or `None` if it cannot be started or fails.
-pub(crate) fn answer(program: &str, words: &[&str]) -> Option<String> {
-    let output = Command::new(program).args(words).output().ok()?;
-    let text = String::from_utf8(output.stdout).ok()?;
-    output.status.success().then(|| text.trim().to_owned())
 }

@@ -7,16 +7,22 @@
     reason = "a program for the project's own developers: it prints, reads files and measures time"
 )]
 
+mod changed;
 mod chores;
+mod cut_alone;
 mod dependencies;
 mod fuzz;
 mod mutants;
 mod neon;
 mod node;
 mod outcome;
+mod passed;
 mod pictures;
 mod platform;
+mod processes;
+mod run_times;
 mod steps;
+mod test_programs;
 mod tidy;
 mod wasm;
 
@@ -39,6 +45,12 @@ Chores:
 Options:
   -h, --help   Print this
 
+Tests: cargo xtask test [--again] [--changed [REV]]
+  Prints what each step took and the slowest tests, and writes target/xtask/steps.json. A tree that
+  passed as a whole (target/xtask/passed) is not tested again, unless --again asks for it.
+  --changed checks what differs from a revision (default HEAD) only: format, clippy, tidy and the
+  tests of the crates that have changed and of those that use them.
+
 Fuzzing: cargo xtask fuzz [--minutes M] [TARGET…]
   Runs each target (all without a name) for M minutes (default 1) on the nightly toolchain with
   cargo-fuzz, from seeds of ARTICULA_DATA and of the repository. Findings are kept in fuzz/artifacts
@@ -59,7 +71,10 @@ fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let done = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["demo"] => chores::demo(),
-        ["test"] => steps::test(),
+        ["test", ref rest @ ..] => match steps::TestOptions::parse(rest) {
+            Some(options) => steps::test(&options),
+            None => return usage(),
+        },
         ["tidy"] => chores::tidy(),
         ["golden"] => chores::golden(),
         ["pictures"] => pictures::pictures(),

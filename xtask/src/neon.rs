@@ -4,9 +4,10 @@
 //! The target's standard library comes from rustup, the linker, the C library and the emulator from
 //! Debian: `gcc-aarch64-linux-gnu`, `libc6-dev-arm64-cross`, `qemu-user-static`.
 
-use crate::chores::{answer, cargo, run};
+use crate::chores::cargo;
 use crate::outcome::{Outcome, lacking};
 use crate::platform;
+use crate::processes::{answer, output, run};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -58,12 +59,12 @@ pub(crate) fn check() -> Result<Outcome> {
         call
     };
     let lanes = ["-p", "articula-core", "--lib", "--", "simd", "math"];
-    let said = platform::output(call("test").args(lanes))?;
+    let said = output(call("test").args(lanes))?;
     anyhow::ensure!(said.contains(COMPARISON), "no such test ran: {COMPARISON}");
     run(call("build").args(["--quiet", "-p", platform::PLAYBACK]))?;
-    let program = platform::built(Some(TARGET)).join(platform::PLAYBACK);
+    let program = platform::built(TARGET).join(platform::PLAYBACK);
     let mut emulated = Command::new(emulator);
-    let found = platform::output(emulated.arg("-L").arg(libraries).arg(program))?;
+    let found = output(emulated.arg("-L").arg(libraries).arg(program))?;
     platform::compare_playback("on an emulated AArch64 processor", &found)?;
     Ok(Outcome::Done)
 }

@@ -3,96 +3,189 @@
 //! All checks share one build and all tests another, because on two cores most of the time is spent
 //! on compiling.
 
-use crate::chores::{cargo, root, run, tidy};
+use crate::changed::Changed;
+use crate::chores::{cargo, data_folder, root, target, tidy};
 use crate::outcome::Outcome;
-use crate::{dependencies, neon, node, wasm};
-use anyhow::{Context, Result, bail};
-use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use crate::passed::Tested;
+use crate::processes::{output, run, take_processor_time};
+use crate::run_times::{RunTimes, StepTime};
+use crate::test_programs::{self, TestTime};
+use crate::{cut_alone, dependencies, neon, node, wasm};
+use anyhow::{Result, anyhow};
+use std::process::Command;
+use std::sync::Mutex;
 use std::time::Instant;
 
-/// One step: its displayed name and its function.
-type Step = (&'static str, fn() -> Result<Outcome>);
+/// One check of CI.
+struct Step {
+    name: &'static str,
+    /// Processor minutes that it may take from a cold clone, on one of CI's cores; what takes more is
+    /// told.
+    budget_minutes: f64,
+    check: fn(&Run) -> Result<Outcome>,
+}
+
+/// What the steps of a run share.
+struct Run {
+    /// The crates whose tests run; all without it.
+    changed: Option<Changed>,
+    /// Times of all tests that have ended.
+    tests: Mutex<Vec<TestTime>>,
+}
+
+const fn step(name: &'static str, budget_minutes: f64, check: fn(&Run) -> Result<Outcome>) -> Step {
+    Step {
+        name,
+        budget_minutes,
+        check,
+    }
+}
 
 /// The steps in order; those of one row run in parallel, as they wait for different resources. **A
 /// new step is one line here and one function below.**
 const STEPS: &[&[Step]] = &[
-    &[("format", format)],
+    &[step("format", 0.2, |_| format())],
     &[
-        ("clippy", clippy),
-        ("dependencies", dependencies::check),
-        ("oracle packages", node::install),
-        ("oracle browser", node::browser),
+        step("clippy", 4.0, |_| clippy()),
+        step("dependencies", 0.1, |_| dependencies::check()),
+        step("oracle packages", 0.5, |_| node::install()),
+        step("oracle browser", 0.1, |_| node::browser()),
     ],
     &[
-        ("build of the tests", build_tests),
-        ("oracle self-test", node::self_test),
+        step("build of the tests", 20.0, |_| build_tests()),
+        step("oracle self-test", 0.5, |_| node::self_test()),
+    ],
+    &[step("tests", 10.0, tests)],
+    &[
+        step("doctests", 1.0, |_| doctests()),
+        step("examples", 0.5, |_| examples()),
+        step("documentation", 3.0, |_| documentation()),
+        step("wasm build", 3.0, |_| wasm::check()),
+        step("tidy", 0.1, |_| tidy_step()),
+        step("cut alone", 1.0, |_| cut_alone::check()),
     ],
     &[
-        ("unit tests", unit_tests),
-        ("other tests", other_tests),
-        ("tests of the program", program_tests),
-    ],
-    &[
-        ("examples", examples),
-        ("documentation", documentation),
-        ("wasm build", wasm::check),
-        ("tidy", tidy_step),
-        ("cut alone", cut_alone),
-    ],
-    &[
-        ("playback in node", wasm::playback),
-        ("neon under emulation", neon::check),
+        step("playback in node", 1.0, |_| wasm::playback()),
+        step("neon under emulation", 3.0, |_| neon::check()),
     ],
 ];
 
-/// Runs the rows up to the first with a failure and prints the duration of each step.
-pub(crate) fn test() -> Result<()> {
+/// Steps of `--changed`.
+const STEPS_OF_A_CHANGE: &[&str] = &["format", "clippy", "tidy", "build of the tests", "tests"];
+
+/// What was asked for.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct TestOptions {
+    /// Run although the same tree has passed.
+    again: bool,
+    /// Check only what differs from this revision.
+    changed: Option<String>,
+}
+
+impl TestOptions {
+    /// Reads `[--again] [--changed [REV]]`; `None` for anything else.
+    pub(crate) fn parse(words: &[&str]) -> Option<Self> {
+        let mut options = Self::default();
+        let mut words = words.iter().peekable();
+        while let Some(word) = words.next() {
+            match *word {
+                "--again" => options.again = true,
+                "--changed" => {
+                    let revision = words.next_if(|word| !word.starts_with('-'));
+                    options.changed = Some((*revision.unwrap_or(&"HEAD")).to_owned());
+                }
+                _ => return None,
+            }
+        }
+        Some(options)
+    }
+}
+
+/// Runs the rows up to the first with a failure and tells what each step took.
+pub(crate) fn test(options: &TestOptions) -> Result<()> {
+    let tested = Tested::now();
+    let is_whole = options.changed.is_none();
+    if is_whole && !options.again && tested.as_ref().is_some_and(Tested::has_passed) {
+        println!("every step has passed on this tree; `cargo xtask test --again` runs them again");
+        return Ok(());
+    }
+    let run = Run {
+        changed: (options.changed.as_deref())
+            .map(Changed::since)
+            .transpose()?,
+        tests: Mutex::new(Vec::new()),
+    };
+    if let Some(changed) = &run.changed {
+        println!("{changed}");
+    }
     let begin = Instant::now();
-    let mut times = Vec::new();
+    let mut steps = Vec::new();
+    let mut fault = None;
     for row in STEPS {
-        let ended: Vec<Result<f64>> = std::thread::scope(|scope| {
-            let started: Vec<_> = row
-                .iter()
-                .map(|step| scope.spawn(move || timed(step)))
-                .collect();
-            let ended = started.into_iter().map(|step| step.join());
-            ended
-                .map(|e| e.unwrap_or_else(|_| bail!("a step panicked")))
-                .collect()
-        });
-        for ((name, _), secs) in row.iter().zip(ended) {
-            times.push((
-                name,
-                secs.with_context(|| format!("step \"{name}\" failed"))?,
-            ));
+        for (time, failed) in run.row(row)? {
+            let name = time.name;
+            fault = fault.or(failed.map(|f| f.context(format!("step \"{name}\" failed"))));
+            steps.push(time);
+        }
+        if fault.is_some() {
+            break;
         }
     }
-    println!();
-    for (name, secs) in times {
-        println!("{secs:7.1} s  {name}");
+    let report = RunTimes::new(begin.elapsed(), steps, run.tests.into_inner()?);
+    print!("{report}");
+    report.write()?;
+    if let Some(fault) = fault {
+        return Err(fault);
     }
-    let total = begin.elapsed().as_secs_f64();
-    println!("{total:7.1} s  all steps passed");
+    if is_whole && !report.has_skipped() && tested == Tested::now() {
+        tested.as_ref().map_or(Ok(()), Tested::record)?;
+    }
+    println!("all steps passed");
     Ok(())
 }
 
-/// Runs a step and prints its outcome; returns its duration in seconds.
-fn timed((name, step): &Step) -> Result<f64> {
-    println!("== {name}");
-    let start = Instant::now();
-    let outcome = step();
-    let secs = start.elapsed().as_secs_f64();
-    match outcome {
-        Ok(Outcome::Done) => println!("== {name}: done in {secs:.1} s"),
-        Ok(Outcome::Skipped(why)) => println!("skipped: {why}"),
-        Err(fault) => {
-            println!("== {name}: failed after {secs:.1} s");
-            return Err(fault);
-        }
+impl Run {
+    /// Runs the steps of a row side by side; returns what each took, and the fault of those that
+    /// failed.
+    fn row(&self, row: &'static [Step]) -> Result<Vec<(StepTime, Option<anyhow::Error>)>> {
+        let asked = |step: &&Step| self.changed.is_none() || STEPS_OF_A_CHANGE.contains(&step.name);
+        std::thread::scope(|scope| {
+            let started: Vec<_> = (row.iter().filter(asked))
+                .map(|step| scope.spawn(|| self.timed(step)))
+                .collect();
+            let ended = started.into_iter().map(|step| step.join());
+            ended
+                .map(|ended| ended.map_err(|_| anyhow!("a step panicked")))
+                .collect()
+        })
     }
-    Ok(secs)
+
+    /// Runs a step and prints its outcome.
+    fn timed(&self, step: &Step) -> (StepTime, Option<anyhow::Error>) {
+        let name = step.name;
+        println!("== {name}");
+        let start = Instant::now();
+        let ended = (step.check)(self);
+        let wall_secs = start.elapsed().as_secs_f64();
+        let processor_secs = take_processor_time().as_secs_f64();
+        match &ended {
+            Ok(Outcome::Done) => println!("== {name}: done in {wall_secs:.1} s"),
+            Ok(Outcome::Skipped(why)) => println!("skipped: {why}"),
+            Err(_) => println!("== {name}: failed after {wall_secs:.1} s"),
+        }
+        let time = StepTime {
+            name,
+            wall_secs,
+            processor_secs,
+            budget_secs: step.budget_minutes * 60.0,
+            outcome: match &ended {
+                Ok(Outcome::Done) => "done",
+                Ok(Outcome::Skipped(_)) => "skipped",
+                Err(_) => "failed",
+            },
+        };
+        (time, ended.err())
+    }
 }
 
 fn format() -> Result<Outcome> {
@@ -107,78 +200,33 @@ fn clippy() -> Result<Outcome> {
 }
 
 fn build_tests() -> Result<Outcome> {
-    run(cargo().args(["test", "--workspace", "--no-run"]))?;
+    test_programs::build()?;
     Ok(Outcome::Done)
 }
 
-/// Runs the unit tests of libraries and programs, and the doctests.
-fn unit_tests() -> Result<Outcome> {
-    run(cargo().args(["test", "--workspace", "--lib", "--bins"]))?;
-    run(cargo().args(["test", "--workspace", "--doc"]))?;
-    Ok(Outcome::Done)
-}
-
-/// Runs the integration tests, without those of the command line.
-fn other_tests() -> Result<Outcome> {
+/// Runs all test programs, or those of the crates that a change reaches.
+fn tests(this: &Run) -> Result<Outcome> {
     // The output of passing tests is not shown, so skipped data is reported here.
     if !data_folder().is_dir() {
         println!("skipped: no data (tests on real characters; set ARTICULA_DATA)");
     }
-    let but = ["--exclude", PROGRAM, "--test", "*"];
-    run(cargo().args(["test", "--workspace"]).args(but))?;
+    let mut programs = test_programs::build()?;
+    if let Some(changed) = &this.changed {
+        programs.retain(|program| changed.reaches(program.package()));
+    }
+    let times = test_programs::run_all(programs)?;
+    *this.tests.lock().map_err(|_| anyhow!("a step panicked"))? = times;
     Ok(Outcome::Done)
 }
 
-/// Package of the command line.
-const PROGRAM: &str = "articula-cli";
-
-/// Runs the tests of the command line, which take as long as those of all libraries together. They
-/// are started without cargo: `cargo test --package` would rebuild everything with the features of
-/// this package alone.
-fn program_tests() -> Result<Outcome> {
-    let words = ["test", "--workspace", "--no-run", "--message-format=json"];
-    let built = cargo().args(words).stderr(Stdio::null()).output()?;
-    anyhow::ensure!(built.status.success(), "the tests do not build");
-    let folder = root().join("crates").join(PROGRAM);
-    let tests = test_program(&String::from_utf8_lossy(&built.stdout), &folder)
-        .context("cargo reported no test program of articula-cli")?;
-    run(Command::new(tests).current_dir(folder))?;
+fn doctests() -> Result<Outcome> {
+    run(cargo().args(["test", "--workspace", "--doc", "--quiet"]))?;
     Ok(Outcome::Done)
-}
-
-/// Returns the executable of a package's only test program, from the messages of cargo.
-fn test_program(messages: &str, package: &Path) -> Option<PathBuf> {
-    let manifest = package.join("Cargo.toml");
-    let messages = messages.lines().map(serde_json::from_str::<Value>);
-    let mut programs = messages.flatten().filter(|message| {
-        let is_test = message["target"]["kind"][0] == "test";
-        is_test && message["manifest_path"].as_str().map(Path::new) == Some(&manifest)
-    });
-    programs.next()?["executable"].as_str().map(PathBuf::from)
-}
-
-fn data_folder() -> PathBuf {
-    let given = std::env::var_os("ARTICULA_DATA").map(PathBuf::from);
-    given.unwrap_or_else(|| root().join("../shared/data"))
 }
 
 fn documentation() -> Result<Outcome> {
     let words = ["doc", "--workspace", "--no-deps", "--quiet"];
     run(cargo().args(words).env("RUSTDOCFLAGS", "-D warnings"))?;
-    Ok(Outcome::Done)
-}
-
-/// Runs the tests of cuts and descriptions with a library that has no codec.
-fn cut_alone() -> Result<Outcome> {
-    let words = [
-        "test",
-        "--quiet",
-        "-p",
-        "articula-stream",
-        "--no-default-features",
-    ];
-    let tests = ["--test", "cut_alone", "--test", "descriptions_alone"];
-    run(cargo().args(words).args(tests))?;
     Ok(Outcome::Done)
 }
 
@@ -197,23 +245,14 @@ fn examples() -> Result<Outcome> {
         "assets/glb/RobotExpressive.glb",
     ];
     // The tests have just built them.
-    let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
-    let built = target.unwrap_or_else(|| root().join("target"));
+    let built = target().join("debug/examples");
     for (files, names) in [
         (&[][..], &["crowd", "describe", "hero"][..]),
         (&FILES, &["crowd", "hero"]),
     ] {
         for example in names {
-            let program = built.join("debug/examples").join(example);
-            let ran = Command::new(program)
-                .args(files)
-                .current_dir(root())
-                .output()?;
-            anyhow::ensure!(
-                ran.status.success(),
-                "{example} {files:?}: {}",
-                String::from_utf8_lossy(&ran.stderr)
-            );
+            let mut call = Command::new(built.join(example));
+            output(call.args(files).current_dir(root()))?;
         }
     }
     Ok(Outcome::Done)

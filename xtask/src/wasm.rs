@@ -3,13 +3,17 @@
 //! The target's standard library comes from rustup or is already part of the toolchain. Debian's
 //! wasm packages are too old for the language edition in use.
 
-use crate::chores::{answer, cargo, run};
+use crate::chores::cargo;
 use crate::outcome::{Outcome, lacking};
 use crate::platform::{self, PLAYBACK};
+use crate::processes::{answer, output, run};
 use anyhow::Result;
 use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
+
+/// Flags of the compiler for modules with vector instructions.
+const SIMD: &str = "-C target-feature=+simd128";
 
 /// Libraries that a web page may use.
 const LIBRARIES: &[&str] = &[
@@ -31,16 +35,12 @@ pub(crate) fn check() -> Result<Outcome> {
     }
     let words = ["check", "--quiet", "--target", TARGET];
     let packages = LIBRARIES.iter().flat_map(|name| ["-p", name]);
-    run(cargo().args(words).args(packages))?;
-    // Streams without their codecs, for programs that only cut them.
+    run(cargo().args(words).args(packages).env("RUSTFLAGS", SIMD))?;
+    // The core, which alone knows of instructions, without them; and streams without their codecs,
+    // for programs that only cut them.
     run(cargo()
         .args(words)
         .args(["-p", "articula-stream", "--no-default-features"]))?;
-    // The core has SIMD code for modules compiled with it.
-    run(cargo()
-        .args(words)
-        .args(["-p", "articula-core"])
-        .env("RUSTFLAGS", "-C target-feature=+simd128"))?;
     Ok(Outcome::Done)
 }
 
@@ -64,9 +64,9 @@ pub(crate) fn playback() -> Result<Outcome> {
     }
     run(cargo()
         .args(["build", "--quiet", "-p", PLAYBACK, "--target", TARGET])
-        .env("RUSTFLAGS", "-C target-feature=+simd128"))?;
-    let module = platform::built(Some(TARGET)).join(format!("{PLAYBACK}.wasm"));
-    let node = platform::output(Command::new("node").args(["-e", CALL]).arg(module))?;
+        .env("RUSTFLAGS", SIMD))?;
+    let module = platform::built(TARGET).join(format!("{PLAYBACK}.wasm"));
+    let node = output(Command::new("node").args(["-e", CALL]).arg(module))?;
     platform::compare_playback("in node", &node)?;
     Ok(Outcome::Done)
 }

@@ -250,7 +250,7 @@ pub(crate) fn dispatch<K: Kernel>(backend: Backend, kernel: K) {
         Backend::Simd128 => wasm::run(kernel),
         #[cfg(target_arch = "aarch64")]
         Backend::Neon => neon::run(kernel),
-        _ => kernel.run::<scalar::Plain<LANES>>(),
+        _ => kernel.run::<scalar::Plain>(),
     }
 }
 
@@ -260,7 +260,7 @@ pub(crate) fn dispatch_wide<K: WideKernel>(backend: Backend, kernel: K) {
     match backend {
         #[cfg(target_arch = "x86_64")]
         Backend::Avx512 if backend.is_available() => avx512::run(kernel),
-        _ => kernel.run::<scalar::Plain<WIDE>>(),
+        _ => kernel.run::<scalar::PlainWide>(),
     }
 }
 

@@ -13,7 +13,7 @@ mod afp1;
 mod afp2;
 mod clustered_stream;
 mod cut_streams;
-#[path = "../descriptions_alone/tools.rs"]
+#[path = "../../../articula-stream-alone/tests/descriptions_alone/tools.rs"]
 mod description_tools;
 mod descriptions;
 mod fba;

@@ -1,12 +1,12 @@
-//! The cut without any codec: `cargo test -p articula-stream --no-default-features --test cut_alone`.
+//! The cut without any codec.
 //!
 //! A stored motion stream is cut by its stored index, and by hand after `docs/formats/abp2.md`.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use articula_stream::{CutRule, Meaning, Unit, cut, read_index, write_index};
 
-const STREAM: &[u8] = include_bytes!("golden/walk.abp");
-const INDEX: &[u8] = include_bytes!("golden/walk.auix");
+const STREAM: &[u8] = include_bytes!("../../articula-stream/tests/golden/walk.abp");
+const INDEX: &[u8] = include_bytes!("../../articula-stream/tests/golden/walk.auix");
 /// Of the stored stream.
 const TIERS: usize = 5;
 

@@ -1,5 +1,4 @@
-//! Descriptions without any codec: `cargo test -p articula-stream --no-default-features --test
-//! descriptions_alone`.
+//! Descriptions without any codec.
 #![allow(
     clippy::unwrap_used,
     clippy::disallowed_methods,
