@@ -1,8 +1,8 @@
 //! What `cargo xtask test --changed` checks: the crates whose files differ from a revision, and those
 //! that use them.
 
-use crate::chores::{cargo, root};
 use crate::processes::output;
+use crate::workspace::{cargo, root};
 use anyhow::{Context, Result};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};

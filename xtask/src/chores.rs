@@ -1,10 +1,13 @@
-//! The chores that are a single program call, and the folders that all chores use.
+//! The chores that are a single program call.
 
 use crate::cut_alone;
 use crate::processes::run;
+use crate::workspace::{cargo, root, target};
 use anyhow::{Result, bail};
-use std::path::{Path, PathBuf};
+use std::io::IsTerminal;
 use std::process::Command;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
 
 /// Output folder of `demo`.
 const DEMO_FOLDER: &str = "articula-demo";
@@ -13,17 +16,43 @@ const DEMO_FOLDER: &str = "articula-demo";
 const DEMO_CHARACTER: &str = "assets/glb/Quaternius_modular_men__Worker.glb";
 const DEMO_MOTION: &str = "assets/glb/pab_arnaud.glb";
 
+/// Seconds between two lines that tell that work goes on.
+const HEARTBEAT: Duration = Duration::from_secs(8);
+
 /// Runs the demo in a release build and prints the path of its page.
 pub(crate) fn demo() -> Result<()> {
-    let words = ["run", "--release", "-p", "articula-cli", "--"];
-    let demo = ["demo", DEMO_CHARACTER, DEMO_MOTION, "--out", DEMO_FOLDER];
-    run(cargo().args(words).args(demo))?;
+    println!("building the program (some minutes the first time)");
+    let build = ["build", "--release", "-p", "articula-cli"];
+    with_heartbeat("building", || run(cargo().args(build)))?;
+    let words = ["demo", DEMO_CHARACTER, DEMO_MOTION, "--out", DEMO_FOLDER];
+    let mut demo = Command::new(target().join("release/articula"));
+    with_heartbeat("demo", || run(demo.args(words).current_dir(root())))?;
     let page = root().join(DEMO_FOLDER).join("index.html");
     if !page.is_file() {
         bail!("the demo did not write {}", page.display());
     }
     println!("open {} in a browser", page.display());
     Ok(())
+}
+
+/// Does `work` and tells meanwhile how long it takes, unless there is a terminal, on which programs
+/// show their progress themselves.
+fn with_heartbeat<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    if std::io::stderr().is_terminal() {
+        return work();
+    }
+    let begin = Instant::now();
+    let (working, is_done) = mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            while is_done.recv_timeout(HEARTBEAT) == Err(RecvTimeoutError::Timeout) {
+                println!("{what}: {} s so far", begin.elapsed().as_secs());
+            }
+        });
+        let done = work();
+        drop(working);
+        done
+    })
 }
 
 /// Checks the tree and prints every fault.
@@ -47,29 +76,4 @@ pub(crate) fn golden() -> Result<()> {
     run(Command::new("git")
         .args(["status", "--short", "--", ":(glob)**/tests/golden/**"])
         .current_dir(root()))
-}
-
-/// Returns the root of the repository.
-pub(crate) fn root() -> PathBuf {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.parent().unwrap_or(here).to_path_buf()
-}
-
-/// Returns the folder of everything that is built.
-pub(crate) fn target() -> PathBuf {
-    let given = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
-    given.unwrap_or_else(|| root().join("target"))
-}
-
-/// Returns the folder of real characters, whether it is there or not.
-pub(crate) fn data_folder() -> PathBuf {
-    let given = std::env::var_os("ARTICULA_DATA").map(PathBuf::from);
-    given.unwrap_or_else(|| root().join("../shared/data"))
-}
-
-/// Returns a call of the running cargo, in the root of the repository.
-pub(crate) fn cargo() -> Command {
-    let mut call = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    call.current_dir(root());
-    call
 }

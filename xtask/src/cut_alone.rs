@@ -3,9 +3,9 @@
 //! The tests are a package outside of the workspace (`articula-stream-alone`): features are united over all
 //! packages that are built together, and everything else wants the codecs.
 
-use crate::chores::{cargo, root, target};
 use crate::outcome::Outcome;
 use crate::processes::run;
+use crate::workspace::{cargo, root, target};
 use anyhow::Result;
 use std::process::Command;
 

@@ -5,8 +5,8 @@
 //! of CI's checks of this kind may take, so it is run by hand. This check reads from `deny.toml` the
 //! arrays `allow`, `skip` and `deny`, one entry a line.
 
-use crate::chores::{cargo, root};
 use crate::outcome::Outcome;
+use crate::workspace::{cargo, root};
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};

@@ -4,8 +4,8 @@
 //! AddressSanitizer, debug assertions and overflow checks. Corpora (`fuzz/corpus`) and findings
 //! (`fuzz/artifacts`) stay on the machine.
 
-use crate::chores::root;
 use crate::processes::{answer, run};
+use crate::workspace::root;
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::BTreeMap;
 use std::fmt::Write;

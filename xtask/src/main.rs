@@ -25,6 +25,7 @@ mod steps;
 mod test_programs;
 mod tidy;
 mod wasm;
+mod workspace;
 
 use std::process::ExitCode;
 

@@ -5,8 +5,8 @@
 //! `articula-core` is without the crates that depend on it and that only its benches and examples
 //! use, as each mutant would build those as well.
 
-use crate::chores::root;
 use crate::processes::answer;
+use crate::workspace::root;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use std::fs;

@@ -4,10 +4,10 @@
 //! The target's standard library comes from rustup, the linker, the C library and the emulator from
 //! Debian: `gcc-aarch64-linux-gnu`, `libc6-dev-arm64-cross`, `qemu-user-static`.
 
-use crate::chores::cargo;
 use crate::outcome::{Outcome, lacking};
 use crate::platform;
 use crate::processes::{answer, output, run};
+use crate::workspace::cargo;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -19,13 +19,8 @@ const LINKER: &str = "aarch64-linux-gnu-gcc";
 const EMULATORS: [&str; 2] = ["qemu-aarch64-static", "qemu-aarch64"];
 
 /// Everything is built without optimisation: the emulated programs are short, and compiling them
-/// twice as long as running them. Rounding does not depend on it.
-const QUICK: [&str; 4] = [
-    "--config",
-    "profile.dev.opt-level=0",
-    "--config",
-    "profile.test.opt-level=0",
-];
+/// takes twice as long as running them. Rounding does not depend on it.
+const QUICK: [&str; 2] = ["--profile", "dev"];
 
 /// A test that must be among those that run.
 const COMPARISON: &str = "simd::tests::every_backend_gives_the_same_bits ... ok";

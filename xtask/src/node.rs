@@ -1,9 +1,9 @@
 //! The independent programs that check results in node: the glTF validator, three.js,
 //! meshoptimizer, and Chromium for animated pictures (folder `oracle`).
 
-use crate::chores::root;
 use crate::outcome::{Outcome, lacking};
 use crate::processes::{answer, run};
+use crate::workspace::root;
 use anyhow::Result;
 use std::path::Path;
 use std::process::Command;

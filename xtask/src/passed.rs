@@ -1,8 +1,8 @@
 //! The record of the last run in which every step passed (`target/xtask/passed`), so that the same
 //! tree is not tested twice.
 
-use crate::chores::{data_folder, root, target};
 use crate::processes::{answer, output};
+use crate::workspace::{data_folder, root, target};
 use anyhow::{Context, Result};
 use std::path::PathBuf;
 use std::process::Command;

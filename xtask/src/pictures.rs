@@ -1,7 +1,7 @@
 //! `cargo xtask pictures`: makes the moving picture of the readme from the repository's own assets.
 
-use crate::chores::cargo;
 use crate::processes::run;
+use crate::workspace::cargo;
 use anyhow::{Context, Result};
 
 const CHARACTER: &str = "assets/glb/Quaternius_modular_men__Worker.glb";

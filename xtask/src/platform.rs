@@ -1,8 +1,8 @@
 //! What the checks on other platforms share: the targets, and the hash of a playback, which must be
 //! that of this machine.
 
-use crate::chores::target;
 use crate::processes::{answer, output, run};
+use crate::workspace::target;
 use anyhow::{Result, ensure};
 use std::path::{Path, PathBuf};
 use std::process::Command;

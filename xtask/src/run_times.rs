@@ -1,7 +1,7 @@
 //! What the steps of `cargo xtask test` took: the table at its end, and `target/xtask/steps.json`.
 
-use crate::chores::target;
 use crate::test_programs::TestTime;
+use crate::workspace::target;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::fmt;

@@ -4,12 +4,13 @@
 //! on compiling.
 
 use crate::changed::Changed;
-use crate::chores::{cargo, data_folder, root, target, tidy};
+use crate::chores::tidy;
 use crate::outcome::Outcome;
 use crate::passed::Tested;
 use crate::processes::{output, run, take_processor_time};
 use crate::run_times::{RunTimes, StepTime};
 use crate::test_programs::{self, TestTime};
+use crate::workspace::{cargo, data_folder, root, target};
 use crate::{cut_alone, dependencies, neon, node, wasm};
 use anyhow::{Result, anyhow};
 use std::process::Command;

@@ -3,8 +3,8 @@
 //! They are started without cargo, which would run one after the other, and would build a package
 //! again that is named alone, with the features of this package alone.
 
-use crate::chores::cargo;
 use crate::processes::{add_processor_time, ensure_success, run_lines, take_processor_time};
+use crate::workspace::cargo;
 use anyhow::{Result, bail, ensure};
 use serde::Serialize;
 use serde_json::Value;

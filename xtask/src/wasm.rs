@@ -3,10 +3,10 @@
 //! The target's standard library comes from rustup or is already part of the toolchain. Debian's
 //! wasm packages are too old for the language edition in use.
 
-use crate::chores::cargo;
 use crate::outcome::{Outcome, lacking};
 use crate::platform::{self, PLAYBACK};
 use crate::processes::{answer, output, run};
+use crate::workspace::cargo;
 use anyhow::Result;
 use std::process::Command;
 

@@ -79,13 +79,3 @@ pub(crate) fn check(root: &Path) -> Result<Vec<Fault>> {
     let tree = Tree::read(root)?;
     Ok(RULES.iter().flat_map(|rule| rule(&tree)).collect())
 }
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn this_repository_is_tidy() {
-        let faults = super::check(&crate::chores::root()).unwrap();
-        let lines: Vec<String> = faults.iter().map(ToString::to_string).collect();
-        assert!(lines.is_empty(), "{}", lines.join("\n"));
-    }
-}

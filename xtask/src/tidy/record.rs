@@ -2,6 +2,7 @@
 
 use super::Fault;
 use super::tree::Tree;
+use std::collections::HashSet;
 
 pub(super) const THESIS_MAP: &str = "docs/thesis-map.md";
 
@@ -23,6 +24,7 @@ pub(crate) fn thesis_map(tree: &Tree) -> Vec<Fault> {
             Fault::line(THESIS_MAP, index + 1, what)
         })
         .collect();
+    let names = test_names(tree);
     for (line, [_, module, test, _, _]) in map_rows(text) {
         let mut wrong = |what: String| faults.push(Fault::line(THESIS_MAP, line, what));
         let modules = quoted(module);
@@ -33,7 +35,8 @@ pub(crate) fn thesis_map(tree: &Tree) -> Vec<Fault> {
         for module in modules.iter().filter(|m| !has_module(tree, m)) {
             wrong(format!("module {module} does not exist"));
         }
-        for test in tests.iter().filter(|t| !has_test(tree, t)) {
+        let exists = |test: &str| names.contains(test.rsplit("::").next().unwrap_or(test));
+        for test in tests.iter().filter(|test| !exists(test)) {
             wrong(format!("test {test} does not exist"));
         }
     }
@@ -80,21 +83,21 @@ fn has_module(tree: &Tree, module: &str) -> bool {
     tree.text(&file).is_some() || tree.text(&format!("{folder}/{path}/mod.rs")).is_some()
 }
 
-/// Returns whether some Rust source has a `#[test]` function of this name.
-fn has_test(tree: &Tree, test: &str) -> bool {
-    let name = test.rsplit("::").next().unwrap_or(test);
-    let head = format!("fn {name}(");
-    tree.sources().any(|(_, text)| {
+/// Returns the names of all `#[test]` functions of the Rust sources.
+fn test_names(tree: &Tree) -> HashSet<&str> {
+    let mut names = HashSet::new();
+    for (_, text) in tree.sources() {
         let mut marked = false;
-        text.lines().map(str::trim).any(|line| {
+        for line in text.lines().map(str::trim) {
             if line == "#[test]" {
                 marked = true;
-            } else if line.contains("fn ") {
-                return std::mem::take(&mut marked) && line.starts_with(&head);
+            } else if line.contains("fn ") && std::mem::take(&mut marked) {
+                let rest = line.strip_prefix("fn ");
+                names.extend(rest.and_then(|rest| rest.split('(').next()));
             }
-            false
-        })
-    })
+        }
+    }
+    names
 }
 
 /// Finds data folders without a README that states licence and origin.

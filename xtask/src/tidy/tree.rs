@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn reads_itself_and_skips_what_is_built() {
-        let tree = Tree::read(&crate::chores::root()).unwrap();
+        let tree = Tree::read(&crate::workspace::root()).unwrap();
         assert!(tree.text("xtask/src/tidy/tree.rs").is_some());
         assert!(tree.paths().all(|p| !p.contains("node_modules")));
     }

@@ -1,7 +1,7 @@
 //! `adapt` and `gbsd`: one item in several contexts, by both engines.
 
 use crate::judges::{is_here, is_required};
-use crate::program::{articula, fault, folder, human, json, word};
+use crate::program::{articula, fault, folder, json, small, word};
 use crate::real;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -156,9 +156,9 @@ fn contexts_tables_and_descriptions_are_read_and_written() {
     assert!(why.contains("clips/Robot_Walking.abp"), "{why}");
     let why = fault(&here, 2, &["gbsd", "robot", "clips/fly.abp"]);
     assert!(why.contains("is no stream of the item"), "{why}");
-    let why = fault(&here, 1, &["gbsd", word(human())]);
+    let why = fault(&here, 1, &["gbsd", word(small())]);
     assert!(why.contains("no stream with units"), "{why}");
-    let why = fault(&here, 2, &["adapt", word(human()), "out"]);
+    let why = fault(&here, 2, &["adapt", word(small()), "out"]);
     assert!(why.contains("no digital item"), "{why}");
     let why = fault(&here, 2, &["adapt", "robot", "robot"]);
     assert!(why.contains("the item itself"), "{why}");

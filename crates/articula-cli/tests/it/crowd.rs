@@ -1,6 +1,6 @@
 //! `crowd` behaves as documented in `docs/commands.md`.
 
-use crate::program::{BVH, articula, fault, folder, human, json, word};
+use crate::program::{BVH, articula, fault, folder, json, prepared, small, word};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -12,7 +12,7 @@ fn number(value: &Value) -> f64 {
 /// A crowd of the reference human, short enough for a test.
 fn crowd(name: &str, words: &[&str]) -> Value {
     let here = folder(name);
-    let mut all = vec!["crowd", word(human()), "--seconds", "0.2"];
+    let mut all = vec!["crowd", word(prepared()), "--seconds", "0.2"];
     all.extend(words);
     json(&here, &all)
 }
@@ -146,7 +146,7 @@ fn cached_poses_stay_within_the_tolerance() {
         2,
         &[
             "crowd",
-            word(human()),
+            word(prepared()),
             "--source",
             "records",
             "--level",
@@ -207,7 +207,7 @@ fn a_budget_is_reported() {
         &folder("crowd-budget-full"),
         &[
             "crowd",
-            word(human()),
+            word(prepared()),
             "--budget-ms",
             "1",
             "--level",
@@ -220,8 +220,16 @@ fn a_budget_is_reported() {
 #[test]
 fn a_saved_scene_plays_the_same() {
     let here = folder("crowd-scene");
-    let words =
-        |scene: &'static str| vec!["crowd", word(human()), "--scene", scene, "--seconds", "0.1"];
+    let words = |scene: &'static str| {
+        vec![
+            "crowd",
+            word(prepared()),
+            "--scene",
+            scene,
+            "--seconds",
+            "0.1",
+        ]
+    };
     let mut first = words("plaza-2");
     first.extend(["--count", "60", "--save-scene", "square.json"]);
     let first = json(&here, &first);
@@ -245,7 +253,14 @@ fn a_saved_scene_plays_the_same() {
 #[test]
 fn plots_and_pictures_are_written() {
     let here = folder("crowd-files");
-    let words = ["crowd", word(human()), "--count", "30", "--seconds", "0.1"];
+    let words = [
+        "crowd",
+        word(prepared()),
+        "--count",
+        "30",
+        "--seconds",
+        "0.1",
+    ];
     let more = ["--plot", "time.svg", "--picture", "crowd.png"];
     let found = json(&here, &[&words[..], &more].concat());
     assert_eq!(found["written"].as_array().unwrap().len(), 2);
@@ -260,7 +275,14 @@ fn plots_and_pictures_are_written() {
 #[test]
 fn buffers_are_written_with_what_they_hold() {
     let here = folder("crowd-buffers");
-    let words = ["crowd", word(human()), "--count", "30", "--seconds", "0.1"];
+    let words = [
+        "crowd",
+        word(prepared()),
+        "--count",
+        "30",
+        "--seconds",
+        "0.1",
+    ];
     let more = ["--buffers", "frame", "--source", "records"];
     let all = [&words[..], &more].concat();
     let found = json(&here, &all);
@@ -376,7 +398,7 @@ fn coarser_meshes_go_with_coarser_joints_and_stay_within_the_tolerance() {
         2,
         &[
             "crowd",
-            word(human()),
+            word(prepared()),
             "--mesh-levels",
             "2",
             "--level",
@@ -390,7 +412,7 @@ fn coarser_meshes_go_with_coarser_joints_and_stay_within_the_tolerance() {
 fn mistakes_are_answered_with_their_mend() {
     let here = folder("crowd-wrong");
     let with = |more: &[&'static str]| -> Vec<&str> {
-        [&["crowd", word(human()), "--seconds", "0.1"], more].concat()
+        [&["crowd", word(small()), "--seconds", "0.1"], more].concat()
     };
     for (status, words, part) in [
         (2, ["--clip", "fly"], "the file has \"idle\""),
@@ -433,14 +455,14 @@ fn roles_and_walls_of_a_scene_are_played_and_reported() {
         "--save-scene",
         "s.json",
     ];
-    let open = json(&here, &[&["crowd", word(human())], &save[..]].concat());
+    let open = json(&here, &[&["crowd", word(prepared())], &save[..]].concat());
     let text = std::fs::read_to_string(here.join("s.json")).unwrap();
     let mut scene: Value = serde_json::from_str(&text).unwrap();
     // Across the middle of the plaza, higher than anyone.
     let wall = r#"[{"centre": [0, 2, 0], "size": [60, 4, 0.2]}]"#;
     scene["walls"] = serde_json::from_str(wall).unwrap();
     std::fs::write(here.join("walled.json"), scene.to_string()).unwrap();
-    let walled = ["crowd", word(human()), "--scene", "walled.json"];
+    let walled = ["crowd", word(prepared()), "--scene", "walled.json"];
     let play = |more: &[&str]| json(&here, &[&walled[..], &["--seconds", "0.1"], more].concat());
     let found = play(&["--role", "main=0-99"]);
     let occluded = number(&found["occluded"]);
@@ -489,7 +511,7 @@ fn several_characters_share_a_scene_that_can_be_saved() {
     std::fs::write(here.join("side.json"), path).unwrap();
     let usual = ["--count", "60", "--seconds", "0.1"];
     let views = ["--camera-path", "side.json", "--camera-path", "side.json"];
-    let files = ["crowd", word(human()), "walker.bvh", "walker.bvh"];
+    let files = ["crowd", word(prepared()), "walker.bvh", "walker.bvh"];
     let save = ["--save-scene", "sub/s.json", "--buffers", "out"];
     std::fs::create_dir_all(here.join("sub")).unwrap();
     let made = json(&here, &[&files[..], &usual, &views, &save].concat());
@@ -528,7 +550,7 @@ fn several_characters_share_a_scene_that_can_be_saved() {
     assert_eq!(of_each(&played), of_each(&made));
     for (words, says) in [
         (
-            &["crowd", word(human()), "--scene", "sub/s.json"][..],
+            &["crowd", word(prepared()), "--scene", "sub/s.json"][..],
             "names its characters",
         ),
         (&["crowd", "--count", "9"], "no character"),

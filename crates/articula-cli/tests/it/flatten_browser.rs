@@ -2,6 +2,7 @@
 //! painting order: the procedural human walks and turns.
 
 use crate::judges::browser::{Item, is_here, shots, write};
+use crate::program;
 use articula_build::ClipOptions;
 use articula_build::character;
 use articula_build::decimate;
@@ -22,16 +23,16 @@ use articula_flat::vector::AnimatedSvg;
 use articula_flat::vector::player::PlayerOutput;
 use articula_flat::vector::raster;
 use articula_flat::{masked_rmse, ssim};
-use articula_human::{HumanOptions, human};
+use articula_formats::{Limits, gltf};
 use std::sync::OnceLock;
 
 const SIDE: u32 = 240;
 const FRAMES: usize = 31;
 const WHITE: [u8; 4] = [255; 4];
 
-/// Ten times in frames, whole and fractional; none at which a shape is switched, nor the last
-/// frame, which is the first one of the next cycle.
-const MOMENTS: [f64; 10] = [0.0, 3.0, 5.25, 9.0, 12.25, 15.0, 18.4, 22.0, 25.75, 28.0];
+/// Times in frames, whole and fractional; none at which a shape is switched, nor the last frame,
+/// which is the first one of the next cycle.
+const MOMENTS: [f64; 4] = [0.0, 5.25, 15.0, 25.75];
 
 /// The walking human: prepared for writing, and its true pictures at the times.
 struct Film {
@@ -43,7 +44,10 @@ struct Film {
 fn film() -> &'static Film {
     static FILM: OnceLock<Film> = OnceLock::new();
     FILM.get_or_init(|| {
-        let source = human(&HumanOptions { triangles: 4000 }).unwrap();
+        let bytes = std::fs::read(program::human()).unwrap();
+        let mut alone = |uri: &str| Err(format!("{uri} is not needed"));
+        let file = gltf::read(&bytes, &Limits::default(), &mut alone).unwrap();
+        let source = file.value.character;
         let (appearance, _) = Appearance::new(&source.materials, &source.images);
         let asset = character(&source, None, &ClipOptions::default()).unwrap();
         let walk = asset.clips.iter().position(|c| c.name == "walk").unwrap();

@@ -1,7 +1,7 @@
 //! `flatten` judged by the largest local difference: triangle count, lost painting, missed budgets,
 //! and the Gouraud form of the thesis.
 
-use crate::program::{fault, folder, human, json, word};
+use crate::program::{fault, folder, json, short, small, word};
 use articula_flat::Picture;
 use serde_json::{Value, json as object};
 use std::path::{Path, PathBuf};
@@ -176,7 +176,7 @@ fn a_missed_budget_writes_the_smallest_file_and_says_by_how_much() {
     let here = folder("flatten-over");
     let base = [
         "flatten",
-        word(human()),
+        word(small()),
         "a.svg",
         "--clip",
         "walk",
@@ -212,7 +212,7 @@ fn a_missed_budget_writes_the_smallest_file_and_says_by_how_much() {
 #[test]
 fn the_gouraud_form_of_the_thesis_has_a_flag() {
     let here = folder("flatten-gouraud");
-    let human = word(human());
+    let human = word(short());
     let base = [
         "flatten",
         human,

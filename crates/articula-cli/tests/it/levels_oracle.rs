@@ -101,9 +101,15 @@ fn mixes_of_levels_are_valid_and_shown() {
     let here = folder("levels-mixes");
     let mut files = Vec::new();
     for name in ["glb/pab_arnaud.glb", "vrm/Godette_vrm_v4.vrm"] {
-        let Some(file) = real::file(name) else {
+        let Some(mut file) = real::file(name) else {
             continue;
         };
+        if name.ends_with("arnaud.glb") {
+            // Its longest clips would be most of the time.
+            let cut = ["convert", &word(&file), "cut.glb", "--clip", "jog"];
+            json(&here, &[&cut[..], &["--trim", "..0.2"]].concat());
+            file = here.join("cut.glb");
+        }
         let stem = Path::new(name).file_stem().unwrap().to_string_lossy();
         let built = format!("{stem}.built.glb");
         let words = ["--levels", "3", "--split", "face,hands"];

@@ -52,12 +52,12 @@ proptest! {
 fn a_stored_map_comes_back() {
     for (stream, index) in [
         (
-            &include_bytes!("../golden/walk.abp")[..],
-            &include_bytes!("../golden/walk.auix")[..],
+            &include_bytes!("../../../articula-stream/tests/golden/walk.abp")[..],
+            &include_bytes!("../../../articula-stream/tests/golden/walk.auix")[..],
         ),
         (
-            include_bytes!("../golden/wave.abp"),
-            include_bytes!("../golden/wave.auix"),
+            include_bytes!("../../../articula-stream/tests/golden/wave.abp"),
+            include_bytes!("../../../articula-stream/tests/golden/wave.auix"),
         ),
     ] {
         let map = read_index(index).unwrap();

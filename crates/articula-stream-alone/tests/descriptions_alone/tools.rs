@@ -6,10 +6,12 @@ use articula_stream::description::{
 };
 use articula_stream::{DescriptionLimits, cut};
 use quick_xml::events::Event;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::OnceLock;
 
 pub(crate) const LIMITS: DescriptionLimits = DescriptionLimits {
     bytes: 1 << 24,
@@ -22,7 +24,8 @@ fn is_required() -> bool {
 
 /// Whether xsltproc is installed; prints what is skipped if not.
 pub(crate) fn xsltproc_is_here() -> bool {
-    let here = Command::new("xsltproc").arg("--version").output().is_ok();
+    static HERE: OnceLock<bool> = OnceLock::new();
+    let here = *HERE.get_or_init(|| Command::new("xsltproc").arg("--version").output().is_ok());
     assert!(
         here || !is_required(),
         "ARTICULA_REQUIRE_TOOLS=1, but no xsltproc"
@@ -38,8 +41,11 @@ fn oracle_folder() -> PathBuf {
 }
 
 fn node_is_here() -> bool {
-    let packages = oracle_folder().join("node_modules/jsdom").is_dir();
-    let here = packages && Command::new("node").arg("--version").output().is_ok();
+    static HERE: OnceLock<bool> = OnceLock::new();
+    let here = *HERE.get_or_init(|| {
+        let packages = oracle_folder().join("node_modules/jsdom").is_dir();
+        packages && Command::new("node").arg("--version").output().is_ok()
+    });
     assert!(
         here || !is_required(),
         "ARTICULA_REQUIRE_TOOLS=1, but no jsdom in node"
@@ -50,12 +56,24 @@ fn node_is_here() -> bool {
     here
 }
 
-/// Cases whose streams other programs write, too.
+/// Cases that other programs transform and whose streams they write, too; in the end and all
+/// together, since the start of a program takes longer than its work.
 pub(crate) struct Judges {
     folder: PathBuf,
     has_xsltproc: bool,
+    transforms: Vec<Transform>,
     jobs: String,
     expected: Vec<(String, Vec<u8>)>,
+}
+
+/// A description that xsltproc transforms, with what is expected of it and of its stream.
+struct Transform {
+    what: String,
+    description: String,
+    parameters: Vec<(&'static str, String)>,
+    native: String,
+    stream: Vec<u8>,
+    bytes: Vec<u8>,
 }
 
 impl Judges {
@@ -67,6 +85,7 @@ impl Judges {
         Self {
             folder,
             has_xsltproc: xsltproc_is_here(),
+            transforms: Vec::new(),
             jobs: String::new(),
             expected: Vec::new(),
         }
@@ -78,31 +97,31 @@ impl Judges {
         path.to_str().unwrap().to_owned()
     }
 
-    /// Transforms a description in xsltproc, with a stylesheet of the folder.
+    /// Transforms descriptions in xsltproc, with a stylesheet of the folder and the same selection.
     pub(crate) fn xslt(
         &self,
         sheet: &str,
-        description: &str,
-        selection: &Selection,
-    ) -> Result<String, String> {
-        let input = self.file("in.xml", description.as_bytes());
+        descriptions: &[&str],
+        parameters: &[(&'static str, String)],
+    ) -> Result<Vec<String>, String> {
         let mut command = Command::new("xsltproc");
-        for (name, value) in selection.parameters() {
-            command.args(["--stringparam", name, &value]);
+        for (name, value) in parameters {
+            command.args(["--stringparam", name, value]);
         }
-        let output = command
-            .arg(self.folder.join(sheet))
-            .arg(input)
-            .output()
-            .unwrap();
-        if output.status.success() {
-            Ok(String::from_utf8(output.stdout).unwrap())
-        } else {
-            Err(String::from_utf8_lossy(&output.stderr).into_owned())
+        let inputs = descriptions.iter().enumerate();
+        let inputs = inputs.map(|(i, text)| self.file(&format!("in{i}.xml"), text.as_bytes()));
+        let sheet = self.folder.join(sheet);
+        let output = command.arg(sheet).args(inputs).output().unwrap();
+        if !output.status.success() {
+            return Err(String::from_utf8_lossy(&output.stderr).into_owned());
         }
+        let results = documents(&String::from_utf8(output.stdout).unwrap());
+        assert_eq!(results.len(), descriptions.len(), "{parameters:?}");
+        Ok(results)
     }
 
-    /// Checks that the native transformation, the stylesheet and the cut by the map agree.
+    /// Checks that the native transformation and the cut by the map agree, and, in the end, the
+    /// stylesheet.
     pub(crate) fn check(
         &mut self,
         what: &str,
@@ -128,16 +147,42 @@ impl Judges {
             bytes.len()
         );
         if self.has_xsltproc {
-            let other = self.xslt("sheet.xslt", description, selection);
-            let other = other.unwrap_or_else(|e| panic!("{what}: {e}"));
-            assert_eq!(canonical(&native), canonical(&other), "{what}");
-            self.expect(what, &other, stream, &bytes);
+            self.transforms.push(Transform {
+                what: what.to_owned(),
+                description: description.to_owned(),
+                parameters: selection.parameters(),
+                native,
+                stream: stream.to_vec(),
+                bytes: bytes.clone(),
+            });
         }
         bytes
     }
 
-    /// Lets node write the stream of a description later.
-    pub(crate) fn expect(&mut self, what: &str, description: &str, stream: &[u8], bytes: &[u8]) {
+    /// Compares what xsltproc makes of the descriptions, one run for all with the same parameters,
+    /// and lets node write the streams of that.
+    fn transform(&mut self) {
+        let mut groups = BTreeMap::<_, Vec<Transform>>::new();
+        for case in std::mem::take(&mut self.transforms) {
+            groups
+                .entry(case.parameters.clone())
+                .or_default()
+                .push(case);
+        }
+        for (parameters, cases) in groups {
+            let descriptions: Vec<&str> = cases.iter().map(|c| c.description.as_str()).collect();
+            let others = self.xslt("sheet.xslt", &descriptions, &parameters);
+            let others = others.unwrap_or_else(|e| panic!("{parameters:?}: {e}"));
+            for (case, other) in cases.iter().zip(others) {
+                let what = &case.what;
+                assert_eq!(canonical(&case.native), canonical(&other), "{what}");
+                self.expect(what, &other, &case.stream, &case.bytes);
+            }
+        }
+    }
+
+    /// Lets node write the stream of a description.
+    fn expect(&mut self, what: &str, description: &str, stream: &[u8], bytes: &[u8]) {
         let number = self.expected.len();
         let description = self.file(&format!("{number}.xml"), description.as_bytes());
         let stream = self.file(&format!("{number}.bin"), stream);
@@ -150,8 +195,9 @@ impl Judges {
         self.expected.push((what.to_owned(), bytes.to_vec()));
     }
 
-    /// Compares what node writes.
-    pub(crate) fn finish(self) {
+    /// Compares what xsltproc transforms and node writes.
+    pub(crate) fn finish(mut self) {
+        self.transform();
         if self.expected.is_empty() || !node_is_here() {
             return;
         }
@@ -169,6 +215,17 @@ impl Judges {
             assert!(found == *bytes, "{what}: node writes other bytes");
         }
     }
+}
+
+/// Documents that follow each other, each with a declaration of its own.
+fn documents(text: &str) -> Vec<String> {
+    let starts: Vec<usize> = text.match_indices("<?xml ").map(|(at, _)| at).collect();
+    assert_eq!(starts.first(), Some(&0));
+    let ends = starts[1..].iter().copied().chain([text.len()]);
+    let ranges = starts.iter().zip(ends);
+    ranges
+        .map(|(start, end)| text[*start..end].into())
+        .collect()
 }
 
 /// Elements with sorted attributes, and texts; without declarations of namespaces and comments.

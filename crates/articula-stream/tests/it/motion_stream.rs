@@ -1,11 +1,11 @@
 //! ABP-2: what a stream shows, whole, cut and in pieces.
 
-use articula_build::{Asset, ClipOptions, character};
+use crate::small_human::{asset as figure, source};
+use articula_build::Asset;
 use articula_core::playback::{
     FigureModel, FigurePlayer, FigureViews, FullDetail, SuspendedFigure,
 };
 use articula_core::{Clip, Mesh, ModelPose, PosedMesh, Rig, Wrap};
-use articula_human::{HumanOptions, human};
 use articula_mutate::{Edit, Mutations};
 use articula_stream::abp2::{
     EncodedMotion, Grouping, MotionOptions, MotionReceiver, UnitOrder, encode, motion_map,
@@ -14,16 +14,6 @@ use articula_stream::{CutRule, StreamLimits, Unit, cut, read_index, write_index}
 use glam::{Quat, Vec3};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::OnceLock;
-
-/// A small reference human with its clips.
-fn figure() -> &'static Asset {
-    static FIGURE: OnceLock<Asset> = OnceLock::new();
-    FIGURE.get_or_init(|| {
-        let source = human(&HumanOptions { triangles: 3000 }).unwrap();
-        character(&source, None, &ClipOptions::default()).unwrap()
-    })
-}
 
 fn coded(grouping: Grouping, order: UnitOrder) -> EncodedMotion {
     let Asset { rig, mesh, .. } = figure();
@@ -314,8 +304,7 @@ fn a_player_plays_what_has_arrived_and_refines_without_a_jump() {
 #[test]
 fn a_stream_is_for_one_rig() {
     let coded = coded(Grouping::Loa, UnitOrder::Tier);
-    let other = human(&HumanOptions { triangles: 3000 }).unwrap();
-    let mut skeleton = other.skeleton;
+    let mut skeleton = source().skeleton.clone();
     skeleton.joints.truncate(80);
     let mut articulation = figure().rig.articulation().clone();
     articulation.joints.truncate(80);
@@ -327,8 +316,7 @@ fn a_stream_is_for_one_rig() {
     assert!(refused(&shorter).contains("89 joints"));
     let mut moved = figure().rig.articulation().clone();
     moved.joints.iter_mut().for_each(|joint| joint.level = 3);
-    let source = human(&HumanOptions { triangles: 3000 }).unwrap();
-    let same = Rig::new(&source.skeleton, moved).unwrap();
+    let same = Rig::new(&source().skeleton, moved).unwrap();
     assert!(refused(&same).contains("levels of articulation"));
 }
 

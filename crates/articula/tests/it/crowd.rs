@@ -2,6 +2,7 @@
 //! thread that evaluates.
 
 use crate::real::{file, real_data};
+use crate::short::shortened;
 use articula::crowd::{
     Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Culling, JointLodMethod, PaletteForm,
     PaletteHash, PaletteMatrices, PaletteSlice, RootMotionPolicy, View, Viewport,
@@ -97,7 +98,8 @@ fn any_file_makes_a_crowd() {
         ("bvh/cmu_12_01_walk.bvh", true, "points on the bones"),
     ] {
         let Some(path) = file(name) else { continue };
-        let opened = articula::fs::open(path).unwrap();
+        // All clips of the file: one may be odd. Their beginnings show it.
+        let opened = shortened(articula::fs::open(path).unwrap(), 0.3);
         let asset = asset_of(opened, &CrowdOptions::default());
         let way = played(&asset);
         assert_eq!(way > 1e-3, moves, "{name}: {way} m");
@@ -112,7 +114,7 @@ fn a_file_without_clips_moves_with_those_of_another() {
     let Some(walk) = file("bvh/cmu_12_01_walk.bvh") else {
         return;
     };
-    let motion = articula::fs::open(walk).unwrap();
+    let motion = shortened(articula::fs::open(walk).unwrap(), 1.5);
     for name in [
         "glb/Quaternius_modular_men__Worker.glb",
         "glb/mh_female_default163_arkit52.glb",
