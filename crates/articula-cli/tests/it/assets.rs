@@ -88,7 +88,7 @@ fn six_characters_play_the_same_from_their_assets() {
     let start: &[&str] = &["--trim", "..0.4"];
     let characters = [
         ("glb/CesiumMan.glb", start),
-        ("glb/RiggedFigure.glb", start),
+        ("glb/RiggedFigure.glb", &[]),
         ("glb/Fox.glb", start),
         ("glb/pab_arnaud.glb", start),
         (

@@ -2,6 +2,7 @@
 
 use crate::program::{BVH, articula, fault, folder, json, prepared, small, word};
 use serde_json::Value;
+use std::path::Path;
 
 fn number(value: &Value) -> f64 {
     value
@@ -11,8 +12,12 @@ fn number(value: &Value) -> f64 {
 
 /// A crowd of the reference human, short enough for a test.
 fn crowd(name: &str, words: &[&str]) -> Value {
+    crowd_of(prepared(), name, words)
+}
+
+fn crowd_of(character: &Path, name: &str, words: &[&str]) -> Value {
     let here = folder(name);
-    let mut all = vec!["crowd", word(prepared()), "--seconds", "0.2"];
+    let mut all = vec!["crowd", word(character), "--seconds", "0.2"];
     all.extend(words);
     json(&here, &all)
 }
@@ -88,7 +93,7 @@ fn a_named_level_keeps_what_it_names() {
 fn threads_backends_and_repetition_change_no_bit() {
     let hash = |name: &str, more: &[&str]| {
         let usual = ["--count", "300", "--scene", "plaza-2"];
-        let found = crowd(name, &[&usual[..], more].concat());
+        let found = crowd_of(small(), name, &[&usual[..], more].concat());
         found["palette_hash"].as_str().unwrap().to_owned()
     };
     let one = hash("crowd-one", &[]);
@@ -188,8 +193,9 @@ fn a_clip_that_travels_is_played_on_the_spot() {
 #[test]
 fn a_budget_is_reported() {
     // Far more than any machine needs, and less than any clock can measure.
-    let rich = crowd("crowd-rich", &["--count", "200", "--budget-ms", "500"]);
-    let poor = crowd("crowd-poor", &["--count", "200", "--budget-ms", "0.000001"]);
+    let play = |name, budget| crowd_of(small(), name, &["--count", "200", "--budget-ms", budget]);
+    let rich = play("crowd-rich", "500");
+    let poor = play("crowd-poor", "0.000001");
     for found in [&rich, &poor] {
         assert!(number(&found["overrun_p95"]) >= 0.0);
         assert!(number(&found["budget"]["worst_px"]) >= 0.0);

@@ -15,7 +15,6 @@ use articula_flat::Supersampling;
 use articula_flat::flatten::{
     PrepareClipOptions, PreparedClip, Profile, Quality, ReferenceFrames, Settings, flatten,
 };
-use articula_flat::planar::PlanarClip;
 use articula_flat::planar::Shading;
 use articula_flat::planar::{BakeOptions, Lighting, PlanarSubject, Turntable, bake};
 use articula_flat::planar::{object_mask, reference};
@@ -38,7 +37,9 @@ const MOMENTS: [f64; 4] = [0.0, 5.25, 15.0, 25.75];
 struct Film {
     prepared: PreparedClip,
     fps: f64,
-    truth: PlanarClip,
+    truth: ReferenceFrames,
+    /// Picture and mask at each time.
+    pictures: Vec<(Picture, Vec<bool>)>,
 }
 
 fn film() -> &'static Film {
@@ -86,12 +87,18 @@ fn film() -> &'static Film {
         let clip = bake(&subject, &moments, &options).unwrap();
         let looks: Vec<f64> = MOMENTS.iter().map(|m| m / fps).collect();
         let truth = bake(&subject, &looks, &options).unwrap();
+        let picture = |m| {
+            let picture = reference(&truth, m, Supersampling::Eight, WHITE).unwrap();
+            let mask = object_mask(&truth, m, Supersampling::Eight).unwrap();
+            (picture, mask)
+        };
         let prepared =
             PreparedClip::new(clip, &PrepareClipOptions::default(), &mut Progress::none()).unwrap();
         Film {
             prepared,
             fps,
-            truth,
+            pictures: (0..MOMENTS.len()).map(picture).collect(),
+            truth: ReferenceFrames::new(&truth, &MOMENTS).unwrap(),
         }
     })
 }
@@ -108,10 +115,14 @@ fn file_of(profile: Profile, shading: Shading) -> Vec<u8> {
         name: "walk & <turn>".into(),
         max_bytes: None,
     };
-    let truth = ReferenceFrames::new(&film.truth, &MOMENTS).unwrap();
-    flatten(&film.prepared, &settings, &truth, &mut Progress::none())
-        .unwrap()
-        .bytes
+    flatten(
+        &film.prepared,
+        &settings,
+        &film.truth,
+        &mut Progress::none(),
+    )
+    .unwrap()
+    .bytes
 }
 
 fn item(kind: &'static str, name: &str, bytes: &[u8]) -> Item {
@@ -130,10 +141,9 @@ fn item(kind: &'static str, name: &str, bytes: &[u8]) -> Item {
 fn assert_near(what: &str, pictures: &[Picture], levels: f64, alike: f64) {
     assert_eq!(pictures.len(), MOMENTS.len());
     for (m, picture) in pictures.iter().enumerate() {
-        let truth = reference(&film().truth, m, Supersampling::Eight, WHITE).unwrap();
-        let mask = object_mask(&film().truth, m, Supersampling::Eight).unwrap();
-        let off = masked_rmse(picture, &truth, &mask).unwrap();
-        let near = ssim(picture, &truth).unwrap();
+        let (truth, mask) = &film().pictures[m];
+        let off = masked_rmse(picture, truth, mask).unwrap();
+        let near = ssim(picture, truth).unwrap();
         let at = MOMENTS[m];
         assert!(off <= levels, "{what}: {off} levels at frame {at}");
         assert!(near >= alike, "{what}: SSIM {near} at frame {at}");
@@ -192,8 +202,8 @@ fn chromium_plays_the_flip_book() {
     let seen = shots(&[item]).unwrap();
     let mut pictures = seen[0].pictures.iter();
     for (m, at) in MOMENTS.iter().enumerate().filter(|(_, m)| whole(m)) {
-        let truth = reference(&film().truth, m, Supersampling::Eight, WHITE).unwrap();
-        let near = ssim(pictures.next().unwrap(), &truth).unwrap();
+        let truth = &film().pictures[m].0;
+        let near = ssim(pictures.next().unwrap(), truth).unwrap();
         assert!(near > 0.97, "SSIM {near} at frame {at}");
     }
 }

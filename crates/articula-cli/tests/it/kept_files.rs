@@ -65,6 +65,8 @@ fn inputs(name: &str) -> PathBuf {
             "100",
             "--clip",
             "wave",
+            "--size",
+            "100",
         ],
     ];
     for words in made {

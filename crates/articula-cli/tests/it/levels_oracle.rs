@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Characters with skins and morph targets, sparse, quantised and shared arrays.
 const CHARACTERS: &[&str] = &[
     "glb/pab_arnaud.glb",
-    "glb/KayKit_Knight.glb",
+    "glb/Quaternius_platformer_game_pack__Character.glb",
     "glb/RobotExpressive.glb",
     "glb/MorphStressTest.gltf",
     "glb/mh_female_default163_arkit52.glb",

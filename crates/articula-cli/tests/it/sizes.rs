@@ -1,7 +1,7 @@
 //! Figures of any size: the unit of a file can be given for every format, sizes of no human are
 //! told, and crowds are as exact for a giant as for an adult.
 
-use crate::program::{articula, folder, human, json, short, small, word};
+use crate::program::{articula, folder, human, json, small, word};
 use serde_json::Value;
 
 fn height(found: &Value) -> f64 {
@@ -100,7 +100,7 @@ fn a_crowd_of_giants_is_as_exact_as_one_of_adults() {
     for factor in ["0.1", "1", "20"] {
         json(
             &here,
-            &["convert", word(short()), "o.glb", "--unit-metres", factor],
+            &["convert", word(small()), "o.glb", "--unit-metres", factor],
         );
         let [_, _, worst] = px("full");
         assert!(

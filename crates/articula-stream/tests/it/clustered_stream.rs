@@ -339,7 +339,7 @@ fn mutated_streams_give_a_character_or_an_error() {
         ],
         most: 3,
     };
-    const TRIES: usize = 1000;
+    const TRIES: usize = 500;
     let limits = StreamLimits {
         bytes: 1 << 20,
         elements: 1 << 16,

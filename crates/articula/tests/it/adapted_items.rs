@@ -31,7 +31,7 @@ fn walking() -> Option<&'static (Figure, Item)> {
             clips: vec!["Robot_Walking".to_owned()],
             mesh_levels: 4,
             texture_distances_m: vec![3.0],
-            flat_px: 100,
+            flat_px: 80,
             ..PackageOptions::default()
         };
         let item = package(opened.clone(), &options, &Executor::default()).unwrap();

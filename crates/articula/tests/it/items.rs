@@ -110,7 +110,9 @@ fn an_item_assembles_within_its_stated_errors() {
         } else {
             clip.to_owned()
         };
+        // The finest level is compared, and one is coarser.
         let options = PackageOptions {
+            mesh_levels: 2,
             clips: vec![clip.clone()],
             ..plain()
         };
@@ -317,9 +319,10 @@ fn check_textures(opened: &CharacterFile) {
         mesh_levels: 1,
         clips: vec![opened.character.clips[0].name.clone()],
         texture_distances_m: vec![2.0, 8.0],
+        least_texture_px: 256,
         viewport: Viewport {
-            width_px: 640.0,
-            height_px: 360.0,
+            width_px: 400.0,
+            height_px: 225.0,
             ..Viewport::default()
         },
         ..plain()
@@ -542,7 +545,7 @@ fn mutated_items_end_with_a_character_or_an_error() {
         most: 3,
     };
     for (changed, name) in files.iter().enumerate().map(|(i, f)| (i, f.0.clone())) {
-        let count = if name == MANIFEST { 120 } else { 25 };
+        let count = if name == MANIFEST { 80 } else { 12 };
         mutations.read_of(&files[changed].1, count, |bytes| {
             let mut files = files.clone();
             // Sizes follow, so that the bytes themselves are read.

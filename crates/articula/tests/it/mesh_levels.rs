@@ -21,8 +21,8 @@ fn again(bytes: &[u8]) -> CharacterFile {
 
 /// The reference human with four levels in which head, hands and the rest are apart.
 fn asset() -> CharacterFile {
-    static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
-    let bytes = BYTES.get_or_init(|| {
+    static ASSET: OnceLock<CharacterFile> = OnceLock::new();
+    let asset = ASSET.get_or_init(|| {
         let human = shortened(human(), 1.0);
         let options = PrepareOptions {
             mesh_levels: Some(MeshLevelOptions {
@@ -35,9 +35,9 @@ fn asset() -> CharacterFile {
             }),
             ..PrepareOptions::default()
         };
-        prepare(human, &options, &Executor::default()).unwrap().glb
+        again(&prepare(human, &options, &Executor::default()).unwrap().glb)
     });
-    again(bytes)
+    asset.clone()
 }
 
 fn shown(level: LevelChoice, view: Option<MeshView>) -> articula::Result<Converted> {

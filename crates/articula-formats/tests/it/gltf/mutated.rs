@@ -30,7 +30,7 @@ const WORDS: &[&str] = &[
 ];
 
 /// Number of mutants of each file.
-const TRIES: usize = 1000;
+const TRIES: usize = 500;
 
 const MUTATIONS: Mutations<'_> = Mutations {
     edits: &[

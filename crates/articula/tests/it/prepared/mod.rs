@@ -26,7 +26,7 @@ fn opened(glb: &[u8]) -> CharacterFile {
 /// A file with the beginnings of the first two clips of a character.
 fn brief(mut file: CharacterFile) -> CharacterFile {
     file.character.clips.truncate(2);
-    opened(&write(&shortened(file, 0.7), Format::Glb).unwrap().bytes)
+    opened(&write(&shortened(file, 0.5), Format::Glb).unwrap().bytes)
 }
 
 /// The reference human, which every test prepares anew: in few frames.
