@@ -3,8 +3,7 @@
 
 use crate::crowd::human_asset;
 use articula::crowd::{
-    CacheUse, Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Detail, ErrorMeter, ErrorSummary,
-    Viewport,
+    CacheUse, Camera, CrowdAsset, CrowdPlayer, Detail, ErrorMeter, ErrorSummary, Viewport,
 };
 use glam::Vec3;
 
