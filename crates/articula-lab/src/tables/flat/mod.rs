@@ -14,9 +14,6 @@ use anyhow::Result;
 use cases::{CASES, Case};
 use std::path::PathBuf;
 
-/// Fraction of its clip that a small run takes.
-const SMALL_SHARE: f64 = 0.4;
-
 /// The part of the table to run.
 #[derive(clap::Args, Default)]
 pub(crate) struct Choice {
@@ -49,11 +46,7 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
     let mut all = Vec::new();
     for (_, case) in CASES.iter().enumerate().filter(shown) {
         println!("{}", case.name);
-        let mut case = *case;
-        if run.small {
-            case.share *= SMALL_SHARE;
-        }
-        all.push(found(run, &case, choice)?);
+        all.push(found(run, case, choice)?);
     }
     let portraits = portraits::rows(run)?;
     run.save("flat", &page::page(&all, &portraits)?, &page::csv(&all)?)?;

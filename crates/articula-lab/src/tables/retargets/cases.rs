@@ -77,7 +77,7 @@ pub(super) const CASES: [Case; 24] = [
     case("FAIR1 jumping", file("bvh/fair1_jumping.bvh"), MAN).shown(),
     case("FAIR1 zombie", file("bvh/fair1_zombie.bvh"), GODETTE).shown(),
     case("pab run", clip(PAB, "run"), WOMAN).small(),
-    case("pab walk", clip(PAB, "walk"), HUMAN),
+    case("pab walk", clip(PAB, "walk"), HUMAN).small(),
     case(
         "KayKit running",
         clip(KAYKIT, "Rig_Medium|Running_A"),

@@ -100,9 +100,9 @@ impl Case {
         Ok(Some(super::peers::brotli(&text)?))
     }
 
-    /// Whether it is in the small run, with its first clip: that on which the bounds are.
+    /// Whether it is in the small run.
     pub(super) fn is_small(&self) -> bool {
-        self.name == "pab"
+        self.file.is_empty()
     }
 
     /// Opens the figure.
