@@ -9,12 +9,39 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::process::Command;
 
-/// Folders outside of the crates that tests read, with the crates whose tests do.
+/// Crates whose tests read the real characters.
+const ON_CHARACTERS: &[&str] = &[
+    "articula",
+    "articula-cli",
+    "articula-flat",
+    "articula-formats",
+    "articula-lab",
+    "articula-stream",
+];
+
+/// Files outside of a crate that its tests read or include.
 const READ_BY_TESTS: &[(&str, &[&str])] = &[
-    ("oracle/", &["articula", "articula-cli", "articula-stream"]),
-    ("assets/", &["articula", "articula-cli", "articula-formats"]),
-    ("docs/", &["articula-cli", "xtask"]),
-    ("README.md", &["articula-cli", "xtask"]),
+    (
+        "oracle/",
+        &[
+            "articula",
+            "articula-cli",
+            "articula-flat",
+            "articula-lab",
+            "articula-stream",
+        ],
+    ),
+    ("assets/", ON_CHARACTERS),
+    ("docs/", &["articula-cli"]),
+    ("README.md", &["articula-cli"]),
+    ("crates/articula-formats/tests/it/real/", ON_CHARACTERS),
+    (
+        "crates/articula-formats/tests/it/thinned/",
+        &["articula-cli"],
+    ),
+    ("crates/articula-cli/tests/it/judges/", &["articula-flat"]),
+    // The same tests without codecs; they run where those of the crate do.
+    ("crates/articula-stream-alone/", &["articula-stream"]),
 ];
 
 /// Files that every crate is built with.
@@ -32,7 +59,7 @@ impl Changed {
     /// and those that use them.
     pub(crate) fn since(revision: &str) -> Result<Self> {
         let git = |words: &[&str]| output(Command::new("git").args(words).current_dir(root()));
-        let differing = git(&["diff", "--name-only", revision, "--"])?;
+        let differing = git(&["diff", "--name-only", "--no-renames", revision, "--"])?;
         let untracked = git(&["ls-files", "--others", "--exclude-standard"])?;
         let metadata = output(cargo().args(["metadata", "--no-deps", "--format-version", "1"]))?;
         let metadata: Metadata =
@@ -147,6 +174,7 @@ mod tests {
             package("flat", &[("core", None), ("build", Some("dev"))]),
             package("articula", &[("build", None)]),
             package("articula-cli", &[("articula", None)]),
+            package("articula-flat", &[]),
             package("articula-stream", &[]),
             package("xtask", &[]),
         ];
@@ -156,7 +184,7 @@ mod tests {
 
     #[test]
     fn a_change_reaches_users_and_tests() {
-        let all = "articula articula-cli articula-stream build core flat xtask";
+        let all = "articula articula-cli articula-flat articula-stream build core flat xtask";
         assert_eq!(
             reached_by(&["crates/core/src/lib.rs"]),
             "articula articula-cli build core flat"
@@ -175,8 +203,12 @@ mod tests {
         assert_eq!(reached_by(&["Cargo.lock"]), all);
         assert_eq!(
             reached_by(&["oracle/scene.mjs"]),
-            "articula articula-cli articula-stream"
+            "articula articula-cli articula-flat articula-lab articula-stream"
         );
+        let judge = "crates/articula-cli/tests/it/judges/mod.rs";
+        assert_eq!(reached_by(&[judge]), "articula-cli articula-flat");
+        let alone = "crates/articula-stream-alone/tests/cut_alone.rs";
+        assert_eq!(reached_by(&[alone]), "articula-stream");
         assert_eq!(reached_by(&["LICENSE-MIT", "fuzz/Cargo.toml"]), "");
     }
 }

@@ -6,6 +6,7 @@
 //! arrays `allow`, `skip` and `deny`, one entry a line.
 
 use crate::outcome::Outcome;
+use crate::processes::output;
 use crate::workspace::{cargo, root};
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
@@ -82,13 +83,8 @@ pub(crate) fn check() -> Result<Outcome> {
         .with_context(|| format!("cannot read {}", file.display()))?;
     let policy = policy(&text)?;
     let words = ["metadata", "--format-version", "1", "--all-features"];
-    let output = cargo().args(words).arg("--locked").output()?;
-    ensure!(
-        output.status.success(),
-        "cargo metadata failed: {}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    let faults = faults(&policy, &serde_json::from_slice(&output.stdout)?);
+    let metadata = output(cargo().args(words).arg("--locked"))?;
+    let faults = faults(&policy, &serde_json::from_str(&metadata)?);
     for fault in &faults {
         println!("{fault}");
     }

@@ -151,7 +151,7 @@ fn the_literal_mode_is_that_of_xsltproc() {
 fn random_descriptions_are_transformed_as_by_xsltproc() {
     let mut judges = Judges::new("random_bba");
     let mut dice = Dice::new(21);
-    for case in 0..24 {
+    for case in 0..60 {
         let prefix = dice.of(&["", "g:"]);
         let (text, stream) = random_bba(&mut dice, prefix);
         let level = dice.roll(6) as u32;

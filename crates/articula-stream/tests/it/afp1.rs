@@ -316,7 +316,7 @@ proptest! {
 
 #[test]
 fn no_mutation_panics() {
-    let bytes = write(&clip(20), &Afp1Options::default()).unwrap();
+    let bytes = write(&clip(40), &Afp1Options::default()).unwrap();
     let mutations = Mutations {
         edits: &[
             Edit::FlipBit,
@@ -339,7 +339,7 @@ fn no_mutation_panics() {
         }
         true
     };
-    let read = mutations.read_of(&bytes, 1500, whole);
+    let read = mutations.read_of(&bytes, 3000, whole);
     assert!(read > 100, "only {read} mutants were read");
     for bytes in cut_off(&bytes) {
         whole(bytes);

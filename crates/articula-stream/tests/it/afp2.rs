@@ -246,10 +246,9 @@ fn every_prefix_decodes_to_frames_of_the_whole() {
     for order in [UnitOrder::Tier, UnitOrder::Value] {
         let options = Afp2Options {
             order,
-            access_unit_secs: 0.5,
             ..Afp2Options::default()
         };
-        let bytes = write(&clip(36), &options).unwrap().bytes;
+        let bytes = write(&clip(120), &options).unwrap().bytes;
         let whole = decoded(&bytes).clip.frames;
         let mut receiver = FaceReceiver::new(&NO_FADE, &LIMITS).unwrap();
         let mut known = 0;
@@ -262,8 +261,8 @@ fn every_prefix_decodes_to_frames_of_the_whole() {
             assert_eq!(shown.clip.frames.len(), receiver.frames());
             assert!(receiver.frames() >= known);
             known = receiver.frames();
-            // Access units before the last one that has begun are whole: two of 12 frames.
-            let sure = known.saturating_sub(12);
+            // Access units before the last one that has begun are whole: two of 40 frames.
+            let sure = known.saturating_sub(40);
             assert_eq!(shown.clip.frames[..sure], whole[..sure]);
             if end.is_multiple_of(97) {
                 assert_eq!(decoded(&bytes[..=end]), shown);
@@ -343,7 +342,7 @@ proptest! {
 
 #[test]
 fn no_mutation_panics() {
-    let bytes = write(&clip(20), &Afp2Options::default()).unwrap().bytes;
+    let bytes = write(&clip(40), &Afp2Options::default()).unwrap().bytes;
     let mutations = Mutations {
         edits: &[
             Edit::FlipBit,
@@ -370,7 +369,7 @@ fn no_mutation_panics() {
         assert!(used.bytes_max < 16 << 20, "{} bytes", used.bytes_max);
         read(bytes, &NO_FADE, &LIMITS).is_ok()
     };
-    let read = mutations.read_of(&bytes, 1000, whole);
+    let read = mutations.read_of(&bytes, 2000, whole);
     assert!(read > 100, "only {read} mutants were read");
     for bytes in cut_off(&bytes) {
         whole(bytes);

@@ -169,7 +169,7 @@ fn values_beyond_all_ranges_are_refused() {
 
 #[test]
 fn no_mutation_panics() {
-    let bytes = write(&clip(20, |_| true), &FbaOptions::default()).unwrap();
+    let bytes = write(&clip(40, |_| true), &FbaOptions::default()).unwrap();
     let mutations = Mutations {
         edits: &[
             Edit::FlipBit,
@@ -186,7 +186,7 @@ fn no_mutation_panics() {
             false
         }
     };
-    mutations.read_of(&bytes, 1000, whole);
+    mutations.read_of(&bytes, 3000, whole);
     for bytes in cut_off(&bytes) {
         assert!(!whole(bytes));
     }

@@ -23,5 +23,4 @@ mod motion_stream;
 mod mp4;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
-mod small_human;
 mod stored_levels;

@@ -260,8 +260,6 @@ fn what_comes_back_keeps_its_id() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(80))]
-
     #[test]
     fn any_faces_come_back(fine in any_soup(), seed: u64) {
         check_chain(&coarser(&fine, seed), &fine);
