@@ -22,6 +22,7 @@ mod platform;
 mod processes;
 mod run_times;
 mod steps;
+mod test_compiler;
 mod test_programs;
 mod tidy;
 mod wasm;
@@ -69,6 +70,9 @@ Environment:
 ";
 
 fn main() -> ExitCode {
+    if let Some(ended) = test_compiler::compile() {
+        return ended;
+    }
     let words: Vec<String> = std::env::args().skip(1).collect();
     let done = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["demo"] => chores::demo(),

@@ -4,6 +4,7 @@
 //! again that is named alone, with the features of this package alone.
 
 use crate::processes::{add_processor_time, ensure_success, run_lines, take_processor_time};
+use crate::test_compiler;
 use crate::workspace::cargo;
 use anyhow::{Result, bail, ensure};
 use serde::Serialize;
@@ -15,7 +16,12 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 /// Test programs that take the longest, the longest first; they are started before the others.
-const LONGEST: &[&str] = &["articula-cli it", "articula it", "articula-lab (bin)"];
+const LONGEST: &[&str] = &[
+    "articula-cli it",
+    "articula-lab (bin)",
+    "articula it",
+    "articula-stream it",
+];
 
 /// One test program.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,7 +48,8 @@ pub(crate) fn build() -> Result<Vec<TestProgram>> {
     let words = ["test", "--workspace", "--no-run", "--message-format"];
     let mut programs = Vec::new();
     let mut call = cargo();
-    let status = run_lines(call.args(words).arg("json-render-diagnostics"), |message| {
+    call.args(words).arg("json-render-diagnostics");
+    let status = run_lines(test_compiler::wrap(&mut call)?, |message| {
         programs.extend(program_of(message))
     })?;
     ensure_success(&call, status)?;

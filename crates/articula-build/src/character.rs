@@ -106,3 +106,20 @@ fn numbers_of(clip: &Clip) -> usize {
             .map(|t| t.values.len())
             .sum::<usize>()
 }
+
+/// The reference human with the fewest triangles, for the tests of this crate.
+#[cfg(test)]
+pub(crate) mod small_human {
+    use super::{Asset, ClipOptions, character};
+    use articula_human::{HumanOptions, human};
+    use std::sync::OnceLock;
+
+    /// Created once, because its body takes seconds.
+    pub(crate) fn small_human() -> &'static Asset {
+        static HUMAN: OnceLock<Asset> = OnceLock::new();
+        HUMAN.get_or_init(|| {
+            let source = human(&HumanOptions { triangles: 2000 }).unwrap();
+            character(&source, None, &ClipOptions::default()).unwrap()
+        })
+    }
+}

@@ -86,24 +86,17 @@ fn kept(mesh: &Mesh, keep: &[bool]) -> Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::character::character;
-    use crate::clip::ClipOptions;
-    use articula_human::{HumanOptions, human};
-
-    fn asset() -> Asset {
-        let source = human(&HumanOptions { triangles: 2000 }).unwrap();
-        character(&source, None, &ClipOptions::default()).unwrap()
-    }
+    use crate::character::small_human::small_human;
 
     #[test]
     fn reaches_the_count_and_uses_what_is_kept_alone() {
-        let asset = asset();
+        let asset = small_human();
         let low = |t: &[u32; 3]| t.iter().all(|v| asset.mesh.positions[*v as usize].y < 1.2);
         let keep: Vec<bool> = asset.mesh.triangles.iter().map(low).collect();
         let count = keep.iter().filter(|k| **k).count();
-        let all = decimate(&asset, &keep, Some(0), usize::MAX, &[]).unwrap();
+        let all = decimate(asset, &keep, Some(0), usize::MAX, &[]).unwrap();
         assert_eq!(all.len(), count);
-        let fewer = decimate(&asset, &keep, Some(0), count / 3, &[]).unwrap();
+        let fewer = decimate(asset, &keep, Some(0), count / 3, &[]).unwrap();
         assert!(
             fewer.len() <= count / 3 && fewer.len() > count / 4,
             "{}",
@@ -114,9 +107,9 @@ mod tests {
 
     #[test]
     fn refuses_what_does_not_fit() {
-        let asset = asset();
-        assert!(decimate(&asset, &[true], None, 10, &[]).is_err());
+        let asset = small_human();
+        assert!(decimate(asset, &[true], None, 10, &[]).is_err());
         let keep = vec![true; asset.mesh.triangles.len()];
-        assert!(decimate(&asset, &keep, Some(99), 10, &[]).is_err());
+        assert!(decimate(asset, &keep, Some(99), 10, &[]).is_err());
     }
 }

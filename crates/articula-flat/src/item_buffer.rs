@@ -608,6 +608,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(96))]
+
         /// Every sample of a jittered grid is covered exactly once, with either winding.
         #[test]
         fn shared_edges_neither_overlap_nor_gap(

@@ -3,7 +3,19 @@
 //! These are unit tests of the program, so that they share its build with the other tests.
 
 use crate::{Arguments, run};
+use articula_build::{Asset, ClipOptions, character};
+use articula_human::HumanOptions;
 use clap::Parser;
+use std::sync::LazyLock;
+
+/// The reference human with few triangles, for all tests of the program.
+pub(crate) fn human() -> &'static Asset {
+    static HUMAN: LazyLock<Asset> = LazyLock::new(|| {
+        let source = articula_human::human(&HumanOptions { triangles: 2_000 }).unwrap();
+        character(&source, None, &ClipOptions::default()).unwrap()
+    });
+    &HUMAN
+}
 
 /// Runs one table from its command line and returns the page. Where the full data is missing, the
 /// repository's own characters are enough.

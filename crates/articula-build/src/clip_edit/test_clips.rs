@@ -148,27 +148,32 @@ pub(super) fn greatest_difference(
     in_b: impl Fn(f32) -> f32,
     span: f32,
 ) -> f32 {
+    let times = (0..=100).map(|i| span * i as f32 / 100.0);
+    let apart = times.map(|t| difference(a, b, in_a(t), in_b(t)));
+    apart.fold(0.0, f32::max)
+}
+
+/// The maximum difference of any float of two clips, each at its own time; a rotation and its
+/// negative are equal.
+pub(super) fn difference(a: &RawClip, b: &RawClip, in_a: f32, in_b: f32) -> f32 {
     let mut worst = 0.0f32;
     for (ca, cb) in a.channels.iter().zip(&b.channels) {
-        for i in 0..=100 {
-            let t = span * i as f32 / 100.0;
-            // A jump of a step may be on either side because of rounding.
-            let jumps = |c: &Channel, t: f32| {
-                c.interpolation == Interpolation::Step
-                    && c.times_secs.iter().any(|k| (k - t).abs() < 1e-4)
-            };
-            if jumps(ca, in_a(t)) || jumps(cb, in_b(t)) {
-                continue;
-            }
-            let va = channel::value(ca, in_a(t));
-            let mut vb = channel::value(cb, in_b(t));
-            let dot: f32 = va.iter().zip(&vb).map(|(x, y)| x * y).sum();
-            if ca.property == Property::Rotation && dot < 0.0 {
-                vb.iter_mut().for_each(|v| *v = -*v);
-            }
-            let difference = va.iter().zip(&vb).map(|(x, y)| (x - y).abs());
-            worst = worst.max(difference.fold(0.0, f32::max));
+        // A jump of a step may be on either side because of rounding.
+        let jumps = |c: &Channel, t: f32| {
+            c.interpolation == Interpolation::Step
+                && c.times_secs.iter().any(|k| (k - t).abs() < 1e-4)
+        };
+        if jumps(ca, in_a) || jumps(cb, in_b) {
+            continue;
         }
+        let va = channel::value(ca, in_a);
+        let mut vb = channel::value(cb, in_b);
+        let dot: f32 = va.iter().zip(&vb).map(|(x, y)| x * y).sum();
+        if ca.property == Property::Rotation && dot < 0.0 {
+            vb.iter_mut().for_each(|v| *v = -*v);
+        }
+        let difference = va.iter().zip(&vb).map(|(x, y)| (x - y).abs());
+        worst = worst.max(difference.fold(0.0, f32::max));
     }
     worst
 }

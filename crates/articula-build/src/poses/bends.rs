@@ -141,24 +141,19 @@ fn hinge(asset: &Asset, model: &ModelPose, joint: usize, front: Vec3) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::character::small_human::small_human;
     use articula_core::angle_between;
-    use articula_human::{HumanOptions, human};
-
-    fn someone() -> Asset {
-        let source = human(&HumanOptions { triangles: 2000 }).unwrap();
-        crate::character::character(&source, None, &Default::default()).unwrap()
-    }
 
     #[test]
     fn elbows_bend_forwards_knees_backwards_and_nobody_beyond_a_limit() {
-        let asset = someone();
+        let asset = small_human();
         let rig = &asset.rig;
-        let mut bends = Bends::new(&asset, 3);
+        let mut bends = Bends::new(asset, 3);
         let at = |name: &str| rig.find(name).unwrap();
         let (elbow, wrist) = (at("l_elbow"), at("l_wrist"));
         let (knee, ankle) = (at("r_knee"), at("r_ankle"));
         for _ in 0..20 {
-            let pose = bends.next(&asset);
+            let pose = bends.next(asset);
             for j in 0..rig.len() {
                 let turned = angle_between(pose.joints.rotations[j], rig.rest_pose().rotations[j]);
                 let limit = limit_degrees(&rig.articulation().joints[j]).to_radians();

@@ -1,18 +1,28 @@
 //! `adapt` and `gbsd`: one item in several contexts, by both engines.
 
 use crate::judges::{is_here, is_required};
-use crate::program::{articula, fault, folder, human, json, word};
+use crate::program::{articula, fault, folder, json, small, word};
 use crate::real;
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::OnceLock;
 
-/// Packages a walking robot without forms in 2D.
+/// Writes an item of a walking robot without forms in 2D, packaged once for all tests.
 fn item(here: &Path) -> bool {
-    let Some(robot) = real::file("glb/RobotExpressive.glb") else {
-        return false;
-    };
-    let words = ["package", word(&robot), "robot", "--clip", "Robot_Walking"];
-    json(here, &[&words[..], &["--levels", "3", "--no-2d"]].concat());
+    static MADE: OnceLock<Option<BTreeMap<String, Vec<u8>>>> = OnceLock::new();
+    let made = MADE.get_or_init(|| {
+        let robot = real::file("glb/RobotExpressive.glb")?;
+        let here = folder("adaptation-item");
+        let words = ["package", word(&robot), "robot", "--clip", "Robot_Walking"];
+        json(&here, &[&words[..], &["--levels", "3", "--no-2d"]].concat());
+        Some(files(&here))
+    });
+    let Some(made) = made else { return false };
+    for (name, bytes) in made {
+        let path = here.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
     true
 }
 
@@ -156,9 +166,9 @@ fn contexts_tables_and_descriptions_are_read_and_written() {
     assert!(why.contains("clips/Robot_Walking.abp"), "{why}");
     let why = fault(&here, 2, &["gbsd", "robot", "clips/fly.abp"]);
     assert!(why.contains("is no stream of the item"), "{why}");
-    let why = fault(&here, 1, &["gbsd", word(human())]);
+    let why = fault(&here, 1, &["gbsd", word(small())]);
     assert!(why.contains("no stream with units"), "{why}");
-    let why = fault(&here, 2, &["adapt", word(human()), "out"]);
+    let why = fault(&here, 2, &["adapt", word(small()), "out"]);
     assert!(why.contains("no digital item"), "{why}");
     let why = fault(&here, 2, &["adapt", "robot", "robot"]);
     assert!(why.contains("the item itself"), "{why}");

@@ -1,6 +1,6 @@
 //! Assets on the command line: what is stored is played, and what does not belong is told.
 
-use crate::program::{articula, fault, folder, human, json, word};
+use crate::program::{articula, fault, folder, json, short, word};
 use crate::real::file;
 use serde_json::Value;
 use std::path::Path;
@@ -24,11 +24,14 @@ fn timeless(mut report: Value) -> Value {
     report
 }
 
-/// Builds an asset of a file and compares what commands say of both.
-fn same_reports(name: &str, source: &Path, runs: &[&[&str]]) {
+/// Builds an asset of a file, cut first, and compares what commands say of both.
+fn same_reports(name: &str, source: &Path, cut: &[&str], runs: &[&[&str]]) {
     let folders = ["source", "asset"].map(|of| folder(&format!("same-{name}-{of}")));
     // The name of the file is in the reports.
-    std::fs::copy(source, folders[0].join("a.glb")).unwrap();
+    json(
+        &folders[0],
+        &[&["convert", word(source), "a.glb"], cut].concat(),
+    );
     let asset = folders[1].join("a.glb");
     let built = json(
         &folders[0],
@@ -76,31 +79,39 @@ fn the_reference_human_plays_the_same_from_its_asset() {
         ],
     ];
     let runs: Vec<&[&str]> = runs.iter().map(Vec::as_slice).collect();
-    same_reports("human", human(), &runs);
+    same_reports("human", short(), &[], &runs);
 }
 
 #[test]
 fn six_characters_play_the_same_from_their_assets() {
+    // Part of the motions: the tables of a frame do not depend on those of others.
+    let start: &[&str] = &["--trim", "..0.4"];
     let characters = [
-        "glb/CesiumMan.glb",
-        "glb/RiggedFigure.glb",
-        "glb/Fox.glb",
-        "glb/pab_arnaud.glb",
-        "glb/Quaternius_single_knight_pack__KnightCharacter.glb",
-        "glb/Quaternius_platformer_game_pack__Character.glb",
+        ("glb/CesiumMan.glb", start),
+        ("glb/RiggedFigure.glb", &[]),
+        ("glb/Fox.glb", start),
+        ("glb/pab_arnaud.glb", &["--clip", "jog", "--trim", "..0.4"]),
+        (
+            "glb/Quaternius_single_knight_pack__KnightCharacter.glb",
+            &["--clip", "HumanArmature|Run"],
+        ),
+        (
+            "glb/Quaternius_platformer_game_pack__Character.glb",
+            &["--clip", "CharacterArmature|Walk"],
+        ),
     ];
-    for name in characters {
+    for (name, cut) in characters {
         let Some(path) = file(name) else { continue };
-        let short = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let stem = path.file_stem().unwrap().to_string_lossy().into_owned();
         let lod: &[&str] = &["lod", "a.glb", "--method", "thesis", "--distances", "9"];
-        same_reports(&short, &path, &[CROWD, lod]);
+        same_reports(&stem, &path, cut, &[CROWD, lod]);
     }
 }
 
 #[test]
 fn clips_are_stored_as_motion_streams_beside_their_keys() {
     let here = folder("compact");
-    let words = ["build", word(human()), "a.glb", "--compact-clips=0.5"];
+    let words = ["build", word(short()), "a.glb", "--compact-clips=0.5"];
     let built = json(&here, &words);
     for clip in built["clips"].as_array().unwrap() {
         let compact = &clip["compact"];
@@ -126,7 +137,7 @@ fn clips_are_stored_as_motion_streams_beside_their_keys() {
         let expected = made["compact"]["bytes"].as_u64().unwrap() + 32;
         assert_eq!(stored["motion_tables"]["compact"], expected);
     }
-    json(&here, &["build", word(human()), "plain.glb"]);
+    json(&here, &["build", word(short()), "plain.glb"]);
     let found = json(&here, &["build", "--check", "plain.glb"]);
     let parts = found["parts"].as_array().unwrap();
     let compact = parts.iter().find(|p| p["part"] == "compact-clips").unwrap();
@@ -136,7 +147,7 @@ fn clips_are_stored_as_motion_streams_beside_their_keys() {
 #[test]
 fn a_check_says_what_is_missing_or_stale() {
     let here = folder("check");
-    let build = |words: &[&str]| articula(&here, &[&["build", word(human())], words].concat());
+    let build = |words: &[&str]| articula(&here, &[&["build", word(short())], words].concat());
     assert_eq!(build(&["whole.glb", "--levels", "3"]).status, 0);
     let found = json(&here, &["build", "--check", "whole.glb"]);
     assert_eq!(found["is_whole"], true, "{found}");

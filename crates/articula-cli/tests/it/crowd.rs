@@ -1,7 +1,8 @@
 //! `crowd` behaves as documented in `docs/commands.md`.
 
-use crate::program::{BVH, articula, fault, folder, human, json, word};
+use crate::program::{BVH, articula, fault, folder, json, prepared, small, word};
 use serde_json::Value;
+use std::path::Path;
 
 fn number(value: &Value) -> f64 {
     value
@@ -11,8 +12,12 @@ fn number(value: &Value) -> f64 {
 
 /// A crowd of the reference human, short enough for a test.
 fn crowd(name: &str, words: &[&str]) -> Value {
+    crowd_of(prepared(), name, words)
+}
+
+fn crowd_of(character: &Path, name: &str, words: &[&str]) -> Value {
     let here = folder(name);
-    let mut all = vec!["crowd", word(human()), "--seconds", "0.2"];
+    let mut all = vec!["crowd", word(character), "--seconds", "0.2"];
     all.extend(words);
     json(&here, &all)
 }
@@ -88,7 +93,7 @@ fn a_named_level_keeps_what_it_names() {
 fn threads_backends_and_repetition_change_no_bit() {
     let hash = |name: &str, more: &[&str]| {
         let usual = ["--count", "300", "--scene", "plaza-2"];
-        let found = crowd(name, &[&usual[..], more].concat());
+        let found = crowd_of(small(), name, &[&usual[..], more].concat());
         found["palette_hash"].as_str().unwrap().to_owned()
     };
     let one = hash("crowd-one", &[]);
@@ -146,7 +151,7 @@ fn cached_poses_stay_within_the_tolerance() {
         2,
         &[
             "crowd",
-            word(human()),
+            word(prepared()),
             "--source",
             "records",
             "--level",
@@ -188,8 +193,9 @@ fn a_clip_that_travels_is_played_on_the_spot() {
 #[test]
 fn a_budget_is_reported() {
     // Far more than any machine needs, and less than any clock can measure.
-    let rich = crowd("crowd-rich", &["--count", "200", "--budget-ms", "500"]);
-    let poor = crowd("crowd-poor", &["--count", "200", "--budget-ms", "0.000001"]);
+    let play = |name, budget| crowd_of(small(), name, &["--count", "200", "--budget-ms", budget]);
+    let rich = play("crowd-rich", "500");
+    let poor = play("crowd-poor", "0.000001");
     for found in [&rich, &poor] {
         assert!(number(&found["overrun_p95"]) >= 0.0);
         assert!(number(&found["budget"]["worst_px"]) >= 0.0);
@@ -207,7 +213,7 @@ fn a_budget_is_reported() {
         &folder("crowd-budget-full"),
         &[
             "crowd",
-            word(human()),
+            word(prepared()),
             "--budget-ms",
             "1",
             "--level",
@@ -220,8 +226,16 @@ fn a_budget_is_reported() {
 #[test]
 fn a_saved_scene_plays_the_same() {
     let here = folder("crowd-scene");
-    let words =
-        |scene: &'static str| vec!["crowd", word(human()), "--scene", scene, "--seconds", "0.1"];
+    let words = |scene: &'static str| {
+        vec![
+            "crowd",
+            word(prepared()),
+            "--scene",
+            scene,
+            "--seconds",
+            "0.1",
+        ]
+    };
     let mut first = words("plaza-2");
     first.extend(["--count", "60", "--save-scene", "square.json"]);
     let first = json(&here, &first);
@@ -245,7 +259,14 @@ fn a_saved_scene_plays_the_same() {
 #[test]
 fn plots_and_pictures_are_written() {
     let here = folder("crowd-files");
-    let words = ["crowd", word(human()), "--count", "30", "--seconds", "0.1"];
+    let words = [
+        "crowd",
+        word(prepared()),
+        "--count",
+        "30",
+        "--seconds",
+        "0.1",
+    ];
     let more = ["--plot", "time.svg", "--picture", "crowd.png"];
     let found = json(&here, &[&words[..], &more].concat());
     assert_eq!(found["written"].as_array().unwrap().len(), 2);
@@ -260,7 +281,14 @@ fn plots_and_pictures_are_written() {
 #[test]
 fn buffers_are_written_with_what_they_hold() {
     let here = folder("crowd-buffers");
-    let words = ["crowd", word(human()), "--count", "30", "--seconds", "0.1"];
+    let words = [
+        "crowd",
+        word(prepared()),
+        "--count",
+        "30",
+        "--seconds",
+        "0.1",
+    ];
     let more = ["--buffers", "frame", "--source", "records"];
     let all = [&words[..], &more].concat();
     let found = json(&here, &all);
@@ -376,7 +404,7 @@ fn coarser_meshes_go_with_coarser_joints_and_stay_within_the_tolerance() {
         2,
         &[
             "crowd",
-            word(human()),
+            word(prepared()),
             "--mesh-levels",
             "2",
             "--level",
@@ -390,7 +418,7 @@ fn coarser_meshes_go_with_coarser_joints_and_stay_within_the_tolerance() {
 fn mistakes_are_answered_with_their_mend() {
     let here = folder("crowd-wrong");
     let with = |more: &[&'static str]| -> Vec<&str> {
-        [&["crowd", word(human()), "--seconds", "0.1"], more].concat()
+        [&["crowd", word(small()), "--seconds", "0.1"], more].concat()
     };
     for (status, words, part) in [
         (2, ["--clip", "fly"], "the file has \"idle\""),
@@ -433,14 +461,14 @@ fn roles_and_walls_of_a_scene_are_played_and_reported() {
         "--save-scene",
         "s.json",
     ];
-    let open = json(&here, &[&["crowd", word(human())], &save[..]].concat());
+    let open = json(&here, &[&["crowd", word(prepared())], &save[..]].concat());
     let text = std::fs::read_to_string(here.join("s.json")).unwrap();
     let mut scene: Value = serde_json::from_str(&text).unwrap();
     // Across the middle of the plaza, higher than anyone.
     let wall = r#"[{"centre": [0, 2, 0], "size": [60, 4, 0.2]}]"#;
     scene["walls"] = serde_json::from_str(wall).unwrap();
     std::fs::write(here.join("walled.json"), scene.to_string()).unwrap();
-    let walled = ["crowd", word(human()), "--scene", "walled.json"];
+    let walled = ["crowd", word(prepared()), "--scene", "walled.json"];
     let play = |more: &[&str]| json(&here, &[&walled[..], &["--seconds", "0.1"], more].concat());
     let found = play(&["--role", "main=0-99"]);
     let occluded = number(&found["occluded"]);
@@ -489,7 +517,7 @@ fn several_characters_share_a_scene_that_can_be_saved() {
     std::fs::write(here.join("side.json"), path).unwrap();
     let usual = ["--count", "60", "--seconds", "0.1"];
     let views = ["--camera-path", "side.json", "--camera-path", "side.json"];
-    let files = ["crowd", word(human()), "walker.bvh", "walker.bvh"];
+    let files = ["crowd", word(prepared()), "walker.bvh", "walker.bvh"];
     let save = ["--save-scene", "sub/s.json", "--buffers", "out"];
     std::fs::create_dir_all(here.join("sub")).unwrap();
     let made = json(&here, &[&files[..], &usual, &views, &save].concat());
@@ -528,7 +556,7 @@ fn several_characters_share_a_scene_that_can_be_saved() {
     assert_eq!(of_each(&played), of_each(&made));
     for (words, says) in [
         (
-            &["crowd", word(human()), "--scene", "sub/s.json"][..],
+            &["crowd", word(prepared()), "--scene", "sub/s.json"][..],
             "names its characters",
         ),
         (&["crowd", "--count", "9"], "no character"),

@@ -1,6 +1,6 @@
 //! `flatten` on the command line: files, numbers and refused input.
 
-use crate::program::{articula, fault, folder, human, json, word};
+use crate::program::{articula, fault, folder, json, short, word};
 use serde_json::Value;
 use std::path::Path;
 
@@ -16,7 +16,7 @@ const SMALL: [&str; 8] = [
 ];
 
 fn flatten(here: &Path, out: &str, more: &[&str]) -> Value {
-    let words = [&["flatten", word(human()), out], &SMALL[..], more].concat();
+    let words = [&["flatten", word(short()), out], &SMALL[..], more].concat();
     json(here, &words)
 }
 
@@ -116,7 +116,7 @@ fn the_same_command_writes_the_same_bytes() {
 #[test]
 fn wrong_words_and_files_are_told_in_one_line() {
     let here = folder("flatten-refused");
-    let human = word(human());
+    let human = word(short());
     for (status, words, expected) in [
         (2, vec!["flatten", human, "a.bmp"], "name the file .svg"),
         (2, vec!["flatten", human, "a.svg", "--exact"], "--exact"),

@@ -1,7 +1,7 @@
 //! `flatten` judged by the largest local difference: triangle count, lost painting, missed budgets,
 //! and the Gouraud form of the thesis.
 
-use crate::program::{fault, folder, human, json, word};
+use crate::program::{fault, folder, json, short, small, word};
 use articula_flat::Picture;
 use serde_json::{Value, json as object};
 use std::path::{Path, PathBuf};
@@ -77,6 +77,51 @@ fn face(path: &Path, smiles: bool) {
     std::fs::write(path, file.to_string()).unwrap();
 }
 
+/// A ball of 1152 triangles in one colour.
+fn ball(path: &Path) {
+    const SIDE: u16 = 24;
+    let part = |i: u16| f32::from(i) / f32::from(SIDE) * std::f32::consts::PI;
+    let rows = (0..=SIDE).flat_map(|row| (0..SIDE).map(move |column| (row, column)));
+    let places = rows.map(|(row, column)| {
+        let ((up, round), (sin, cos)) = (part(row).sin_cos(), (2.0 * part(column)).sin_cos());
+        [up * cos, 1.0 + round, up * sin]
+    });
+    let corners = (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (row, column)));
+    let corners = corners.flat_map(|(row, column)| {
+        let at = |row: u16, column: u16| row * SIDE + column % SIDE;
+        let (a, b) = (at(row, column), at(row, column + 1));
+        let (c, d) = (at(row + 1, column), at(row + 1, column + 1));
+        [a, b, d, a, d, c]
+    });
+    let mut bytes: Vec<u8> = places.flatten().flat_map(f32::to_le_bytes).collect();
+    let start = bytes.len();
+    bytes.extend(corners.flat_map(u16::to_le_bytes));
+    let buffer = path.with_extension("bin");
+    std::fs::write(&buffer, &bytes).unwrap();
+    let file = object!({
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": "ball"}],
+        "meshes": [{"name": "ball", "primitives": [{
+            "attributes": {"POSITION": 0}, "indices": 1, "material": 0,
+        }]}],
+        "materials": [{"name": "clay"}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": start / 12, "type": "VEC3",
+             "min": [-1, 0, -1], "max": [1, 2, 1]},
+            {"bufferView": 1, "componentType": 5123, "count": (bytes.len() - start) / 2,
+             "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": start},
+            {"buffer": 0, "byteOffset": start, "byteLength": bytes.len() - start},
+        ],
+        "buffers": [{"byteLength": bytes.len(), "uri": "ball.bin"}],
+    });
+    std::fs::write(path, file.to_string()).unwrap();
+}
+
 fn warnings(report: &Value) -> Vec<&str> {
     let all = report["warnings"].as_array().unwrap().iter();
     all.map(|w| w.as_str().unwrap()).collect()
@@ -115,7 +160,11 @@ fn a_painted_smile_does_not_vanish_unnoticed() {
     assert_eq!(warnings(&plain), Vec::<&str>::new());
     assert_eq!(plain["dropped_detail"], object!([]));
     assert!(plain["error"]["local"]["face"]["delta_e"].as_f64().unwrap() < 5.0);
-    let text = crate::program::articula(&here, &["flatten", "smile.gltf", "again.svg"]).out;
+    let text = crate::program::articula(
+        &here,
+        &["flatten", "smile.gltf", "again.svg", "--size", "120"],
+    )
+    .out;
     assert!(
         text.contains("\nwarning: texture detail of the face"),
         "{text}"
@@ -176,7 +225,7 @@ fn a_missed_budget_writes_the_smallest_file_and_says_by_how_much() {
     let here = folder("flatten-over");
     let base = [
         "flatten",
-        word(human()),
+        word(small()),
         "a.svg",
         "--clip",
         "walk",
@@ -201,18 +250,33 @@ fn a_missed_budget_writes_the_smallest_file_and_says_by_how_much() {
         told.contains(&format!("{} more than --max-bytes 500", raw(&given) - 500)),
         "{told}"
     );
+
     // A count that is not given may fall, too.
-    let free = with(&["--max-bytes", "500"]);
+    ball(&here.join("ball.gltf"));
+    let still = |out, most: &str, more: &[&str]| {
+        let words = [
+            "flatten",
+            "ball.gltf",
+            out,
+            "--size",
+            "120",
+            "--max-bytes",
+            most,
+        ];
+        json(&here, &[&words[..], more].concat())
+    };
+    let given = still("b.svg", "500", &["--triangles", "200"]);
+    let free = still("c.svg", "500", &[]);
     assert!(free["triangles"].as_u64().unwrap() < 200 && raw(&free) < raw(&given));
-    let budget = (raw(&given) / 2).to_string();
-    let held = with(&["--max-bytes", &budget]);
-    assert!(raw(&held) <= raw(&given) / 2 && held["bytes_over"] == Value::Null);
+    let most = (raw(&given) + raw(&free)) / 2;
+    let held = still("c.svg", &most.to_string(), &[]);
+    assert!(raw(&held) <= most && held["bytes_over"] == Value::Null);
 }
 
 #[test]
 fn the_gouraud_form_of_the_thesis_has_a_flag() {
     let here = folder("flatten-gouraud");
-    let human = word(human());
+    let human = word(short());
     let base = [
         "flatten",
         human,

@@ -1,6 +1,6 @@
 //! Digital items: `package`, `inspect ITEM/` and what other commands make of an item.
 
-use crate::program::{articula, fault, folder, human, json, word};
+use crate::program::{articula, fault, folder, json, small, word};
 use crate::real;
 
 #[test]
@@ -13,6 +13,10 @@ fn a_character_is_packaged_inspected_and_assembled() {
     };
     let here = folder("item");
     std::fs::write(here.join("voice.wav"), b"RIFF").unwrap();
+    // Part of its motions: a picture is drawn of each frame.
+    let cut = ["convert", word(&head), "cut.glb", "--trim", "1..1.4"];
+    json(&here, &cut);
+    let head = here.join("cut.glb");
     let words = [
         "package",
         word(&head),
@@ -87,7 +91,7 @@ fn a_character_is_packaged_inspected_and_assembled() {
 #[test]
 fn mistakes_are_one_line() {
     let here = folder("item-mistakes");
-    let human = word(human());
+    let human = word(small());
     let why = fault(&here, 2, &["package", human, "item", "--clip", "fly"]);
     assert!(why.contains("there is no clip \"fly\""), "{why}");
     let why = fault(&here, 2, &["package", human, "item", "--face", human]);

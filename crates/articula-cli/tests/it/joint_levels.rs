@@ -1,6 +1,6 @@
 //! `inspect --joint-levels` on the command line.
 
-use crate::program::{BVH, articula, fault, folder, human, json, word};
+use crate::program::{BVH, articula, fault, folder, json, short, word};
 use serde_json::Value;
 
 fn levels(found: &Value) -> &Vec<Value> {
@@ -48,7 +48,7 @@ fn check(levels: &[Value], joints: f64) {
 #[test]
 fn levels_of_joints_are_listed_and_far_ones_are_marked() {
     let here = folder("joint-levels");
-    let human = word(human());
+    let human = word(short());
     let found = json(&here, &["inspect", human, "--joint-levels"]);
     let all = levels(&found);
     check(all, 89.0);

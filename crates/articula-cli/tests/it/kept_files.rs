@@ -1,7 +1,7 @@
 //! No file is lost: inputs are never written to, other files only with `--force`, and an error
 //! changes nothing.
 
-use crate::program::{BVH, articula, fault, folder, human, word};
+use crate::program::{BVH, articula, fault, folder, small, word};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -28,10 +28,10 @@ fn snapshot(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 /// A folder with an input of every kind.
 fn inputs(name: &str) -> PathBuf {
     let here = folder(name);
-    std::fs::copy(human(), here.join("a.glb")).unwrap();
+    std::fs::copy(small(), here.join("a.glb")).unwrap();
     std::fs::write(here.join("m.bvh"), BVH).unwrap();
     // A file whose buffer has the name of a possible output.
-    let gltf = std::fs::read(human()).unwrap();
+    let gltf = std::fs::read(small()).unwrap();
     let json_bytes = u32::from_le_bytes(gltf[12..16].try_into().unwrap()) as usize;
     let text = std::str::from_utf8(&gltf[20..20 + json_bytes]).unwrap();
     let mut document: serde_json::Value = serde_json::from_str(text).unwrap();
@@ -65,6 +65,8 @@ fn inputs(name: &str) -> PathBuf {
             "100",
             "--clip",
             "wave",
+            "--size",
+            "100",
         ],
     ];
     for words in made {
@@ -465,7 +467,7 @@ fn devices_are_written_to_directly() {
     let link = here.join("null.glb");
     std::os::unix::fs::symlink("/dev/null", &link).unwrap();
     for _ in 0..2 {
-        let ran = articula(&here, &["convert", word(human()), "null.glb"]);
+        let ran = articula(&here, &["convert", word(small()), "null.glb"]);
         assert_eq!(ran.status, 0, "{}", ran.err);
     }
     assert!(link.is_symlink() && std::fs::read(link).unwrap().is_empty());

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Characters with skins and morph targets, sparse, quantised and shared arrays.
 const CHARACTERS: &[&str] = &[
     "glb/pab_arnaud.glb",
-    "glb/KayKit_Knight.glb",
+    "glb/Quaternius_platformer_game_pack__Character.glb",
     "glb/RobotExpressive.glb",
     "glb/MorphStressTest.gltf",
     "glb/mh_female_default163_arkit52.glb",
@@ -101,9 +101,15 @@ fn mixes_of_levels_are_valid_and_shown() {
     let here = folder("levels-mixes");
     let mut files = Vec::new();
     for name in ["glb/pab_arnaud.glb", "vrm/Godette_vrm_v4.vrm"] {
-        let Some(file) = real::file(name) else {
+        let Some(mut file) = real::file(name) else {
             continue;
         };
+        if name.ends_with("arnaud.glb") {
+            // Its longest clips would be most of the time.
+            let cut = ["convert", &word(&file), "cut.glb", "--clip", "jog"];
+            json(&here, &[&cut[..], &["--trim", "..0.2"]].concat());
+            file = here.join("cut.glb");
+        }
         let stem = Path::new(name).file_stem().unwrap().to_string_lossy();
         let built = format!("{stem}.built.glb");
         let words = ["--levels", "3", "--split", "face,hands"];

@@ -1,6 +1,6 @@
 //! `build --levels` on the command line: files, numbers and refused input.
 
-use crate::program::{BVH, articula, fault, folder, human, json, word};
+use crate::program::{BVH, articula, fault, folder, json, short, word};
 use serde_json::Value;
 
 /// Shares of five levels that are made whatever their errors are.
@@ -17,7 +17,7 @@ fn what_build_says_is_in_the_file_and_in_the_stream() {
     let words = ["--targets", FIVE, "--mesh-stream", "h.ams", "--msft-lod"];
     let built = json(
         &here,
-        &[&["build", word(human()), "h.glb"], &words[..]].concat(),
+        &[&["build", word(short()), "h.glb"], &words[..]].concat(),
     );
     let levels = &built["levels"];
     let triangles = numbers(levels, "triangles");
@@ -42,7 +42,7 @@ fn what_build_says_is_in_the_file_and_in_the_stream() {
     );
     assert!(stream.len() < direct.iter().sum::<f64>() as usize);
     let store = bytes["store"].as_u64().unwrap();
-    let plain = std::fs::metadata(human()).unwrap().len();
+    let plain = std::fs::metadata(short()).unwrap().len();
     assert!(
         store < 2 * plain,
         "vertices are stored once: {store} of {plain}"
@@ -73,7 +73,7 @@ fn what_build_says_is_in_the_file_and_in_the_stream() {
 #[test]
 fn levels_that_are_too_coarse_are_left_out_and_told() {
     let here = folder("mesh-levels-coarse");
-    let words = ["build", word(human()), "h.glb"];
+    let words = ["build", word(short()), "h.glb"];
     let named = json(&here, &[&words[..], &["--targets", FIVE]].concat());
     let height = 1.8;
     let errors = numbers(&named["levels"], "error_motion_m");
@@ -106,7 +106,7 @@ fn levels_that_are_too_coarse_are_left_out_and_told() {
 fn errors_are_told_relative_to_the_figure_whatever_the_unit_of_its_vertices() {
     let here = folder("mesh-levels-unit");
     // The scale is that of a node: the vertices stay in the unit of the file.
-    let scale = ["convert", word(human()), "big.glb", "--unit-metres", "100"];
+    let scale = ["convert", word(short()), "big.glb", "--unit-metres", "100"];
     json(&here, &scale);
     for (targets, told) in [("100,50", 0), (FIVE, 1)] {
         let built = json(&here, &["build", "big.glb", "b.glb", "--targets", targets]);
@@ -122,7 +122,7 @@ fn a_stream_tells_what_is_in_it_whole_cut_or_altered() {
     let words = ["--targets", FIVE, "--mesh-stream", "h.ams"];
     let built = json(
         &here,
-        &[&["build", word(human()), "h.glb"], &words[..]].concat(),
+        &[&["build", word(short()), "h.glb"], &words[..]].concat(),
     );
     let levels = &built["levels"];
     let stream = std::fs::read(here.join("h.ams")).unwrap();
@@ -162,7 +162,7 @@ fn a_stream_tells_what_is_in_it_whole_cut_or_altered() {
 fn zones_and_locked_vertices_are_kept_apart() {
     let here = folder("mesh-levels-split");
     std::fs::write(here.join("lock.json"), r#"{"skin": [0, 1, 2]}"#).unwrap();
-    let human = word(human());
+    let human = word(short());
     let words = [
         "--targets",
         "100,30",
@@ -205,7 +205,7 @@ fn zones_and_locked_vertices_are_kept_apart() {
 fn convert_writes_a_mix_of_levels_and_draws_it() {
     let here = folder("mesh-levels-mix");
     let words = ["--targets", "100,50,20,3", "--split", "face,hands"];
-    let human = word(human());
+    let human = word(short());
     json(&here, &[&["build", human, "b.glb"], &words[..]].concat());
     let words = [
         "--mesh-level",
@@ -268,7 +268,7 @@ fn convert_writes_a_mix_of_levels_and_draws_it() {
 fn the_same_build_gives_the_same_bytes_and_builds_again() {
     let here = folder("mesh-levels-again");
     for out in ["a.glb", "b.glb"] {
-        json(&here, &["build", word(human()), out, "--levels", "3"]);
+        json(&here, &["build", word(short()), out, "--levels", "3"]);
     }
     let read = |name: &str| std::fs::read(here.join(name)).unwrap();
     assert!(read("a.glb") == read("b.glb"));

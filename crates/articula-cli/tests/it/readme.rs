@@ -26,7 +26,7 @@ fn the_picture_of_the_readme_is_small_and_plays_in_an_img() {
     if !is_here() {
         return;
     }
-    let times = [0.0, 0.4, 0.8];
+    let times = [0.0, 0.8];
     let item = Item {
         kind: "smil-img",
         file,

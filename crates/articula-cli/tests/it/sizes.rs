@@ -1,7 +1,7 @@
 //! Figures of any size: the unit of a file can be given for every format, sizes of no human are
 //! told, and crowds are as exact for a giant as for an adult.
 
-use crate::program::{articula, folder, human, json, word};
+use crate::program::{articula, folder, human, json, small, word};
 use serde_json::Value;
 
 fn height(found: &Value) -> f64 {
@@ -60,7 +60,7 @@ fn sizes_that_no_human_has_are_told_with_the_flag() {
     for (factor, is_odd) in [("0.12", true), ("0.5", false), ("1", false), ("12", true)] {
         json(
             &here,
-            &["convert", word(human()), "o.glb", "--unit-metres", factor],
+            &["convert", word(small()), "o.glb", "--unit-metres", factor],
         );
         for command in ["inspect", "crowd", "build"] {
             let words: &[&str] = match command {
@@ -83,11 +83,7 @@ fn sizes_that_no_human_has_are_told_with_the_flag() {
 #[test]
 fn a_crowd_of_giants_is_as_exact_as_one_of_adults() {
     let here = folder("giants");
-    let px = |factor: &str, level: &str| {
-        json(
-            &here,
-            &["convert", word(human()), "o.glb", "--unit-metres", factor],
-        );
+    let px = |level: &str| {
         let words = [
             "crowd",
             "o.glb",
@@ -102,12 +98,16 @@ fn a_crowd_of_giants_is_as_exact_as_one_of_adults() {
         ["p95", "near_max", "worst_vertex"].map(|name| found["error_px"][name].as_f64().unwrap())
     };
     for factor in ["0.1", "1", "20"] {
-        let [_, _, worst] = px(factor, "full");
+        json(
+            &here,
+            &["convert", word(small()), "o.glb", "--unit-metres", factor],
+        );
+        let [_, _, worst] = px("full");
         assert!(
             worst < 0.1,
             "{factor}: every joint is exact, but {worst} px"
         );
-        let [p95, near, _] = px(factor, "auto");
+        let [p95, near, _] = px("auto");
         assert!(p95 <= 1.0 && near <= 2.0, "{factor}: {p95} {near}");
     }
 }

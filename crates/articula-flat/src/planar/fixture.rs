@@ -10,8 +10,10 @@ use articula_build::{Asset, character};
 use articula_core::Viewport;
 use articula_human::{HumanOptions, human};
 use glam::Vec3;
+use std::sync::OnceLock;
 
 /// A small human, and a camera that sees all of it in 200 x 200 pixels.
+#[derive(Clone)]
 pub(crate) struct Figure {
     pub(crate) asset: Asset,
     pub(crate) appearance: Appearance,
@@ -33,7 +35,13 @@ impl Figure {
     }
 }
 
+/// A figure of the caller's own; the human is created once, because its body takes seconds.
 pub(crate) fn figure() -> Figure {
+    static FIGURE: OnceLock<Figure> = OnceLock::new();
+    FIGURE.get_or_init(made).clone()
+}
+
+fn made() -> Figure {
     let source = human(&HumanOptions { triangles: 2000 }).unwrap();
     let (appearance, _) = Appearance::new(&source.materials, &source.images);
     let asset = character(&source, None, &ClipOptions::default()).unwrap();

@@ -23,7 +23,7 @@ pub(crate) mod clip;
 pub(crate) mod drawn;
 mod error;
 #[cfg(test)]
-mod fixture;
+pub(crate) mod fixture;
 pub(crate) mod key_frames;
 pub(crate) mod keyed_clip;
 mod merge;

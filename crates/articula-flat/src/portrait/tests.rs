@@ -431,12 +431,10 @@ fn the_document_is_as_its_schema_says() {
 
 #[test]
 fn a_whole_human_turns_its_head_by_the_neck() {
-    use articula_build::ClipOptions;
-    use articula_build::character;
-    use articula_human::{HumanOptions, human};
-    let source = human(&HumanOptions { triangles: 2000 }).unwrap();
-    let (appearance, _) = Appearance::new(&source.materials, &source.images);
-    let asset = character(&source, None, &ClipOptions::default()).unwrap();
+    use crate::planar::fixture::{Figure, figure};
+    let Figure {
+        asset, appearance, ..
+    } = figure();
     let joint = asset.rig.find("skullbase").expect("the human has a head");
     let viewport = Viewport {
         width_px: 100.0,

@@ -585,9 +585,14 @@ fn name_by(convention: usize, hanim: &str) -> Option<String> {
         .next()
 }
 
-/// Renames the joints of a rig, with one convention for each joint, and compares the mappings.
-fn renamed_maps_alike(name: &str, convention: impl Fn(usize) -> usize, suffix: &str) {
-    let (mut skeleton, before) = mapped(name);
+/// Renames the joints of a mapped rig, with one convention for each joint, and compares the mappings.
+fn renamed_maps_alike(
+    name: &str,
+    (skeleton, before): &(Skeleton, JointMapping),
+    convention: impl Fn(usize) -> usize,
+    suffix: &str,
+) {
+    let mut skeleton = skeleton.clone();
     let joints = &before.articulation.joints;
     let mut renamed = Vec::new();
     for (index, joint) in skeleton.joints.iter_mut().enumerate() {
@@ -618,12 +623,14 @@ fn rigs_renamed_by_a_convention_or_two_map_as_before() {
         return;
     }
     for name in RENAMED {
+        let mapped = mapped(name);
         for suffix in ["{n}", "Character1_{n}", "rig:{n}_{i}", "{n}{i}_bind_JNT"] {
             for one in 0..5 {
-                renamed_maps_alike(name, |_| one, suffix);
+                renamed_maps_alike(name, &mapped, |_| one, suffix);
                 for two in 0..one {
                     // Mixed as an artist mixes: the limbs of one rig, the trunk of another.
-                    renamed_maps_alike(name, |j| if j % 3 == 0 { one } else { two }, suffix);
+                    let mixed = |j| if j % 3 == 0 { one } else { two };
+                    renamed_maps_alike(name, &mapped, mixed, suffix);
                 }
             }
         }

@@ -20,24 +20,14 @@ pub(crate) mod three;
 mod tests {
     use super::floor::{Floor, Kernel, LANES, Matrix, Sampled, breadth_first};
     use super::structs::Structs;
-    use articula_build::ClipOptions;
-    use articula_build::{Asset, character};
+    use crate::small::human;
+    use articula_build::Asset;
     use articula_core::{Clip, ModelPose, Tracks, Wrap, local_to_model, sample};
-    use articula_human::{HumanOptions, human};
     use glam::Mat4;
-    use std::sync::LazyLock;
 
     /// Bound for a chain of twenty joints with some twenty roundings of 6e-8 each, two metres from
     /// the origin: the maximum difference between two orders of the same sums.
     const ROUNDING: f32 = 5e-5;
-
-    fn asset() -> &'static Asset {
-        static ASSET: LazyLock<Asset> = LazyLock::new(|| {
-            let source = human(&HumanOptions { triangles: 2_000 }).unwrap();
-            character(&source, None, &ClipOptions::default()).unwrap()
-        });
-        &ASSET
-    }
 
     /// Maximum difference of a matrix element from the scalar path's, over all joints.
     fn gap(asset: &Asset, clip: &Clip, secs: f32, found: impl Fn(usize) -> Mat4) -> f32 {
@@ -76,7 +66,7 @@ mod tests {
 
     #[test]
     fn the_floor_shows_what_the_scalar_path_shows() {
-        let asset = asset();
+        let asset = human();
         let every = asset.clips.iter().flat_map(|c| kernels().map(|k| (c, k)));
         for (clip, (sampled, kernel)) in every {
             let mut floor = Floor::with(&asset.rig, clip, sampled, kernel).unwrap();
@@ -117,7 +107,7 @@ mod tests {
 
     #[test]
     fn structs_show_the_keys_of_the_clip() {
-        let asset = asset();
+        let asset = human();
         for clip in &asset.clips {
             let structs = Structs::new(&asset.rig, clip).unwrap();
             let mut character = structs.character();
@@ -132,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_clip_of_one_pose_stands_still_and_scales_are_refused() {
-        let asset = asset();
+        let asset = human();
         let joints = asset.rig.len();
         let still = Clip::new("still", 30.0, 1, joints, Tracks::default()).unwrap();
         let mut floor = Floor::new(&asset.rig, &still, Sampled::Moving).unwrap();

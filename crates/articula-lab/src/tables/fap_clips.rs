@@ -15,6 +15,9 @@ pub(super) const CLIPS: [&str; 6] = [
     "expressions_synthetic",
 ];
 
+/// The file of a small run, which is among those of the repository.
+pub(super) const SMALL: [&str; 1] = ["speech_synthetic"];
+
 /// Reads one of them.
 pub(super) fn read(run: &Run, name: &str) -> Result<FapClip> {
     let path = run.data.join("fap").join(name).with_extension("fap");

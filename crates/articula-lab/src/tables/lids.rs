@@ -1,11 +1,12 @@
 //! Whether the lids of a face close, seen from the front.
 
-use articula_build::face::{EyeShape, FaceSurface, FaceTable, FapValues};
-use articula_core::fap_table::LOW_FAPS;
+use articula_build::face::{EyeShape, FaceSurface, FaceTable, FapInterval, FapValues};
 use glam::{Vec2, Vec3};
 
 /// Cells across an eyeball.
 const CELLS: usize = 240;
+/// Parameters of the upper and the lower lids.
+const LID_FAPS: [usize; 4] = [19, 20, 21, 22];
 /// Distance from an eyeball, by its radius, up to which triangles belong to it.
 const OF_BALL: f32 = 0.06;
 /// Depth below the surface of an eye, by its radius, from which a vertex is inside: 12 micrometres.
@@ -41,6 +42,7 @@ impl Lids {
     /// Closes the eyes of a face by its table.
     pub(super) fn of(surface: &FaceSurface, table: &FaceTable) -> Self {
         let mut found = Self::default();
+        let intervals = LID_FAPS.map(|fap| table.intervals(fap));
         for eye in table.eyes().into_iter().flatten() {
             let rest = opening(surface, &surface.positions, eye);
             let shown = |moved: Vec<Vec3>, open: Option<&mut f32>, inside: &mut usize| {
@@ -63,7 +65,7 @@ impl Lids {
             }
             for (index, state) in CLOSED[..AS_MORPHS].iter().chain(&HALF).enumerate() {
                 let open = &mut found.open_as_morphs_percent;
-                let moved = as_morphs(table, &values(*state));
+                let moved = as_morphs(table, &intervals, &values(*state));
                 shown(
                     moved,
                     (index < AS_MORPHS).then_some(open),
@@ -78,20 +80,24 @@ impl Lids {
 /// The lids of both eyes: the upper and the lower ones.
 fn values([upper, lower]: [f32; 2]) -> FapValues {
     let mut values = FapValues::default();
-    for (fap, value) in (19..=22).zip([upper, upper, lower, lower]) {
+    for (fap, value) in LID_FAPS.into_iter().zip([upper, upper, lower, lower]) {
         values.set(fap, value);
     }
     values
 }
 
-/// Displacements by the table as morph targets.
-fn as_morphs(table: &FaceTable, values: &FapValues) -> Vec<Vec3> {
+/// Displacements by the table as morph targets, of lids in their intervals.
+fn as_morphs(
+    table: &FaceTable,
+    intervals: &[Vec<FapInterval>; 4],
+    values: &FapValues,
+) -> Vec<Vec3> {
     let at = |fap: usize, value: i32| table.displacements(&FapValues::alone(fap, value as f32));
     let mut sum: Vec<Vec3> = at(19, 0);
-    for fap in LOW_FAPS.filter(|fap| values.get(*fap) != 0.0) {
-        let intervals = table.intervals(fap);
-        for interval in &intervals {
-            let weight = interval.weight(values.get(fap), &intervals);
+    let moved = LID_FAPS.into_iter().zip(intervals);
+    for (fap, intervals) in moved.filter(|(fap, _)| values.get(*fap) != 0.0) {
+        for interval in intervals {
+            let weight = interval.weight(values.get(fap), intervals);
             let ends = [interval.from, interval.to].map(|value| at(fap, value));
             for ((sum, from), to) in sum.iter_mut().zip(&ends[0]).zip(&ends[1]) {
                 *sum += weight * (*to - *from);

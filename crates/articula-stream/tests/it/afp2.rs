@@ -246,9 +246,10 @@ fn every_prefix_decodes_to_frames_of_the_whole() {
     for order in [UnitOrder::Tier, UnitOrder::Value] {
         let options = Afp2Options {
             order,
+            access_unit_secs: 0.5,
             ..Afp2Options::default()
         };
-        let bytes = write(&clip(120), &options).unwrap().bytes;
+        let bytes = write(&clip(36), &options).unwrap().bytes;
         let whole = decoded(&bytes).clip.frames;
         let mut receiver = FaceReceiver::new(&NO_FADE, &LIMITS).unwrap();
         let mut known = 0;
@@ -261,8 +262,8 @@ fn every_prefix_decodes_to_frames_of_the_whole() {
             assert_eq!(shown.clip.frames.len(), receiver.frames());
             assert!(receiver.frames() >= known);
             known = receiver.frames();
-            // Access units before the last one that has begun are whole: two of 40 frames.
-            let sure = known.saturating_sub(40);
+            // Access units before the last one that has begun are whole: two of 12 frames.
+            let sure = known.saturating_sub(12);
             assert_eq!(shown.clip.frames[..sure], whole[..sure]);
             if end.is_multiple_of(97) {
                 assert_eq!(decoded(&bytes[..=end]), shown);
@@ -304,7 +305,7 @@ fn what_cannot_be_written_is_refused() {
 
 #[test]
 fn a_face_is_no_motion_of_a_body() {
-    let bytes = write(&clip(20), &Afp2Options::default()).unwrap().bytes;
+    let bytes = write(&clip(40), &Afp2Options::default()).unwrap().bytes;
     assert_eq!(&bytes[..4], b"AFP2");
     let mut body = bytes.clone();
     body[..4].copy_from_slice(b"ABP2");

@@ -1,10 +1,8 @@
 //! Streams of mesh levels: the result on a client by different paths, and refused input.
 
-use articula_build::ClipOptions;
-use articula_build::character;
+use crate::small_human::{asset, source};
 use articula_build::{MeshLevelOptions, mesh_levels};
 use articula_core::LevelTable;
-use articula_human::{HumanOptions, human};
 use articula_mutate::{Edit, Mutations, cut_off};
 use articula_stream::Unit;
 use articula_stream::mesh::{Grid, Precision, QuantisedMesh, decode_level, quantise};
@@ -17,13 +15,10 @@ use std::sync::OnceLock;
 fn levels() -> &'static (LevelTable, Vec<ObjectLevels>) {
     static LEVELS: OnceLock<(LevelTable, Vec<ObjectLevels>)> = OnceLock::new();
     LEVELS.get_or_init(|| {
-        let options = HumanOptions { triangles: 3000 };
-        let source = human(&options).unwrap();
-        let asset = character(&source, None, &ClipOptions::default()).unwrap();
-        let made = mesh_levels(&asset, &MeshLevelOptions::default()).unwrap();
+        let made = mesh_levels(asset(), &MeshLevelOptions::default()).unwrap();
         let precision = Precision::default();
         let mut objects = Vec::new();
-        for (m, mesh) in source.meshes.iter().enumerate() {
+        for (m, mesh) in source().meshes.iter().enumerate() {
             let grid = Grid::new(&mesh.primitives, precision.position_bits).unwrap();
             for (p, primitive) in mesh.primitives.iter().enumerate() {
                 let parts = &made.parts[objects.len()];
@@ -344,6 +339,7 @@ fn mutated_streams_give_a_character_or_an_error() {
         ],
         most: 3,
     };
+    const TRIES: usize = 4000;
     let limits = StreamLimits {
         bytes: 1 << 20,
         elements: 1 << 16,
@@ -360,7 +356,7 @@ fn mutated_streams_give_a_character_or_an_error() {
         }
         true
     };
-    assert!((1..4000).contains(&mutations.read_of(OLD, 4000, read)));
+    assert!((1..TRIES).contains(&mutations.read_of(OLD, TRIES, read)));
     for bytes in cut_off(OLD) {
         assert_eq!(read(bytes), bytes.len() >= head.head_bytes);
     }
@@ -374,7 +370,7 @@ fn mutated_streams_give_a_character_or_an_error() {
         true
     };
     let alone = &OLD[head.chunk(2, 0).unwrap()];
-    assert!(mutations.read_of(alone, 4000, decodes) < 4000);
+    assert!(mutations.read_of(alone, TRIES, decodes) < TRIES);
     let mut coarse = whole.clone();
     coarse.coarsen(0, 2);
     let coarse = coarse.mesh(0).unwrap();
@@ -386,7 +382,7 @@ fn mutated_streams_give_a_character_or_an_error() {
         true
     };
     let added = &OLD[head.chunk(1, 0).unwrap()];
-    assert!(mutations.read_of(added, 4000, refines) < 4000);
+    assert!(mutations.read_of(added, TRIES, refines) < TRIES);
 }
 
 #[test]

@@ -23,4 +23,5 @@ mod motion_stream;
 mod mp4;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
+mod small_human;
 mod stored_levels;

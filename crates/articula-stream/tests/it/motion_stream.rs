@@ -1,11 +1,11 @@
 //! ABP-2: what a stream shows, whole, cut and in pieces.
 
-use articula_build::{Asset, ClipOptions, character};
+use crate::small_human::{asset as figure, source};
+use articula_build::Asset;
 use articula_core::playback::{
     FigureModel, FigurePlayer, FigureViews, FullDetail, SuspendedFigure,
 };
 use articula_core::{Clip, Mesh, ModelPose, PosedMesh, Rig, Wrap};
-use articula_human::{HumanOptions, human};
 use articula_mutate::{Edit, Mutations};
 use articula_stream::abp2::{
     EncodedMotion, Grouping, MotionOptions, MotionReceiver, UnitOrder, encode, motion_map,
@@ -14,16 +14,6 @@ use articula_stream::{CutRule, StreamLimits, Unit, cut, read_index, write_index}
 use glam::{Quat, Vec3};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::OnceLock;
-
-/// A small reference human with its clips.
-fn figure() -> &'static Asset {
-    static FIGURE: OnceLock<Asset> = OnceLock::new();
-    FIGURE.get_or_init(|| {
-        let source = human(&HumanOptions { triangles: 3000 }).unwrap();
-        character(&source, None, &ClipOptions::default()).unwrap()
-    })
-}
 
 fn coded(grouping: Grouping, order: UnitOrder) -> EncodedMotion {
     let Asset { rig, mesh, .. } = figure();
@@ -190,12 +180,19 @@ fn a_dropped_group_shows_its_reference_and_others_move_as_before() {
 fn every_prefix_decodes_to_what_the_manifest_says() {
     for order in [UnitOrder::Tier, UnitOrder::Value] {
         let coded = coded(Grouping::LoaRegion, order);
-        for length in 0..coded.bytes.len() {
-            let part = received(&coded.bytes[..length]);
-            assert!(!part.is_whole());
-            assert_eq!(part.head().is_none(), part.clip().is_err());
-        }
         let Asset { rig, mesh, .. } = figure();
+        let mut part = MotionReceiver::new(rig, &StreamLimits::default());
+        for (length, byte) in coded.bytes.iter().enumerate() {
+            let clip = part.clip();
+            assert!(!part.is_whole());
+            assert_eq!(part.head().is_none(), clip.is_err());
+            // In one piece, a prefix is the same.
+            if length % 19 == 0 {
+                assert_eq!(received(&coded.bytes[..length]).clip().ok(), clip.ok());
+            }
+            part.receive(&[*byte]).unwrap();
+        }
+        assert!(part.is_whole());
         let head = received(&coded.bytes).head().unwrap().clone();
         for row in coded.manifest.iter().step_by(7) {
             let part = received(&coded.bytes[..row.bytes]);
@@ -314,8 +311,7 @@ fn a_player_plays_what_has_arrived_and_refines_without_a_jump() {
 #[test]
 fn a_stream_is_for_one_rig() {
     let coded = coded(Grouping::Loa, UnitOrder::Tier);
-    let other = human(&HumanOptions { triangles: 3000 }).unwrap();
-    let mut skeleton = other.skeleton;
+    let mut skeleton = source().skeleton.clone();
     skeleton.joints.truncate(80);
     let mut articulation = figure().rig.articulation().clone();
     articulation.joints.truncate(80);
@@ -327,8 +323,7 @@ fn a_stream_is_for_one_rig() {
     assert!(refused(&shorter).contains("89 joints"));
     let mut moved = figure().rig.articulation().clone();
     moved.joints.iter_mut().for_each(|joint| joint.level = 3);
-    let source = human(&HumanOptions { triangles: 3000 }).unwrap();
-    let same = Rig::new(&source.skeleton, moved).unwrap();
+    let same = Rig::new(&source().skeleton, moved).unwrap();
     assert!(refused(&same).contains("levels of articulation"));
 }
 

@@ -400,6 +400,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
         /// Whatever the targets do, errors rise, and the last is that of a face at rest.
         #[test]
         fn errors_of_morph_levels_rise_to_that_at_rest(

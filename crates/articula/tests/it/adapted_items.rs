@@ -2,6 +2,7 @@
 //! indices and by descriptions.
 
 use crate::real;
+use crate::short::shortened;
 use articula::item::{
     AdaptOptions, AdaptedItem, Item, ItemCut, PackageOptions, PartKind, adapt,
     adapt_by_description, aqos, assemble, decide, decide_by_table, documents, package,
@@ -25,11 +26,12 @@ fn walking() -> Option<&'static (Figure, Item)> {
     static MADE: OnceLock<Option<(Figure, Item)>> = OnceLock::new();
     let made = MADE.get_or_init(|| {
         let path = real::file("glb/RobotExpressive.glb")?;
-        let opened = fs::open(path).unwrap();
+        let opened = shortened(fs::open(path).unwrap(), 0.5);
         let options = PackageOptions {
             clips: vec!["Robot_Walking".to_owned()],
             mesh_levels: 4,
             texture_distances_m: vec![3.0],
+            flat_px: 80,
             ..PackageOptions::default()
         };
         let item = package(opened.clone(), &options, &Executor::default()).unwrap();

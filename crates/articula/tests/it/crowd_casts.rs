@@ -6,6 +6,7 @@ use articula::crowd::{
     SceneOptions, ScenePlayer, read_scene, write_scene,
 };
 use articula_build::{Plaza, Scene, plaza};
+use std::sync::OnceLock;
 
 const OPTIONS: SceneOptions = SceneOptions {
     detail: DetailGoal::Tolerance(1.0),
@@ -15,7 +16,12 @@ const OPTIONS: SceneOptions = SceneOptions {
 };
 
 /// A cast of two: our human with all its clips, and with two of them, in fewer levels.
-fn cast() -> Vec<CrowdAsset> {
+fn cast() -> &'static [CrowdAsset] {
+    static CAST: OnceLock<Vec<CrowdAsset>> = OnceLock::new();
+    CAST.get_or_init(make_cast)
+}
+
+fn make_cast() -> Vec<CrowdAsset> {
     let all = asset_of(human(), &CrowdOptions::default());
     let two = all.clips().iter().take(2).map(|c| c.name.clone()).collect();
     let few = CrowdOptions {
@@ -53,8 +59,8 @@ fn alone(scene: &Scene, character: u16) -> Scene {
 #[test]
 fn each_character_of_a_cast_is_played_as_it_would_be_alone() {
     let cast = cast();
-    let scene = plaza(60, &clips(&cast), 3, Plaza::Moving);
-    let mut both = ScenePlayer::new(&cast, &scene, OPTIONS).unwrap();
+    let scene = plaza(60, &clips(cast), 3, Plaza::Moving);
+    let mut both = ScenePlayer::new(cast, &scene, OPTIONS).unwrap();
     let halves = [0, 1].map(|c| alone(&scene, c));
     let mut each: Vec<ScenePlayer<'_>> = (0..2)
         .map(|c| ScenePlayer::new(&cast[c..=c], &halves[c], OPTIONS).unwrap())
@@ -89,7 +95,7 @@ fn each_character_of_a_cast_is_played_as_it_would_be_alone() {
 fn a_character_that_nobody_plays_changes_nothing() {
     let cast = cast();
     let scene = plaza(9, &clips(&cast[..1]), 3, Plaza::Still);
-    let mut with = ScenePlayer::new(&cast, &scene, OPTIONS).unwrap();
+    let mut with = ScenePlayer::new(cast, &scene, OPTIONS).unwrap();
     let mut without = ScenePlayer::new(&cast[..1], &scene, OPTIONS).unwrap();
     for _ in 0..3 {
         assert_eq!(with.plan(0.1).unwrap(), without.plan(0.1).unwrap());
@@ -150,12 +156,12 @@ fn what_one_of_two_views_sees_is_shown_as_the_nearer_one_needs() {
 #[test]
 fn one_budget_serves_all_characters() {
     let cast = cast();
-    let scene = plaza(200, &clips(&cast), 3, Plaza::Still);
+    let scene = plaza(200, &clips(cast), 3, Plaza::Still);
     let detail = DetailGoal::Budget {
         ms: 1.0,
         cap_px: 1.0,
     };
-    let mut player = ScenePlayer::new(&cast, &scene, SceneOptions { detail, ..OPTIONS }).unwrap();
+    let mut player = ScenePlayer::new(cast, &scene, SceneOptions { detail, ..OPTIONS }).unwrap();
     let demand_ns = |player: &mut ScenePlayer<'_>, limit_ns: f64| {
         let mut budget = Budget::new(limit_ns, 1.0);
         let mut last = None;
@@ -205,7 +211,7 @@ fn casts_and_views_are_written_as_they_were_read() {
     let parsed = ParsedScene::parse(text.as_bytes()).unwrap();
     let files: Vec<_> = parsed.characters().collect();
     assert_eq!(files, [("king", "king.glb"), ("man", "../man.glb")]);
-    let mut names = members(&cast, &["king", "man"]);
+    let mut names = members(cast, &["king", "man"]);
     let scene = parsed.resolve(&names, 60.0).unwrap();
     assert_eq!([0, 1].map(|m| scene.members[m].character), [1, 0]);
     let member = &scene.members[0];
@@ -218,7 +224,7 @@ fn casts_and_views_are_written_as_they_were_read() {
     let again = read_scene(&written, &names, 60.0).unwrap();
     assert_eq!(again.members, scene.members);
     assert_eq!(again.importance, scene.importance);
-    let player = ScenePlayer::new(&cast, &again, OPTIONS).unwrap();
+    let player = ScenePlayer::new(cast, &again, OPTIONS).unwrap();
     assert_eq!([0, 1].map(|c| player.crowds()[c].scale(0)), [0.5, 1.0]);
     assert_eq!(again.views.len(), 2);
     assert!((again.views[1].viewport.fov_y_radians - 60f32.to_radians()).abs() < 1e-6);
@@ -228,7 +234,7 @@ fn casts_and_views_are_written_as_they_were_read() {
 #[test]
 fn mistakes_in_casts_and_views_are_named_with_their_place() {
     let cast = cast();
-    let names = members(&cast, &["king", "man"]);
+    let names = members(cast, &["king", "man"]);
     let clip = &cast[0].clips()[0].name;
     let camera = r#""camera": [{"t": 0, "eye": [0, 1, 5], "target": [0, 1, 0]}]"#;
     let why = |more: &str, who: &str| {

@@ -1,6 +1,6 @@
 //! Scenes that say who matters and what hides whom.
 
-use crate::crowd::{asset_of, human};
+use crate::crowd::{asset_of, human, human_asset};
 use articula::crowd::{
     CacheUse, Camera, CastMember, CrowdAsset, CrowdEvent, CrowdOptions, CrowdPlayer, Culling,
     DetailGoal, Hiders, SceneOptions, ScenePlayer, View, Viewport, read_scene, write_scene,
@@ -52,14 +52,14 @@ fn levels(player: &mut ScenePlayer<'_>, count: usize, frames: usize) -> Vec<Opti
 
 #[test]
 fn who_stands_behind_a_wall_costs_nothing_and_keeps_time() {
-    let asset = asset_of(human(), &CrowdOptions::default());
+    let asset = human_asset();
     let places = [[0.0, -10.0], [1.0, -14.0], [8.0, -10.0], [0.0, -4.0]];
     let wall = r#""walls": [{"centre": [0, 2, -6], "size": [6, 4, 0.2]}],"#;
-    let open = scene_of(&asset, "", &places, "");
-    let walled = scene_of(&asset, wall, &places, "");
-    let heroes = scene_of(&asset, wall, &places, r#", "role": "main""#);
-    let mut open_player = ScenePlayer::new(std::slice::from_ref(&asset), &open, OPTIONS).unwrap();
-    let mut player = ScenePlayer::new(std::slice::from_ref(&asset), &walled, OPTIONS).unwrap();
+    let open = scene_of(asset, "", &places, "");
+    let walled = scene_of(asset, wall, &places, "");
+    let heroes = scene_of(asset, wall, &places, r#", "role": "main""#);
+    let mut open_player = ScenePlayer::new(std::slice::from_ref(asset), &open, OPTIONS).unwrap();
+    let mut player = ScenePlayer::new(std::slice::from_ref(asset), &walled, OPTIONS).unwrap();
     let all = levels(&mut open_player, 4, 90);
     let seen = levels(&mut player, 4, 90);
     assert!(all.iter().all(Option::is_some), "{all:?}");
@@ -69,18 +69,18 @@ fn who_stands_behind_a_wall_costs_nothing_and_keeps_time() {
         let state = |p: &ScenePlayer<'_>| p.crowds()[0].crowd().state(character);
         assert_eq!(state(&player), state(&open_player), "{character}");
     }
-    let mut heroes = ScenePlayer::new(std::slice::from_ref(&asset), &heroes, OPTIONS).unwrap();
+    let mut heroes = ScenePlayer::new(std::slice::from_ref(asset), &heroes, OPTIONS).unwrap();
     assert_eq!(levels(&mut heroes, 4, 90)[..2], [None, None]);
     // Without hiders the walls are not drawn.
     let nothing = SceneOptions {
         hiders: Hiders::Nothing,
         ..OPTIONS
     };
-    let mut player = ScenePlayer::new(std::slice::from_ref(&asset), &walled, nothing).unwrap();
+    let mut player = ScenePlayer::new(std::slice::from_ref(asset), &walled, nothing).unwrap();
     assert_eq!(
         levels(&mut player, 4, 1),
         levels(
-            &mut ScenePlayer::new(std::slice::from_ref(&asset), &open, OPTIONS).unwrap(),
+            &mut ScenePlayer::new(std::slice::from_ref(asset), &open, OPTIONS).unwrap(),
             4,
             1
         )
@@ -89,16 +89,16 @@ fn who_stands_behind_a_wall_costs_nothing_and_keeps_time() {
 
 #[test]
 fn a_crowd_hides_who_stands_behind_it() {
-    let asset = asset_of(human(), &CrowdOptions::default());
+    let asset = human_asset();
     // A row of broad backs close to the camera, and one far behind its middle.
     let mut places: Vec<[f32; 2]> = (0..9).map(|i| [0.15 * (i as f32 - 4.0), -2.0]).collect();
     places.push([0.0, -60.0]);
-    let scene = scene_of(&asset, "", &places, "");
+    let scene = scene_of(asset, "", &places, "");
     let everything = SceneOptions {
         hiders: Hiders::Everything,
         ..OPTIONS
     };
-    let mut player = ScenePlayer::new(std::slice::from_ref(&asset), &scene, everything).unwrap();
+    let mut player = ScenePlayer::new(std::slice::from_ref(asset), &scene, everything).unwrap();
     let seen = levels(&mut player, places.len(), 2);
     assert_eq!(seen[9], None, "{seen:?}");
     assert!(seen[..9].iter().all(Option::is_some), "{seen:?}");
@@ -106,15 +106,15 @@ fn a_crowd_hides_who_stands_behind_it() {
 
 #[test]
 fn roles_change_the_tolerance_and_change_by_cue() {
-    let asset = asset_of(human(), &CrowdOptions::default());
+    let asset = human_asset();
     let places = [[0.0, -30.0], [2.0, -30.0]];
     let more = r#""roles": {"extra": 0.25}, "cues": [
         {"t": 0.5, "role": "main", "members": [1]},
         {"t": 1.0, "role": null, "members": [1]}],"#;
-    let scene = scene_of(&asset, more, &places, r#", "role": "extra""#);
-    let neutral = scene_of(&asset, "", &places, "");
-    let mut player = ScenePlayer::new(std::slice::from_ref(&asset), &scene, OPTIONS).unwrap();
-    let mut plain = ScenePlayer::new(std::slice::from_ref(&asset), &neutral, OPTIONS).unwrap();
+    let scene = scene_of(asset, more, &places, r#", "role": "extra""#);
+    let neutral = scene_of(asset, "", &places, "");
+    let mut player = ScenePlayer::new(std::slice::from_ref(asset), &scene, OPTIONS).unwrap();
+    let mut plain = ScenePlayer::new(std::slice::from_ref(asset), &neutral, OPTIONS).unwrap();
     let usual = levels(&mut plain, 2, 10)[0];
     let extra = levels(&mut player, 2, 10);
     assert!(extra[1] > usual, "{extra:?} against {usual:?}");
@@ -132,7 +132,7 @@ fn roles_change_the_tolerance_and_change_by_cue() {
 
 #[test]
 fn scenes_with_roles_are_written_as_they_were_read() {
-    let asset = asset_of(human(), &CrowdOptions::default());
+    let asset = human_asset();
     let clip = &asset.clips()[0].name;
     let more = format!(
         r#""roles": {{"king": 8}}, "clip_importance": {{"{clip}": 2}},
@@ -141,26 +141,26 @@ fn scenes_with_roles_are_written_as_they_were_read() {
         "cues": [{{"t": 0.5, "role": "audience", "members": [0]}}, {{"t": 1, "role": null, "members": [0, 1]}}],"#
     );
     let places = [[0.0, -10.0], [3.0, -10.0]];
-    let scene = scene_of(&asset, &more, &places, r#", "role": "king""#);
-    let again = read_scene(&write_scene(&scene, &[cast(&asset)]), &[cast(&asset)], 60.0).unwrap();
+    let scene = scene_of(asset, &more, &places, r#", "role": "king""#);
+    let again = read_scene(&write_scene(&scene, &[cast(asset)]), &[cast(asset)], 60.0).unwrap();
     assert_eq!(again.importance, scene.importance);
     assert_eq!(again.members, scene.members);
     let wall = again.walls[0];
     assert!((wall.yaw_radians - scene.walls[0].yaw_radians).abs() < 1e-6);
-    let player = ScenePlayer::new(std::slice::from_ref(&asset), &scene, OPTIONS).unwrap();
+    let player = ScenePlayer::new(std::slice::from_ref(asset), &scene, OPTIONS).unwrap();
     let importance = [0, 1].map(|c| player.crowds()[0].importance(c));
     assert_eq!(importance, [8.0 * 3.0 * 2.0, 8.0 * 2.0]);
 }
 
 #[test]
 fn mistakes_in_roles_are_named_with_their_place() {
-    let asset = asset_of(human(), &CrowdOptions::default());
+    let asset = human_asset();
     let clip = &asset.clips()[0].name;
     let camera = r#""camera": [{"t": 0, "eye": [0, 1, 5], "target": [0, 1, 0]}]"#;
     let why = |more: &str, role: &str| {
         let member = format!(r#"{{"position": [0, 0, 0], "clip": "{clip}"{role}}}"#);
         let text = format!(r#"{{{camera}, {more} "members": [{member}]}}"#);
-        let read = read_scene(text.as_bytes(), &[cast(&asset)], 60.0);
+        let read = read_scene(text.as_bytes(), &[cast(asset)], 60.0);
         read.unwrap_err().to_string()
     };
     for (more, role, says) in [

@@ -1,10 +1,9 @@
 //! No vertex of a crowd is off by more than twice the tolerance, wherever its character stands in the
 //! picture, however large it is, and whatever its pose comes from.
 
-use crate::crowd::{asset_of, human};
+use crate::crowd::human_asset;
 use articula::crowd::{
-    CacheUse, Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Detail, ErrorMeter, ErrorSummary,
-    Viewport,
+    CacheUse, Camera, CrowdAsset, CrowdPlayer, Detail, ErrorMeter, ErrorSummary, Viewport,
 };
 use glam::Vec3;
 
@@ -41,11 +40,11 @@ fn walked(asset: &CrowdAsset, px: f32, cache: CacheUse, scales: &[f32]) -> Error
 
 #[test]
 fn no_vertex_is_off_by_more_than_twice_the_tolerance() {
-    let asset = asset_of(human(), &CrowdOptions::default());
+    let asset = human_asset();
     for px in [1.0, 4.0] {
         for cache in [CacheUse::Never, CacheUse::Cpu, CacheUse::Gpu] {
             for scales in [&[][..], &[0.5, 3.0, 1.0]] {
-                let found = walked(&asset, px, cache, scales);
+                let found = walked(asset, px, cache, scales);
                 assert!(found.near > 300, "{found:?}");
                 let what = format!("{px} px, {cache:?}, scales {scales:?}");
                 let worst = found.worst_vertex;
@@ -59,8 +58,8 @@ fn no_vertex_is_off_by_more_than_twice_the_tolerance() {
 
 #[test]
 fn a_scaled_character_is_shown_at_its_size() {
-    let asset = asset_of(human(), &CrowdOptions::default());
-    let mut crowd = CrowdPlayer::new(&asset, 2).unwrap();
+    let asset = human_asset();
+    let mut crowd = CrowdPlayer::new(asset, 2).unwrap();
     assert_eq!(crowd.scale(1), 1.0);
     crowd.place(1, Vec3::X * 5.0, 0.0);
     let camera = Camera::looking_at(

@@ -1,10 +1,12 @@
 //! The joints of H-Anim and of the thesis: regions, files of all formats, streams that are cut.
 
+use crate::crowd::human;
 use crate::real::real_data;
+use crate::short::shortened;
 use articula::convert::{AbpProfile, ConvertOptions, write};
 use articula::glam::{Affine3A, Quat, Vec3};
 use articula::streams::abp1;
-use articula::{CharacterFile, Executor, Format, OpenOptions, convert, fs, open, reference_human};
+use articula::{CharacterFile, Executor, Format, OpenOptions, convert, fs, open};
 use articula_core::source::{Channel, Character, Interpolation, Property, RawClip, evaluate};
 use articula_core::{JointScheme, LocalPose, Region, Zone};
 use articula_stream::abp1::Abp1Options;
@@ -22,14 +24,14 @@ fn through(file: &CharacterFile, format: Format) -> CharacterFile {
 }
 
 fn thesis() -> CharacterFile {
-    let mut human = reference_human().unwrap();
+    let mut human = human();
     human.set_joint_scheme(JointScheme::Thesis).unwrap();
     human
 }
 
 /// The reference human as read from a GLB, so that there is a document behind it.
 fn stored_human() -> CharacterFile {
-    through(&reference_human().unwrap(), Format::Glb)
+    through(&human(), Format::Glb)
 }
 
 /// Model matrices of the joints at a time of a clip, by H-Anim name.
@@ -263,7 +265,7 @@ fn a_document_shows_what_its_character_has_become() {
 fn what_was_prepared_for_other_joints_is_dropped() {
     let executor = Executor::default();
     let options = articula::PrepareOptions::default();
-    let prepared = articula::prepare(stored_human(), &options, &executor).unwrap();
+    let prepared = articula::prepare(shortened(stored_human(), 0.5), &options, &executor).unwrap();
     let mut file = opened(&prepared.glb, "asset.glb");
     let report = file.set_joint_scheme(JointScheme::Hanim).unwrap();
     assert!(!report.drops_prepared, "nothing changes");

@@ -31,5 +31,6 @@ mod prepared;
 mod real;
 mod round_trips;
 mod shaders;
+mod short;
 mod streams;
 mod zero_poses;

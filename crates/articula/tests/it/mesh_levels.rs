@@ -1,5 +1,7 @@
 //! Each region of a body at a mesh level of its own, written as an ordinary GLB and read again.
 
+use crate::crowd::human;
+use crate::short::shortened;
 use articula::convert::{LossyPart, write};
 use articula::{
     CharacterFile, ConvertOptions, Converted, Executor, Format, LevelChoice, MeshLevelOptions,
@@ -7,7 +9,6 @@ use articula::{
 };
 use articula_core::source::Character;
 use articula_core::{Mesh, Region, Viewport, Zone, lod_error_metres};
-use articula_human::HumanOptions;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
@@ -18,16 +19,11 @@ fn again(bytes: &[u8]) -> CharacterFile {
     open(bytes, "written.glb", &OpenOptions::default(), nothing).unwrap()
 }
 
-fn human() -> CharacterFile {
-    let human = articula_human::human(&HumanOptions { triangles: 2_500 }).unwrap();
-    CharacterFile::from_character("human", human)
-}
-
 /// The reference human with four levels in which head, hands and the rest are apart.
 fn asset() -> CharacterFile {
-    static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
-    let bytes = BYTES.get_or_init(|| {
-        let human = human();
+    static ASSET: OnceLock<CharacterFile> = OnceLock::new();
+    let asset = ASSET.get_or_init(|| {
+        let human = shortened(human(), 1.0);
         let options = PrepareOptions {
             mesh_levels: Some(MeshLevelOptions {
                 split: vec![
@@ -39,9 +35,9 @@ fn asset() -> CharacterFile {
             }),
             ..PrepareOptions::default()
         };
-        prepare(human, &options, &Executor::default()).unwrap().glb
+        again(&prepare(human, &options, &Executor::default()).unwrap().glb)
     });
-    again(bytes)
+    asset.clone()
 }
 
 fn shown(level: LevelChoice, view: Option<MeshView>) -> articula::Result<Converted> {
@@ -188,8 +184,7 @@ fn mixes_that_would_tear_are_refused() {
         mesh: Some(ShownLevelOptions::default()),
         ..ConvertOptions::default()
     };
-    let plain = human();
-    let line = convert(plain, Format::Glb, &options, &Executor::default()).unwrap_err();
+    let line = convert(human(), Format::Glb, &options, &Executor::default()).unwrap_err();
     assert!(line.to_string().contains("no levels"), "{line}");
     let line = convert(asset(), Format::Bvh, &options, &Executor::default()).unwrap_err();
     assert!(

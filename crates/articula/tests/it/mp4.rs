@@ -1,11 +1,12 @@
 //! MP4 files with streams, opened by the library: by their bytes, and harmed.
 
+use crate::crowd::human;
 use articula::convert::{AbpProfile, AfpProfile, ConvertOptions, write_faps};
 use articula::streams::mp4::{is_mp4, take, tracks, write};
 use articula::streams::{StreamKind, clip_name};
 use articula::{
     CharacterFile, Data, DataFormat, Executor, Format, OpenOptions, Result, convert, open,
-    open_data, reference_human,
+    open_data,
 };
 use articula_formats::Limits;
 use articula_formats::mpeg4::fap::{FapClip, FapFrame};
@@ -23,8 +24,7 @@ fn walk() -> Vec<u8> {
         abp: Some(AbpProfile::Abp1(Abp1Options::default())),
         ..ConvertOptions::default()
     };
-    let human = reference_human().unwrap();
-    let written = convert(human, Format::Mp4, &options, &Executor::default());
+    let written = convert(human(), Format::Mp4, &options, &Executor::default());
     written.unwrap().written.bytes
 }
 

@@ -1,6 +1,8 @@
 //! Motions of bodies and faces as streams: what is shown after a round trip, and after a cut.
 
+use crate::crowd;
 use crate::real;
+use crate::short::shortened;
 use articula::convert::{AbpProfile, AfpProfile, ConvertOptions, write_faps};
 use articula::face::{expand_face, reduce_face};
 use articula::glam::Quat;
@@ -8,7 +10,7 @@ use articula::glam::{Affine3A, Vec3};
 use articula::streams::{StreamKind, abp1, abp2, afp1, afp2, fba};
 use articula::{
     CharacterFile, Data, DataFormat, Executor, Figure, Format, OpenOptions, convert, fs, open,
-    open_data, reference_human,
+    open_data,
 };
 use articula_core::LocalPose;
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion};
@@ -72,7 +74,7 @@ fn size(character: &Character) -> f32 {
 
 #[test]
 fn a_character_moves_the_same_after_abp1() {
-    let human = reference_human().unwrap();
+    let human = crowd::human();
     let mut files: Vec<PathBuf> = Vec::new();
     for folder in ["glb", "bvh", "vrm"] {
         let all = real::real_data().map(|data| fs::in_folder(&data.join(folder)).unwrap());
@@ -83,6 +85,7 @@ fn a_character_moves_the_same_after_abp1() {
         fs::open(path)
             .ok()
             .filter(|f| !f.character.clips.is_empty())
+            .map(|f| shortened(f, 2.0))
     };
     let files = files.iter().filter_map(with_clips);
     for file in [human].into_iter().chain(files) {
@@ -106,7 +109,7 @@ fn a_character_moves_the_same_after_abp1() {
 
 #[test]
 fn a_cut_holds_still_what_it_drops() {
-    let human = reference_human().unwrap();
+    let human = crowd::human();
     let bytes = abp1::write(
         &human.character,
         &human.articulation(),
@@ -228,8 +231,7 @@ fn uneven_scale_goes_along_the_axes_of_the_joint() {
 
 #[test]
 fn abp_files_are_converted_in_both_directions() {
-    let made = reference_human().unwrap();
-    let human = || made.clone();
+    let human = crowd::human;
     let work = Executor::default();
     let abp1 = ConvertOptions {
         abp: Some(AbpProfile::Abp1(Abp1Options::default())),
@@ -289,7 +291,7 @@ fn streamed(file: &CharacterFile) -> (Vec<u8>, Figure, Figure) {
 
 #[test]
 fn a_character_shows_the_same_after_abp2() {
-    let (_, before, after) = streamed(&reference_human().unwrap());
+    let (_, before, after) = streamed(&shortened(crowd::human(), 1.0));
     let most = farthest(&before, &after);
     assert!(most > 0.0 && most < 1.01e-4, "{most} m");
     // Morph targets, expressions that turn them and joints, and animated scales.
@@ -301,7 +303,7 @@ fn a_character_shows_the_same_after_abp2() {
         let Some(path) = real::file(name) else {
             continue;
         };
-        let (_, before, after) = streamed(&fs::open(&path).unwrap());
+        let (_, before, after) = streamed(&shortened(fs::open(&path).unwrap(), 1.0));
         let most = farthest(&before, &after);
         assert!(most > 0.0 && most < 1.01e-4, "{name}: {most} m");
     }
@@ -375,7 +377,7 @@ fn the_face_of_a_motion_stream_is_cut_by_its_regions() {
 
 #[test]
 fn a_motion_stream_knows_its_character() {
-    let mut file = reference_human().unwrap();
+    let mut file = crowd::human();
     let (stream, ..) = streamed(&file);
     let nothing = &mut |_: &str| Err("nothing lies beside it".into());
     let alone = open(&stream, "a.abp", &OpenOptions::default(), nothing);

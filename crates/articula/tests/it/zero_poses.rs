@@ -10,6 +10,7 @@ use articula_core::source::{Channel, Interpolation, Joint, Property, RawClip, ev
 use articula_core::{LocalPose, angle_between};
 use articula_mutate::Dice;
 use std::path::Path;
+use std::sync::OnceLock;
 
 /// Motions, with the name of a clip where the file has several, and the characters that they are
 /// retargeted onto.
@@ -46,6 +47,18 @@ const PAIRS: [(&str, &str, &str); 12] = [
 
 /// Seconds of a motion that are compared, from its middle.
 const SECS: f32 = 4.0;
+
+/// The motions and characters of all pairs, opened once.
+fn opened(data: &Path) -> &'static [(CharacterFile, CharacterFile)] {
+    static OPENED: OnceLock<Vec<(CharacterFile, CharacterFile)>> = OnceLock::new();
+    OPENED.get_or_init(|| {
+        let open = |(file, clip, onto)| {
+            let character = fs::open(data.join(onto)).unwrap();
+            (motion(data, file, clip), character)
+        };
+        PAIRS.into_iter().map(open).collect()
+    })
+}
 
 /// A random rotation, each direction of its four numbers equally likely.
 fn rotation(dice: &mut Dice) -> Quat {
@@ -247,14 +260,13 @@ fn limit(bone: &Bone, motion: &str, assumed: &[String]) -> f32 {
 #[test]
 fn limbs_move_alike_whatever_the_zero_pose_is() {
     let Some(data) = real_data() else { return };
-    for (i, (file, clip, onto)) in PAIRS.into_iter().enumerate() {
-        let from = motion(&data, file, clip);
-        let character = fs::open(data.join(onto)).unwrap();
+    for (i, (file, _, onto)) in PAIRS.into_iter().enumerate() {
+        let (from, character) = &opened(&data)[i];
         let mut dice = Dice::new(i as u64 + 1);
-        let other = with_zero_pose(&with_axes(&from, &mut dice), &mut dice);
-        let was = fitted(&from, &character, ContactPinning::Nothing);
-        let is = fitted(&other, &character, ContactPinning::Nothing);
-        let (a, b) = (poses(&character, &was.clip), poses(&character, &is.clip));
+        let other = with_zero_pose(&with_axes(from, &mut dice), &mut dice);
+        let was = fitted(from, character, ContactPinning::Nothing);
+        let is = fitted(&other, character, ContactPinning::Nothing);
+        let (a, b) = (poses(character, &was.clip), poses(character, &is.clip));
         let report = is.fit.retargeted.unwrap();
         let RestPose::Found { assumed } = report.source_rest else {
             panic!("{file}: a random pose counts as standing");
@@ -269,7 +281,7 @@ fn limbs_move_alike_whatever_the_zero_pose_is() {
             .iter()
             .filter_map(|(joint, _)| names[*joint].hanim.clone())
             .collect();
-        for bone in bones(&character) {
+        for bone in bones(character) {
             let off = turned(&bone, &a, &b);
             let [from, to] = &bone.names;
             let most = limit(&bone, file, &assumed);
@@ -284,25 +296,24 @@ fn limbs_move_alike_whatever_the_zero_pose_is() {
 #[test]
 fn the_zero_pose_of_the_character_does_not_matter() {
     let Some(data) = real_data() else { return };
-    for (i, (file, clip, onto)) in PAIRS.into_iter().enumerate() {
-        let from = motion(&data, file, clip);
-        let character = fs::open(data.join(onto)).unwrap();
+    for (i, (file, _, onto)) in PAIRS.into_iter().enumerate() {
+        let (from, character) = &opened(&data)[i];
         // Without a motion there is nothing to learn from, and a figure whose rest pose is unknown
         // faces +Z, as CesiumMan does not.
         if character.character.clips.is_empty() || onto.contains("Cesium") {
             continue;
         }
         let mut dice = Dice::new(100 + i as u64);
-        let other = with_zero_pose(&with_axes(&character, &mut dice), &mut dice);
-        let was = fitted(&from, &character, ContactPinning::Nothing);
-        let is = fitted(&from, &other, ContactPinning::Nothing);
-        let (a, b) = (poses(&character, &was.clip), poses(&other, &is.clip));
+        let other = with_zero_pose(&with_axes(character, &mut dice), &mut dice);
+        let was = fitted(from, character, ContactPinning::Nothing);
+        let is = fitted(from, &other, ContactPinning::Nothing);
+        let (a, b) = (poses(character, &was.clip), poses(&other, &is.clip));
         let report = is.fit.retargeted.unwrap();
         assert!(
             matches!(report.target_rest, RestPose::Found { .. }),
             "{onto}"
         );
-        for bone in bones(&character) {
+        for bone in bones(character) {
             let off = turned(&bone, &a, &b);
             let [from, to] = &bone.names;
             // The offset between the two joints of the pelvis moves nothing.
@@ -322,13 +333,12 @@ fn the_zero_pose_of_the_character_does_not_matter() {
 #[test]
 fn axes_of_joints_do_not_matter() {
     let Some(data) = real_data() else { return };
-    for (i, (file, clip, onto)) in PAIRS.into_iter().enumerate() {
-        let from = motion(&data, file, clip);
-        let character = fs::open(data.join(onto)).unwrap();
-        let other = with_axes(&from, &mut Dice::new(200 + i as u64));
-        let [a, b] = [&from, &other].map(|from| {
-            let made = fitted(from, &character, ContactPinning::Feet);
-            poses(&character, &made.clip)
+    for (i, (file, _, onto)) in PAIRS.into_iter().enumerate() {
+        let (from, character) = &opened(&data)[i];
+        let other = with_axes(from, &mut Dice::new(200 + i as u64));
+        let [a, b] = [from, &other].map(|from| {
+            let made = fitted(from, character, ContactPinning::Feet);
+            poses(character, &made.clip)
         });
         let named = character.articulation().joints;
         for (a, b) in a.iter().flatten().zip(b.iter().flatten()) {

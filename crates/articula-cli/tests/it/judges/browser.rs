@@ -5,6 +5,7 @@ use articula_flat::Picture;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::Command;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A file to show, and the times.
@@ -102,6 +103,11 @@ fn seen(answer: &Value) -> Seen {
 
 /// Whether Chromium and the scripts are available; prints it once if not.
 pub(crate) fn is_here() -> bool {
+    static HERE: OnceLock<bool> = OnceLock::new();
+    *HERE.get_or_init(found)
+}
+
+fn found() -> bool {
     if !judges_are_here() {
         return false;
     }

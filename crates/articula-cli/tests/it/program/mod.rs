@@ -72,6 +72,49 @@ pub(crate) fn human() -> &'static Path {
     })
 }
 
+/// Seconds of each clip of [`short`] and [`small`].
+const SHORT: &str = "..0.4";
+
+/// The reference human with the first 0.4 s of each of its clips, made once for all tests of one
+/// process: for what holds for clips of any length.
+pub(crate) fn short() -> &'static Path {
+    static SHORT_HUMAN: OnceLock<PathBuf> = OnceLock::new();
+    SHORT_HUMAN.get_or_init(|| {
+        let words = ["convert", word(human()), "human.glb", "--trim", SHORT];
+        made("short", &[&words])
+    })
+}
+
+/// The same with a tenth of the triangles: for what holds for any surface, too.
+pub(crate) fn small() -> &'static Path {
+    static SMALL: OnceLock<PathBuf> = OnceLock::new();
+    SMALL.get_or_init(|| {
+        let levels = ["build", word(short()), "all.glb", "--targets", "100,10"];
+        let coarse = ["convert", "all.glb", "human.glb", "--mesh-level", "1"];
+        made("small", &[&levels, &coarse])
+    })
+}
+
+/// The reference human as an asset with five mesh levels. A crowd of it is that of the human
+/// (`assets` compares the two on short clips) and need not make the tables first.
+pub(crate) fn prepared() -> &'static Path {
+    static PREPARED: OnceLock<PathBuf> = OnceLock::new();
+    PREPARED.get_or_init(|| {
+        let words = ["build", word(human()), "human.glb", "--levels", "5"];
+        made("prepared", &[&words])
+    })
+}
+
+/// `human.glb` in a folder of this process, as commands leave it.
+fn made(name: &str, commands: &[&[&str]]) -> PathBuf {
+    let folder = folder(&format!("{name}-{}", std::process::id()));
+    for words in commands {
+        let ran = articula(&folder, words);
+        assert_eq!(ran.status, 0, "{words:?}: {}", ran.err);
+    }
+    folder.join("human.glb")
+}
+
 /// A path as an argument.
 pub(crate) fn word(path: &Path) -> &str {
     path.to_str().unwrap()

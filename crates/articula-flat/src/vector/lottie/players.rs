@@ -21,7 +21,8 @@ use crate::planar::shading::{Shading, flat_color};
 use crate::planar::{PlanarClip, PlanarFrame, PlanarMaterial, reference};
 use crate::vector::smil::smil;
 use glam::{Mat3, Vec2, Vec3};
-use judges::browser::{self, Item, shots};
+use judges::browser::{self, Item, Seen, shots};
+use std::sync::OnceLock;
 
 const SIDE: u32 = 200;
 const FRAMES: usize = 9;
@@ -195,27 +196,70 @@ fn what_is_written_keeps_to_the_schema() {
         frames: 1,
         ..clip.clone()
     };
-    let schema = real::data_folder().join("fixtures/lottie_spec/schema");
-    let mut words = vec![schema.to_string_lossy().into_owned()];
-    for clip in [&clip, &flat, &none] {
-        let text = lottie(clip, NAME).unwrap();
-        let file = browser::write("schema.json", text.as_bytes());
-        words.push(file.to_string_lossy().into_owned());
-    }
-    let (verdict, good) = judges::ask("lottie_schema.mjs", &words);
-    assert!(good, "{verdict}");
+    let mut texts: Vec<String> = [&clip, &flat, &none]
+        .map(|clip| lottie(clip, NAME).unwrap())
+        .into();
+    let goods = texts.len();
     // A missing or malformed member is detected, so the schema is the right one.
-    let text = lottie(&clip, NAME).unwrap();
     for (good, bad) in [
         (r#""t":1,"g""#, r#""g""#),
         (r#""c":true,"i""#, r#""c":true,"j""#),
     ] {
-        assert!(text.contains(good));
-        let file = browser::write("bad.json", text.replacen(good, bad, 1).as_bytes());
-        words.truncate(1);
-        words.push(file.to_string_lossy().into_owned());
-        assert!(!judges::ask("lottie_schema.mjs", &words).1, "{bad}");
+        assert!(texts[0].contains(good));
+        texts.push(texts[0].replacen(good, bad, 1));
     }
+    let schema = real::data_folder().join("fixtures/lottie_spec/schema");
+    let files = texts
+        .iter()
+        .map(|text| browser::write("schema.json", text.as_bytes()));
+    let words = std::iter::once(schema).chain(files);
+    let words: Vec<String> = words.map(|w| w.to_string_lossy().into_owned()).collect();
+    // All in one go: to compile the schema takes most of the time.
+    let (verdicts, all_good) = judges::ask("lottie_schema.mjs", &words);
+    assert!(!all_good, "{verdicts}");
+    let verdicts: Vec<serde_json::Value> = serde_json::from_str(&verdicts).unwrap();
+    assert_eq!(verdicts.len(), texts.len());
+    for (i, verdict) in verdicts.iter().enumerate() {
+        let is_good = verdict["faults"].as_array().unwrap().is_empty();
+        assert_eq!(is_good, i < goods, "{verdict}");
+    }
+}
+
+/// Frames at which the players show the cube. dotlottie-web shows nothing later than one frame before
+/// the end.
+const MOMENTS: [f64; 6] = [0.0, 0.5, 3.0, 3.5, 6.5, 7.5];
+
+/// Documents of the cube with gradients as SVG and in both players, of the flat cube and of a ring in
+/// both players.
+fn documents() -> Vec<Item> {
+    let cube = cube();
+    let gouraud = keyed(&cube, Shading::Gouraud);
+    let flat = keyed(&cube, Shading::Flat);
+    let of = |clip: &KeyedClip| lottie(clip, NAME).unwrap();
+    let (text, flat_text, ring_text) = (of(&gouraud), of(&flat), of(&ring(flat)));
+    let svg = smil(&gouraud, NAME).unwrap();
+    let mut items = vec![
+        item("smil", &svg, &MOMENTS),
+        item("lottie", &text, &MOMENTS),
+        item("dotlottie", &text, &MOMENTS[..5]),
+    ];
+    for (text, frame) in [(&flat_text, 2.5), (&ring_text, 0.0)] {
+        items.extend(["lottie", "dotlottie"].map(|kind| item(kind, text, &[frame])));
+    }
+    items
+}
+
+/// What Chromium shows of the [`documents`], which is started once, because that takes most of the
+/// time; `None` if it is missing.
+fn shown() -> Option<&'static [Seen]> {
+    static SHOWN: OnceLock<Option<Vec<Seen>>> = OnceLock::new();
+    let take = || {
+        let items = documents();
+        let seen = shots(&items)?;
+        assert_eq!(seen.len(), items.len());
+        Some(seen)
+    };
+    SHOWN.get_or_init(take).as_deref()
 }
 
 /// Difference of two pictures, exceeded by only a fraction of the pixels.
@@ -232,26 +276,13 @@ fn quantile_of_differences(a: &Picture, b: &Picture, share: f64) -> u8 {
 #[test]
 fn players_show_the_cube_at_whole_frames_and_between_them() {
     let cube = cube();
-    let keyed = keyed(&cube, Shading::Gouraud);
-    let text = lottie(&keyed, NAME).unwrap();
-    let svg = smil(&keyed, NAME).unwrap();
-    // dotlottie-web shows nothing later than one frame before the end.
-    let frames = [0.0, 0.5, 3.0, 3.5, 6.5, 7.5];
-    let items = [
-        item("smil", &svg, &frames),
-        item("lottie", &text, &frames),
-        item("dotlottie", &text, &frames[..5]),
-    ];
-    let Some(seen) = shots(&items) else {
+    let Some([drawn, lottie, dotlottie, ..]) = shown() else {
         return;
     };
-    let [drawn, players @ ..] = &seen[..] else {
-        panic!("no answers");
-    };
-    for (item, player) in items[1..].iter().zip(players) {
+    for (kind, player) in [("lottie", lottie), ("dotlottie", dotlottie)] {
         for (i, picture) in player.pictures.iter().enumerate() {
-            let at = format!("{} at frame {}", item.kind, frames[i]);
-            let moment = (frames[i] * 2.0) as usize;
+            let at = format!("{kind} at frame {}", MOMENTS[i]);
+            let moment = (MOMENTS[i] * 2.0) as usize;
             let truth = reference(&cube, moment, Supersampling::Eight, [255; 4]).unwrap();
             let apart = rmse(&truth, picture).unwrap();
             assert!(apart <= 4.5, "{at}: {apart} levels");
@@ -271,12 +302,10 @@ fn players_show_the_cube_at_whole_frames_and_between_them() {
 #[test]
 fn players_show_the_flat_cube() {
     let cube = cube();
-    let text = lottie(&keyed(&cube, Shading::Flat), NAME).unwrap();
-    let items = ["lottie", "dotlottie"].map(|kind| item(kind, &text, &[2.5]));
-    let Some(seen) = shots(&items) else {
+    let Some([_, _, _, lottie, dotlottie, ..]) = shown() else {
         return;
     };
-    let [a, b] = [0, 1].map(|i: usize| &seen[i].pictures[0]);
+    let [a, b] = [lottie, dotlottie].map(|seen| &seen.pictures[0]);
     assert!(quantile_of_differences(a, b, 0.05) <= 1);
     let truth = reference(&cube, 5, Supersampling::Eight, [255; 4]).unwrap();
     for picture in [a, b] {
@@ -285,9 +314,8 @@ fn players_show_the_flat_cube() {
     }
 }
 
-/// An outline inside another with the opposite winding is a hole.
-#[test]
-fn players_leave_holes_open() {
+/// A clip of one shape, an outline inside another with the opposite winding.
+fn ring(clip: KeyedClip) -> KeyedClip {
     let ring = KeyedShape {
         outline: KeyedTrack::still(vec![
             0, 0, 800, 0, 800, 800, 0, 800, 200, 200, 200, 600, 600, 600, 600, 200,
@@ -296,25 +324,23 @@ fn players_leave_holes_open() {
         paint: KeyedPaint::Flat([51, 102, 204]),
         shown: std::iter::once(0..3).collect(),
     };
-    let clip = KeyedClip {
+    KeyedClip {
         frames: 2,
         shapes: vec![ring],
-        ..keyed(&cube(), Shading::Flat)
-    };
-    let text = lottie(&clip, NAME).unwrap();
-    let items = ["lottie", "dotlottie"].map(|kind| item(kind, &text, &[0.0]));
-    let Some(seen) = shots(&items) else {
+        ..clip
+    }
+}
+
+/// An outline inside another with the opposite winding is a hole.
+#[test]
+fn players_leave_holes_open() {
+    let Some([.., lottie, dotlottie]) = shown() else {
         return;
     };
-    for (item, seen) in items.iter().zip(&seen) {
+    for (kind, seen) in [("lottie", lottie), ("dotlottie", dotlottie)] {
         let pixel = |x, y| seen.pictures[0].get(x, y);
         let found = [pixel(25, 100), pixel(100, 100), pixel(100, 175)];
         let (blue, white) = ([51, 102, 204, 255], [255; 4]);
-        assert_eq!(
-            found,
-            [Some(blue), Some(white), Some(blue)],
-            "{}",
-            item.kind
-        );
+        assert_eq!(found, [Some(blue), Some(white), Some(blue)], "{kind}");
     }
 }

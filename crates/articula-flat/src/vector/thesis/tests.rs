@@ -271,12 +271,13 @@ proptest! {
         optimise_static: bool,
         neutral_frame in 0usize..40,
     ) {
-        let mut clip = turning_cube(40);
+        let cube = turning_cube(40);
+        let mut clip = cube.clone();
         // Frames that repeat others: at rest in intervals, and with jumps.
         let mut frame = 0;
         for (f, to) in held.iter().enumerate() {
             frame = if *to < 12 { *to } else { frame };
-            clip.frames[f] = turning_cube(40).frames[frame].clone();
+            clip.frames[f] = cube.frames[frame].clone();
         }
         let of = |form, optimise_hidden, optimise_static| {
             let options = ThesisSvgOptions { form, optimise_hidden, optimise_static, neutral_frame };

@@ -319,12 +319,19 @@ fn truncated_at_every_byte() {
 
 #[test]
 fn a_deep_hierarchy_is_refused_and_does_not_recurse() {
+    // So small a stack has 13 bytes for each level, less than any call takes.
+    let small = std::thread::Builder::new().stack_size(256 << 10);
+    let read = small.spawn(a_deep_hierarchy_is_read).unwrap();
+    read.join().unwrap();
+}
+
+fn a_deep_hierarchy_is_read() {
     let mut tiny = Tiny::skinned();
     let limits = Limits {
         nodes: 1 << 20,
         ..Limits::default()
     };
-    let chain = 200_000;
+    let chain = 20_000;
     let node = |n: usize| json!({"children": [n + 1]});
     let mut nodes: Vec<Value> = (0..chain).map(node).collect();
     nodes.push(json!({}));

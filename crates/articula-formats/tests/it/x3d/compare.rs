@@ -78,9 +78,10 @@ pub(crate) fn corners(
             });
             moved.sum::<DVec3>()
         };
+        let places: Vec<DVec3> = (0..primitive.positions.len()).map(place).collect();
         for [a, b, c] in &primitive.triangles {
             if a != b && b != c && c != a {
-                corners.extend([*a, *b, *c].map(|v| place(v as usize)));
+                corners.extend([*a, *b, *c].map(|v| places[v as usize]));
             }
         }
     }

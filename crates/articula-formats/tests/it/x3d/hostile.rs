@@ -236,15 +236,28 @@ fn limits_hold() {
 
 #[test]
 fn one_list_used_by_many_is_counted_each_time() {
-    let points = "0 0 0 ".repeat(20_000);
+    let points = "0 0 0 ".repeat(2_000);
     let shape =
         "<Shape><IndexedFaceSet coordIndex='0 1 2'><Coordinate USE='c'/></IndexedFaceSet></Shape>";
-    let scene = format!(
-        "<X3D><HAnimHumanoid><HAnimJoint name='a' containerField='skeleton'><HAnimSegment>
-         <Coordinate DEF='c' point='{points}'/>{}</HAnimSegment></HAnimJoint></HAnimHumanoid></X3D>",
-        shape.repeat(10_000)
-    );
-    check(&scene, "decoded elements");
+    let scene = |uses: usize| {
+        format!(
+            "<X3D><HAnimHumanoid><HAnimJoint name='a' containerField='skeleton'><HAnimSegment>
+             <Coordinate DEF='c' point='{points}'/>{}</HAnimSegment></HAnimJoint></HAnimHumanoid></X3D>",
+            shape.repeat(uses)
+        )
+    };
+    // Far more than the list and the shapes themselves.
+    let limits = Limits {
+        elements: 1 << 20,
+        ..Limits::default()
+    };
+    let read = |uses: usize| {
+        let mut alone = |_: &str| Err(String::new());
+        x3d::read(scene(uses).as_bytes(), &limits, &mut alone).map(drop)
+    };
+    assert_eq!(read(10), Ok(()));
+    let error = read(1_000).unwrap_err().to_string();
+    assert!(error.contains("decoded elements"), "{error}");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use articula_formats::{Limits, joint_map};
 use articula_mutate::{Edit, Mutations, cut_off};
 
 /// Number of mutations per file.
-const TRIES: usize = 4000;
+const TRIES: usize = 2000;
 
 const XML: &str = "<?xml version='1.0'?><!DOCTYPE X3D SYSTEM 'x'><X3D version='4.0'><head>
 <unit category='length' conversionFactor='0.5'/></head><Scene><Transform scale='2 2 2'>

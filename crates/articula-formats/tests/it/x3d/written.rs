@@ -10,11 +10,18 @@ use articula_formats::x3d::{self, X3dFile};
 use articula_formats::{Limits, gltf, joint_map};
 use articula_human::{HumanOptions, human};
 use glam::DVec3;
+use std::sync::OnceLock;
 
 /// Maximum error after writing and reading, as a fraction of the figure. Numbers round-trip
 /// exactly; what remains is rounding of rotations (3e-8 each) along a chain of joints, in 32 bits,
 /// and of the matrices that bring vertices to rest.
 const BOUND: f64 = 5e-6;
+
+/// The reference human with the fewest triangles, created once.
+fn small_human() -> &'static Character {
+    static HUMAN: OnceLock<Character> = OnceLock::new();
+    HUMAN.get_or_init(|| human(&HumanOptions { triangles: 2000 }).unwrap())
+}
 
 /// Writes and reads a character; also returns whether the rest pose is that of the source.
 fn written(character: &Character) -> (X3dFile, bool) {
@@ -53,6 +60,8 @@ fn sources(character: &Character, back: &Character) -> Vec<usize> {
 }
 
 /// Returns the maximum distance of joints and corners over all clips, as a fraction of the figure.
+/// Joints are compared at five times of each clip, corners, of which there are many more, at two of
+/// them, which differ from clip to clip.
 fn worst(character: &Character, back: &Character, at_rest: bool) -> f64 {
     let sources = sources(character, back);
     let meshes: Vec<(usize, usize)> = (0..character.meshes.len())
@@ -73,8 +82,9 @@ fn worst(character: &Character, back: &Character, at_rest: bool) -> f64 {
             assert!((clip.duration_secs - other.duration_secs).abs() < 1e-6);
         }
         let end = clip.map_or(0.0, |c| c.duration_secs);
-        for step in 0..=4u8 {
-            let time = end * f32::from(step) / 4.0;
+        let steps = if clip.is_some() { 5 } else { 1 };
+        for step in 0..steps {
+            let time = end * step as f32 / 4.0;
             let places = |c: &Character, clip| -> Vec<DVec3> {
                 globals(c, clip, time)
                     .iter()
@@ -84,7 +94,8 @@ fn worst(character: &Character, back: &Character, at_rest: bool) -> f64 {
             let (all, found) = (places(character, clip), places(back, other));
             let wanted: Vec<DVec3> = sources.iter().map(|&j| all[j]).collect();
             worst = worst.max(farthest(&wanted, &found) / size);
-            for &(mesh, twin) in &meshes {
+            let has_corners = clip.is_none() || [1, 3].contains(&((step + 5 - index % 5) % 5));
+            for &(mesh, twin) in meshes.iter().filter(|_| has_corners) {
                 let wanted = corners(character, mesh, clip, time);
                 let found = corners(back, twin, other, time);
                 worst = worst.max(farthest(&wanted, &found) / size);
@@ -107,14 +118,14 @@ fn twin(character: &Character, mesh: usize, back: &Character) -> usize {
 
 #[test]
 fn the_reference_human_reads_again() {
-    let character = human(&HumanOptions::default()).unwrap();
-    let (back, at_rest) = written(&character);
+    let character = small_human();
+    let (back, at_rest) = written(character);
     let back = back.character;
     assert!(at_rest);
     assert_eq!(back.clips.len(), character.clips.len());
     let names = |c: &Character| -> Vec<String> { c.clips.iter().map(|c| c.name.clone()).collect() };
-    assert_eq!(names(&back), names(&character));
-    let worst = worst(&character, &back, at_rest);
+    assert_eq!(names(&back), names(character));
+    let worst = worst(character, &back, at_rest);
     println!("reference human: {worst:.1e} of the figure");
     assert!(worst < BOUND, "{worst}");
     // Required by the standard.
@@ -164,7 +175,6 @@ fn what_cannot_be_written_is_refused() {
     let unmapped = Articulation::default();
     let refused = |c: &Character, a: &Articulation| x3d::write(c, a, &[]).unwrap_err();
     assert_eq!(refused(&none, &unmapped), WriteError::NoJoint);
-    let character = human(&HumanOptions::default()).unwrap();
-    let other = refused(&character, &unmapped);
+    let other = refused(small_human(), &unmapped);
     assert!(other.to_string().contains("has 0 joints"), "{other}");
 }

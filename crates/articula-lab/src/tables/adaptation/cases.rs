@@ -82,6 +82,14 @@ impl Packaged {
             flat: false,
             ..PackageOptions::default()
         };
+        let options = match run.small {
+            true => PackageOptions {
+                mesh_levels: 3,
+                texture_distances_m: vec![3.0],
+                ..options
+            },
+            false => options,
+        };
         let source_bytes = opened.bytes;
         let item = package(opened.clone(), &options, &Executor::default())?;
         Ok(Some(Self {

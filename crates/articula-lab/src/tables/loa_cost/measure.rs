@@ -158,15 +158,12 @@ impl MotionController for Only {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_build::{ClipOptions, character};
-    use articula_human::{HumanOptions, human};
 
     #[test]
     fn only_joints_of_the_set_cost() {
-        let human = human(&HumanOptions::default()).unwrap();
-        let asset = character(&human, None, &ClipOptions::default()).unwrap();
+        let asset = crate::small::human();
         let clip = asset.clips[0].at_key_rate();
-        let (rig, stage) = (&asset.rig, Stage::new(&asset, &clip));
+        let (rig, stage) = (&asset.rig, Stage::new(asset, &clip));
         let (times, none) = stage.pass(&JointSet::EMPTY, 1);
         assert_eq!(none, Counts::default(), "nothing moves");
         assert_eq!(times.len(), clip.frames() - 1);

@@ -44,6 +44,9 @@ const SUBJECTS: [Subject; 3] = [
     },
 ];
 
+/// The clip of the first subject in a small run.
+const SMALL_CLIP: &str = "walk";
+
 /// Numbers of figures shown at the same time.
 const FIGURES: [usize; 6] = [1, 2, 5, 10, 20, 50];
 
@@ -182,11 +185,13 @@ impl PerJoint {
 
 /// Runs the table and writes it.
 pub(crate) fn write(run: &Run) -> Result<()> {
-    let (subjects, rounds) = if run.small {
-        (&SUBJECTS[..1], 1)
-    } else {
-        (&SUBJECTS[..], ROUNDS)
-    };
+    let mut subjects = SUBJECTS.to_vec();
+    let mut rounds = ROUNDS;
+    if run.small {
+        subjects.truncate(1);
+        subjects[0].clip = SMALL_CLIP;
+        rounds = 1;
+    }
     let mut all = Vec::new();
     let mut crowd = Vec::new();
     for subject in subjects {
@@ -195,7 +200,7 @@ pub(crate) fn write(run: &Run) -> Result<()> {
         let at = clips.iter().position(|c| c.name == subject.clip);
         let at = at.with_context(|| format!("{}: no clip {}", subject.file, subject.clip))?;
         let clip = clips[at].at_key_rate();
-        all.push(found(*subject, &figure, (at, &clip), rounds));
+        all.push(found(subject, &figure, (at, &clip), rounds));
         if crowd.is_empty() {
             crowd = figures(&figure, &clip, run.small, rounds);
         }

@@ -29,6 +29,9 @@ const CHARACTERS: [&str; 7] = [
     "CesiumMan",
 ];
 
+/// Clips of the character of a small run.
+const FEW_CLIPS: usize = 3;
+
 /// Numbers of joints kept, as far as a character has more.
 const COUNTS: [u16; 7] = [96, 64, 48, 32, 24, 16, 10];
 
@@ -75,7 +78,10 @@ pub(crate) fn write(run: &Run, sheets: &Sheets) -> Result<()> {
     let mut chosen = String::new();
     let mut defaults = Vec::new();
     for name in &CHARACTERS[..shown] {
-        let asset = data::asset(&run.data, &format!("glb/{name}.glb"))?;
+        let mut asset = data::asset(&run.data, &format!("glb/{name}.glb"))?;
+        if run.small {
+            asset.clips.truncate(FEW_CLIPS);
+        }
         let named = match *name == CHARACTERS[0] {
             true => named_rows(name, &asset)?,
             false => Vec::new(),

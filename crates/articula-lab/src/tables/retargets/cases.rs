@@ -7,8 +7,9 @@ use articula::{AddClipsOptions, CharacterFile, OpenOptions};
 use articula_build::source_rate_hz;
 use articula_core::source::RawClip;
 use articula_formats::mpeg4::bap;
-use articula_human::HumanOptions;
+use articula_human::{HumanError, HumanOptions};
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// Source of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +78,7 @@ pub(super) const CASES: [Case; 24] = [
     case("FAIR1 jumping", file("bvh/fair1_jumping.bvh"), MAN).shown(),
     case("FAIR1 zombie", file("bvh/fair1_zombie.bvh"), GODETTE).shown(),
     case("pab run", clip(PAB, "run"), WOMAN).small(),
-    case("pab walk", clip(PAB, "walk"), HUMAN).small(),
+    case("pab walk", clip(PAB, "walk"), HUMAN),
     case(
         "KayKit running",
         clip(KAYKIT, "Rig_Medium|Running_A"),
@@ -199,9 +200,13 @@ fn open(data: &Path, name: &str) -> Result<CharacterFile> {
     Ok(articula::fs::open(data.join(name))?)
 }
 
+/// The reference human, made once: several motions go onto it.
 fn human() -> Result<CharacterFile> {
-    let character = articula_human::human(&HumanOptions { triangles: 12_000 })?;
-    Ok(CharacterFile::from_character("human", character))
+    static HUMAN: LazyLock<Result<CharacterFile, HumanError>> = LazyLock::new(|| {
+        let character = articula_human::human(&HumanOptions { triangles: 12_000 })?;
+        Ok(CharacterFile::from_character("human", character))
+    });
+    Ok(HUMAN.clone()?)
 }
 
 /// The motion of a case, as the only clip of its character.

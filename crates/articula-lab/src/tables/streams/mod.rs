@@ -12,7 +12,7 @@ use super::targets::{Target, section, table};
 use anyhow::{Context, Result};
 use articula::Figure;
 use cases::{CASES, Case};
-use motion::{Form, Motion, TOLERANCE_METRES, measured};
+use motion::{Form, Motion, ROUNDS, TOLERANCE_METRES, measured};
 use peers::Peer;
 use std::fmt::Write as _;
 
@@ -34,7 +34,11 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     let mut rows = Vec::new();
     for case in CASES.iter().filter(|case| !run.small || case.is_small()) {
         let figure = case.open(&run.data)?;
-        for clip in case.indices(&figure)? {
+        let mut clips = case.indices(&figure)?;
+        if run.small {
+            clips.truncate(1);
+        }
+        for clip in clips {
             let name = &figure.asset.clips[clip].name;
             eprintln!("streams: {}, {name}", case.name);
             let row = row(run, case, &figure, clip);
@@ -64,12 +68,13 @@ fn row(run: &Run, case: &Case, figure: &Figure, index: usize) -> Result<Row> {
     let clip = &asset.clips[index];
     let has_joints = !clip.tracks().rotations.is_empty();
     let tolerance_mm = 1e3 * TOLERANCE_METRES;
+    let rounds = if run.small { 1 } else { ROUNDS };
     Ok(Row {
         name: format!("{}, {}", case.name, clip.name),
         trained: case.trained,
         frames: clip.frames(),
         joints: asset.rig.len(),
-        motion: measured(asset, clip, case.tiers)?,
+        motion: measured(asset, clip, case.tiers, rounds)?,
         keys: peers::keys(&figure.opened.character.clips[index])?,
         meshopt: peers::meshoptimizer(asset, clip)?,
         bvh: match case.source_bvh(&run.data)? {

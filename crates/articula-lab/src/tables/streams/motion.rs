@@ -12,7 +12,7 @@ use std::hint::black_box;
 /// Tolerance of all forms in metres.
 pub(super) const TOLERANCE_METRES: f64 = 1e-4;
 /// Rounds of the timings; the median counts.
-const ROUNDS: usize = 9;
+pub(super) const ROUNDS: usize = 9;
 /// Processor time that one round takes at least, in nanoseconds.
 const ROUND_NS: u64 = 20_000_000;
 
@@ -42,7 +42,7 @@ pub(super) struct Motion {
 }
 
 /// Encodes a clip in every form.
-pub(super) fn measured(asset: &Asset, clip: &Clip, tiers: usize) -> Result<Motion> {
+pub(super) fn measured(asset: &Asset, clip: &Clip, tiers: usize, rounds: usize) -> Result<Motion> {
     let coded = |grouping: Grouping, tiers: usize| {
         let options = MotionOptions {
             tolerance_metres: TOLERANCE_METRES,
@@ -70,7 +70,7 @@ pub(super) fn measured(asset: &Asset, clip: &Clip, tiers: usize) -> Result<Motio
         let bytes = cut_to(&by_level, tier)?;
         forms.push(form(asset, clip, &bytes)?);
         let joint_frames = (joints * clip.frames()) as f64;
-        speeds.push(joint_frames * 1e3 / decode_ns(asset, &bytes)?);
+        speeds.push(joint_frames * 1e3 / decode_ns(asset, &bytes, rounds)?);
     }
     Ok(Motion {
         single: form(asset, clip, &single.bytes)?,
@@ -129,10 +129,10 @@ fn moving(asset: &Asset, bytes: &[u8]) -> Result<usize> {
 }
 
 /// Nanoseconds of processor time to decode a stream.
-fn decode_ns(asset: &Asset, bytes: &[u8]) -> Result<f64> {
+fn decode_ns(asset: &Asset, bytes: &[u8], rounds: usize) -> Result<f64> {
     let limits = StreamLimits::default();
-    let mut times = Vec::with_capacity(ROUNDS);
-    for _ in 0..ROUNDS {
+    let mut times = Vec::with_capacity(rounds);
+    for _ in 0..rounds {
         let (start, mut count) = (thread_ns(), 0_u32);
         while count == 0 || thread_ns() - start < ROUND_NS {
             black_box(MotionReceiver::read(bytes, &asset.rig, &limits)?);
