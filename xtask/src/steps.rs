@@ -47,26 +47,26 @@ const fn step(name: &'static str, budget_minutes: f64, check: fn(&Run) -> Result
 const STEPS: &[&[Step]] = &[
     &[step("format", 0.2, |_| format())],
     &[
-        step("clippy", 4.0, |_| clippy()),
+        step("clippy", 5.0, |_| clippy()),
         step("dependencies", 0.1, |_| dependencies::check()),
         step("oracle packages", 0.5, |_| node::install()),
         step("oracle browser", 0.1, |_| node::browser()),
     ],
     &[
-        step("build of the tests", 20.0, |_| build_tests()),
-        step("oracle self-test", 0.5, |_| node::self_test()),
+        step("build of the tests", 15.0, |_| build_tests()),
+        step("oracle self-test", 1.5, |_| node::self_test()),
     ],
-    &[step("tests", 10.0, tests)],
+    &[step("tests", 14.0, tests)],
     &[
         step("doctests", 1.0, |_| doctests()),
         step("examples", 0.5, |_| examples()),
-        step("documentation", 3.0, |_| documentation()),
-        step("wasm build", 3.0, |_| wasm::check()),
+        step("documentation", 1.5, |_| documentation()),
+        step("wasm build", 2.0, |_| wasm::check()),
         step("tidy", 0.1, |_| tidy_step()),
-        step("cut alone", 1.0, cut_alone),
+        step("cut alone", 2.0, cut_alone),
     ],
     &[
-        step("playback in node", 1.0, |_| wasm::playback()),
+        step("playback in node", 1.5, |_| wasm::playback()),
         step("neon under emulation", 3.0, |_| neon::check()),
     ],
 ];

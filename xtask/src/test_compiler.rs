@@ -1,10 +1,10 @@
 //! Compiles tests without optimisation, while the libraries that they call stay optimised.
 //!
-//! A profile of cargo holds for a whole package, and each library is compiled twice, for others and
-//! with its unit tests. Only the first runs long; the second, and programs of tests, cost a third of
-//! the compilation and run as fast without. So this program stands between cargo and the compiler, as
-//! cargo's `RUSTC_WRAPPER`, while the tests are built. What it makes has the names that cargo gives it, so
-//! `cargo test` uses it, too.
+//! A profile of cargo holds for a whole package, and each library is compiled twice: for its users, and
+//! with its unit tests. Only the first is called for long. The second, and the programs of integration
+//! tests, take a third of the compilation, and most run as fast without optimisation. So this program is
+//! cargo's `RUSTC_WRAPPER` while it builds the tests. Cargo names the results as it would without, so
+//! `cargo test` finds and uses them.
 
 use anyhow::{Context, Result};
 use std::ffi::{OsStr, OsString};
@@ -13,8 +13,8 @@ use std::process::{Command, ExitCode};
 /// Tells this program that cargo calls it as its compiler.
 const CALLED: &str = "ARTICULA_TEST_COMPILER";
 
-/// Libraries whose unit tests render pictures or code surfaces by the thousand, and take five times as
-/// long without optimisation.
+/// Libraries whose unit tests render pictures or code random surfaces, and take five times as long
+/// without optimisation.
 const OPTIMISED: &[&str] = &["articula_flat", "articula_stream"];
 
 /// Makes a call of cargo compile tests without optimisation. A wrapper that is set already, such as a

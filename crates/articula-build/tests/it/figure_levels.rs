@@ -1,6 +1,6 @@
 //! Properties of levels of joints and mesh that are shown together.
 
-use crate::reference_human::asset_of_2000;
+use crate::reference_human::asset_of_4000;
 use articula_build::Asset;
 use articula_build::attach;
 use articula_build::{FigureLevels, figure_levels};
@@ -33,7 +33,7 @@ fn options() -> JointLodOptions {
 fn someone() -> &'static Figure {
     static HUMAN: OnceLock<Figure> = OnceLock::new();
     HUMAN.get_or_init(|| {
-        let asset = asset_of_2000().clone();
+        let asset = asset_of_4000().clone();
         let opts = PoseOptions {
             shaping: 3,
             ..PoseOptions::default()

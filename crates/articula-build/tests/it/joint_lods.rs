@@ -1,7 +1,7 @@
 //! Properties of merged levels, on random rigs, skins and clips.
 
 use crate::random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
-use crate::reference_human::asset_of_2000;
+use crate::reference_human::asset_of_4000;
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{
@@ -196,7 +196,7 @@ proptest! {
 /// the maximum at every frame, and one of them is at it.
 #[test]
 fn the_maximum_is_that_of_every_vertex_at_every_frame() {
-    let asset = asset_of_2000();
+    let asset = asset_of_4000();
     let few = JointLodOptions {
         vertices: 50,
         ..JointLodOptions::default()

@@ -2,7 +2,7 @@
 //! human.
 
 use crate::random_figure::{RATE, Row, character_of, flat, rows, vector};
-use crate::reference_human::asset_of_2000;
+use crate::reference_human::asset_of_4000;
 use articula_build::ClipOptions;
 use articula_build::motion_bounds;
 use articula_build::{Asset, character};
@@ -203,7 +203,7 @@ proptest! {
 
 #[test]
 fn bounds_of_the_reference_human_are_close() {
-    let asset = asset_of_2000();
+    let asset = asset_of_4000();
     let bounds = motion_bounds(asset, 0.0).unwrap();
     let mut body = Body::new(asset);
     for (clip, bounds) in asset.clips.iter().zip(&bounds.clips) {

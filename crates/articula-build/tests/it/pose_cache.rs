@@ -1,7 +1,7 @@
 //! Properties of baked pose caches, on random rigs, skins and clips.
 
 use crate::random_figure::{RATE, Row, character_of, flat, rows};
-use crate::reference_human::asset_of_2000;
+use crate::reference_human::asset_of_4000;
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{CacheDecision, CacheOptions, CachedPoses, cached_poses};
@@ -253,7 +253,7 @@ proptest! {
 /// The sample of vertices decides about keys and the percentile alone.
 #[test]
 fn the_stated_error_holds_for_every_vertex_of_a_character() {
-    let mut asset = asset_of_2000().clone();
+    let mut asset = asset_of_4000().clone();
     // The walk.
     asset.clips.swap(0, 1);
     asset.clips.truncate(1);

@@ -16,3 +16,12 @@ pub(crate) fn asset_of_2000() -> &'static Asset {
     static HUMAN: OnceLock<Asset> = OnceLock::new();
     HUMAN.get_or_init(|| character(of_2000(), None, &ClipOptions::default()).unwrap())
 }
+
+/// The runtime character, of 4,000 triangles.
+pub(crate) fn asset_of_4000() -> &'static Asset {
+    static HUMAN: OnceLock<Asset> = OnceLock::new();
+    HUMAN.get_or_init(|| {
+        let source = human(&HumanOptions { triangles: 4000 }).unwrap();
+        character(&source, None, &ClipOptions::default()).unwrap()
+    })
+}
