@@ -142,7 +142,9 @@ pub(crate) fn sample_times(asset: &Asset, reach: &Reach, clip: &Clip) -> Vec<Sam
         }
     }
     sample_times.push(SampleTime {
-        secs: f64::from(clip.duration_secs()),
+        // Beyond the end, where the last frame is held: the end itself may round to before that frame,
+        // at which a stepped value is that of the frame before.
+        secs: clip.frames() as f64 / rate,
         seconds: last_second..=last_second,
         slack: 0.0,
         frame: clip.frames() - 1,

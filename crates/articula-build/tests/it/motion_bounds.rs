@@ -9,7 +9,7 @@ use articula_build::{Asset, character};
 use articula_core::{
     Clip, LocalPose, Mesh, Morph, PosedMesh, Track, Tracks, Wrap, nlerp, sample, sample_morphs,
 };
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use proptest::prelude::*;
 
 /// Motion of a random figure besides the rotation of its joints.
@@ -201,6 +201,30 @@ proptest! {
     }
 }
 
+/// A stepped value of the last frame is shown from the end of the clip on, and at no other time.
+#[test]
+fn the_last_frame_of_a_stepped_track_is_inside() {
+    // 23 intervals of a fifth of a second: 4.6 s, which rounds down in 32 bits.
+    let extra = Extra {
+        joint: 0.0,
+        way: Vec3::Z,
+        scale: Vec3::ZERO,
+        morph: 0.0,
+        step: true,
+        rate_hz: 5.0,
+    };
+    let still = (0.0, Vec3::ZERO, Quat::IDENTITY, Vec3::ZERO);
+    let asset = asset(&[still, still], &extra);
+    let clip = &asset.clips[1];
+    assert!(f64::from(clip.duration_secs()) * 5.0 < (clip.frames() - 1) as f64);
+    let bounds = motion_bounds(&asset, 0.0).unwrap();
+    let mut body = Body::new(&asset);
+    let pose = body.sampled(clip, 10.0, Wrap::Clamp);
+    for p in body.points(&pose) {
+        assert!(bounds.clips[1].whole().contains(p), "{p}");
+    }
+}
+
 #[test]
 fn bounds_of_the_reference_human_are_close() {
     let asset = asset_of_4000();
@@ -232,7 +256,7 @@ fn bounds_of_the_reference_human_are_close() {
 
 #[test]
 fn what_has_no_place_is_refused() {
-    let rows: Vec<Row> = vec![(0.0, Vec3::Y, glam::Quat::IDENTITY, Vec3::ZERO); 2];
+    let rows: Vec<Row> = vec![(0.0, Vec3::Y, Quat::IDENTITY, Vec3::ZERO); 2];
     let extra = Extra {
         joint: 0.0,
         way: Vec3::ZERO,
