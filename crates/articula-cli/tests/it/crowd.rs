@@ -15,6 +15,12 @@ fn crowd(name: &str, words: &[&str]) -> Value {
     crowd_of(prepared(), name, words)
 }
 
+/// The first words of a command that plays thirty of the human for a moment.
+fn thirty() -> [&'static str; 6] {
+    let human = word(prepared());
+    ["crowd", human, "--count", "30", "--seconds", "0.1"]
+}
+
 fn crowd_of(character: &Path, name: &str, words: &[&str]) -> Value {
     let here = folder(name);
     let mut all = vec!["crowd", word(character), "--seconds", "0.2"];
@@ -259,14 +265,7 @@ fn a_saved_scene_plays_the_same() {
 #[test]
 fn plots_and_pictures_are_written() {
     let here = folder("crowd-files");
-    let words = [
-        "crowd",
-        word(prepared()),
-        "--count",
-        "30",
-        "--seconds",
-        "0.1",
-    ];
+    let words = thirty();
     let more = ["--plot", "time.svg", "--picture", "crowd.png"];
     let found = json(&here, &[&words[..], &more].concat());
     assert_eq!(found["written"].as_array().unwrap().len(), 2);
@@ -281,14 +280,7 @@ fn plots_and_pictures_are_written() {
 #[test]
 fn buffers_are_written_with_what_they_hold() {
     let here = folder("crowd-buffers");
-    let words = [
-        "crowd",
-        word(prepared()),
-        "--count",
-        "30",
-        "--seconds",
-        "0.1",
-    ];
+    let words = thirty();
     let more = ["--buffers", "frame", "--source", "records"];
     let all = [&words[..], &more].concat();
     let found = json(&here, &all);

@@ -305,7 +305,7 @@ fn what_cannot_be_written_is_refused() {
 
 #[test]
 fn a_face_is_no_motion_of_a_body() {
-    let bytes = write(&clip(40), &Afp2Options::default()).unwrap().bytes;
+    let bytes = write(&clip(20), &Afp2Options::default()).unwrap().bytes;
     assert_eq!(&bytes[..4], b"AFP2");
     let mut body = bytes.clone();
     body[..4].copy_from_slice(b"ABP2");
