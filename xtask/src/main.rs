@@ -59,7 +59,7 @@ Fuzzing: cargo xtask fuzz [--minutes M] [TARGET…]
   and make the exit status 1.
 
 Mutants: cargo xtask mutants [--module M]… [--sample N] [--seed S]
-  Runs N random mutants (default 80) of each module, such as articula_core::budget (all of the page
+  Runs N random mutants (default 80) of each module, such as articula_core::crowd (all of the page
   without a name), with cargo-mutants in a copy of the tree. The seed (default 1) draws the sample.
 
 Environment:

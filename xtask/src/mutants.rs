@@ -21,7 +21,6 @@ const MODULES: &[&str] = &[
     "articula_core::level_table",
     "articula_core::level_skins",
     "articula_core::lod_error",
-    "articula_core::budget",
     "articula_core::crowd",
     "articula_build::motion_error",
     "articula_build::surface_distance",
@@ -131,7 +130,7 @@ struct Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    /// Finds a module such as `articula_core::budget`.
+    /// Finds a module such as `articula_core::crowd`.
     fn of(module: &'a str, work: &'a Path) -> Option<Self> {
         let (name, path) = module.split_once("::")?;
         let package = name.replace('_', "-");
@@ -308,7 +307,7 @@ mod tests {
 
     #[test]
     fn arguments_are_modules_and_numbers() {
-        let words = ["--module", "articula_core::budget", "--sample", "9"];
+        let words = ["--module", "articula_core::crowd", "--sample", "9"];
         let parsed = MutantOptions::parse(&words).unwrap();
         assert_eq!((parsed.modules.len(), parsed.sample), (1, 9));
         assert_eq!(MutantOptions::parse(&[]).unwrap().sample, 80);
@@ -329,7 +328,7 @@ mod tests {
         }
         assert!(Place::of("articula_core", Path::new("")).is_none());
         let has_outer = |module| Place::of(module, Path::new("")).unwrap().has_outer_tests;
-        assert!(has_outer("articula_build::simplify") && has_outer("articula_core::budget"));
+        assert!(has_outer("articula_build::simplify") && has_outer("articula_core::crowd"));
         assert!(!has_outer("articula_stream::mesh::codec"));
     }
 

@@ -41,7 +41,6 @@
 //! - [`source`]: the editable data that file readers return and builders take
 //! - [`crowd`]: evaluation of many characters with levels of detail, one tick per frame
 //! - [`playback`]: live playback of one figure: layers, controllers of detail, skinning
-//! - [`budget`]: choice of one LOD option for each character, with least error within a budget
 //! - [`visibility`]: frustum culling, occlusion and size on screen of bodies
 //! - [`batch`]: evaluation of eight characters at once, from cursors to palettes
 //! - [`loa`]: levels of articulation: selectors, their combination and the expression language
@@ -63,7 +62,6 @@
 
 pub mod arkit_table;
 pub mod batch;
-pub mod budget;
 pub mod crowd;
 pub mod face_levels;
 pub mod fap_table;

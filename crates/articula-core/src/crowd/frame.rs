@@ -1,7 +1,7 @@
 //! Input and output of one frame of a crowd, except palettes.
 
 use super::character_state::MAX_STEP_SECS;
-use crate::budget::Workload;
+use super::workload::Workload;
 use crate::visibility::View;
 use glam::{Quat, Vec3};
 use std::ops::Range;

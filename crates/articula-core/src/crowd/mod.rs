@@ -62,6 +62,7 @@ mod section;
 mod share;
 mod tick;
 mod weights;
+mod workload;
 
 pub use attachment::attachment;
 pub use budget::{Budget, BudgetReport};
@@ -80,3 +81,4 @@ pub use plan::{Draw, DrawGroup, DrawList, ImpostorDraw, RecordGroup, StepGroup};
 pub use root_path::{RootDelta, RootTrajectory};
 pub use section::CrowdSection;
 pub use tick::Crowd;
+pub use workload::Workload;

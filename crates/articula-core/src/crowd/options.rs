@@ -8,7 +8,7 @@
 use super::frame::CacheUse;
 use super::keys::Kind;
 use super::parts::CrowdParts;
-use crate::budget::{CostModel, Workload};
+use super::workload::Workload;
 
 /// Nanoseconds of a blend of cached palettes, for each matrix, on the machine of
 /// `docs/methods/runtime.md` part 1: about 0.4 of what evaluating a joint takes.
@@ -35,7 +35,7 @@ pub(crate) struct DetailOption {
     pub(crate) morphs: u8,
     /// Error of the level, of the source and of the morph level together, metres.
     pub(crate) error_metres: f32,
-    /// Nanoseconds, by the costs that a [`CostModel`] starts from.
+    /// Expected nanoseconds.
     pub(crate) cost_ns: f32,
 }
 
@@ -143,7 +143,7 @@ pub(crate) fn morphs_ns(parts: &CrowdParts, level: usize, morph_level: usize) ->
 
 /// Nanoseconds of evaluating one pose of a level.
 pub(crate) fn evaluated_ns(parts: &CrowdParts, level: usize) -> f32 {
-    CostModel::default().cost_ns(&evaluated(parts, level, 1)) as f32
+    evaluated(parts, level, 1).cost_ns() as f32
 }
 
 /// Sources, added errors and nanoseconds of a cached pose, if there is one.

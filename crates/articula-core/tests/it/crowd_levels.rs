@@ -2,7 +2,6 @@
 //! from a change of a state, a bound or a cost.
 
 use crate::crowd::{Square, camera, fixed_figure, model, parts, with_cache};
-use articula_core::budget::CostModel;
 use articula_core::crowd::{
     CacheUse, CharacterState, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport, Culling,
     Detail, Frame, Moved,
@@ -167,7 +166,7 @@ fn work_and_bounds_are_those_of_evaluated_poses() {
         .map(|level| {
             let frame = frame(&places, &views, Detail::Level(level));
             let report = Crowd::new(&model, 30).tick(&model, &frame, &mut |_| {});
-            (CostModel::default().cost_ns(&report.work) / 30.0) as f32
+            (report.work.cost_ns() / 30.0) as f32
         })
         .collect();
     // Cached poses cost no work; of those blended by the GPU nothing is written either.

@@ -2,7 +2,6 @@
 //! way, the same for any division into ranges and on any threads, without allocation.
 
 use crate::crowd::{Square, camera, fixed_figure, model, palettes, with_cache};
-use articula_core::budget::CostModel;
 use articula_core::crowd::{
     CacheUse, CharacterState, ClipState, Crowd, CrowdEvent, CrowdModel, Detail, Draw, Frame,
 };
@@ -204,7 +203,7 @@ fn the_cheapest_way_is_taken() {
             ..frame(&square, &views, 1.0)
         };
         let report = crowd.tick(&model, &frame, &mut |_| {});
-        CostModel::default().cost_ns(&report.work) as f32 / report.own as f32
+        report.work.cost_ns() as f32 / report.own as f32
     };
     let ns: Vec<f32> = (0..levels).map(evaluated_ns).collect();
     for px in [0.5, 2.0, 6.0] {

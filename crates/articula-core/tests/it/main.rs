@@ -4,7 +4,6 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 mod batch;
-mod budget;
 mod clustered;
 mod crowd;
 mod crowd_budget;
