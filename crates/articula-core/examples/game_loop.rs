@@ -4,11 +4,9 @@ use articula_build::ClipOptions;
 use articula_build::character;
 use articula_build::motion_bounds;
 use articula_build::{JointLodOptions, merged_levels};
-use articula_core::crowd::{
-    CacheUse, ClipState, Crowd, CrowdModel, CrowdParts, Culling, Detail, Frame, Moved,
-};
+use articula_core::crowd::{ClipState, Crowd, CrowdModel, CrowdParts, Culling, DrawKind, Frame};
 use articula_core::visibility::View;
-use articula_core::{Backend, Camera, ClipSet, ClipStorage, PaletteForm, PaletteRows, Viewport};
+use articula_core::{Camera, ClipSet, ClipStorage, PaletteRows, Viewport};
 use articula_human::{HumanOptions, human};
 use glam::{Quat, Vec3};
 
@@ -17,25 +15,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let human = human(&HumanOptions::default())?;
     let asset = character(&human, None, &ClipOptions::default())?;
     let levels = merged_levels(&asset, &JointLodOptions::default())?;
-    let model = CrowdModel::new(CrowdParts {
-        clips: ClipSet::new(
-            &asset.rig,
-            levels.joint_lods,
-            &asset.clips,
-            ClipStorage::Float,
-        )?,
-        palette: levels.skins.palette,
-        form: PaletteForm::Matrix,
-        backend: Backend::best(),
-        errors: levels.errors,
-        bounds: motion_bounds(&asset, 0.0)?,
-        events: Vec::new(),
-        paths: Vec::new(),
-        attention: Vec::new(),
-        cache: None,
-        impostors: None,
-        morphs: None,
-    })?;
+    let clips = ClipSet::new(
+        &asset.rig,
+        levels.joint_lods,
+        &asset.clips,
+        ClipStorage::Float,
+    )?;
+    let bounds = motion_bounds(&asset, 0.0)?;
+    let model = CrowdModel::new(CrowdParts::new(
+        clips,
+        levels.skins.palette,
+        levels.errors,
+        bounds,
+    ))?;
 
     // A thousand characters on a square, each with its own clip and phase.
     let mut crowd = Crowd::new(&model, 1000);
@@ -63,14 +55,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             dt_secs: 1.0 / 60.0,
             positions: &positions,
             rotations: &rotations,
-            scales: &[],
-            cull_margin_metres: &[],
-            importance: &[],
             culling: Culling::Views(&[View::of(&camera)]),
-            detail: Detail::Tolerance { px: 1.0 },
-            share: false,
-            moved: Moved::All, // or the characters that did
-            cache: CacheUse::Never,
+            ..Frame::default() // an error of one pixel; any character may have moved
         };
         let report = crowd.tick(
             &model,
@@ -85,9 +71,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             PaletteRows::Float(&mut palettes[..rows]),
             &mut scratch,
         );
-        for group in &crowd.draw_list().groups {
-            // One instanced draw: the mesh of group.level, instances crowd.draw_list().draws[group.draws].
-            let _instances = &crowd.draw_list().draws[group.draws.clone()];
+        for group in crowd.draw_list().groups_of(DrawKind::Palette) {
+            // One instanced draw: the mesh of group.level, instances crowd.draw_list().draws[group.range].
+            let _instances = &crowd.draw_list().draws[group.range.clone()];
         }
         if step % 60 == 0 {
             let joints = report.work.fk_joints as f32 / report.visible.max(1) as f32;

@@ -20,7 +20,7 @@ fn main() -> Result<()> {
     let camera = Camera::looking_at(eye, eye + Vec3::Z, Viewport::default());
     for _ in 0..120 {
         let report = crowd.frame(1.0 / 60.0, &camera);
-        let draws = crowd.groups().count(); // one instanced draw each: mesh, characters, palettes
+        let draws = crowd.draws().count(); // one instanced draw each: mesh, characters, poses
         eprintln!("{} visible in {draws} draws", report.visible);
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! Morph targets that a crowd shows: characters by morph level, and bytes of their weights.
 
-use articula::crowd::{CrowdAsset, CrowdPlayer};
+use articula::crowd::{CrowdAsset, CrowdPlayer, DrawKind};
 use serde::Serialize;
 
 /// Morph target weights written in a frame.
@@ -88,10 +88,9 @@ impl MorphTally {
             return;
         }
         let list = crowd.draw_list();
-        let drawn = list.draws.iter().map(|d| d.character);
-        let cached = list.recorded.iter().chain(&list.stepped).copied();
-        for character in drawn.chain(cached) {
-            match crowd.morph_level(model, character as usize) {
+        let meshes = [DrawKind::Palette, DrawKind::Record, DrawKind::Step];
+        for character in meshes.into_iter().flat_map(|kind| list.characters(kind)) {
+            match crowd.morph_level(model, *character as usize) {
                 Some(level) => self.levels[level] += 1,
                 None => self.at_rest += 1,
             }

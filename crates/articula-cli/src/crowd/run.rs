@@ -52,7 +52,7 @@ pub(crate) struct Run {
     pub(crate) memory: Memory,
     pub(crate) poses: Poses,
     pub(crate) morphs: MorphUse,
-    /// Maximum error in pixels by which levels and shared poses were chosen.
+    /// Maximum error in pixels by which levels and sources of poses were chosen.
     pub(crate) bound_px: Option<f32>,
     /// Levels of each character of the cast.
     pub(crate) tiers: Vec<Vec<LevelStatistics>>,
@@ -68,13 +68,9 @@ pub(crate) struct Run {
 /// Poses evaluated in a frame, on average.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub(crate) struct Poses {
-    /// Used by one character.
+    /// Evaluated.
     pub(crate) own: f64,
-    /// Used by several characters.
-    pub(crate) shared: f64,
-    /// Characters that show a pose of another one.
-    pub(crate) followers: f64,
-    /// Poses of one character that blend two clips.
+    /// Evaluated poses that blend two clips.
     pub(crate) blended: f64,
     /// Poses blended from the pose cache, by the CPU or by the GPU.
     pub(crate) cached: f64,
@@ -259,8 +255,6 @@ fn looked_at(
         memory: memory(cast, scene, reports.iter().map(|r| r.1).max().unwrap_or(0)),
         poses: Poses {
             own: mean(&|r| r.own),
-            shared: mean(&|r| r.shared_poses),
-            followers: mean(&|r| r.sharing_characters),
             blended: mean(&|r| r.blended),
             cached: mean(&|r| r.cached),
             stepped: mean(&|r| r.stepped),

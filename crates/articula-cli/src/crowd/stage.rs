@@ -20,8 +20,6 @@ const PARTS_PER_THREAD: usize = 8;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Settings {
     pub(crate) detail: DetailGoal,
-    /// Whether characters may share poses within their tolerance.
-    pub(crate) share: bool,
     /// What blends cached poses: CPU, GPU or no cache.
     pub(crate) cache: CacheUse,
     /// What hides characters.
@@ -49,7 +47,6 @@ impl<'a> TimedCrowd<'a> {
     ) -> anyhow::Result<Self> {
         let options = SceneOptions {
             detail: settings.detail,
-            share: settings.share,
             cache: settings.cache,
             hiders: settings.hiders,
         };

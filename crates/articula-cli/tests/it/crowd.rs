@@ -54,7 +54,7 @@ fn promised_fields_are_there() {
     let tiers = found["tiers"].as_object().unwrap();
     let shown: f64 = tiers.values().map(|t| number(&t["characters"])).sum();
     assert!((shown - seen[0]).abs() < 1e-9, "{shown} of {}", seen[0]);
-    // No poses are shared, so every character has its own palette, or a draw of a cached one.
+    // Every character has its own palette, or a draw of a cached one.
     let palettes = |t: &Value| 48.0 * number(&t["matrices"]) * number(&t["poses"]);
     let bytes = |t: &Value| palettes(t) + 8.0 * number(&t["steps"]);
     let bytes: f64 = tiers.values().map(bytes).sum();
@@ -106,9 +106,6 @@ fn threads_backends_and_repetition_change_no_bit() {
     assert_eq!(one, hash("crowd-three", &["--threads", "3"]));
     assert_eq!(one, hash("crowd-scalar", &["--backend", "scalar"]));
     assert_ne!(one, hash("crowd-seed", &["--seed", "2"]));
-    let shared = hash("crowd-share", &["--source", "shared"]);
-    let shared_2 = ["--source", "shared", "--threads", "2"];
-    assert_eq!(shared, hash("crowd-share-2", &shared_2));
     let records = hash("crowd-records", &["--source", "records"]);
     let records_2 = ["--source", "records", "--threads", "2"];
     assert_eq!(records, hash("crowd-records-2", &records_2));
@@ -117,16 +114,6 @@ fn threads_backends_and_repetition_change_no_bit() {
         half,
         hash("crowd-half-2", &["--form", "half", "--threads", "2"])
     );
-}
-
-#[test]
-fn sharing_writes_less_within_the_tolerance() {
-    let words = ["--count", "2000", "--source", "shared"];
-    let found = crowd("crowd-sharing", &words);
-    let poses = &found["poses"];
-    assert!(number(&poses["followers"]) > number(&poses["shared"]));
-    let p95 = number(&found["error_px"]["p95"]);
-    assert!(p95 <= 1.0, "{p95}");
 }
 
 #[test]
@@ -335,7 +322,7 @@ fn figures_without_mesh_or_motion_play() {
             "--seconds",
             "0.1",
             "--source",
-            "shared",
+            "own",
         ];
         let found = json(&here, &words);
         assert_eq!(found["characters"], 40, "{file}");

@@ -2,15 +2,14 @@
 
 use super::character_state::CharacterState;
 use super::frame::{CrowdEvent, Detail, Frame};
-use super::keys::{Key, Kind};
+use super::keys::Key;
 use super::mode::Choosing;
 use super::model::CrowdModel;
 use super::options::DetailOption;
 use super::section::{CrowdSection, NO_OPTION};
-use super::share::{ClipWay, Follower, Sharing};
+use super::sources::Source;
 use crate::attention::multiplier;
 use crate::level_choice::{level_within, tolerance_range};
-use crate::sample::Wrap;
 use crate::simd::LANES;
 
 /// A level, a source of a pose and a morph level, and an upper bound on their error.
@@ -40,40 +39,34 @@ impl CrowdSection {
     }
 
     /// Shows a visible character at the level of all, or as the cheapest of its options within its
-    /// tolerance, or with a shared pose. Returns an upper bound on its error in pixels.
+    /// tolerance. Returns an upper bound on its error in pixels.
     pub(super) fn show(
         &mut self,
         model: &CrowdModel,
         frame: &Frame<'_>,
         character: usize,
-        sharing: Option<&mut Sharing>,
         tell: &mut dyn FnMut(CrowdEvent),
     ) -> f32 {
         let pixels_per_metre = self.pixels_per_metre(character) * frame.scale(character);
         let is_fading = self.clocks.is_fading(character);
-        let kind = match is_fading && self.clocks.state(character).fade != 0.0 {
-            true => Kind::Blend,
-            false => Kind::Clip,
+        let source = match is_fading && self.clocks.state(character).fade != 0.0 {
+            true => Source::Blend,
+            false => Source::Clip,
         };
         let choice = if let Choosing::Fixed(level) = self.mode.choosing {
             self.set_keep(character, [f32::NEG_INFINITY, f32::INFINITY]);
             let (from, to) = self.clocks.state(character).clips();
             Choice {
-                key: Key::new(level, kind),
+                key: Key::new(level, source),
                 morphs: 0,
                 error_metres: model.error_metres(from, to, level),
             }
         } else {
             let tolerance = self.tolerance_metres(model, frame, character, pixels_per_metre);
             if is_fading {
-                self.fading_option(model, character, kind, tolerance)
+                self.fading_option(model, character, source, tolerance)
             } else {
-                let shown = self.keys.get(character).level();
-                let option = self.option(model, character, tolerance);
-                let sharing = sharing.filter(|_| option.key.is_clip());
-                let shared =
-                    sharing.and_then(|s| self.shared(model, character, (shown, tolerance), s));
-                shared.unwrap_or(option)
+                self.option(model, character, tolerance)
             }
         };
         let shown = (choice.key, choice.morphs);
@@ -127,7 +120,7 @@ impl CrowdSection {
         self.options[character] = chosen as u8;
         self.set_keep(character, tolerance_range(option.error_metres, next));
         let level = usize::from(option.level);
-        let mut key = Key::new(level, option.kind);
+        let mut key = Key::new(level, option.source);
         if model.is_at_rest(level, usize::from(option.morphs)) {
             key = key.at_rest();
         }
@@ -143,7 +136,7 @@ impl CrowdSection {
         &mut self,
         model: &CrowdModel,
         character: usize,
-        kind: Kind,
+        source: Source,
         tolerance_metres: f32,
     ) -> Choice {
         let (from, to) = self.clocks.state(character).clips();
@@ -154,55 +147,10 @@ impl CrowdSection {
         let next = (level < coarsest).then(|| error(level + 1));
         self.set_keep(character, tolerance_range(error(level), next));
         Choice {
-            key: Key::new(level, kind),
+            key: Key::new(level, source),
             morphs: 0,
             error_metres: error(level),
         }
-    }
-
-    /// A pose that is shared with others within a tolerance; `None` if the character has to be
-    /// evaluated alone. `shown` is its level in the frame before.
-    fn shared(
-        &mut self,
-        model: &CrowdModel,
-        character: usize,
-        (shown, tolerance_metres): (Option<usize>, f32),
-        sharing: &mut Sharing,
-    ) -> Option<Choice> {
-        let state = self.clocks.from(character);
-        if state.wrap != Wrap::Loop {
-            return None;
-        }
-        let clip = state.clip();
-        let own = model.errors_of(clip);
-        // The cost of a shared pose is divided, so a finer level that leaves slack for sharing pays.
-        let level = level_within(
-            tolerance_metres * SHARE_LEAVES,
-            shown,
-            model.levels() - 1,
-            |level| own[level],
-        );
-        let errors = &model.parts().errors.clips[clip];
-        let follower = Follower {
-            clip,
-            level,
-            secs: state.secs,
-            slack_metres: tolerance_metres - own[level],
-        };
-        let way = ClipWay {
-            duration_secs: model.durations()[clip],
-            speed_metres_per_sec: errors.speed_metres_per_sec,
-            seam_metres: errors.seam_metres,
-        };
-        let leader = Some(follower.slack_metres)
-            .filter(|slack| *slack > 0.0)
-            .and_then(|_| sharing.leader(follower, way))?;
-        self.keys.follow(character, leader);
-        Some(Choice {
-            key: Key::new(level, Kind::Follow),
-            morphs: 0,
-            error_metres: tolerance_metres,
-        })
     }
 
     /// Reports an event if the level of a character changes with its key, or its morph level does. A
@@ -222,12 +170,12 @@ impl CrowdSection {
             return;
         }
         let (a, b) = self.clocks.state(character).clips();
-        let (cache, impostors) = (&model.parts().cache, &model.parts().impostors);
+        let impostors = &model.parts().impostors;
         let body = |level: usize, key: Key| match impostors {
             Some(impostors) if key.is_impostor() => impostors.error_metres(a).unwrap_or(0.0),
             _ => model.error_metres(a, b, level),
         };
-        let source = |key: Key| key.source_metres(cache.as_ref(), a);
+        let source = |key: Key| key.added_metres(model.parts(), a);
         let face = |morphs: usize| model.morph_error_metres(a, b, morphs);
         let jump_px = match (from, to) {
             (Some(from), Some(to)) => {
@@ -251,9 +199,6 @@ impl CrowdSection {
         });
     }
 }
-
-/// Fraction of the tolerance that a level may use where poses are shared.
-const SHARE_LEAVES: f32 = 0.5;
 
 /// Multiplier of the tolerance, from the attention factor of the clip now and the importance of the
 /// character.

@@ -6,7 +6,8 @@
 
 use super::character_state::CharacterState;
 use super::model::CrowdModel;
-use super::options::{DetailOption, evaluated_ns, morphs_ns};
+use super::options::{DetailOption, morphs_ns};
+use super::sources::Source;
 
 /// Tolerances of the table: four to an octave, from 2^-8 px on.
 const BINS: usize = 96;
@@ -59,9 +60,12 @@ impl Demand {
         px_per_metre: f32,
     ) {
         let (from, to) = state.clips();
-        let poses = if state.fade == 0.0 { 1.0 } else { 2.0 };
+        let (source, poses) = match state.fade == 0.0 {
+            true => (Source::Clip, 1.0),
+            false => (Source::Blend, 2.0),
+        };
         let parts = model.parts();
-        let cost = |level| poses * (evaluated_ns(parts, level) + morphs_ns(parts, level, 0));
+        let cost = |level| source.cost_ns(parts, level) + poses * morphs_ns(parts, level, 0);
         let coarsest = model.levels() - 1;
         for level in 1..=coarsest {
             let bin = bin_of(model.error_metres(from, to, level) * px_per_metre);
@@ -122,13 +126,12 @@ fn px_of(bin: usize) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crowd::keys::Kind;
     use proptest::prelude::*;
 
     fn options(steps: &[(f32, f32)]) -> Vec<DetailOption> {
         let option = |(error_metres, cost_ns)| DetailOption {
             level: 0,
-            kind: Kind::Clip,
+            source: Source::Clip,
             morphs: 0,
             error_metres,
             cost_ns,

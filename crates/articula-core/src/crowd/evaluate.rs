@@ -4,9 +4,9 @@
 use super::attachment::attachment;
 use super::character_state::ClipState;
 use super::model::CrowdModel;
-use super::plan::{Batch, Draw, DrawList, ImpostorDraw, Poser};
+use super::plan::{Batch, DrawList};
 use super::section::SECTION;
-use super::share::Leader;
+use super::sources::CachedDraw;
 use super::tick::Crowd;
 use crate::batch::{BatchPose, MAX_LANES, Scratch};
 use crate::blend_record::BlendRecord;
@@ -87,8 +87,8 @@ impl Crowd {
                 continue;
             }
             let mut shown = [BatchPose::from(model.parts().clips.cursor(0, 0.0)); MAX_LANES];
-            for (shown, poser) in shown.iter_mut().zip(self.plan.posers(&batch)) {
-                *shown = self.posed(model, poser);
+            for (shown, character) in shown.iter_mut().zip(self.plan.posed(&batch)) {
+                *shown = self.state(character).shown(&model.parts().clips);
             }
             let shown = &shown[..batch.poses()];
             evaluator.evaluate(batch.level(), shown, out.part(part), scratch);
@@ -97,7 +97,7 @@ impl Crowd {
 
     /// Writes the morph target weights of a range of sets, for each as many as the mesh has targets
     /// ([`MorphClips::targets`](super::MorphClips::targets)), at the character's own times: a
-    /// character with a shared or cached pose has its own face. Targets that its morph level leaves
+    /// character with a cached pose has its own face. Targets that its morph level leaves
     /// out have their default weights. Ranges are independent, as of [`Crowd::evaluate`].
     ///
     /// O(targets of the sets); does not allocate.
@@ -127,96 +127,32 @@ impl Crowd {
         }
     }
 
-    /// Writes the blend records of a range of [`DrawList::recorded`]: for each character the two
-    /// cached palettes around its time. Ranges are independent, as of [`Crowd::evaluate`].
-    ///
-    /// O(records); does not allocate.
-    ///
-    /// # Panics
-    /// If the range ends beyond the list, or `out` does not have its length.
-    pub fn evaluate_records(
-        &self,
-        model: &CrowdModel,
-        records: Range<usize>,
-        out: &mut [BlendRecord],
-    ) {
-        let list = self.draw_list();
-        assert_eq!(
-            out.len(),
-            list.recorded[records.clone()].len(),
-            "the output must hold every record"
-        );
-        let Some(cache) = model.parts().cache.as_ref() else {
-            return;
-        };
-        for run in self.plan.record_runs() {
-            let of = (&list.recorded[..], run.at.clone());
-            self.for_cached(of, &records, out, |character, state| {
-                let located = cache.locate(state.clip(), run.level, state.secs);
-                located.unwrap_or_default().of(character)
-            });
-        }
-    }
-
-    /// Writes the draws of a range of [`DrawList::stepped`]: for each character the cached palette
-    /// nearest to its time, as the index of its first matrix in
-    /// [`PoseCache::rows`](crate::PoseCache::rows). Ranges are independent, as of
-    /// [`Crowd::evaluate`].
+    /// Writes a range of the draws of a kind that is not [`DrawKind::Palette`](super::DrawKind::Palette):
+    /// for each of its [characters](DrawList::characters) what a renderer reads at the character's time.
+    /// Ranges are independent, as of [`Crowd::evaluate`].
     ///
     /// O(draws); does not allocate.
     ///
     /// # Panics
     /// If the range ends beyond the list, or `out` does not have its length.
-    pub fn evaluate_steps(&self, model: &CrowdModel, steps: Range<usize>, out: &mut [Draw]) {
-        let list = self.draw_list();
-        assert_eq!(
-            out.len(),
-            list.stepped[steps.clone()].len(),
-            "the output must hold every draw"
-        );
-        let Some(cache) = model.parts().cache.as_ref() else {
-            return;
-        };
-        for run in self.plan.step_runs() {
-            let of = (&list.stepped[..], run.at.clone());
-            self.for_cached(of, &steps, out, |character, state| {
-                let nearest = cache.nearest(state.clip(), run.level, state.secs);
-                Draw {
-                    character,
-                    first_matrix: nearest.unwrap_or_default(),
-                }
-            });
-        }
-    }
-
-    /// Writes the draws of a range of [`DrawList::impostors`]: for each character the pose of its clip
-    /// at its time. Ranges are independent, as of [`Crowd::evaluate`].
-    ///
-    /// O(draws); does not allocate.
-    ///
-    /// # Panics
-    /// If the range ends beyond the list, or `out` does not have its length.
-    pub fn evaluate_impostors(
+    pub fn evaluate_draws<D: CachedDraw>(
         &self,
         model: &CrowdModel,
         range: Range<usize>,
-        out: &mut [ImpostorDraw],
+        out: &mut [D],
     ) {
-        let list = &self.draw_list().impostors;
+        let list = self.draw_list().characters(D::KIND);
         assert_eq!(
             out.len(),
             list[range.clone()].len(),
             "the output must hold every draw"
         );
-        let Some(impostors) = model.parts().impostors.as_ref() else {
-            return;
-        };
-        // All are of one level.
-        let of = (&list[..], 0..list.len());
-        self.for_cached(of, &range, out, |character, state| ImpostorDraw {
-            character,
-            pose: impostors.pose(state.clip(), state.secs).unwrap_or_default(),
-        });
+        for run in self.plan.runs(D::KIND) {
+            let of = (list, run.at.clone());
+            self.for_cached(of, &range, out, |character, state| {
+                D::of(model, run.level, state, character)
+            });
+        }
     }
 
     /// Writes something for each character of a run of a list that lies in a range of the list.
@@ -257,12 +193,10 @@ impl Crowd {
             return;
         };
         let mut records = [BlendRecord::default(); MAX_LANES];
-        for (record, poser) in records.iter_mut().zip(self.plan.posers(batch)) {
-            if let Poser::Character(character) = poser {
-                let ClipState { secs, clip, .. } = self.clip_state(character);
-                let located = cache.locate(usize::from(clip), batch.level(), secs);
-                *record = located.unwrap_or_default();
-            }
+        for (record, character) in records.iter_mut().zip(self.plan.posed(batch)) {
+            let state = self.clip_state(character);
+            let located = cache.locate(state.clip(), batch.level(), state.secs);
+            *record = located.unwrap_or_default();
         }
         let records = &records[..batch.poses()];
         cache.blend(batch.level(), records, model.parts().backend, out);
@@ -273,16 +207,5 @@ impl Crowd {
     fn clip_state(&self, character: usize) -> ClipState {
         let (section, character) = self.at(character);
         section.clocks.from(character)
-    }
-
-    #[inline]
-    fn posed(&self, model: &CrowdModel, poser: Poser) -> BatchPose {
-        match poser {
-            Poser::Character(c) => self.state(c).shown(&model.parts().clips),
-            Poser::Leader(l) => {
-                let Leader { clip, secs, .. } = self.sharing.leaders()[l];
-                model.parts().clips.cursor(usize::from(clip), secs).into()
-            }
-        }
     }
 }

@@ -27,10 +27,27 @@ pub struct Frame<'a> {
     pub culling: Culling<'a>,
     /// Choice of the level of detail.
     pub detail: Detail,
-    /// Whether characters whose poses agree within their tolerance may share one palette.
-    pub share: bool,
     /// Use of the model's pose cache, where it is the cheapest way within the tolerance.
     pub cache: CacheUse,
+}
+
+impl Default for Frame<'_> {
+    /// No time step, no characters, no culling, an error of one pixel, and the cache where the model has
+    /// one.
+    fn default() -> Self {
+        Self {
+            dt_secs: 0.0,
+            positions: &[],
+            rotations: &[],
+            moved: Moved::All,
+            scales: &[],
+            cull_margin_metres: &[],
+            importance: &[],
+            culling: Culling::Off,
+            detail: Detail::Tolerance { px: 1.0 },
+            cache: CacheUse::default(),
+        }
+    }
 }
 
 /// Characters that have moved since the frame before. Where few do, the others cost less.
@@ -51,11 +68,11 @@ pub enum CacheUse {
     Never,
     /// On the CPU, by [`Crowd::evaluate`](super::Crowd::evaluate), among the other palettes; where
     /// the nearest one is within the tolerance as it is, it is drawn from the cache
-    /// ([`Crowd::evaluate_steps`](super::Crowd::evaluate_steps)): 8 bytes per character.
+    /// ([`Crowd::evaluate_draws`](super::Crowd::evaluate_draws)): 8 bytes per character.
     #[default]
     Cpu,
     /// In the caller's vertex shader, from the records of
-    /// [`Crowd::evaluate_records`](super::Crowd::evaluate_records): 16 bytes per character, no palette.
+    /// [`Crowd::evaluate_draws`](super::Crowd::evaluate_draws): 16 bytes per character, no palette.
     Gpu,
 }
 
@@ -121,10 +138,6 @@ pub struct CrowdReport {
     pub in_margin: usize,
     /// Number of poses to evaluate for single characters.
     pub own: usize,
-    /// Number of shared poses to evaluate.
-    pub shared_poses: usize,
-    /// Number of characters that show a shared pose.
-    pub sharing_characters: usize,
     /// Number of poses to evaluate that blend two clips.
     pub blended: usize,
     /// Number of poses blended from the cache.
@@ -135,7 +148,7 @@ pub struct CrowdReport {
     pub impostors: usize,
     /// Workload of the poses to evaluate.
     pub work: Workload,
-    /// Upper bound on the error of the chosen levels and shared poses, pixels.
+    /// Upper bound on the error of the chosen levels and sources of poses, pixels.
     pub bound_px: f32,
 }
 
@@ -147,8 +160,6 @@ impl CrowdReport {
             visible: self.visible + other.visible,
             in_margin: self.in_margin + other.in_margin,
             own: self.own + other.own,
-            shared_poses: self.shared_poses + other.shared_poses,
-            sharing_characters: self.sharing_characters + other.sharing_characters,
             blended: self.blended + other.blended,
             cached: self.cached + other.cached,
             stepped: self.stepped + other.stepped,

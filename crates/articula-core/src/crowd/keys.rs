@@ -1,15 +1,15 @@
 //! Level and source of every character of a section, and the characters sorted by them.
 
+use super::parts::CrowdParts;
+use super::sources::Source;
 use crate::joint_lods::JointLods;
-use crate::pose_cache::PoseCache;
 
-/// Number of kinds at a level.
-pub(super) const KINDS: usize = 7;
-/// Number of rows of keys with kinds each. The first rows are the levels; as many follow for characters
+/// Number of rows of keys, with all sources each. The first rows are the levels; as many follow for characters
 /// whose face rests although their level shows morph targets.
 const ROWS: usize = 2 * JointLods::MAX_LEVELS;
-/// Number of rows times kinds.
-pub(super) const KEYS: usize = ROWS * KINDS;
+/// Number of sources, and of rows times sources.
+pub(super) const SOURCES: usize = Source::ALL.len();
+pub(super) const KEYS: usize = ROWS * SOURCES;
 
 const _: () = assert!(KEYS < u8::MAX as usize, "a key has to fit in a byte");
 
@@ -19,23 +19,10 @@ pub(super) const fn rest_row(level: usize) -> usize {
     JointLods::MAX_LEVELS + level
 }
 
-/// Source of a character's pose.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// One clip is evaluated.
-    Clip,
-    /// Two clips are evaluated and blended.
-    Blend,
-    /// Two cached palettes are blended.
-    Cached,
-    /// A shared pose.
-    Follow,
-    /// The GPU blends two cached palettes.
-    Record,
-    /// The cached palette nearest in time.
-    Step,
-    /// An impostor.
-    Impostor,
+/// Level of a key by its index.
+#[inline]
+pub(super) const fn level_of(key: usize) -> usize {
+    key / SOURCES % JointLods::MAX_LEVELS
 }
 
 /// Level of a character and source of its pose, or that it is not shown.
@@ -45,60 +32,51 @@ pub(crate) struct Key(u8);
 impl Key {
     pub(crate) const HIDDEN: Self = Self(u8::MAX);
 
-    pub(crate) fn new(level: usize, kind: Kind) -> Self {
-        Self((level * KINDS + kind as usize) as u8)
+    pub(crate) fn new(level: usize, source: Source) -> Self {
+        Self((level * SOURCES + source as usize) as u8)
     }
 
     /// The same with a face at rest, at a level that shows morph targets.
     pub(crate) fn at_rest(self) -> Self {
-        Self(self.0 + (JointLods::MAX_LEVELS * KINDS) as u8)
+        Self(self.0 + (JointLods::MAX_LEVELS * SOURCES) as u8)
     }
 
-    /// Row and kind as one index, below [`KEYS`]; `None` if the character is not shown.
+    /// Row and source as one index, below [`KEYS`]; `None` if the character is not shown.
     #[inline]
     pub(super) fn index(self) -> Option<usize> {
         (self != Self::HIDDEN).then_some(usize::from(self.0))
     }
 
+    /// The source; `None` if the character is not shown.
+    #[inline]
+    pub(super) fn source(self) -> Option<Source> {
+        Some(Source::ALL[self.index()? % SOURCES])
+    }
+
     /// Whether the character is shown by an impostor.
     pub(super) fn is_impostor(self) -> bool {
-        self.index()
-            .is_some_and(|i| i % KINDS == Kind::Impostor as usize)
+        self.source() == Some(Source::Impostor)
     }
 
     /// Error in metres that the source adds to that of the level; impostors have no level.
-    pub(super) fn source_metres(self, cache: Option<&PoseCache>, clip: usize) -> f32 {
-        let (Some(index), Some(cache)) = (self.index(), cache) else {
-            return 0.0;
-        };
-        let (level, kind) = (index / KINDS % JointLods::MAX_LEVELS, index % KINDS);
-        let blended = [Kind::Cached as usize, Kind::Record as usize];
-        let found = if kind == Kind::Step as usize {
-            cache.step_error_metres(clip, level)
-        } else if blended.contains(&kind) {
-            cache.error_metres(clip, level)
-        } else {
-            None
-        };
-        found.unwrap_or(0.0)
+    pub(super) fn added_metres(self, parts: &CrowdParts, clip: usize) -> f32 {
+        let (source, level) = (self.source(), self.level());
+        let added = source.zip(level);
+        added.map_or(0.0, |(source, level)| {
+            source.added_metres(parts, clip, level).unwrap_or(0.0)
+        })
     }
 
     /// The level; `None` if the character is not shown.
     #[inline]
     pub(crate) fn level(self) -> Option<usize> {
-        Some(self.index()? / KINDS % JointLods::MAX_LEVELS)
+        self.index().map(level_of)
     }
 
     /// Whether the level and the source are those of another key, whatever the faces.
     pub(super) fn has_pose_of(self, other: Self) -> bool {
-        let pose = |key: Self| Some(key.index()? % (JointLods::MAX_LEVELS * KINDS));
+        let pose = |key: Self| Some(key.index()? % (JointLods::MAX_LEVELS * SOURCES));
         pose(self) == pose(other)
-    }
-
-    /// Whether the character is evaluated alone, at one clip.
-    pub(super) fn is_clip(self) -> bool {
-        self.index()
-            .is_some_and(|i| i % KINDS == Kind::Clip as usize)
     }
 }
 
@@ -114,8 +92,6 @@ pub(crate) struct SectionKeys {
     order: Vec<u32>,
     /// Whether a key has changed since the characters were sorted.
     is_stirred: bool,
-    /// The shared pose of each character that follows one.
-    leader_of: Vec<u32>,
 }
 
 impl SectionKeys {
@@ -133,10 +109,9 @@ impl SectionKeys {
         Self {
             first,
             keys: vec![Key::HIDDEN; len],
-            counts: vec![0; rows * KINDS],
+            counts: vec![0; rows * SOURCES],
             order: Vec::with_capacity(len),
             is_stirred: false,
-            leader_of: vec![0; len],
         }
     }
 
@@ -157,16 +132,6 @@ impl SectionKeys {
             }
             self.is_stirred = true;
         }
-    }
-
-    /// Sets the shared pose that a character follows.
-    pub(super) fn follow(&mut self, character: usize, leader: usize) {
-        self.leader_of[character] = leader as u32;
-    }
-
-    /// The shared pose that a character of the crowd follows.
-    pub(super) fn leader_of(&self, character: u32) -> usize {
-        self.leader_of[character as usize - self.first] as usize
     }
 
     /// Sorts the characters if a key has changed, by counting; returns whether one has.

@@ -27,8 +27,8 @@
 //!   transform and [`Draw::first_matrix`], the vertex shader reads
 //!   `palettes[first_matrix + joint]`. `evaluate` may write straight into a mapped buffer: it
 //!   writes every byte once and in order. Weights of morph targets are a second storage buffer,
-//!   and the index of a character's set in it is that of its draw ([`DrawList::morph_draws`]).
-//!   Steps ([`DrawList::step_groups`]) are drawn alike, with the cached palettes bound instead.
+//!   and the index of a character's set in it is that of its draw ([`DrawList::with_morphs`]).
+//!   Steps ([`DrawKind::Step`]) are drawn alike, with the cached palettes bound instead.
 //! - **Bevy**: a system in `PostUpdate` fills [`Frame`] from `GlobalTransform` and the cameras'
 //!   `Frustum`, ticks, spreads `evaluate` over the task pool, and hands the palettes to the render
 //!   world as one buffer; no entity per joint is needed. Attachments write the `Transform` of
@@ -59,7 +59,7 @@ mod places;
 mod plan;
 mod root_path;
 mod section;
-mod share;
+mod sources;
 mod tick;
 mod weights;
 mod workload;
@@ -77,8 +77,9 @@ pub(crate) use model::filled;
 pub use morph_lods::MorphLods;
 pub use morphs::MorphClips;
 pub use parts::CrowdParts;
-pub use plan::{Draw, DrawGroup, DrawList, ImpostorDraw, RecordGroup, StepGroup};
+pub use plan::{DrawGroup, DrawList};
 pub use root_path::{RootDelta, RootTrajectory};
 pub use section::CrowdSection;
+pub use sources::{CachedDraw, Draw, DrawKind, ImpostorDraw};
 pub use tick::Crowd;
 pub use workload::Workload;

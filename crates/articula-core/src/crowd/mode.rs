@@ -24,8 +24,6 @@ pub(super) enum Choosing {
     Fixed(usize),
     /// The cheapest option within the tolerance, kept while that stays in its range.
     Options,
-    /// The cheapest option, or a pose shared with others, anew in each frame.
-    Shared,
 }
 
 impl Mode {
@@ -46,10 +44,9 @@ impl Mode {
         let choosing = match frame.detail {
             Detail::Full => Choosing::Fixed(0),
             Detail::Level(level) => Choosing::Fixed(level.min(model.levels() - 1)),
-            Detail::Tolerance { .. } if !frame.share => Choosing::Options,
-            _ => Choosing::Shared,
+            Detail::Tolerance { .. } => Choosing::Options,
         };
-        let keeps = choosing != Choosing::Shared && !model.has_attention();
+        let keeps = !model.has_attention();
         let has_margins = !frame.cull_margin_metres.is_empty();
         Self {
             choosing,

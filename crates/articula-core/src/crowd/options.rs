@@ -6,21 +6,10 @@
 //! the cost falls, and the cheapest option within a tolerance is the last one within it.
 
 use super::frame::CacheUse;
-use super::keys::Kind;
 use super::parts::CrowdParts;
-use super::workload::Workload;
+use super::sources::Source;
 
-/// Nanoseconds of a blend of cached palettes, for each matrix, on the machine of
-/// `docs/methods/runtime.md` part 1: about 0.4 of what evaluating a joint takes.
-const BLENDED_MATRIX_NS: f32 = 1.1;
-/// The same of a blended palette for the look-up, and of a record for the GPU.
-const BLENDED_NS: f32 = 2.0;
-const RECORD_NS: f32 = 4.0;
-/// The same of a draw with a palette that is cached.
-const STEP_NS: f32 = 3.5;
-/// The same of a draw of an impostor, which looks up a pose.
-const IMPOSTOR_NS: f32 = 3.5;
-/// The same of a set of morph target weights, and of each target in it that is shown.
+/// Nanoseconds of a set of morph target weights on the machine of `docs/methods/runtime.md` part 1, and of each target in it that is shown.
 const MORPH_SET_NS: f32 = 20.0;
 const MORPH_NS: f32 = 1.5;
 /// What a level is preferred by before a finer one of equal cost, which differs in the mesh alone.
@@ -30,7 +19,7 @@ const MESH_NS: f32 = 1e-3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DetailOption {
     pub(crate) level: u8,
-    pub(crate) kind: Kind,
+    pub(crate) source: Source,
     /// Morph level; 0 at levels that show no morph targets.
     pub(crate) morphs: u8,
     /// Error of the level, of the source and of the morph level together, metres.
@@ -58,17 +47,17 @@ impl OptionLists {
         };
         for (clip, errors) in errors.chunks(levels).enumerate() {
             let all = (0..levels).flat_map(|level| {
-                let evaluated = (Kind::Clip, 0.0, evaluated_ns(parts, level));
-                let cached = cached(parts, cache_use, clip, level);
-                std::iter::once(evaluated)
-                    .chain(cached)
-                    .map(move |(kind, error, cost)| DetailOption {
+                let sources = Source::of_levels(cache_use).iter().copied();
+                sources.filter_map(move |source| {
+                    let added = source.added_metres(parts, clip, level)?;
+                    Some(DetailOption {
                         level: level as u8,
-                        kind,
+                        source,
                         morphs: 0,
-                        error_metres: errors[level] + error,
-                        cost_ns: cost + MESH_NS * (levels - level) as f32,
+                        error_metres: errors[level] + added,
+                        cost_ns: source.cost_ns(parts, level) + MESH_NS * (levels - level) as f32,
                     })
+                })
             });
             let mut all = with_morph_levels(parts, clip, all.collect());
             all.extend(impostor(parts, cache_use, clip, levels));
@@ -141,35 +130,6 @@ pub(crate) fn morphs_ns(parts: &CrowdParts, level: usize, morph_level: usize) ->
     }
 }
 
-/// Nanoseconds of evaluating one pose of a level.
-pub(crate) fn evaluated_ns(parts: &CrowdParts, level: usize) -> f32 {
-    evaluated(parts, level, 1).cost_ns() as f32
-}
-
-/// Sources, added errors and nanoseconds of a cached pose, if there is one.
-fn cached(
-    parts: &CrowdParts,
-    cache_use: CacheUse,
-    clip: usize,
-    level: usize,
-) -> impl Iterator<Item = (Kind, f32, f32)> + use<> {
-    let cache = parts.cache.as_ref();
-    let error = cache.and_then(|c| c.error_metres(clip, level));
-    let step_error = cache.and_then(|c| c.step_error_metres(clip, level));
-    let matrices = parts.palette.len(level) as f32;
-    let blended_ns = BLENDED_NS + BLENDED_MATRIX_NS * matrices;
-    let found = match cache_use {
-        CacheUse::Never => [None, None],
-        CacheUse::Cpu => [
-            error.map(|e| (Kind::Cached, e, blended_ns)),
-            step_error.map(|e| (Kind::Step, e, STEP_NS)),
-        ],
-        // A record costs no more than a step, and its error is less.
-        CacheUse::Gpu => [error.map(|e| (Kind::Record, e, RECORD_NS)), None],
-    };
-    found.into_iter().flatten()
-}
-
 /// An impostor, if the clip has one. It counts as of the coarsest level with a face at rest, and is
 /// preferred before its cached poses, which have more vertices.
 fn impostor(
@@ -186,24 +146,12 @@ fn impostor(
     let shows = morphs.is_some_and(|m| level < m.levels());
     Some(DetailOption {
         level: level as u8,
-        kind: Kind::Impostor,
+        source: Source::Impostor,
         // The last morph level shows no target.
         morphs: if shows { faces.len() as u8 - 1 } else { 0 },
         error_metres: impostors.error_metres(clip)? + faces.last().copied().unwrap_or(0.0),
-        cost_ns: IMPOSTOR_NS,
+        cost_ns: Source::Impostor.cost_ns(parts, level),
     })
-}
-
-/// Workload of evaluating `poses` poses of a level.
-pub(crate) fn evaluated(parts: &CrowdParts, level: usize, poses: u64) -> Workload {
-    let kept = parts.clips.joint_lods().joint_count(level);
-    let is_kept = |place: &u16| usize::from(*place) < kept;
-    Workload {
-        characters: poses,
-        sampled_joints: poses * parts.clips.rotations().partition_point(is_kept) as u64,
-        fk_joints: poses * kept as u64,
-        matrices: poses * parts.palette.len(level) as u64,
-    }
 }
 
 #[cfg(test)]
@@ -214,7 +162,7 @@ mod tests {
     fn option((error_metres, cost_ns): (f32, f32)) -> DetailOption {
         DetailOption {
             level: 0,
-            kind: Kind::Clip,
+            source: Source::Clip,
             morphs: 0,
             error_metres,
             cost_ns,

@@ -41,3 +41,29 @@ pub struct CrowdParts {
     /// Morph target weights of these clips; `None` if the faces of all levels rest.
     pub morphs: Option<MorphClips>,
 }
+
+impl CrowdParts {
+    /// Parts without events, root motion, attention intervals, cache, impostors and morph targets, with
+    /// palettes of whole matrices and the kernels of the best [`Backend`].
+    pub fn new(
+        clips: ClipSet,
+        palette: PaletteMap,
+        errors: LodErrors,
+        bounds: MotionBounds,
+    ) -> Self {
+        Self {
+            clips,
+            palette,
+            form: PaletteForm::Matrix,
+            backend: Backend::best(),
+            errors,
+            bounds,
+            events: Vec::new(),
+            paths: Vec::new(),
+            attention: Vec::new(),
+            cache: None,
+            impostors: None,
+            morphs: None,
+        }
+    }
+}

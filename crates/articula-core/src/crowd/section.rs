@@ -13,7 +13,6 @@ use super::model::CrowdModel;
 use super::morph_levels::MorphLevels;
 use super::places::{ANEW, CELL, CELL_TILES, WorldBounds};
 use super::root_path::RootDelta;
-use super::share::Sharing;
 use super::weights::Weights;
 use crate::simd::{LANES, Tile};
 use crate::sphere::Sphere;
@@ -139,8 +138,7 @@ impl CrowdSection {
         self.forget(character);
     }
 
-    /// Advances the clocks, looks through the views and chooses levels. Levels for shared poses are
-    /// left to [`choose_shared`](Self::choose_shared), since their choice is not independent.
+    /// Advances the clocks, looks through the views and chooses levels.
     pub(super) fn tick(&mut self, step: &Step<'_>, tell: &mut dyn FnMut(CrowdEvent)) {
         let frame = step.frame.part(self.first..self.first + self.len());
         self.advance(step, tell);
@@ -148,9 +146,7 @@ impl CrowdSection {
         self.world.update(&frame, &self.bounds);
         self.weigh(&frame);
         self.look(step, &frame);
-        if step.mode.choosing != Choosing::Shared {
-            self.choose(step, &frame, None, tell);
-        }
+        self.choose(step, &frame, tell);
         self.is_ticked = true;
     }
 
@@ -159,17 +155,6 @@ impl CrowdSection {
         let mut events = std::mem::take(&mut self.events);
         self.tick(step, &mut |event| events.push(event));
         self.events = events;
-    }
-
-    /// Chooses levels where poses are shared.
-    pub(super) fn choose_shared(
-        &mut self,
-        step: &Step<'_>,
-        sharing: &mut Sharing,
-        tell: &mut dyn FnMut(CrowdEvent),
-    ) {
-        let frame = step.frame.part(self.first..self.first + self.len());
-        self.choose(step, &frame, Some(sharing), tell);
     }
 
     /// Advances clocks and root motion, and reports events.
@@ -343,13 +328,7 @@ impl CrowdSection {
     }
 
     /// Chooses levels where they may have changed, and sorts the characters by level and source.
-    fn choose(
-        &mut self,
-        step: &Step<'_>,
-        frame: &Frame<'_>,
-        mut sharing: Option<&mut Sharing>,
-        tell: &mut dyn FnMut(CrowdEvent),
-    ) {
+    fn choose(&mut self, step: &Step<'_>, frame: &Frame<'_>, tell: &mut dyn FnMut(CrowdEvent)) {
         for c in 0..self.world.cells.len() {
             if !std::mem::replace(&mut self.world.cells[c].is_fresh, false) {
                 continue;
@@ -370,8 +349,7 @@ impl CrowdSection {
                         self.hide(step.model, character, tell);
                         continue;
                     }
-                    let sharing = sharing.as_deref_mut();
-                    let bound = self.show(step.model, frame, character, sharing, tell);
+                    let bound = self.show(step.model, frame, character, tell);
                     bound_px = bound_px.max(bound);
                 }
             }

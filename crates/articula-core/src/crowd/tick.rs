@@ -5,14 +5,13 @@ use super::clocks::Clocks;
 use super::demand::Demand;
 use super::frame::{CrowdEvent, CrowdReport, Culling, Detail, Frame, Moved};
 use super::keys::SectionKeys;
-use super::mode::{Choosing, Mode};
+use super::mode::Mode;
 use super::model::CrowdModel;
-use super::options::evaluated;
 use super::places::{CELL, WorldBounds};
 use super::plan::Plan;
 use super::root_path::RootDelta;
 use super::section::{CrowdSection, SECTION, SECTION_CELLS, Step};
-use super::share::Sharing;
+use super::sources::{Source, evaluated};
 use crate::simd::LANES;
 use crate::sphere::Sphere;
 use crate::visibility::{CullResult, View, Visibility, look_at_one};
@@ -52,7 +51,6 @@ pub struct Crowd {
     views: Vec<View<'static>>,
     mode: Option<Mode>,
     px: f32,
-    pub(super) sharing: Sharing,
     pub(super) plan: Plan,
     sweep: Sweep,
 }
@@ -70,7 +68,6 @@ impl Crowd {
             views: Vec::with_capacity(8),
             mode: None,
             px: 0.0,
-            sharing: Sharing::new(model.parts().clips.clips(), levels, characters),
             plan: Plan::new(characters, levels),
             sweep: Sweep::new(),
         }
@@ -142,7 +139,7 @@ impl Crowd {
         for section in &mut self.sections {
             section.tick(&step, tell);
         }
-        self.end(&step, tell)
+        self.end(&step)
     }
 
     /// [`tick`](Self::tick) on several threads: `run` applies the given function to each of the given
@@ -187,7 +184,7 @@ impl Crowd {
             }
             section.events.drain(..).for_each(&mut *tell);
         }
-        self.end(&step, tell)
+        self.end(&step)
     }
 
     /// Checks the frame, and finds what has changed since the one before.
@@ -195,7 +192,6 @@ impl Crowd {
         self.check(frame);
         let dt_secs = frame.step_secs();
         self.now_secs += f64::from(dt_secs);
-        self.sharing.begin(dt_secs, model.durations());
         if let Moved::These(characters) = frame.moved {
             for character in characters.iter().map(|c| *c as usize) {
                 let section = &mut self.sections[character / SECTION];
@@ -234,20 +230,13 @@ impl Crowd {
         }
     }
 
-    /// Chooses shared poses and plans the evaluation.
-    fn end(&mut self, step: &Step<'_>, tell: &mut dyn FnMut(CrowdEvent)) -> CrowdReport {
-        let is_sharing = step.mode.choosing == Choosing::Shared;
-        if is_sharing {
-            for section in &mut self.sections {
-                section.choose_shared(step, &mut self.sharing, tell);
-            }
-        }
-        if is_sharing || self.sections.iter().any(|s| s.is_sorted_anew) {
+    /// Plans the evaluation.
+    fn end(&mut self, step: &Step<'_>) -> CrowdReport {
+        if self.sections.iter().any(|s| s.is_sorted_anew) {
             let keys = self.sections.iter().map(|s| &s.keys);
             let (morph_levels, _) = step.model.morphs();
             let (palette, lanes) = (&step.model.parts().palette, step.model.evaluator().lanes());
-            self.plan
-                .make(keys, self.sharing.leaders(), palette, lanes, morph_levels);
+            self.plan.make(keys, palette, lanes, morph_levels);
         }
         self.report(step.model)
     }
@@ -272,15 +261,14 @@ impl Crowd {
     fn report(&self, model: &CrowdModel) -> CrowdReport {
         let mut report = CrowdReport::default();
         for (level, counts) in self.plan.counts().iter().enumerate() {
-            report.own += counts.own;
-            report.blended += counts.blended;
-            report.shared_poses += counts.leaders;
-            report.sharing_characters += counts.followers;
-            report.cached += counts.cached + counts.recorded;
-            report.stepped += counts.stepped;
-            report.impostors += counts.impostors;
-            let poses = (counts.own + counts.leaders) as u64;
-            report.work += evaluated(model.parts(), level, poses);
+            let of = |source: Source| counts[source as usize];
+            let own = of(Source::Clip) + of(Source::Blend);
+            report.own += own;
+            report.blended += of(Source::Blend);
+            report.cached += of(Source::Cached) + of(Source::Record);
+            report.stepped += of(Source::Step);
+            report.impostors += of(Source::Impostor);
+            report.work += evaluated(model.parts(), level, own as u64);
         }
         for seen in self.sections.iter().map(|s| s.seen) {
             report.visible += seen.visible;

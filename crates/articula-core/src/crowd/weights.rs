@@ -105,7 +105,6 @@ mod tests {
             importance,
             culling: Culling::Off,
             detail: Detail::Full,
-            share: false,
             cache: CacheUse::Never,
         }
     }

@@ -71,6 +71,12 @@ mod tests {
         }
         let mut sum = joints(8);
         sum += joints(67);
-        assert_eq!(sum, Workload { characters: 2, ..joints(75) });
+        assert_eq!(
+            sum,
+            Workload {
+                characters: 2,
+                ..joints(75)
+            }
+        );
     }
 }

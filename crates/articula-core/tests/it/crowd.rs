@@ -5,13 +5,13 @@
 use crate::random_rig::{Options, figure};
 use articula_core::crowd::{
     CacheUse, CharacterState, ClipEvent, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdParts,
-    CrowdReport, Culling, Detail, Frame, Moved, RootDelta, RootTrajectory,
+    CrowdReport, Culling, Detail, DrawKind, Frame, Moved, RootDelta, RootTrajectory,
 };
 use articula_core::visibility::View;
 use articula_core::{
-    Backend, BlendRecord, Bound, CachedKeys, CachedRows, Camera, Clip, ClipBounds, ClipLodErrors,
-    ClipSet, ClipStorage, JointLods, JointSet, LodErrors, ModelPose, MotionBounds, PaletteForm,
-    PaletteMap, PaletteRows, PoseCache, Rig, Sphere, Viewport, Wrap, local_to_model, sample,
+    BlendRecord, Bound, CachedKeys, CachedRows, Camera, Clip, ClipBounds, ClipLodErrors, ClipSet,
+    ClipStorage, JointLods, JointSet, LodErrors, ModelPose, MotionBounds, PaletteForm, PaletteMap,
+    PaletteRows, PoseCache, Rig, Sphere, Viewport, Wrap, local_to_model, sample,
 };
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
@@ -53,20 +53,9 @@ pub(crate) fn parts(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdParts 
         clips: bounds.collect(),
         reach_metres: 1.2,
     };
-    CrowdParts {
-        palette: PaletteMap::joints(&joint_lods),
-        clips: ClipSet::new(rig, joint_lods, clips, ClipStorage::Float).unwrap(),
-        form: PaletteForm::Matrix,
-        backend: Backend::best(),
-        errors,
-        bounds,
-        events: Vec::new(),
-        paths: Vec::new(),
-        attention: Vec::new(),
-        cache: None,
-        impostors: None,
-        morphs: None,
-    }
+    let palette = PaletteMap::joints(&joint_lods);
+    let clips = ClipSet::new(rig, joint_lods, clips, ClipStorage::Float).unwrap();
+    CrowdParts::new(clips, palette, errors, bounds)
 }
 
 pub(crate) fn model(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdModel {
@@ -101,19 +90,15 @@ impl Square {
         }
     }
 
-    pub(crate) fn frame<'a>(&'a self, views: &'a [View<'a>], px: f32, share: bool) -> Frame<'a> {
+    pub(crate) fn frame<'a>(&'a self, views: &'a [View<'a>], px: f32) -> Frame<'a> {
         Frame {
             dt_secs: 1.0 / 60.0,
             positions: &self.positions,
             rotations: &self.rotations,
-            moved: Moved::All,
-            scales: &[],
-            cull_margin_metres: &[],
-            importance: &[],
             culling: Culling::Views(views),
             detail: Detail::Tolerance { px },
-            share,
             cache: CacheUse::Never,
+            ..Frame::default()
         }
     }
 }
@@ -132,10 +117,10 @@ pub(crate) fn palettes(crowd: &Crowd, model: &CrowdModel) -> Vec<[f32; 4]> {
 
 /// The records of a frame, written in three parts.
 pub(crate) fn records(crowd: &Crowd, model: &CrowdModel) -> Vec<BlendRecord> {
-    let count = crowd.draw_list().recorded.len();
+    let count = crowd.draw_list().characters(DrawKind::Record).len();
     let mut all = vec![BlendRecord::default(); count];
     for part in [0..count / 3, count / 3..count / 2, count / 2..count] {
-        crowd.evaluate_records(model, part.clone(), &mut all[part]);
+        crowd.evaluate_draws(model, part.clone(), &mut all[part]);
     }
     all
 }
@@ -146,7 +131,7 @@ fn origin(rows: &[[f32; 4]], matrix: usize) -> Vec3 {
 }
 
 /// Ticks a mixed crowd for some frames.
-fn played(model: &CrowdModel, square: &Square, share: bool, frames: usize) -> (Crowd, CrowdReport) {
+fn played(model: &CrowdModel, square: &Square, frames: usize) -> (Crowd, CrowdReport) {
     let mut crowd = Crowd::new(model, square.positions.len());
     for i in 0..square.positions.len() {
         let clip_state = ClipState::new(&model.parts().clips, i % 2)
@@ -160,7 +145,7 @@ fn played(model: &CrowdModel, square: &Square, share: bool, frames: usize) -> (C
     let views = [View::of(&camera())];
     let mut report = CrowdReport::default();
     for _ in 0..frames {
-        report = crowd.tick(model, &square.frame(&views, 2.0, share), &mut |_| {});
+        report = crowd.tick(model, &square.frame(&views, 2.0), &mut |_| {});
     }
     (crowd, report)
 }
@@ -170,56 +155,44 @@ fn draws_name_the_palette_of_their_character() {
     let (rig, clips, sets) = fixed_figure();
     let model = model(&rig, &clips, &sets);
     let square = Square::new(200);
-    for share in [false, true] {
-        let (crowd, report) = played(&model, &square, share, 7);
-        let rows = palettes(&crowd, &model);
-        assert_eq!(crowd.draw_list().draws.len(), report.visible);
-        assert_eq!(report.own + report.sharing_characters, report.visible);
-        let evaluated = report.own + report.shared_poses;
-        assert_eq!(evaluated as u64, report.work.characters);
-        assert!(report.shared_poses <= report.sharing_characters);
-        assert!(
-            report.visible < square.positions.len(),
-            "some stand behind the camera"
-        );
-        assert!(share == (report.sharing_characters > 0) && report.blended > 0);
-        let mut drawn = vec![false; square.positions.len()];
-        let mut others = 0;
-        for group in &crowd.draw_list().groups {
-            assert_eq!(group.matrices, model.parts().palette.len(group.level));
-            for draw in &crowd.draw_list().draws[group.draws.clone()] {
-                let character = draw.character as usize;
-                assert!(!std::mem::replace(&mut drawn[character], true));
-                assert_eq!(crowd.level(character), Some(group.level));
-                let mut off = 0f32;
-                for place in 0..group.matrices {
-                    let joint = usize::from(model.parts().clips.joint_lods().joints()[place]);
-                    let truth = crowd.attachment(&model, character, joint).translation;
-                    let shown = origin(&rows, draw.first_matrix as usize + place);
-                    off = off.max(shown.distance(truth.into()));
-                }
-                others += usize::from(off > 4e-5);
+    let (crowd, report) = played(&model, &square, 7);
+    let rows = palettes(&crowd, &model);
+    assert_eq!(crowd.draw_list().draws.len(), report.visible);
+    assert_eq!(report.own, report.visible);
+    assert_eq!(report.own as u64, report.work.characters);
+    assert!(
+        report.visible < square.positions.len(),
+        "some stand behind the camera"
+    );
+    assert!(report.blended > 0);
+    let mut drawn = vec![false; square.positions.len()];
+    for group in &crowd.draw_list().groups {
+        assert_eq!(group.matrices, model.parts().palette.len(group.level));
+        for draw in &crowd.draw_list().draws[group.range.clone()] {
+            let character = draw.character as usize;
+            assert!(!std::mem::replace(&mut drawn[character], true));
+            assert_eq!(crowd.level(character), Some(group.level));
+            for place in 0..group.matrices {
+                let joint = usize::from(model.parts().clips.joint_lods().joints()[place]);
+                let truth = crowd.attachment(&model, character, joint).translation;
+                let shown = origin(&rows, draw.first_matrix as usize + place);
+                let off = shown.distance(truth.into());
+                assert!(off <= 4e-5, "{off} m at matrix {place} of {character}");
             }
         }
-        // Every visible character once, the levels in order.
-        let drawn = drawn.iter().filter(|d| **d).count();
-        assert_eq!(drawn, report.visible);
-        let levels = crowd.draw_list().groups.iter().map(|group| group.level);
-        assert!(levels.is_sorted_by(|a, b| a < b));
-        // Only characters that share a pose may show one other than their own.
-        assert!(
-            others <= report.sharing_characters,
-            "{others} of {}",
-            report.sharing_characters
-        );
     }
+    // Every visible character once, the levels in order.
+    let drawn = drawn.iter().filter(|d| **d).count();
+    assert_eq!(drawn, report.visible);
+    let levels = crowd.draw_list().groups.iter().map(|group| group.level);
+    assert!(levels.is_sorted_by(|a, b| a < b));
 }
 
 #[test]
 fn ranges_of_batches_give_the_same_bytes_in_any_order() {
     let (rig, clips, sets) = fixed_figure();
     let model = model(&rig, &clips, &sets);
-    let (crowd, _) = played(&model, &Square::new(300), true, 3);
+    let (crowd, _) = played(&model, &Square::new(300), 3);
     let whole = palettes(&crowd, &model);
     for parts in [2, 3, 7, 1000] {
         let mut ranges = Vec::new();
@@ -250,7 +223,7 @@ fn a_frame_allocates_nothing() {
     parts.events[0] = events.to_vec();
     let model = CrowdModel::new(parts).unwrap();
     let square = Square::new(120);
-    let (mut crowd, _) = played(&model, &square, true, 2);
+    let (mut crowd, _) = played(&model, &square, 2);
     let camera = camera();
     let mut rows = vec![[0.0; 4]; square.positions.len() * model.parts().palette.len(0) * 3];
     let mut scratch = model.evaluator().scratch();
@@ -258,7 +231,7 @@ fn a_frame_allocates_nothing() {
     let counted = allocation_counter::measure(|| {
         for i in 0..90 {
             let views = [View::of(&camera)];
-            let frame = square.frame(&views, 0.1 * i as f32, i % 2 == 0);
+            let frame = square.frame(&views, 0.1 * i as f32);
             crowd.tick(&model, &frame, &mut |_| heard += 1);
             let used = crowd.draw_list().matrices * 3;
             let all = 0..crowd.draw_list().batches;
@@ -309,14 +282,10 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
             dt_secs,
             positions: &positions,
             rotations: &rotations,
-            moved: Moved::All,
-            scales: &[],
-            cull_margin_metres: &[],
-            importance: &[],
             culling: Culling::Views(&views),
             detail: Detail::Full,
-            share: true,
             cache: CacheUse::Never,
+            ..Frame::default()
         };
         crowd.tick(&model, &frame, &mut |event| {
             if let CrowdEvent::Clip { id, .. } = event {
@@ -375,7 +344,7 @@ fn a_fade_ends_at_the_other_clip_and_both_tell_their_events() {
     let square = Square::new(1);
     let mut heard = [false; 3];
     for step in 0..40 {
-        let mut frame = square.frame(&[], 1.0, false);
+        let mut frame = square.frame(&[], 1.0);
         frame.dt_secs = 0.02;
         crowd.tick(&model, &frame, &mut |event| {
             if let CrowdEvent::Clip { id, weight, .. } = event {
@@ -429,7 +398,6 @@ proptest! {
                 importance: &scales,
                 culling: if i % 4 == 3 { Culling::Off } else { Culling::Views(&views) },
                 detail: Detail::Tolerance { px },
-                share: i % 2 == 0,
                 cache: CacheUse::Never,
             };
             let report = crowd.tick(&model, &frame, &mut |_| {});
@@ -551,7 +519,7 @@ fn cached_poses_are_blended_by_either_side() {
             .at_secs(&model.parts().clips, 0.01 * i as f32);
         crowd.play(i, clip_state.into());
     }
-    let mut frame = square.frame(&views, 3.0, false);
+    let mut frame = square.frame(&views, 3.0);
     frame.dt_secs = 0.0;
     frame.cache = CacheUse::Cpu;
     let by_cpu = crowd.tick(&model, &frame, &mut |_| {});
@@ -559,7 +527,10 @@ fn cached_poses_are_blended_by_either_side() {
     let draws = crowd.draw_list().draws.to_vec();
     assert!(by_cpu.cached > 20 && by_cpu.own > 2);
     assert_eq!(
-        (draws.len(), crowd.draw_list().recorded.len()),
+        (
+            draws.len(),
+            crowd.draw_list().characters(DrawKind::Record).len()
+        ),
         (by_cpu.visible, 0)
     );
     assert!(by_cpu.bound_px <= 3.0);
@@ -568,7 +539,7 @@ fn cached_poses_are_blended_by_either_side() {
     let by_gpu = crowd.tick(&model, &frame, &mut |_| {});
     assert!(by_gpu.cached >= by_cpu.cached);
     assert_eq!(
-        crowd.draw_list().draws.len() + crowd.draw_list().recorded.len(),
+        crowd.draw_list().draws.len() + crowd.draw_list().characters(DrawKind::Record).len(),
         by_gpu.visible
     );
     let CachedRows::Float(cached) = model.parts().cache.as_ref().unwrap().rows() else {
@@ -576,8 +547,8 @@ fn cached_poses_are_blended_by_either_side() {
     };
     let all = records(&crowd, &model);
     let mut compared = 0;
-    for group in &crowd.draw_list().record_groups {
-        for record in &all[group.records.clone()] {
+    for group in crowd.draw_list().groups_of(DrawKind::Record) {
+        for record in &all[group.range.clone()] {
             let level = crowd.level(record.character as usize);
             assert_eq!(level, Some(group.level));
             let mut of_character = draws.iter().filter(|d| d.character == record.character);

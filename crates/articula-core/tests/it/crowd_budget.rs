@@ -3,7 +3,7 @@
 
 use crate::crowd::{camera, fixed_figure, model, with_cache};
 use articula_core::crowd::{
-    Budget, BudgetReport, CacheUse, ClipState, Crowd, CrowdModel, Culling, Detail, Frame, Moved,
+    Budget, BudgetReport, ClipState, Crowd, CrowdModel, Culling, Detail, Frame,
 };
 use articula_core::visibility::View;
 use glam::{Quat, Vec3};
@@ -51,14 +51,9 @@ impl Two {
                 dt_secs: 1.0 / 60.0,
                 positions: &self.positions,
                 rotations: &self.rotations,
-                moved: Moved::All,
-                scales: &[],
-                cull_margin_metres: &[],
-                importance: &[],
                 culling: Culling::Views(&views),
                 detail,
-                share: false,
-                cache: CacheUse::Cpu,
+                ..Frame::default()
             };
             let report = crowd.tick(model, &frame, &mut |_| {});
             budget.add(crowd, model);

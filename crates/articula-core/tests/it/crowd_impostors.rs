@@ -3,7 +3,7 @@
 
 use crate::crowd::{Square, camera, fixed_figure, parts};
 use articula_core::crowd::{
-    CacheUse, CharacterState, ClipState, Crowd, CrowdModel, Frame, ImpostorDraw,
+    CacheUse, CharacterState, ClipState, Crowd, CrowdModel, DrawKind, Frame, ImpostorDraw,
 };
 use articula_core::visibility::View;
 use articula_core::{ClipImpostors, Impostors};
@@ -45,12 +45,12 @@ fn crowd(model: &CrowdModel, count: usize) -> Crowd {
 }
 
 fn draws(crowd: &Crowd, model: &CrowdModel, range: usize) -> Vec<ImpostorDraw> {
-    let count = crowd.draw_list().impostors.len();
+    let count = crowd.draw_list().characters(DrawKind::Impostor).len();
     let mut all = vec![ImpostorDraw::default(); count];
     let firsts: Vec<usize> = (0..count).step_by(range).collect();
     for first in firsts.into_iter().rev() {
         let part = first..(first + range).min(count);
-        crowd.evaluate_impostors(model, part.clone(), &mut all[part]);
+        crowd.evaluate_draws(model, part.clone(), &mut all[part]);
     }
     all
 }
@@ -58,7 +58,7 @@ fn draws(crowd: &Crowd, model: &CrowdModel, range: usize) -> Vec<ImpostorDraw> {
 fn frame<'a>(square: &'a Square, views: &'a [View<'a>], cache: CacheUse) -> Frame<'a> {
     Frame {
         cache,
-        ..square.frame(views, 2.0, false)
+        ..square.frame(views, 2.0)
     }
 }
 
@@ -71,7 +71,7 @@ fn who_is_far_is_one_draw_of_the_pose_of_its_time() {
         let report = crowd.tick(&model, &frame(&square, &views, CacheUse::Cpu), &mut |_| ());
         let list = crowd.draw_list();
         assert!(report.impostors > 100, "{}", report.impostors);
-        assert_eq!(report.impostors, list.impostors.len());
+        assert_eq!(report.impostors, list.characters(DrawKind::Impostor).len());
         assert_eq!(report.impostors + list.draws.len(), report.visible);
         assert!(report.bound_px <= 2.0 + 1e-4);
         let all = draws(&crowd, &model, usize::MAX);
@@ -93,7 +93,11 @@ fn who_is_far_is_one_draw_of_the_pose_of_its_time() {
             let is_far = crowd.cull_result(character).pixels_per_metre * ERROR_METRES < 1.5;
             let could = state.clip_state().clip() == 0 && state.next().is_none() && is_far;
             if could && crowd.level(character).is_some() {
-                assert!(list.impostors.contains(&(character as u32)), "{character}");
+                assert!(
+                    list.characters(DrawKind::Impostor)
+                        .contains(&(character as u32)),
+                    "{character}"
+                );
             }
         }
     }
@@ -113,8 +117,8 @@ fn a_frame_with_impostors_allocates_nothing() {
     let mut out = vec![ImpostorDraw::default(); 500];
     let mut play = || {
         crowd.tick(&model, &frame(&square, &views, CacheUse::Gpu), &mut |_| ());
-        let count = crowd.draw_list().impostors.len();
-        crowd.evaluate_impostors(&model, 0..count, &mut out[..count]);
+        let count = crowd.draw_list().characters(DrawKind::Impostor).len();
+        crowd.evaluate_draws(&model, 0..count, &mut out[..count]);
         count
     };
     play();

@@ -4,7 +4,7 @@
 use crate::crowd::{Square, camera, fixed_figure, model, parts, with_cache};
 use articula_core::crowd::{
     CacheUse, CharacterState, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport, Culling,
-    Detail, Frame, Moved,
+    Detail, DrawKind, Frame, Moved,
 };
 use articula_core::visibility::{View, Visibility};
 use articula_core::{
@@ -18,7 +18,7 @@ fn frame<'a>(places: &'a Square, views: &'a [View<'a>], detail: Detail) -> Frame
     Frame {
         dt_secs: 0.0,
         detail,
-        ..places.frame(views, 1.0, false)
+        ..places.frame(views, 1.0)
     }
 }
 
@@ -91,16 +91,10 @@ fn a_second_look_changes_nothing() {
     let places = row(60);
     let camera = camera();
     let views = [View::of(&camera)];
-    for (share, cache) in [
-        (false, CacheUse::Never),
-        (true, CacheUse::Never),
-        (false, CacheUse::Cpu),
-        (true, CacheUse::Gpu),
-    ] {
+    for cache in [CacheUse::Never, CacheUse::Cpu, CacheUse::Gpu] {
         let mut crowd = Crowd::new(&model, 60);
         crowd.fade_to(3, ClipState::new(&model.parts().clips, 1), 5.0);
         let frame = Frame {
-            share,
             cache,
             ..frame(&places, &views, Detail::Tolerance { px: 2.5 })
         };
@@ -112,7 +106,7 @@ fn a_second_look_changes_nothing() {
             draws.sort_by_key(|draw| draw.character);
             (
                 draws.len(),
-                crowd.draw_list().recorded.len(),
+                crowd.draw_list().characters(DrawKind::Record).len(),
                 crowd.draw_list().matrices,
             )
         };
@@ -125,10 +119,6 @@ fn a_second_look_changes_nothing() {
             assert_eq!(CrowdReport { bound_px, ..again }, first);
         }
         assert!(first.bound_px <= 2.5 + 1e-4);
-        if share && cache == CacheUse::Never {
-            // Whoever shares a pose may use its whole tolerance.
-            assert!((first.bound_px - 2.5).abs() < 1e-3);
-        }
     }
 }
 
@@ -181,7 +171,7 @@ fn work_and_bounds_are_those_of_evaluated_poses() {
         assert_eq!(report.cached + report.own, 30);
         assert_eq!(report.work.characters, report.own as u64);
         // A pose of the cache is 5 mm farther off.
-        let recorded = &crowd.draw_list().recorded;
+        let recorded = crowd.draw_list().characters(DrawKind::Record);
         let drawn = |c: usize| cache == CacheUse::Cpu || recorded.iter().all(|r| *r as usize != c);
         let all = (0..30).filter(|c| drawn(*c)).count();
         assert_eq!(crowd.draw_list().draws.len(), all);
@@ -566,36 +556,6 @@ fn attention_needs_finer_levels_while_it_lasts() {
     assert_eq!(levels(&mut crowd, &marked, 3.0, 0.2 * secs), fresh(3.0));
     assert_eq!(levels(&mut crowd, &marked, 3.0, 0.4 * secs), fresh(0.75));
     assert_ne!(fresh(3.0), fresh(0.75));
-}
-
-#[test]
-fn only_loops_that_do_not_fade_share_poses() {
-    let (rig, clips, sets) = fixed_figure();
-    let model = model(&rig, &clips, &sets);
-    let places = row(40);
-    let camera = camera();
-    let views = [View::of(&camera)];
-    let frame = Frame {
-        share: true,
-        ..frame(&places, &views, Detail::Tolerance { px: 3.0 })
-    };
-    let plain = |clip| ClipState::new(&model, clip);
-    let shared = |state: CharacterState| {
-        let mut crowd = Crowd::new(&model, 40);
-        (0..40).for_each(|c| crowd.play(c, state));
-        let report = crowd.tick(&model, &frame, &mut |_| {});
-        (report.sharing_characters > 0, report.blended)
-    };
-    assert_eq!(shared(plain(0).into()), (true, 0));
-    assert_eq!(shared(plain(0).once().into()), (false, 0));
-    assert_eq!(
-        shared(CharacterState::blend(plain(0), plain(1), 0.5)),
-        (false, 40)
-    );
-    assert_eq!(
-        shared(CharacterState::fading(plain(0), plain(1), 0.0, 9.0)),
-        (false, 0)
-    );
 }
 
 #[test]

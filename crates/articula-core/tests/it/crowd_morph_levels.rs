@@ -4,12 +4,12 @@
 use crate::crowd::{Square, camera, fixed_figure, model, parts, with_cache};
 use crate::crowd_morphs::{REST, by_hand, owners, weights, with_morphs};
 use crate::crowd_steps::{STEP_METRES, steps, with_steps};
-use articula_core::Clip;
 use articula_core::crowd::{
-    CacheUse, CharacterState, ClipState, Crowd, CrowdEvent, CrowdModel, Detail, Frame, MorphClips,
-    MorphLods,
+    CacheUse, CharacterState, ClipState, Crowd, CrowdEvent, CrowdModel, Detail, DrawKind, Frame,
+    MorphClips, MorphLods,
 };
 use articula_core::visibility::View;
+use articula_core::{BlendRecord, Clip};
 use glam::{Quat, Vec3};
 
 /// The targets that move, those first that are shown longest.
@@ -65,7 +65,7 @@ fn played(model: &CrowdModel, places: &Square, (px, cache): (f32, CacheUse)) -> 
         let views = [View::of(&camera())];
         let frame = Frame {
             cache,
-            ..places.frame(&views, px, false)
+            ..places.frame(&views, px)
         };
         crowd.tick(model, &frame, &mut |_| {});
     }
@@ -127,7 +127,7 @@ fn options_have_the_errors_of_level_and_face_together() {
     for i in 0..300 {
         crowd.play(i, ClipState::new(clips, i % 2).into());
     }
-    let report = crowd.tick(&model, &places.frame(&views, px, false), &mut |_| {});
+    let report = crowd.tick(&model, &places.frame(&views, px), &mut |_| {});
     assert!(report.bound_px <= px * 1.0001);
     let mut least = [[0.0_f32; 2]; 3];
     for i in 0..300 {
@@ -171,7 +171,7 @@ fn a_change_of_the_face_alone_is_told_with_its_jump() {
         let views = [View::of(&camera)];
         let frame = Frame {
             dt_secs: 0.0,
-            ..places.frame(&views, 0.5, false)
+            ..places.frame(&views, 0.5)
         };
         crowd.tick(&model, &frame, &mut |event| {
             if let CrowdEvent::Level {
@@ -200,7 +200,7 @@ fn a_change_of_the_face_alone_is_told_with_its_jump() {
     let views = [View::of(&camera)];
     let frame = Frame {
         detail: Detail::Level(0),
-        ..places.frame(&views, 0.0, false)
+        ..places.frame(&views, 0.0)
     };
     crowd.tick(&model, &frame, &mut |_| {});
     assert_eq!(crowd.morph_level(&model, 0), Some(0));
@@ -224,7 +224,7 @@ fn a_jump_counts_body_source_and_face() {
         let frame = Frame {
             cache: CacheUse::Cpu,
             dt_secs: 0.0,
-            ..places.frame(&views, px, false)
+            ..places.frame(&views, px)
         };
         crowd.tick(&model, &frame, &mut |event| {
             if let CrowdEvent::Level { jump_px, .. } = event {
@@ -233,7 +233,10 @@ fn a_jump_counts_body_source_and_face() {
         });
         if px > 0.0 {
             let list = crowd.draw_list();
-            assert_eq!((list.stepped.len(), list.morph_sets()), (1, 0));
+            assert_eq!(
+                (list.characters(DrawKind::Step).len(), list.morph_sets()),
+                (1, 0)
+            );
         }
     }
     let span = crowd.cull_result(0).pixels_per_metre;
@@ -279,7 +282,7 @@ fn threads_and_ranges_change_no_bit() {
             let views = [View::of(&camera)];
             let frame = Frame {
                 cache,
-                ..places.frame(&views, tolerance_px(i), false)
+                ..places.frame(&views, tolerance_px(i))
             };
             let mut events = Vec::new();
             let tell = &mut |event| events.push(event);
@@ -295,19 +298,19 @@ fn threads_and_ranges_change_no_bit() {
                 crowd.tick(model, &frame, tell);
             }
             let list = crowd.draw_list();
-            let mut records = vec![Default::default(); list.recorded.len()];
-            crowd.evaluate_records(model, 0..records.len(), &mut records);
+            let mut records = vec![BlendRecord::default(); list.characters(DrawKind::Record).len()];
+            crowd.evaluate_draws(model, 0..records.len(), &mut records);
             let characters = records.iter().map(|r| r.character);
-            assert!(characters.eq(list.recorded.iter().copied()));
+            assert!(characters.eq(list.characters(DrawKind::Record).iter().copied()));
             for (at, record) in records.iter().enumerate().step_by(3) {
-                let mut alone = [Default::default()];
-                crowd.evaluate_records(model, at..at + 1, &mut alone);
+                let mut alone = [BlendRecord::default()];
+                crowd.evaluate_draws(model, at..at + 1, &mut alone);
                 assert_eq!(alone[0], *record);
             }
             let stepped = steps(&crowd, model, usize::MAX);
             assert_eq!(steps(&crowd, model, 1), stepped);
             let characters = stepped.iter().map(|d| d.character);
-            assert!(characters.eq(list.stepped.iter().copied()));
+            assert!(characters.eq(list.characters(DrawKind::Step).iter().copied()));
             let mut sets = vec![0.0; list.morph_sets() * REST.len()];
             for set in (0..list.morph_sets()).rev() {
                 let out = &mut sets[set * REST.len()..][..REST.len()];
@@ -323,12 +326,12 @@ fn threads_and_ranges_change_no_bit() {
         assert_eq!(plain, bytes(true, (model, cache)));
         // Of one level in the order of the sections, then once more: faces that are shown, and at rest.
         let is_split = plain.iter().any(|(_, list, ..)| match cache {
-            CacheUse::Gpu => list.record_groups.iter().any(|g| {
-                let characters = &list.recorded[g.records.clone()];
+            CacheUse::Gpu => list.groups_of(DrawKind::Record).any(|g| {
+                let characters = &list.characters(DrawKind::Record)[g.range.clone()];
                 !characters.is_sorted_by_key(|c| c / 1024)
             }),
-            _ => list.step_groups.iter().any(|g| {
-                let characters = &list.stepped[g.steps.clone()];
+            _ => list.groups_of(DrawKind::Step).any(|g| {
+                let characters = &list.characters(DrawKind::Step)[g.range.clone()];
                 !characters.is_sorted_by_key(|c| c / 1024)
             }),
         });
@@ -347,7 +350,7 @@ fn faces_that_change_their_level_allocate_nothing() {
             let views = [View::of(&camera)];
             let frame = Frame {
                 cache: CacheUse::Gpu,
-                ..places.frame(&views, tolerance_px(i), false)
+                ..places.frame(&views, tolerance_px(i))
             };
             crowd.tick(&model, &frame, &mut |_| {});
             let sets = crowd.draw_list().morph_sets();

@@ -4,7 +4,7 @@
 use crate::crowd::{Square, camera, fixed_figure, model, parts, with_cache};
 use crate::crowd_steps::with_steps;
 use articula_core::crowd::{
-    CacheUse, CharacterState, ClipState, Crowd, CrowdModel, DrawList, Frame, MorphClips,
+    CacheUse, CharacterState, ClipState, Crowd, CrowdModel, DrawKind, DrawList, Frame, MorphClips,
 };
 use articula_core::visibility::View;
 use articula_core::{Clip, Track, Tracks, Wrap, sample_morphs};
@@ -53,7 +53,7 @@ fn animated(levels: usize) -> (CrowdModel, Vec<Clip>) {
 }
 
 /// Ticks a crowd in which some characters fade, play backwards or stand at the end of their clip.
-fn played(model: &CrowdModel, square: &Square, (share, cache): (bool, CacheUse)) -> Crowd {
+fn played(model: &CrowdModel, square: &Square, cache: CacheUse) -> Crowd {
     let clips = &model.parts().clips;
     let mut crowd = Crowd::new(model, square.positions.len());
     for i in 0..square.positions.len() {
@@ -70,7 +70,7 @@ fn played(model: &CrowdModel, square: &Square, (share, cache): (bool, CacheUse))
         let views = [View::of(&camera())];
         let frame = Frame {
             cache,
-            ..square.frame(&views, 2.0, share)
+            ..square.frame(&views, 2.0)
         };
         crowd.tick(model, &frame, &mut |_| {});
     }
@@ -86,24 +86,14 @@ pub(crate) fn weights(crowd: &Crowd, model: &CrowdModel) -> Vec<f32> {
 
 /// Character and level of each set, as a renderer finds them.
 pub(crate) fn owners(list: &DrawList) -> Vec<(usize, usize)> {
-    let draws = list.groups.iter().flat_map(|g| {
-        let draws = &list.draws[g.draws.clone()];
-        draws.iter().map(|d| (d.character as usize, g.level))
-    });
-    let records = list.record_groups.iter().flat_map(|g| {
-        let records = &list.recorded[g.records.clone()];
-        records.iter().map(|r| (*r as usize, g.level))
-    });
-    let draws = draws.take(list.morph_draws);
-    let steps = list.step_groups.iter().flat_map(|g| {
-        let steps = &list.stepped[g.steps.clone()];
-        steps.iter().map(|s| (*s as usize, g.level))
-    });
-    let cached = records.take(list.morph_records);
-    draws
-        .chain(cached)
-        .chain(steps.take(list.morph_steps))
-        .collect()
+    let of_kind = |kind| {
+        let all = list.groups_of(kind).flat_map(move |group| {
+            let characters = &list.characters(kind)[group.range.clone()];
+            characters.iter().map(|c| (*c as usize, group.level))
+        });
+        all.take(list.with_morphs(kind))
+    };
+    DrawKind::ALL.into_iter().flat_map(of_kind).collect()
 }
 
 /// Weights by the plain sampler, each clip over the defaults, then blended.
@@ -132,48 +122,46 @@ fn later_by_hand(state: &CharacterState, clips: &[Clip], later_secs: f64) -> Vec
 #[test]
 fn every_face_shows_its_own_clips_and_times() {
     let square = Square::new(240);
-    let (mut shared, mut recorded, mut stepped, mut faded) = (0, 0, 0, 0);
+    let (mut posed, mut recorded, mut stepped, mut faded) = (0, 0, 0, 0);
     // Where coarser levels without faces are cheaper, nobody steps at one with a face.
     let all = fixed_figure().2.len() + 1;
     for levels in [1, 2, all] {
         let (model, clips) = animated(levels);
-        for share in [false, true] {
-            for cache in [CacheUse::Never, CacheUse::Cpu, CacheUse::Gpu] {
-                let crowd = played(&model, &square, (share, cache));
-                let list = crowd.draw_list();
-                let owners = owners(list);
-                let visible = (0..240).filter_map(|c| Some((c, crowd.level(c)?)));
-                let near = visible.filter(|(_, level)| *level < levels).count();
-                assert_eq!((owners.len(), list.morph_sets()), (near, near));
-                assert!(near > 10, "{near} of 240 at the first {levels} levels");
-                let found = weights(&crowd, &model);
-                let sets = found.chunks_exact(REST.len());
-                for ((character, level), found) in owners.into_iter().zip(sets) {
-                    assert_eq!(crowd.level(character), Some(level));
-                    let state = crowd.state(character);
-                    // At a frame, such as the last one, rounding decides about a weight that is held.
-                    let expected = [0.0, 1e-6].map(|later| later_by_hand(&state, &clips, later));
-                    let near = |(a, b): (&f32, &f32)| (a - b).abs() < 1e-5;
-                    let is_near = |expected: &Vec<f32>| found.iter().zip(expected).all(near);
-                    assert!(
-                        expected.iter().any(is_near),
-                        "character {character}: {found:?} instead of {expected:?}"
-                    );
-                    faded += usize::from(state.next().is_some());
-                }
-                shared += usize::from(share) * list.morph_draws;
-                recorded += list.morph_records;
-                stepped += list.morph_steps;
+        for cache in [CacheUse::Never, CacheUse::Cpu, CacheUse::Gpu] {
+            let crowd = played(&model, &square, cache);
+            let list = crowd.draw_list();
+            let owners = owners(list);
+            let visible = (0..240).filter_map(|c| Some((c, crowd.level(c)?)));
+            let near = visible.filter(|(_, level)| *level < levels).count();
+            assert_eq!((owners.len(), list.morph_sets()), (near, near));
+            assert!(near > 10, "{near} of 240 at the first {levels} levels");
+            let found = weights(&crowd, &model);
+            let sets = found.chunks_exact(REST.len());
+            for ((character, level), found) in owners.into_iter().zip(sets) {
+                assert_eq!(crowd.level(character), Some(level));
+                let state = crowd.state(character);
+                // At a frame, such as the last one, rounding decides about a weight that is held.
+                let expected = [0.0, 1e-6].map(|later| later_by_hand(&state, &clips, later));
+                let near = |(a, b): (&f32, &f32)| (a - b).abs() < 1e-5;
+                let is_near = |expected: &Vec<f32>| found.iter().zip(expected).all(near);
+                assert!(
+                    expected.iter().any(is_near),
+                    "character {character}: {found:?} instead of {expected:?}"
+                );
+                faded += usize::from(state.next().is_some());
             }
+            posed += list.with_morphs(DrawKind::Palette);
+            recorded += list.with_morphs(DrawKind::Record);
+            stepped += list.with_morphs(DrawKind::Step);
         }
     }
-    assert!(shared > 0 && recorded > 0 && stepped > 0 && faded > 0);
+    assert!(posed > 0 && recorded > 0 && stepped > 0 && faded > 0);
 }
 
 #[test]
 fn ranges_of_sets_give_the_same_bits_in_any_order() {
     let (model, _) = animated(2);
-    let crowd = played(&model, &Square::new(240), (true, CacheUse::Gpu));
+    let crowd = played(&model, &Square::new(240), CacheUse::Gpu);
     let whole = weights(&crowd, &model);
     let sets = crowd.draw_list().morph_sets();
     for step in [1, 7, 1000] {
@@ -227,7 +215,7 @@ fn nothing_is_written_where_no_face_moves() {
         let mut parts = parts(&rig, &clips, &sets);
         parts.morphs = morphs;
         let model = CrowdModel::new(parts).unwrap();
-        let crowd = played(&model, &square, (false, CacheUse::Never));
+        let crowd = played(&model, &square, CacheUse::Never);
         assert!(!crowd.draw_list().draws.is_empty());
         assert!(weights(&crowd, &model).is_empty());
     }
@@ -250,7 +238,7 @@ fn nothing_is_written_where_no_face_moves() {
 fn writing_weights_allocates_nothing() {
     let (model, _) = animated(2);
     let square = Square::new(120);
-    let mut crowd = played(&model, &square, (true, CacheUse::Gpu));
+    let mut crowd = played(&model, &square, CacheUse::Gpu);
     let camera = camera();
     let mut out = vec![0.0; 120 * REST.len()];
     let mut written = 0;
@@ -259,7 +247,7 @@ fn writing_weights_allocates_nothing() {
             let views = [View::of(&camera)];
             let frame = Frame {
                 cache: CacheUse::Gpu,
-                ..square.frame(&views, 0.1 * i as f32, i % 2 == 0)
+                ..square.frame(&views, 0.1 * i as f32)
             };
             crowd.tick(&model, &frame, &mut |_| {});
             let sets = crowd.draw_list().morph_sets();

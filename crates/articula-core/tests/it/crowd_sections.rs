@@ -4,7 +4,7 @@
 use crate::crowd::{fixed_figure, palettes, parts, records, with_cache};
 use articula_core::crowd::{
     CacheUse, CharacterState, ClipEvent, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport,
-    CrowdSection, Culling, Detail, Frame, Moved, RootDelta, RootTrajectory,
+    CrowdSection, Culling, Frame, Moved, RootDelta, RootTrajectory,
 };
 use articula_core::visibility::View;
 use articula_core::{Camera, Viewport};
@@ -101,14 +101,8 @@ fn still<'a>(positions: &'a [Vec3], rotations: &'a [Quat]) -> Frame<'a> {
         dt_secs: 1.0 / 60.0,
         positions,
         rotations,
-        moved: Moved::All,
-        scales: &[],
-        cull_margin_metres: &[],
-        importance: &[],
-        culling: Culling::Off,
-        detail: Detail::Tolerance { px: 1.0 },
-        share: false,
         cache: CacheUse::Gpu,
+        ..Frame::default()
     }
 }
 
@@ -126,7 +120,7 @@ fn on_threads(sections: &mut [CrowdSection], tick: &(dyn Fn(&mut CrowdSection) +
 
 /// Ten frames of 3,500 characters in four sections, some of whom walk, fade and matter more, seen
 /// by a camera that turns; everything that is told and shown.
-fn played(share: bool, run: Option<Run>) -> Vec<(CrowdReport, Vec<CrowdEvent>, Vec<u8>)> {
+fn played(cache: CacheUse, run: Option<Run>) -> Vec<(CrowdReport, Vec<CrowdEvent>, Vec<u8>)> {
     const COUNT: usize = 3500;
     let model = with_cache(eventful());
     let mut crowd = Crowd::new(&model, COUNT);
@@ -164,12 +158,7 @@ fn played(share: bool, run: Option<Run>) -> Vec<(CrowdReport, Vec<CrowdEvent>, V
             moved: Moved::These(&moved),
             importance: if i < 5 { &[] } else { &importance },
             culling: Culling::Views(&views),
-            share,
-            cache: if share {
-                CacheUse::Never
-            } else {
-                CacheUse::Gpu
-            },
+            cache,
             ..still(&positions, &rotations)
         };
         let mut events = Vec::new();
@@ -196,13 +185,13 @@ fn played(share: bool, run: Option<Run>) -> Vec<(CrowdReport, Vec<CrowdEvent>, V
 
 #[test]
 fn sections_on_threads_give_the_same_frames() {
-    for share in [false, true] {
-        let plain = played(share, None);
+    for cache in [CacheUse::Gpu, CacheUse::Never] {
+        let plain = played(cache, None);
         assert!(plain.iter().any(|f| f.0.visible > 500 && !f.1.is_empty()));
         // Nothing is run, all on threads.
         let runs: [Run; 2] = [|_, _| {}, on_threads];
         for run in runs {
-            assert_eq!(played(share, Some(run)), plain);
+            assert_eq!(played(cache, Some(run)), plain);
         }
     }
 }

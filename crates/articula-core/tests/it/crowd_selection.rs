@@ -111,7 +111,6 @@ proptest! {
                 importance: &[],
                 culling: Culling::Views(views),
                 detail: Detail::Tolerance { px: step.px },
-                share: false,
                 cache: CacheUse::Never,
             };
             is_first = false;
@@ -166,7 +165,7 @@ proptest! {
             expected.sort_unstable();
             let list = crowd.draw_list();
             let draws = list.groups.iter().flat_map(|g| {
-                let draws = list.draws[g.draws.clone()].iter();
+                let draws = list.draws[g.range.clone()].iter();
                 draws.map(|d| (g.level, d.character as usize))
             });
             prop_assert_eq!(draws.collect::<Vec<_>>(), expected);
@@ -205,7 +204,6 @@ fn kept_options_are_those_of_a_new_choice() {
                 importance: &[],
                 culling: Culling::Views(&views),
                 detail: Detail::Tolerance { px: 3.0 },
-                share: false,
                 cache,
             };
             let kept = crowd.tick(&model, &frame, &mut |_| {});

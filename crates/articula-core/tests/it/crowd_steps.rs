@@ -3,7 +3,8 @@
 
 use crate::crowd::{Square, camera, fixed_figure, model, palettes, with_cache};
 use articula_core::crowd::{
-    CacheUse, CharacterState, ClipState, Crowd, CrowdEvent, CrowdModel, Detail, Draw, Frame,
+    CacheUse, CharacterState, ClipState, Crowd, CrowdEvent, CrowdModel, Detail, Draw, DrawKind,
+    Frame,
 };
 use articula_core::visibility::View;
 use articula_core::{CachedKeys, CachedRows, CachedSteps, PaletteRows, PoseCache};
@@ -70,11 +71,11 @@ fn stepped_model() -> CrowdModel {
 
 /// The stepped draws of a frame, written in ranges of so many, the last one first.
 pub(crate) fn steps(crowd: &Crowd, model: &CrowdModel, range: usize) -> Vec<Draw> {
-    let mut all = vec![Draw::default(); crowd.draw_list().stepped.len()];
+    let mut all = vec![Draw::default(); crowd.draw_list().characters(DrawKind::Step).len()];
     let firsts: Vec<usize> = (0..all.len()).step_by(range).collect();
     for first in firsts.into_iter().rev() {
         let part = first..(first + range).min(all.len());
-        crowd.evaluate_steps(model, part.clone(), &mut all[part]);
+        crowd.evaluate_draws(model, part.clone(), &mut all[part]);
     }
     all
 }
@@ -97,7 +98,7 @@ fn crowd_of(model: &CrowdModel, count: usize) -> Crowd {
 fn frame<'a>(square: &'a Square, views: &'a [View<'a>], px: f32) -> Frame<'a> {
     Frame {
         cache: CacheUse::Cpu,
-        ..square.frame(views, px, false)
+        ..square.frame(views, px)
     }
 }
 
@@ -118,16 +119,19 @@ fn a_step_shows_the_cached_palette_nearest_in_time() {
         let list = crowd.draw_list();
         assert!(report.stepped > 60 && report.cached > 0 && report.own > 5);
         assert!(report.bound_px <= 3.0 + 1e-4);
-        assert_eq!(report.stepped, list.stepped.len());
+        assert_eq!(report.stepped, list.characters(DrawKind::Step).len());
         assert_eq!(report.stepped + list.draws.len(), report.visible);
         assert_eq!(
             (report.stepped + report.cached + report.own),
             report.visible
         );
         let draws = steps(&crowd, &model, usize::MAX);
-        assert_eq!(list.step_groups.last().unwrap().steps.end, draws.len());
-        for group in &list.step_groups {
-            for draw in &draws[group.steps.clone()] {
+        assert_eq!(
+            list.groups_of(DrawKind::Step).last().unwrap().range.end,
+            draws.len()
+        );
+        for group in list.groups_of(DrawKind::Step) {
+            for draw in &draws[group.range.clone()] {
                 let character = draw.character as usize;
                 assert_eq!(crowd.level(character), Some(group.level));
                 assert_eq!(group.matrices, model.parts().palette.len(group.level));
@@ -236,7 +240,10 @@ fn the_cheapest_way_is_taken() {
                 let cheapest = within.min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap());
                 let (level, more, _) = cheapest.unwrap();
                 assert_eq!(crowd.level(c), Some(level), "character {c}, {cache:?}");
-                let is_step = crowd.draw_list().stepped.contains(&(c as u32));
+                let is_step = crowd
+                    .draw_list()
+                    .characters(DrawKind::Step)
+                    .contains(&(c as u32));
                 assert_eq!(is_step, more == STEP_METRES, "character {c}, {cache:?}");
                 stepped += usize::from(is_step);
             }
@@ -297,8 +304,8 @@ fn a_stepped_frame_allocates_nothing() {
         for i in 0..40 {
             let views = [View::of(&camera)];
             crowd.tick(&model, &frame(&square, &views, 0.1 * i as f32), &mut |_| {});
-            let count = crowd.draw_list().stepped.len();
-            crowd.evaluate_steps(&model, 0..count, &mut out[..count]);
+            let count = crowd.draw_list().characters(DrawKind::Step).len();
+            crowd.evaluate_draws(&model, 0..count, &mut out[..count]);
             seen += count;
         }
     });

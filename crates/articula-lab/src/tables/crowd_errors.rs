@@ -161,7 +161,6 @@ fn played_as(asset: &CrowdAsset, play: Play, frames: usize) -> Result<(f64, Erro
     let scene = plaza(CHARACTERS, &[asset.clips().len()], SEED, Plaza::Still);
     let options = SceneOptions {
         detail: DetailGoal::Tolerance(TOLERANCE_PX),
-        share: false,
         cache: play.cache,
         hiders: Hiders::Nothing,
     };
@@ -187,9 +186,9 @@ fn played_as(asset: &CrowdAsset, play: Play, frames: usize) -> Result<(f64, Erro
         if is_counted && (frame - WARM_UP).is_multiple_of(LOOK_EVERY) {
             let sights = player.sights(0)?;
             samples.push(meter.measure(&player.crowds()[0], player.secs(), &sights));
-            for group in player.crowds()[0].groups() {
-                used += group.matrices * group.draws.len();
-                shown += group.draws.len();
+            for draw in player.crowds()[0].draws() {
+                used += draw.matrices * draw.instances.len();
+                shown += draw.instances.len();
             }
         }
     }

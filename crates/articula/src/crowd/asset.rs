@@ -1,7 +1,9 @@
 //! The character of a crowd: its levels with their skins and errors, and its bounds.
 
 use super::face_levels::morph_clips;
-use super::mesh_lods::{LevelledMeshes, MeshLods, mesh_level_triangles};
+use super::mesh_lods::{
+    LevelledMeshes, MAX_MESH_LEVELS, MeshLevelTriangles, MeshLods, mesh_level_triangles,
+};
 use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 use super::preparation::{CharacterInPlace, PREPARING, bounds, in_place, joint_levels, pose_cache};
 use crate::error::{Context, Result};
@@ -144,18 +146,10 @@ impl CrowdAsset {
             ..JointLodOptions::default()
         };
         let (levels, stored) = joint_levels(&asset, &options.joints, &opts, stored, work)?;
-        let wanted = options.mesh_levels;
-        let triangles = match has_mesh && wanted > 1 {
-            true => Some(mesh_level_triangles(figure, &asset, wanted)?),
+        let triangles = match has_mesh {
+            true => mesh_levels(figure, &asset, options, &mut warnings)?,
             false => None,
         };
-        if let Some(found) = triangles.as_ref().map(|t| t.levels.len())
-            && found < wanted
-        {
-            warnings.push(format!(
-                "{found} mesh levels are used instead of {wanted}: coarser ones are not stored, or they are empty, equal to finer ones or too far from the original"
-            ));
-        }
         let levelled = if let Some(triangles) = triangles.filter(|t| t.levels.len() > 1) {
             let count = triangles.levels.len();
             let stored = stored.filter(|s| triangles.are_stored && s.mesh_levels() == count);
@@ -325,6 +319,32 @@ fn kept_clips(clips: &[Clip], names: &[String]) -> Result<Vec<bool>> {
         kept[choose("clip", name, known)?] = true;
     }
     Ok(kept)
+}
+
+/// Returns the triangles of the mesh levels, if there are to be several. Where the options name no number,
+/// they are those of the file, which are measured in pairs with merged joints.
+fn mesh_levels(
+    figure: Option<&Figure>,
+    asset: &Asset,
+    options: &CrowdOptions,
+    warnings: &mut Vec<String>,
+) -> Result<Option<MeshLevelTriangles>> {
+    let wanted = options.mesh_levels.unwrap_or_else(|| {
+        let stored = figure.filter(|_| options.joints == JointLodMethod::Merged);
+        let stored = stored.map_or(0, Figure::stored_mesh_level_count);
+        if stored > MAX_MESH_LEVELS { 1 } else { stored }
+    });
+    if wanted <= 1 {
+        return Ok(None);
+    }
+    let triangles = mesh_level_triangles(figure, asset, wanted)?;
+    let found = triangles.levels.len();
+    if found < wanted {
+        warnings.push(format!(
+            "{found} mesh levels are used instead of {wanted}: coarser ones are not stored, or they are empty, equal to finer ones or too far from the original"
+        ));
+    }
+    Ok(Some(triangles))
 }
 
 fn keep<T>(all: &mut Vec<T>, kept: &[bool]) {

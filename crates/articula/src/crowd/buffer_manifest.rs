@@ -6,6 +6,7 @@ use super::buffer_vertices::{stored_influences, vertex_bytes};
 use super::palettes::rows;
 use super::player::CrowdPlayer;
 use crate::error::{Error, Result};
+use articula_core::crowd::DrawKind;
 use articula_core::{CachedRows, PaletteForm};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -145,14 +146,19 @@ impl BufferManifest {
             CachedRows::Float(rows) => rows.len() / 3,
             CachedRows::Half(rows) => rows.len() / 3,
         });
-        let group = |level, range: &std::ops::Range<usize>| GroupManifest {
-            level,
-            first: range.start,
-            count: range.len(),
+        let drawn = |kind| {
+            let groups = list.groups_of(kind).map(|group| GroupManifest {
+                level: group.level,
+                first: group.range.start,
+                count: group.range.len(),
+            });
+            DrawnManifest {
+                count: list.characters(kind).len(),
+                with_morph_sets: list.with_morphs(kind),
+                first_morph_set: list.first_morph_set(kind),
+                groups: groups.collect(),
+            }
         };
-        let draws = list.groups.iter();
-        let records = list.record_groups.iter();
-        let stepped = list.step_groups.iter();
         Self {
             format: "articula-crowd-buffers",
             version: 2,
@@ -161,24 +167,9 @@ impl BufferManifest {
             bytes: BufferSizes([0; 9]),
             palette_matrices: list.matrices,
             cached_matrices: cached,
-            draws: DrawnManifest {
-                count: list.draws.len(),
-                with_morph_sets: list.morph_draws,
-                first_morph_set: 0,
-                groups: draws.map(|g| group(g.level, &g.draws)).collect(),
-            },
-            records: DrawnManifest {
-                count: list.recorded.len(),
-                with_morph_sets: list.morph_records,
-                first_morph_set: list.morph_draws,
-                groups: records.map(|g| group(g.level, &g.records)).collect(),
-            },
-            stepped: DrawnManifest {
-                count: list.stepped.len(),
-                with_morph_sets: list.morph_steps,
-                first_morph_set: list.morph_draws + list.morph_records,
-                groups: stepped.map(|g| group(g.level, &g.steps)).collect(),
-            },
+            draws: drawn(DrawKind::Palette),
+            records: drawn(DrawKind::Record),
+            stepped: drawn(DrawKind::Step),
             morph_targets: morphs.map_or(0, |m| m.targets()),
             morph_defaults: player.asset().full().mesh.morph_weights.clone(),
             entries: entries(player),

@@ -1,6 +1,7 @@
 //! Statistics of the levels in use: number of characters, error and rendering cost.
 
 use super::asset::{CrowdAsset, CrowdLevel};
+use super::draws::Instances;
 use super::lod_error::{CharacterError, ErrorSample};
 use super::player::CrowdPlayer;
 use articula_core::crowd::{Draw, ImpostorDraw};
@@ -26,8 +27,6 @@ pub struct LevelStatistics {
     pub characters: f64,
     /// Number of palettes evaluated for them.
     pub poses: f64,
-    /// Number of characters that share another character's palette.
-    pub shared: f64,
     /// Number of characters in a cross-fade.
     pub blended: f64,
     /// Number of characters whose cached palettes the GPU blends from 16-byte records.
@@ -100,14 +99,12 @@ impl DrawCost {
 pub struct LevelTally {
     frames: usize,
     levels: Vec<Sums>,
-    palettes: Vec<u32>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     characters: usize,
     poses: usize,
-    shared: usize,
     blended: usize,
     records: usize,
     steps: usize,
@@ -131,6 +128,15 @@ impl Sums {
         self.is_unbounded |= density == f32::MAX;
         self.most_px = self.most_px.max(error * density);
     }
+
+    /// Adds a character that is shown by an impostor.
+    fn see_impostor(&mut self, player: &CrowdPlayer, character: usize) {
+        let clip = player.crowd().state(character).clip_state().clip();
+        let impostors = player.asset().model().parts().impostors.as_ref();
+        let error = impostors.and_then(|i| i.error_metres(clip)).unwrap_or(0.0);
+        let density = player.crowd().cull_result(character).pixels_per_metre;
+        self.most_px = self.most_px.max(error * density);
+    }
 }
 
 impl LevelTally {
@@ -139,69 +145,36 @@ impl LevelTally {
         Self {
             frames: 0,
             levels: vec![Sums::default(); asset.levels() + 1],
-            palettes: Vec::new(),
         }
     }
 
     /// Adds a frame.
     pub fn add(&mut self, player: &CrowdPlayer) {
         self.frames += 1;
-        let crowd = player.crowd();
-        for group in &crowd.draw_list().groups {
-            let draws = &crowd.draw_list().draws[group.draws.clone()];
-            let sums = &mut self.levels[group.level];
-            self.palettes.clear();
-            self.palettes.extend(draws.iter().map(|d| d.first_matrix));
-            self.palettes.sort_unstable();
-            let runs = || self.palettes.chunk_by(|a, b| a == b);
+        for draw in player.draws() {
+            let count = draw.instances.len();
+            let is_impostor = matches!(draw.instances, Instances::Impostors(_));
+            let level = if is_impostor {
+                self.levels.len() - 1
+            } else {
+                draw.level
+            };
+            let sums = &mut self.levels[level];
             sums.groups += 1;
-            sums.characters += draws.len();
-            sums.poses += runs().count();
-            let several = runs().map(<[u32]>::len).filter(|n| *n > 1);
-            sums.shared += several.sum::<usize>();
-            for draw in draws {
-                sums.see(player, group.level, draw.character as usize);
+            sums.characters += count;
+            match draw.instances {
+                Instances::Palettes(_) => sums.poses += count,
+                Instances::Records(_) => sums.records += count,
+                Instances::Steps(_) => sums.steps += count,
+                Instances::Impostors(_) => {}
             }
-        }
-        for group in &crowd.draw_list().record_groups {
-            let sums = &mut self.levels[group.level];
-            sums.groups += 1;
-            sums.records += group.records.len();
-            sums.characters += group.records.len();
-            for character in &crowd.draw_list().recorded[group.records.clone()] {
-                sums.see(player, group.level, *character as usize);
+            for character in draw.instances.characters() {
+                if is_impostor {
+                    sums.see_impostor(player, character);
+                } else {
+                    sums.see(player, level, character);
+                }
             }
-        }
-        for group in &crowd.draw_list().step_groups {
-            let sums = &mut self.levels[group.level];
-            sums.groups += 1;
-            sums.steps += group.steps.len();
-            sums.characters += group.steps.len();
-            for character in &crowd.draw_list().stepped[group.steps.clone()] {
-                sums.see(player, group.level, *character as usize);
-            }
-        }
-        self.add_impostors(player);
-    }
-
-    /// Adds the characters of a frame that are shown by impostors.
-    fn add_impostors(&mut self, player: &CrowdPlayer) {
-        let Some(sums) = self
-            .levels
-            .last_mut()
-            .filter(|_| !player.impostors().is_empty())
-        else {
-            return;
-        };
-        sums.groups += 1;
-        sums.characters += player.impostors().len();
-        let impostors = player.asset().model().parts().impostors.as_ref();
-        for draw in player.impostors() {
-            let character = draw.character as usize;
-            let clip = player.crowd().state(character).clip_state().clip();
-            let error = impostors.and_then(|i| i.error_metres(clip)).unwrap_or(0.0);
-            let density = player.crowd().cull_result(character).pixels_per_metre;
-            sums.most_px = sums.most_px.max(error * density);
         }
     }
 
@@ -247,7 +220,6 @@ impl LevelTally {
             influences: made.influences,
             characters: mean(sums.characters),
             poses: mean(sums.poses),
-            shared: mean(sums.shared),
             blended: mean(sums.blended),
             records: mean(sums.records),
             steps: mean(sums.steps),

@@ -23,6 +23,7 @@ mod asset;
 mod buffer_manifest;
 mod buffer_vertices;
 mod buffers;
+mod draws;
 mod face_levels;
 mod hidden;
 mod in_place;
@@ -47,6 +48,7 @@ pub use buffer_manifest::{
     PartManifest,
 };
 pub use buffers::CrowdBuffers;
+pub use draws::{InstancedDraw, Instances};
 pub use hidden::Hiders;
 pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelStatistics, LevelTally, MeasuredError};
@@ -57,14 +59,14 @@ pub use mesh_lods::MAX_MESH_LEVELS;
 pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 pub use palette_hash::PaletteHash;
 pub use palettes::PaletteSlice;
-pub use player::{CrowdGroup, CrowdPlayer, FramePart, PoseSource};
+pub use player::{CrowdPlayer, FramePart, PoseSource};
 pub use scene_cast::{CastMember, MAX_CAST, MAX_VIEWS};
 pub use scene_file::{MAX_MEMBERS, ParsedScene, read_scene, write_scene};
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 
 pub use articula_core::crowd::{
     Budget, BudgetReport, CacheUse, Crowd, CrowdEvent, CrowdReport, CrowdSection, Culling, Detail,
-    Draw, ImpostorDraw,
+    Draw, DrawKind, ImpostorDraw,
 };
 pub use articula_core::visibility::View;
 pub use articula_core::{Backend, Camera, ClipStorage, PaletteForm, Viewport};

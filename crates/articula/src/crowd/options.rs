@@ -47,7 +47,7 @@ pub enum RootMotionPolicy {
 /// ```
 /// use articula::crowd::{CrowdOptions, JointLodMethod, PaletteMatrices};
 ///
-/// let options = CrowdOptions { mesh_levels: 4, ..CrowdOptions::default() };
+/// let options = CrowdOptions { mesh_levels: Some(4), ..CrowdOptions::default() };
 /// assert_eq!(options.joints, JointLodMethod::Merged);
 /// assert_eq!(options.matrices, PaletteMatrices::Skin);
 /// ```
@@ -62,8 +62,8 @@ pub struct CrowdOptions {
     /// Maximum number of mesh levels, the original included, at most
     /// [`MAX_MESH_LEVELS`](super::MAX_MESH_LEVELS); they are chosen together with the joint LODs.
     /// They are those of the file unless it has none or more. With 1 all levels use the original
-    /// mesh.
-    pub mesh_levels: usize,
+    /// mesh. `None`: those of the file with merged joints, if it has any, else the original mesh.
+    pub mesh_levels: Option<usize>,
     /// Kind of matrices in a palette.
     pub matrices: PaletteMatrices,
     /// Data layout of a palette.
@@ -83,18 +83,18 @@ pub struct CrowdOptions {
 }
 
 impl Default for CrowdOptions {
-    /// All clips in place, merged joints, the original mesh; skinning matrices of three rows of
-    /// 32-bit floats, no cache.
+    /// All clips in place, merged joints, the mesh levels of the file; skinning matrices of three rows of
+    /// 32-bit floats, and cached poses.
     fn default() -> Self {
         Self {
             clips: Vec::new(),
             root_motion: RootMotionPolicy::default(),
             joints: JointLodMethod::default(),
-            mesh_levels: 1,
+            mesh_levels: None,
             matrices: PaletteMatrices::default(),
             form: PaletteForm::Matrix,
             storage: ClipStorage::Float,
-            pose_cache: false,
+            pose_cache: true,
             impostors: None,
             backend: Backend::best(),
             seed: 1,

@@ -12,6 +12,17 @@ pub enum PaletteSlice<'a> {
     Half(&'a [[u16; 4]]),
 }
 
+impl<'a> PaletteSlice<'a> {
+    /// Returns the numbers as they lie in memory, for upload: 4 or 2 bytes each, of the byte order of the
+    /// processor.
+    pub fn bytes(self) -> &'a [u8] {
+        match self {
+            Self::Float(rows) => bytemuck::cast_slice(rows),
+            Self::Half(rows) => bytemuck::cast_slice(rows),
+        }
+    }
+}
+
 /// Row storage for all palettes of a frame.
 #[derive(Debug)]
 pub(super) struct Palettes {
@@ -62,6 +73,15 @@ impl Palettes {
         let [x, y, z] = [row(0), row(1), row(2)];
         let linear = Mat3::from_cols(x.truncate(), y.truncate(), z.truncate()).transpose();
         Affine3A::from_mat3_translation(linear, Vec3::new(x.w, y.w, z.w))
+    }
+
+    /// Returns the first `matrices` matrices as 3x4 numbers; `None` unless they are stored so.
+    pub(super) fn matrices(&self, matrices: usize) -> Option<&[[f32; 12]]> {
+        let PaletteSlice::Float(rows) = self.written(matrices) else {
+            return None;
+        };
+        let (whole, _) = rows.as_flattened().as_chunks();
+        (self.form == PaletteForm::Matrix).then_some(whole)
     }
 
     /// Returns the rows of the first `matrices` matrices, to be read.
@@ -119,6 +139,10 @@ mod tests {
             rows[5] = [0.0, 0.0, 1.0, 3.0];
         }
         assert!(floats.matrix(1).abs_diff_eq(expected, 1e-6));
+        let numbers = [0.0, -1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 1.0, 3.0];
+        assert_eq!(floats.matrices(2).unwrap()[1], numbers);
+        let bytes: Vec<u8> = numbers.into_iter().flat_map(f32::to_ne_bytes).collect();
+        assert_eq!(floats.written(2).bytes()[48..], bytes);
         let mut halves = Palettes::new(PaletteForm::HalfRigid, 1);
         if let PaletteRows::Half(rows) = halves.first(1) {
             let h = std::f32::consts::FRAC_1_SQRT_2;
@@ -126,6 +150,8 @@ mod tests {
             rows[1] = [1.0, 2.0, 3.0, 1.0].map(half_from_f32);
         }
         assert!(halves.matrix(0).abs_diff_eq(expected, 1e-3));
+        assert!(halves.matrices(1).is_none());
+        assert_eq!(halves.written(1).bytes().len(), 16);
     }
 
     #[test]

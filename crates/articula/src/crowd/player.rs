@@ -8,8 +8,8 @@ use super::palettes::{PaletteSlice, Palettes, split};
 use crate::error::{Error, Result};
 use articula_core::batch::Scratch;
 use articula_core::crowd::{
-    Budget, CacheUse, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport, CrowdSection, Culling,
-    Detail, Draw, Frame, ImpostorDraw, Moved,
+    Budget, CacheUse, CachedDraw, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport,
+    CrowdSection, Culling, Detail, Draw, DrawKind, Frame, ImpostorDraw, Moved,
 };
 use articula_core::visibility::View;
 use articula_core::{BlendRecord, Camera, Mesh, PaletteRows, PosedMesh, SkinnedMesh, Wrap, skin};
@@ -28,8 +28,6 @@ const MAX_BYTES: usize = 16 << 30;
 pub struct CrowdPlayer {
     /// How levels are chosen; by default the cheapest within an error of one pixel.
     pub detail: Detail,
-    /// Whether characters may share poses where their tolerance allows it; `false` by default.
-    pub share: bool,
     /// Processor that blends cached poses, where that is cheapest; the CPU by default.
     pub cache: CacheUse,
     asset: CrowdAsset,
@@ -91,20 +89,6 @@ impl MovedList {
     }
 }
 
-/// Characters of one level: one instanced draw per part of the mesh.
-#[derive(Debug, Clone, Copy)]
-pub struct CrowdGroup<'a> {
-    /// The level; 0 is full detail.
-    pub level: usize,
-    /// Mesh of the level.
-    pub mesh: &'a Mesh,
-    /// Characters to draw, each with the index in [`CrowdPlayer::palettes`] where its palette
-    /// begins; several may share one.
-    pub draws: &'a [Draw],
-    /// Number of matrices in one palette.
-    pub matrices: usize,
-}
-
 /// Source of a character's shown pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PoseSource {
@@ -126,7 +110,6 @@ impl CrowdPlayer {
         let model = asset.model();
         Ok(Self {
             detail: Detail::Tolerance { px: 1.0 },
-            share: false,
             cache: CacheUse::default(),
             palettes: Palettes::new(model.parts().form, room(model, characters)?),
             morph_weights: vec![0.0; characters * targets(model)],
@@ -177,17 +160,23 @@ impl CrowdPlayer {
     ///
     /// # Panics
     /// If there is no such character.
-    pub fn place(&mut self, character: usize, position: Vec3, yaw_radians: f32) {
+    pub fn place(&mut self, character: usize, position: impl Into<Vec3>, yaw_radians: f32) {
         self.set_transform(character, position, Quat::from_rotation_y(yaw_radians));
     }
 
-    /// Sets a character's position and rotation.
+    /// Sets a character's position and rotation: glam's types, or arrays `[x, y, z]` and, for a unit
+    /// quaternion, `[x, y, z, w]`.
     ///
     /// # Panics
     /// If there is no such character.
-    pub fn set_transform(&mut self, character: usize, position: Vec3, rotation: Quat) {
-        self.positions[character] = position;
-        self.rotations[character] = rotation;
+    pub fn set_transform(
+        &mut self,
+        character: usize,
+        position: impl Into<Vec3>,
+        rotation: impl Into<Quat>,
+    ) {
+        self.positions[character] = position.into();
+        self.rotations[character] = rotation.into();
         self.moved.add(character);
     }
 
@@ -311,7 +300,6 @@ impl CrowdPlayer {
             importance: &self.importance,
             culling,
             detail: self.detail,
-            share: self.share,
             cache: self.cache,
         };
         let report = tick(&mut self.crowd, self.asset.model(), &frame);
@@ -347,14 +335,10 @@ impl CrowdPlayer {
         Parts {
             model,
             rows: Some(self.palettes.first(self.crowd.draw_list().matrices)),
-            weights: &mut self.morph_weights,
-            first_set: 0,
-            records: &mut self.records,
-            first_record: 0,
-            stepped: &mut self.stepped,
-            first_step: 0,
-            impostors: &mut self.impostors,
-            first_impostor: 0,
+            weights: Rest::of(&mut self.morph_weights),
+            records: Rest::of(&mut self.records),
+            stepped: Rest::of(&mut self.stepped),
+            impostors: Rest::of(&mut self.impostors),
             crowd: &self.crowd,
             scratches: self.scratches[..count].iter_mut(),
             first: 0,
@@ -362,43 +346,36 @@ impl CrowdPlayer {
         }
     }
 
-    /// Returns the characters to draw, grouped by level.
-    pub fn groups(&self) -> impl Iterator<Item = CrowdGroup<'_>> {
-        self.crowd
-            .draw_list()
-            .groups
-            .iter()
-            .map(|group| CrowdGroup {
-                level: group.level,
-                mesh: self.asset.mesh(group.level),
-                draws: &self.crowd.draw_list().draws[group.draws.clone()],
-                matrices: group.matrices,
-            })
-    }
-
     /// Returns the palettes of this frame, one after the other.
     pub fn palettes(&self) -> PaletteSlice<'_> {
         self.palettes.written(self.crowd.draw_list().matrices)
     }
 
-    /// Returns the blend records of this frame, in the order of
-    /// [`DrawList::recorded`](articula_core::crowd::DrawList::recorded).
+    /// Returns the palettes of this frame as 3x4 matrices, row by row, which any version of any math crate
+    /// can read; `None` unless the form is [`PaletteForm::Matrix`](articula_core::PaletteForm::Matrix).
+    pub fn matrices(&self) -> Option<&[[f32; 12]]> {
+        self.palettes.matrices(self.crowd.draw_list().matrices)
+    }
+
+    /// Returns the blend records of this frame: those of [`DrawKind::Record`].
     pub fn records(&self) -> &[BlendRecord] {
-        &self.records[..self.crowd.draw_list().recorded.len()]
+        self.written(&self.records)
     }
 
-    /// Returns the draws of the characters that show a cached palette as it is, in the order of
-    /// [`DrawList::stepped`](articula_core::crowd::DrawList::stepped): their matrices are those of
-    /// [`PoseCache::rows`](articula_core::PoseCache::rows).
+    /// Returns the draws of the characters that show a cached palette as it is, [`DrawKind::Step`]:
+    /// their matrices are those of [`PoseCache::rows`](articula_core::PoseCache::rows).
     pub fn stepped(&self) -> &[Draw] {
-        &self.stepped[..self.crowd.draw_list().stepped.len()]
+        self.written(&self.stepped)
     }
 
-    /// Returns the draws of the characters that are shown by impostors, in the order of
-    /// [`DrawList::impostors`](articula_core::crowd::DrawList::impostors).
+    /// Returns the draws of the characters that are shown by impostors, [`DrawKind::Impostor`].
     pub fn impostors(&self) -> &[ImpostorDraw] {
-        let count = self.crowd.draw_list().impostors.len();
-        &self.impostors[..count.min(self.impostors.len())]
+        self.written(&self.impostors)
+    }
+
+    /// The draws of this frame of the space for all characters.
+    fn written<'a, D: CachedDraw>(&self, all: &'a [D]) -> &'a [D] {
+        &all[..self.crowd.draw_list().characters(D::KIND).len()]
     }
 
     /// Writes the matrices by which the full mesh ([`CrowdAsset::full`]) shows the points that an
@@ -432,7 +409,7 @@ impl CrowdPlayer {
     }
 
     /// Returns the morph target weights of this frame, a set for each character that shows morph
-    /// targets; [`DrawList::morph_draws`](articula_core::crowd::DrawList::morph_draws) says whose.
+    /// targets; [`InstancedDraw::morph_sets`](super::InstancedDraw::morph_sets) says whose.
     /// Targets that a character leaves out have their default weights. Empty if no clip moves any.
     pub fn morph_weights(&self) -> &[f32] {
         let targets = targets(self.asset.model());
@@ -443,12 +420,12 @@ impl CrowdPlayer {
     /// default weights. O(characters).
     pub fn morph_weights_of(&self, character: usize) -> &[f32] {
         let list = self.crowd.draw_list();
-        let draws = list.draws[..list.morph_draws].iter().map(|d| d.character);
-        let recorded = list.recorded[..list.morph_records].iter();
-        let stepped = list.stepped[..list.morph_steps].iter();
-        let mut owners = draws.chain(recorded.chain(stepped).copied());
+        let mut owners = DrawKind::ALL.into_iter().flat_map(|kind| {
+            let characters = list.characters(kind);
+            &characters[..list.with_morphs(kind)]
+        });
         let targets = targets(self.asset.model());
-        match owners.position(|c| c as usize == character) {
+        match owners.position(|c| *c as usize == character) {
             Some(set) => &self.morph_weights[set * targets..][..targets],
             None => &self.asset.full().mesh.morph_weights,
         }
@@ -566,34 +543,67 @@ pub struct FramePart<'a> {
     model: &'a CrowdModel,
     batches: Range<usize>,
     rows: PaletteRows<'a>,
-    sets: Range<usize>,
-    weights: &'a mut [f32],
-    recorded: Range<usize>,
-    records: &'a mut [BlendRecord],
-    steps: Range<usize>,
-    stepped: &'a mut [Draw],
-    far: Range<usize>,
-    impostors: &'a mut [ImpostorDraw],
+    weights: Share<'a, f32>,
+    records: Share<'a, BlendRecord>,
+    stepped: Share<'a, Draw>,
+    impostors: Share<'a, ImpostorDraw>,
     scratch: &'a mut Scratch,
+}
+
+/// A range of a list, and the space for what is written of it.
+#[derive(Debug)]
+struct Share<'a, T> {
+    range: Range<usize>,
+    out: &'a mut [T],
+}
+
+impl<D: CachedDraw> Share<'_, D> {
+    fn evaluate(&mut self, crowd: &Crowd, model: &CrowdModel) {
+        crowd.evaluate_draws(model, self.range.clone(), self.out);
+    }
 }
 
 impl FramePart<'_> {
     /// Writes its palettes, records, stepped draws and morph target weights; does not allocate.
     pub fn evaluate(&mut self) {
+        let (crowd, model) = (self.crowd, self.model);
         let rows = match &mut self.rows {
             PaletteRows::Float(rows) => PaletteRows::Float(rows),
             PaletteRows::Half(rows) => PaletteRows::Half(rows),
         };
-        self.crowd
-            .evaluate(self.model, self.batches.clone(), rows, self.scratch);
-        self.crowd
-            .evaluate_morphs(self.model, self.sets.clone(), self.weights);
-        self.crowd
-            .evaluate_records(self.model, self.recorded.clone(), self.records);
-        self.crowd
-            .evaluate_steps(self.model, self.steps.clone(), self.stepped);
-        self.crowd
-            .evaluate_impostors(self.model, self.far.clone(), self.impostors);
+        crowd.evaluate(model, self.batches.clone(), rows, self.scratch);
+        let sets = self.weights.range.clone();
+        crowd.evaluate_morphs(model, sets, self.weights.out);
+        self.records.evaluate(crowd, model);
+        self.stepped.evaluate(crowd, model);
+        self.impostors.evaluate(crowd, model);
+    }
+}
+
+/// What is left of a list that is split into shares.
+struct Rest<'a, T> {
+    out: &'a mut [T],
+    first: usize,
+}
+
+impl<'a, T> Rest<'a, T> {
+    fn of(out: &'a mut [T]) -> Self {
+        Self { out, first: 0 }
+    }
+
+    /// Takes the share of one of `parts` parts of a list of `all` entries, each of which is written as
+    /// `size` values; what is left if it is the last.
+    fn take(&mut self, all: usize, size: usize, (parts, is_last): (usize, bool)) -> Share<'a, T> {
+        let end = if is_last {
+            all
+        } else {
+            (self.first + all.div_ceil(parts)).min(all)
+        };
+        let range = self.first..end;
+        self.first = end;
+        let (out, others) = std::mem::take(&mut self.out).split_at_mut(range.len() * size);
+        self.out = others;
+        Share { range, out }
     }
 }
 
@@ -602,14 +612,10 @@ struct Parts<'a> {
     crowd: &'a Crowd,
     model: &'a CrowdModel,
     rows: Option<PaletteRows<'a>>,
-    weights: &'a mut [f32],
-    first_set: usize,
-    records: &'a mut [BlendRecord],
-    first_record: usize,
-    impostors: &'a mut [ImpostorDraw],
-    first_impostor: usize,
-    stepped: &'a mut [Draw],
-    first_step: usize,
+    weights: Rest<'a, f32>,
+    records: Rest<'a, BlendRecord>,
+    stepped: Rest<'a, Draw>,
+    impostors: Rest<'a, ImpostorDraw>,
     scratches: std::slice::IterMut<'a, Scratch>,
     first: usize,
     count: usize,
@@ -620,38 +626,27 @@ impl<'a> Iterator for Parts<'a> {
 
     fn next(&mut self) -> Option<FramePart<'a>> {
         let scratch = self.scratches.next()?;
+        let list = self.crowd.draw_list();
+        let part = (self.count, self.scratches.len() == 0);
         let mut batches = self.crowd.share_of_batches(self.first, self.count);
-        let all_sets = self.crowd.draw_list().morph_sets();
-        let all_records = self.crowd.draw_list().recorded.len();
-        let all_steps = self.crowd.draw_list().stepped.len();
-        let part = |first: usize, all: usize| first..(first + all.div_ceil(self.count)).min(all);
-        let mut sets = part(self.first_set, all_sets);
-        let mut recorded = part(self.first_record, all_records);
-        let mut steps = part(self.first_step, all_steps);
-        let all_far = self.crowd.draw_list().impostors.len();
-        let mut far = part(self.first_impostor, all_far);
-        if self.scratches.len() == 0 {
-            batches.end = self.crowd.draw_list().batches;
-            sets.end = all_sets;
-            recorded.end = all_records;
-            steps.end = all_steps;
-            far.end = all_far;
+        if part.1 {
+            batches.end = list.batches;
         }
-        if batches.is_empty()
-            && [&sets, &recorded, &steps, &far]
-                .iter()
-                .all(|r| r.is_empty())
-        {
+        let count = |kind| list.characters(kind).len();
+        let sets = list.morph_sets();
+        let weights = self.weights.take(sets, targets(self.model), part);
+        let records = self.records.take(count(DrawKind::Record), 1, part);
+        let stepped = self.stepped.take(count(DrawKind::Step), 1, part);
+        let impostors = self.impostors.take(count(DrawKind::Impostor), 1, part);
+        let ranges = [
+            &weights.range,
+            &records.range,
+            &stepped.range,
+            &impostors.range,
+        ];
+        if batches.is_empty() && ranges.iter().all(|r| r.is_empty()) {
             return None;
         }
-        self.first_set = sets.end;
-        self.first_record = recorded.end;
-        self.first_step = steps.end;
-        self.first_impostor = far.end;
-        let records = taken(&mut self.records, recorded.len());
-        let stepped = taken(&mut self.stepped, steps.len());
-        let impostors = taken(&mut self.impostors, far.len());
-        let weights = taken(&mut self.weights, sets.len() * targets(self.model));
         self.first = batches.end;
         let matrices = self.crowd.matrices_of(batches.clone()).len();
         let rows = matrices * self.model.parts().form.rows();
@@ -662,24 +657,13 @@ impl<'a> Iterator for Parts<'a> {
             model: self.model,
             batches,
             rows,
-            sets,
             weights,
-            recorded,
             records,
-            steps,
             stepped,
-            far,
             impostors,
             scratch,
         })
     }
-}
-
-/// Takes the first elements off a slice.
-fn taken<'a, T>(all: &mut &'a mut [T], count: usize) -> &'a mut [T] {
-    let (first, others) = std::mem::take(all).split_at_mut(count);
-    *all = others;
-    first
 }
 
 /// Number of morph target weights of a character; 0 if no level shows them.

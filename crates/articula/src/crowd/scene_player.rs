@@ -44,8 +44,6 @@ pub enum DetailGoal {
 pub struct SceneOptions {
     /// Level-of-detail goal.
     pub detail: DetailGoal,
-    /// Whether characters may share poses within their tolerance.
-    pub share: bool,
     /// Processor that blends cached poses.
     pub cache: CacheUse,
     /// What hides characters.
@@ -118,7 +116,6 @@ impl<'a> ScenePlayer<'a> {
         };
         for crowd in &mut crowds {
             crowd.detail = detail;
-            crowd.share = options.share;
             crowd.cache = options.cache;
         }
         let mut made = Self {

@@ -71,7 +71,7 @@ fn played(asset: &CrowdAsset) -> f32 {
         let report = crowd.frame(0.1, &camera);
         assert_eq!(report.visible, 8, "frame {frame}");
         assert!(all_finite(crowd.palettes()), "frame {frame}");
-        let shown: usize = crowd.groups().map(|g| g.draws.len()).sum();
+        let shown: usize = crowd.draws().map(|d| d.instances.len()).sum();
         assert_eq!(shown, 8);
         for (i, before) in before.iter_mut().enumerate() {
             let (mesh, skinned) = crowd.skinned(i).unwrap();
@@ -200,10 +200,24 @@ fn a_frame_allocates_nothing() {
             crowd.fade_to(i, i % asset.clips().len(), 0.2);
         }
         crowd.frame(1.0 / 60.0, &camera);
-        let shown: usize = crowd.groups().map(|g| g.draws.len()).sum();
+        let shown: usize = crowd.draws().map(|d| d.instances.len()).sum();
         assert!(shown > 0);
     });
     assert_eq!(counted.count_total, 0);
+}
+
+#[test]
+fn poses_are_cached_unless_told_otherwise() {
+    let (mut crowd, camera) = row(human_asset(), 100);
+    let report = crowd.frame(0.1, &camera);
+    assert!(report.stepped > 50, "{report:?}");
+    let evaluated = CrowdOptions {
+        pose_cache: false,
+        ..CrowdOptions::default()
+    };
+    let (mut crowd, camera) = row(&asset_of(human(), &evaluated), 100);
+    let report = crowd.frame(0.1, &camera);
+    assert_eq!((report.own, report.stepped), (100, 0));
 }
 
 #[test]

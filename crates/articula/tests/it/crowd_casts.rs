@@ -10,7 +10,6 @@ use std::sync::OnceLock;
 
 const OPTIONS: SceneOptions = SceneOptions {
     detail: DetailGoal::Tolerance(1.0),
-    share: false,
     cache: CacheUse::Cpu,
     hiders: Hiders::Walls,
 };

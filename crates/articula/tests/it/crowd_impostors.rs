@@ -4,25 +4,34 @@
 use crate::crowd::{asset_of, human};
 use articula::Executor;
 use articula::crowd::{
-    Camera, CrowdOptions, CrowdPlayer, Culling, ErrorMeter, LevelTally, PaletteHash, View, Viewport,
+    Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Culling, ErrorMeter, LevelTally, PaletteHash,
+    View, Viewport,
 };
 use articula_flat::Appearance;
 use articula_flat::impostor::{ImpostorBound, ImpostorOptions};
 use glam::Vec3;
+use std::sync::OnceLock;
 
 /// Error of the impostors, metres.
 const METRES: f32 = 0.5;
 
-#[test]
-fn who_is_far_is_shown_by_an_impostor_within_the_tolerance() {
+/// The human with cached poses and impostors, made once for all tests.
+pub(crate) fn asset_with_impostors() -> &'static CrowdAsset {
+    static ASSET: OnceLock<CrowdAsset> = OnceLock::new();
     let options = CrowdOptions {
+        pose_cache: true,
         impostors: Some(ImpostorOptions {
             bound: ImpostorBound::Metres(METRES),
             ..ImpostorOptions::default()
         }),
         ..CrowdOptions::default()
     };
-    let asset = asset_of(human(), &options);
+    ASSET.get_or_init(|| asset_of(human(), &options))
+}
+
+#[test]
+fn who_is_far_is_shown_by_an_impostor_within_the_tolerance() {
+    let asset = asset_with_impostors();
     let plan = asset.impostors().unwrap();
     assert_eq!(plan.clips.len(), asset.clips().len());
     let worst = plan.clips.iter().map(|c| c.error_m).fold(0.0, f32::max);
@@ -31,7 +40,7 @@ fn who_is_far_is_shown_by_an_impostor_within_the_tolerance() {
     let atlas = atlas.unwrap().unwrap();
     assert!(atlas.width() >= plan.cell.size_px[0] && atlas.height() >= plan.cell.size_px[1]);
     // The first row is near, the others where a metre is about a pixel.
-    let mut crowd = CrowdPlayer::new(&asset, 64).unwrap();
+    let mut crowd = CrowdPlayer::new(asset, 64).unwrap();
     for i in 0..64 {
         let z = if i < 8 { -8.0 } else { -900.0 - 4.0 * i as f32 };
         crowd.place(i, Vec3::new((i % 8) as f32 - 4.0, 0.0, z), 0.9 * i as f32);
@@ -39,8 +48,8 @@ fn who_is_far_is_shown_by_an_impostor_within_the_tolerance() {
     }
     let camera = Camera::looking_at(Vec3::Y * 60.0, Vec3::NEG_Z * 300.0, Viewport::default());
     let views = [View::of(&camera)];
-    let mut meter = ErrorMeter::new(&asset, 1);
-    let mut tally = LevelTally::new(&asset);
+    let mut meter = ErrorMeter::new(asset, 1);
+    let mut tally = LevelTally::new(asset);
     let mut samples = Vec::new();
     for frame in 0..12 {
         crowd.plan(1.0 / 30.0, Culling::Views(&views), &mut |_| ());
@@ -68,7 +77,7 @@ fn who_is_far_is_shown_by_an_impostor_within_the_tolerance() {
         }
         samples.push(sample);
     }
-    let levels = tally.levels(&asset, &samples);
+    let levels = tally.levels(asset, &samples);
     let tier = levels.last().unwrap();
     assert!(tier.is_impostor && tier.joints == 0 && tier.characters > 40.0);
     assert_eq!(tier.renderer.impostor_bytes, 8.0 * tier.characters);

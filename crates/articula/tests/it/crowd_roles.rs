@@ -11,7 +11,6 @@ use std::fmt::Write as _;
 
 const OPTIONS: SceneOptions = SceneOptions {
     detail: DetailGoal::Tolerance(1.0),
-    share: false,
     cache: CacheUse::Never,
     hiders: Hiders::Walls,
 };

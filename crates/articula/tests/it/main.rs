@@ -14,6 +14,7 @@ mod convert;
 mod crowd;
 mod crowd_buffers;
 mod crowd_casts;
+mod crowd_draws;
 mod crowd_faces;
 mod crowd_impostors;
 mod crowd_roles;

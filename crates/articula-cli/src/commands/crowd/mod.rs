@@ -58,9 +58,10 @@ pub(crate) struct CrowdArgs {
     #[arg(long, value_name = "full|auto|EXPR", default_value = "auto")]
     level: String,
     /// Maximum number of mesh levels, chosen together with the joint levels: those of the file, or,
-    /// if it has none or more, new ones as by build --levels; 1: the original mesh only
-    #[arg(long, value_name = "N", default_value = "1", value_parser = mesh_levels)]
-    mesh_levels: usize,
+    /// if it has none or more, new ones as by build --levels; 1: the original mesh only [default:
+    /// those of the file]
+    #[arg(long, value_name = "N", value_parser = mesh_levels)]
+    mesh_levels: Option<usize>,
     /// Show who is far away by impostors, pictures of at most so many bytes of pixels, where their error
     /// is within the tolerance [default of BYTES: 4194304]
     #[arg(long, value_name = "BYTES", num_args = 0..=1, default_missing_value = "4194304")]
@@ -163,7 +164,6 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     let scene = args.scene(&cast, scene_file)?;
     let settings = Settings {
         detail,
-        share: args.storage.source == SourceName::Shared,
         cache: args.storage.cache(),
         hiders: args.importance.hiders(),
         threads: args.threads,
@@ -275,7 +275,7 @@ impl CrowdArgs {
             let what = format!("--impostors requires --level auto, not {}", self.level);
             return Err(fault::usage(what));
         }
-        if self.mesh_levels > 1 && self.level != "auto" {
+        if self.mesh_levels.is_some_and(|n| n > 1) && self.level != "auto" {
             let what = format!("--mesh-levels requires --level auto, not {}", self.level);
             return Err(fault::usage(what));
         }

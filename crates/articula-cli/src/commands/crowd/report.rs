@@ -22,7 +22,7 @@ pub(super) struct CrowdRunReport {
     pub(super) scene: String,
     pub(super) views: usize,
     pub(super) level: String,
-    pub(super) mesh_levels: usize,
+    pub(super) mesh_levels: Option<usize>,
     pub(super) clips: Vec<String>,
     pub(super) characters: usize,
     /// Median over frames, as are the next two fields.
@@ -291,11 +291,9 @@ impl CrowdRunReport {
         ));
         text.push_str(&self.error_parts());
         text.push_str(&format!(
-            "poses  {:.0} per frame for one character ({:.0} blend two clips), {:.0} shared by {:.0} characters, {:.0} blended from the cache, {:.0} shown from it as they are\n",
+            "poses  {:.0} per frame evaluated ({:.0} blend two clips), {:.0} blended from the cache, {:.0} shown from it as they are\n",
             self.poses.own,
             self.poses.blended,
-            self.poses.shared,
-            self.poses.followers,
             self.poses.cached,
             self.poses.stepped
         ));

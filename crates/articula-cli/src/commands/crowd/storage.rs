@@ -18,8 +18,7 @@ pub(super) struct StorageArgs {
     pub(super) palette: Option<MatricesName>,
     /// Source of poses. auto: evaluated, or blended from cached ones where that is cheaper within
     /// the tolerance; records: the same, with cached poses blended by the GPU from records of 16
-    /// bytes; own: evaluated for each character; shared: evaluated, and shared by characters whose
-    /// poses agree within the tolerance
+    /// bytes; own: evaluated for each character
     #[arg(long, value_enum, default_value = "auto")]
     pub(super) source: SourceName,
     /// Instruction set; all give the same bits [default: the fastest]
@@ -52,7 +51,6 @@ pub(super) enum SourceName {
     Auto,
     Records,
     Own,
-    Shared,
 }
 
 impl StorageArgs {
@@ -66,7 +64,7 @@ impl StorageArgs {
         match self.source {
             SourceName::Auto => CacheUse::Cpu,
             SourceName::Records => CacheUse::Gpu,
-            SourceName::Own | SourceName::Shared => CacheUse::Never,
+            SourceName::Own => CacheUse::Never,
         }
     }
 }

@@ -9,7 +9,6 @@ use anyhow::Context;
 use articula::Figure;
 use articula::crowd::{
     CacheUse, CrowdAsset, CrowdOptions, DetailGoal, Hiders, JointLodMethod, LevelStatistics,
-    PaletteMatrices,
 };
 use articula_build::{Plaza, Scene, plaza};
 use serde::Serialize;
@@ -57,15 +56,16 @@ pub(super) fn of(
         asset(JointLodMethod::Merged)?,
     );
     let tolerance = DetailGoal::Tolerance(epsilon_px);
-    let full = play(&whole, &scene, settings(DetailGoal::Full, false), console)?;
-    let seen = play(&merged, &scene, settings(tolerance, false), console)?;
-    let shared = play(&merged, &scene, settings(tolerance, true), console)?;
-    let picture = picture::draw(
-        from_ref(&merged),
+    let evaluated = settings(tolerance, CacheUse::Never);
+    let full = play(
+        &whole,
         &scene,
-        settings(tolerance, false),
-        PICTURE_PX,
+        settings(DetailGoal::Full, CacheUse::Never),
+        console,
     )?;
+    let seen = play(&merged, &scene, evaluated, console)?;
+    let cached = play(&merged, &scene, settings(tolerance, CacheUse::Cpu), console)?;
+    let picture = picture::draw(from_ref(&merged), &scene, evaluated, PICTURE_PX)?;
     folder.write("crowd.png", &picture.to_png().context("crowd.png")?)?;
     Ok(Crowd {
         characters: COUNT,
@@ -74,7 +74,7 @@ pub(super) fn of(
         ways: vec![
             way("all joints of all characters", &full),
             way("merged levels, characters in view", &seen),
-            way("as above, with shared poses", &shared),
+            way("as above, with cached poses", &cached),
         ],
         levels: seen.tiers.into_iter().flatten().collect(),
     })
@@ -82,18 +82,17 @@ pub(super) fn of(
 
 fn options(joints: JointLodMethod) -> CrowdOptions {
     CrowdOptions {
+        pose_cache: joints == JointLodMethod::Merged,
         joints,
-        matrices: PaletteMatrices::Joints,
         seed: SEED,
         ..CrowdOptions::default()
     }
 }
 
-fn settings(detail: DetailGoal, share: bool) -> Settings {
+fn settings(detail: DetailGoal, cache: CacheUse) -> Settings {
     Settings {
         detail,
-        share,
-        cache: CacheUse::Never,
+        cache,
         hiders: Hiders::Walls,
         threads: 1,
         frames: FRAMES,

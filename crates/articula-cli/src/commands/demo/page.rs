@@ -491,7 +491,7 @@ fn more(report: &DemoReport) -> String {
          <p class=\"soft\">Counts on this page are exact and the same on every machine. Times are \
          not: sampling and all matrices of one figure took {full:.0} ns per frame with all joints and \
          {none:.0} ns with none, measured in this run with the scalar code. So holding joints saves \
-         samples but little time by itself; levels are therefore also merged and poses shared.</p>\n</section>\n"
+         samples but little time by itself; levels are therefore also merged and poses cached.</p>\n</section>\n"
     )
 }
 

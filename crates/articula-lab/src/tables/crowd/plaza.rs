@@ -51,34 +51,25 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
         ),
     );
     report.head(&SCENE_COLUMNS);
-    let at = |detail, share| Play {
+    let at = |detail| Play {
         detail,
         budget_ms: None,
-        share,
         cache: CacheUse::Never,
         frames: if bench.small { 8 } else { 240 },
         look_at_one_of: if bench.small { 40 } else { 97 },
     };
     let one = Detail::Tolerance { px: 1.0 };
-    let merged = stage.play(&still, at(one, false))?;
-    for (name, detail, share, most_ms) in [
-        ("every joint of who is seen", Detail::Full, false, None),
-        ("merged levels within 1 px", one, false, Some(0.8)),
-        (
-            "merged levels and shared poses within 1 px",
-            one,
-            true,
-            Some(0.4),
-        ),
+    let merged = stage.play(&still, at(one))?;
+    for (name, detail, most_ms) in [
+        ("every joint of who is seen", Detail::Full, None),
+        ("merged levels within 1 px", one, Some(0.8)),
     ] {
-        let outcome = stage.play(&still, at(detail, share))?;
+        let outcome = stage.play(&still, at(detail))?;
         let name = format!("plaza, {name}");
         row(report, count, &name, &outcome);
         targets(report, &name, &outcome, most_ms);
-        if !share {
-            let percent = 100.0 * outcome.selection_share();
-            report.at_most(&name, "selection / evaluation, %", 10.0, percent);
-        }
+        let percent = 100.0 * outcome.selection_share();
+        report.at_most(&name, "selection / evaluation, %", 10.0, percent);
     }
     for (name, cache, most_ms) in [
         (
@@ -92,17 +83,14 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
             0.25,
         ),
     ] {
-        let play = Play {
-            cache,
-            ..at(one, false)
-        };
+        let play = Play { cache, ..at(one) };
         let outcome = stage.play(&still, play)?;
         let name = format!("plaza, {name}");
         row(report, count, &name, &outcome);
         targets(report, &name, &outcome, Some(most_ms));
     }
-    moving(bench, report, &stage, at(one, false))?;
-    many(bench, report, &stage, at(one, false))?;
+    moving(bench, report, &stage, at(one))?;
+    many(bench, report, &stage, at(one))?;
     budget(bench, report, &stage, &still, &merged)?;
     Ok(AtOnePixel {
         ms: merged.frame_ms(0.5),
@@ -261,7 +249,6 @@ fn budget(
         let play = Play {
             detail: Detail::Tolerance { px: 1.0 },
             budget_ms: Some(budget_ms),
-            share: false,
             cache,
             frames: if bench.small { 8 } else { 240 },
             look_at_one_of: if bench.small { 40 } else { 97 },

@@ -76,7 +76,6 @@ pub(super) struct Play {
     pub(super) detail: Detail,
     /// Milliseconds of a whole frame, for which the tolerance is chosen instead.
     pub(super) budget_ms: Option<f64>,
-    pub(super) share: bool,
     pub(super) cache: CacheUse,
     pub(super) frames: usize,
     /// One of this many characters is measured in every eighth frame.
@@ -140,7 +139,6 @@ impl<'a> SceneBench<'a> {
         let count = scene.members.len();
         let model = self.asset.model();
         let mut player = self.player(scene)?;
-        player.share = play.share;
         player.cache = play.cache;
         player.detail = play.detail;
         let mut budget = play.budget_ms.map(|ms| Budget::new(1e6 * ms, 1.0));
@@ -299,7 +297,7 @@ impl Outcome {
     fn add(&mut self, report: &CrowdReport, written: usize, frames: usize) {
         let frames = frames as f64;
         self.visible += report.visible as f64 / frames;
-        self.poses += (report.own + report.shared_poses) as f64 / frames;
+        self.poses += report.own as f64 / frames;
         self.written_mb += 1e-6 * written as f64 / frames;
     }
 }

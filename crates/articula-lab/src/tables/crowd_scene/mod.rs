@@ -144,7 +144,6 @@ fn ours(
 ) -> Result<Played> {
     let options = SceneOptions {
         detail,
-        share: false,
         cache,
         hiders: Hiders::Walls,
     };

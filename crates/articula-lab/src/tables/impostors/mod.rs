@@ -110,7 +110,7 @@ impl Subject {
         }
         let figure = Figure::new(opened)?;
         let options = CrowdOptions {
-            mesh_levels: 5,
+            mesh_levels: Some(5),
             pose_cache: true,
             ..CrowdOptions::default()
         };

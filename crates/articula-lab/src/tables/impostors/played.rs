@@ -3,7 +3,7 @@
 use super::{Row, Subject};
 use crate::measure::{median, thread_ns};
 use anyhow::Result;
-use articula::crowd::{CacheUse, Camera, CrowdAsset, CrowdPlayer, Culling, Detail, View};
+use articula::crowd::{CacheUse, Camera, CrowdAsset, CrowdPlayer, Culling, Detail, DrawKind, View};
 use glam::Vec3;
 use std::f32::consts::TAU;
 
@@ -68,8 +68,8 @@ pub(super) fn played(asset: &CrowdAsset, tolerance_m: f32, cache: CacheUse) -> R
         times.push(ns as f64 / CHARACTERS as f64);
         let list = player.crowd().draw_list();
         bytes += (48 * list.matrices
-            + 8 * (list.draws.len() + list.stepped.len())
-            + 16 * list.recorded.len()) as f64;
+            + 8 * (list.draws.len() + list.characters(DrawKind::Step).len())
+            + 16 * list.characters(DrawKind::Record).len()) as f64;
         for character in 0..CHARACTERS {
             if let Some(level) = player.crowd().level(character) {
                 let clip = player.crowd().state(character).clip_state().clip();

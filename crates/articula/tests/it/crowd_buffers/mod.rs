@@ -11,7 +11,7 @@ use articula::crowd::{
     CacheUse, Camera, CrowdAsset, CrowdBuffers, CrowdOptions, CrowdPlayer, Detail, JointLodMethod,
     PaletteForm, PaletteMatrices, Viewport,
 };
-use articula_core::crowd::{CharacterState, ClipState};
+use articula_core::crowd::{CharacterState, ClipState, DrawKind};
 use expected::{Member, expected, is_near};
 use figure::figure;
 use glam::Vec3;
@@ -129,7 +129,7 @@ fn expected_poses_are_those_of_the_plain_path() {
         let cache = player.asset().model().parts().cache.as_ref();
         assert_eq!(cache.is_some(), !form.is_rigid());
         let is_by_gpu = cache_use == CacheUse::Gpu;
-        let stepped = &player.crowd().draw_list().stepped;
+        let stepped = player.crowd().draw_list().characters(DrawKind::Step);
         let made = expected(&figure(), &members, (cache, is_by_gpu, stepped));
         let path = golden(name).join("expected.json");
         if is_renewed() {

@@ -57,7 +57,7 @@ fn options() -> Vec<CrowdOptions> {
     vec![
         usual(),
         CrowdOptions {
-            mesh_levels: 5,
+            mesh_levels: Some(5),
             pose_cache: true,
             ..usual()
         },
@@ -68,7 +68,7 @@ fn options() -> Vec<CrowdOptions> {
         },
         // Fewer mesh levels than the asset has.
         CrowdOptions {
-            mesh_levels: 2,
+            mesh_levels: Some(2),
             pose_cache: true,
             ..usual()
         },
@@ -232,7 +232,7 @@ fn other_mesh_levels_than_the_stored_are_told() {
     }
     let figure = Figure::new(opened(&document.write_glb().unwrap())).unwrap();
     let options = CrowdOptions {
-        mesh_levels: 5,
+        mesh_levels: Some(5),
         ..CrowdOptions::default()
     };
     let told = crowd_of(&figure, &options).warnings().to_vec();
@@ -258,7 +258,7 @@ fn one_changed_bit_of_any_part_is_told_and_the_part_made_again() {
     let parts = document.json["extensions"]["ARTICULA_prepared"]["parts"].clone();
     let fresh = Figure::new(human()).unwrap();
     let all = CrowdOptions {
-        mesh_levels: 5,
+        mesh_levels: Some(5),
         pose_cache: true,
         ..CrowdOptions::default()
     };
@@ -426,7 +426,7 @@ fn an_asset_of_version_1_still_opens() {
         pose_cache: true,
         ..CrowdOptions::default()
     };
-    for options in [of_levels(1), of_levels(3)] {
+    for options in [of_levels(Some(1)), of_levels(Some(3))] {
         let crowd = crowd_of(&figure, &options);
         assert_eq!(crowd.warnings(), Vec::<String>::new());
         played(&crowd);
