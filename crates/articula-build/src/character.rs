@@ -4,14 +4,18 @@ use crate::clip::{ClipOptions, MAX_NUMBERS, resample};
 use crate::expression::bake;
 use articula_core::source::{Character, RawClip, RawMesh, Skeleton};
 use articula_core::{Articulation, Clip, Mesh, Mismatch, Rig};
+use std::sync::Arc;
 
 /// A character in runtime form: rig, mesh and clips.
+///
+/// Its parts are shared: an asset, a player or a crowd that is made of them copies no vertex and no
+/// track. Another rig or mesh takes the place of one; `Arc::make_mut` copies before a change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Asset {
     /// Joint tree, rest pose and articulation.
-    pub rig: Rig,
+    pub rig: Arc<Rig>,
     /// Mesh of all triangles, with its skin.
-    pub mesh: Mesh,
+    pub mesh: Arc<Mesh>,
     /// Clips, in the order of the source.
     pub clips: Vec<Clip>,
 }
@@ -49,7 +53,11 @@ pub fn character(
         }
         clips.push(clip);
     }
-    Ok(Asset { rig, mesh, clips })
+    Ok(Asset {
+        rig: rig.into(),
+        mesh: mesh.into(),
+        clips,
+    })
 }
 
 /// Builds one clip of a source character, at a uniform rate; `mesh` is that of the character.

@@ -53,7 +53,7 @@ pub fn decimate(
     let share = triangles as f64 / mesh.triangles.len() as f64;
     let shown = Asset {
         rig: asset.rig.clone(),
-        mesh,
+        mesh: mesh.into(),
         clips,
     };
     let shaping = poses(&shown, &PoseOptions::default())?.shaping;

@@ -58,7 +58,7 @@ const ACTIVE: usize = 12;
 /// The reference human's mesh with targets that each move a run of its vertices, as many in all as
 /// those of ARKit on a scanned body: between 1 and 12 % of the vertices each.
 fn morphed() -> Mesh {
-    let mut mesh = human::asset().mesh.clone();
+    let mut mesh = Mesh::clone(&human::asset().mesh);
     let count = mesh.len();
     let target = |slot: usize| {
         let moved = count / 100 * (1 + slot * 7 % 12);

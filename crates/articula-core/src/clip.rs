@@ -2,6 +2,7 @@
 
 use crate::Mismatch;
 use glam::{Quat, Vec3};
+use std::sync::Arc;
 
 /// The values of one property of one joint: one for each frame of the clip, or one for all frames.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +18,8 @@ pub struct Track<T> {
 /// An animation clip of one rig with a uniform frame rate. Joints without a track stay in the rest
 /// pose.
 ///
-/// Frame `i` is the pose at `i / rate_hz` seconds; the last frame is the end of the clip.
+/// Frame `i` is the pose at `i / rate_hz` seconds; the last frame is the end of the clip. Clones share
+/// the tracks, so that assets and players hold the same motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clip {
     /// Name as given by the source.
@@ -30,7 +32,7 @@ pub struct Clip {
     joints: usize,
     /// Number of frames per key of the source, at least 1.
     frames_per_key: usize,
-    pub(crate) tracks: Tracks,
+    tracks: Arc<Tracks>,
 }
 
 /// The tracks of a [`Clip`], by property.
@@ -76,7 +78,7 @@ impl Clip {
             frames,
             joints,
             frames_per_key: 1,
-            tracks,
+            tracks: Arc::new(tracks),
         })
     }
 
@@ -107,12 +109,12 @@ impl Clip {
             frames: (self.frames - 1) / every + 1,
             joints: self.joints,
             frames_per_key: 1,
-            tracks: Tracks {
+            tracks: Arc::new(Tracks {
                 translations: thinned(&self.tracks.translations, every),
                 rotations: thinned(&self.tracks.rotations, every),
                 scales: thinned(&self.tracks.scales, every),
                 morphs: thinned(&self.tracks.morphs, every),
-            },
+            }),
         }
     }
 

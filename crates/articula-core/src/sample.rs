@@ -95,18 +95,18 @@ pub fn sample(clip: &Clip, time_secs: f64, wrap: Wrap, active: &JointSet, out: &
 
 /// [`sample`] at a position between frames.
 pub(crate) fn sample_at(clip: &Clip, at: FramePosition, active: &JointSet, out: &mut LocalPose) {
-    for track in &clip.tracks.rotations {
+    for track in &clip.tracks().rotations {
         if active.contains(usize::from(track.target)) {
             out.rotations[usize::from(track.target)] = read(track, at, nlerp);
         }
     }
     let lerp = |a: Vec3, b: Vec3, t: f32| a + (b - a) * t;
-    for track in &clip.tracks.translations {
+    for track in &clip.tracks().translations {
         if active.contains(usize::from(track.target)) {
             out.translations[usize::from(track.target)] = read(track, at, lerp);
         }
     }
-    for track in &clip.tracks.scales {
+    for track in &clip.tracks().scales {
         if active.contains(usize::from(track.target)) {
             out.scales[usize::from(track.target)] = read(track, at, lerp);
         }
@@ -121,7 +121,7 @@ pub fn sample_morphs(clip: &Clip, time_secs: f64, wrap: Wrap, out: &mut [f32]) {
 
 /// [`sample_morphs`] at a position between frames.
 pub(crate) fn sample_morphs_at(clip: &Clip, at: FramePosition, out: &mut [f32]) {
-    for track in &clip.tracks.morphs {
+    for track in &clip.tracks().morphs {
         if let Some(weight) = out.get_mut(usize::from(track.target)) {
             *weight = read(track, at, |a, b, t| a + (b - a) * t);
         }
@@ -183,8 +183,8 @@ mod tests {
 
     #[test]
     fn ends_clamp_or_wrap() {
-        let first = quarter_turn().tracks.rotations[0].values[0];
-        let last = quarter_turn().tracks.rotations[0].values[10];
+        let first = quarter_turn().tracks().rotations[0].values[0];
+        let last = quarter_turn().tracks().rotations[0].values[10];
         assert_eq!(pose_at(-5.0, Wrap::Clamp).rotations[0], first);
         assert_eq!(pose_at(99.0, Wrap::Clamp).rotations[0], last);
         assert_eq!(pose_at(1.0, Wrap::Clamp).rotations[0], last);

@@ -19,7 +19,7 @@ pub struct Figure {
     /// The editable character and the file that it was read from. Stored data that cannot be used
     /// is among its warnings.
     pub opened: CharacterFile,
-    /// Rig, mesh and uniformly sampled clips.
+    /// Rig, mesh and uniformly sampled clips, which players and crowds share without a copy.
     pub asset: Asset,
     state: StoredState,
     /// Order of the source file, if mesh levels have reordered the vertices of the document.
@@ -228,7 +228,11 @@ fn assembled(
     if let Some(stored) = stored {
         let (rig, mesh) = rig_and_mesh(&source.skeleton, shown, articulation.clone())?;
         if let Some(clips) = stored.clips(&source.clips, &rig, &mesh) {
-            return Ok(Asset { rig, mesh, clips });
+            return Ok(Asset {
+                rig: rig.into(),
+                mesh: mesh.into(),
+                clips,
+            });
         }
     }
     let options = ClipOptions::default();

@@ -272,6 +272,7 @@ mod tests {
     use super::*;
     use articula_core::Mesh;
     use glam::Quat;
+    use std::sync::Arc;
 
     #[test]
     fn clips_and_bindings_of_other_rigs_are_refused() {
@@ -283,7 +284,7 @@ mod tests {
         ];
         assert_eq!(check(&asset).unwrap_err().at, "clips[1]");
         asset.clips.pop();
-        asset.mesh.bindings[2].joint = 3;
+        Arc::make_mut(&mut asset.mesh).bindings[2].joint = 3;
         assert_eq!(check(&asset).unwrap_err().at, "mesh.bindings[2].joint");
     }
 
@@ -319,7 +320,7 @@ mod tests {
         assert_eq!(first, [0, 2]);
         // A root without skin moves no vertex, and stays nevertheless.
         let mut bare = arm(3);
-        for index in &mut bare.mesh.binding_indices {
+        for index in &mut Arc::make_mut(&mut bare.mesh).binding_indices {
             *index = (*index).max(1);
         }
         bare.clips = vec![moving(3, 1, &[turn(-0.5), turn(0.5)])];
@@ -343,7 +344,7 @@ mod tests {
     #[test]
     fn without_a_mesh_bones_tell_the_error() {
         let mut asset = arm(2);
-        asset.mesh = Mesh::default();
+        asset.mesh = Mesh::default().into();
         let turns = [-0.2, 0.0, 0.2].map(Quat::from_rotation_z);
         asset.clips = vec![moving(2, 1, &turns)];
         let mean = mean_pose(&asset);

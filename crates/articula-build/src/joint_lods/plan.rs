@@ -196,7 +196,7 @@ mod tests {
     fn the_skin_of_a_merged_joint_keeps_its_place_at_rest() {
         let asset = arm(3);
         // One level with all joints, one with the first alone, whose binding this mesh lacks.
-        let mut mesh = asset.mesh.clone();
+        let mut mesh = Mesh::clone(&asset.mesh);
         mesh.bindings[0].inverse_bind = Affine3A::from_translation(Vec3::X * 7.0);
         for index in &mut mesh.binding_indices {
             *index = (*index).max(1);
@@ -222,7 +222,7 @@ mod tests {
     #[test]
     fn influences_without_weight_are_left_out_unless_there_is_no_other() {
         let asset = arm(2);
-        let mut mesh = asset.mesh.clone();
+        let mut mesh = Mesh::clone(&asset.mesh);
         mesh.weights[2..4].fill(0.0);
         let mean = mean_pose(&asset);
         let prefixes = Prefixes::new(&asset.rig, &[0, 1], &[2], &mean);

@@ -259,6 +259,7 @@ mod tests {
     use super::*;
     use articula_core::Morph;
     use glam::{Quat, Vec3};
+    use std::sync::Arc;
 
     #[test]
     fn every_level_has_the_morphs_of_the_mesh() {
@@ -271,7 +272,7 @@ mod tests {
             positions: vec![Vec3::X * 0.05],
             normals: vec![Vec3::Z * 0.1],
         };
-        asset.mesh.morphs = vec![smile];
+        Arc::make_mut(&mut asset.mesh).morphs = vec![smile];
         let order: Vec<u16> = vec![0, 1, 2];
         let mean = super::super::mean_pose(&asset);
         let joint_lods = JointLods::new(&asset.rig, order, vec![3, 1], &mean).unwrap();

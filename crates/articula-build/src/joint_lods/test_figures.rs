@@ -67,8 +67,8 @@ pub(crate) fn figure(parents: &[Option<usize>]) -> Asset {
     mesh.texcoords = vec![glam::Vec2::ZERO; count];
     mesh.colors = vec![glam::Vec4::ONE; count];
     Asset {
-        rig,
-        mesh,
+        rig: rig.into(),
+        mesh: mesh.into(),
         clips: Vec::new(),
     }
 }

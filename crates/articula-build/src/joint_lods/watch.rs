@@ -195,12 +195,13 @@ fn bones(asset: &Asset) -> Mesh {
 mod tests {
     use super::super::test_figures::arm;
     use super::*;
+    use std::sync::Arc;
 
     #[test]
     fn bones_stand_for_the_skin() {
         // Joints at 0, 1 and 2 along y: three joints, two midpoints, one end.
         let mut asset = arm(3);
-        asset.mesh = Mesh::default();
+        asset.mesh = Mesh::default().into();
         let mesh = skin_of(&asset);
         let mut heights: Vec<f32> = mesh.positions.iter().map(|p| p.y).collect();
         heights.sort_by(f32::total_cmp);
@@ -223,7 +224,7 @@ mod tests {
 
     #[test]
     fn every_vertex_with_a_position_is_watched_with_the_same_sample() {
-        let mut mesh = arm(5).mesh;
+        let mut mesh = Mesh::clone(&arm(5).mesh);
         mesh.positions[7].z = f32::NAN;
         let (every, some) = (Watched::every(&mesh, 9, 3), Watched::draw(&mesh, 5, 9, 3));
         let expected: Vec<u32> = (0..mesh.len() as u32).filter(|v| *v != 7).collect();
@@ -241,8 +242,9 @@ mod tests {
         let mut asset = arm(3);
         // The last vertex is pulled out, on the joint at a height of 2 m; one is lost.
         let last = asset.mesh.len() - 1;
-        asset.mesh.positions[last] = Vec3::Y * 3.5;
-        asset.mesh.positions[last - 1] = Vec3::NAN;
+        let positions = &mut Arc::make_mut(&mut asset.mesh).positions;
+        positions[last] = Vec3::Y * 3.5;
+        positions[last - 1] = Vec3::NAN;
         let tips = Watched::tips(&asset.mesh, 0, 1);
         assert!(tips.drawn.iter().all(|d| !d));
         assert_eq!(tips.vertices.len(), 3, "{:?}", tips.vertices);
@@ -268,7 +270,7 @@ mod tests {
         let count = 400usize;
         let part = |v: usize, k: usize| ((v * 7919 + k * 104_729) % 1009) as f32 / 1009.0;
         let weight = |v: usize| part(v, 4);
-        let mut mesh = arm(2).mesh;
+        let mut mesh = Mesh::clone(&arm(2).mesh);
         mesh.positions = (0..count)
             .map(|v| Vec3::new(part(v, 1), part(v, 2), part(v, 3)) - Vec3::new(0.3, 0.6, 0.5))
             .collect();

@@ -148,8 +148,8 @@ mod tests {
     fn a_foot_stands_low_and_still_a_hand_anywhere() {
         let names = [None, Some("l_ankle"), Some("r_wrist"), Some("skullbase")];
         let asset = Asset {
-            rig: rig_with(&[None, Some(0), Some(0), Some(1)], &names),
-            mesh: Mesh::default(),
+            rig: rig_with(&[None, Some(0), Some(0), Some(1)], &names).into(),
+            mesh: Mesh::default().into(),
             clips: Vec::new(),
         };
         // Still, half a metre per second ahead, still but 10 cm up, still but 4 cm up.
@@ -203,8 +203,8 @@ mod tests {
     #[test]
     fn slow_is_less_than_fifteen_centimetres_a_second() {
         let asset = Asset {
-            rig: rig_with(&[None, Some(0)], &[None, Some("r_metatarsal")]),
-            mesh: Mesh::default(),
+            rig: rig_with(&[None, Some(0)], &[None, Some("r_metatarsal")]).into(),
+            mesh: Mesh::default().into(),
             clips: Vec::new(),
         };
         for (metres_per_sec, stands) in [(0.14, true), (0.16, false)] {

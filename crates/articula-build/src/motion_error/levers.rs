@@ -217,6 +217,7 @@ mod tests {
     use crate::joint_lods::test_figures::{arm, figure};
     use articula_core::source::{Joint, Skeleton};
     use articula_core::{Articulation, JointArticulation, JointSet, Region, Transform};
+    use std::sync::Arc;
 
     fn near(found: f32, expected: f32) {
         assert!(
@@ -231,7 +232,7 @@ mod tests {
         // and half a metre above it.
         let mut asset = arm(3);
         // 0.02 m² on the top joint, 0.05 m² on the lowest.
-        asset.mesh.triangles = vec![[20, 21, 22], [0, 4, 5]];
+        Arc::make_mut(&mut asset.mesh).triangles = vec![[20, 21, 22], [0, 4, 5]];
         let found = levers(&asset.rig, &asset.mesh);
         let aside = 0.02_f32;
         let last = (0.25 + aside).sqrt();
@@ -262,9 +263,10 @@ mod tests {
     fn skin_of_little_weight_counts_for_the_reach_only() {
         let mut asset = arm(2);
         // The upper ring of the upper joint moves by a quarter with it, the rest with the root.
+        let mesh = Arc::make_mut(&mut asset.mesh);
         for v in 12..16 {
-            asset.mesh.binding_indices[2 * v + 1] = 0;
-            asset.mesh.weights[2 * v..2 * v + 2].copy_from_slice(&[0.25, 0.75]);
+            mesh.binding_indices[2 * v + 1] = 0;
+            mesh.weights[2 * v..2 * v + 2].copy_from_slice(&[0.25, 0.75]);
         }
         let found = levers(&asset.rig, &asset.mesh);
         near(found[1].rest_metres, 0.02_f32.sqrt());

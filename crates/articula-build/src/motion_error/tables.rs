@@ -129,6 +129,7 @@ mod tests {
     use crate::joint_lods::test_figures::{arm, moving};
     use crate::motion_error::levers::levers;
     use glam::{Quat, Vec3};
+    use std::sync::Arc;
 
     #[test]
     fn tolerances_double_from_half_a_millimetre() {
@@ -189,7 +190,7 @@ mod tests {
             |mesh: &mut Mesh| mesh.weights[3] = 0.125,
         ] {
             let mut other = arm(2);
-            change(&mut other.mesh);
+            change(Arc::make_mut(&mut other.mesh));
             assert_ne!(first.mesh, of(&other, &clip).mesh);
         }
     }

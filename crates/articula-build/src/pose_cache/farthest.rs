@@ -193,7 +193,7 @@ mod tests {
     fn is_the_maximum_over_every_vertex() {
         let mut random = SplitMix(1);
         let mut number = |size: f32| size * (random.below(2001) as f32 / 1000.0 - 1.0);
-        let mut mesh = arm(5).mesh;
+        let mut mesh = Mesh::clone(&arm(5).mesh);
         for position in &mut mesh.positions {
             *position += Vec3::new(number(0.3), number(0.3), number(0.3));
         }
@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_counts_as_nothing() {
-        let mut mesh = arm(2).mesh;
+        let mut mesh = Mesh::clone(&arm(2).mesh);
         mesh.positions[3] = Vec3::NAN;
         let same = vec![vec![Affine3A::IDENTITY; 2]];
         let lost = vec![vec![Affine3A::from_translation(Vec3::NAN); 2]];

@@ -164,6 +164,7 @@ mod tests {
     use crate::joint_lods::test_figures::{arm, moving};
     use articula_core::{Clip, Morph, Track, Tracks};
     use glam::{Quat, Vec3};
+    use std::sync::Arc;
 
     /// An arm of three joints; the middle one swings by up to `radians` in 61 frames.
     fn swinging(radians: f32) -> Asset {
@@ -271,8 +272,9 @@ mod tests {
             .iter()
             .enumerate()
             .map(|(s, size)| corner(s as u16, *size));
-        asset.mesh.morphs = morphs.collect();
-        asset.mesh.morph_weights = vec![0.0; 6];
+        let mesh = Arc::make_mut(&mut asset.mesh);
+        mesh.morphs = morphs.collect();
+        mesh.morph_weights = vec![0.0; 6];
         let opts = PoseOptions {
             shaping: 3,
             ..PoseOptions::default()
@@ -292,7 +294,7 @@ mod tests {
         let rest = poses(&asset, &PoseOptions::default()).unwrap();
         assert_eq!(rest.source, SkinPoseSource::Rest);
         assert_eq!((rest.shaping.len(), rest.measuring.len()), (1, 0));
-        asset.mesh = articula_core::Mesh::default();
+        asset.mesh = articula_core::Mesh::default().into();
         let empty = poses(&asset, &PoseOptions::default()).unwrap();
         assert_eq!(positions(&asset, &empty.shaping), [Vec::<Vec3>::new()]);
     }
@@ -300,13 +302,13 @@ mod tests {
     #[test]
     fn what_is_no_number_is_left_out_and_another_rig_refused() {
         let mut asset = swinging(1.0);
-        asset.mesh.positions[0].x = f32::NAN;
+        Arc::make_mut(&mut asset.mesh).positions[0].x = f32::NAN;
         let bad = Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0);
         asset.clips.push(moving(3, 1, &[bad; 4]));
         let found = poses(&asset, &PoseOptions::default()).unwrap();
         let clips = found.shaping[1..].iter().chain(&found.measuring);
         assert!(clips.clone().all(|p| p.joints.rotations[1].is_finite()));
-        asset.mesh.positions.fill(Vec3::NAN);
+        Arc::make_mut(&mut asset.mesh).positions.fill(Vec3::NAN);
         let nothing = poses(&asset, &PoseOptions::default()).unwrap();
         assert_eq!(nothing.source, SkinPoseSource::Rest);
         let other = Asset {

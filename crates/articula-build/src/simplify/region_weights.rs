@@ -109,7 +109,10 @@ mod tests {
             profile: String::new(),
             joints,
         };
-        (asset.mesh, Rig::new(&skeleton, articulation).unwrap())
+        (
+            Mesh::clone(&asset.mesh),
+            Rig::new(&skeleton, articulation).unwrap(),
+        )
     }
 
     #[test]

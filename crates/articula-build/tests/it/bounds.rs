@@ -69,7 +69,7 @@ proptest! {
 
     #[test]
     fn a_skeleton_without_skin_stays_within_the_tolerance_too(rows in rows(), epsilon_px in 0.5f32..8.0) {
-        let bare = Asset { mesh: articula_core::Mesh::default(), ..asset(&rows) };
+        let bare = Asset { mesh: articula_core::Mesh::default().into(), ..asset(&rows) };
         whole_body_under_split(&bare, epsilon_px)?;
     }
 }

@@ -20,6 +20,7 @@ use articula_core::{
     Tracks, Transform, Wrap,
 };
 use glam::{Affine3A, Quat, Vec3};
+use std::sync::Arc;
 
 pub(crate) const RATE: f32 = 30.0;
 pub(crate) const FRAMES: usize = 61;
@@ -204,7 +205,7 @@ fn a_held_hand_is_seen_by_the_worst_vertex_and_by_its_part_alone() {
     // The tip of the arm becomes a hand of three vertices on a body of three hundred, which also
     // smiles: a morph target that opens by 0.2 m along the arm at its end.
     let mut asset = asset();
-    let (mesh, rig) = (&mut asset.mesh, &asset.rig);
+    let (mesh, rig) = (Arc::make_mut(&mut asset.mesh), &asset.rig);
     let mut joints = rig.articulation().joints.clone();
     joints[0].region = Region::Torso;
     joints[1].region = Region::Hands;
@@ -237,7 +238,7 @@ fn a_held_hand_is_seen_by_the_worst_vertex_and_by_its_part_alone() {
             })
             .collect(),
     };
-    asset.rig = articula_core::Rig::new(&skeleton, articulation).unwrap();
+    asset.rig = Arc::new(articula_core::Rig::new(&skeleton, articulation).unwrap());
     let clip = &asset.clips[0];
     let tracks = Tracks {
         morphs: vec![Track {

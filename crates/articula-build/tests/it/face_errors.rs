@@ -4,6 +4,7 @@ use crate::evaluate::{asset, skeleton_of};
 use articula_build::evaluate::{ClipEvaluator, EvaluationSetup, Method, MethodOptions, play};
 use articula_core::{Articulation, Region};
 use glam::Vec3;
+use std::sync::Arc;
 
 #[test]
 fn a_head_joint_says_what_the_face_is() {
@@ -15,9 +16,9 @@ fn a_head_joint_says_what_the_face_is() {
         ..asset.rig.articulation().clone()
     };
     let skeleton = skeleton_of(&asset);
-    asset.rig = articula_core::Rig::new(&skeleton, articulation).unwrap();
+    asset.rig = Arc::new(articula_core::Rig::new(&skeleton, articulation).unwrap());
     // Farther out than the vertex that is given.
-    asset.mesh.positions[1] = 2.0 * Vec3::X;
+    Arc::make_mut(&mut asset.mesh).positions[1] = 2.0 * Vec3::X;
     let found = |face: Vec<u32>| {
         let setup = EvaluationSetup::default();
         let stage = ClipEvaluator::new(&asset, &asset.clips[0], setup, MethodOptions::default());

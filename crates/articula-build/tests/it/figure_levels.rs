@@ -9,7 +9,7 @@ use articula_build::{PoseOptions, poses, positions};
 use articula_core::{Mesh, PosedMesh, Wrap};
 use glam::Vec3;
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 type Triangles = Vec<[u32; 3]>;
 
@@ -220,9 +220,10 @@ fn one_joint_is_enough_for_levels_and_what_does_not_fit_is_refused() {
 
     // All skin on the root: only the mesh can become coarser.
     let mut still = asset.clone();
-    let root = still.mesh.bindings.len() as u16;
-    still.mesh.bindings.push(still.mesh.bindings[0]);
-    still.mesh.binding_indices.fill(root);
+    let mesh = Arc::make_mut(&mut still.mesh);
+    let root = mesh.bindings.len() as u16;
+    mesh.bindings.push(mesh.bindings[0]);
+    mesh.binding_indices.fill(root);
     let merged = merged_levels(
         &still,
         &JointLodOptions {

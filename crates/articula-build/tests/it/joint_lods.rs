@@ -159,8 +159,8 @@ proptest! {
         let all = levels.joint_lods.levels() + far.joint_lods.levels();
         levels.errors.check(1, all).unwrap();
         let far_asset = Asset {
-            rig: far.rig.clone(),
-            mesh: Mesh::default(),
+            rig: far.rig.clone().into(),
+            mesh: Mesh::default().into(),
             clips: far.clips.clone(),
         };
         let mut worst = vec![0.0f32; far.joint_lods.levels()];

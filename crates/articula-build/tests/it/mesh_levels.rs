@@ -150,7 +150,7 @@ fn another_mesh_is_measured_against_the_original() {
         assert!((found.motion.max_metres - own.motion.max_metres).abs() < 1e-6);
     }
     // Vertices off by a millimetre are off by at most as much, and somewhere by most of it.
-    let mut other = asset.mesh.clone();
+    let mut other = Mesh::clone(&asset.mesh);
     other.positions.iter_mut().for_each(|p| p.x += 1e-3);
     let (found, _) = measure_mesh(&asset, &other, &shown[..1], &opts).unwrap();
     assert!(found[0].motion.max_metres < 1.001e-3 && found[0].motion.max_metres > 0.7e-3);

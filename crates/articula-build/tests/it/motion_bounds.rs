@@ -11,6 +11,7 @@ use articula_core::{
 };
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// Motion of a random figure besides the rotation of its joints.
 #[derive(Debug, Clone)]
@@ -45,8 +46,9 @@ fn asset(rows: &[Row], extra: &Extra) -> Asset {
         rate_hz: Some(RATE),
     };
     let mut asset = character(&source, Some(flat(rows.len())), &opts).unwrap();
-    asset.mesh.morph_weights.push(0.0);
-    asset.mesh.morphs.push(Morph {
+    let mesh = Arc::make_mut(&mut asset.mesh);
+    mesh.morph_weights.push(0.0);
+    mesh.morphs.push(Morph {
         slot: 0,
         vertices: vec![0, 3, 7],
         positions: vec![Vec3::X * 0.1, Vec3::Y * 0.2, Vec3::Z * -0.1],
@@ -130,7 +132,7 @@ impl<'a> Body<'a> {
 
 fn bare(asset: Asset) -> Asset {
     Asset {
-        mesh: Mesh::default(),
+        mesh: Mesh::default().into(),
         ..asset
     }
 }

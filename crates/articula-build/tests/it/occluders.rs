@@ -77,7 +77,7 @@ fn a_figure_without_an_inside_hides_nothing() {
         let asset = character(&character_of(&rows), Some(flat(rows.len())), &opts).unwrap();
         // Ten unconnected triangles are no body.
         prop_assert_eq!(occluders(&asset, &asset.clips[0], 3), vec![]);
-        let bare = Asset { mesh: Mesh::default(), ..asset };
+        let bare = Asset { mesh: Mesh::default().into(), ..asset };
         prop_assert_eq!(occluders(&bare, &bare.clips[0], 3), vec![]);
     });
 }

@@ -319,7 +319,7 @@ fn hostile_figures() {
     assert_eq!((rest.before, rest.blend), (rest.after, 0.0));
 
     let mut without_mesh = asset(&three());
-    without_mesh.mesh = articula_core::Mesh::default();
+    without_mesh.mesh = articula_core::Mesh::default().into();
     let figure = prepared(without_mesh);
     let made = figure.cached(&CacheOptions::default());
     assert!(

@@ -92,7 +92,7 @@ fn gathered(scene: &ScenePlayer<'_>, camera: &Camera) -> (CrowdPicture, usize) {
         let (mesh, level) = match shown {
             Shown::Posed(_) => (asset.mesh(level), level),
             // The whole mesh, flat: what the pictures show, without their pixels.
-            Shown::Impostor(_) => (&asset.full().mesh, beyond_levels(scene)),
+            Shown::Impostor(_) => (&*asset.full().mesh, beyond_levels(scene)),
         };
         triangles += mesh.triangles.len();
         if triangles > MAX_TRIANGLES && drawn > 0 {

@@ -259,7 +259,7 @@ mod tests {
     #[test]
     fn fitted_colours_are_nearer_to_the_texture_than_single_samples() {
         let mut figure = figure();
-        let mesh = &mut figure.asset.mesh;
+        let mesh = std::sync::Arc::make_mut(&mut figure.asset.mesh);
         mesh.colors.fill(Vec4::ONE);
         for (at, place) in mesh.texcoords.iter_mut().zip(&mesh.positions) {
             *at = Vec2::new(place.x, place.y) * 3.0;

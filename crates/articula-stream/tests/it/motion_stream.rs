@@ -402,7 +402,7 @@ fn scales_and_morph_targets_are_coded() {
         positions: vec![Vec3::new(0.0, 0.02, 0.01); mesh.len().div_ceil(3)],
         normals: vec![Vec3::ZERO; mesh.len().div_ceil(3)],
     };
-    let mut mesh = mesh.clone();
+    let mut mesh = Mesh::clone(mesh);
     mesh.morphs = (0..2).map(morph).collect();
     mesh.morphs.iter_mut().for_each(|m| {
         m.positions.truncate(m.vertices.len());

@@ -138,7 +138,7 @@ impl CrowdAsset {
         work.step(PREPARING, 1, 5)?;
         if !has_mesh {
             warnings.push("the file has no mesh: points on the bones replace the skin".to_owned());
-            asset.mesh = skin_of(&asset).into_owned();
+            asset.mesh = skin_of(&asset).into_owned().into();
         }
         let stored = stored.filter(|_| has_mesh);
         let opts = JointLodOptions {

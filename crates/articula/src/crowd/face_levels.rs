@@ -250,6 +250,7 @@ mod tests {
         Transform,
     };
     use proptest::prelude::*;
+    use std::sync::Arc;
 
     /// A thousand vertices on one joint, in centimetres, of which a target moves the first ten by
     /// 2 cm, with a clip that drives it from `from` to `to`, and one without morph tracks.
@@ -304,8 +305,8 @@ mod tests {
             values: (0..101).map(weight).collect(),
         };
         Asset {
-            rig: Rig::new(&skeleton, articulation).unwrap(),
-            mesh,
+            rig: Rig::new(&skeleton, articulation).unwrap().into(),
+            mesh: mesh.into(),
             clips: vec![clip(vec![track]), clip(Vec::new())],
         }
     }
@@ -358,15 +359,16 @@ mod tests {
     /// third by half a millimetre.
     fn of_three() -> Asset {
         let mut asset = asset(0.25, 1.0);
+        let mesh = Arc::make_mut(&mut asset.mesh);
         for (slot, centimetres) in [(1, 0.5), (2, 0.05)] {
             let first = 10 * u32::from(slot);
-            asset.mesh.morphs.push(Morph {
+            mesh.morphs.push(Morph {
                 slot,
                 vertices: (first..first + 10).collect(),
                 positions: vec![Vec3::Y * centimetres; 10],
                 normals: vec![Vec3::ZERO; 10],
             });
-            asset.mesh.morph_weights.push(0.0);
+            mesh.morph_weights.push(0.0);
         }
         let clip = &asset.clips[0];
         let mut tracks = clip.tracks().clone();
@@ -410,15 +412,16 @@ mod tests {
         ) {
             let mut asset = asset(0.25, 1.0);
             let mut tracks = asset.clips[0].tracks().clone();
+            let mesh = Arc::make_mut(&mut asset.mesh);
             for (i, (first, centimetres)) in offsets.iter().enumerate() {
                 let slot = i as u16 + 1;
-                asset.mesh.morphs.push(Morph {
+                mesh.morphs.push(Morph {
                     slot,
                     vertices: (*first as u32..*first as u32 + 60).collect(),
                     positions: vec![Vec3::X * *centimetres; 60],
                     normals: vec![Vec3::ZERO; 60],
                 });
-                asset.mesh.morph_weights.push(0.0);
+                mesh.morph_weights.push(0.0);
                 let values = (0..101).map(|f| ends[i] * f as f32 / 100.0).collect();
                 tracks.morphs.push(Track { target: slot, step: false, values });
             }
@@ -450,7 +453,7 @@ mod tests {
         still.clips.swap_remove(0);
         assert_eq!(morph_clips(&still, &mut found), Ok(None));
         let mut plain = asset(0.0, 1.0);
-        plain.mesh.morphs.clear();
+        Arc::make_mut(&mut plain.mesh).morphs.clear();
         assert_eq!(morph_clips(&plain, &mut found), Ok(None));
         assert_eq!(found, errors(&own));
     }

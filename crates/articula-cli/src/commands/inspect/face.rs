@@ -177,7 +177,7 @@ fn draw(figure: &Figure, layout: &FaceLayout) -> anyhow::Result<Picture> {
     ];
     let title = format!("feature points of {}", figure.opened.name);
     let facing = facing(&asset.rig, &rest);
-    let figure = (&asset.rig, &asset.mesh);
+    let figure = (&*asset.rig, &*asset.mesh);
     Ok(face_sheet(figure, &look, facing, &marks, (&title, notes))?)
 }
 

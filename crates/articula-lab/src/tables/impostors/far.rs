@@ -51,8 +51,8 @@ impl FarSubject {
         };
         let level = (0..far.joint_lods.levels()).rfind(|l| error(*l) <= tolerance_m)?;
         let asset = Asset {
-            rig: far.rig.clone(),
-            mesh: far.skins.mesh(level, &self.full.mesh),
+            rig: far.rig.clone().into(),
+            mesh: far.skins.mesh(level, &self.full.mesh).into(),
             clips: far.clips.clone(),
         };
         let options = CrowdOptions {

@@ -7,7 +7,7 @@ use super::contestants::{Contestant, Posed, levels};
 use anyhow::{Context, Result};
 use articula_build::LevelTriangles;
 use articula_build::SkinPose;
-use articula_core::SkinnedMesh;
+use articula_core::{Mesh, SkinnedMesh};
 use articula_flat::{Appearance, Bounds};
 use articula_report::{ContactSheet, SheetCell, SheetRow, SheetTile, close_up};
 use glam::Vec3;
@@ -95,7 +95,7 @@ fn row(
     paint: &Appearance,
     label: &str,
 ) -> Result<SheetRow> {
-    let mut mesh = subject.asset.mesh.clone();
+    let mut mesh = Mesh::clone(&subject.asset.mesh);
     mesh.triangles.clone_from(&level.triangles);
     for (part, triangles) in mesh.parts.iter_mut().zip(&level.parts) {
         part.triangles = triangles.clone();

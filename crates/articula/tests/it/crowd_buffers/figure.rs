@@ -55,8 +55,8 @@ pub(crate) fn figure() -> Figure {
     Figure {
         asset: Asset {
             clips: vec![walk(), wave()],
-            mesh,
-            rig,
+            mesh: mesh.into(),
+            rig: rig.into(),
         },
         skins: vec![body, hat],
     }
