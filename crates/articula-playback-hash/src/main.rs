@@ -23,6 +23,7 @@ use articula_core::{
     SecondMoment,
 };
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Display frames of each run.
 const FRAMES: usize = 300;
@@ -38,12 +39,13 @@ pub extern "C" fn playback_hash() -> u64 {
 }
 
 fn hash() -> Result<u64, Mismatch> {
-    let rig = figure::rig()?;
+    let rig = Arc::new(figure::rig()?);
     let clips = figure::clips()?;
-    let mesh = figure::mesh()?;
-    let model = FigureModel::new(&rig, &clips)?.with_root_motion(figure::paths()?)?;
+    let mesh = Arc::new(figure::mesh()?);
+    let model = FigureModel::new(rig.clone(), &clips[..])?.with_root_motion(figure::paths()?)?;
     let tables = figure::tables(&clips);
-    let keys = |c: usize| StoredKeys::new(&clips[c], &tables[c]).map(Some);
+    let keys = clips.iter().zip(tables);
+    let keys = keys.map(|(clip, table)| StoredKeys::new(clip, table).map(Some));
     let values = (0..clips[0].frames() * rig.len()).map(|i| (i * 37 % 101) as f32 / 101.0);
     let matrix = ErrorMatrix::new(rig.len(), values.collect())?;
     let bounds = vec![
@@ -69,19 +71,19 @@ fn hash() -> Result<u64, Mismatch> {
         thr_max: 0.8,
         ..Threshold::default()
     };
-    let matrices = vec![Some(&matrix), None];
+    let matrices = vec![Some(matrix.into()), None];
     let thesis = ThesisController::new(&rig, matrices, threshold, 2, linear);
     let shares = vec![0.5; rig.len()];
-    let stored = TableController::new(vec![keys(0)?, keys(1)?], shares, 1.0);
+    let stored = TableController::new(keys.collect::<Result<_, _>>()?, shares, 1.0);
     let mut loa = LoaController::new(&rig, range()?, linear, FullDetail::default());
     let mut bounded = LoaController::new(&rig, range()?, linear, drift.clone());
     let mut sum = Fnv(0xcbf2_9ce4_8422_2325);
     stream::decode(&mut sum)?;
     batch::evaluate(&rig, &clips, &mut sum)?;
     let stage = Stage {
-        model: &model,
-        mesh: &mesh,
-        groups: &GroupedSkin::new(&mesh),
+        model: model.into(),
+        groups: GroupedSkin::new(&mesh).into(),
+        mesh,
     };
     stage.play(&mut FullDetail::default(), &mut sum)?;
     for mut drift in [drift, seeing] {
@@ -99,27 +101,27 @@ fn hash() -> Result<u64, Mismatch> {
 }
 
 /// What every run shares.
-struct Stage<'a> {
-    model: &'a FigureModel<'a>,
-    mesh: &'a Mesh,
-    groups: &'a GroupedSkin,
+struct Stage {
+    model: Arc<FigureModel>,
+    mesh: Arc<Mesh>,
+    groups: Arc<GroupedSkin>,
 }
 
-impl Stage<'_> {
+impl Stage {
     /// Plays a controller before views that come and go, and hashes what is shown.
     fn play(&self, control: &mut dyn MotionController, sum: &mut Fnv) -> Result<(), Mismatch> {
-        let mut player = FigurePlayer::new(self.model, &self.mesh.morph_weights);
-        let over = ClipState::new(self.model, 1).at_speed(0.75);
+        let mut player = FigurePlayer::new(self.model.clone(), &self.mesh.morph_weights);
+        let over = ClipState::new(&*self.model, 1).at_speed(0.75);
         let mask = (0..self.model.rig().len())
             .map(|j| (j % 3) as f32 / 2.0)
             .collect();
         let layer = player.add_layer(MotionLayer::new(over.into(), mask, LayerMode::Override)?)?;
-        let mut skin = FigureSkin::new(self.mesh, self.groups);
+        let mut skin = FigureSkin::new(self.mesh.clone(), self.groups.clone());
         for i in 0..FRAMES {
             let way = player.advance(1.0 / 60.0, &mut |_| {});
             sum.floats(&[way.offset.x, way.offset.z, way.yaw_radians]);
             if i % 100 == 50 {
-                player.fade_to(ClipState::new(self.model, i / 100 % 2), 0.2);
+                player.fade_to(ClipState::new(&*self.model, i / 100 % 2), 0.2);
             }
             if let Some(layer) = player.layer_mut(layer) {
                 layer.weight = if i / 60 % 2 == 1 { 0.5 } else { 0.0 };

@@ -11,12 +11,11 @@ fn main() -> Result<()> {
     let file = std::env::args().nth(1);
     let figure = Figure::new(file.map_or_else(reference_human, fs::open)?)?;
     let (rig, mesh) = (&figure.asset.rig, &figure.asset.mesh);
-    let model = FigureModel::new(rig, &figure.asset.clips)?;
-    let mut hero = FigurePlayer::new(&model, &mesh.morph_weights);
+    let model = FigureModel::new(rig.clone(), &figure.asset.clips[..])?;
+    let mut hero = FigurePlayer::new(model, &mesh.morph_weights);
     let levels = LoaRange::named(rig, 0);
     let mut loa = LoaController::new(rig, levels, Default::default(), FullDetail::default());
-    let groups = GroupedSkin::new(mesh);
-    let mut skin = FigureSkin::new(mesh, &groups);
+    let mut skin = FigureSkin::new(mesh.clone(), GroupedSkin::new(mesh));
     for frame in 0..240i32 {
         let metres = 14.0 - 0.1 * (frame - 120).abs() as f32;
         loa.request((metres / 2.2) as usize);

@@ -159,7 +159,7 @@ pub fn play_camera_path(
             stage.along(&shot, &mut drift, &all)
         }
         PathMethod::Tables(epsilon_px) => {
-            let keys = StoredKeys::new(&stage.clip, stage.key_table()).ok();
+            let keys = StoredKeys::new(&stage.clip, stage.key_table().clone()).ok();
             let mut tables = TableController::new(vec![keys], shares, *epsilon_px);
             stage.along(&shot, &mut tables, &all)
         }
@@ -211,10 +211,11 @@ impl ClipEvaluator<'_> {
         } = *shot;
         let (first, last) = (path.first()?, path.last()?);
         let (rig, clip) = (&self.asset.rig, &self.clip);
-        let model = FigureModel::new(rig, std::slice::from_ref(clip))
-            .expect("the clip must belong to the rig");
-        let mut player = FigurePlayer::new(&model, &[]);
-        player.play(ClipState::new(&model, 0));
+        let model =
+            FigureModel::new(rig.clone(), [clip.clone()]).expect("the clip must belong to the rig");
+        let start = ClipState::new(&model, 0);
+        let mut player = FigurePlayer::new(model, &[]);
+        player.play(start);
         player.set_pinned(rig.all().difference(controlled));
         let mut truth = rig.rest_pose().clone();
         let mut joints = ModelPose::new(rig.len());

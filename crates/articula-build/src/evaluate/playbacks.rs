@@ -19,6 +19,7 @@ use articula_core::playback::{
 };
 use articula_core::{JointSet, KeyMode, KeyTable, LocalPose, TableHashes};
 use glam::Quat;
+use std::sync::Arc;
 
 /// Plays a clip with a method at one parameter; returns its statistics and one playback (one for
 /// each azimuth if the method depends on the view).
@@ -61,9 +62,11 @@ fn playbacks(stage: &ClipEvaluator<'_>, method: &Method, parameter: f32) -> Vec<
         }
         Method::SkinPx(SkinPxVariant::Linear) => {
             let table = linear_table(stage, parameter);
-            vec![stage.by_table(&table, parameter)]
+            vec![stage.by_table(table, parameter)]
         }
-        Method::SkinPx(SkinPxVariant::Tables) => vec![stage.by_table(stage.key_table(), parameter)],
+        Method::SkinPx(SkinPxVariant::Tables) => {
+            vec![stage.by_table(stage.key_table().clone(), parameter)]
+        }
         Method::Thesis => one(&mut stage.thesis(Threshold::constant(parameter))),
         Method::Ahn => {
             let radii = radii(rig, stage.options.thesis.radius);
@@ -138,7 +141,7 @@ impl ClipEvaluator<'_> {
         Segments::new((0..self.asset.rig.len()).map(runs).collect())
     }
 
-    fn by_table(&self, table: &KeyTable, tolerance_metres: f32) -> Playback {
+    fn by_table(&self, table: impl Into<Arc<KeyTable>>, tolerance_metres: f32) -> Playback {
         let keys = StoredKeys::new(&self.clip, table).ok();
         let shares = vec![1.0; self.asset.rig.len()];
         self.bounded(&mut TableController::new(
@@ -149,12 +152,12 @@ impl ClipEvaluator<'_> {
     }
 
     /// The controller of the thesis; passive joints hold their last transform.
-    pub(super) fn thesis(&self, threshold: Threshold) -> ThesisController<'_> {
+    pub(super) fn thesis(&self, threshold: Threshold) -> ThesisController {
         let hold_last = TransitionOptions {
             policy: PassivePolicy::HoldLast,
             ..self.options.transition
         };
-        let matrices = vec![Some(self.thesis_matrix())];
+        let matrices = vec![Some(self.thesis_matrix().clone())];
         let every = self.options.lookup_every;
         ThesisController::new(&self.asset.rig, matrices, threshold, every, hold_last)
     }
@@ -224,10 +227,11 @@ impl ClipEvaluator<'_> {
     /// controller holds or renews; all others follow the clip.
     fn played(&self, control: &mut dyn MotionController, controlled: &JointSet) -> Playback {
         let rig = &self.asset.rig;
-        let clips = std::slice::from_ref(&self.clip);
-        let model = FigureModel::new(rig, clips).expect("the clip must belong to the rig");
-        let mut player = FigurePlayer::new(&model, &[]);
-        player.play(ClipState::new(&model, 0).once());
+        let model = FigureModel::new(rig.clone(), [self.clip.clone()])
+            .expect("the clip must belong to the rig");
+        let start = ClipState::new(&model, 0).once();
+        let mut player = FigurePlayer::new(model, &[]);
+        player.play(start);
         player.set_pinned(rig.all().difference(controlled));
         let mut out = Playback::default();
         for frame in 0..self.truth.len() {

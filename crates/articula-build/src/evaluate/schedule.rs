@@ -79,9 +79,10 @@ pub fn play_schedule(
     let mut control = LoaController::new(rig, range, transition, FullDetail::default());
     control.set_key_pose(&stage.key_pose());
     let model =
-        FigureModel::new(rig, std::slice::from_ref(clip)).expect("the clip must belong to the rig");
-    let mut player = FigurePlayer::new(&model, &[]);
-    player.play(ClipState::new(&model, 0));
+        FigureModel::new(rig.clone(), [clip.clone()]).expect("the clip must belong to the rig");
+    let start = ClipState::new(&model, 0);
+    let mut player = FigurePlayer::new(model, &[]);
+    player.play(start);
     let scale = stage.setup.viewport.pixels_per_metre(schedule.distance_m);
     let end = schedule.changes.last().map_or(0.0, |c| c.secs) + schedule.tail_secs;
     let count = (end * schedule.display_hz).floor() as usize;

@@ -19,6 +19,7 @@ use articula_core::{
 };
 use glam::{Quat, Vec3};
 use std::cell::OnceCell;
+use std::sync::Arc;
 
 /// Cameras of an evaluation and the sampled part of the skin.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,8 +68,8 @@ pub struct ClipEvaluator<'a> {
     pub(super) face: Vec<u32>,
     sample: SkinSample<'static>,
     true_points: Vec<Vec<Vec3>>,
-    matrix: OnceCell<ErrorMatrix>,
-    key_table: OnceCell<KeyTable>,
+    matrix: OnceCell<Arc<ErrorMatrix>>,
+    key_table: OnceCell<Arc<KeyTable>>,
     hulls: OnceCell<Vec<JointHull>>,
     postures: OnceCell<PostureSpace>,
 }
@@ -256,10 +257,9 @@ impl<'a> ClipEvaluator<'a> {
         }
     }
 
-    pub(super) fn thesis_matrix(&self) -> &ErrorMatrix {
-        self.matrix.get_or_init(|| {
-            error_matrix(self.asset, &self.clip, &self.moving, &self.options.thesis)
-        })
+    pub(super) fn thesis_matrix(&self) -> &Arc<ErrorMatrix> {
+        let made = || error_matrix(self.asset, &self.clip, &self.moving, &self.options.thesis);
+        self.matrix.get_or_init(|| made().into())
     }
 
     /// Gives the stored error matrix of the thesis, made with default options. It is ignored under
@@ -270,7 +270,7 @@ impl<'a> ClipEvaluator<'a> {
             (matrix.joints(), matrix.frames()) == (self.asset.rig.len(), self.clip.frames());
         if is_own && self.options.thesis == ThesisMetricOptions::default() {
             // A cell that is already set keeps its matrix.
-            let _ = self.matrix.set(matrix);
+            let _ = self.matrix.set(matrix.into());
         }
         self
     }
@@ -298,7 +298,8 @@ impl<'a> ClipEvaluator<'a> {
     /// for other frames than those of the evaluated clip is ignored.
     #[must_use]
     pub fn with_key_table(self, table: KeyTable) -> Self {
-        if StoredKeys::new(&self.clip, &table).is_ok() {
+        let table = Arc::new(table);
+        if StoredKeys::new(&self.clip, table.clone()).is_ok() {
             // A cell that is already set keeps its table.
             let _ = self.key_table.set(table);
         }
@@ -306,9 +307,9 @@ impl<'a> ClipEvaluator<'a> {
     }
 
     /// The given key table, or that which preparation would store.
-    pub(super) fn key_table(&self) -> &KeyTable {
+    pub(super) fn key_table(&self) -> &Arc<KeyTable> {
         let made = || key_table(self.asset, &self.clip, &self.levers, KeyMode::Hold);
-        self.key_table.get_or_init(made)
+        self.key_table.get_or_init(|| made().into())
     }
 
     /// Hulls of the skin of all joints.

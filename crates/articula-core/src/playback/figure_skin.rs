@@ -5,12 +5,13 @@ use crate::pose::ModelPose;
 use crate::skin::{SkinnedMesh, palette};
 use crate::skin_groups::{GroupedSkin, Matrix3x4, MorphedShape, StaleBlocks};
 use glam::Affine3A;
+use std::sync::Arc;
 
 /// The skinned mesh of one figure, kept from frame to frame.
 #[derive(Debug, Clone)]
-pub struct FigureSkin<'a> {
-    mesh: &'a Mesh,
-    groups: &'a GroupedSkin,
+pub struct FigureSkin {
+    mesh: Arc<Mesh>,
+    groups: Arc<GroupedSkin>,
     palette: Vec<Affine3A>,
     shown: Vec<Matrix3x4>,
     now: Vec<Matrix3x4>,
@@ -19,9 +20,10 @@ pub struct FigureSkin<'a> {
     skinned: SkinnedMesh,
 }
 
-impl<'a> FigureSkin<'a> {
+impl FigureSkin {
     /// Allocates the buffers of one figure. The mesh and its groups are shared by all figures.
-    pub fn new(mesh: &'a Mesh, groups: &'a GroupedSkin) -> Self {
+    pub fn new(mesh: impl Into<Arc<Mesh>>, groups: impl Into<Arc<GroupedSkin>>) -> Self {
+        let (mesh, groups) = (mesh.into(), groups.into());
         let rows = [[0.0; 4]; 3];
         Self {
             palette: vec![Affine3A::IDENTITY; mesh.bindings.len()],
@@ -29,7 +31,7 @@ impl<'a> FigureSkin<'a> {
             now: vec![rows; mesh.bindings.len()],
             shape: groups.rest().clone(),
             stale: groups.stale(),
-            skinned: SkinnedMesh::new(mesh),
+            skinned: SkinnedMesh::new(&mesh),
             mesh,
             groups,
         }
@@ -41,7 +43,7 @@ impl<'a> FigureSkin<'a> {
     /// # Panics
     /// If the pose, the weights or the groups belong to another mesh.
     pub fn skin(&mut self, model: &ModelPose, morph_weights: &[f32]) -> usize {
-        palette(self.mesh, model, &mut self.palette);
+        palette(&self.mesh, model, &mut self.palette);
         GroupedSkin::rows(&self.palette, &mut self.now);
         let moved = self.groups.moved(&self.shown, &self.now);
         self.groups.mark_joints(&moved, &mut self.stale);

@@ -20,11 +20,14 @@
 //! - [`TableController`]: stored key frames, at the tolerance of each joint
 //! - [`ThesisController`]: error matrix and distance threshold of the thesis
 //!
-//! While a clip arrives as a stream, [`FigurePlayer::suspend`] and [`FigurePlayer::resume`] go on with
-//! what has arrived; what is shown moves there within a given time.
+//! While a clip arrives as a stream, [`FigurePlayer::set_model`] goes on with what has arrived; what
+//! is shown moves there within a given time.
 //!
-//! No call but constructors, `suspend` and `resume` allocates, none reads a clock, and the same calls give the same pose.
-//! The controllers in this crate are deterministic; a controller of a caller runs in the same
+//! Players, skins and controllers share what they read, a rig, clips, a mesh or tables, by [`Arc`](std::sync::Arc),
+//! and none borrows: they can be held from frame to frame by any owner and moved to other threads.
+//!
+//! No call but constructors, `add_layer` and `set_model` allocates, none reads a clock, and the same
+//! calls give the same pose. The controllers in this crate are deterministic; a controller of a caller runs in the same
 //! playback and is measured in the same way.
 
 mod controller;
@@ -49,7 +52,6 @@ pub use loa::LoaController;
 pub use model::FigureModel;
 pub use player::{FigurePlayer, PlayedEvent};
 pub use report::FrameReport;
-pub use state::SuspendedFigure;
 pub use tables::{StoredKeys, TableController};
 pub use thesis::{ErrorMatrix, ErrorMatrixTable, ThesisController, Threshold, ThresholdCurve};
 pub use views::FigureViews;

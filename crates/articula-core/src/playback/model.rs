@@ -6,12 +6,17 @@ use crate::crowd::{ClipEvent, ClipTimes, RootTrajectory, filled, sorted_events};
 use crate::joint_set::JointSet;
 use crate::rig::Rig;
 use crate::travel::Carriers;
+use std::sync::Arc;
 
 /// A rig and its clips, shared by any number of [`FigurePlayer`](super::FigurePlayer)s. Read-only.
+///
+/// A model owns what it reads, without copies: the rig is shared, and a [`Clip`] shares its tracks
+/// with its clones. A model with another version of one clip, as when more of a stream has arrived,
+/// is made from the rig and the clips of the one before.
 #[derive(Debug, Clone)]
-pub struct FigureModel<'a> {
-    rig: &'a Rig,
-    clips: &'a [Clip],
+pub struct FigureModel {
+    rig: Arc<Rig>,
+    clips: Vec<Clip>,
     events: Vec<Vec<ClipEvent>>,
     paths: Vec<Option<RootTrajectory>>,
     /// Joints with a track, for each clip.
@@ -19,12 +24,13 @@ pub struct FigureModel<'a> {
     carriers: JointSet,
 }
 
-impl<'a> FigureModel<'a> {
+impl FigureModel {
     /// Joins a rig with its clips, without events and root motion.
     ///
     /// # Errors
     /// A [`Mismatch`] if a clip was made for a rig with another number of joints.
-    pub fn new(rig: &'a Rig, clips: &'a [Clip]) -> Result<Self, Mismatch> {
+    pub fn new(rig: impl Into<Arc<Rig>>, clips: impl Into<Vec<Clip>>) -> Result<Self, Mismatch> {
+        let (rig, clips) = (rig.into(), clips.into());
         for (c, clip) in clips.iter().enumerate() {
             if clip.joints() != rig.len() {
                 let what = format!("{} joints, the rig has {}", clip.joints(), rig.len());
@@ -36,12 +42,12 @@ impl<'a> FigureModel<'a> {
             return Err(Mismatch::new("clips", what));
         }
         Ok(Self {
-            rig,
-            clips,
             events: vec![Vec::new(); clips.len()],
             paths: vec![None; clips.len()],
             animated: clips.iter().map(animated).collect(),
-            carriers: Carriers::new(rig).set(),
+            carriers: Carriers::new(&rig).set(),
+            rig,
+            clips,
         })
     }
 
@@ -52,7 +58,7 @@ impl<'a> FigureModel<'a> {
     /// outside its clip.
     pub fn with_events(mut self, mut events: Vec<Vec<ClipEvent>>) -> Result<Self, Mismatch> {
         filled("events", &mut events, self.clips.len())?;
-        for (c, (events, clip)) in events.iter_mut().zip(self.clips).enumerate() {
+        for (c, (events, clip)) in events.iter_mut().zip(&self.clips).enumerate() {
             *events = sorted_events(events, clip.duration_secs())
                 .map_err(|e| Mismatch::new(format!("events[{c}]{}", e.at), e.what))?;
         }
@@ -74,13 +80,13 @@ impl<'a> FigureModel<'a> {
     }
 
     /// The rig.
-    pub fn rig(&self) -> &'a Rig {
-        self.rig
+    pub fn rig(&self) -> &Arc<Rig> {
+        &self.rig
     }
 
     /// The clips.
-    pub fn clips(&self) -> &'a [Clip] {
-        self.clips
+    pub fn clips(&self) -> &[Clip] {
+        &self.clips
     }
 
     /// Joints that a clip moves, with constant tracks.
@@ -94,7 +100,7 @@ impl<'a> FigureModel<'a> {
     }
 }
 
-impl ClipTimes for FigureModel<'_> {
+impl ClipTimes for FigureModel {
     fn clip_count(&self) -> usize {
         self.clips.len()
     }

@@ -4,7 +4,7 @@ use super::controller::{ClipFrame, FrameContext, MotionController};
 use super::layer::MotionLayer;
 use super::model::FigureModel;
 use super::report::FrameReport;
-use super::state::{FigureState, Refinement, SuspendedFigure};
+use super::state::{FigureState, Refinement};
 use super::views::FigureViews;
 use crate::Mismatch;
 use crate::blend::blend;
@@ -15,6 +15,7 @@ use crate::joint_set::JointSet;
 use crate::pose::{LocalPose, ModelPose};
 use crate::sample::{frame_position_f32, sample_at, sample_morphs_at};
 use glam::{Affine3A, Vec3};
+use std::sync::Arc;
 
 /// Maximum time step in seconds; longer ones count as this.
 const MAX_STEP_SECS: f32 = 60.0;
@@ -34,10 +35,12 @@ pub struct PlayedEvent {
 
 /// One figure in motion. See the [module](super) for the stages of a frame.
 ///
-/// Only [`FigurePlayer::new`], [`FigurePlayer::add_layer`] and those that suspend and resume allocate.
+/// A player owns its state and shares its model, so sessions of a server and components of an engine
+/// can hold it. Only [`FigurePlayer::new`], [`FigurePlayer::add_layer`] and
+/// [`FigurePlayer::set_model`] allocate.
 #[derive(Debug, Clone)]
-pub struct FigurePlayer<'a> {
-    model: &'a FigureModel<'a>,
+pub struct FigurePlayer {
+    model: Arc<FigureModel>,
     /// Tolerance factor of each joint, 1 by default: below 1 where errors are noticed more.
     pub attention: Vec<f32>,
     /// Joints that a controller may sample in a frame.
@@ -45,69 +48,55 @@ pub struct FigurePlayer<'a> {
     state: FigureState,
 }
 
-impl<'a> FigurePlayer<'a> {
+impl FigurePlayer {
     /// A figure in its rest pose that plays the first clip, if there is one, in a loop.
     /// `morph_weights` are the weights of morph targets without a track
     /// ([`Mesh::morph_weights`](crate::Mesh::morph_weights)).
-    pub fn new(model: &'a FigureModel<'a>, morph_weights: &[f32]) -> Self {
+    pub fn new(model: impl Into<Arc<FigureModel>>, morph_weights: &[f32]) -> Self {
+        let model = model.into();
         Self {
             attention: vec![1.0; model.rig().len()],
             max_joints: usize::MAX,
-            state: FigureState::new(model, morph_weights),
+            state: FigureState::new(&model, morph_weights),
             model,
         }
     }
 
-    /// Goes on with a figure that was suspended, with a model of the same rig whose clips may have
-    /// changed. What is shown moves from the old clips to the new ones within `secs` seconds; with 0
-    /// it jumps. Allocates.
+    /// Goes on with a model of the same rig whose clips were refined, as when more of a stream has
+    /// arrived. What is shown moves from the old clips to the new ones within `secs` seconds; with 0
+    /// it jumps. Keys and error matrices that a controller reads belong to the clips before, so such a
+    /// controller is made anew. Allocates.
     ///
     /// # Errors
-    /// A [`Mismatch`] if the model is of another rig, or the number of clips or a duration differs.
-    pub fn resume(
-        model: &'a FigureModel<'a>,
-        suspended: SuspendedFigure,
+    /// A [`Mismatch`] if the model is of another rig, or the number of clips or a duration differs;
+    /// the player then goes on unchanged.
+    pub fn set_model(
+        &mut self,
+        model: impl Into<Arc<FigureModel>>,
         secs: f32,
-    ) -> Result<Self, Mismatch> {
-        suspended.check(model)?;
-        let SuspendedFigure {
-            attention,
-            max_joints,
-            mut state,
-            ..
-        } = suspended;
-        let (before, morphs) = (state.wanted.clone(), state.morphs.clone());
-        state.refinement = None;
-        let mut player = Self {
-            model,
-            attention,
-            max_joints,
-            state,
-        };
-        player.sample(&model.rig().all());
-        player.sample_morphs();
+    ) -> Result<(), Mismatch> {
+        let model = model.into();
+        check_refined(&self.model, &model)?;
+        let all = model.rig().all();
+        self.sample(&all);
+        self.sample_morphs();
+        let (before, morphs) = (self.state.wanted.clone(), self.state.morphs.clone());
+        self.state.refinement = None;
+        self.model = model;
+        self.sample(&all);
+        self.sample_morphs();
         if secs > 0.0 {
-            let state = &mut player.state;
-            let now = (&state.wanted, &state.morphs[..]);
-            state.refinement = Refinement::new((&before, &morphs), now, secs);
+            let now = (&self.state.wanted, &self.state.morphs[..]);
+            self.state.refinement = Refinement::new((&before, &morphs), now, secs);
         } else {
-            player.state.cut = true;
+            self.state.cut = true;
         }
-        Ok(player)
+        Ok(())
     }
 
-    /// Gives up the model, so that its clips can be changed, as when more of a stream has arrived;
-    /// [`FigurePlayer::resume`] goes on. Allocates.
-    pub fn suspend(mut self) -> SuspendedFigure {
-        let durations = self.model.clips().iter().map(Clip::duration_secs).collect();
-        self.sample(&self.model.rig().all());
-        self.sample_morphs();
-        SuspendedFigure {
-            attention: self.attention,
-            max_joints: self.max_joints,
-            durations,
-            state: self.state,
-        }
+    /// The model that is played.
+    pub fn model(&self) -> &Arc<FigureModel> {
+        &self.model
     }
 
     /// Plays another motion from now on, without a fade.
@@ -177,16 +166,17 @@ impl<'a> FigurePlayer<'a> {
         self.state.refine(dt_secs);
         let mut way = RootDelta::default();
         if let Some(base) = &mut self.state.base {
-            let (step, wrapped) = base.advance(self.model, dt_secs, &mut |clip, event, weight| {
-                tell(played(None, clip, event, weight));
-            });
+            let (step, wrapped) =
+                base.advance(&*self.model, dt_secs, &mut |clip, event, weight| {
+                    tell(played(None, clip, event, weight));
+                });
             way = step;
             self.state.cut |= wrapped;
         }
         for (l, layer) in self.state.layers.iter_mut().enumerate() {
             layer
                 .state
-                .advance(self.model, dt_secs, &mut |clip, event, weight| {
+                .advance(&*self.model, dt_secs, &mut |clip, event, weight| {
                     tell(played(Some(l), clip, event, weight));
                 });
         }
@@ -202,7 +192,7 @@ impl<'a> FigurePlayer<'a> {
         self.state.refine(self.state.dt_secs);
         if let Some(base) = &mut self.state.base {
             let before = base.from.secs();
-            base.from = base.from.at_secs(self.model, clip_secs);
+            base.from = base.from.at_secs(&*self.model, clip_secs);
             self.state.cut |= base.from.secs() < before;
         }
     }
@@ -416,10 +406,10 @@ impl<'a> FigurePlayer<'a> {
         let mut count = match &self.state.base {
             Some(base) => {
                 let (out, fade) = (&mut self.state.wanted, &mut self.state.fade_pose);
-                sample_state(self.model, base, joints, out, fade)
+                sample_state(&self.model, base, joints, out, fade)
             }
             None => {
-                reset(self.model, joints, &mut self.state.wanted);
+                reset(&self.model, joints, &mut self.state.wanted);
                 0
             }
         };
@@ -429,7 +419,7 @@ impl<'a> FigurePlayer<'a> {
                 continue;
             }
             let (out, fade) = (&mut self.state.layer_pose, &mut self.state.fade_pose);
-            count += sample_state(self.model, &layer.state, &moved, out, fade);
+            count += sample_state(&self.model, &layer.state, &moved, out, fade);
             layer.apply(&moved, &self.state.layer_pose, &mut self.state.wanted);
         }
         if let Some(refinement) = &self.state.refinement {
@@ -445,12 +435,12 @@ impl<'a> FigurePlayer<'a> {
         let (rest, fade) = (&self.state.rest_morphs, &mut self.state.fade_morphs);
         self.state.morphs.copy_from_slice(rest);
         if let Some(base) = &self.state.base {
-            morphs_of(self.model, base, rest, &mut self.state.morphs, fade);
+            morphs_of(&self.model, base, rest, &mut self.state.morphs, fade);
         }
         for layer in &self.state.layers {
             let over = &mut self.state.layer_morphs;
             over.copy_from_slice(rest);
-            morphs_of(self.model, &layer.state, rest, over, fade);
+            morphs_of(&self.model, &layer.state, rest, over, fade);
             let (from, to) = layer.state.clips();
             for clip in [from, to].into_iter().take(if from == to { 1 } else { 2 }) {
                 for track in &self.model.clips()[clip].tracks().morphs {
@@ -473,6 +463,22 @@ impl<'a> FigurePlayer<'a> {
     }
 }
 
+/// Checks that a model can take the place of another while its clips play.
+fn check_refined(model: &FigureModel, refined: &FigureModel) -> Result<(), Mismatch> {
+    if !Arc::ptr_eq(refined.rig(), model.rig()) && refined.rig() != model.rig() {
+        let what = "another rig than that of the model before";
+        return Err(Mismatch::new("model.rig", what));
+    }
+    let durations = |model: &FigureModel| -> Vec<f32> {
+        model.clips().iter().map(Clip::duration_secs).collect()
+    };
+    if durations(refined) != durations(model) {
+        let what = "clips of other durations than those of the model before";
+        return Err(Mismatch::new("model.clips", what));
+    }
+    Ok(())
+}
+
 fn played(layer: Option<usize>, clip: usize, event: &ClipEvent, weight: f32) -> PlayedEvent {
     PlayedEvent {
         layer,
@@ -487,7 +493,7 @@ fn some_views(views: usize) -> usize {
     if views > MAX_VIEWS { 0 } else { views }
 }
 
-fn reset(model: &FigureModel<'_>, joints: &JointSet, out: &mut LocalPose) {
+fn reset(model: &FigureModel, joints: &JointSet, out: &mut LocalPose) {
     for joint in joints.iter() {
         out.set(joint, model.rig().rest_pose().get(joint));
     }
@@ -495,7 +501,7 @@ fn reset(model: &FigureModel<'_>, joints: &JointSet, out: &mut LocalPose) {
 
 /// Samples some joints of one state, cross-fade included; returns the number of transforms.
 fn sample_state(
-    model: &FigureModel<'_>,
+    model: &FigureModel,
     state: &CharacterState,
     joints: &JointSet,
     out: &mut LocalPose,
@@ -518,7 +524,7 @@ fn sample_state(
 
 /// Morph weights of one state, cross-fade included.
 fn morphs_of(
-    model: &FigureModel<'_>,
+    model: &FigureModel,
     state: &CharacterState,
     rest: &[f32],
     out: &mut [f32],

@@ -4,8 +4,6 @@
 use super::layer::MotionLayer;
 use super::model::FigureModel;
 use super::report::FrameReport;
-use crate::Mismatch;
-use crate::clip::Clip;
 use crate::crowd::{CharacterState, ClipState};
 use crate::drift::MAX_VIEWS;
 use crate::hierarchy::local_to_model;
@@ -50,7 +48,7 @@ pub(super) struct FigureState {
 }
 
 impl FigureState {
-    pub(super) fn new(model: &FigureModel<'_>, morph_weights: &[f32]) -> Self {
+    pub(super) fn new(model: &FigureModel, morph_weights: &[f32]) -> Self {
         let rig = model.rig();
         let rest = rig.rest_pose();
         let mut joints = ModelPose::new(rig.len());
@@ -90,33 +88,6 @@ impl FigureState {
                 self.refinement = None;
             }
         }
-    }
-}
-
-/// A figure between two models: see [`FigurePlayer::suspend`](super::FigurePlayer::suspend).
-#[derive(Debug, Clone)]
-pub struct SuspendedFigure {
-    pub(super) attention: Vec<f32>,
-    pub(super) max_joints: usize,
-    /// Durations of the clips.
-    pub(super) durations: Vec<f32>,
-    pub(super) state: FigureState,
-}
-
-impl SuspendedFigure {
-    /// Checks that a model can take the place of the one before.
-    pub(super) fn check(&self, model: &FigureModel<'_>) -> Result<(), Mismatch> {
-        let (found, joints) = (model.rig().len(), self.attention.len());
-        if found != joints {
-            let what = format!("{found} joints, the suspended figure has {joints}");
-            return Err(Mismatch::new("model", what));
-        }
-        let durations: Vec<f32> = model.clips().iter().map(Clip::duration_secs).collect();
-        if durations != self.durations {
-            let what = "clips of other durations than those of the suspended figure";
-            return Err(Mismatch::new("model.clips", what));
-        }
-        Ok(())
     }
 }
 

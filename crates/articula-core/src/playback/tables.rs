@@ -11,24 +11,26 @@ use crate::key_table::{KeyMode, KeyTable};
 use crate::math::nlerp;
 use crate::pose::LocalPose;
 use glam::Quat;
+use std::sync::Arc;
 
 /// The key table of one clip, checked against it.
 #[derive(Debug, Clone)]
-pub struct StoredKeys<'a> {
-    table: &'a KeyTable,
+pub struct StoredKeys {
+    table: Arc<KeyTable>,
     /// Rotation track of each joint.
     tracks: Vec<Option<usize>>,
     /// Joints whose translation or scale changes over the clip, which the keys do not cover.
     shifted: JointSet,
 }
 
-impl<'a> StoredKeys<'a> {
+impl StoredKeys {
     /// Pairs a table with the clip that it was made for.
     ///
     /// # Errors
     /// A [`Mismatch`] if frame rate, number of frames or number of joints differ, or a key lies
     /// outside the clip. The hashes are checked by [`KeyTable::check`].
-    pub fn new(clip: &Clip, table: &'a KeyTable) -> Result<Self, Mismatch> {
+    pub fn new(clip: &Clip, table: impl Into<Arc<KeyTable>>) -> Result<Self, Mismatch> {
+        let table = table.into();
         let differs = |at: &str, found: String, expected: String| {
             (found != expected)
                 .then(|| Mismatch::new(at, format!("{found}, the clip has {expected}")))
@@ -84,18 +86,18 @@ struct ShownKey {
 /// A held key is blended to the next one over the one frame of the clip before it, so that the
 /// tolerance holds between frames too.
 #[derive(Debug, Clone)]
-pub struct TableController<'a> {
-    tables: Vec<Option<StoredKeys<'a>>>,
+pub struct TableController {
+    tables: Vec<Option<StoredKeys>>,
     /// Tolerated displacement in pixels; may change in any frame.
     pub epsilon_px: f32,
     shares: Vec<f32>,
     shown: Vec<Option<ShownKey>>,
 }
 
-impl<'a> TableController<'a> {
+impl TableController {
     /// Creates a controller from the tables of each clip of a model and the share of the tolerance
     /// that each joint may use, 0 to 1. Allocates.
-    pub fn new(tables: Vec<Option<StoredKeys<'a>>>, shares: Vec<f32>, epsilon_px: f32) -> Self {
+    pub fn new(tables: Vec<Option<StoredKeys>>, shares: Vec<f32>, epsilon_px: f32) -> Self {
         Self {
             tables,
             epsilon_px,
@@ -119,7 +121,7 @@ impl<'a> TableController<'a> {
         tolerance_metres(self.epsilon_px, attention, frame.pixels_per_metre[joint])
     }
 
-    fn keys(&self, clip: &ClipFrame<'_>) -> Option<&StoredKeys<'a>> {
+    fn keys(&self, clip: &ClipFrame<'_>) -> Option<&StoredKeys> {
         self.tables.get(clip.index)?.as_ref()
     }
 
@@ -158,7 +160,7 @@ impl<'a> TableController<'a> {
     }
 }
 
-impl MotionController for TableController<'_> {
+impl MotionController for TableController {
     fn due(&mut self, frame: &FrameContext<'_>) -> JointSet {
         let shifted = frame.clip.and_then(|clip| self.keys(&clip));
         let shifted = shifted.map_or(JointSet::EMPTY, |keys| keys.shifted);

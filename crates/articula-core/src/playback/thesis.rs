@@ -11,6 +11,7 @@ use crate::joint_state::{JointState, JointStates, TransitionOptions};
 use crate::key_table::TableHashes;
 use crate::pose::LocalPose;
 use crate::rig::Rig;
+use std::sync::Arc;
 
 /// Normalised error of every joint at every frame of a clip.
 #[derive(Debug, Clone, PartialEq)]
@@ -136,8 +137,8 @@ impl Threshold {
 ///
 /// The metric needs a clip: in a blend, and where a layer moves a joint, joints are active.
 #[derive(Debug, Clone)]
-pub struct ThesisController<'a> {
-    matrices: Vec<Option<&'a ErrorMatrix>>,
+pub struct ThesisController {
+    matrices: Vec<Option<Arc<ErrorMatrix>>>,
     /// Threshold by distance; may change in any frame.
     pub threshold: Threshold,
     lookup_every: usize,
@@ -146,13 +147,13 @@ pub struct ThesisController<'a> {
     frames: usize,
 }
 
-impl<'a> ThesisController<'a> {
+impl ThesisController {
     /// Creates a controller from the matrix of each clip of a model; the policy of `transition` is
     /// that of passive joints. The matrix is consulted in every `lookup_every`-th frame, at least
     /// 1. Allocates.
     pub fn new(
         rig: &Rig,
-        matrices: Vec<Option<&'a ErrorMatrix>>,
+        matrices: Vec<Option<Arc<ErrorMatrix>>>,
         threshold: Threshold,
         lookup_every: usize,
         transition: TransitionOptions,
@@ -175,7 +176,7 @@ impl<'a> ThesisController<'a> {
     fn look_up(&mut self, frame: &FrameContext<'_>) {
         let threshold = self.threshold.at(frame.distance_metres);
         let clip = frame.clip.and_then(|clip| {
-            let matrix = self.matrices.get(clip.index).copied().flatten()?;
+            let matrix = self.matrices.get(clip.index)?.as_ref()?;
             // Between two frames the figure moves as it does up to the later one.
             let moving = if clip.at.blend > 0.0 {
                 clip.at.after
@@ -202,7 +203,7 @@ impl<'a> ThesisController<'a> {
     }
 }
 
-impl MotionController for ThesisController<'_> {
+impl MotionController for ThesisController {
     fn due(&mut self, frame: &FrameContext<'_>) -> JointSet {
         if self.frames == 0 {
             return frame.allowed;

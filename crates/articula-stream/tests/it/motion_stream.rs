@@ -2,9 +2,7 @@
 
 use crate::small_human::{asset as figure, source};
 use articula_build::Asset;
-use articula_core::playback::{
-    FigureModel, FigurePlayer, FigureViews, FullDetail, SuspendedFigure,
-};
+use articula_core::playback::{FigureModel, FigurePlayer, FigureViews, FullDetail};
 use articula_core::{Clip, Mesh, ModelPose, PosedMesh, Rig, Wrap};
 use articula_mutate::{Edit, Mutations};
 use articula_stream::abp2::{
@@ -255,17 +253,14 @@ fn a_player_plays_what_has_arrived_and_refines_without_a_jump() {
     }
     let step = 1.0 / 60.0;
     let mut controller = FullDetail::default();
-    let mut suspended: Option<SuspendedFigure> = None;
+    let arrived = |receiver: &MotionReceiver| {
+        let clip = receiver.clip().unwrap();
+        FigureModel::new(rig.clone(), [clip]).unwrap()
+    };
+    let mut player = FigurePlayer::new(arrived(&receiver), &mesh.morph_weights);
     let mut before: Option<Vec<Vec3>> = None;
     let mut moved: f32 = 0.0;
-    let mut pieces = pieces.peekable();
     loop {
-        let clips = [receiver.clip().unwrap()];
-        let model = FigureModel::new(rig, &clips).unwrap();
-        let mut player = match suspended.take() {
-            Some(suspended) => FigurePlayer::resume(&model, suspended, 0.2).unwrap(),
-            None => FigurePlayer::new(&model, &mesh.morph_weights),
-        };
         for _ in 0..6 {
             player.advance(step, &mut |_| {});
             player.control(&mut controller, FigureViews::Cameras(&[]));
@@ -278,27 +273,23 @@ fn a_player_plays_what_has_arrived_and_refines_without_a_jump() {
             }
             before = Some(joints);
         }
-        suspended = Some(player.suspend());
-        match pieces.next() {
-            Some(piece) => {
-                receiver.receive(piece).unwrap();
-            }
-            None => break,
-        }
+        let Some(piece) = pieces.next() else {
+            break;
+        };
+        receiver.receive(piece).unwrap();
+        player.set_model(arrived(&receiver), 0.2).unwrap();
     }
     assert!(receiver.is_whole());
     // A joint of a walk moves at up to 6 m/s; frames that jumped to what arrives would show more.
     assert!((0.01..0.1).contains(&moved), "{moved} m in a frame");
     // After the time of the refinement, the whole stream is shown.
-    let clips = [receiver.clip().unwrap()];
-    let model = FigureModel::new(rig, &clips).unwrap();
-    let mut player = FigurePlayer::resume(&model, suspended.unwrap(), 0.2).unwrap();
     player.advance(0.25, &mut |_| {});
     player.control(&mut controller, FigureViews::Cameras(&[]));
     player.hierarchy();
     let state = player.state().unwrap().clip_state();
     let mut posed = PosedMesh::new(rig, mesh);
-    posed.pose_at(&clips[0], f64::from(state.secs()), Wrap::Loop);
+    let whole = receiver.clip().unwrap();
+    posed.pose_at(&whole, f64::from(state.secs()), Wrap::Loop);
     for joint in 0..rig.len() {
         let apart = posed
             .model

@@ -13,6 +13,7 @@ use articula_core::{
     angle_between,
 };
 use glam::{Affine3A, Quat, Vec3};
+use std::sync::Arc;
 
 /// A chain of joints, each a metre above the one before.
 pub(crate) fn chain(joints: usize) -> Rig {
@@ -86,18 +87,18 @@ fn fades_events_and_the_way_go_on_while_nothing_moves() {
         RootTrajectory::new(10.0, (0..=10).map(place).collect()).unwrap()
     };
     let event = |secs, id| ClipEvent { secs, id };
-    let model = FigureModel::new(&rig, &clips)
+    let model = FigureModel::new(rig.clone(), &clips)
         .unwrap()
         .with_events(vec![vec![event(0.75, 2), event(0.25, 1)], vec![]])
         .unwrap()
         .with_root_motion(vec![Some(ahead(1.0)), Some(ahead(3.0))])
         .unwrap();
-    let mut player = FigurePlayer::new(&model, &[]);
+    let mut player = FigurePlayer::new(model.clone(), &[]);
     let range = LoaRange::new(vec![JointSet::EMPTY], 0).unwrap();
     let opts = TransitionOptions::default();
     let mut nothing = LoaController::new(&rig, range, opts, FullDetail::default());
     let mut heard = Vec::new();
-    let mut step = |player: &mut FigurePlayer<'_>, dt| {
+    let mut step = |player: &mut FigurePlayer, dt| {
         let way = player.advance(dt, &mut |e| heard.push((e.event.id, e.weight)));
         player.control(&mut nothing, seen_at(100.0));
         way.offset.z
@@ -113,7 +114,7 @@ fn fades_events_and_the_way_go_on_while_nothing_moves() {
         "held where it was at the start"
     );
     assert_eq!(heard, [(1, 1.0), (2, 1.0)]);
-    assert!(FigureModel::new(&chain(3), &clips).is_err());
+    assert!(FigureModel::new(chain(3), &clips).is_err());
     assert!(
         model
             .clone()
@@ -127,7 +128,7 @@ fn fades_events_and_the_way_go_on_while_nothing_moves() {
 fn a_level_falls_and_rises_in_transitions_of_either_kind() {
     let rig = chain(2);
     let clips = [turning(2, 0.1)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
     for (ease, half) in [(Ease::Linear, 0.5f32), (Ease::Smoothstep, 0.5)] {
         let opts = TransitionOptions {
             secs: 0.2,
@@ -138,8 +139,8 @@ fn a_level_falls_and_rises_in_transitions_of_either_kind() {
         let levels = vec![rig.all(), JointSet::first(1), JointSet::EMPTY];
         let range = LoaRange::new(levels, 1).unwrap();
         let mut loa = LoaController::new(&rig, range, opts, FullDetail::default());
-        let mut player = FigurePlayer::new(&model, &[]);
-        let frame = |player: &mut FigurePlayer<'_>, loa: &mut LoaController<FullDetail>, dt| {
+        let mut player = FigurePlayer::new(model.clone(), &[]);
+        let frame = |player: &mut FigurePlayer, loa: &mut LoaController<FullDetail>, dt| {
             player.advance(dt, &mut |_| {});
             *player.control(loa, seen_at(100.0))
         };
@@ -178,8 +179,8 @@ fn a_passive_root_travels_on_and_joints_below_stand_still() {
         values: (0..=10).map(lean).collect(),
     }];
     let clips = [Clip::new("walk", 10.0, 11, 2, tracks).unwrap()];
-    let model = FigureModel::new(&rig, &clips).unwrap();
-    let mut player = FigurePlayer::new(&model, &[]);
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
+    let mut player = FigurePlayer::new(model.clone(), &[]);
     let opts = TransitionOptions {
         secs: 0.0,
         ..TransitionOptions::default()
@@ -195,7 +196,7 @@ fn a_passive_root_travels_on_and_joints_below_stand_still() {
     let drift = DriftController::new(rig.rest_pose(), vec![bound; 2], DriftOptions::default());
     let range = LoaRange::one(JointSet::EMPTY);
     let mut bounded = LoaController::new(&rig, range, opts, drift);
-    let mut beside = FigurePlayer::new(&model, &[]);
+    let mut beside = FigurePlayer::new(model.clone(), &[]);
     for i in 0..10 {
         player.control(&mut none, seen_at(1.0));
         beside.control(&mut bounded, seen_at(1e-3));
@@ -212,9 +213,9 @@ fn a_passive_root_travels_on_and_joints_below_stand_still() {
 fn an_additive_layer_adds_its_difference_and_hooks_have_the_last_word() {
     let rig = chain(3);
     let clips = [turning(3, 0.1), turning(3, 0.05)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
-    let mut player = FigurePlayer::new(&model, &[0.25, 0.5]);
-    let over = CharacterState::from(ClipState::new(&model, 1).at_secs(&model, 0.2));
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
+    let mut player = FigurePlayer::new(model.clone(), &[0.25, 0.5]);
+    let over = CharacterState::from(ClipState::new(&*model, 1).at_secs(&*model, 0.2));
     let reference = rig.rest_pose().clone();
     let mode = LayerMode::Additive(reference.clone());
     let layer = MotionLayer::new(over, vec![0.0, 1.0, 0.5], mode.clone()).unwrap();
@@ -246,8 +247,8 @@ fn an_additive_layer_adds_its_difference_and_hooks_have_the_last_word() {
 fn a_budget_is_spent_in_turn_and_pinned_joints_are_exact() {
     let rig = chain(4);
     let clips = [turning(4, 0.1)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
-    let mut player = FigurePlayer::new(&model, &[]);
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
+    let mut player = FigurePlayer::new(model.clone(), &[]);
     let mut full = FullDetail::default();
     player.control(&mut full, seen_at(1.0));
     player.max_joints = 1;
@@ -302,12 +303,12 @@ fn skinned_mesh() -> Mesh {
 #[test]
 fn the_skin_is_that_of_plain_skinning_and_nothing_is_skinned_twice() {
     let rig = chain(3);
-    let mesh = skinned_mesh();
+    let mesh = Arc::new(skinned_mesh());
     let clips = [turning(3, 0.1)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
-    let mut player = FigurePlayer::new(&model, &mesh.morph_weights);
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
+    let mut player = FigurePlayer::new(model.clone(), &mesh.morph_weights);
     let groups = GroupedSkin::new(&mesh);
-    let mut skin = FigureSkin::new(&mesh, &groups);
+    let mut skin = FigureSkin::new(mesh.clone(), groups);
     let mut posed = PosedMesh::new(&rig, &mesh);
     for _ in 0..5 {
         player.control(&mut FullDetail::default(), seen_at(1.0));
@@ -323,46 +324,61 @@ fn the_skin_is_that_of_plain_skinning_and_nothing_is_skinned_twice() {
 }
 
 #[test]
-fn a_suspended_figure_moves_to_changed_clips_within_the_time() {
-    let rig = chain(2);
-    let (coarse, fine) = ([turning(2, 0.1)], [turning(2, 0.3)]);
-    let model = FigureModel::new(&rig, &coarse).unwrap();
-    let mut player = FigurePlayer::new(&model, &[0.0]);
+fn a_figure_moves_to_refined_clips_within_the_time() {
+    let rig = Arc::new(chain(2));
+    let coarse = [turning(2, 0.1), turning(2, 0.5)];
+    let model = Arc::new(FigureModel::new(rig.clone(), coarse).unwrap());
+    let mut player = FigurePlayer::new(model.clone(), &[0.0]);
     player.max_joints = 7;
     let mut controller = FullDetail::default();
-    let mut shown = |player: &mut FigurePlayer<'_>, secs: f32| {
+    let mut shown = |player: &mut FigurePlayer, secs: f32| {
         player.advance(secs, &mut |_| {});
         player.control(&mut controller, seen_at(5.0));
         player.pose().clone()
     };
     assert!(about_x(&shown(&mut player, 0.2), 1, 0.2));
-    let suspended = player.suspend();
 
-    let finer = FigureModel::new(&rig, &fine).unwrap();
-    let mut jumping = FigurePlayer::resume(&finer, suspended.clone(), 0.0).unwrap();
+    // Another version of one clip; the other one is shared.
+    let mut clips = model.clips().to_vec();
+    clips[0] = turning(2, 0.3);
+    let finer = Arc::new(FigureModel::new(model.rig().clone(), clips).unwrap());
+    assert!(std::ptr::eq(
+        model.clips()[1].tracks(),
+        finer.clips()[1].tracks()
+    ));
+    let mut jumping = player.clone();
+    jumping.set_model(finer.clone(), 0.0).unwrap();
     assert!(about_x(&shown(&mut jumping, 0.0), 1, 0.6));
     // The difference at 0.2 s is -0.4 rad; half of it is left after half of the time, during which
     // the new clip turns on by 0.3 rad.
-    let mut player = FigurePlayer::resume(&finer, suspended.clone(), 0.2).unwrap();
-    assert_eq!(player.max_joints, 7);
-    assert!(about_x(&shown(&mut player, 0.0), 1, 0.2));
-    let half = shown(&mut player, 0.1);
+    let mut moving = player.clone();
+    moving.set_model(finer.clone(), 0.2).unwrap();
+    assert_eq!(moving.max_joints, 7);
+    assert!(about_x(&shown(&mut moving, 0.0), 1, 0.2));
+    let half = shown(&mut moving, 0.1);
     assert!(angle_between(half.rotations[1], Quat::from_rotation_x(0.9 - 0.2)) < 2e-3);
-    assert!(about_x(&shown(&mut player, 0.1), 1, 1.2));
-    assert!(about_x(&shown(&mut player, 0.1), 1, 1.5));
-    // Suspended again in the middle, it goes on from where it was.
-    let mut player = FigurePlayer::resume(&finer, suspended.clone(), 0.2).unwrap();
-    let half = shown(&mut player, 0.1);
-    let mut again = FigurePlayer::resume(&finer, player.suspend(), 0.2).unwrap();
+    assert!(about_x(&shown(&mut moving, 0.1), 1, 1.2));
+    assert!(about_x(&shown(&mut moving, 0.1), 1, 1.5));
+    // Refined again in the middle, it goes on from where it was.
+    let mut again = player.clone();
+    again.set_model(finer.clone(), 0.2).unwrap();
+    let half = shown(&mut again, 0.1);
+    again.set_model(finer, 0.2).unwrap();
     let after = shown(&mut again, 0.0);
     assert!(angle_between(half.rotations[1], after.rotations[1]) < 1e-5);
 
-    let shorter = [Clip::new("still", 10.0, 2, 2, Tracks::default()).unwrap()];
-    let other = FigureModel::new(&rig, &shorter).unwrap();
-    let why = FigurePlayer::resume(&other, suspended.clone(), 0.2).unwrap_err();
-    assert!(why.to_string().contains("durations"), "{why}");
-    let rig = chain(3);
-    let clips = [turning(3, 0.1)];
-    let other = FigureModel::new(&rig, &clips).unwrap();
-    assert!(FigurePlayer::resume(&other, suspended, 0.2).is_err());
+    let still = Clip::new("still", 10.0, 2, 2, Tracks::default()).unwrap();
+    let shorter = FigureModel::new(rig.clone(), [still.clone(), still]).unwrap();
+    let fewer = FigureModel::new(rig, [turning(2, 0.3)]).unwrap();
+    let longer = FigureModel::new(chain(3), [turning(3, 0.1), turning(3, 0.1)]).unwrap();
+    let mut refused = player.clone();
+    for (other, at) in [
+        (shorter, "model.clips"),
+        (fewer, "model.clips"),
+        (longer, "model.rig"),
+    ] {
+        assert_eq!(refused.set_model(other, 0.2).unwrap_err().at, at);
+    }
+    assert!(Arc::ptr_eq(refused.model(), &model));
+    assert_eq!(shown(&mut refused, 0.1), shown(&mut player, 0.1));
 }

@@ -15,6 +15,7 @@ use articula_core::{
     sample,
 };
 use glam::{Quat, Vec3};
+use std::sync::Arc;
 
 const LEVER: f32 = 0.3;
 
@@ -54,7 +55,7 @@ fn drift(rig: &Rig, clip: &Clip) -> DriftController {
 }
 
 /// Largest error of any joint in pixels against the base motion.
-fn error_px(player: &FigurePlayer<'_>, rig: &Rig, clips: &[Clip], scale: f32) -> f32 {
+fn error_px(player: &FigurePlayer, rig: &Rig, clips: &[Clip], scale: f32) -> f32 {
     let state = player.state().unwrap().clip_state();
     let mut truth = rig.rest_pose().clone();
     let clip = &clips[state.clip()];
@@ -74,14 +75,14 @@ fn error_px(player: &FigurePlayer<'_>, rig: &Rig, clips: &[Clip], scale: f32) ->
 fn drift_keeps_its_bound_at_every_rate_through_seeks_and_fades() {
     let rig = chain(4);
     let clips = [swinging(4), turning(4, 0.2)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
     for hz in [24.0f32, 60.0, 144.0] {
-        let mut player = FigurePlayer::new(&model, &[]);
+        let mut player = FigurePlayer::new(model.clone(), &[]);
         let mut control = drift(&rig, &clips[0]);
         let (mut held, mut frames) = (0, 0);
         for i in 0..(5.0 * hz) as usize {
             if i == hz as usize {
-                let far = ClipState::new(&model, 0).at_secs(&model, 1.3);
+                let far = ClipState::new(&*model, 0).at_secs(&*model, 1.3);
                 player.play(far);
             }
             player.advance(1.0 / hz, &mut |_| {});
@@ -97,7 +98,7 @@ fn drift_keeps_its_bound_at_every_rate_through_seeks_and_fades() {
             "most joints are held: {held} in {frames} frames"
         );
         // In a fade no bound on speed is known, so every joint is tested.
-        player.fade_to(ClipState::new(&model, 1), 0.5);
+        player.fade_to(ClipState::new(&*model, 1), 0.5);
         player.advance(0.1, &mut |_| {});
         assert_eq!(
             player.control(&mut control, seen_at(20.0)).sampled,
@@ -110,10 +111,10 @@ fn drift_keeps_its_bound_at_every_rate_through_seeks_and_fades() {
 fn drift_keeps_its_bound_when_a_fade_or_a_layer_is_over() {
     let rig = chain(4);
     let clips = [swinging(4)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
-    let mut player = FigurePlayer::new(&model, &[]);
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
+    let mut player = FigurePlayer::new(model.clone(), &[]);
     let mut control = drift(&rig, &clips[0]);
-    let over = CharacterState::from(ClipState::new(&model, 0).at_secs(&model, 0.5));
+    let over = CharacterState::from(ClipState::new(&*model, 0).at_secs(&*model, 0.5));
     let layer = MotionLayer::new(over, vec![1.0; 4], LayerMode::Override).unwrap();
     let top = player.add_layer(layer).unwrap();
     let mut measured = 0;
@@ -121,7 +122,7 @@ fn drift_keeps_its_bound_when_a_fade_or_a_layer_is_over() {
         player.advance(1.0 / 60.0, &mut |_| {});
         player.layer_mut(top).unwrap().weight = f32::from(u8::from(i % 50 < 7));
         if i % 80 == 20 {
-            let elsewhere = ClipState::new(&model, 0).at_secs(&model, 0.03 * i as f32);
+            let elsewhere = ClipState::new(&*model, 0).at_secs(&*model, 0.03 * i as f32);
             player.fade_to(elsewhere, 0.1);
         }
         player.control(&mut control, seen_at(20.0));
@@ -138,11 +139,11 @@ fn drift_keeps_its_bound_when_a_fade_or_a_layer_is_over() {
 fn drift_ahead_of_a_camera_counts_what_the_view_sees() {
     let rig = chain(1);
     let clips = [swinging(1)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
     // The skin is a point a lever above the joint, which swings about x: along z.
     let moment = SecondMoment::of([(Vec3::Y * LEVER, 1.0)]);
     let updates = |direction: Vec3| {
-        let mut player = FigurePlayer::new(&model, &[]);
+        let mut player = FigurePlayer::new(model.clone(), &[]);
         let mut control = drift(&rig, &clips[0]).with_second_moments(vec![moment]);
         for _ in 0..240 {
             player.advance(1.0 / 60.0, &mut |_| {});
@@ -167,8 +168,8 @@ fn drift_ahead_of_a_camera_counts_what_the_view_sees() {
 fn an_articulation_bounds_a_metric() {
     let rig = chain(4);
     let clips = [swinging(4)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
-    let mut player = FigurePlayer::new(&model, &[]);
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
+    let mut player = FigurePlayer::new(model.clone(), &[]);
     let range = LoaRange::new(vec![JointSet::first(2)], 0).unwrap();
     let inner = drift(&rig, &clips[0]);
     let mut control = LoaController::new(&rig, range, TransitionOptions::default(), inner);
@@ -224,18 +225,18 @@ fn table(clip: &Clip, mode: KeyMode, every: u32) -> KeyTable {
 fn tables_show_the_span_of_the_nearest_stored_tolerance() {
     let rig = chain(3);
     let clips = [swinging(3)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
     let value = |joint: usize, frame: usize| clips[0].tracks().rotations[joint].values[frame];
     for mode in [KeyMode::Hold, KeyMode::Linear] {
-        let table = table(&clips[0], mode, 5);
+        let table = Arc::new(table(&clips[0], mode, 5));
         // 1 px at 200, 80, 40 px/m is 5, 12.5 and 25 mm: evaluated, level 0, level 1.
         for (scale, every) in [(200.0, None), (80.0, Some(5)), (40.0, Some(10))] {
-            let keys = StoredKeys::new(&clips[0], &table).unwrap();
+            let keys = StoredKeys::new(&clips[0], table.clone()).unwrap();
             let mut control = TableController::new(vec![Some(keys)], vec![1.0; 3], 1.0);
-            let mut player = FigurePlayer::new(&model, &[]);
+            let mut player = FigurePlayer::new(model.clone(), &[]);
             let mut updates = 0;
             for frame in 0..60 {
-                let state = ClipState::new(&model, 0).at_secs(&model, frame as f32 / 30.0);
+                let state = ClipState::new(&*model, 0).at_secs(&*model, frame as f32 / 30.0);
                 player.advance_to(f64::from(frame) / 30.0, frame as f32 / 30.0);
                 let report = *player.control(&mut control, seen_at(scale));
                 assert_eq!(report.held.union(&report.updated), rig.all());
@@ -258,15 +259,12 @@ fn tables_show_the_span_of_the_nearest_stored_tolerance() {
             }
             assert_eq!(updates, 2 * 60 / every.unwrap_or(1));
         }
-        let mut other = table.clone();
+        let mut other = KeyTable::clone(&table);
         other.frames = 60;
-        assert_eq!(StoredKeys::new(&clips[0], &other).unwrap_err().at, "frames");
-        other = table;
+        assert_eq!(StoredKeys::new(&clips[0], other).unwrap_err().at, "frames");
+        other = Arc::unwrap_or_clone(table);
         other.keys[2][0].push(61);
-        assert_eq!(
-            StoredKeys::new(&clips[0], &other).unwrap_err().at,
-            "keys[2]"
-        );
+        assert_eq!(StoredKeys::new(&clips[0], other).unwrap_err().at, "keys[2]");
     }
 }
 
@@ -276,7 +274,7 @@ fn tables_show_the_span_of_the_nearest_stored_tolerance() {
 fn held_keys_keep_the_tolerance_between_frames() {
     let rig = chain(3);
     let clips = [swinging(3)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
     // Keys as preparation makes them: renewed as soon as the error exceeds 10 mm.
     let held = |joint: usize| {
         let values = &clips[0].tracks().rotations[joint].values;
@@ -293,9 +291,9 @@ fn held_keys_keep_the_tolerance_between_frames() {
         keys: (0..3).map(held).collect(),
         ..table(&clips[0], KeyMode::Hold, 5)
     };
-    let keys = StoredKeys::new(&clips[0], &stored).unwrap();
+    let keys = StoredKeys::new(&clips[0], stored).unwrap();
     let mut control = TableController::new(vec![Some(keys)], vec![1.0; 3], 1.0);
-    let mut player = FigurePlayer::new(&model, &[]);
+    let mut player = FigurePlayer::new(model.clone(), &[]);
     let mut blended = 0;
     for frame in 0..600 {
         player.advance(1.0 / 144.0, &mut |_| {});
@@ -311,10 +309,10 @@ fn held_keys_keep_the_tolerance_between_frames() {
 fn the_thesis_looks_up_as_often_as_told_and_by_the_distance_of_the_frame() {
     let rig = chain(2);
     let clips = [swinging(2)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
     // Joint 1 has the error 0.5 in odd frames, 0.1 in even ones; joint 0 always moves.
     let values = (0..=60).flat_map(|i| [1.0, if i % 2 == 1 { 0.5 } else { 0.1 }]);
-    let matrix = ErrorMatrix::new(2, values.collect()).unwrap();
+    let matrix = Arc::new(ErrorMatrix::new(2, values.collect()).unwrap());
     assert!(ErrorMatrix::new(2, vec![0.0; 3]).is_err());
     assert!(matrix.frame(99).is_empty());
     let at_once = TransitionOptions {
@@ -323,8 +321,8 @@ fn the_thesis_looks_up_as_often_as_told_and_by_the_distance_of_the_frame() {
     };
     let states = |threshold: Threshold, every: usize, distance_metres: f32| {
         let mut control =
-            ThesisController::new(&rig, vec![Some(&matrix)], threshold, every, at_once);
-        let mut player = FigurePlayer::new(&model, &[]);
+            ThesisController::new(&rig, vec![Some(matrix.clone())], threshold, every, at_once);
+        let mut player = FigurePlayer::new(model.clone(), &[]);
         let views = FigureViews::Parallel {
             pixels_per_metre: 1.0,
             distance_metres,
@@ -357,17 +355,18 @@ fn the_thesis_looks_up_as_often_as_told_and_by_the_distance_of_the_frame() {
 fn the_thesis_reads_the_entry_of_the_motion_under_way() {
     let rig = chain(1);
     let clips = [swinging(1)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
     // It moves into frame 2 only.
     let values = (0..=60).map(|i| if i == 2 { 1.0 } else { 0.0 });
-    let matrix = ErrorMatrix::new(1, values.collect()).unwrap();
+    let matrix = Arc::new(ErrorMatrix::new(1, values.collect()).unwrap());
     let at_once = TransitionOptions {
         secs: 0.0,
         ..TransitionOptions::default()
     };
     let threshold = Threshold::constant(0.5);
-    let mut control = ThesisController::new(&rig, vec![Some(&matrix)], threshold, 1, at_once);
-    let mut player = FigurePlayer::new(&model, &[]);
+    let mut control =
+        ThesisController::new(&rig, vec![Some(matrix.clone())], threshold, 1, at_once);
+    let mut player = FigurePlayer::new(model.clone(), &[]);
     let moving = [0.0f32, 0.5, 1.0, 1.5, 2.0, 2.5].map(|frame| {
         player.advance_to(f64::from(frame) / 30.0, frame / 30.0);
         !player
@@ -382,16 +381,16 @@ fn the_thesis_reads_the_entry_of_the_motion_under_way() {
 fn the_threshold_is_renewed_before_a_moving_camera() {
     let rig = chain(2);
     let clips = [swinging(2)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
-    let matrix = ErrorMatrix::new(2, [1.0, 0.3].repeat(61)).unwrap();
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
+    let matrix = Arc::new(ErrorMatrix::new(2, [1.0, 0.3].repeat(61)).unwrap());
     let threshold = Threshold {
         thr_init: 0.0,
         thr_max: 1.0,
         ..Threshold::default()
     };
     let opts = TransitionOptions::default();
-    let mut control = ThesisController::new(&rig, vec![Some(&matrix)], threshold, 1, opts);
-    let mut player = FigurePlayer::new(&model, &[]);
+    let mut control = ThesisController::new(&rig, vec![Some(matrix.clone())], threshold, 1, opts);
+    let mut player = FigurePlayer::new(model.clone(), &[]);
     let mut active = Vec::new();
     for distance in [2.0f32, 2.0, 14.0, 14.0, 2.0] {
         let camera = Camera::looking_at(Vec3::Z * distance, Vec3::ZERO, Viewport::default());
@@ -407,10 +406,10 @@ fn the_threshold_is_renewed_before_a_moving_camera() {
 fn no_frame_allocates() {
     let rig = chain(6);
     let clips = [swinging(6), turning(6, 0.1)];
-    let model = FigureModel::new(&rig, &clips).unwrap();
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
     let key_table = table(&clips[0], KeyMode::Linear, 5);
-    let keys = StoredKeys::new(&clips[0], &key_table).unwrap();
-    let matrix = ErrorMatrix::new(6, vec![0.5; 6 * 61]).unwrap();
+    let keys = StoredKeys::new(&clips[0], key_table).unwrap();
+    let matrix = Arc::new(ErrorMatrix::new(6, vec![0.5; 6 * 61]).unwrap());
     let opts = TransitionOptions {
         policy: PassivePolicy::Rest,
         ..TransitionOptions::default()
@@ -420,13 +419,13 @@ fn no_frame_allocates() {
     let seeing = drift(&rig, &clips[0]).with_second_moments(moments);
     let thesis = ThesisController::new(
         &rig,
-        vec![Some(&matrix), None],
+        vec![Some(matrix), None],
         Threshold::default(),
         2,
         opts,
     );
     let tables = TableController::new(vec![Some(keys), None], vec![1.0; 6], 1.0);
-    let mut controllers: Vec<Box<dyn MotionController + '_>> = vec![
+    let mut controllers: Vec<Box<dyn MotionController>> = vec![
         Box::new(FullDetail::default()),
         Box::new(LoaController::new(
             &rig,
@@ -442,19 +441,19 @@ fn no_frame_allocates() {
     ];
     let mesh = articula_core::Mesh::default();
     let groups = GroupedSkin::new(&mesh);
-    let mut skin = FigureSkin::new(&mesh, &groups);
+    let mut skin = FigureSkin::new(mesh, groups);
     let camera = Camera::looking_at(Vec3::Z * 5.0, Vec3::Y, Viewport::default());
-    let over = CharacterState::from(ClipState::new(&model, 1));
+    let over = CharacterState::from(ClipState::new(&*model, 1));
     let layer = MotionLayer::new(over, vec![0.5; 6], LayerMode::Override).unwrap();
     for control in &mut controllers {
-        let mut player = FigurePlayer::new(&model, &[]);
+        let mut player = FigurePlayer::new(model.clone(), &[]);
         let top = player.add_layer(layer.clone()).unwrap();
         let counted = allocation_counter::measure(|| {
             for i in 0..90 {
                 player.advance(1.0 / 60.0, &mut |_| {});
                 player.layer_mut(top).unwrap().weight = f32::from(u8::from(i % 9 == 0));
                 if i == 40 {
-                    player.fade_to(ClipState::new(&model, 1), 0.2);
+                    player.fade_to(ClipState::new(&*model, 1), 0.2);
                 }
                 player.control(control.as_mut(), FigureViews::Cameras(&[camera]));
                 player.edit(&mut |pose| pose.rotations[0] = Quat::IDENTITY);
@@ -469,6 +468,22 @@ fn no_frame_allocates() {
         loa.request(1);
     });
     assert_eq!(counted.count_total, 0);
+}
+
+/// A session of a server or a component of an engine holds all of them from frame to frame.
+#[test]
+fn what_is_kept_from_frame_to_frame_borrows_nothing() {
+    fn is_owned<T: Send + Sync + 'static>() {}
+    is_owned::<FigureModel>();
+    is_owned::<FigurePlayer>();
+    is_owned::<FigureSkin>();
+    is_owned::<MotionLayer>();
+    is_owned::<FullDetail>();
+    is_owned::<DriftController>();
+    is_owned::<StoredKeys>();
+    is_owned::<TableController>();
+    is_owned::<ThesisController>();
+    is_owned::<LoaController<TableController>>();
 }
 
 /// The thesis compares neighbouring frames. Its values are divided by the clip's maximum; one quick
@@ -488,16 +503,17 @@ fn a_slow_turn_is_never_followed_by_the_thesis() {
         ..Tracks::default()
     };
     let clips = [Clip::new("slow", 30.0, frames, 1, tracks).unwrap()];
-    let model = FigureModel::new(&rig, &clips).unwrap();
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
     let slow_of_quick = (1.0f32 / 30.0).to_radians() / 2.0f32.to_radians() * 0.01;
-    let matrix = ErrorMatrix::new(1, vec![slow_of_quick; frames]).unwrap();
+    let matrix = Arc::new(ErrorMatrix::new(1, vec![slow_of_quick; frames]).unwrap());
     let at_once = TransitionOptions {
         secs: 0.0,
         ..TransitionOptions::default()
     };
     let threshold = Threshold::constant(1e-3);
-    let mut control = ThesisController::new(&rig, vec![Some(&matrix)], threshold, 1, at_once);
-    let mut player = FigurePlayer::new(&model, &[]);
+    let mut control =
+        ThesisController::new(&rig, vec![Some(matrix.clone())], threshold, 1, at_once);
+    let mut player = FigurePlayer::new(model.clone(), &[]);
     let mut worst: f32 = 0.0;
     for frame in 0..frames - 1 {
         player.advance_to(f64::from(frame as u32) / 30.0, frame as f32 / 30.0);

@@ -12,6 +12,7 @@ use articula_core::{
     Clip, JointSet, LocalPose, ModelPose, Rig, Wrap, blend, local_to_model, nlerp, sample,
 };
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// Samples every joint of a state by the plain functions.
 fn sampled(rig: &Rig, clips: &[Clip], state: &CharacterState) -> LocalPose {
@@ -85,8 +86,8 @@ proptest! {
         policy in 0usize..3,
         secs in prop_oneof![Just(0.0f32), 0.02f32..0.5],
     ) {
-        let model = FigureModel::new(&rig, &clips).unwrap();
-        let mut player = FigurePlayer::new(&model, &[]);
+        let model = Arc::new(FigureModel::new(rig.clone(), clips.clone()).unwrap());
+        let mut player = FigurePlayer::new(model.clone(), &[]);
         let opts = TransitionOptions {
             secs,
             ease: if linear { Ease::Linear } else { Ease::Smoothstep },
@@ -104,7 +105,7 @@ proptest! {
             player.advance(*dt, &mut |_| {});
             now += f64::from(*dt);
             if *fades {
-                player.fade_to(ClipState::new(&model, i % 2), 0.15);
+                player.fade_to(ClipState::new(&*model, i % 2), 0.15);
             }
             if *request < levels.len() {
                 level = *request;
@@ -142,10 +143,10 @@ proptest! {
         weight in 0.0f32..1.0,
         dt in 0.01f32..0.3,
     ) {
-        let model = FigureModel::new(&rig, &clips).unwrap();
-        let mut player = FigurePlayer::new(&model, &[]);
+        let model = Arc::new(FigureModel::new(rig.clone(), clips.clone()).unwrap());
+        let mut player = FigurePlayer::new(model.clone(), &[]);
         let mask = mask[..rig.len()].to_vec();
-        let over = CharacterState::from(ClipState::new(&model, 1).at_speed(0.5));
+        let over = CharacterState::from(ClipState::new(&*model, 1).at_speed(0.5));
         let mut layer = MotionLayer::new(over, mask.clone(), LayerMode::Override).unwrap();
         layer.weight = weight;
         let layer = player.add_layer(layer).unwrap();
@@ -180,11 +181,11 @@ fn a_clip_frame_is_shown_bit_for_bit() {
         let clip = Clip::new("c", rate, 1001, 1, super::by_hand::counting(1001)).unwrap();
         let rig = super::by_hand::chain(1);
         let clips = [clip];
-        let model = FigureModel::new(&rig, &clips).unwrap();
-        let mut player = FigurePlayer::new(&model, &[]);
+        let model = Arc::new(FigureModel::new(rig.clone(), clips.clone()).unwrap());
+        let mut player = FigurePlayer::new(model.clone(), &[]);
         for frame in [0, 1, 7, 333, 999] {
             let secs = frame as f32 / rate;
-            player.play(ClipState::new(&model, 0).at_secs(&model, secs));
+            player.play(ClipState::new(&*model, 0).at_secs(&*model, secs));
             player.control(&mut FullDetail::default(), seen_at(1.0));
             let mut plain = rig.rest_pose().clone();
             let exact = f64::from(frame) / f64::from(rate);

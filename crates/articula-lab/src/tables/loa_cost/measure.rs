@@ -9,6 +9,7 @@ use articula_core::playback::{
 };
 use articula_core::{Clip, GroupedSkin, JointSet, LocalPose};
 use std::hint::black_box;
+use std::sync::Arc;
 
 /// Nanoseconds of the two stages of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -49,7 +50,7 @@ pub(super) struct Counts {
 pub(super) struct Stage<'a> {
     asset: &'a Asset,
     clip: &'a Clip,
-    groups: GroupedSkin,
+    groups: Arc<GroupedSkin>,
 }
 
 impl<'a> Stage<'a> {
@@ -57,7 +58,7 @@ impl<'a> Stage<'a> {
         Self {
             asset,
             clip,
-            groups: GroupedSkin::new(&asset.mesh),
+            groups: GroupedSkin::new(&asset.mesh).into(),
         }
     }
 
@@ -69,14 +70,15 @@ impl<'a> Stage<'a> {
     /// If the clip belongs to another rig than the asset.
     pub(super) fn pass(&self, joints: &JointSet, figures: usize) -> (Vec<StageNs>, Counts) {
         let (rig, mesh) = (&self.asset.rig, &self.asset.mesh);
-        let clips = std::slice::from_ref(self.clip);
-        let model = FigureModel::new(rig, clips).expect("the clip must belong to the rig");
+        let model = FigureModel::new(rig.clone(), [self.clip.clone()])
+            .expect("the clip must belong to the rig");
+        let (start, model) = (ClipState::new(&model, 0).once(), Arc::new(model));
         let frames = self.clip.frames();
-        let mut shown: Vec<(FigurePlayer<'_>, FigureSkin<'_>)> = (0..figures)
+        let mut shown: Vec<(FigurePlayer, FigureSkin)> = (0..figures)
             .map(|_| {
-                let mut player = FigurePlayer::new(&model, &mesh.morph_weights);
-                player.play(ClipState::new(&model, 0).once());
-                (player, FigureSkin::new(mesh, &self.groups))
+                let mut player = FigurePlayer::new(model.clone(), &mesh.morph_weights);
+                player.play(start);
+                (player, FigureSkin::new(mesh.clone(), self.groups.clone()))
             })
             .collect();
         let views = FigureViews::Parallel {
