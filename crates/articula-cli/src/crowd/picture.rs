@@ -8,6 +8,7 @@ use articula_core::{Camera, Viewport};
 use articula_flat::Picture;
 use articula_report::CrowdPicture;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Maximum number of triangles of skins; the farthest characters beyond it are slivers.
 const MAX_TRIANGLES: usize = 8_000_000;
@@ -15,11 +16,11 @@ const MAX_TRIANGLES: usize = 8_000_000;
 /// Draws the scene at time 0 in the size given, its views below each other.
 pub(crate) fn draw(
     cast: &[CrowdAsset],
-    scene: &Scene,
+    scene: &Arc<Scene>,
     settings: Settings,
     (width, height): (u32, u32),
 ) -> anyhow::Result<Picture> {
-    let stage = TimedCrowd::first_frame(cast, scene, settings)?;
+    let stage = TimedCrowd::first_frame(cast, scene.clone(), settings)?;
     let mut pictures = Vec::new();
     for camera in stage.scene.cameras()? {
         let (mut crowd, drawn) = gathered(&stage.scene, &camera);
@@ -57,7 +58,7 @@ enum Shown<'a> {
 
 /// The skins of the nearest visible characters, the others as slivers, and the number of those with
 /// skins.
-fn gathered(scene: &ScenePlayer<'_>, camera: &Camera) -> (CrowdPicture, usize) {
+fn gathered(scene: &ScenePlayer, camera: &Camera) -> (CrowdPicture, usize) {
     let sources = scene.crowds().iter().map(CrowdPlayer::sources);
     let sources: Vec<_> = sources.collect();
     let mut draws: Vec<(f32, usize, usize, Shown<'_>)> = Vec::new();
@@ -115,7 +116,7 @@ fn gathered(scene: &ScenePlayer<'_>, camera: &Camera) -> (CrowdPicture, usize) {
 
 /// The legend: the colour and number of characters of each level, and the number drawn. Where the levels
 /// belong to several characters, what they keep is left out.
-fn legend(scene: &ScenePlayer<'_>, drawn: usize) -> Vec<(Option<usize>, String)> {
+fn legend(scene: &ScenePlayer, drawn: usize) -> Vec<(Option<usize>, String)> {
     let mut levels = vec![0; beyond_levels(scene)];
     let mut far = 0;
     let mut shown = 0;
@@ -159,7 +160,7 @@ fn legend(scene: &ScenePlayer<'_>, drawn: usize) -> Vec<(Option<usize>, String)>
 }
 
 /// The colour of impostors: that of a level which no character has.
-fn beyond_levels(scene: &ScenePlayer<'_>) -> usize {
+fn beyond_levels(scene: &ScenePlayer) -> usize {
     let levels = scene.crowds().iter().map(|crowd| crowd.asset().levels());
     levels.max().unwrap_or(0)
 }

@@ -31,7 +31,7 @@ impl RoleTally {
         }
     }
 
-    pub(crate) fn add(&mut self, scene: &ScenePlayer<'_>, sample: &ErrorSample) {
+    pub(crate) fn add(&mut self, scene: &ScenePlayer, sample: &ErrorSample) {
         for character in &sample.characters {
             if let Some(role) = scene.role(character.character) {
                 self.errors_px[role].push(character.p95_px);

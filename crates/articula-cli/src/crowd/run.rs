@@ -14,6 +14,7 @@ use articula::crowd::{
 };
 use articula_build::Scene;
 use serde::Serialize;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Frames before the first one that counts, at a standstill, in which levels and caches settle
@@ -106,7 +107,7 @@ pub(crate) struct BudgetFound {
 /// Plays a scene twice: once for its time, once for its errors.
 pub(crate) fn run(
     cast: &[CrowdAsset],
-    scene: &Scene,
+    scene: &Arc<Scene>,
     settings: Settings,
     seed: u64,
     console: &Console,
@@ -140,11 +141,11 @@ fn step_secs(frame: usize) -> f64 {
 
 fn timed(
     cast: &[CrowdAsset],
-    scene: &Scene,
+    scene: &Arc<Scene>,
     settings: Settings,
     console: &Console,
 ) -> anyhow::Result<(Vec<FrameTime>, Vec<BudgetReport>)> {
-    let mut stage = TimedCrowd::new(cast, scene, settings)?;
+    let mut stage = TimedCrowd::new(cast, scene.clone(), settings)?;
     let budget = match settings.detail {
         DetailGoal::Budget { ms, cap_px } => Some(Budget::new(1e6 * f64::from(ms), cap_px)),
         _ => None,
@@ -157,7 +158,7 @@ fn timed(
 
 /// Times and budgets of the frames.
 fn play(
-    stage: &mut TimedCrowd<'_>,
+    stage: &mut TimedCrowd,
     mut budget: Option<Budget>,
     frames: usize,
 ) -> anyhow::Result<(Vec<FrameTime>, Vec<BudgetReport>)> {
@@ -190,12 +191,12 @@ fn play(
 
 fn looked_at(
     cast: &[CrowdAsset],
-    scene: &Scene,
+    scene: &Arc<Scene>,
     settings: Settings,
     tolerances: &[f32],
     (seed, console): (u64, &Console),
 ) -> anyhow::Result<Run> {
-    let mut stage = TimedCrowd::new(cast, scene, settings)?;
+    let mut stage = TimedCrowd::new(cast, scene.clone(), settings)?;
     let mut watched: Vec<Watched<'_>> = cast.iter().map(|a| Watched::new(a, seed)).collect();
     let mut hash = PaletteHash::default();
     let mut roles = RoleTally::new(scene);
@@ -302,7 +303,7 @@ impl<'a> Watched<'a> {
 }
 
 /// Measures all crowds of a scene; the characters of the sample are the members of the scene.
-fn look(scene: &ScenePlayer<'_>, watched: &mut [Watched<'_>]) -> anyhow::Result<ErrorSample> {
+fn look(scene: &ScenePlayer, watched: &mut [Watched<'_>]) -> anyhow::Result<ErrorSample> {
     let secs = scene.secs();
     let mut all = ErrorSample {
         secs,

@@ -9,6 +9,7 @@ use articula::crowd::{
 use articula_build::Scene;
 use rayon::ThreadPool;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Refresh rate of the display, hertz.
 pub(crate) const DISPLAY_HZ: f64 = 60.0;
@@ -31,18 +32,18 @@ pub(crate) struct Settings {
 
 /// A scene and the threads that evaluate it.
 #[derive(Debug)]
-pub(crate) struct TimedCrowd<'a> {
-    pub(crate) scene: ScenePlayer<'a>,
+pub(crate) struct TimedCrowd {
+    pub(crate) scene: ScenePlayer,
     pool: Option<ThreadPool>,
     /// Number of parts of a frame; 1 on a single thread.
     parts: usize,
 }
 
-impl<'a> TimedCrowd<'a> {
+impl TimedCrowd {
     /// Places all characters at time 0.
     pub(crate) fn new(
         cast: &[CrowdAsset],
-        scene: &'a Scene,
+        scene: Arc<Scene>,
         settings: Settings,
     ) -> anyhow::Result<Self> {
         let options = SceneOptions {
@@ -69,7 +70,7 @@ impl<'a> TimedCrowd<'a> {
     /// Places all characters and evaluates the frame at time 0.
     pub(crate) fn first_frame(
         cast: &[CrowdAsset],
-        scene: &'a Scene,
+        scene: Arc<Scene>,
         settings: Settings,
     ) -> anyhow::Result<Self> {
         let mut stage = Self::new(cast, scene, settings)?;

@@ -23,12 +23,13 @@
 //! While a clip arrives as a stream, [`FigurePlayer::set_model`] goes on with what has arrived; what
 //! is shown moves there within a given time.
 //!
-//! Players, skins and controllers share what they read, a rig, clips, a mesh or tables, by [`Arc`](std::sync::Arc),
-//! and none borrows: they can be held from frame to frame by any owner and moved to other threads.
+//! Players, skins and controllers share what they read, a rig, clips, a mesh or tables, by
+//! [`Arc`](std::sync::Arc), and none borrows: they can be held from frame to frame by any owner and
+//! moved to other threads.
 //!
 //! No call but constructors, `add_layer` and `set_model` allocates, none reads a clock, and the same
-//! calls give the same pose. The controllers in this crate are deterministic; a controller of a caller runs in the same
-//! playback and is measured in the same way.
+//! calls give the same pose. The controllers in this crate are deterministic; a controller of a
+//! caller runs in the same playback and is measured in the same way.
 
 mod controller;
 mod drift;

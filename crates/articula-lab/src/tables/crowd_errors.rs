@@ -164,7 +164,7 @@ fn played_as(asset: &CrowdAsset, play: Play, frames: usize) -> Result<(f64, Erro
         cache: play.cache,
         hiders: Hiders::Nothing,
     };
-    let mut player = ScenePlayer::new(std::slice::from_ref(asset), &scene, options)?;
+    let mut player = ScenePlayer::new(std::slice::from_ref(asset), scene, options)?;
     if let Some(scales) = play.scales {
         for character in 0..CHARACTERS {
             let scale = scales[character % scales.len()];

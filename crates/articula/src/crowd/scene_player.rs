@@ -15,6 +15,7 @@ use articula_core::crowd::{
 };
 use articula_core::visibility::View;
 use articula_core::{Camera, ClipSet};
+use std::sync::Arc;
 
 /// Time by which the camera path is sampled ahead, so that characters are updated before they
 /// become visible.
@@ -50,10 +51,10 @@ pub struct SceneOptions {
     pub hiders: Hiders,
 }
 
-/// The crowds of a scene, one for each character of its cast.
+/// The crowds of a scene, one for each character of its cast. Owns them, and shares the scene.
 #[derive(Debug)]
-pub struct ScenePlayer<'a> {
-    scene: &'a Scene,
+pub struct ScenePlayer {
+    scene: Arc<Scene>,
     crowds: Vec<CrowdPlayer>,
     /// Index in the scene of each character of each crowd.
     members: Vec<Vec<u32>>,
@@ -80,13 +81,18 @@ struct Turning {
     goes: bool,
 }
 
-impl<'a> ScenePlayer<'a> {
+impl ScenePlayer {
     /// Creates the crowds in their state at time 0. `cast` has the asset of each character of the cast.
     ///
     /// # Errors
     /// An [`Error`] if a character of the scene is not in the cast, the scene has more than [`MAX_VIEWS`]
     /// views, or the palettes would take too much memory.
-    pub fn new(cast: &[CrowdAsset], scene: &'a Scene, options: SceneOptions) -> Result<Self> {
+    pub fn new(
+        cast: &[CrowdAsset],
+        scene: impl Into<Arc<Scene>>,
+        options: SceneOptions,
+    ) -> Result<Self> {
+        let scene = scene.into();
         if scene.views.len() > MAX_VIEWS {
             return Err(Error::unsuited(format!(
                 "the scene has {} views, at most {MAX_VIEWS}",
@@ -119,8 +125,8 @@ impl<'a> ScenePlayer<'a> {
             crowd.cache = options.cache;
         }
         let mut made = Self {
+            hidden: Hidden::new(&crowds, &scene, options.hiders)?,
             scene,
-            hidden: Hidden::new(&crowds, scene, options.hiders)?,
             crowds,
             members,
             places,
@@ -168,6 +174,11 @@ impl<'a> ScenePlayer<'a> {
             }
             player.crowd_mut().play(character, state);
         }
+    }
+
+    /// Returns the scene that is played.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
     }
 
     /// Returns the crowds, one for each character of the cast, in its order.

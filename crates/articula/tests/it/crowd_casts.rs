@@ -2,11 +2,11 @@
 
 use crate::crowd::{asset_of, human};
 use articula::crowd::{
-    Budget, CacheUse, CastMember, CrowdAsset, CrowdOptions, DetailGoal, Hiders, ParsedScene,
-    SceneOptions, ScenePlayer, read_scene, write_scene,
+    Budget, CacheUse, CastMember, CrowdAsset, CrowdOptions, CrowdPlayer, DetailGoal, Hiders,
+    ParsedScene, SceneOptions, ScenePlayer, read_scene, write_scene,
 };
 use articula_build::{Plaza, Scene, plaza};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 const OPTIONS: SceneOptions = SceneOptions {
     detail: DetailGoal::Tolerance(1.0),
@@ -59,11 +59,12 @@ fn alone(scene: &Scene, character: u16) -> Scene {
 fn each_character_of_a_cast_is_played_as_it_would_be_alone() {
     let cast = cast();
     let scene = plaza(60, &clips(cast), 3, Plaza::Moving);
-    let mut both = ScenePlayer::new(cast, &scene, OPTIONS).unwrap();
-    let halves = [0, 1].map(|c| alone(&scene, c));
-    let mut each: Vec<ScenePlayer<'_>> = (0..2)
-        .map(|c| ScenePlayer::new(&cast[c..=c], &halves[c], OPTIONS).unwrap())
-        .collect();
+    let scene = Arc::new(scene);
+    let mut both = ScenePlayer::new(cast, scene.clone(), OPTIONS).unwrap();
+    let mut each = [0, 1].map(|c| {
+        let half = alone(&scene, c as u16);
+        ScenePlayer::new(&cast[c..=c], half, OPTIONS).unwrap()
+    });
     for _ in 0..90 {
         let together = both.plan(1.0 / 60.0).unwrap();
         both.crowds_mut().iter_mut().for_each(|c| c.evaluate());
@@ -90,12 +91,22 @@ fn each_character_of_a_cast_is_played_as_it_would_be_alone() {
     }
 }
 
+/// A session of a server or a component of an engine holds crowds from frame to frame.
+#[test]
+fn players_of_crowds_and_scenes_borrow_nothing() {
+    fn is_owned<T: Send + Sync + 'static>() {}
+    is_owned::<CrowdAsset>();
+    is_owned::<CrowdPlayer>();
+    is_owned::<ScenePlayer>();
+}
+
 #[test]
 fn a_character_that_nobody_plays_changes_nothing() {
     let cast = cast();
     let scene = plaza(9, &clips(&cast[..1]), 3, Plaza::Still);
-    let mut with = ScenePlayer::new(cast, &scene, OPTIONS).unwrap();
-    let mut without = ScenePlayer::new(&cast[..1], &scene, OPTIONS).unwrap();
+    let scene = Arc::new(scene);
+    let mut with = ScenePlayer::new(cast, scene.clone(), OPTIONS).unwrap();
+    let mut without = ScenePlayer::new(&cast[..1], scene, OPTIONS).unwrap();
     for _ in 0..3 {
         assert_eq!(with.plan(0.1).unwrap(), without.plan(0.1).unwrap());
         with.crowds_mut().iter_mut().for_each(|c| c.evaluate());
@@ -103,7 +114,7 @@ fn a_character_that_nobody_plays_changes_nothing() {
     }
     assert_eq!(with.crowds()[0].palettes(), without.crowds()[0].palettes());
     let stray = plaza(9, &[1, 1], 3, Plaza::Still);
-    let why = ScenePlayer::new(&cast[..1], &stray, OPTIONS).unwrap_err();
+    let why = ScenePlayer::new(&cast[..1], stray, OPTIONS).unwrap_err();
     assert!(why.to_string().contains("of a cast of 1"), "{why}");
 }
 
@@ -132,7 +143,7 @@ fn what_one_of_two_views_sees_is_shown_as_the_nearer_one_needs() {
     let two = read_scene(two_views(clip, back).as_bytes(), &names, 60.0).unwrap();
     assert_eq!((one.views.len(), two.views.len()), (1, 2));
     let levels = |scene: &Scene| {
-        let mut player = ScenePlayer::new(cast, scene, OPTIONS).unwrap();
+        let mut player = ScenePlayer::new(cast, scene.clone(), OPTIONS).unwrap();
         player.plan(0.0).unwrap();
         let crowd = player.crowds()[0].crowd();
         ([0, 1, 2].map(|c| crowd.level(c)), player.hidden())
@@ -160,8 +171,8 @@ fn one_budget_serves_all_characters() {
         ms: 1.0,
         cap_px: 1.0,
     };
-    let mut player = ScenePlayer::new(cast, &scene, SceneOptions { detail, ..OPTIONS }).unwrap();
-    let demand_ns = |player: &mut ScenePlayer<'_>, limit_ns: f64| {
+    let mut player = ScenePlayer::new(cast, scene, SceneOptions { detail, ..OPTIONS }).unwrap();
+    let demand_ns = |player: &mut ScenePlayer, limit_ns: f64| {
         let mut budget = Budget::new(limit_ns, 1.0);
         let mut last = None;
         for _ in 0..40 {
@@ -223,7 +234,7 @@ fn casts_and_views_are_written_as_they_were_read() {
     let again = read_scene(&written, &names, 60.0).unwrap();
     assert_eq!(again.members, scene.members);
     assert_eq!(again.importance, scene.importance);
-    let player = ScenePlayer::new(cast, &again, OPTIONS).unwrap();
+    let player = ScenePlayer::new(cast, again.clone(), OPTIONS).unwrap();
     assert_eq!([0, 1].map(|c| player.crowds()[c].scale(0)), [0.5, 1.0]);
     assert_eq!(again.views.len(), 2);
     assert!((again.views[1].viewport.fov_y_radians - 60f32.to_radians()).abs() < 1e-6);

@@ -8,6 +8,7 @@ use articula::crowd::{
 use articula_build::Scene;
 use glam::Vec3;
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 const OPTIONS: SceneOptions = SceneOptions {
     detail: DetailGoal::Tolerance(1.0),
@@ -25,7 +26,7 @@ fn cast(asset: &CrowdAsset) -> CastMember<'_> {
 }
 
 /// A camera at the origin that looks along -Z, and characters in rows before it.
-fn scene_of(asset: &CrowdAsset, more: &str, places: &[[f32; 2]], member: &str) -> Scene {
+fn scene_of(asset: &CrowdAsset, more: &str, places: &[[f32; 2]], member: &str) -> Arc<Scene> {
     let clip = &asset.clips()[0].name;
     let mut text = format!(
         r#"{{"camera": [{{"t": 0, "eye": [0, 1.2, 0], "target": [0, 1.2, -1]}}], {more} "members": ["#
@@ -36,11 +37,13 @@ fn scene_of(asset: &CrowdAsset, more: &str, places: &[[f32; 2]], member: &str) -
         write!(text, r#"{comma}{{{place}, "clip": "{clip}"{member}}}"#).unwrap();
     }
     text.push_str("]}");
-    read_scene(text.as_bytes(), &[cast(asset)], 60.0).unwrap()
+    read_scene(text.as_bytes(), &[cast(asset)], 60.0)
+        .unwrap()
+        .into()
 }
 
 /// Levels of the characters after some frames.
-fn levels(player: &mut ScenePlayer<'_>, count: usize, frames: usize) -> Vec<Option<usize>> {
+fn levels(player: &mut ScenePlayer, count: usize, frames: usize) -> Vec<Option<usize>> {
     for _ in 0..frames {
         player.plan(1.0 / 60.0).unwrap();
         player.crowds_mut()[0].evaluate();
@@ -57,29 +60,31 @@ fn who_stands_behind_a_wall_costs_nothing_and_keeps_time() {
     let open = scene_of(asset, "", &places, "");
     let walled = scene_of(asset, wall, &places, "");
     let heroes = scene_of(asset, wall, &places, r#", "role": "main""#);
-    let mut open_player = ScenePlayer::new(std::slice::from_ref(asset), &open, OPTIONS).unwrap();
-    let mut player = ScenePlayer::new(std::slice::from_ref(asset), &walled, OPTIONS).unwrap();
+    let mut open_player =
+        ScenePlayer::new(std::slice::from_ref(asset), open.clone(), OPTIONS).unwrap();
+    let mut player =
+        ScenePlayer::new(std::slice::from_ref(asset), walled.clone(), OPTIONS).unwrap();
     let all = levels(&mut open_player, 4, 90);
     let seen = levels(&mut player, 4, 90);
     assert!(all.iter().all(Option::is_some), "{all:?}");
     assert_eq!(seen, [None, None, all[2], all[3]]);
     assert_eq!((open_player.hidden(), player.hidden()), (0, 2));
     for character in 0..4 {
-        let state = |p: &ScenePlayer<'_>| p.crowds()[0].crowd().state(character);
+        let state = |p: &ScenePlayer| p.crowds()[0].crowd().state(character);
         assert_eq!(state(&player), state(&open_player), "{character}");
     }
-    let mut heroes = ScenePlayer::new(std::slice::from_ref(asset), &heroes, OPTIONS).unwrap();
+    let mut heroes = ScenePlayer::new(std::slice::from_ref(asset), heroes, OPTIONS).unwrap();
     assert_eq!(levels(&mut heroes, 4, 90)[..2], [None, None]);
     // Without hiders the walls are not drawn.
     let nothing = SceneOptions {
         hiders: Hiders::Nothing,
         ..OPTIONS
     };
-    let mut player = ScenePlayer::new(std::slice::from_ref(asset), &walled, nothing).unwrap();
+    let mut player = ScenePlayer::new(std::slice::from_ref(asset), walled, nothing).unwrap();
     assert_eq!(
         levels(&mut player, 4, 1),
         levels(
-            &mut ScenePlayer::new(std::slice::from_ref(asset), &open, OPTIONS).unwrap(),
+            &mut ScenePlayer::new(std::slice::from_ref(asset), open, OPTIONS).unwrap(),
             4,
             1
         )
@@ -97,7 +102,7 @@ fn a_crowd_hides_who_stands_behind_it() {
         hiders: Hiders::Everything,
         ..OPTIONS
     };
-    let mut player = ScenePlayer::new(std::slice::from_ref(asset), &scene, everything).unwrap();
+    let mut player = ScenePlayer::new(std::slice::from_ref(asset), scene, everything).unwrap();
     let seen = levels(&mut player, places.len(), 2);
     assert_eq!(seen[9], None, "{seen:?}");
     assert!(seen[..9].iter().all(Option::is_some), "{seen:?}");
@@ -112,8 +117,8 @@ fn roles_change_the_tolerance_and_change_by_cue() {
         {"t": 1.0, "role": null, "members": [1]}],"#;
     let scene = scene_of(asset, more, &places, r#", "role": "extra""#);
     let neutral = scene_of(asset, "", &places, "");
-    let mut player = ScenePlayer::new(std::slice::from_ref(asset), &scene, OPTIONS).unwrap();
-    let mut plain = ScenePlayer::new(std::slice::from_ref(asset), &neutral, OPTIONS).unwrap();
+    let mut player = ScenePlayer::new(std::slice::from_ref(asset), scene, OPTIONS).unwrap();
+    let mut plain = ScenePlayer::new(std::slice::from_ref(asset), neutral, OPTIONS).unwrap();
     let usual = levels(&mut plain, 2, 10)[0];
     let extra = levels(&mut player, 2, 10);
     assert!(extra[1] > usual, "{extra:?} against {usual:?}");
@@ -121,7 +126,10 @@ fn roles_change_the_tolerance_and_change_by_cue() {
     let hero = levels(&mut player, 2, 30);
     assert_eq!(hero[0], extra[0], "who has no cue keeps its role");
     assert!(hero[1] < usual, "{hero:?} against {usual:?}");
-    assert_eq!(scene.importance.roles[player.role(1).unwrap()].name, "main");
+    assert_eq!(
+        player.scene().importance.roles[player.role(1).unwrap()].name,
+        "main"
+    );
     levels(&mut player, 2, 30);
     assert_eq!(
         (player.role(1), player.crowds()[0].importance(1)),
@@ -146,7 +154,7 @@ fn scenes_with_roles_are_written_as_they_were_read() {
     assert_eq!(again.members, scene.members);
     let wall = again.walls[0];
     assert!((wall.yaw_radians - scene.walls[0].yaw_radians).abs() < 1e-6);
-    let player = ScenePlayer::new(std::slice::from_ref(asset), &scene, OPTIONS).unwrap();
+    let player = ScenePlayer::new(std::slice::from_ref(asset), scene, OPTIONS).unwrap();
     let importance = [0, 1].map(|c| player.crowds()[0].importance(c));
     assert_eq!(importance, [8.0 * 3.0 * 2.0, 8.0 * 2.0]);
 }

@@ -26,6 +26,7 @@ use clap::Args;
 use importance::ImportanceArgs;
 use report::CrowdRunReport;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 use storage::{FormName, MatricesName, SourceName, StorageArgs, StorageName};
 
@@ -132,7 +133,7 @@ pub(crate) struct CrowdArgs {
 /// The parsed and checked inputs of a run.
 struct Piece {
     cast: Vec<CastAsset>,
-    scene: Scene,
+    scene: Arc<Scene>,
     scene_name: String,
     settings: Settings,
 }
@@ -171,7 +172,7 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     };
     let piece = Piece {
         cast,
-        scene,
+        scene: scene.into(),
         scene_name: args.scene.clone(),
         settings,
     };

@@ -96,7 +96,7 @@ impl CrowdArgs {
         }
         if let Some(folder) = &self.buffers {
             let assets = piece.assets();
-            let stage = TimedCrowd::first_frame(&assets, &piece.scene, piece.settings)?;
+            let stage = TimedCrowd::first_frame(&assets, piece.scene.clone(), piece.settings)?;
             let names = piece.cast.iter().map(|c| c.file.name.as_str());
             for (folder, crowd) in folders(folder, names).zip(stage.scene.crowds()) {
                 let buffers = CrowdBuffers::new(crowd)?.files()?.into_iter();

@@ -13,6 +13,7 @@ use articula::crowd::{
 use articula_build::{Plaza, Scene, plaza};
 use serde::Serialize;
 use std::slice::from_ref;
+use std::sync::Arc;
 
 /// Number of characters: a square of 14 by 14.
 const COUNT: usize = 196;
@@ -49,7 +50,12 @@ pub(super) fn of(
     folder: &Folder<'_>,
     console: &Console,
 ) -> anyhow::Result<Crowd> {
-    let scene = plaza(COUNT, &[figure.asset.clips.len()], SEED, Plaza::Still);
+    let scene = Arc::new(plaza(
+        COUNT,
+        &[figure.asset.clips.len()],
+        SEED,
+        Plaza::Still,
+    ));
     let asset = |joints| console.work(|work| CrowdAsset::new(figure, &options(joints), work));
     let (whole, merged) = (
         asset(JointLodMethod::Whole)?,
@@ -101,7 +107,7 @@ fn settings(detail: DetailGoal, cache: CacheUse) -> Settings {
 
 fn play(
     asset: &CrowdAsset,
-    scene: &Scene,
+    scene: &Arc<Scene>,
     settings: Settings,
     console: &Console,
 ) -> anyhow::Result<Run> {

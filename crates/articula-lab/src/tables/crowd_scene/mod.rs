@@ -147,7 +147,7 @@ fn ours(
         cache,
         hiders: Hiders::Walls,
     };
-    let mut player = ScenePlayer::new(assets, &stage.scene, options)?;
+    let mut player = ScenePlayer::new(assets, stage.scene.clone(), options)?;
     let mut meters: Vec<ErrorMeter> = assets.iter().map(|a| ErrorMeter::new(a, SEED)).collect();
     let mut budget = match detail {
         DetailGoal::Budget { ms, cap_px } => Some(Budget::new(1e6 * f64::from(ms), cap_px)),

@@ -9,6 +9,7 @@ use articula_build::evaluate::CameraKey;
 use articula_build::{Plaza, Scene, SceneView, Wall, plaza};
 use glam::Vec3;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 const COUNT: usize = 10_000;
 /// Number of characters of a small run.
@@ -93,7 +94,7 @@ impl Member {
 /// The scene and its cast.
 pub(super) struct Stage {
     pub(super) cast: Vec<Member>,
-    pub(super) scene: Scene,
+    pub(super) scene: Arc<Scene>,
 }
 
 impl Stage {
@@ -122,6 +123,7 @@ impl Stage {
         let half = scene.members[0].position.z;
         scene.walls = walls(half);
         scene.views = views(&scene.views[0], half);
+        let scene = scene.into();
         Ok(Self { cast, scene })
     }
 
