@@ -18,7 +18,7 @@ pub(crate) fn targets(figure: &Figure) -> anyhow::Result<Picture> {
         weights: vec![0.0; asset.mesh.morph_weights.len()],
     };
     let mut shapes = vec![rest.clone()];
-    let meshes = &figure.opened.character.meshes;
+    let meshes = &figure.opened.character().meshes;
     for (mesh, first) in meshes.iter().zip(&asset.mesh.morph_slots) {
         for (target, name) in mesh.morph_names.iter().enumerate() {
             let known = shapes[1..].iter().position(|shape| shape.label == *name);
@@ -63,9 +63,9 @@ pub(crate) fn moments(figure: &Figure, clip: usize, most: usize) -> anyhow::Resu
 fn drawn(figure: &Figure, shapes: &[FaceShape], what: &str) -> anyhow::Result<Picture> {
     let asset = &figure.asset;
     let bounds = framed(figure).context("no vertex has a finite position")?;
-    let character = &figure.opened.character;
+    let character = figure.opened.character();
     let (look, _) = Appearance::new(&character.materials, &character.images);
-    let title = format!("{what} of {}", figure.opened.name);
+    let title = format!("{what} of {}", figure.opened.name());
     let mut rest = ModelPose::new(asset.rig.len());
     local_to_model(&asset.rig, asset.rig.rest_pose(), &mut rest);
     let framed = (&bounds, facing(&asset.rig, &rest));

@@ -2,7 +2,6 @@
 
 use anyhow::{Result, bail};
 use articula::Figure;
-use articula::crowd::put_in_place;
 use articula_build::Asset;
 use std::path::{Path, PathBuf};
 
@@ -32,7 +31,6 @@ pub(crate) fn asset(data: &Path, name: &str) -> Result<Asset> {
 /// As [`asset`], with travelling clips kept in place.
 pub(crate) fn asset_on_the_spot(data: &Path, name: &str) -> Result<Asset> {
     let mut opened = articula::fs::open(data.join(name))?;
-    let articulation = opened.articulation();
-    put_in_place(&mut opened.character, articulation, &opened.end_sites);
+    opened.put_in_place();
     Ok(Figure::new(opened)?.asset)
 }

@@ -84,7 +84,7 @@ pub(crate) fn open(path: &Path) -> Result<Content> {
 /// Number of warnings about a file, without the one about the choice of its skeleton.
 pub(crate) fn warnings(opened: &CharacterFile) -> usize {
     let own = |w: &&Warning| w.guess != Some(Assumption::Skeleton);
-    opened.warnings.iter().filter(own).count()
+    opened.warnings().iter().filter(own).count()
 }
 
 /// Unit and up axis given for a file that states neither.

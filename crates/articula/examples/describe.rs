@@ -20,7 +20,7 @@ fn main() -> Result<()> {
 
     // The author: the stream, its description, a table of its levels, and the item that ties them.
     let stream = abp1::write(
-        &opened.character,
+        opened.character(),
         &opened.articulation(),
         0,
         &Default::default(),

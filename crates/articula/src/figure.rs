@@ -34,7 +34,7 @@ impl Figure {
     /// An [`Error`] that names the file and the cause: neither joint nor mesh, a cycle in the node
     /// hierarchy, or more motion than fits in memory.
     pub fn new(opened: CharacterFile) -> Result<Self> {
-        let kept = opened.gltf.as_ref().and_then(|g| g.kept_meshes.as_ref());
+        let kept = opened.gltf().and_then(|g| g.kept_meshes.as_ref());
         let state = match kept {
             Some(kept) => kept.state.clone(),
             None => StoredState::of(&opened),
@@ -53,17 +53,17 @@ impl Figure {
     }
 
     fn with_stored(mut opened: CharacterFile, mut state: StoredState) -> Result<Self> {
-        if opened.character.skeleton.joints.is_empty() {
+        if opened.character().skeleton.joints.is_empty() {
             let what = "nodes: the file has no joint and no mesh; give a file with a character";
-            return Err(Error::unsuited(what)).context(&opened.name);
+            return Err(Error::unsuited(what)).context(opened.name());
         }
         let mut told = std::mem::take(&mut state.stale);
         let stored = Stored::of(&opened);
         let reordered = stored
             .as_ref()
             .filter(|s| state.has_order && s.is_reordered());
-        let meshes = &opened.character.meshes;
-        let kept = opened.gltf.as_ref().and_then(|g| g.kept_meshes.as_ref());
+        let meshes = &opened.character().meshes;
+        let kept = opened.gltf().and_then(|g| g.kept_meshes.as_ref());
         let restored = reordered.and_then(|stored| stored.source_meshes(meshes, kept));
         let (orders, restored) = restored.unzip();
         if reordered.is_some() && restored.is_none() {
@@ -72,14 +72,14 @@ impl Figure {
         }
         let current = stored.as_ref().filter(|_| state.is_current);
         let asset = assembled(&opened, restored.as_deref(), current);
-        let asset = asset.with_context(|| &opened.name)?;
+        let asset = asset.with_context(|| opened.name())?;
         told.extend(stored.map(Stored::into_warnings).into_iter().flatten());
         let warning = |what| Warning {
             at: "extensions.ARTICULA_prepared".to_owned(),
             what,
             guess: None,
         };
-        opened.warnings.extend(told.into_iter().map(warning));
+        opened.warnings_mut().extend(told.into_iter().map(warning));
         Ok(Self {
             orders,
             source_meshes: restored,
@@ -93,11 +93,13 @@ impl Figure {
     /// document is made of.
     pub(crate) fn into_source(mut self) -> SourceFigure {
         let mesh_levels = self.stored_mesh_levels();
+        let gltf = self.opened.detach_document();
         if let Some(meshes) = self.source_meshes.take() {
-            self.opened.character.meshes = meshes;
+            let edit = |character: &mut Character| character.meshes = meshes;
+            self.opened.edit_character(edit);
         }
         SourceFigure {
-            gltf: self.opened.gltf.take(),
+            gltf,
             orders: self.orders.take(),
             mesh_levels,
             figure: self,
@@ -141,7 +143,7 @@ impl Figure {
 
     /// The character with its meshes in the order of the source.
     pub(crate) fn source_character(&self) -> Character {
-        let mut character = self.opened.character.clone();
+        let mut character = self.opened.character().clone();
         if let Some(meshes) = &self.source_meshes {
             character.meshes.clone_from(meshes);
         }
@@ -150,7 +152,7 @@ impl Figure {
 
     /// Number of mesh levels of the file, 0 without levels.
     pub(crate) fn stored_mesh_level_count(&self) -> usize {
-        let table = self.opened.character.mesh_levels.as_ref();
+        let table = self.opened.character().mesh_levels.as_ref();
         table.map_or(0, |table| table.levels.len())
     }
 
@@ -164,7 +166,7 @@ impl Figure {
         let mut out = vec![Vec::new(); levels];
         let mut parts = self.asset.mesh.parts.iter();
         let mut orders = self.orders.iter().flatten();
-        for mesh in &self.opened.character.meshes {
+        for mesh in &self.opened.character().meshes {
             if mesh.clustered.len() != mesh.primitives.len() {
                 return None;
             }
@@ -196,10 +198,15 @@ impl Figure {
     /// # Errors
     /// [`Error::Argument`] if no clip has this name; the message lists the clips.
     pub fn clip(&self, name: Option<&str>) -> Result<Option<usize>> {
-        let names = self.opened.character.clips.iter().map(|c| c.name.as_str());
+        let names = self
+            .opened
+            .character()
+            .clips
+            .iter()
+            .map(|c| c.name.as_str());
         match name {
             Some(name) => choose("clip", name, names)
-                .with_context(|| &self.opened.name)
+                .with_context(|| self.opened.name())
                 .map(Some),
             None => Ok((!self.asset.clips.is_empty()).then_some(0)),
         }
@@ -222,7 +229,7 @@ fn assembled(
     meshes: Option<&[RawMesh]>,
     stored: Option<&Stored<'_>>,
 ) -> Result<Asset> {
-    let source = &opened.character;
+    let source = opened.character();
     let articulation = opened.articulation();
     let shown = meshes.unwrap_or(&source.meshes);
     if let Some(stored) = stored {

@@ -40,13 +40,13 @@ pub fn bake(
 ) -> Result<Impostors> {
     let stored = figure.stored();
     let mut asset = in_place(figure, RootMotionPolicy::OnTheSpot, stored.as_ref())
-        .with_context(|| &figure.opened.name)?
+        .with_context(|| figure.opened.name())?
         .asset;
     if !clips.is_empty() {
         let kept = clips.iter().filter_map(|c| asset.clips.get(*c).cloned());
         asset.clips = kept.collect();
     }
-    let character = &figure.opened.character;
+    let character = figure.opened.character();
     let (appearance, _) = Appearance::new(&character.materials, &character.images);
     let source = ImpostorSource {
         rig: &asset.rig,
@@ -56,8 +56,8 @@ pub fn bake(
     };
     let plan = work
         .with_progress(CHOOSING, |p| ImpostorPlan::new(&source, options, p))
-        .with_context(|| &figure.opened.name)?;
-    let atlas = drawn(&plan, &source, work).with_context(|| &figure.opened.name)?;
+        .with_context(|| figure.opened.name())?;
+    let atlas = drawn(&plan, &source, work).with_context(|| figure.opened.name())?;
     Ok(Impostors { plan, atlas })
 }
 

@@ -28,22 +28,22 @@ pub struct RigJointMap {
 /// # Errors
 /// [`Error::Unsupported`] that names the file, if names cannot tell the joints.
 pub fn rig_joint_map(opened: &CharacterFile) -> Result<RigJointMap> {
-    made(opened).with_context(|| &opened.name)
+    made(opened).with_context(|| opened.name())
 }
 
 fn made(opened: &CharacterFile) -> Result<RigJointMap> {
-    let skeleton = &opened.character.skeleton;
+    let skeleton = &opened.character().skeleton;
     let articulation = opened.articulation();
     let hanim = |joint: usize| articulation.joints[joint].hanim.as_deref();
     let mapped = articulation.mapped();
     let mut text = JointMapText {
-        name: stem(&opened.name),
-        title: format!("Joint map of {}", file_name(&opened.name)),
+        name: stem(opened.name()),
+        title: format!("Joint map of {}", file_name(opened.name())),
         source: match articulation.profile.as_str() {
             "" => "written by articula inspect; no joint was recognised".to_owned(),
             by => format!("written by articula inspect; recognised by {by}"),
         },
-        scope: if opened.mapping.is_hands_alone() {
+        scope: if opened.mapping().is_hands_alone() {
             RigScope::Hand
         } else {
             RigScope::Body
@@ -62,7 +62,7 @@ fn made(opened: &CharacterFile) -> Result<RigJointMap> {
     }
     let any_skin = skeleton.joints.iter().any(|j| j.in_skin);
     let is_joint = |joint: usize| skeleton.joints[joint].in_skin || !any_skin;
-    for gap in &opened.mapping.gaps {
+    for gap in &opened.mapping().gaps {
         if hanim(gap.joint).is_some() || !is_joint(gap.joint) || !is_new(&gap.name) {
             continue;
         }

@@ -176,7 +176,7 @@ impl MotionTables {
     pub fn stored(figure: &Figure, clip: usize) -> Self {
         let asset = &figure.asset;
         let mut found = Self::default();
-        let Some(gltf) = &figure.opened.gltf else {
+        let Some(gltf) = figure.opened.gltf() else {
             return found;
         };
         let hashes = table_hashes(&asset.rig, &asset.clips[clip], &asset.mesh);

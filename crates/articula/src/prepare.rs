@@ -19,8 +19,7 @@ use articula_formats::gltf::{self, Document};
 pub struct PreparedAsset {
     /// The asset as a GLB that any glTF viewer opens.
     pub glb: Vec<u8>,
-    /// The character that was prepared. Its document was moved into the asset, so `opened.gltf` is
-    /// `None`.
+    /// The character that was prepared. Its document was moved into the asset, so the file has none.
     pub figure: Figure,
     /// Motion tables, one for each clip.
     pub tables: Vec<ClipTables>,
@@ -52,9 +51,8 @@ pub fn prepare(
     options: &PrepareOptions,
     work: &Executor<'_>,
 ) -> Result<PreparedAsset> {
-    let name = opened.name.clone();
-    let (mut opened, gltf) = with_document(opened).with_context(|| &name)?;
-    opened.gltf = Some(gltf);
+    let name = opened.name().to_owned();
+    let opened = with_document(opened).with_context(|| &name)?;
     let figure = Figure::computed(opened)?;
     let source = figure.into_source();
     let Some(mut gltf) = source.gltf else {
@@ -98,10 +96,11 @@ pub fn prepare(
     let parts = write::parts(&figure, DocumentLevels { triangles, orders }, options, work);
     let parts = parts.with_context(|| &name)?;
     let (glb, mesh_bytes) = written(&figure, gltf, &tables, &parts).with_context(|| &name)?;
-    let meshes = figure.opened.character.meshes.clone();
+    let meshes = figure.opened.character().meshes.clone();
     if let Some(levels) = &levels {
-        let character = levels.levels.character(&figure.opened.character);
-        figure.opened.character = character.with_context(|| &name)?;
+        let made = levels.levels.character(figure.opened.character());
+        let made = made.with_context(|| &name)?;
+        figure.opened.edit_character(|character| *character = made);
     }
     let sizes = PreparedPart::ALL.into_iter().map(|part| PartBytes {
         part: part.name(),
@@ -119,29 +118,21 @@ pub fn prepare(
     })
 }
 
-/// Returns the character and its glTF document: its own with the current clips, or a new document
-/// for a character from another format.
-pub(crate) fn with_document(mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource)> {
-    let Some(mut gltf) = opened.gltf.take() else {
-        let document = Document::from_character(&opened.character)?;
+/// Returns the character with a glTF document that shows it: its own with the current clips, or a new
+/// one for a character from another format.
+pub(crate) fn with_document(opened: CharacterFile) -> Result<CharacterFile> {
+    let Some(gltf) = opened.gltf() else {
+        let document = Document::from_character(opened.character())?;
         return shown_by(document, opened);
     };
-    if !opened.clips_changed {
-        check_unchanged(&opened, &gltf)?;
-        return Ok((opened, gltf));
+    if !opened.clips_changed() {
+        check_unchanged(&opened, gltf)?;
+        return Ok(opened);
     }
-    let clips = &opened.character.clips;
+    let mut document = gltf.document.clone();
     let (joints, meshes) = (&gltf.node_of_joint, &gltf.node_of_mesh);
-    gltf.document.replace_clips(clips, joints, meshes)?;
-    let before = gltf.node_of_joint;
-    let (mut opened, again) = shown_by(gltf.document, opened)?;
-    // Nodes that only a removed clip animated are not joints any more.
-    let joints = &mut opened.mapping.articulation.joints;
-    let joint_of = |node: &usize| before.iter().position(|n| n == node);
-    let was = |node: &usize| Some(joints[joint_of(node)?].clone());
-    *joints = again.node_of_joint.iter().filter_map(was).collect();
-    opened.clips_changed = false;
-    Ok((opened, again))
+    document.replace_clips(&opened.character().clips, joints, meshes)?;
+    shown_by(document, opened)
 }
 
 /// Checks that a character is the one that its document shows, for which data will be stored.
@@ -149,7 +140,7 @@ fn check_unchanged(opened: &CharacterFile, gltf: &GltfSource) -> Result<()> {
     let shown = gltf::read_document(gltf.document.clone(), &Limits::default())?.value;
     let (shown, _) = GltfSource::split(shown);
     let of = |character| SourceHashes::of(character, &Articulation::default());
-    if of(&shown) == of(&opened.character) {
+    if of(&shown) == of(opened.character()) {
         return Ok(());
     }
     let what = "the character differs from its document; write it to a file and open that";
@@ -157,11 +148,11 @@ fn check_unchanged(opened: &CharacterFile, gltf: &GltfSource) -> Result<()> {
 }
 
 /// Reads a document again, so that joints, meshes and clips are in its order.
-fn shown_by(document: Document, mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource)> {
+fn shown_by(document: Document, mut opened: CharacterFile) -> Result<CharacterFile> {
     let file = gltf::read_document(document, &Limits::default())?.value;
     let (character, gltf) = GltfSource::split(file);
-    opened.character = character;
-    Ok((opened, gltf))
+    opened.attach_document(character, gltf);
+    Ok(opened)
 }
 
 /// Returns the bytes of the GLB and how many of them meshes take.

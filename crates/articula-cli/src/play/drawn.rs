@@ -12,7 +12,7 @@ pub(crate) const LARGE: (u32, u32) = (200, 290);
 
 /// An artist that draws pictures of this size in pixels.
 pub(crate) fn artist(figure: &Figure, size: (u32, u32)) -> Artist<'_> {
-    let character = &figure.opened.character;
+    let character = figure.opened.character();
     let (look, _) = Appearance::new(&character.materials, &character.images);
     let asset = &figure.asset;
     let mut rest = ModelPose::new(asset.rig.len());

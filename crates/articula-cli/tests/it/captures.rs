@@ -82,7 +82,7 @@ fn a_face_takes_a_capture_as_it_is_and_gives_it_back() {
     assert_eq!((&face["name"], &face["frames"]), (&"a".into(), &61.into()));
     assert_eq!(face["error_mm_max"], 0.0);
     let read = articula::fs::open(here.join("a.glb")).unwrap();
-    let capture = capture_of_clip(&read, &read.character.clips[0]).unwrap();
+    let capture = capture_of_clip(&read, &read.character().clips[0]).unwrap();
     assert_eq!(capture.frames.len(), 61);
     let shape = |name: &str| BLEND_SHAPES.iter().position(|s| s.name == name).unwrap();
     for (index, frame) in capture.frames.iter().enumerate() {

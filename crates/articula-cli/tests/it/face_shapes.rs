@@ -23,7 +23,7 @@ fn without_morphs(glb: &Path, out: &Path) {
 }
 
 fn character(path: &Path) -> Character {
-    articula::fs::open(path).unwrap().character
+    articula::fs::open(path).unwrap().into_character()
 }
 
 /// Offsets of all vertices of a mesh in a morph target, by its name.

@@ -129,7 +129,7 @@ fn of(path: &Path, opened: CharacterFile, frames: usize) -> Result<Option<Found>
     let scaled_from = (!HEIGHTS.contains(&height)).then_some(height);
     if scaled_from.is_some() {
         let mut opened = articula::fs::open(path)?;
-        opened.character.scale_lengths(SCALED_TO / height);
+        opened.edit_character(|character| character.scale_lengths(SCALED_TO / height));
         figure = Figure::new(opened)?;
     }
     let asset = CrowdAsset::new(&figure, &CrowdOptions::default(), &Executor::default())?;

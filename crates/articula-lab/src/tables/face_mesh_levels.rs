@@ -128,13 +128,14 @@ fn measure(name: &'static str, path: &Path, is_bare: bool) -> Result<Vec<Row>> {
 fn figure_file(path: &Path, is_bare: bool) -> Result<CharacterFile> {
     let mut opened = articula::fs::open(path)?;
     if is_bare {
-        opened.gltf = None;
-        opened.character.clips.clear();
-        for mesh in &mut opened.character.meshes {
-            mesh.morph_names.clear();
-            mesh.morph_weights.clear();
-            mesh.primitives.iter_mut().for_each(|p| p.morphs.clear());
-        }
+        opened.edit_character(|character| {
+            character.clips.clear();
+            for mesh in &mut character.meshes {
+                mesh.morph_names.clear();
+                mesh.morph_weights.clear();
+                mesh.primitives.iter_mut().for_each(|p| p.morphs.clear());
+            }
+        });
     }
     Ok(opened)
 }

@@ -12,6 +12,7 @@ use anyhow::{Context, Result, ensure};
 use articula::Figure;
 use articula::face::face_layout;
 use articula_core::feature_points::PointId;
+use articula_core::source::Primitive;
 use glam::Vec3;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -83,18 +84,25 @@ fn landmarks(path: &Path) -> Result<Vec<usize>> {
     Ok(numbers)
 }
 
-fn measure(path: &Path, landmarks: &[usize], head: usize) -> Result<Vec<Measured>> {
-    let mut opened = articula::fs::open(path)?;
-    let primitive = &mut opened.character.meshes[0].primitives[0];
-    if head > 0 {
-        let mut random = Random(head as u64);
-        for mode in &primitive.morphs {
-            let weight = random.normal();
-            for (at, offset) in primitive.positions.iter_mut().zip(&mode.positions) {
-                *at += weight * *offset;
-            }
+/// Moves the vertices of a head by random weights of its morph targets.
+fn randomise(primitive: &mut Primitive, head: usize) {
+    let mut random = Random(head as u64);
+    for mode in &primitive.morphs {
+        let weight = random.normal();
+        for (at, offset) in primitive.positions.iter_mut().zip(&mode.positions) {
+            *at += weight * *offset;
         }
     }
+}
+
+fn measure(path: &Path, landmarks: &[usize], head: usize) -> Result<Vec<Measured>> {
+    let mut opened = articula::fs::open(path)?;
+    if head > 0 {
+        opened.edit_character(|character| {
+            randomise(&mut character.meshes[0].primitives[0], head);
+        });
+    }
+    let primitive = &opened.character().meshes[0].primitives[0];
     let places: Vec<Vec3> = landmarks.iter().map(|v| primitive.positions[*v]).collect();
     let truth = TRUTH.map(|(point, a, b)| (point, 0.5 * (places[a] + places[b])));
     let at = |point: PointId| {

@@ -11,22 +11,22 @@ use articula_formats::mpeg4::bap::{self, BapResidual};
 
 /// Writes the first clip as a BAP file; parameters that were read from one are written unchanged.
 pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
-    if let Some(parameters) = &opened.parameters {
-        if !opened.clips_changed {
+    if let Some(parameters) = opened.parameters() {
+        if !opened.clips_changed() {
             return Ok(EncodedFile {
                 bytes: bap::write(parameters),
                 ..EncodedFile::default()
             });
         }
-        return parameters_of(&opened.character, opened);
+        return parameters_of(opened.character(), opened);
     }
     let mut figure = bap::figure();
     let standard = articula_build::joint_names::map(&figure.skeleton, joint_map::builtin(), None);
-    let clip = &opened.character.clips[0];
+    let clip = &opened.character().clips[0];
     let source = RetargetFigure {
-        skeleton: &opened.character.skeleton,
-        articulation: &opened.mapping.articulation,
-        clips: &opened.character.clips,
+        skeleton: &opened.character().skeleton,
+        articulation: &opened.mapping().articulation,
+        clips: &opened.character().clips,
     };
     let target = RetargetFigure {
         skeleton: &figure.skeleton,
@@ -42,7 +42,11 @@ pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
 /// cannot hold.
 fn parameters_of(figure: &Character, source: &CharacterFile) -> Result<EncodedFile> {
     let standard = articula_build::joint_names::map(&figure.skeleton, joint_map::builtin(), None);
-    let rate_hz = source.character.clips.first().map_or(30.0, source_rate_hz);
+    let rate_hz = source
+        .character()
+        .clips
+        .first()
+        .map_or(30.0, source_rate_hz);
     let sampled = bap::sample(figure, &standard.articulation, 0, rate_hz)?;
     let unsaid = unsaid(&sampled.residuals);
     Ok(EncodedFile {

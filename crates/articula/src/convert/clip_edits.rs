@@ -222,19 +222,17 @@ impl ClipEdits {
         if !self.asks() {
             return Ok(Vec::new());
         }
-        let place = opened.name.clone();
+        let place = opened.name().to_owned();
         let subject = subject(opened).with_context(|| &place)?;
         let edit = |clip: &RawClip| {
             let mut clip = clip.clone();
             let edited = self.edit(&subject, &mut clip);
             Ok((clip, edited.with_context(|| &place)?))
         };
-        let clips = opened.character.clips.iter().collect();
+        let clips = opened.character().clips.iter().collect();
         let done = work.map("editing clips", clips, edit)?;
         let (clips, edits) = done.into_iter().unzip();
-        let edits: Vec<ClipEdited> = edits;
-        opened.character.clips = clips;
-        opened.clips_changed |= !edits.is_empty();
+        opened.set_clips(clips);
         Ok(edits)
     }
 
@@ -265,7 +263,7 @@ impl ClipEdits {
         let Some(options) = self.reduce_keys else {
             return Ok(());
         };
-        let place = opened.name.clone();
+        let place = opened.name().to_owned();
         let subject = subject(opened).with_context(|| &place)?;
         let one = |(clip, edited): (&RawClip, &mut ClipEdited)| {
             let out = clip_edit::reduce_keys(&subject, clip, &options);
@@ -273,8 +271,9 @@ impl ClipEdits {
             edited.reduce_keys = Some(KeysReduced::new(options.bound_metres, &out));
             Ok(out.clip)
         };
-        let clips = opened.character.clips.iter().zip(edits).collect();
-        opened.character.clips = work.map("reducing keys", clips, one)?;
+        let clips = opened.character().clips.iter().zip(edits).collect();
+        let reduced = work.map("reducing keys", clips, one)?;
+        opened.set_clips(reduced);
         Ok(())
     }
 }
@@ -282,9 +281,9 @@ impl ClipEdits {
 fn subject(opened: &CharacterFile) -> Result<EditSubject<'_>> {
     let articulation = opened.articulation();
     Ok(EditSubject::new(
-        &opened.character,
+        opened.character(),
         articulation,
-        &opened.end_sites,
+        opened.end_sites(),
     )?)
 }
 

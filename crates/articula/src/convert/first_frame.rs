@@ -11,10 +11,11 @@ impl CharacterFile {
     /// # Errors
     /// An [`Error`](crate::Error) that names the file and the malformed clip.
     pub fn skip_first_frames(&mut self) -> Result<()> {
-        for clip in &mut self.character.clips {
-            *clip = clip_edit::skip_first_frame(clip).context(&self.name)?;
-        }
-        self.clips_changed = true;
+        let clips = self.character().clips.iter();
+        let skipped = clips.map(clip_edit::skip_first_frame).collect();
+        let skipped: std::result::Result<Vec<_>, _> = skipped;
+        let skipped = skipped.with_context(|| self.name())?;
+        self.set_clips(skipped);
         Ok(())
     }
 }

@@ -126,7 +126,7 @@ impl CharacterFile {
     /// Adds clips that [`fit_clips`] made for this character. A number is appended to names already
     /// in use; the returned reports have the final names.
     pub fn put_clips(&mut self, fitted: Vec<FittedClip>, keep_own: bool) -> Vec<ClipProvenance> {
-        let clips = &mut self.character.clips;
+        let clips = self.clips_mut();
         if !keep_own {
             clips.clear();
         }
@@ -143,7 +143,6 @@ impl CharacterFile {
             clips.push(clip);
             fits.push(fit);
         }
-        self.clips_changed = true;
         fits
     }
 
@@ -160,12 +159,12 @@ impl CharacterFile {
             None => "joints: the joint names do not identify hips, legs and arms; give a joint map"
                 .to_owned(),
         };
-        Err(Error::Unmapped(what)).context(&self.name)
+        Err(Error::Unmapped(what)).context(self.name())
     }
 
     /// What a rig of hands alone has and lacks.
     fn hands(&self) -> Option<String> {
-        let joints = &self.mapping.articulation.joints;
+        let joints = &self.mapping().articulation.joints;
         let of = |side: &str| {
             let is_of_side =
                 |j: &&JointArticulation| j.hanim.as_deref().is_some_and(|n| n.starts_with(side));
@@ -176,7 +175,7 @@ impl CharacterFile {
             (left, 0) => format!("the left hand alone ({left} joints)"),
             (left, right) => format!("two hands alone ({left} and {right} joints)"),
         };
-        let is_it = self.mapping.is_hands_alone() && !self.is_human();
+        let is_it = self.mapping().is_hands_alone() && !self.is_human();
         is_it.then(|| {
             format!(
                 "joints: the rig is {hands}; hips, legs and the rest of a body are missing, and without \
@@ -186,7 +185,7 @@ impl CharacterFile {
     }
 
     fn is_human(&self) -> bool {
-        self.mapping.humanoid || self.character.articulation.is_some()
+        self.mapping().humanoid || self.character().articulation.is_some()
     }
 }
 
@@ -200,19 +199,19 @@ pub fn fit_clips(
     character: &CharacterFile,
     options: &AddClipsOptions,
 ) -> Result<Vec<FittedClip>> {
-    let clips = chosen(file, options).with_context(|| &file.name)?;
-    let (from, onto) = (&file.character.skeleton, &character.character.skeleton);
+    let clips = chosen(file, options).with_context(|| file.name())?;
+    let (from, onto) = (&file.character().skeleton, &character.character().skeleton);
     let same = || Twins::of(from, &clips, onto);
     let articulations = (file.articulation(), character.articulation());
     let from_figure = RetargetFigure {
         skeleton: from,
         articulation: &articulations.0,
-        clips: &file.character.clips,
+        clips: &file.character().clips,
     };
     let onto_figure = RetargetFigure {
         skeleton: onto,
         articulation: &articulations.1,
-        clips: &character.character.clips,
+        clips: &character.character().clips,
     };
     let is_hands = file.hands().is_some() && is_hands_alone(&from_figure);
     let way = if let Some(twins) = options.by_names.then(same).flatten() {
@@ -222,19 +221,19 @@ pub fn fit_clips(
     } else if let Some(namesakes) = namesakes(file, character, &clips)? {
         Fitting::Namesakes(namesakes)
     } else {
-        let retargeter = Retargeter::new(from_figure, onto_figure).with_context(|| &file.name)?;
-        check_driven(&retargeter).context(&file.name)?;
+        let retargeter = Retargeter::new(from_figure, onto_figure).with_context(|| file.name())?;
+        check_driven(&retargeter).context(file.name())?;
         Fitting::Map(Box::new(retargeter))
     };
     let fitted = clips.into_iter().map(|clip| {
-        let place = || format!("{}: clip \"{}\"", file.name, clip.name);
+        let place = || format!("{}: clip \"{}\"", file.name(), clip.name);
         let Moved {
             clip: mut new,
             retargeted,
             by_name,
         } = way.joints(clip, options).with_context(place)?;
         new.name = name(file, clip, options);
-        let morphs = morphs::channels(&file.character, clip, &character.character);
+        let morphs = morphs::channels(file.character(), clip, character.character());
         let morph_channels = morphs.len();
         new.channels.extend(morphs);
         if new.channels.is_empty() {
@@ -242,14 +241,14 @@ pub fn fit_clips(
                         made for it";
             return Err(Error::unsuited(what)).with_context(place);
         }
-        let clip_there = match bake(&character.character, &new).with_context(place)? {
+        let clip_there = match bake(character.character(), &new).with_context(place)? {
             Cow::Owned(baked) => baked,
             Cow::Borrowed(_) => new,
         };
         Ok(FittedClip {
             fit: ClipProvenance {
                 name: clip_there.name.clone(),
-                file: file.name.clone(),
+                file: file.name().to_owned(),
                 from: clip.name.clone(),
                 morph_channels,
                 retargeted,
@@ -334,7 +333,7 @@ fn namesakes<'a>(
     if character.is_human() && file.hands().is_some() {
         file.check_human()?;
     }
-    let (from, onto) = (&file.character.skeleton, &character.character.skeleton);
+    let (from, onto) = (&file.character().skeleton, &character.character().skeleton);
     let namesakes = Namesakes::of(from, onto);
     if namesakes.are_useful(clips) {
         return Ok(Some(namesakes));
@@ -343,9 +342,10 @@ fn namesakes<'a>(
     let what = format!(
         "joints: the joint names do not identify hips, legs and arms, and only {there} of the \
          {moving} moving joints of {} have a joint of the same name in {}; give a joint map",
-        file.name, character.name
+        file.name(),
+        character.name()
     );
-    Err(Error::Unmapped(what)).context(&unknown.name)
+    Err(Error::Unmapped(what)).context(unknown.name())
 }
 
 /// Checks that the motion drives enough of the character.
@@ -364,7 +364,7 @@ fn check_driven(retargeter: &Retargeter<'_>) -> Result<()> {
 
 /// The selected clips of a file.
 fn chosen<'a>(file: &'a CharacterFile, options: &AddClipsOptions) -> Result<Vec<&'a RawClip>> {
-    let clips = &file.character.clips;
+    let clips = &file.character().clips;
     if clips.is_empty() {
         let what = "clips: the file has no clip to add to the character";
         return Err(Error::unsuited(what));
@@ -379,10 +379,10 @@ fn chosen<'a>(file: &'a CharacterFile, options: &AddClipsOptions) -> Result<Vec<
 /// Name of a transferred clip: the file's name if it has one clip, else the clip's own name, with
 /// the file's name in front on request.
 fn name(file: &CharacterFile, clip: &RawClip, options: &AddClipsOptions) -> String {
-    let stem = Path::new(&file.name).file_stem().unwrap_or_default();
+    let stem = Path::new(file.name()).file_stem().unwrap_or_default();
     let stem = stem.to_string_lossy();
     let prefix = &options.prefix;
-    if file.character.clips.len() == 1 {
+    if file.character().clips.len() == 1 {
         format!("{prefix}{stem}")
     } else if options.file_in_names {
         format!("{prefix}{stem} {}", clip.name)

@@ -166,7 +166,7 @@ impl TransferReport {
         character: &CharacterFile,
         fitted: &[FittedClip],
     ) -> Option<Self> {
-        let (skeleton, from) = (&character.character.skeleton, &file.character.skeleton);
+        let (skeleton, from) = (&character.character().skeleton, &file.character().skeleton);
         let report = fitted.last().map(|f| Transfer::of(&f.fit))?;
         let (joints, scale, dropped) = match report {
             Transfer::ByMap(report) => (
@@ -186,9 +186,9 @@ impl TransferReport {
         };
         let count = |origin| joints.iter().filter(|j| j.origin == origin).count();
         Some(Self {
-            input: file.name.clone(),
-            format: file.format.name(),
-            bytes: file.bytes,
+            input: file.name().to_owned(),
+            format: file.format().name(),
+            bytes: file.bytes(),
             scale,
             by_name: !matches!(report, Transfer::ByMap(_)),
             joints_mapped: count("mapped"),

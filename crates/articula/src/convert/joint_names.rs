@@ -20,13 +20,13 @@ const BY_SHAPE: &str = "shape";
 /// their names. Where the joints were recognised by their names, possibly with a joint map of the
 /// user, the names stay.
 pub(super) fn for_names_alone(opened: &CharacterFile) -> (Cow<'_, Character>, Option<LossyPart>) {
-    let character = &opened.character;
-    let own_map = opened.gltf.as_ref().and_then(|gltf| gltf.humanoid.as_ref());
-    let by_shape = opened.mapping.articulation.profile == BY_SHAPE;
-    if !opened.mapping.humanoid || (own_map.is_none() && !by_shape) {
+    let character = opened.character();
+    let own_map = opened.gltf().and_then(|gltf| gltf.humanoid.as_ref());
+    let by_shape = opened.mapping().articulation.profile == BY_SHAPE;
+    if !opened.mapping().humanoid || (own_map.is_none() && !by_shape) {
         return (Cow::Borrowed(character), None);
     }
-    let wanted = opened.mapping.articulation.joints.iter();
+    let wanted = opened.mapping().articulation.joints.iter();
     let wanted: Vec<Option<&str>> = wanted.map(|joint| joint.hanim.as_deref()).collect();
     let found = joint_names::map(&character.skeleton, joint_map::builtin(), None);
     let Articulation { profile, joints } = found.articulation;

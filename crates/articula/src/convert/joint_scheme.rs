@@ -1,6 +1,6 @@
 //! Conversion of a character to a joint scheme, with the document that it came from.
 
-use crate::error::{Context, Error, Result};
+use crate::error::{Context, Result};
 use crate::open::{CharacterFile, GltfSource};
 use articula_build::joint_names::{JointMapping, MappingEvidence};
 use articula_build::{JointEdit, set_joint_scheme};
@@ -29,6 +29,9 @@ pub struct JointSchemeReport {
     pub skin_m: f32,
     /// Whether data was removed that `prepare` had computed for the joints before.
     pub drops_prepared: bool,
+    /// New index of every joint that there was; `None` for those removed.
+    #[serde(skip)]
+    pub new_index: Vec<Option<usize>>,
 }
 
 /// A joint that was removed.
@@ -62,11 +65,10 @@ impl CharacterFile {
     /// differs along its axes, an expression moves a joint that would be removed, or the document is
     /// inconsistent; the file is then unchanged.
     pub fn set_joint_scheme(&mut self, scheme: JointScheme) -> Result<JointSchemeReport> {
-        let place = self.name.clone();
-        self.check_joints().with_context(|| &place)?;
-        let mut character = self.character.clone();
+        let place = self.name().to_owned();
+        let mut character = self.character().clone();
         let mut articulation = self.articulation();
-        let mut ends = self.end_sites.clone();
+        let mut ends = self.end_sites().to_vec();
         let change = set_joint_scheme(&mut character, &mut articulation, &mut ends, scheme);
         let change = change.with_context(|| &place)?;
         let mut report = JointSchemeReport {
@@ -77,11 +79,14 @@ impl CharacterFile {
             joints_m: change.joints_metres,
             skin_m: change.skin_metres,
             drops_prepared: false,
+            new_index: (0..self.character().skeleton.joints.len())
+                .map(Some)
+                .collect(),
         };
         if change.edits.is_empty() {
             return Ok(report);
         }
-        let mut gltf = self.gltf.clone();
+        let mut gltf = self.gltf().cloned();
         for edit in &change.edits {
             if let Some(gltf) = &mut gltf {
                 edit_document(gltf, edit).with_context(|| &place)?;
@@ -90,8 +95,11 @@ impl CharacterFile {
         if let Some(gltf) = &mut gltf {
             report.drops_prepared = finish_document(gltf, &articulation).with_context(|| &place)?;
         }
+        let mut mapping = self.mapping().clone();
         for edit in &change.edits {
-            edit_mapping(&mut self.mapping, edit);
+            edit_mapping(&mut mapping, edit);
+            let indices = report.new_index.iter_mut();
+            indices.for_each(|index| *index = index.and_then(|joint| renumbered(joint, edit)));
             match edit {
                 JointEdit::Merged(merged) => report.merged.push(JointMerged {
                     joint: merged.name.clone(),
@@ -105,30 +113,8 @@ impl CharacterFile {
             }
         }
         character.articulation = Some(articulation);
-        self.character = character;
-        self.end_sites = ends;
-        self.gltf = gltf;
-        self.clips_changed = true;
+        self.set_joints(character, mapping, ends, gltf);
         Ok(report)
-    }
-}
-
-impl CharacterFile {
-    /// Checks that mapping and document are those of the skeleton, which a caller may have changed.
-    fn check_joints(&self) -> Result<()> {
-        let count = self.character.skeleton.joints.len();
-        let nodes = self.gltf.as_ref().map(|gltf| gltf.node_of_joint.len());
-        let mapping = &self.mapping;
-        let lists = [
-            Some(mapping.articulation.joints.len()),
-            Some(mapping.evidence.len()),
-            nodes,
-        ];
-        if lists.into_iter().flatten().any(|len| len != count) {
-            let what = "joints: the mapping or the document is that of another skeleton";
-            return Err(Error::unsuited(what));
-        }
-        Ok(())
     }
 }
 

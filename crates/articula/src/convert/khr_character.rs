@@ -12,9 +12,9 @@ pub(super) fn write(
     document: &mut Document,
     node_of_joint: &[usize],
 ) -> Result<()> {
-    let given = opened.gltf.as_ref().and_then(|b| b.humanoid.clone());
+    let given = opened.gltf().and_then(|b| b.humanoid.clone());
     let bones = given.unwrap_or_else(|| vrm_bones(&opened.articulation()));
-    let character = &opened.character;
+    let character = opened.character();
     let kind = pose_kind(&character.skeleton, &bones);
     let nodes = bones.into_iter();
     let nodes: Vec<(usize, String)> = nodes

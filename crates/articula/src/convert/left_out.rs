@@ -50,7 +50,7 @@ pub enum LossyPart {
 
 /// The number of meshes, which a skeleton format cannot hold.
 pub(super) fn meshes(opened: &CharacterFile) -> Option<LossyPart> {
-    counted(opened.character.meshes.len(), LossyPart::Meshes)
+    counted(opened.character().meshes.len(), LossyPart::Meshes)
 }
 
 /// The number of coarser levels of all meshes, for a format that holds meshes with one level each.
@@ -59,7 +59,7 @@ pub(super) fn mesh_levels(opened: &CharacterFile) -> Option<LossyPart> {
         let of_primitive = mesh.clustered.iter().map(|c| c.clusters.levels() - 1);
         mesh.levels.len().max(of_primitive.max().unwrap_or(0))
     };
-    let meshes = opened.character.meshes.iter();
+    let meshes = opened.character().meshes.iter();
     counted(meshes.map(coarser).sum(), LossyPart::MeshLevels)
 }
 

@@ -190,8 +190,8 @@ pub fn convert(
     options: &ConvertOptions,
     work: &Executor<'_>,
 ) -> Result<Converted> {
-    options.check(opened.format, format)?;
-    let place = opened.name.clone();
+    options.check(opened.format(), format)?;
+    let place = opened.name().to_owned();
     let mesh = options.mesh.as_ref();
     let mesh = mesh.map(|wanted| mesh_levels::show(&mut opened, wanted, work));
     let mesh = mesh.transpose().with_context(|| &place)?;
@@ -204,13 +204,12 @@ pub fn convert(
     let reduction = options.reduction.as_ref();
     let reduction = reduction.map(|r| r.apply(&mut opened)).transpose()?;
     options.edits.reduce_keys(&mut opened, &mut edits, work)?;
-    opened.clips_changed |= dropped > 0;
     let made = written::written(&opened, format, options);
     let mut written = made.with_context(|| &place)?;
     if dropped > 0 && options.clip.is_none() {
         written.left_out.push(LossyPart::Clips(dropped));
     }
-    let clips = opened.character.clips.iter();
+    let clips = opened.character().clips.iter();
     Ok(Converted {
         written,
         clips: clips.map(|c| c.name.clone()).collect(),
@@ -265,7 +264,7 @@ impl ConvertOptions {
 
 /// Keeps the clips that are written; returns the number of dropped ones.
 fn choose_clips(wanted: Option<&str>, opened: &mut CharacterFile, to: Format) -> Result<usize> {
-    let clips = &mut opened.character.clips;
+    let clips = &opened.character().clips;
     let index = match wanted {
         Some(name) => choose("clip", name, clips.iter().map(|c| c.name.as_str()))?,
         None if to.holds_one_clip() && !clips.is_empty() => 0,
@@ -276,6 +275,6 @@ fn choose_clips(wanted: Option<&str>, opened: &mut CharacterFile, to: Format) ->
         None => return Ok(0),
     };
     let dropped = clips.len() - 1;
-    *clips = vec![clips.swap_remove(index)];
+    opened.select_clips(&[index]);
     Ok(dropped)
 }

@@ -127,17 +127,17 @@ fn animated(clips: &[RawClip], listed: &JointSet) -> usize {
 impl JointReduction {
     /// Reduces all clips of a character.
     pub(super) fn apply(&self, opened: &mut CharacterFile) -> Result<JointsReduced> {
-        let place = opened.name.clone();
-        if opened.character.clips.is_empty() {
+        let place = opened.name().to_owned();
+        if opened.character().clips.is_empty() {
             let what = "clips: the file has no clip to reduce";
             return Err(Error::unsuited(what)).context(place);
         }
-        let rig = Rig::new(&opened.character.skeleton, opened.articulation()).context(place)?;
+        let rig = Rig::new(&opened.character().skeleton, opened.articulation()).context(place)?;
         let mut active = self.moving.joints(&rig).context("selection")?;
         if self.with_ancestors {
             active = with_ancestors(&rig, &active);
         }
-        let held = hold_joints(&rig, &opened.character.clips, &active, self.passive);
+        let held = hold_joints(&rig, &opened.character().clips, &active, self.passive);
         let reduced = JointsReduced {
             joints: rig.skin_joints().len(),
             joints_active: active.intersection(rig.skin_joints()).len(),
@@ -145,8 +145,7 @@ impl JointReduction {
             after: held.after,
             saved: held.saved(),
         };
-        opened.character.clips = held.clips;
-        opened.clips_changed = true;
+        opened.set_clips(held.clips);
         Ok(reduced)
     }
 }

@@ -25,8 +25,8 @@ use articula_stream::fba::FbaOptions;
 /// An [`Error`] that names the data that does not fit the format; see
 /// [`ConvertOptions::check`] for the formats that can be written.
 pub fn write(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
-    ConvertOptions::default().check(opened.format, format)?;
-    if format.needs_a_clip() && opened.character.clips.is_empty() {
+    ConvertOptions::default().check(opened.format(), format)?;
+    if format.needs_a_clip() && opened.character().clips.is_empty() {
         let what = "clips: the file has no clip to write; give a file that has one";
         return Err(Error::unsuited(what));
     }
@@ -119,13 +119,13 @@ fn stream(opened: &CharacterFile, format: Format, options: &ConvertOptions) -> R
     let plain = AbpProfile::Abp2(MotionOptions::default());
     match (format, options.abp.as_ref().unwrap_or(&plain)) {
         (Format::Abpt, _) => {
-            let clip = abp1::from_character(&opened.character, &opened.articulation(), 0)?;
+            let clip = abp1::from_character(opened.character(), &opened.articulation(), 0)?;
             let bytes = articula_stream::abp1::write_text(&clip)?.into_bytes();
             Ok(bones(opened, bytes))
         }
         (_, AbpProfile::Abp1(options)) => {
             let articulation = opened.articulation();
-            let bytes = abp1::write(&opened.character, &articulation, 0, options)?;
+            let bytes = abp1::write(opened.character(), &articulation, 0, options)?;
             Ok(bones(opened, bytes))
         }
         (_, AbpProfile::Abp2(options)) => {
@@ -147,10 +147,10 @@ fn boxed(stream: EncodedFile) -> Result<EncodedFile> {
 
 /// A stream of bones, with what it cannot hold.
 fn bones(opened: &CharacterFile, bytes: Vec<u8>) -> EncodedFile {
-    let sites = opened.end_sites.len();
+    let sites = opened.end_sites().len();
     let sites = (sites > 0).then(|| format!("the ends of {sites} joints"));
     let channels = opened
-        .character
+        .character()
         .clips
         .iter()
         .flat_map(|clip| &clip.channels);
@@ -166,10 +166,10 @@ fn bones(opened: &CharacterFile, bytes: Vec<u8>) -> EncodedFile {
 
 /// An ASF skeleton and, if there is a clip, an AMC motion; the requested one is the main file.
 fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
-    let clips = &opened.character.clips;
+    let clips = &opened.character().clips;
     let options = acclaim::WriteOptions {
         rate_hz: clips.first().map_or(30.0, source_rate_hz),
-        end_sites: opened.end_sites.clone(),
+        end_sites: opened.end_sites().to_vec(),
     };
     let clip = (!clips.is_empty()).then_some(0);
     let (character, renamed) = joint_names::for_names_alone(opened);
@@ -193,10 +193,14 @@ fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
 
 /// A BVH file of the first clip.
 fn motion(opened: &CharacterFile) -> Result<EncodedFile> {
-    let rate_hz = opened.character.clips.first().map_or(30.0, source_rate_hz);
+    let rate_hz = opened
+        .character()
+        .clips
+        .first()
+        .map_or(30.0, source_rate_hz);
     let options = bvh::WriteOptions {
         rate_hz,
-        end_sites: opened.end_sites.clone(),
+        end_sites: opened.end_sites().to_vec(),
         ..bvh::WriteOptions::default()
     };
     let (character, renamed) = joint_names::for_names_alone(opened);
@@ -214,8 +218,8 @@ fn humanoid(opened: &CharacterFile) -> Result<EncodedFile> {
         name: String::new(),
         offset: *offset,
     };
-    let sites: Vec<Site> = opened.end_sites.iter().map(site).collect();
-    let written = x3d::write(&opened.character, &opened.articulation(), &sites)?;
+    let sites: Vec<Site> = opened.end_sites().iter().map(site).collect();
+    let written = x3d::write(opened.character(), &opened.articulation(), &sites)?;
     let notes = written.left_out.into_iter().map(LossyPart::Note);
     Ok(EncodedFile {
         bytes: written.bytes,
@@ -226,18 +230,18 @@ fn humanoid(opened: &CharacterFile) -> Result<EncodedFile> {
 
 /// The glTF document with the current clips, or a new one.
 fn container(opened: &CharacterFile, khr_character: bool) -> Result<EncodedFile> {
-    let (mut document, nodes, left_out) = match &opened.gltf {
+    let (mut document, nodes, left_out) = match opened.gltf() {
         None => {
-            let document = Document::from_character(&opened.character)?;
-            let sites = counted(opened.end_sites.len(), LossyPart::EndSites);
-            let nodes = (0..opened.character.skeleton.joints.len()).collect();
+            let document = Document::from_character(opened.character())?;
+            let sites = counted(opened.end_sites().len(), LossyPart::EndSites);
+            let nodes = (0..opened.character().skeleton.joints.len()).collect();
             (document, nodes, sites)
         }
         Some(behind) => {
             let mut document = behind.document.clone();
-            if opened.clips_changed {
+            if opened.clips_changed() {
                 let (joints, meshes) = (&behind.node_of_joint, &behind.node_of_mesh);
-                document.replace_clips(&opened.character.clips, joints, meshes)?;
+                document.replace_clips(&opened.character().clips, joints, meshes)?;
             }
             (document, behind.node_of_joint.clone(), None)
         }

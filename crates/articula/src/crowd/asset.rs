@@ -76,7 +76,7 @@ impl CrowdAsset {
     /// An [`Error`](crate::Error) that names the file: a clip named in the options does not exist,
     /// the options do not fit the character, or [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn new(figure: &Figure, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
-        Self::of_figure(figure, options, work).with_context(|| &figure.opened.name)
+        Self::of_figure(figure, options, work).with_context(|| figure.opened.name())
     }
 
     fn of_figure(figure: &Figure, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {

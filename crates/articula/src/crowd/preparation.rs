@@ -87,7 +87,7 @@ pub(crate) fn in_place(
     }
     let mut source = figure.source_character();
     let articulation = figure.opened.articulation();
-    let ends = &figure.opened.end_sites;
+    let ends = figure.opened.end_sites();
     let (ways, warnings) = put_in_place(&mut source, articulation.clone(), ends);
     if ways.iter().all(Option::is_none) {
         let mut own = CharacterInPlace::authored(authored.clone());

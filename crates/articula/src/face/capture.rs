@@ -206,13 +206,13 @@ fn tracks<'a>(own: &Character, clip: &'a RawClip) -> Vec<(&'a Channel, Vec<Optio
 /// # Errors
 /// [`Error::Unsupported`] that names the file, if the clip drives none.
 pub fn capture_of_clip(character: &CharacterFile, clip: &RawClip) -> Result<LiveLinkClip> {
-    let tracks = tracks(&character.character, clip);
+    let tracks = tracks(character.character(), clip);
     if tracks.is_empty() {
         let what = format!(
             "clip \"{}\" drives no morph target or expression with the name of a blend shape of ARKit",
             clip.name
         );
-        return Err(Error::unsuited(what)).context(&character.name);
+        return Err(Error::unsuited(what)).context(character.name());
     }
     let rate_hz = f64::from(source_rate_hz(clip));
     let count = (f64::from(clip.duration_secs) * rate_hz).round() as usize + 1;

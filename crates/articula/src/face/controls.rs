@@ -132,9 +132,9 @@ impl FaceControls {
                     eyeBlinkLeft, ...) no expression that of a preset of VRM (aa, blink, ...), \
                     and no joint below the head moves a closed face, so nothing shows a face clip; convert --fat and --face-shapes make morph targets \
                     for a closed face";
-        let found = Self::of(&figure.opened.character).or_else(|| Self::of_joints(figure));
+        let found = Self::of(figure.opened.character()).or_else(|| Self::of_joints(figure));
         let found = found.ok_or_else(|| Error::unsuited(what));
-        found.context(&figure.opened.name)
+        found.context(figure.opened.name())
     }
 
     /// What the controls are.

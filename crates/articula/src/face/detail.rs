@@ -157,7 +157,7 @@ pub fn face_detail(
     }
     Ok(FaceDetailReport {
         file: file.to_owned(),
-        head: head.opened.name.clone(),
+        head: head.opened.name().to_owned(),
         frames: clip.frames.len(),
         rate_hz: clip.rate_hz,
         controls: face.bridge().controls(),

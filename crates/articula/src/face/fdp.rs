@@ -26,14 +26,14 @@ const FALLOFF: &str = "RaisedCosInfluenceSph";
 /// # Errors
 /// [`Error::Unsupported`] that names the file, if it shows too little of a face.
 pub fn face_fdp(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FdpFile> {
-    let face = FoundFace::of(figure, given).context(&figure.opened.name)?;
-    let table = face.table().context(&figure.opened.name)?;
+    let face = FoundFace::of(figure, given).context(figure.opened.name())?;
+    let table = face.table().context(figure.opened.name())?;
     let vertices = figure
         .in_character(&face.head.vertices)
-        .context(&figure.opened.name)?;
+        .context(figure.opened.name())?;
     let points = face.points;
     let units = points.units();
-    let meshes = &figure.opened.character.meshes;
+    let meshes = &figure.opened.character().meshes;
     let firsts: Vec<usize> = meshes
         .iter()
         .scan(0, |next, mesh| {
@@ -55,7 +55,7 @@ pub fn face_fdp(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FdpFile> {
         sources: vec![MeshSource {
             alias: "Rest".to_owned(),
             category: "Expression".to_owned(),
-            meshes: vec![figure.opened.name.clone()],
+            meshes: vec![figure.opened.name().to_owned()],
             parts: Vec::new(),
         }],
         ..FdpFile::default()
@@ -121,7 +121,7 @@ pub fn fdp_points(character: &CharacterFile, file: &FdpFile) -> Result<Vec<(Poin
         .pose(asset.rig.rest_pose())
         .skinned(&still)
         .positions;
-    let meshes = &character.character.meshes;
+    let meshes = &character.character().meshes;
     let place = |point: &fdp::FeaturePoint| {
         feature_point_index(point.point)?;
         // The only mesh of a figure may have another name.

@@ -11,7 +11,7 @@ use glam::Vec3;
 /// Displacement of each vertex of the figure's mesh from its place at rest, in metres in model space,
 /// for each control alone at weight 1.
 pub(super) fn control_fields(controls: &FaceControls, figure: &Figure) -> Result<Vec<Vec<Vec3>>> {
-    let (asset, character) = (&figure.asset, &figure.opened.character);
+    let (asset, character) = (&figure.asset, figure.opened.character());
     let mut posed = PosedMesh::new(&asset.rig, &asset.mesh);
     let mut local: LocalPose = asset.rig.rest_pose().clone();
     let rest = posed.pose(&local).skinned(&asset.mesh.morph_weights);

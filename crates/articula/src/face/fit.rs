@@ -167,7 +167,7 @@ pub fn fit_capture(
     let generic = CaptureBridge::generic();
     let rows = capture.frames.iter();
     let values: Vec<FapValues> = rows.map(|f| capture::row_values(&generic, f)).collect();
-    let shown = match controls.shapes(&character.character) {
+    let shown = match controls.shapes(character.character()) {
         Some(shapes) => {
             let rows = capture.frames.iter();
             rows.map(|frame| ShownFace {
@@ -261,7 +261,7 @@ fn fitted(
     };
 
     let weights: Vec<Vec<f32>> = shown.into_iter().map(|s| s.weights).collect();
-    let mut channels = controls.channels(&character.character, &times, &weights);
+    let mut channels = controls.channels(character.character(), &times, &weights);
     let morph_channels = channels.len();
     channels.extend(turns.iter().map(|turn| turn.channel(&times, &values)));
     let made = RawClip {
@@ -269,7 +269,7 @@ fn fitted(
         duration_secs: report.duration_secs,
         channels,
     };
-    let made = match bake(&character.character, &made).context(&character.name)? {
+    let made = match bake(character.character(), &made).context(character.name())? {
         Cow::Owned(baked) => baked,
         Cow::Borrowed(_) => made,
     };

@@ -24,7 +24,7 @@ impl FoundFace {
     /// # Errors
     /// [`Error::Unsupported`] if the surface shows too little of a face.
     pub(crate) fn of(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<Self> {
-        let document = figure.opened.gltf.as_ref().map(|gltf| &gltf.document);
+        let document = figure.opened.gltf().map(|gltf| &gltf.document);
         Self::in_document(figure, document, given)
     }
 

@@ -29,7 +29,7 @@ use glam::{Affine3A, Vec3};
 /// # Panics
 /// If there is no such clip.
 pub fn measure_faps(figure: &Figure, clip: usize, name: &str) -> Result<FapClip> {
-    measured(figure, clip, name).context(&figure.opened.name)
+    measured(figure, clip, name).context(figure.opened.name())
 }
 
 fn measured(figure: &Figure, clip: usize, name: &str) -> Result<FapClip> {

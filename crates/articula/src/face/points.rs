@@ -63,7 +63,7 @@ pub struct FeaturePoint {
 /// [`Error::Unsupported`](crate::Error::Unsupported) that names the file, if it shows too little of a face, such as one of
 /// loose parts.
 pub fn face_layout(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FaceLayout> {
-    let face = FoundFace::of(figure, given).context(&figure.opened.name)?;
+    let face = FoundFace::of(figure, given).context(figure.opened.name())?;
     let (head, found) = (&face.head, &face.points);
     let points = found.points.iter().zip(&FEATURE_POINTS);
     let points = points.map(|(found, entry)| FeaturePoint {

@@ -11,7 +11,7 @@ const MOVED_SHARE: f32 = 0.05;
 /// table, a blend shape of ARKit or an expression of VRM. Empty without such controls.
 pub(crate) fn face_vertices(figure: &Figure) -> Vec<u32> {
     let mesh = &figure.asset.mesh;
-    let driven = FaceControls::morphs_of(&figure.opened.character);
+    let driven = FaceControls::morphs_of(figure.opened.character());
     let slots: Vec<usize> = driven
         .iter()
         .filter_map(|(of_mesh, target)| Some(mesh.morph_slots.get(*of_mesh)? + target))

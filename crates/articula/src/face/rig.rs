@@ -45,7 +45,7 @@ impl FaceRig {
     /// [`Error::Unsupported`](crate::Error::Unsupported) that names the file, if nothing of the face
     /// is known.
     pub fn new(character: &CharacterFile) -> Result<Self> {
-        let of_table = FaceControls::of(&character.character).filter(|c| c.columns().is_none());
+        let of_table = FaceControls::of(character.character()).filter(|c| c.columns().is_none());
         if let Some(controls) = of_table {
             return Ok(Self {
                 controls,
@@ -60,7 +60,7 @@ impl FaceRig {
                 own: None,
             });
         }
-        let fields = control_fields(&controls, &figure).context(&character.name)?;
+        let fields = control_fields(&controls, &figure).context(character.name())?;
         Ok(Self::measured(controls, &figure, &fields))
     }
 
@@ -68,7 +68,7 @@ impl FaceRig {
     /// control.
     pub(super) fn of_figure(figure: &Figure) -> Result<(Self, Vec<Vec<Vec3>>)> {
         let controls = FaceControls::known(figure)?;
-        let fields = control_fields(&controls, figure).context(&figure.opened.name)?;
+        let fields = control_fields(&controls, figure).context(figure.opened.name())?;
         Ok((Self::measured(controls, figure, &fields), fields))
     }
 
@@ -112,7 +112,7 @@ impl FaceRig {
 
     /// The blend shapes of captures, by the columns of this face; `None` if its controls are others.
     pub fn capture_bridge(&self, character: &CharacterFile) -> Option<CaptureBridge> {
-        let shapes = self.controls.shapes(&character.character)?;
+        let shapes = self.controls.shapes(character.character())?;
         Some(CaptureBridge {
             bridge: self.bridge(None).clone(),
             shapes,

@@ -56,7 +56,7 @@ pub fn add_face_shapes(
     opened: &mut CharacterFile,
     given: &[(PointId, Vec3)],
 ) -> Result<FaceShapes> {
-    made_shapes(opened, given).with_context(|| opened.name.clone())
+    made_shapes(opened, given).with_context(|| opened.name().to_owned())
 }
 
 /// Adds a face animation table to a character, as morph targets named by parameter and interval
@@ -69,7 +69,7 @@ pub fn add_face_table(
     opened: &mut CharacterFile,
     given: &[(PointId, Vec3)],
 ) -> Result<FaceTableTargets> {
-    made_table(opened, given).with_context(|| opened.name.clone())
+    made_table(opened, given).with_context(|| opened.name().to_owned())
 }
 
 fn made_shapes(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<FaceShapes> {
@@ -101,7 +101,11 @@ fn made_shapes(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<
 }
 
 fn made_table(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<FaceTableTargets> {
-    let has_one = opened.character.meshes.iter().flat_map(|m| &m.morph_names);
+    let has_one = opened
+        .character()
+        .meshes
+        .iter()
+        .flat_map(|m| &m.morph_names);
     if has_one
         .clone()
         .any(|name| FapInterval::parse(name).is_some())

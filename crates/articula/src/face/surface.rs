@@ -77,7 +77,7 @@ impl HeadSurface {
 
 /// The morph slots of each blend shape of ARKit; several meshes may have the same shape.
 fn slots_of_shapes(figure: &Figure) -> BTreeMap<&'static str, Vec<usize>> {
-    let meshes = &figure.opened.character.meshes;
+    let meshes = &figure.opened.character().meshes;
     let mut slots: BTreeMap<&'static str, Vec<usize>> = BTreeMap::new();
     for (mesh, first) in meshes.iter().zip(&figure.asset.mesh.morph_slots) {
         for (target, name) in mesh.morph_names.iter().enumerate() {

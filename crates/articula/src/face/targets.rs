@@ -4,7 +4,7 @@ use super::surface::HeadSurface;
 use crate::error::{Error, Result};
 use crate::open::CharacterFile;
 use articula_build::face::normal_offsets;
-use articula_core::source::{MorphTarget, Primitive, Property, RawClip, RawMesh, Skin};
+use articula_core::source::{Character, MorphTarget, Primitive, Property, RawClip, RawMesh, Skin};
 use glam::{Affine3A, Quat, Vec3};
 
 /// Whether meshes that have morph targets get more of them.
@@ -35,9 +35,9 @@ pub(super) fn add_targets(
             *moves |= *offset != Vec3::ZERO;
         }
     }
-    let mut meshes = opened.character.meshes.clone();
+    let mut meshes = opened.character().meshes.clone();
     let places = places_of(&meshes);
-    let rest = opened.character.skeleton.model_rest();
+    let rest = opened.character().skeleton.model_rest();
     let mut touched = vec![false; meshes.len()];
     for (vertex, _) in vertices.iter().zip(&moves).filter(|(_, m)| **m) {
         touched[places[*vertex as usize].0] = true;
@@ -136,25 +136,28 @@ fn put(
     added: &[(usize, usize)],
     count: usize,
 ) -> Result<()> {
-    if let Some(behind) = &mut opened.gltf {
-        let mut document = behind.document.clone();
+    let mut gltf = opened.gltf().cloned();
+    if let Some(behind) = &mut gltf {
         for (mesh, _) in added {
-            document.add_morph_targets(behind.node_of_mesh[*mesh], &meshes[*mesh])?;
+            let (node, mesh) = (behind.node_of_mesh[*mesh], &meshes[*mesh]);
+            behind.document.add_morph_targets(node, mesh)?;
         }
-        behind.document = document;
     }
-    opened.character.meshes = meshes;
-    for clip in &mut opened.character.clips {
+    let mut character = Character {
+        meshes,
+        ..opened.character().clone()
+    };
+    for clip in &mut character.clips {
         for (mesh, before) in added {
-            opened.clips_changed |= extend(clip, *mesh, *before, count);
+            extend(clip, *mesh, *before, count);
         }
     }
+    opened.set_meshes(character, gltf);
     Ok(())
 }
 
-/// Lets a clip leave the new morph targets of a mesh at 0; returns whether it drives others of it.
-fn extend(clip: &mut RawClip, mesh: usize, before: usize, count: usize) -> bool {
-    let mut changed = false;
+/// Lets a clip that drives morph targets of a mesh leave the new ones at 0.
+fn extend(clip: &mut RawClip, mesh: usize, before: usize, count: usize) {
     let channels = clip.channels.iter_mut();
     let of_mesh = channels.filter(|c| c.property == Property::Weights && c.target == mesh);
     for channel in of_mesh.filter(|_| before > 0) {
@@ -165,7 +168,5 @@ fn extend(clip: &mut RawClip, mesh: usize, before: usize, count: usize) -> bool 
             values.extend(std::iter::repeat_n(0.0, count));
         }
         channel.values = values;
-        changed = true;
     }
-    changed
 }

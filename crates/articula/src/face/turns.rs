@@ -27,13 +27,13 @@ pub(super) fn turns(character: &CharacterFile, eyes: bool) -> Vec<Turn> {
         ("r_eyeball_joint", [Some(26), Some(24), None]),
     ];
     let articulation = character.articulation();
-    let joints = &character.character.skeleton.joints;
+    let joints = &character.character().skeleton.joints;
     let mut turned: Vec<Quat> = Vec::with_capacity(joints.len());
     for joint in joints {
         let above = joint.parent.map_or(Quat::IDENTITY, |p| turned[p]);
         turned.push((above * joint.rest.rotation).normalize());
     }
-    let model = character.character.skeleton.model_rest();
+    let model = character.character().skeleton.model_rest();
     let facing = facing_of(&articulation, |joint| Vec3::from(model[joint].translation));
     let parts = &PARTS[..if eyes { 3 } else { 1 }];
     let found = parts.iter().filter_map(|(name, faps)| {
@@ -52,7 +52,9 @@ pub(super) fn turns(character: &CharacterFile, eyes: bool) -> Vec<Turn> {
 impl Turn {
     /// Name of the joint.
     pub(super) fn name(&self, character: &CharacterFile) -> String {
-        character.character.skeleton.joints[self.joint].name.clone()
+        character.character().skeleton.joints[self.joint]
+            .name
+            .clone()
     }
 
     /// Index of the joint.

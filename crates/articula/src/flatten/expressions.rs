@@ -5,7 +5,7 @@ use articula_flat::portrait::PortraitExpression;
 
 /// Returns what can be driven: the file's named expressions, then morph targets by name.
 pub(crate) fn expressions(figure: &Figure) -> Vec<PortraitExpression> {
-    let character = &figure.opened.character;
+    let character = figure.opened.character();
     let slots = &figure.asset.mesh.morph_slots;
     let mut all: Vec<PortraitExpression> = Vec::new();
     for expression in &character.expressions {

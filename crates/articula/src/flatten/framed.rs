@@ -102,10 +102,10 @@ impl<'a> FramedCharacter<'a> {
     /// An [`Error`] that names the file: no mesh, no vertex with a finite position, or too many
     /// frames.
     pub fn new(figure: &'a Figure, shot: Shot, work: &Executor<'_>) -> Result<Self> {
-        let character = &figure.opened.character;
+        let character = figure.opened.character();
         if figure.asset.mesh.triangles.is_empty() {
             let what = "there is no mesh to show; give a file with a mesh or hide fewer meshes";
-            return Err(Error::unsuited(what)).context(&figure.opened.name);
+            return Err(Error::unsuited(what)).context(figure.opened.name());
         }
         let (appearance, _) = Appearance::new(&character.materials, &character.images);
         let (frame_times_secs, fps) = moments(figure, &shot)?;
@@ -194,7 +194,7 @@ impl<'a> FramedCharacter<'a> {
     /// Creates a framed character from given camera, frame times and triangles, for experiments
     /// that prescribe them.
     pub fn from_parts(figure: &'a Figure, shot: Shot, parts: FramedParts) -> Self {
-        let character = &figure.opened.character;
+        let character = figure.opened.character();
         let (appearance, _) = Appearance::new(&character.materials, &character.images);
         Self {
             figure,
@@ -222,7 +222,7 @@ impl<'a> FramedCharacter<'a> {
 
     /// Returns the name of the file in errors.
     pub(super) fn name(&self) -> &'a str {
-        &self.figure.opened.name
+        self.figure.opened.name()
     }
 
     /// Returns the subject in the form that the baking functions take.
@@ -254,7 +254,7 @@ impl<'a> FramedCharacter<'a> {
     /// Pictures of the character itself at fractional frame numbers.
     pub(super) fn source_frames(&self, times: &[SourceTime]) -> Result<SourceFrames> {
         SourceFrames::new(&self.whole(), &self.regions, times, &self.options)
-            .context(&self.figure.opened.name)
+            .context(self.figure.opened.name())
     }
 
     /// Times of fractional frame numbers.
@@ -297,7 +297,7 @@ impl<'a> FramedCharacter<'a> {
     /// # Errors
     /// An [`Error`] that names the file, if it has more triangles or frames than can be converted.
     pub fn at(&self, frame_times_secs: &[f64]) -> Result<PlanarClip> {
-        bake(&self.subject(), frame_times_secs, &self.options).context(&self.figure.opened.name)
+        bake(&self.subject(), frame_times_secs, &self.options).context(self.figure.opened.name())
     }
 
     /// A subset of the frame times, evenly spaced, that includes the last.
@@ -310,9 +310,9 @@ impl<'a> FramedCharacter<'a> {
 
     fn put_up_camera(&mut self) -> Result<()> {
         let looks = self.looks();
-        let place = &self.figure.opened.name;
+        let place = self.figure.opened.name();
         let unseen = || Error::At {
-            place: place.clone(),
+            place: place.to_owned(),
             cause: Box::new(Error::unsuited(
                 "no vertex has a finite position; check the clip and the skin weights",
             )),
@@ -343,7 +343,7 @@ impl<'a> FramedCharacter<'a> {
         }
         self.whole()
             .seen(&self.looks(), &self.options)
-            .context(&self.figure.opened.name)
+            .context(self.figure.opened.name())
     }
 
     /// Removes triangles that are never visible, and simplifies to the target number.
@@ -373,7 +373,7 @@ impl<'a> FramedCharacter<'a> {
         count: usize,
         weights: RegionWeights,
     ) -> Result<Vec<[u32; 3]>> {
-        let place = || &self.figure.opened.name;
+        let place = || self.figure.opened.name();
         let asset = &self.figure.asset;
         let clip = self.shot.clip;
         let weights = vertex_weights(&self.regions, weights);
@@ -438,7 +438,7 @@ impl<'a> FramedCharacter<'a> {
         source: &SourceFrames,
         results: &mut Vec<(TriedTriangles, Vec<[u32; 3]>)>,
     ) -> Result<TriedTriangles> {
-        let place = || &self.figure.opened.name;
+        let place = || self.figure.opened.name();
         let triangles = self.simplified(seen, count, weights)?;
         let shown = PlanarSubject {
             triangles: &triangles,
@@ -475,7 +475,7 @@ fn moments(figure: &Figure, shot: &Shot) -> Result<(Vec<f64>, f32)> {
     if steps >= MAX_FRAMES as f64 {
         let most = MAX_FRAMES;
         let found = steps as usize + 1;
-        return Err(PlanarError::TooManyFrames { found, most }).context(&figure.opened.name);
+        return Err(PlanarError::TooManyFrames { found, most }).context(figure.opened.name());
     }
     let moment = |f: u32| length * f64::from(f) / steps;
     let moments = (0..=steps as u32).map(moment).collect();

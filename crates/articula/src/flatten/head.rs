@@ -47,7 +47,7 @@ impl<'a> FramedHead<'a> {
             let what = "there is no mesh to show; give a file with a mesh or hide fewer meshes";
             return Err(Error::unsuited(what));
         }
-        let character = &figure.opened.character;
+        let character = figure.opened.character();
         let (appearance, _) = Appearance::new(&character.materials, &character.images);
         let rest = PosedMesh::new(&asset.rig, &asset.mesh)
             .pose(asset.rig.rest_pose())

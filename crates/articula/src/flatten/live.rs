@@ -15,7 +15,7 @@ pub(super) fn live_source(framed: &FramedCharacter<'_>) -> Result<LiveSource> {
     let all = expressions(figure);
     if all.is_empty() {
         let what = "the file has no morph target to control; give a face with morph targets";
-        return Err(Error::unsuited(what)).context(&figure.opened.name);
+        return Err(Error::unsuited(what)).context(figure.opened.name());
     }
     let rest = &asset.mesh.morph_weights;
     let mut shapes = vec![rest.clone()];
@@ -36,7 +36,7 @@ pub(super) fn live_source(framed: &FramedCharacter<'_>) -> Result<LiveSource> {
     }
     Ok(LiveSource {
         shapes: bake_shapes(&framed.subject(), &shapes, &options)
-            .with_context(|| &figure.opened.name)?,
+            .with_context(|| figure.opened.name())?,
         inputs: all.into_iter().map(|e| e.name).collect(),
         weights,
     })

@@ -65,7 +65,7 @@ impl Files {
         if is_item(path) {
             let item = self.open_item(path, &options.limits)?;
             let opened = assemble(&item, options).with_context(|| &name)?;
-            return Ok(CharacterFile { name, ..opened });
+            return Ok(opened.renamed(name));
         }
         if let Some(data) = DataFormat::from_name(&name) {
             return Err(Error::unsuited(data.advice())).context(name);
@@ -92,7 +92,7 @@ impl Files {
                 what,
                 guess: Some(Assumption::Skeleton),
             };
-            opened.warnings.insert(0, warning);
+            opened.warnings_mut().insert(0, warning);
         }
         Ok(opened)
     }

@@ -126,8 +126,8 @@ pub struct ReferencePoseClip {
 
 /// Summarises the humanoid data of a file.
 pub(super) fn of(opened: &CharacterFile) -> HumanoidInspection {
-    let behind = opened.gltf.as_ref();
-    let character = &opened.character;
+    let behind = opened.gltf();
+    let character = opened.character();
     let kept = behind.map_or(&[][..], |b| &b.kept);
     let expressions = character.expressions.iter();
     HumanoidInspection {
@@ -192,9 +192,9 @@ fn expression(character: &source::Character, found: &source::Expression) -> Expr
 }
 
 fn khr_character(opened: &CharacterFile) -> Option<KhrCharacterInspection> {
-    let found = opened.gltf.as_ref()?.khr_character.as_ref()?;
+    let found = opened.gltf()?.khr_character.as_ref()?;
     let clip = |index: usize| {
-        let clip = opened.character.clips.get(index);
+        let clip = opened.character().clips.get(index);
         clip.map_or(String::new(), |c| c.name.clone())
     };
     let rigs = found.rigs.iter().map(|r| MappedRig {

@@ -75,14 +75,14 @@ pub fn joint_levels(
     if asset.clips.is_empty() {
         let what = "clips: the file has none, and joint levels follow from motion; add one by \
                     building the file with a motion";
-        return Err(Error::unsuited(what)).context(&figure.opened.name);
+        return Err(Error::unsuited(what)).context(figure.opened.name());
     }
     work.step(WHAT, 0, 1)?;
     let options = JointLodOptions {
         far_from_metres,
         ..JointLodOptions::default()
     };
-    let merged = merged_levels(asset, &options).with_context(|| &figure.opened.name)?;
+    let merged = merged_levels(asset, &options).with_context(|| figure.opened.name())?;
     work.step(WHAT, 1, 1)?;
     let kept = kept(&merged);
     let near = merged.joint_lods.levels();

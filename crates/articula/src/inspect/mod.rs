@@ -240,7 +240,7 @@ pub struct WarningInspection {
 /// [`Error::Cancelled`](crate::Error::Cancelled) only.
 pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<Inspection> {
     let (opened, asset) = (&figure.opened, &figure.asset);
-    let character = &opened.character;
+    let character = opened.character();
     const WHAT: &str = "measuring clips";
     work.step(WHAT, 0, clips.len())?;
     let mut measure = Measure::new(asset);
@@ -252,10 +252,10 @@ pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<
         work.step(WHAT, measured.len(), clips.len())?;
     }
     let mut findings = Inspection {
-        file: opened.name.clone(),
-        format: opened.format.name(),
+        file: opened.name().to_owned(),
+        format: opened.format().name(),
         name: character.name.clone(),
-        bytes: opened.bytes,
+        bytes: opened.bytes(),
         skeletons: skeletons_of(figure),
         clips: measured,
         meshes: character.meshes.iter().map(mesh_of).collect(),
@@ -285,9 +285,9 @@ pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<
 }
 
 fn skeletons_of(figure: &Figure) -> Vec<SkeletonInspection> {
-    let (rig, mapping) = (&figure.asset.rig, &figure.opened.mapping);
+    let (rig, mapping) = (&figure.asset.rig, figure.opened.mapping());
     let articulation = rig.articulation();
-    let groups = skeletons::of(&figure.opened.character, rig);
+    let groups = skeletons::of(figure.opened.character(), rig);
     let skeleton = |joints: &JointSet| SkeletonInspection {
         root: joints.iter().next().map_or("", |j| rig.name(j)).to_owned(),
         joints: joints.len(),
@@ -323,8 +323,8 @@ fn skeletons_of(figure: &Figure) -> Vec<SkeletonInspection> {
 
 /// The doubts about joints; none about joints that the file stores.
 fn doubtful(figure: &Figure, joints: &JointSet) -> Vec<DoubtfulJoint> {
-    let mapping = &figure.opened.mapping;
-    if figure.opened.character.articulation.is_some() {
+    let mapping = figure.opened.mapping();
+    if figure.opened.character().articulation.is_some() {
         return Vec::new();
     }
     let own = mapping.doubts.iter().filter(|d| joints.contains(d.joint));
@@ -388,8 +388,8 @@ fn why(reason: UnmappedReason) -> &'static str {
 }
 
 fn joints_of(figure: &Figure) -> Vec<JointInspection> {
-    let (rig, mapping) = (&figure.asset.rig, &figure.opened.mapping);
-    let is_stored = figure.opened.character.articulation.is_some();
+    let (rig, mapping) = (&figure.asset.rig, figure.opened.mapping());
+    let is_stored = figure.opened.character().articulation.is_some();
     let told = |joint: usize| {
         mapping
             .evidence
@@ -501,8 +501,8 @@ fn face_of(character: &source::Character) -> Option<FaceInspection> {
 }
 
 fn warnings_of(figure: &Figure) -> Vec<WarningInspection> {
-    let character = &figure.opened.character;
-    let read = figure.opened.warnings.iter().map(|w| WarningInspection {
+    let character = figure.opened.character();
+    let read = figure.opened.warnings().iter().map(|w| WarningInspection {
         at: w.at.clone(),
         what: w.what.clone(),
     });
@@ -536,7 +536,7 @@ fn oddities(found: &Inspection, figure: &Figure) -> Vec<WarningInspection> {
             say("skeletons", what);
         }
     }
-    let mut told = figure.opened.warnings.iter();
+    let mut told = figure.opened.warnings().iter();
     let is_told = told.any(|w| w.guess == Some(Assumption::Unit));
     let unusual = found.height_m.filter(|h| *h > 10.0 || *h < 0.1);
     if let Some(height) = unusual.filter(|_| !is_told) {

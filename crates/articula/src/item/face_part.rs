@@ -90,7 +90,7 @@ pub(super) fn part(
 
 /// A face motion as the clip that shows it on a figure.
 fn on_head(figure: &Figure, clip: &FapClip, file: &str) -> Result<Clip> {
-    let source = &figure.opened.character;
+    let source = figure.opened.character();
     let fitted = fit_face(clip, file, &figure.opened)?.fitted.clip;
     let clip = sampled_clip(source, &fitted, &figure.asset.mesh, &ClipOptions::default());
     clip.context(file)

@@ -250,7 +250,7 @@ struct Shown {
 
 impl Shown {
     fn new(figure: &Figure, bytes: &[u8], limits: &StreamLimits) -> Result<Self> {
-        let source = &figure.opened.character.meshes;
+        let source = &figure.opened.character().meshes;
         let decoded = decoded(bytes, source, limits)?;
         let mut meshes: Vec<RawMesh> = Vec::with_capacity(source.len());
         for (m, mesh) in source.iter().enumerate() {

@@ -46,7 +46,7 @@ pub(super) fn part(
             unit.marker("region") != Some(u32::from(*region))
         })?);
     }
-    let (rig, name) = (&figure.asset.rig, &figure.opened.name);
+    let (rig, name) = (&figure.asset.rig, figure.opened.name());
     let decoded = |bytes: &Vec<u8>| decode(bytes, rig, name, &Limits::default());
     let clips: Vec<Clip> = cuts.iter().map(decoded).collect::<Result<_>>()?;
     let (errors, frames) = measured(&figure.asset, truth, &clips, work)?;

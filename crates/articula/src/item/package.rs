@@ -32,15 +32,14 @@ pub fn package(
     options: &PackageOptions,
     work: &Executor<'_>,
 ) -> Result<Item> {
-    let name = opened.name.clone();
+    let name = opened.name().to_owned();
     packaged(opened, options, work).with_context(|| &name)
 }
 
 fn packaged(opened: CharacterFile, options: &PackageOptions, work: &Executor<'_>) -> Result<Item> {
-    let title = Path::new(&opened.name).file_stem().unwrap_or_default();
+    let title = Path::new(opened.name()).file_stem().unwrap_or_default();
     let title = title.to_string_lossy().into_owned();
-    let (mut opened, gltf) = with_document(opened)?;
-    opened.gltf = Some(gltf);
+    let opened = with_document(opened)?;
     let SourceFigure {
         figure,
         gltf,
@@ -67,7 +66,7 @@ fn packaged(opened: CharacterFile, options: &PackageOptions, work: &Executor<'_>
         warnings.extend(made.warnings.iter().cloned());
         parts.push(mesh_part::part(&figure, &clips, made, &mut files, work)?);
     }
-    let character = &figure.opened.character;
+    let character = figure.opened.character();
     let articulation = figure.opened.articulation();
     let stripped = figure::stripped(character, &character.meshes, gltf, &articulation)?;
     warnings.extend(stripped.left_out.iter().cloned());

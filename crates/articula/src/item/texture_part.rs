@@ -37,7 +37,7 @@ pub(super) fn parts(
     files: &mut NewFiles,
     work: &Executor<'_>,
 ) -> Result<Vec<ItemPart>> {
-    let character = &figure.opened.character;
+    let character = figure.opened.character();
     let images = character.images.iter().enumerate();
     let images = images.filter(|(i, _)| stripped.is_replaced.get(*i) == Some(&true));
     let images: Vec<(usize, &Image)> = images.collect();
@@ -193,7 +193,7 @@ struct Scene<'a> {
 impl<'a> Scene<'a> {
     fn new(figure: &'a Figure, options: &PackageOptions) -> Result<Self> {
         let asset = &figure.asset;
-        let character = &figure.opened.character;
+        let character = figure.opened.character();
         let (appearance, _) = Appearance::new(&character.materials, &character.images);
         let mut posed = PosedMesh::new(&asset.rig, &asset.mesh);
         posed.pose(asset.rig.rest_pose());
@@ -287,7 +287,7 @@ impl<'a> Scene<'a> {
     /// show it.
     fn texel_metres(&self, image: usize) -> Option<f64> {
         let mesh = &self.figure.asset.mesh;
-        let character = &self.figure.opened.character;
+        let character = self.figure.opened.character();
         let picture = Picture::decode(&character.images.get(image)?.bytes).ok()?;
         let texels = f64::from(picture.width()) * f64::from(picture.height());
         let mut found: Vec<(f64, f64)> = Vec::new();

@@ -104,7 +104,7 @@ pub(crate) fn coded(
     work.step(BUILDING, 1, 3)?;
     let stream = stream::coded(figure, &levels, &options.simplify.regions)?;
     work.step(BUILDING, 2, 3)?;
-    let meshes = &figure.opened.character.meshes;
+    let meshes = &figure.opened.character().meshes;
     let replaced =
         |m: &&articula_core::source::RawMesh| !m.levels.is_empty() && m.clustered.is_empty();
     let warning = |m: &articula_core::source::RawMesh| {
@@ -164,7 +164,7 @@ fn coarse(made: &MeshLevels) -> Vec<String> {
 /// Triangles of the levels that [`add`] makes with default options, over the vertices of the
 /// figure's mesh.
 pub(crate) fn triangles(figure: &Figure, levels: usize) -> Result<Vec<Vec<[u32; 3]>>> {
-    let classes = match &figure.opened.gltf {
+    let classes = match figure.opened.gltf() {
         Some(gltf) => vertex_classes(figure, gltf, figure.orders())?,
         None => Vec::new(),
     };
@@ -284,7 +284,7 @@ fn store(
 
 /// Range of parts of the character's mesh for each source mesh.
 fn parts_of_meshes(figure: &Figure) -> Vec<std::ops::Range<usize>> {
-    parts_of_meshes_of(&figure.opened.character.meshes)
+    parts_of_meshes_of(&figure.opened.character().meshes)
 }
 
 /// Range of primitives, counted over all meshes, for each mesh.

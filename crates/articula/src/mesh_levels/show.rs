@@ -127,16 +127,16 @@ pub(crate) fn show(
     work: &Executor<'_>,
 ) -> Result<ShownLevels> {
     const WHAT: &str = "measuring mesh levels";
-    let Some(table) = opened.character.mesh_levels.clone() else {
+    let Some(table) = opened.character().mesh_levels.clone() else {
         let what = "the meshes have no levels to choose from; make them by building the file with \
                     mesh levels";
         return Err(Error::unsuited(what));
     };
     work.step(WHAT, 0, 1)?;
     let levels = levels(&table, options)?;
-    let mix = RegionMix::new(&opened.character, &levels).context("mesh levels")?;
+    let mix = RegionMix::new(opened.character(), &levels).context("mesh levels")?;
     let asset = character(
-        &opened.character,
+        opened.character(),
         Some(opened.articulation()),
         &ClipOptions::default(),
     )?;
@@ -146,7 +146,7 @@ pub(crate) fn show(
     let bare: Vec<[u32; 3]> = shown.iter().map(|(_, t)| *t).collect();
     let (distances, poses) = measure_levels(&asset, &[&bare], &MeshLevelOptions::default())?;
     let distances = distances.into_iter().next().unwrap_or_default();
-    let vertices_in_asset = vertices_in_asset(&opened.character.meshes, &levels);
+    let vertices_in_asset = vertices_in_asset(&opened.character().meshes, &levels);
     put(opened, &mix)?;
     let finite = |metres: f32| metres.is_finite().then_some(metres);
     let error = lod_error_metres(distances.motion.p95_metres, distances.motion.max_metres);
@@ -235,7 +235,7 @@ fn triangles(
     levels: &[u16],
 ) -> Result<Vec<(u16, [u32; 3])>> {
     let mut out = Vec::new();
-    let meshes = &opened.character.meshes;
+    let meshes = &opened.character().meshes;
     for (mesh, parts) in meshes.iter().zip(parts_of_meshes_of(meshes)) {
         for (p, part) in asset.mesh.parts[parts].iter().enumerate() {
             let first = part.vertices.start as u32;
@@ -327,7 +327,9 @@ fn in_view(
 
 /// Puts the triangles into the character and its document.
 fn put(opened: &mut CharacterFile, mix: &RegionMix) -> Result<()> {
-    if let Some(gltf) = &mut opened.gltf {
+    let character = mix.character(opened.character())?;
+    let mut gltf = opened.gltf().cloned();
+    if let Some(gltf) = &mut gltf {
         let part = |part: usize| {
             let object = &mix.objects[part];
             PartLevels {
@@ -336,7 +338,7 @@ fn put(opened: &mut CharacterFile, mix: &RegionMix) -> Result<()> {
                 clusters: &object.clusters,
             }
         };
-        let meshes: Vec<MeshParts<'_>> = parts_of_meshes_of(&opened.character.meshes)
+        let meshes: Vec<MeshParts<'_>> = parts_of_meshes_of(&opened.character().meshes)
             .into_iter()
             .zip(&gltf.node_of_mesh)
             .map(|(parts, node)| MeshParts {
@@ -347,6 +349,6 @@ fn put(opened: &mut CharacterFile, mix: &RegionMix) -> Result<()> {
         gltf.document.set_single_level(&meshes)?;
         gltf.document.remove_motion_tables();
     }
-    opened.character = mix.character(&opened.character)?;
+    opened.set_meshes(character, gltf);
     Ok(())
 }

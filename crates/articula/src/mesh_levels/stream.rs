@@ -41,7 +41,7 @@ fn objects(figure: &Figure, made: &MeshLevels, regions: &[u8]) -> Result<Vec<Obj
     let precision = Precision::default();
     let mut objects = Vec::new();
     for (m, parts) in parts_of_meshes(figure).into_iter().enumerate() {
-        let mesh = &figure.opened.character.meshes[m];
+        let mesh = &figure.opened.character().meshes[m];
         let place = || format!("mesh \"{}\"", mesh.name);
         let grid = Grid::new(&mesh.primitives, precision.position_bits).with_context(place)?;
         for (p, part) in parts.enumerate() {

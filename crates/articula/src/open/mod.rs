@@ -7,8 +7,10 @@ mod bva;
 mod bvh;
 mod data;
 mod document;
+mod edits;
 mod format;
 mod human;
+mod keep_meshes;
 mod motion;
 mod mp4;
 mod options;
@@ -31,29 +33,22 @@ use articula_formats::mpeg4::bap::BapClip;
 use articula_formats::{Resolver, Warning};
 
 /// An opened file: its character, and the data needed to write it back.
+///
+/// The fields are read by the methods that have their names and changed by named edits, each of which
+/// changes all that depends on it: the clips and [whether they are those of the
+/// file](Self::clips_changed), the document of a glTF file, the mapping of the joints.
 #[derive(Debug, Clone)]
 pub struct CharacterFile {
-    /// Name of the file in errors and reports.
-    pub name: String,
-    /// Format of the file.
-    pub format: Format,
-    /// Size of the file in bytes.
-    pub bytes: usize,
-    /// Skeleton, meshes, clips and expressions, in metres, +Y up, facing +Z.
-    pub character: Character,
-    /// Whether the clips differ from those in the glTF document or the BAP parameters, which are
-    /// then written from `character.clips`. Set it after changing `character.clips`.
-    pub clips_changed: bool,
-    /// H-Anim joint, level and region of the joints, from the file's own map or from joint names.
-    pub mapping: JointMapping,
-    /// Document of a glTF file, preserved when it is written; `None` for other formats.
-    pub gltf: Option<GltfSource>,
-    /// Joint index and offset in metres of each end site of a BVH, ASF or X3D file.
-    pub end_sites: Vec<(usize, glam::Vec3)>,
-    /// Parameters of a BAP file.
-    pub parameters: Option<BapClip>,
-    /// Warnings about the file.
-    pub warnings: Vec<Warning>,
+    name: String,
+    format: Format,
+    bytes: usize,
+    character: Character,
+    clips_changed: bool,
+    mapping: JointMapping,
+    gltf: Option<GltfSource>,
+    end_sites: Vec<(usize, glam::Vec3)>,
+    parameters: Option<BapClip>,
+    warnings: Vec<Warning>,
 }
 
 /// Opens a character, or a motion with its skeleton, from bytes.
@@ -165,6 +160,64 @@ impl CharacterFile {
             parameters: None,
             warnings: Vec::new(),
         }
+    }
+
+    /// Returns the name of the file in errors and reports.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Returns the format of the file.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// Returns the size of the file in bytes; 0 for a character that was created by a program.
+    pub fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    /// Returns skeleton, meshes, clips and expressions, in metres, +Y up, facing +Z.
+    pub fn character(&self) -> &Character {
+        &self.character
+    }
+
+    /// Returns skeleton, meshes, clips and expressions without the file.
+    pub fn into_character(self) -> Character {
+        self.character
+    }
+
+    /// Returns whether the clips differ from those in the glTF document or the BAP parameters, which
+    /// are then written from those of the character.
+    pub fn clips_changed(&self) -> bool {
+        self.clips_changed
+    }
+
+    /// Returns the H-Anim joint, level and region of the joints, from the file's own map or from joint
+    /// names.
+    pub fn mapping(&self) -> &JointMapping {
+        &self.mapping
+    }
+
+    /// Returns the document of a glTF file, which is preserved when it is written; `None` for other
+    /// formats.
+    pub fn gltf(&self) -> Option<&GltfSource> {
+        self.gltf.as_ref()
+    }
+
+    /// Returns the joint index and the offset in metres of each end site of a BVH, ASF or X3D file.
+    pub fn end_sites(&self) -> &[(usize, glam::Vec3)] {
+        &self.end_sites
+    }
+
+    /// Returns the parameters of a BAP file.
+    pub fn parameters(&self) -> Option<&BapClip> {
+        self.parameters.as_ref()
+    }
+
+    /// Returns the warnings about the file.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
     }
 
     /// Returns the H-Anim joint, level and region of every joint, as stored in the file or derived

@@ -18,8 +18,6 @@ pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
         joint_maps: input.joint_maps,
         beside: &mut *input.beside,
     };
-    let mut opened = abp::open(&mut inner)?;
-    opened.bytes = input.bytes.len();
-    opened.warnings.extend(stream.warnings());
-    Ok(opened)
+    let opened = abp::open(&mut inner)?;
+    Ok(opened.found_in(input.format, input.bytes.len(), stream.warnings()))
 }

@@ -60,12 +60,12 @@ impl PreparedCheck {
 /// # Errors
 /// As [`Figure::new`].
 pub fn check_prepared(opened: CharacterFile) -> Result<PreparedCheck> {
-    let known = opened.warnings.len();
+    let known = opened.warnings().len();
     let figure = Figure::new(opened)?;
     let mut warnings: Vec<String> = Vec::new();
-    let told = figure.opened.warnings[known..].iter();
+    let told = figure.opened.warnings()[known..].iter();
     warnings.extend(told.map(|w| format!("{}: {}", w.at, w.what)));
-    let header = figure.opened.gltf.as_ref().map(|g| g.document.prepared());
+    let header = figure.opened.gltf().map(|g| g.document.prepared());
     let generator = match header {
         Some(PreparedState::Present(header)) => header.generator,
         _ => String::new(),
@@ -127,7 +127,7 @@ fn is_needed(figure: &Figure, part: PreparedPart) -> bool {
 
 /// Number of bytes of a part in the document.
 fn stored_bytes(figure: &Figure, part: PreparedPart) -> usize {
-    let Some(gltf) = &figure.opened.gltf else {
+    let Some(gltf) = figure.opened.gltf() else {
         return 0;
     };
     let document = &gltf.document;
@@ -154,7 +154,7 @@ fn usable(figure: &Figure, stored: Option<&Stored<'_>>) -> Vec<PreparedPart> {
     let clips = asset.clips.len();
     let mut found = Vec::new();
     let has_clips = stored
-        .clips(&figure.opened.character.clips, &asset.rig, &asset.mesh)
+        .clips(&figure.opened.character().clips, &asset.rig, &asset.mesh)
         .and_then(|own| stored.clips_in_place(&own, &asset.rig, &asset.mesh));
     found.extend(has_clips.map(|_| PreparedPart::Clips));
     if let Some(levels) = stored.joint_levels(&asset.rig, clips) {

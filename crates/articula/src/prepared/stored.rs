@@ -32,7 +32,7 @@ impl StoredState {
     /// Compares the hashes of a document with its character.
     pub(crate) fn of(opened: &CharacterFile) -> Self {
         let mut state = Self::default();
-        let Some(gltf) = &opened.gltf else {
+        let Some(gltf) = opened.gltf() else {
             return state;
         };
         let header = match gltf.document.prepared() {
@@ -45,7 +45,7 @@ impl StoredState {
             }
             PreparedState::Present(header) => header,
         };
-        let found = SourceHashes::of(&opened.character, &opened.articulation());
+        let found = SourceHashes::of(opened.character(), &opened.articulation());
         let stored = |name: &str| header.hashes.iter().find(|h| h.0 == name).map(|h| h.1);
         if stored("clips").is_none() {
             // The clips were replaced, and what was computed from them is gone.
@@ -61,8 +61,8 @@ impl StoredState {
             .collect();
         state.has_order = !changed.contains(&"mesh");
         // The caller knows that it has changed the clips.
-        state.is_current = changed.is_empty() && !opened.clips_changed;
-        if !opened.clips_changed && !changed.is_empty() {
+        state.is_current = changed.is_empty() && !opened.clips_changed();
+        if !opened.clips_changed() && !changed.is_empty() {
             let of = |name: &&str| match *name {
                 "rig" => "skeleton",
                 "mesh" => "mesh",
@@ -81,11 +81,11 @@ impl StoredState {
 impl KeptMeshes {
     /// Remembers which meshes are about to be kept; stored data but the order of vertices is of the
     /// whole character.
-    pub(crate) fn of(opened: &CharacterFile, is_kept: impl Fn(&str) -> bool) -> Self {
-        let known = opened.gltf.as_ref().and_then(|g| g.kept_meshes.as_ref());
+    pub(crate) fn of(opened: &CharacterFile, kept: &[bool]) -> Self {
+        let known = opened.gltf().and_then(|g| g.kept_meshes.as_ref());
         let state = known.map_or_else(|| StoredState::of(opened), |known| known.state.clone());
-        let each = opened.character.meshes.iter();
-        let each = each.flat_map(|m| m.primitives.iter().map(|_| is_kept(&m.name)));
+        let each = opened.character().meshes.iter().zip(kept);
+        let each = each.flat_map(|(mesh, kept)| mesh.primitives.iter().map(|_| *kept));
         let mut now = each.collect::<Vec<_>>().into_iter();
         let primitives = match known {
             None => now.collect(),
@@ -109,11 +109,11 @@ impl KeptMeshes {
 impl<'a> Stored<'a> {
     /// The data that a file stores, if it can be read.
     pub(crate) fn of(opened: &'a CharacterFile) -> Option<Self> {
-        let document = &opened.gltf.as_ref()?.document;
+        let document = &opened.gltf()?.document;
         match document.prepared() {
             PreparedState::Present(header) => Some(Self {
                 document,
-                meshes: &opened.character.meshes,
+                meshes: &opened.character().meshes,
                 header,
                 warnings: RefCell::default(),
             }),

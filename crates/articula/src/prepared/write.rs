@@ -115,7 +115,7 @@ pub(crate) fn parts(
     if is_wanted(PreparedPart::Clips) {
         parts.entries.push((
             part::CLIPS,
-            write_clips(clips, &figure.opened.character.clips),
+            write_clips(clips, &figure.opened.character().clips),
         ));
         let in_place = write_clips_in_place(&character.stored_form(), clips);
         parts.entries.push((part::CLIPS_IN_PLACE, in_place));

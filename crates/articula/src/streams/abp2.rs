@@ -45,7 +45,7 @@ pub fn write(
     clip: usize,
     options: &MotionOptions,
 ) -> Result<EncodedMotion> {
-    let source = &opened.character;
+    let source = opened.character();
     let Some(of_source) = source.clips.get(clip) else {
         return Err(Error::unsuited("clips: the file has no clip to write"));
     };
@@ -125,19 +125,10 @@ pub fn read(
     of: &CharacterFile,
     limits: &Limits,
 ) -> Result<CharacterFile> {
-    let rig = Rig::new(&of.character.skeleton, of.articulation()).context(name)?;
-    let clip = decode(bytes, &rig, &of.name, limits).context(name)?;
-    let mut opened = of.clone();
-    let meshes = &opened.character.meshes;
-    opened.character.clips = vec![raw_clip(&clip, meshes)];
-    opened.clips_changed = true;
-    Ok(CharacterFile {
-        name: name.to_owned(),
-        format: Format::Abp,
-        bytes: bytes.len(),
-        warnings: Vec::new(),
-        ..opened
-    })
+    let rig = Rig::new(&of.character().skeleton, of.articulation()).context(name)?;
+    let clip = decode(bytes, &rig, of.name(), limits).context(name)?;
+    let clip = raw_clip(&clip, &of.character().meshes);
+    Ok(of.with_motion_of((name, Format::Abp, bytes.len()), clip))
 }
 
 /// Decodes a stream with the rig of the character called `of`.

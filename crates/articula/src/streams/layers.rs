@@ -161,7 +161,7 @@ pub fn layers(
 ) -> Result<LayersReport> {
     let limits = Limits::default();
     let (rig, mesh) = (&of.asset.rig, &of.asset.mesh);
-    let decoded = |bytes: &[u8]| decode(bytes, rig, &of.opened.name, &limits).context(name);
+    let decoded = |bytes: &[u8]| decode(bytes, rig, of.opened.name(), &limits).context(name);
     let clip = decoded(bytes)?;
     let stream_limits = StreamLimits::default();
     let head = MotionHead::open(bytes, &stream_limits).context(name)?;
@@ -203,7 +203,7 @@ pub fn layers(
     };
     Ok(LayersReport {
         file: name.to_owned(),
-        character: of.opened.name.clone(),
+        character: of.opened.name().to_owned(),
         clip: head.name.clone(),
         bytes: bytes.len(),
         tolerance_mm: 1e-3 * f64::from(head.tolerance_micrometres),

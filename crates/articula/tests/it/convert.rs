@@ -9,7 +9,7 @@ use articula::{
     AddClipsOptions, CharacterFile, ConvertOptions, Error, Executor, Figure, Format, OpenOptions,
     PrepareOptions, convert, fs, open, prepare,
 };
-use articula_core::source::evaluate;
+use articula_core::source::{Character, evaluate};
 use articula_core::{ModelPose, Rig, local_to_model};
 use std::path::Path;
 
@@ -32,18 +32,18 @@ fn added(data: &Path, character: &str, file: &str) -> (CharacterFile, Vec<ClipPr
 /// The error of adding the clips of a file.
 fn refused(data: &Path, character: &str, file: &str) -> Error {
     let mut opened = fs::open(data.join(character)).unwrap();
-    let before = opened.character.clips.len();
+    let before = opened.character().clips.len();
     let files = [fs::open(data.join(file)).unwrap()];
     let why = opened.add_clips(&files, &AddClipsOptions::default(), &Executor::default());
-    assert_eq!(opened.character.clips.len(), before);
+    assert_eq!(opened.character().clips.len(), before);
     why.unwrap_err()
 }
 
 /// Joint positions at a time of a clip, by name.
 fn positions(opened: &CharacterFile, clip: &str, secs: f32) -> Vec<(String, Vec3)> {
-    let skeleton = &opened.character.skeleton;
+    let skeleton = &opened.character().skeleton;
     let rig = Rig::new(skeleton, opened.articulation()).unwrap();
-    let clips = &opened.character.clips;
+    let clips = &opened.character().clips;
     let clip = clips.iter().find(|c| c.name == clip).unwrap();
     let mut local = rig.rest_pose().clone();
     evaluate::pose(clip, skeleton, secs, &mut local);
@@ -86,8 +86,8 @@ fn a_library_of_clips_moves_its_mannequin_as_it_is() {
     let prepared = prepare(opened, &PrepareOptions::default(), &Executor::default()).unwrap();
     assert_eq!(prepared.tables.len(), 11);
     let asset = again(&prepared.glb);
-    assert_eq!(asset.character.clips.len(), 11);
-    assert_eq!(asset.character.meshes.len(), 8);
+    assert_eq!(asset.character().clips.len(), 11);
+    assert_eq!(asset.character().meshes.len(), 8);
 }
 
 #[test]
@@ -98,12 +98,12 @@ fn a_capture_walks_on_other_figures_by_the_map() {
         assert_eq!(fits[0].name, "cmu_12_01_walk");
         let report = fits[0].retargeted.as_ref().unwrap();
         assert!(report.quality.slide.mean_metres < 0.02, "{character}");
-        let format = opened.format;
+        let format = opened.format();
         let written = write(&opened, format).unwrap();
         let back = again(&written.bytes);
         let hips = |secs| {
             let all = positions(&back, "cmu_12_01_walk", secs);
-            let at = back.mapping.articulation.joints.iter();
+            let at = back.mapping().articulation.joints.iter();
             let hips = at.clone().position(|j| j.hanim.as_deref() == Some("l_hip"));
             all[hips.unwrap()].1
         };
@@ -142,9 +142,14 @@ fn what_fits_neither_by_name_nor_by_map_says_the_mend() {
 /// The fox twice as large, with other axes of every joint, without a mesh.
 fn other_fox(data: &Path) -> CharacterFile {
     let mut fox = fs::open(data.join(FOX)).unwrap();
-    fox.character.meshes.clear();
-    fox.character.clips.clear();
-    let joints = &mut fox.character.skeleton.joints;
+    fox.edit_character(enlarge);
+    fox
+}
+
+fn enlarge(fox: &mut Character) {
+    fox.meshes.clear();
+    fox.clips.clear();
+    let joints = &mut fox.skeleton.joints;
     let turned: Vec<Quat> = (0..joints.len())
         .map(|j| Quat::from_euler(EulerRot::XYZ, j as f32, 0.7 * j as f32, 2.0 - j as f32))
         .collect();
@@ -154,7 +159,6 @@ fn other_fox(data: &Path) -> CharacterFile {
         rest.translation = above.inverse() * (2.0 * rest.translation);
         rest.rotation = above.inverse() * rest.rotation * turned[joint];
     }
-    fox
 }
 
 #[test]
@@ -196,9 +200,11 @@ fn too_few_common_names_are_refused() {
     let fox = fs::open(data.join(FOX)).unwrap();
     let mut other = other_fox(&data);
     // Hips, two spine joints, neck, head and an upper arm keep their names; what is above has no keys.
-    for joint in other.character.skeleton.joints.iter_mut().skip(9) {
-        joint.name.push_str("_x");
-    }
+    other.edit_character(|character| {
+        for joint in character.skeleton.joints.iter_mut().skip(9) {
+            joint.name.push_str("_x");
+        }
+    });
     let why = other.add_clips(&[fox], &AddClipsOptions::default(), &Executor::default());
     let said = why.unwrap_err().to_string();
     assert!(said.contains("only 6 of the 20 moving joints"), "{said}");
@@ -208,17 +214,14 @@ fn too_few_common_names_are_refused() {
 fn a_skeleton_without_skin_and_mesh_is_a_motion() {
     let Some(data) = real_data() else { return };
     let mut motion = fs::open(data.join("glb/mannequiny.glb")).unwrap();
-    motion.character.meshes.clear();
-    motion
-        .character
-        .skeleton
-        .joints
-        .iter_mut()
-        .for_each(|j| j.in_skin = false);
-    motion.gltf = None;
+    motion.edit_character(|character| {
+        character.meshes.clear();
+        let joints = character.skeleton.joints.iter_mut();
+        joints.for_each(|j| j.in_skin = false);
+    });
     let written = write(&motion, Format::Glb).unwrap();
     let back = again(&written.bytes);
-    assert!(back.mapping.humanoid);
+    assert!(back.mapping().humanoid);
     let figure = Figure::new(back.clone()).unwrap();
     let found = inspect(&figure, &[0], &Executor::default()).unwrap();
     assert_eq!(found.skeletons.len(), 1);
@@ -235,9 +238,9 @@ fn a_skeleton_without_skin_and_mesh_is_a_motion() {
     let asset = Figure::new(again(&prepared.glb)).unwrap();
     assert_eq!(asset.asset.rig.skin_joints().len(), 45);
     assert!(
-        asset.opened.warnings.is_empty(),
+        asset.opened.warnings().is_empty(),
         "{:?}",
-        asset.opened.warnings
+        asset.opened.warnings()
     );
     let mut hero = fs::open(data.join(WOMAN)).unwrap();
     let fits = hero.add_clips(&[back], &AddClipsOptions::default(), &Executor::default());
@@ -248,7 +251,7 @@ fn a_skeleton_without_skin_and_mesh_is_a_motion() {
 fn clips_of_several_files_keep_apart() {
     let Some(data) = real_data() else { return };
     let mut opened = fs::open(data.join(WOMAN)).unwrap();
-    let own = opened.character.clips.len();
+    let own = opened.character().clips.len();
     let file = |name: &str| fs::open(data.join(name)).unwrap();
     let files = [file(WALK), file(WALK), file(LIBRARY)];
     let options = AddClipsOptions {
@@ -261,7 +264,7 @@ fn clips_of_several_files_keep_apart() {
     let names: Vec<&str> = fits.iter().map(|fit| fit.name.as_str()).collect();
     assert_eq!(names[..2], ["new cmu_12_01_walk", "new cmu_12_01_walk 2"]);
     assert_eq!(names[2], "new Med_MovementBasic Rig_Medium|Jump_Full_Long");
-    assert_eq!(opened.character.clips.len(), own + 13);
+    assert_eq!(opened.character().clips.len(), own + 13);
     let options = AddClipsOptions {
         keep_own: false,
         clip: Some("Rig_Medium|Walking_A".into()),
@@ -271,7 +274,7 @@ fn clips_of_several_files_keep_apart() {
     opened
         .add_clips(&files, &options, &Executor::default())
         .unwrap();
-    assert_eq!(opened.character.clips.len(), 1);
+    assert_eq!(opened.character().clips.len(), 1);
 }
 
 /// A figure of two joints that nods for three frames.
@@ -327,7 +330,7 @@ fn a_file_is_edited_and_written_in_another_format() {
     assert_eq!(edited.rate.unwrap().keys_after, keys.keys_before);
     assert!(keys.keys_after < keys.keys_before && keys.worst_m <= 1e-3);
     let back = again(&made.written.bytes);
-    assert!((back.character.clips[0].duration_secs - 0.1).abs() < 1e-5);
+    assert!((back.character().clips[0].duration_secs - 0.1).abs() < 1e-5);
     let why = convert(nod(), Format::Bvh, &options, &Executor::default()).unwrap_err();
     assert!(why.is_argument() && why.to_string().contains("every frame"));
     let why = convert(
@@ -348,12 +351,12 @@ fn without_a_clip_formats_of_motion_are_refused_and_pairs_come_as_two() {
     let pair = write(&nod(), Format::Amc).unwrap();
     assert_eq!(pair.beside.unwrap().0, Format::Asf);
     let mut still = nod();
-    still.character.clips.clear();
+    still.select_clips(&[]);
     let why = write(&still, Format::Bvh).unwrap_err().to_string();
     assert!(why.contains("the file has no clip to write"), "{why}");
     assert!(write(&still, Format::Asf).unwrap().beside.is_none());
-    let made = CharacterFile::from_character("made", nod().character);
-    assert_eq!(made.mapping.humanoid, nod().mapping.humanoid);
+    let made = CharacterFile::from_character("made", nod().into_character());
+    assert_eq!(made.mapping().humanoid, nod().mapping().humanoid);
 }
 
 /// Feet that cannot reach their contacts are left where the transfer of rotations has them.

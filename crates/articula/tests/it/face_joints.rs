@@ -101,7 +101,7 @@ fn a_clip_that_moves_no_face_has_no_parameters() {
         return;
     };
     let mut opened = shortened(fs::open(&path).unwrap(), 1.0);
-    for clip in &mut opened.character.clips {
+    for clip in opened.clips_mut() {
         clip.channels.clear();
     }
     let still = Figure::new(opened).unwrap();

@@ -75,7 +75,7 @@ fn clip(frames: &[&[(usize, i32)]]) -> FapClip {
 
 /// Weights of the morph target of the first mesh with a name, one for each key.
 fn weights(head: &CharacterFile, made: &FittedFace, name: &str) -> Vec<f32> {
-    let mesh = &head.character.meshes[0];
+    let mesh = &head.character().meshes[0];
     let slot = mesh.morph_names.iter().position(|n| n == name).unwrap();
     let channel = of(made, Property::Weights, 0);
     let width = mesh.morph_names.len();
@@ -163,7 +163,7 @@ fn chins_go_as_far_down_as_the_parameter_says_in_the_units_of_the_face() {
             let channels = made.fitted.clip.channels.iter();
             for channel in channels.filter(|c| c.property == Property::Weights) {
                 let first = mesh.morph_slots[channel.target];
-                let count = head.opened.character.meshes[channel.target]
+                let count = head.opened.character().meshes[channel.target]
                     .morph_names
                     .len();
                 let values = &channel.values[index * count..(index + 1) * count];
@@ -188,7 +188,7 @@ fn a_face_shows_its_own_parameters_as_they_were() {
         return;
     };
     let head = fs::open(&path).unwrap();
-    let capture = capture_of_clip(&head, &head.character.clips[0]).unwrap();
+    let capture = capture_of_clip(&head, &head.character().clips[0]).unwrap();
     let rig = FaceRig::new(&head).unwrap();
     let own = rig.capture_bridge(&head).unwrap();
     assert!(own.name() != GENERIC_BRIDGE && own.name() == rig.name());
@@ -198,7 +198,7 @@ fn a_face_shows_its_own_parameters_as_they_were() {
         (Some(own.name()), own.name())
     );
     let made = fit_face(&clip, "own.fap", &head).unwrap();
-    let names = &head.character.meshes[0].morph_names;
+    let names = &head.character().meshes[0].morph_names;
     let mut sum = 0.0;
     for name in names {
         let shape = arkit_shape(name).unwrap();
@@ -235,9 +235,18 @@ fn head(morph: &str) -> CharacterFile {
         }],
         ..Character::default()
     };
-    let mut opened = CharacterFile::from_character("head.glb", character);
-    opened.mapping.articulation.joints[1].hanim = Some("skullbase".to_owned());
-    opened
+    mapped(character, &[(1, "skullbase")])
+}
+
+/// A character of which some joints are known.
+fn mapped(mut character: Character, known: &[(usize, &str)]) -> CharacterFile {
+    let by_name = CharacterFile::from_character("head.glb", character.clone());
+    let mut articulation = by_name.articulation();
+    for (joint, hanim) in known {
+        articulation.joints[*joint].hanim = Some((*hanim).to_owned());
+    }
+    character.articulation = Some(articulation);
+    CharacterFile::from_character("head.glb", character)
 }
 
 #[test]
@@ -275,7 +284,7 @@ fn heads_turn_and_what_nothing_shows_is_listed() {
 #[test]
 fn a_viseme_is_the_preset_of_its_vowel() {
     let mut opened = head("mouth");
-    opened.character.expressions = vec![Expression {
+    let vowel = Expression {
         name: "aa".to_owned(),
         morphs: vec![MorphBinding {
             mesh: 0,
@@ -283,7 +292,8 @@ fn a_viseme_is_the_preset_of_its_vowel() {
             weight: 0.8,
         }],
         ..Expression::default()
-    }];
+    };
+    opened.edit_character(|character| character.expressions = vec![vowel]);
     let mut said = clip(&[&[], &[]]);
     // The "a" of "car".
     said.frames[1].viseme = Viseme {
@@ -371,7 +381,7 @@ fn posed(head: &Figure, first: &FapClip, second: &FapClip) -> (Posed, Posed) {
         let mut all = mesh.morph_weights.clone();
         let channels = made.fitted.clip.channels.iter();
         for channel in channels.filter(|c| c.property == Property::Weights) {
-            let count = head.opened.character.meshes[channel.target]
+            let count = head.opened.character().meshes[channel.target]
                 .morph_weights
                 .len();
             let first = mesh.morph_slots[channel.target];
@@ -425,10 +435,8 @@ fn an_eyeball_without_a_shape_is_measured_by_its_joint() {
         meshes: vec![chin],
         ..Character::default()
     };
-    let mut opened = CharacterFile::from_character("head.glb", character);
-    opened.mapping.articulation.joints[0].hanim = Some("skullbase".to_owned());
-    opened.mapping.articulation.joints[1].hanim = Some("l_eyeball_joint".to_owned());
-    let head = Figure::new(opened).unwrap();
+    let known = [(0, "skullbase"), (1, "l_eyeball_joint")];
+    let head = Figure::new(mapped(character, &known)).unwrap();
     // The left eye looks left by a third of a right angle; the right one does not.
     let third = (std::f32::consts::FRAC_PI_6 * 1e5) as i32;
     let clip = clip(&[&[(23, third)]]);

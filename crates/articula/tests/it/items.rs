@@ -104,7 +104,7 @@ fn an_item_assembles_within_its_stated_errors() {
             continue;
         };
         let opened = shortened(fs::open(path).unwrap(), 0.7);
-        let first = &opened.character.clips[0].name;
+        let first = &opened.character().clips[0].name;
         let clip = if clip.is_empty() {
             first.clone()
         } else {
@@ -123,11 +123,11 @@ fn an_item_assembles_within_its_stated_errors() {
         let assembled = figure(&again);
         let (a, b) = (&original.opened, &assembled.opened);
         assert_eq!(b.articulation(), a.articulation(), "{name}");
-        let of = |c: &CharacterFile| c.character.skeleton.joints.len();
+        let of = |c: &CharacterFile| c.character().skeleton.joints.len();
         assert!(of(b) <= of(a), "{name}");
-        assert_eq!(b.character.materials.len(), a.character.materials.len());
+        assert_eq!(b.character().materials.len(), a.character().materials.len());
         let names = |c: &CharacterFile| -> Vec<Vec<String>> {
-            c.character
+            c.character()
                 .meshes
                 .iter()
                 .map(|m| m.morph_names.clone())
@@ -268,7 +268,7 @@ fn faces_move_as_stated_and_files_are_carried() {
             bytes: vec![1, 2, 3],
         }],
         clips: opened
-            .character
+            .character()
             .clips
             .iter()
             .take(1)
@@ -317,7 +317,7 @@ fn textures_come_in_sizes_that_decode() {
 fn check_textures(opened: &CharacterFile) {
     let options = PackageOptions {
         mesh_levels: 1,
-        clips: vec![opened.character.clips[0].name.clone()],
+        clips: vec![opened.character().clips[0].name.clone()],
         texture_distances_m: vec![2.0, 8.0],
         least_texture_px: 256,
         viewport: Viewport {
@@ -352,7 +352,7 @@ fn check_textures(opened: &CharacterFile) {
         }
         let largest = texture.layers.last().unwrap();
         assert_eq!(largest.error_m, 0.0, "the original is no error");
-        let image = &opened.character.images[texture.image.unwrap()];
+        let image = &opened.character().images[texture.image.unwrap()];
         assert_eq!(
             item.file(largest.file.as_ref().unwrap()),
             Some(image.bytes.as_slice())
@@ -368,7 +368,7 @@ fn check_textures(opened: &CharacterFile) {
     let shown = assemble(&small, &OpenOptions::default()).unwrap();
     for texture in of(&small) {
         assert_eq!(texture.layers.len(), 1);
-        let image = &shown.character.images[texture.image.unwrap()];
+        let image = &shown.character().images[texture.image.unwrap()];
         let picture = Picture::decode(&image.bytes).unwrap();
         assert_eq!(
             Some([picture.width(), picture.height()]),
@@ -377,7 +377,7 @@ fn check_textures(opened: &CharacterFile) {
     }
     let bare = item.kept(|part, _| part.kind != PartKind::Texture).unwrap();
     let shown = assemble(&bare, &OpenOptions::default()).unwrap();
-    let image = &shown.character.images[textures[0].image.unwrap()];
+    let image = &shown.character().images[textures[0].image.unwrap()];
     assert_eq!(Picture::decode(&image.bytes).unwrap().width(), 1);
 }
 

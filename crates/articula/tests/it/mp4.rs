@@ -65,9 +65,9 @@ fn bytes_tell_an_mp4_file_and_what_moves_in_it() {
     assert!(is_mp4(&walk) && is_mp4(&face));
     for name in ["a.mp4", "a", "a.abp"] {
         let opened = opened(&walk, name).unwrap();
-        assert_eq!((opened.format, opened.bytes), (Format::Mp4, walk.len()));
-        assert_eq!(opened.character.clips.len(), 1);
-        assert!(opened.warnings.is_empty());
+        assert_eq!((opened.format(), opened.bytes()), (Format::Mp4, walk.len()));
+        assert_eq!(opened.character().clips.len(), 1);
+        assert!(opened.warnings().is_empty());
     }
     assert_eq!(DataFormat::of_mp4(&walk, &limits), None);
     assert_eq!(DataFormat::of_mp4(&face, &limits), Some(DataFormat::Mp4));
@@ -95,8 +95,8 @@ fn what_fits_is_taken_and_the_rest_is_told() {
     let both = write(&[("walk.mp4", &walk), ("face.mp4", &face)], &limits).unwrap();
     assert_eq!(tracks(&both, &limits).unwrap().len(), 2);
     let body = opened(&both, "both.mp4").unwrap();
-    assert_eq!(body.warnings.len(), 1);
-    let warning = &body.warnings[0];
+    assert_eq!(body.warnings().len(), 1);
+    let warning = &body.warnings()[0];
     assert_eq!(warning.at, "track 2");
     assert!(
         warning.what.starts_with("AFP-2 is left out"),

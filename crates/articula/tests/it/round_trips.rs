@@ -23,10 +23,10 @@ fn through(opened: &CharacterFile, format: Format) -> CharacterFile {
 
 /// Joint positions at a time of the first clip (at rest without one), by H-Anim joint or name.
 fn positions(opened: &CharacterFile, secs: f32) -> BTreeMap<String, Vec3> {
-    let skeleton = &opened.character.skeleton;
+    let skeleton = &opened.character().skeleton;
     let rig = Rig::new(skeleton, opened.articulation()).unwrap();
     let mut local = rig.rest_pose().clone();
-    if let Some(clip) = opened.character.clips.first() {
+    if let Some(clip) = opened.character().clips.first() {
         evaluate::pose(clip, skeleton, secs, &mut local);
     }
     let mut model = ModelPose::new(rig.len());
@@ -100,9 +100,11 @@ fn the_map_of_a_vrm_file_survives_in_formats_without_one() {
     ] {
         let named = moved(&data, avatar);
         let mut nameless = named.clone();
-        for (j, joint) in nameless.character.skeleton.joints.iter_mut().enumerate() {
-            joint.name = format!("J_{j}");
-        }
+        nameless.edit_character(|character| {
+            for (j, joint) in character.skeleton.joints.iter_mut().enumerate() {
+                joint.name = format!("J_{j}");
+            }
+        });
         for source in [named, nameless] {
             let there = humanoid(&source, 0.5);
             assert!(there.len() > 20, "{avatar}");
@@ -129,19 +131,20 @@ fn a_posed_figure_comes_back_from_x3d_in_its_pose_without_a_clip() {
     let Some(data) = real_data() else { return };
     let mut source = fs::open(data.join("glb/CesiumMan.glb")).unwrap();
     // At rest as in the middle of its walk, while the skin stays bound in its T-pose.
-    let clip = source.character.clips.remove(0);
-    let rig = Rig::new(&source.character.skeleton, source.articulation()).unwrap();
+    let clip = source.clips_mut().remove(0);
+    let rig = Rig::new(&source.character().skeleton, source.articulation()).unwrap();
     let mut local = rig.rest_pose().clone();
-    evaluate::pose(&clip, &source.character.skeleton, 0.7, &mut local);
-    for (j, joint) in source.character.skeleton.joints.iter_mut().enumerate() {
-        joint.rest = local.get(j);
-    }
-    source.gltf = None;
+    evaluate::pose(&clip, &source.character().skeleton, 0.7, &mut local);
+    source.edit_character(|character| {
+        for (j, joint) in character.skeleton.joints.iter_mut().enumerate() {
+            joint.rest = local.get(j);
+        }
+    });
     let back = through(&through(&source, Format::X3d), Format::Glb);
     assert!(
-        back.character.clips.is_empty(),
+        back.character().clips.is_empty(),
         "{:?}",
-        back.character.clips
+        back.character().clips
     );
     let (there, here) = (humanoid(&source, 0.0), humanoid(&back, 0.0));
     assert!(there.len() > 12 && there.len() == here.len());
@@ -156,11 +159,11 @@ fn coarser_levels_are_kept_by_glb_and_told_by_x3d() {
     let Some(data) = real_data() else { return };
     for (name, coarser) in [("SimpleSkinLOD", 2), ("msft-lod", 2)] {
         let source = fs::open(data.join(format!("fixtures/msft_lod/{name}.gltf"))).unwrap();
-        let levels = |file: &CharacterFile| file.character.meshes[0].levels.len();
+        let levels = |file: &CharacterFile| file.character().meshes[0].levels.len();
         assert_eq!(levels(&source), coarser);
         assert_eq!(levels(&through(&source, Format::Glb)), coarser);
         let mut anew = source.clone();
-        anew.gltf = None;
+        anew.detach_document();
         assert_eq!(levels(&through(&anew, Format::Glb)), coarser);
         let written = write(&source, Format::X3d).unwrap();
         assert!(

@@ -5,11 +5,10 @@ use articula_build::clip_edit::trim;
 
 /// Cuts all clips of a character to their beginning.
 pub(crate) fn shortened(mut file: CharacterFile, secs: f32) -> CharacterFile {
-    for clip in &mut file.character.clips {
+    for clip in file.clips_mut() {
         if clip.duration_secs > secs {
             *clip = trim(clip, 0.0..=secs).unwrap();
         }
     }
-    file.clips_changed = true;
     file
 }

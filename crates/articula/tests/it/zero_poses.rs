@@ -6,7 +6,9 @@ use articula::glam::{Affine3A, Quat, Vec3};
 use articula::{AddClipsOptions, CharacterFile, fs};
 use articula_build::retarget::{ContactPinning, RestPose};
 use articula_build::source_rate_hz;
-use articula_core::source::{Channel, Interpolation, Joint, Property, RawClip, evaluate};
+use articula_core::source::{
+    Channel, Character, Interpolation, Joint, Property, RawClip, evaluate,
+};
 use articula_core::{LocalPose, angle_between};
 use articula_mutate::Dice;
 use std::path::Path;
@@ -74,7 +76,7 @@ fn rotation(dice: &mut Dice) -> Quat {
 /// The motion of a pair as the only clip of its file.
 fn motion(data: &Path, file: &str, wanted: &str) -> CharacterFile {
     let mut opened = fs::open(data.join(file)).unwrap();
-    let clips = &mut opened.character.clips;
+    let clips = opened.clips_mut();
     let index = clips
         .iter()
         .position(|c| wanted.is_empty() || c.name == wanted);
@@ -112,7 +114,12 @@ fn cut(clip: &mut RawClip) {
 /// The same world motion with other axes of every joint.
 fn with_axes(file: &CharacterFile, dice: &mut Dice) -> CharacterFile {
     let mut new = file.clone();
-    let skeleton = &mut new.character.skeleton;
+    new.edit_character(|character| turn_axes(character, dice));
+    new
+}
+
+fn turn_axes(character: &mut Character, dice: &mut Dice) {
+    let skeleton = &mut character.skeleton;
     let axes: Vec<Quat> = skeleton.joints.iter().map(|_| rotation(dice)).collect();
     let parents: Vec<Option<usize>> = skeleton.joints.iter().map(|j| j.parent).collect();
     let above = |j: usize| parents[j].map_or(Quat::IDENTITY, |p| axes[p].inverse());
@@ -120,7 +127,7 @@ fn with_axes(file: &CharacterFile, dice: &mut Dice) -> CharacterFile {
         joint.rest.rotation = above(j) * joint.rest.rotation * axes[j];
         joint.rest.translation = above(j) * joint.rest.translation;
     }
-    for channel in new.character.clips.iter_mut().flat_map(|c| &mut c.channels) {
+    for channel in character.clips.iter_mut().flat_map(|c| &mut c.channels) {
         let j = channel.target;
         match channel.property {
             Property::Rotation => {
@@ -137,14 +144,18 @@ fn with_axes(file: &CharacterFile, dice: &mut Dice) -> CharacterFile {
             _ => {}
         }
     }
-    new
 }
 
 /// The same world motion with another rest rotation of every joint.
 fn with_zero_pose(file: &CharacterFile, dice: &mut Dice) -> CharacterFile {
     let mut new = file.clone();
-    let joints = &mut new.character.skeleton.joints;
-    for clip in &mut new.character.clips {
+    new.edit_character(|character| turn_rest(character, dice));
+    new
+}
+
+fn turn_rest(character: &mut Character, dice: &mut Dice) {
+    let joints = &mut character.skeleton.joints;
+    for clip in &mut character.clips {
         for (j, joint) in joints.iter().enumerate() {
             let is_own = |c: &Channel| c.target == j && c.property == Property::Rotation;
             if !clip.channels.iter().any(is_own) {
@@ -161,7 +172,6 @@ fn with_zero_pose(file: &CharacterFile, dice: &mut Dice) -> CharacterFile {
     for joint in joints {
         joint.rest.rotation = rotation(dice);
     }
-    new
 }
 
 fn fitted(from: &CharacterFile, onto: &CharacterFile, pinning: ContactPinning) -> FittedClip {
@@ -175,7 +185,7 @@ fn fitted(from: &CharacterFile, onto: &CharacterFile, pinning: ContactPinning) -
 
 /// Model-from-joint matrices of a clip at some times.
 fn poses(file: &CharacterFile, clip: &RawClip) -> Vec<Vec<Affine3A>> {
-    let skeleton = &file.character.skeleton;
+    let skeleton = &file.character().skeleton;
     let mut local: LocalPose = skeleton.joints.iter().map(|j| j.rest).collect();
     (0..24)
         .map(|i| {
@@ -206,7 +216,7 @@ struct Bone {
 fn bones(file: &CharacterFile) -> Vec<Bone> {
     let mapped = file.articulation().joints;
     let name = |j: usize| mapped[j].hanim.clone();
-    let joints = file.character.skeleton.joints.iter().enumerate();
+    let joints = file.character().skeleton.joints.iter().enumerate();
     let bone = |(end, joint): (usize, &Joint)| {
         let above = joint.parent?;
         Some(Bone {
@@ -300,7 +310,7 @@ fn the_zero_pose_of_the_character_does_not_matter() {
         let (from, character) = &opened(&data)[i];
         // Without a motion there is nothing to learn from, and a figure whose rest pose is unknown
         // faces +Z, as CesiumMan does not.
-        if character.character.clips.is_empty() || onto.contains("Cesium") {
+        if character.character().clips.is_empty() || onto.contains("Cesium") {
             continue;
         }
         let mut dice = Dice::new(100 + i as u64);

@@ -25,7 +25,7 @@ pub(super) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         return Err(fault::usage("--check takes one file, the asset"));
     };
     let opened = open::character(&console.files, path, &args.names)?;
-    let bytes = opened.bytes;
+    let bytes = opened.bytes();
     let found = check_prepared(opened)?;
     let report = CheckReport {
         file: files::shown(path),

@@ -45,7 +45,7 @@ impl CompactClip {
             black_box(received.clip()?);
             Ok(())
         })?;
-        let character = &figure.opened.character;
+        let character = figure.opened.character();
         let raw = &character.clips[clip];
         let options = ClipOptions::default();
         let resample_ms = least_ms(|| {

@@ -167,8 +167,8 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     let mut report = BuildReport::new(args, out, &built)?;
     report.added = added;
     for motion in &motions {
-        let warnings = open::warnings(&motion.warnings).into_iter();
-        let warnings = warnings.map(|w| format!("{}: {w}", motion.name));
+        let warnings = open::warnings(motion.warnings()).into_iter();
+        let warnings = warnings.map(|w| format!("{}: {w}", motion.name()));
         report.warnings.extend(warnings);
     }
     console.result(&report, BuildReport::text)
@@ -235,9 +235,9 @@ impl BuildReport {
         };
         let clips = built.tables.iter().enumerate().map(clip);
         Ok(Self {
-            input: figure.opened.name.clone(),
+            input: figure.opened.name().to_owned(),
             out: files::shown(out),
-            bytes_in: figure.opened.bytes,
+            bytes_in: figure.opened.bytes(),
             bytes_out: built.glb.len(),
             joints: asset.rig.skin_joints().len(),
             mapped: articulation.mapped(),
@@ -255,7 +255,7 @@ impl BuildReport {
             mesh_stream: args.mesh_levels.mesh_stream.as_deref().map(files::shown),
             warnings: {
                 let of_levels = made.map(|l| l.warnings.clone()).unwrap_or_default();
-                let mut warnings = open::warnings(&figure.opened.warnings);
+                let mut warnings = open::warnings(figure.opened.warnings());
                 warnings.extend(of_levels);
                 warnings
             },

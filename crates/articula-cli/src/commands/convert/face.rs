@@ -62,9 +62,9 @@ impl FaceSource {
         Self {
             data,
             bridge,
-            format: opened.format.name(),
-            bytes: opened.bytes,
-            warnings: opened.warnings,
+            format: opened.format().name(),
+            bytes: opened.bytes(),
+            warnings: opened.warnings().to_vec(),
         }
     }
 }
@@ -194,7 +194,7 @@ fn vrma(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
 /// The blend shapes of a clip of a character, or the parameters that it shows without them.
 fn of_character(args: &ConvertArgs, input: &Path, console: &Console) -> anyhow::Result<FaceSource> {
     let opened = open::character(&console.files, input, &args.names)?;
-    let clips = &opened.character.clips;
+    let clips = &opened.character().clips;
     let clip = match &args.clip {
         Some(name) => clips.iter().find(|c| c.name == *name),
         None => clips.first(),
@@ -211,16 +211,16 @@ fn of_character(args: &ConvertArgs, input: &Path, console: &Console) -> anyhow::
         });
     };
     let generic = CaptureBridge::generic();
-    if drives_shapes(&opened.character, clip) {
+    if drives_shapes(opened.character(), clip) {
         let capture = Data::LiveLink(capture_of_clip(&opened, clip)?);
         let bridge = FaceRig::new(&opened)?.capture_bridge(&opened);
         return Ok(FaceSource::of(capture, bridge.unwrap_or(generic), opened));
     }
-    if let Some(faps) = presets_to_faps(&opened.character, clip) {
+    if let Some(faps) = presets_to_faps(opened.character(), clip) {
         return Ok(FaceSource::of(Data::Fap(faps), generic, opened));
     }
     let has_mesh = |opened: &CharacterFile| {
-        let mut meshes = opened.character.meshes.iter();
+        let mut meshes = opened.character().meshes.iter();
         meshes.any(|m| !m.primitives.is_empty())
     };
     if !has_mesh(&opened) {

@@ -67,12 +67,12 @@ impl Recipe<'_> {
             opened.skip_first_frames()?;
         }
         self.options(self.args.clip.clone())
-            .check(opened.format, job.format)?;
-        let mut report = ConvertReport::new(job, opened.name.clone());
+            .check(opened.format(), job.format)?;
+        let mut report = ConvertReport::new(job, opened.name().to_owned());
         report.put_face(&self.args.shapes.add(&mut opened)?);
-        report.format_in = opened.format.name().to_owned();
-        report.bytes_in = opened.bytes;
-        report.warnings = open::warnings(&opened.warnings);
+        report.format_in = opened.format().name().to_owned();
+        report.bytes_in = opened.bytes();
+        report.warnings = open::warnings(opened.warnings());
         Ok((opened, report))
     }
 
@@ -83,9 +83,9 @@ impl Recipe<'_> {
         hero: &Hero,
         faults: &mut Vec<(PathBuf, anyhow::Error)>,
     ) -> anyhow::Result<Option<(CharacterFile, ConvertReport)>> {
-        self.options(None).check(hero.opened.format, job.format)?;
+        self.options(None).check(hero.opened.format(), job.format)?;
         let mut report = ConvertReport::new(job, job.named.clone());
-        report.warnings = open::warnings(&hero.opened.warnings);
+        report.warnings = open::warnings(hero.opened.warnings());
         report.put_face(&hero.made);
         let motions = |input: &Input| {
             let motions = hero.motions(input, self.args, self.files);
@@ -120,11 +120,12 @@ impl Recipe<'_> {
         for (name, fit) in names.zip(&fits) {
             name.clone_from(&fit.name);
         }
-        let clips = &mut opened.character.clips;
-        let kept = clips.len() - fits.len();
+        let clips = opened.character().clips.len();
+        let kept = clips - fits.len();
         if job.format.holds_one_clip() {
             // The new motions come first, the clips that the character had before last.
-            clips.rotate_left(kept);
+            let order: Vec<usize> = (kept..clips).chain(0..kept).collect();
+            opened.select_clips(&order);
         }
         let (mut motions, mut faces) = (Vec::new(), Vec::new());
         for report in reports {
@@ -136,7 +137,7 @@ impl Recipe<'_> {
         formats.dedup();
         report.format_in = formats.join(", ");
         report.onto = Some(Onto {
-            character: hero.opened.name.clone(),
+            character: hero.opened.name().to_owned(),
             clips_kept: kept,
             motions,
             faces,
@@ -152,13 +153,13 @@ impl Recipe<'_> {
         mut report: ConvertReport,
     ) -> anyhow::Result<ConvertReport> {
         let reduces = self.selected.is_some();
-        if reduces && opened.character.clips.is_empty() && !job.format.needs_a_clip() {
-            let place = &opened.name;
+        if reduces && opened.character().clips.is_empty() && !job.format.needs_a_clip() {
+            let place = opened.name();
             bail!("{place}: clips: the file has none to reduce; leave --loa out");
         }
         let clip = self.hero.is_none().then(|| self.args.clip.clone());
         let options = self.options(clip.flatten());
-        let opened_name = opened.name.clone();
+        let opened_name = opened.name().to_owned();
         let made = articula::convert(opened, job.format, &options, &on_all_processors());
         let made = made.map_err(|fault| self.placed(fault))?;
         let mut bytes = Cow::Borrowed(&made.written.bytes[..]);

@@ -17,7 +17,7 @@ use articula::face::{
     FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
 };
 use articula::streams::abp2;
-use articula::{CharacterFile, Data, DataFormat, Format};
+use articula::{CharacterFile, Data, DataFormat};
 use articula_formats::Limits;
 use clap::ValueEnum;
 use std::path::Path;
@@ -122,28 +122,24 @@ impl Hero {
         let mut source = match open::motion_stream(&input.path)? {
             Some(stream) => {
                 let name = files::shown(&input.path);
-                let read = abp2::read(&stream.bytes, &name, &self.opened, &Limits::default());
-                let mut source = read?;
-                source.warnings.extend(stream.warnings);
-                if files::format(&input.path) == Some(Format::Mp4) {
-                    (source.format, source.bytes) = (Format::Mp4, stream.file_bytes);
-                }
-                source
+                let read = abp2::read(&stream.bytes, &name, &self.opened, &Limits::default())?;
+                let format = files::format(&input.path).unwrap_or(read.format());
+                read.found_in(format, stream.file_bytes, stream.warnings)
             }
             None => open::character(files, &input.path, &args.names)?,
         };
         if args.skip_first_frame {
             source.skip_first_frames()?;
         }
-        if input.found && source.character.clips.is_empty() {
+        if input.found && source.character().clips.is_empty() {
             return Ok(None);
         }
         let fitted = fit_clips(&source, &self.opened, &self.options)?;
         let report = TransferReport::new(&source, &self.opened, &fitted);
-        let warnings = open::warnings(&source.warnings);
+        let warnings = open::warnings(source.warnings());
         let warnings = warnings
             .into_iter()
-            .map(|w| format!("{}: {w}", source.name));
+            .map(|w| format!("{}: {w}", source.name()));
         let report = report.context("no clip was retargeted")?;
         Ok(Some(Motions {
             warnings: warnings.collect(),

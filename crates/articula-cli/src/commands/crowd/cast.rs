@@ -100,7 +100,7 @@ impl CastArgs {
             names: self.names.clone(),
         };
         let figure = open::figure(&console.files, &args)?;
-        let mut warnings = open::warnings(&figure.opened.warnings);
+        let mut warnings = open::warnings(figure.opened.warnings());
         let options = options(&figure.asset.clips)?;
         let asset = console.work(|work| CrowdAsset::new(&figure, &options, work))?;
         warnings.extend_from_slice(asset.warnings());

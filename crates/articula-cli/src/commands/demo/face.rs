@@ -96,7 +96,7 @@ pub(super) fn of(
     let made = made?;
     let driven_by = match (
         made.report.kind,
-        opened.character.meshes == figure.opened.character.meshes,
+        opened.character().meshes == figure.opened.character().meshes,
     ) {
         (_, false) => "a face animation table, which was made from the shape of the face",
         (FaceKind::MorphTargets, _) => "the morph targets of the face",
@@ -105,7 +105,6 @@ pub(super) fn of(
     };
     let faps_moving = made.report.faps_moving;
     opened.put_clips(vec![made.fitted], false);
-    opened.clips_changed = true;
     let figure = Figure::new(opened)?;
     let sheet = face_pictures::moments(&figure, 0, MOMENTS)?;
     folder.write("face.png", &sheet.to_png()?)?;

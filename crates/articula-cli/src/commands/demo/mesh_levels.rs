@@ -34,7 +34,7 @@ impl MeshLevels {
 
 /// Draws every level at one time of the clip: the whole figure, its face and a hand.
 pub(super) fn draw(folder: &Folder<'_>, scene: &EvaluatedClip<'_>) -> anyhow::Result<()> {
-    let meshes = &scene.figure.opened.character.meshes;
+    let meshes = &scene.figure.opened.character().meshes;
     let count = meshes.iter().flat_map(|m| m.clustered.first());
     let count = count.map(|c| c.clusters.levels()).max().unwrap_or(0);
     let mut rows = Vec::with_capacity(count);
@@ -77,9 +77,9 @@ fn row(scene: &EvaluatedClip<'_>, level: usize) -> anyhow::Result<SheetRow> {
 /// The figure of a character file with only one of its mesh levels.
 fn at_level(figure: &Figure, level: usize) -> anyhow::Result<Figure> {
     let mut opened = figure.opened.clone();
-    for mesh in &mut opened.character.meshes {
-        show(mesh, level);
-    }
+    opened.edit_character(|character| {
+        character.meshes.iter_mut().for_each(|m| show(m, level));
+    });
     Ok(Figure::new(opened)?)
 }
 

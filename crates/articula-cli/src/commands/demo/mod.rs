@@ -22,7 +22,6 @@ use crate::open;
 use crate::play::motion_plots::{error_plot, gain_plot, updates_plot};
 use crate::play::{drawn, nanoseconds};
 use anyhow::Context;
-use articula::crowd::put_in_place;
 use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
 use articula::{AddClipsOptions, Figure, MeshLevelOptions, PrepareOptions, prepare};
 use articula_build::evaluate::{EvaluationSetup, MethodOptions};
@@ -161,13 +160,11 @@ fn make_asset(
             let options = AddClipsOptions::default();
             console.work(|work| opened.add_clips(&motions, &options, work))?;
             anyhow::ensure!(
-                !opened.character.clips.is_empty(),
+                !opened.character().clips.is_empty(),
                 "{}: the file has no clip; name a file of motions after it",
                 files::shown(character)
             );
-            let articulation = opened.articulation();
-            let (ways, _) = put_in_place(&mut opened.character, articulation, &opened.end_sites);
-            opened.clips_changed |= ways.iter().any(Option::is_some);
+            opened.put_in_place();
             opened
         }
         None => {
@@ -230,7 +227,7 @@ fn over_clips(
 /// The stored animation at each level of articulation.
 fn levels_of(figure: &Figure) -> Vec<Level> {
     let rig = &figure.asset.rig;
-    let clips = &figure.opened.character.clips;
+    let clips = &figure.opened.character().clips;
     articula_core::Complexity::ALL
         .into_iter()
         .rev()

@@ -126,7 +126,7 @@ impl DemoReport {
                 joints: asset.rig.skin_joints().len(),
                 triangles: asset.mesh.triangles.len(),
                 vertices: asset.mesh.len(),
-                bytes: scene.figure.opened.bytes,
+                bytes: scene.figure.opened.bytes(),
             },
             clip: clip.name.clone(),
             target_px: TARGET_PX,

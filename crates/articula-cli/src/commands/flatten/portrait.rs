@@ -48,7 +48,7 @@ struct YawError {
 /// Makes the portrait, writes it and reports its error.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let figure = open::figure(&console.files, &args.character())?;
-    let place = || figure.opened.name.clone();
+    let place = || figure.opened.name().to_owned();
     let clip = figure.clip(args.motion.clip.as_deref())?;
     let options = options(args)?;
     if clip.is_none() && args.special.audio.is_some() {

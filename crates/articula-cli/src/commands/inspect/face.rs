@@ -159,7 +159,7 @@ fn draw(figure: &Figure, layout: &FaceLayout) -> anyhow::Result<Picture> {
     let asset = &figure.asset;
     let mut rest = ModelPose::new(asset.rig.len());
     local_to_model(&asset.rig, asset.rig.rest_pose(), &mut rest);
-    let character = &figure.opened.character;
+    let character = figure.opened.character();
     let (look, _) = Appearance::new(&character.materials, &character.images);
     let marks: Vec<FaceMark> = layout
         .points
@@ -175,7 +175,7 @@ fn draw(figure: &Figure, layout: &FaceLayout) -> anyhow::Result<Picture> {
         units_line(layout),
         "green: sure, red: unsure; rings: inside the head".to_owned(),
     ];
-    let title = format!("feature points of {}", figure.opened.name);
+    let title = format!("feature points of {}", figure.opened.name());
     let facing = facing(&asset.rig, &rest);
     let figure = (&*asset.rig, &*asset.mesh);
     Ok(face_sheet(figure, &look, facing, &marks, (&title, notes))?)

@@ -64,7 +64,7 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         None => (0..figure.asset.clips.len()).collect(),
     };
     let mut findings = console.work(|work| inspect(&figure, &clips, work))?;
-    for (told, warning) in findings.warnings.iter_mut().zip(&figure.opened.warnings) {
+    for (told, warning) in findings.warnings.iter_mut().zip(figure.opened.warnings()) {
         told.what = open::advised(warning);
     }
     if !args.character.leaves_out() {
@@ -80,7 +80,7 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
                 .extend(tables.warnings.into_iter().map(told));
         }
     }
-    if matches!(figure.opened.format, Format::Abp | Format::Mp4) {
+    if matches!(figure.opened.format(), Format::Abp | Format::Mp4) {
         findings.stream = Some(access_units::of(&args.character.file)?);
         findings.tracks = open::tracks(&args.character.file)?;
     }
@@ -179,8 +179,8 @@ fn check_without_joints(args: &InspectArgs) -> anyhow::Result<()> {
 /// A warning if joint maps are given and none of them is used.
 fn unused_map(args: &InspectArgs, figure: &Figure) -> Option<WarningInspection> {
     let is_given = !args.character.names.joint_map.is_empty();
-    let is_stored = figure.opened.character.articulation.is_some();
-    if !is_given || !is_stored && figure.opened.mapping.by_user {
+    let is_stored = figure.opened.character().articulation.is_some();
+    if !is_given || !is_stored && figure.opened.mapping().by_user {
         return None;
     }
     let what = if is_stored {

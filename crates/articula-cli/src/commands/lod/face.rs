@@ -111,8 +111,8 @@ pub(super) fn run(args: &LodArgs, head: &Path, console: &Console) -> anyhow::Res
         placed.collect::<Vec<String>>()
     };
     let mut warnings = placed(&name, open::warnings(&read.warnings));
-    let of_head = open::warnings(&figure.opened.warnings);
-    warnings.extend(placed(&figure.opened.name, of_head));
+    let of_head = open::warnings(figure.opened.warnings());
+    warnings.extend(placed(figure.opened.name(), of_head));
     let report = FaceLodReport {
         tolerance_px: options.tolerance_px,
         viewport_px: [options.viewport.width_px, options.viewport.height_px],

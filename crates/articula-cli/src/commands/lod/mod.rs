@@ -122,7 +122,10 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     );
     if frames > MAX_FRAMES {
         let what = format!("{frames} frames, at most {MAX_FRAMES} are allowed; trim the clip");
-        anyhow::bail!("{}: clip \"{name}\": {what}", figure.opened.name.clone());
+        anyhow::bail!(
+            "{}: clip \"{name}\": {what}",
+            figure.opened.name().to_owned()
+        );
     }
     let scene = EvaluatedClip {
         clip,
@@ -137,7 +140,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
         return schedule::run(args, &scene, path, console);
     }
     let methods = args.method.chosen(&figure.asset.rig);
-    let methods = methods.with_context(|| figure.opened.name.clone())?;
+    let methods = methods.with_context(|| figure.opened.name().to_owned())?;
     args.check_parameter(&methods)?;
     let saved = args.save_selection(&figure, console)?;
     let tables =
@@ -248,7 +251,7 @@ impl LodArgs {
     fn save_selection(&self, figure: &Figure, console: &Console) -> anyhow::Result<Option<String>> {
         let rig = &figure.asset.rig;
         let saved = self.method.selection.save(rig, &console.files);
-        saved.with_context(|| figure.opened.name.clone())
+        saved.with_context(|| figure.opened.name().to_owned())
     }
 
     fn tuning(&self) -> ParameterChoice {
@@ -286,7 +289,7 @@ fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result
     report.written.extend(args.save_selection(figure, console)?);
     if args.plot.is_some() {
         let what = "no clip, so there is nothing to plot; leave --plot out";
-        anyhow::bail!("{}: {what}", figure.opened.name.clone());
+        anyhow::bail!("{}: {what}", figure.opened.name());
     }
     if let Some(path) = &args.contact_sheet {
         let mut artist = drawn::artist(figure, drawn::LARGE);

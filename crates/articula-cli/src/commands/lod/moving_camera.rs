@@ -34,7 +34,7 @@ pub(super) fn run(
     };
     let stage = scene.stage();
     let bar = console.progress("moving the camera", 1);
-    let place = || scene.figure.opened.name.clone();
+    let place = || scene.figure.opened.name().to_owned();
     let played = path.play(&stage, args.calibrate).with_context(place)?;
     bar.finish_and_clear();
     let mut report = LodReport::new(scene, args, &[]);

@@ -61,7 +61,7 @@ impl LodReport {
             azimuths_deg: scene.setup.azimuths_deg.clone(),
             rows: tables.iter().flat_map(|t| t.rows.clone()).collect(),
             warnings: {
-                let mut warnings = open::warnings(&scene.figure.opened.warnings);
+                let mut warnings = open::warnings(scene.figure.opened.warnings());
                 warnings.extend(MotionTables::stored(scene.figure, scene.clip).warnings);
                 warnings
             },
@@ -88,7 +88,7 @@ impl LodReport {
         let setup = args.setup();
         let method = args.method.method().to_possible_value();
         Self {
-            file: figure.opened.name.clone(),
+            file: figure.opened.name().to_owned(),
             clip: None,
             method: method.map_or(String::new(), |m| m.get_name().to_owned()),
             calibrate_px: args.calibrate,
@@ -107,7 +107,7 @@ impl LodReport {
             costs: None,
             written: Vec::new(),
             warnings: std::iter::once("the file has no clip: rest pose only".into())
-                .chain(open::warnings(&figure.opened.warnings))
+                .chain(open::warnings(figure.opened.warnings()))
                 .collect(),
         }
     }

@@ -56,7 +56,7 @@ pub(crate) fn run(args: &PackageArgs, console: &Console) -> anyhow::Result<()> {
     console.files.plan(args.inputs(), outputs)?;
     let options = args.options()?;
     let opened = open::character(&console.files, &args.file, &args.names)?;
-    let bytes_in = opened.bytes as u64;
+    let bytes_in = opened.bytes() as u64;
     let item = console.work(|work| package(opened, &options, work))?;
     let written: Vec<(PathBuf, Vec<u8>)> = item
         .files()

@@ -90,7 +90,7 @@ impl Packaged {
             },
             false => options,
         };
-        let source_bytes = opened.bytes;
+        let source_bytes = opened.bytes();
         let item = package(opened.clone(), &options, &Executor::default())?;
         Ok(Some(Self {
             case,

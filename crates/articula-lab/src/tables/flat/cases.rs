@@ -212,15 +212,14 @@ impl Case {
         if self.file == KNIGHT {
             // Keep one sword and no shield.
             let is_worn = |name: &str| name.starts_with("Knight_") || name == "1H_Sword";
-            let names = opened.character.meshes.iter().map(|m| m.name.clone());
+            let names = opened.character().meshes.iter().map(|m| m.name.clone());
             hidden = names.filter(|name| !is_worn(name)).collect();
             opened.keep_meshes(&[], &hidden)?;
         }
-        let source = &mut opened.character;
         if self.file == WOMAN && self.clip == "talk" {
-            let speech = articula::fs::open(data.join(HEAD))?.character;
-            let clip = speech_onto(&speech, source)?;
-            source.clips.push(clip);
+            let speech = articula::fs::open(data.join(HEAD))?;
+            let clip = speech_onto(speech.character(), opened.character())?;
+            opened.clips_mut().push(clip);
         }
         Ok((opened, hidden))
     }

@@ -76,7 +76,7 @@ pub(super) fn rows(run: &Run) -> Result<Vec<Row>> {
 
 fn of(run: &Run, sitter: &Sitter, views: &[usize]) -> Result<Vec<Row>> {
     let figure = Figure::new(articula::fs::open(run.data.join(sitter.file))?)?;
-    let (source, asset) = (&figure.opened.character, &figure.asset);
+    let (source, asset) = (figure.opened.character(), &figure.asset);
     let (appearance, _) = Appearance::new(&source.materials, &source.images);
     let mut expressions = Vec::new();
     for (mesh, first) in source.meshes.iter().zip(&asset.mesh.morph_slots) {

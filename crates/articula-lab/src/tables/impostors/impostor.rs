@@ -24,7 +24,7 @@ pub(super) struct Baked {
 }
 
 fn appearance(subject: &Subject) -> Appearance {
-    let character = &subject.figure.opened.character;
+    let character = subject.figure.opened.character();
     Appearance::new(&character.materials, &character.images).0
 }
 

@@ -94,19 +94,18 @@ pub(super) struct Subject {
 impl Subject {
     fn open(run: &Run, name: &str, hidden: &[&str]) -> Result<Self> {
         let mut opened = articula::fs::open(run.data.join(format!("glb/{name}.glb")))?;
-        let meshes = opened.character.meshes.iter().map(|m| m.name.clone());
+        let meshes = opened.character().meshes.iter().map(|m| m.name.clone());
         let hidden: Vec<String> = meshes.filter(|m| hidden.contains(&m.as_str())).collect();
         if !hidden.is_empty() {
-            opened
-                .character
-                .meshes
-                .retain(|m| !hidden.contains(&m.name));
-            opened.gltf = None;
+            opened.keep_meshes(&[], &hidden)?;
+            opened.detach_document();
         }
         let known = |name: &str| CLIPS.contains(&name);
-        let clips = &mut opened.character.clips;
-        if clips.iter().any(|c| known(&c.name)) {
-            clips.retain(|c| known(&c.name));
+        let clips = opened.character().clips.iter().enumerate();
+        let kept = clips.filter(|(_, c)| known(&c.name)).map(|(i, _)| i);
+        let kept: Vec<usize> = kept.collect();
+        if !kept.is_empty() {
+            opened.select_clips(&kept);
         }
         let figure = Figure::new(opened)?;
         let options = CrowdOptions {

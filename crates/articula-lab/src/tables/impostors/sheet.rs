@@ -34,7 +34,7 @@ pub(super) fn tiles(
     (near, shown_far, baked): (usize, Option<&FarLevel>, Option<&Baked>),
 ) -> Result<Tiles> {
     let full = subject.crowd.full();
-    let character = &subject.figure.opened.character;
+    let character = subject.figure.opened.character();
     let (paint, _) = Appearance::new(&character.materials, &character.images);
     let secs = 0.4 * full.clips[0].duration_secs();
     let posed = |asset: &articula_build::Asset, mesh: &Mesh| {

@@ -217,7 +217,7 @@ pub(crate) fn write(run: &Run) -> Result<()> {
 /// Measures every level of one subject. The levels take turns in each round.
 fn found(subject: Subject, figure: &Figure, (at, clip): (usize, &Clip), rounds: usize) -> Found {
     let (rig, mesh) = (&figure.asset.rig, &figure.asset.mesh);
-    let source = &figure.opened.character.clips[at];
+    let source = &figure.opened.character().clips[at];
     let stage = Stage::new(&figure.asset, clip);
     let selected: Vec<(Selector, String, JointSet)> = Selector::ALL
         .into_iter()

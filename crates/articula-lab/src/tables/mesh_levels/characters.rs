@@ -98,13 +98,14 @@ impl Entry {
     pub(super) fn open(&self, data: &Path) -> Result<Subject> {
         let mut opened = articula::fs::open(data.join(self.file))?;
         if self.subdivided {
-            let meshes = opened.character.meshes.iter();
-            opened.character.meshes = meshes.map(subdivide).collect();
+            opened.edit_character(|character| {
+                character.meshes = character.meshes.iter().map(subdivide).collect();
+            });
         }
         let figure = Figure::new(opened)?;
         Ok(Subject {
             name: self.name,
-            source: figure.opened.character,
+            source: figure.opened.into_character(),
             asset: figure.asset,
             told_height_metres: self.height_metres,
         })

@@ -214,18 +214,18 @@ pub(super) fn source(data: &Path, case: &Case) -> Result<CharacterFile> {
     let mut actor = match case.source {
         MotionSource::File(name, wanted) => {
             let mut actor = open(data, name)?;
-            let clips = &mut actor.character.clips;
+            let clips = &actor.character().clips;
             let index = clips
                 .iter()
                 .position(|c| wanted.is_empty() || c.name == wanted);
             let index = index.with_context(|| format!("{name}: no clip \"{wanted}\""))?;
-            *clips = vec![clips.swap_remove(index)];
+            actor.select_clips(&[index]);
             actor
         }
         MotionSource::Bap(name) => bap_of(data, name)?,
     };
     if case.skip_secs > 0.0 {
-        skip(&mut actor.character.clips[0], case.skip_secs);
+        skip(&mut actor.clips_mut()[0], case.skip_secs);
     }
     Ok(actor)
 }
@@ -237,8 +237,9 @@ pub(super) fn target(data: &Path, case: &Case) -> Result<CharacterFile> {
             let mut actor = open(data, name)?;
             if case.target == KNIGHT.1 {
                 // Without shields and other meshes that hide its limbs.
-                let meshes = &mut actor.character.meshes;
-                meshes.retain(|m| m.name.starts_with("Knight_"));
+                let names = actor.character().meshes.iter().map(|m| m.name.clone());
+                let hidden: Vec<String> = names.filter(|n| !n.starts_with("Knight_")).collect();
+                actor.keep_meshes(&[], &hidden)?;
             }
             Ok(actor)
         }
@@ -250,7 +251,7 @@ pub(super) fn target(data: &Path, case: &Case) -> Result<CharacterFile> {
 pub(super) fn retargeted(from: &CharacterFile, onto: &CharacterFile) -> Result<FittedClip> {
     let options = AddClipsOptions {
         by_names: false,
-        clip: from.character.clips.first().map(|c| c.name.clone()),
+        clip: from.character().clips.first().map(|c| c.name.clone()),
         ..AddClipsOptions::default()
     };
     let fitted = fit_clips(from, onto, &options)?.pop();
@@ -261,11 +262,11 @@ pub(super) fn retargeted(from: &CharacterFile, onto: &CharacterFile) -> Result<F
 /// written and read.
 fn bap_of(data: &Path, name: &str) -> Result<CharacterFile> {
     let mut from = open(data, name)?;
-    skip(&mut from.character.clips[0], 0.009);
+    skip(&mut from.clips_mut()[0], 0.009);
     let mut human = human()?;
     let fitted = retargeted(&from, &human)?;
-    human.character.clips = vec![fitted.clip];
-    let told = bap::sample(&human.character, &human.articulation(), 0, 30.0)?;
+    human.set_clips(vec![fitted.clip]);
+    let told = bap::sample(human.character(), &human.articulation(), 0, 30.0)?;
     let text = bap::write(&told.clip);
     let mut nothing = |_: &str| Err("nothing lies beside it".to_owned());
     let read = articula::open(&text, "told.bap", &OpenOptions::default(), &mut nothing);

@@ -37,7 +37,7 @@ pub(super) type Contact = (String, Range<usize>);
 impl Played {
     /// Evaluates a clip at a rate.
     pub(super) fn new(actor: &CharacterFile, clip: &RawClip, rate_hz: f32) -> Result<Self> {
-        let skeleton = &actor.character.skeleton;
+        let skeleton = &actor.character().skeleton;
         let rig = Rig::new(skeleton, actor.articulation())?;
         let frames = (clip.duration_secs * rate_hz).round() as usize + 1;
         let (mut locals, mut models) = (Vec::new(), Vec::new());

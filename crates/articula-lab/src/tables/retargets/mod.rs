@@ -53,7 +53,7 @@ impl Row {
         let source = cases::source(data, &case)?;
         let target = cases::target(data, &case)?;
         let (source, target) = case.variant.apply(source, target);
-        let clip = source.character.clips.first().context("no clip")?;
+        let clip = source.character().clips.first().context("no clip")?;
         let made = cases::retargeted(&source, &target)?;
         let report = made.fit.retargeted;
         let (scale, joints) = match (&report, &made.fit.by_name) {

@@ -34,7 +34,7 @@ impl<'a> Artist<'a> {
         played: &'a Played,
         moments: &[usize],
     ) -> Result<Self> {
-        let character = &actor.character;
+        let character = actor.character();
         let (look, _) = Appearance::new(&character.materials, &character.images);
         let mesh = Mesh::new(&character.meshes, played.rig.len())?;
         let mut artist = Self {

@@ -80,8 +80,13 @@ fn rotation(index: usize, seed: u32) -> Quat {
 
 /// The same world motion with another rest rotation of every joint.
 fn with_zero_pose(mut file: CharacterFile, seed: u32) -> CharacterFile {
-    let joints = &mut file.character.skeleton.joints;
-    for clip in &mut file.character.clips {
+    file.edit_character(|character| turn_rest(character, seed));
+    file
+}
+
+fn turn_rest(character: &mut Character, seed: u32) {
+    let joints = &mut character.skeleton.joints;
+    for clip in &mut character.clips {
         for (j, joint) in joints.iter().enumerate() {
             let is_own = |c: &Channel| c.target == j && c.property == Property::Rotation;
             if !clip.channels.iter().any(is_own) {
@@ -93,7 +98,6 @@ fn with_zero_pose(mut file: CharacterFile, seed: u32) -> CharacterFile {
     for (j, joint) in joints.iter_mut().enumerate() {
         joint.rest.rotation = rotation(j, seed);
     }
-    file
 }
 
 fn rotation_channel(target: usize, times_secs: Vec<f32>, values: Vec<f32>) -> Channel {
@@ -109,21 +113,25 @@ fn rotation_channel(target: usize, times_secs: Vec<f32>, values: Vec<f32>) -> Ch
 /// Other axes of every joint, at rest in the same places. Meshes, whose binding would have to follow,
 /// are left out.
 fn with_axes(mut file: CharacterFile) -> CharacterFile {
-    let joints = &mut file.character.skeleton.joints;
+    file.edit_character(turn_axes);
+    file
+}
+
+fn turn_axes(character: &mut Character) {
+    let joints = &mut character.skeleton.joints;
     let parents: Vec<Option<usize>> = joints.iter().map(|j| j.parent).collect();
     for (j, joint) in joints.iter_mut().enumerate() {
         let above = parents[j].map_or(Quat::IDENTITY, |p| rotation(p, 7).inverse());
         joint.rest.rotation = above * joint.rest.rotation * rotation(j, 7);
         joint.rest.translation = above * joint.rest.translation;
     }
-    file.character.clips.clear();
-    file.character.meshes.clear();
-    file
+    character.clips.clear();
+    character.meshes.clear();
 }
 
 fn with_daz_names(file: &CharacterFile) -> CharacterFile {
     let known = file.articulation().joints;
-    let mut character = file.character.clone();
+    let mut character = file.character().clone();
     character.articulation = None;
     for (joint, known) in character.skeleton.joints.iter_mut().zip(known) {
         let hanim = known.hanim.unwrap_or_default();
@@ -140,27 +148,29 @@ fn with_daz_names(file: &CharacterFile) -> CharacterFile {
             None => String::new(),
         };
     }
-    CharacterFile::from_character(&file.name, character)
+    CharacterFile::from_character(file.name(), character)
 }
 
 fn without_names(file: CharacterFile) -> CharacterFile {
-    let mut character = file.character;
+    let name = file.name().to_owned();
+    let mut character = file.into_character();
     character.articulation = None;
     for (j, joint) in character.skeleton.joints.iter_mut().enumerate() {
         joint.name = format!("part {j}");
     }
-    CharacterFile::from_character(&file.name, character)
+    CharacterFile::from_character(&name, character)
 }
 
 fn scaled(mut file: CharacterFile, factor: f32) -> CharacterFile {
-    let character = &mut file.character;
-    for joint in &mut character.skeleton.joints {
-        joint.rest.translation *= factor;
-    }
-    let channels = character.clips.iter_mut().flat_map(|c| &mut c.channels);
-    for channel in channels.filter(|c| c.property == Property::Translation) {
-        channel.values.iter_mut().for_each(|v| *v *= factor);
-    }
+    file.edit_character(|character| {
+        for joint in &mut character.skeleton.joints {
+            joint.rest.translation *= factor;
+        }
+        let channels = character.clips.iter_mut().flat_map(|c| &mut c.channels);
+        for channel in channels.filter(|c| c.property == Property::Translation) {
+            channel.values.iter_mut().for_each(|v| *v *= factor);
+        }
+    });
     file
 }
 
@@ -172,7 +182,7 @@ fn hands(file: &CharacterFile) -> CharacterFile {
         let name = known[j].hanim.as_deref().and_then(|name| name.get(2..));
         name.is_some_and(|name| parts.iter().any(|part| name.starts_with(part)))
     };
-    let old = &file.character.skeleton;
+    let old = &file.character().skeleton;
     let mut skeleton = Skeleton::default();
     let mut kept: Vec<(usize, Option<usize>)> = Vec::new();
     for j in (0..old.joints.len()).filter(|j| is_of_hand(*j)) {
@@ -212,11 +222,11 @@ fn hands(file: &CharacterFile) -> CharacterFile {
         }
     };
     let character = Character {
-        clips: file.character.clips.iter().map(cut).collect(),
+        clips: file.character().clips.iter().map(cut).collect(),
         skeleton,
         ..Character::default()
     };
-    CharacterFile::from_character(&file.name, character)
+    CharacterFile::from_character(file.name(), character)
 }
 
 /// Model-space matrices at some times.

@@ -75,13 +75,13 @@ impl Counts {
 
     /// Counts the contents of a file.
     fn of(opened: &CharacterFile) -> Self {
-        let character = &opened.character;
+        let character = opened.character();
         let primitives = || character.meshes.iter().flat_map(|m| &m.primitives);
         let skeleton = &character.skeleton.joints;
         let skin = skeleton.iter().filter(|j| j.in_skin).count();
         Self {
             joints: if skin == 0 { skeleton.len() } else { skin },
-            mapped: opened.mapping.articulation.mapped(),
+            mapped: opened.mapping().articulation.mapped(),
             clips: character.clips.len(),
             meshes: character.meshes.len(),
             vertices: primitives().map(|p| p.positions.len()).sum(),

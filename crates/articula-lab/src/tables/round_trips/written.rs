@@ -113,10 +113,10 @@ impl Writer {
 
     /// The written file; `None` if the writer has nothing to write of the character.
     fn written(self, opened: &CharacterFile) -> Result<Option<EncodedFile>> {
-        let clips = !opened.character.clips.is_empty();
+        let clips = !opened.character().clips.is_empty();
         let has = match self {
-            Self::Through => opened.gltf.is_some(),
-            Self::Clips => opened.gltf.is_some() && clips,
+            Self::Through => opened.gltf().is_some(),
+            Self::Clips => opened.gltf().is_some() && clips,
             // A skeleton without a motion does not store the height of its root.
             Self::Bvh | Self::Acclaim => clips,
             Self::Anew | Self::X3d => true,
@@ -126,13 +126,11 @@ impl Writer {
         }
         let mut opened = Cow::Borrowed(opened);
         if matches!(self, Self::Clips | Self::Anew | Self::X3d) {
-            let baked = baked(&opened.character)?;
-            let opened = opened.to_mut();
-            opened.character.clips = baked;
-            opened.clips_changed = true;
+            let baked = baked(opened.character())?;
+            *opened.to_mut().clips_mut() = baked;
         }
         if self == Self::Anew {
-            opened.to_mut().gltf = None;
+            opened.to_mut().detach_document();
         }
         Ok(Some(write(&opened, self.format())?))
     }
@@ -161,7 +159,7 @@ pub(super) fn trips(opened: &CharacterFile, path: &Path, stem: &Path) -> Result<
             std::fs::write(&path, &written.bytes).with_context(|| path.display().to_string())?;
             kept = Some(path);
         }
-        let clips = opened.character.clips.len();
+        let clips = opened.character().clips.len();
         trips.push(Trip {
             writer,
             joints: joints(opened, writer),
@@ -193,8 +191,8 @@ fn again(was: &CharacterFile, writer: Writer, written: EncodedFile, path: &Path)
         _ => JointFilter::Skin,
     };
     apart(
-        (&was.character, &was.mapping.articulation),
-        (&is.character, &is.mapping.articulation),
+        (was.character(), &was.mapping().articulation),
+        (is.character(), &is.mapping().articulation),
         kept,
     )
 }
@@ -202,10 +200,10 @@ fn again(was: &CharacterFile, writer: Writer, written: EncodedFile, path: &Path)
 /// Number of joints that a writer keeps: all or, in formats of joints only, those of skins. In X3D
 /// only joints that correspond to one of the standard are compared.
 fn joints(opened: &CharacterFile, writer: Writer) -> usize {
-    let joints = &opened.character.skeleton.joints;
+    let joints = &opened.character().skeleton.joints;
     let skin = joints.iter().filter(|j| j.in_skin);
     match skin.count() {
-        _ if writer == Writer::X3d => opened.mapping.articulation.mapped(),
+        _ if writer == Writer::X3d => opened.mapping().articulation.mapped(),
         0 => joints.len(),
         _ if writer.is_glb() => joints.len(),
         skin => skin,

@@ -75,7 +75,7 @@ fn row(run: &Run, case: &Case, figure: &Figure, index: usize) -> Result<Row> {
         frames: clip.frames(),
         joints: asset.rig.len(),
         motion: measured(asset, clip, case.tiers, rounds)?,
-        keys: peers::keys(&figure.opened.character.clips[index])?,
+        keys: peers::keys(&figure.opened.character().clips[index])?,
         meshopt: peers::meshoptimizer(asset, clip)?,
         bvh: match case.source_bvh(&run.data)? {
             Some(bytes) => Some(Peer {

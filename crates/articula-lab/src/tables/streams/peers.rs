@@ -157,8 +157,7 @@ pub(super) fn brotli(bytes: &[u8]) -> Result<usize> {
 /// A BVH file as we write it, in Brotli.
 pub(super) fn bvh(figure: &Figure, clip: usize) -> Result<Peer> {
     let mut alone = figure.opened.clone();
-    alone.character.clips = vec![alone.character.clips[clip].clone()];
-    alone.clips_changed = true;
+    alone.select_clips(&[clip]);
     let text = write(&alone, Format::Bvh)?.bytes;
     Ok(Peer {
         bytes: brotli(&text)?,
@@ -183,23 +182,23 @@ fn abp1_with(figure: &Figure, clip: usize, quantizer: u8) -> Result<Peer> {
     // At the rate of the runtime clip, which may be above that of the keys.
     let mut opened = figure.opened.clone();
     let rate_hz = figure.asset.clips[clip].rate_hz();
-    let keys = resample_keys(&opened.character.clips[clip], rate_hz)?;
-    opened.character.clips[clip] = keys;
+    let keys = resample_keys(&opened.character().clips[clip], rate_hz)?;
+    opened.clips_mut()[clip] = keys;
     let options = Abp1Options {
         quantizer,
         ..Abp1Options::default()
     };
-    let bytes = abp1::write(&opened.character, &opened.articulation(), clip, &options)?;
+    let bytes = abp1::write(opened.character(), &opened.articulation(), clip, &options)?;
     let nothing = &mut |_: &str| Err("nothing lies beside it".into());
     let read = articula::open(&bytes, "a.abp", &OpenOptions::default(), nothing)?;
     let asset = &figure.asset;
-    let joints = read.character.skeleton.joints.len();
+    let joints = read.character().skeleton.joints.len();
     ensure!(joints == asset.rig.len(), "{joints} joints");
     let mut turned = Turned {
         at_rest: at_rest(asset),
-        other: read.character.skeleton.model_rest(),
-        character: &read.character,
-        clip: read.character.clips.first().context("no clip")?,
+        other: read.character().skeleton.model_rest(),
+        character: read.character(),
+        clip: read.character().clips.first().context("no clip")?,
     };
     Ok(Peer {
         bytes: bytes.len(),

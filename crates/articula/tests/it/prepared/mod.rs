@@ -25,7 +25,7 @@ fn opened(glb: &[u8]) -> CharacterFile {
 
 /// A file with the beginnings of the first two clips of a character.
 fn brief(mut file: CharacterFile) -> CharacterFile {
-    file.character.clips.truncate(2);
+    file.select_clips(&[0, 1]);
     opened(&write(&shortened(file, 0.5), Format::Glb).unwrap().bytes)
 }
 
@@ -102,7 +102,7 @@ fn crowd_of(figure: &Figure, options: &CrowdOptions) -> CrowdAsset {
 
 /// Checks that two figures have the same rig, mesh and clips; a failure does not print them.
 fn same_asset(a: &Figure, b: &Figure) {
-    let (name, a, b) = (&b.opened.name, &a.asset, &b.asset);
+    let (name, a, b) = (b.opened.name(), &a.asset, &b.asset);
     assert!(a.rig == b.rig, "{name}: rig");
     assert!(a.mesh.positions == b.mesh.positions, "{name}: positions");
     assert!(a.mesh.normals == b.mesh.normals, "{name}: normals");
@@ -113,9 +113,9 @@ fn same_asset(a: &Figure, b: &Figure) {
 
 /// Checks that two files give the same figure and the same crowds.
 fn same(fresh: CharacterFile, stored: CharacterFile, options: &[CrowdOptions]) {
-    let name = fresh.name.clone();
+    let name = fresh.name().to_owned();
     let (fresh, stored) = (Figure::new(fresh).unwrap(), Figure::new(stored).unwrap());
-    assert_eq!(stored.opened.warnings, fresh.opened.warnings, "{name}");
+    assert_eq!(stored.opened.warnings(), fresh.opened.warnings(), "{name}");
     same_asset(&stored, &fresh);
     for options in options {
         let [a, b] = [&fresh, &stored].map(|figure| crowd_of(figure, options));
@@ -149,14 +149,15 @@ fn what_is_stored_is_what_a_fresh_preparation_gives() {
 #[test]
 fn hidden_meshes_are_left_out_of_both() {
     let hide = |mut file: CharacterFile| {
-        let first = file.character.meshes[0].name.clone();
+        let first = file.character().meshes[0].name.clone();
         file.keep_meshes(&[], &[first]).unwrap();
         Figure::new(file).unwrap()
     };
     let (fresh, stored) = (hide(human()), hide(opened(asset())));
     assert_eq!(stored.asset, fresh.asset);
     assert_eq!(
-        stored.opened.warnings, fresh.opened.warnings,
+        stored.opened.warnings(),
+        fresh.opened.warnings(),
         "nothing is stale"
     );
     let usual = CrowdOptions::default();
@@ -167,7 +168,7 @@ fn hidden_meshes_are_left_out_of_both() {
 #[test]
 fn preparing_an_asset_again_gives_the_same_parts() {
     let parts = |glb: &[u8]| -> Vec<(String, Vec<u8>)> {
-        let file = opened(glb).gltf.unwrap();
+        let file = opened(glb).detach_document().unwrap();
         let parts = file.document.prepared_parts();
         parts
             .map(|p| (p.name.to_owned(), p.bytes.to_vec()))
@@ -188,10 +189,9 @@ fn preparing_an_asset_again_gives_the_same_parts() {
 #[test]
 fn an_asset_with_another_clip_keeps_the_order_of_its_source() {
     let with_clip = |mut file: CharacterFile| {
-        let mut clip = file.character.clips[0].clone();
+        let mut clip = file.character().clips[0].clone();
         clip.name = "again".into();
-        file.character.clips.push(clip);
-        file.clips_changed = true;
+        file.clips_mut().push(clip);
         built(file, &levelled())
     };
     let (fresh, stored) = (with_clip(human()), with_clip(opened(asset())));
@@ -217,7 +217,7 @@ fn a_character_that_is_not_its_document_is_refused() {
 
 #[test]
 fn other_mesh_levels_than_the_stored_are_told() {
-    let mut document = opened(asset()).gltf.unwrap().document;
+    let mut document = opened(asset()).detach_document().unwrap().document;
     for mesh in document.json["meshes"].as_array_mut().unwrap() {
         for primitive in mesh["primitives"].as_array_mut().unwrap() {
             let levels = &mut primitive["extensions"]["ARTICULA_clustered_mesh"];
@@ -244,7 +244,7 @@ fn other_mesh_levels_than_the_stored_are_told() {
 
 /// The asset with one bit of a buffer view changed.
 fn damaged(glb: &[u8], view: usize) -> Vec<u8> {
-    let mut document = opened(glb).gltf.unwrap().document;
+    let mut document = opened(glb).detach_document().unwrap().document;
     let view = &document.json["bufferViews"][view];
     let start = view["byteOffset"].as_u64().unwrap() as usize;
     let length = view["byteLength"].as_u64().unwrap() as usize;
@@ -254,7 +254,7 @@ fn damaged(glb: &[u8], view: usize) -> Vec<u8> {
 
 #[test]
 fn one_changed_bit_of_any_part_is_told_and_the_part_made_again() {
-    let document = opened(asset()).gltf.unwrap().document;
+    let document = opened(asset()).detach_document().unwrap().document;
     let parts = document.json["extensions"]["ARTICULA_prepared"]["parts"].clone();
     let fresh = Figure::new(human()).unwrap();
     let all = CrowdOptions {
@@ -271,7 +271,7 @@ fn one_changed_bit_of_any_part_is_told_and_the_part_made_again() {
         let view = part["bufferView"].as_u64().unwrap() as usize;
         let figure = Figure::new(opened(&damaged(asset(), view))).unwrap();
         let crowds = [&all, &usual].map(|options| crowd_of(&figure, options));
-        let told = figure.opened.warnings.iter().map(|w| w.what.clone());
+        let told = figure.opened.warnings().iter().map(|w| w.what.clone());
         let told: Vec<String> = told
             .chain(crowds.iter().flat_map(|c| c.warnings().to_vec()))
             .collect();
@@ -305,7 +305,7 @@ fn one_changed_bit_of_any_part_is_told_and_the_part_made_again() {
 
 #[test]
 fn data_of_other_clips_or_meshes_is_told_and_not_used() {
-    let mut document = opened(asset()).gltf.unwrap().document;
+    let mut document = opened(asset()).detach_document().unwrap().document;
     let input = document.json["animations"][1]["samplers"][0]["output"]
         .as_u64()
         .unwrap();
@@ -316,7 +316,7 @@ fn data_of_other_clips_or_meshes_is_told_and_not_used() {
     let figure = Figure::new(opened(&glb)).unwrap();
     let told: Vec<&str> = figure
         .opened
-        .warnings
+        .warnings()
         .iter()
         .map(|w| w.what.as_str())
         .collect();
@@ -337,7 +337,7 @@ fn data_of_other_clips_or_meshes_is_told_and_not_used() {
     document.json["extensions"]["ARTICULA_prepared"]["version"] = json!(2);
     let newer = document.write_glb().unwrap();
     let figure = Figure::new(opened(&newer)).unwrap();
-    assert!(figure.opened.warnings[0].what.contains("version 2"));
+    assert!(figure.opened.warnings()[0].what.contains("version 2"));
     crowd_of(&figure, &CrowdOptions::default());
 }
 
@@ -379,7 +379,7 @@ fn what_is_left_out_is_missing_and_computed() {
 
 #[test]
 fn everything_else_of_the_file_is_kept() {
-    let mut document = human().gltf.unwrap().document;
+    let mut document = human().detach_document().unwrap().document;
     document.json["cameras"] = json!([{
         "type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}
     }]);
@@ -390,7 +390,7 @@ fn everything_else_of_the_file_is_kept() {
     document.json["asset"]["copyright"] = json!("somebody");
     let before = document.json.clone();
     let glb = built(opened(&document.write_glb().unwrap()), &levelled());
-    let after: Document = opened(&glb).gltf.unwrap().document;
+    let after: Document = opened(&glb).detach_document().unwrap().document;
     let of = |json: &Value, at: &str| json.pointer(at).cloned();
     for at in [
         "/cameras",

@@ -1,31 +1,37 @@
 //! Leaving meshes out of a character.
 
+use super::{CharacterFile, choose};
 use crate::error::{Context, Result};
-use crate::open::{CharacterFile, choose};
 use crate::prepared::state::KeptMeshes;
 use articula_core::source::{Character, Property};
 
 impl CharacterFile {
     /// Keeps the meshes named in `only` (all if empty) that are not named in `hide`; channels and
-    /// expressions of a removed mesh are removed too.
+    /// expressions of a removed mesh are removed too. Returns the new index of every mesh that there
+    /// was, `None` for those removed. The document of a glTF file keeps them all.
     ///
     /// # Errors
-    /// [`Error::Argument`](crate::Error::Argument) if no mesh has one of the names; the message lists the meshes.
-    pub fn keep_meshes(&mut self, only: &[String], hide: &[String]) -> Result<()> {
-        let names = self.character.meshes.iter().map(|m| m.name.clone());
-        let names: Vec<String> = names.collect();
-        if names.iter().any(|name| !is_kept(name, only, hide)) {
-            let kept = KeptMeshes::of(self, |name| is_kept(name, only, hide));
+    /// [`Error::Argument`](crate::Error::Argument) if no mesh has one of the names; the message lists the
+    /// meshes. The file is then unchanged.
+    pub fn keep_meshes(&mut self, only: &[String], hide: &[String]) -> Result<Vec<Option<usize>>> {
+        let meshes = &self.character.meshes;
+        for name in only.iter().chain(hide) {
+            let names = meshes.iter().map(|m| m.name.as_str());
+            choose("mesh", name, names).with_context(|| &self.name)?;
+        }
+        let kept: Vec<bool> = meshes
+            .iter()
+            .map(|m| is_kept(&m.name, only, hide))
+            .collect();
+        if kept.contains(&false) {
+            let primitives = KeptMeshes::of(self, &kept);
             if let Some(gltf) = &mut self.gltf {
-                gltf.kept_meshes = Some(kept);
+                gltf.kept_meshes = Some(primitives);
+                let mut kept = kept.iter();
+                gltf.node_of_mesh.retain(|_| *kept.next().unwrap_or(&false));
             }
         }
-        keep_meshes(&mut self.character, only, hide).context(&self.name)?;
-        if let Some(gltf) = &mut self.gltf {
-            let mut kept = names.iter().map(|name| is_kept(name, only, hide));
-            gltf.node_of_mesh.retain(|_| kept.next().unwrap_or(false));
-        }
-        Ok(())
+        Ok(keep_meshes(&mut self.character, &kept))
     }
 }
 
@@ -34,19 +40,16 @@ fn is_kept(name: &str, only: &[String], hide: &[String]) -> bool {
     (only.is_empty() || has(only)) && !has(hide)
 }
 
-fn keep_meshes(character: &mut Character, only: &[String], hide: &[String]) -> Result<()> {
-    for name in only.iter().chain(hide) {
-        let names = character.meshes.iter().map(|m| m.name.as_str());
-        choose("mesh", name, names)?;
-    }
-    let kept = |name: &str| is_kept(name, only, hide);
-    let mut new_index = Vec::with_capacity(character.meshes.len());
+fn keep_meshes(character: &mut Character, kept: &[bool]) -> Vec<Option<usize>> {
     let mut next = 0;
-    for mesh in &character.meshes {
-        new_index.push(kept(&mesh.name).then_some(next));
-        next += usize::from(kept(&mesh.name));
-    }
-    character.meshes.retain(|m| kept(&m.name));
+    let number = |kept: &bool| {
+        next += usize::from(*kept);
+        kept.then(|| next - 1)
+    };
+    let new_index: Vec<Option<usize>> = kept.iter().map(number).collect();
+    let mut kept = kept.iter();
+    let meshes = &mut character.meshes;
+    meshes.retain(|_| *kept.next().unwrap_or(&false));
     for expression in &mut character.expressions {
         expression.morphs.retain_mut(|morph| {
             let index = new_index.get(morph.mesh).copied().flatten();
@@ -64,7 +67,7 @@ fn keep_meshes(character: &mut Character, only: &[String], hide: &[String]) -> R
             index.is_some()
         });
     }
-    Ok(())
+    new_index
 }
 
 #[cfg(test)]
@@ -105,12 +108,17 @@ mod tests {
         }
     }
 
+    fn names(character: &Character) -> Vec<&str> {
+        character.meshes.iter().map(|m| m.name.as_str()).collect()
+    }
+
     #[test]
     fn hidden_meshes_go_with_their_channels() {
-        let mut c = three_meshes();
-        keep_meshes(&mut c, &[], &["sword".into()]).unwrap();
-        let names: Vec<_> = c.meshes.iter().map(|m| m.name.as_str()).collect();
-        assert_eq!(names, ["body", "hat"]);
+        let mut file = CharacterFile::from_character("three", three_meshes());
+        let new_index = file.keep_meshes(&[], &["sword".into()]).unwrap();
+        assert_eq!(new_index, [Some(0), None, Some(1)]);
+        let c = file.character();
+        assert_eq!(names(c), ["body", "hat"]);
         let targets: Vec<_> = c.clips[0].channels.iter().map(|c| c.target).collect();
         assert_eq!(targets, [0, 1]);
         let driven: Vec<_> = c.expressions[0].morphs.iter().map(|m| m.mesh).collect();
@@ -119,10 +127,10 @@ mod tests {
 
     #[test]
     fn only_keeps_the_named_and_a_wrong_name_is_refused() {
-        let mut c = three_meshes();
-        keep_meshes(&mut c, &["hat".into()], &[]).unwrap();
-        assert_eq!(c.meshes.len(), 1);
-        assert_eq!(c.clips[0].channels[0].target, 0);
-        assert!(keep_meshes(&mut c, &[], &["cape".into()]).is_err());
+        let mut file = CharacterFile::from_character("three", three_meshes());
+        file.keep_meshes(&["hat".into()], &[]).unwrap();
+        assert_eq!(names(file.character()), ["hat"]);
+        assert_eq!(file.character().clips[0].channels[0].target, 0);
+        assert!(file.keep_meshes(&[], &["cape".into()]).is_err());
     }
 }
