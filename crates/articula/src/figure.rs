@@ -34,11 +34,7 @@ impl Figure {
     /// An [`Error`] that names the file and the cause: neither joint nor mesh, a cycle in the node
     /// hierarchy, or more motion than fits in memory.
     pub fn new(opened: CharacterFile) -> Result<Self> {
-        let kept = opened.gltf().and_then(|g| g.kept_meshes.as_ref());
-        let state = match kept {
-            Some(kept) => kept.state.clone(),
-            None => StoredState::of(&opened),
-        };
+        let state = opened.stored_state();
         Self::with_stored(opened, state)
     }
 
@@ -47,7 +43,7 @@ impl Figure {
         let state = StoredState {
             is_current: false,
             stale: Vec::new(),
-            ..StoredState::of(&opened)
+            ..opened.stored_state()
         };
         Self::with_stored(opened, state)
     }
@@ -58,7 +54,7 @@ impl Figure {
             return Err(Error::unsuited(what)).context(opened.name());
         }
         let mut told = std::mem::take(&mut state.stale);
-        let stored = Stored::of(&opened);
+        let stored = opened.stored();
         let reordered = stored
             .as_ref()
             .filter(|s| state.has_order && s.is_reordered());
@@ -138,7 +134,7 @@ impl Figure {
 
     /// The data that the file stores, if it belongs to the character.
     pub(crate) fn stored(&self) -> Option<Stored<'_>> {
-        Stored::of(&self.opened).filter(|_| self.state.is_current)
+        self.opened.stored().filter(|_| self.state.is_current)
     }
 
     /// The character with its meshes in the order of the source.

@@ -79,15 +79,16 @@ pub use mesh_levels::{
     LevelChoice, MeshView, ShownInView, ShownLevelOptions, ShownLevels, ShownLevelsReport,
     ShownRegion,
 };
-pub use motion_tables::{ClipTables, MotionTables, StoredTables};
+pub use motion_tables::{MotionTables, StoredTables};
 pub use open::{
     CharacterFile, Data, DataFile, DataFormat, Format, GltfSource, OpenOptions, WriteSupport,
     choose, conversions, open, open_data, readable, reference_human,
 };
-pub use prepare::{PreparedAsset, prepare};
-pub use prepared::{
-    CheckedPart, PartBytes, PartState, PrepareOptions, PreparedCheck, PreparedPart, check_prepared,
+pub use prepare::{
+    CheckedPart, ClipTables, PartState, PrepareOptions, PreparedAsset, PreparedCheck,
+    check_prepared, prepare,
 };
+pub use prepared::{PartBytes, PreparedPart};
 pub use work::{Executor, Job, JobRunner, Step, StepCallback};
 
 pub use articula_core::joint_state::LoaRange;

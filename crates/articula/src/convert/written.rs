@@ -129,7 +129,7 @@ fn stream(opened: &CharacterFile, format: Format, options: &ConvertOptions) -> R
             Ok(bones(opened, bytes))
         }
         (_, AbpProfile::Abp2(options)) => {
-            let coded = abp2::write(opened, 0, options)?;
+            let coded = abp2::write(opened.character(), &opened.articulation(), 0, options)?;
             Ok(EncodedFile {
                 tiers: abp2::tiers(&coded, options.tolerance_metres)?,
                 bytes: coded.bytes,

@@ -7,17 +7,20 @@
 //! - `rows`: gain and error of each method at each distance
 //! - `path`: a controller of the live playback with a moving camera
 //! - `schedule`: levels of articulation that change over time
+//! - `layers`: the error of leaving out parts of a motion stream
 //! - `costs`: cost of each zone, depth and level of complexity
 //!
 //! Field names are stable, since scripts read them as JSON (`docs/commands.md`).
 
 mod costs;
+mod layers;
 mod methods;
 mod path;
 mod rows;
 mod schedule;
 
 pub use costs::{Cost, Costs};
+pub use layers::{LayerOptions, LayerReport, LayersReport, WorstVertex, layers};
 pub use methods::NamedMethod;
 pub use path::{CameraPath, PathSummary, PlayedPath};
 pub use rows::{ErrorPx, MethodRow, MethodTable, ParameterChoice, rows};

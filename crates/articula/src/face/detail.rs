@@ -1,12 +1,13 @@
 //! Error of a FAP clip on a head at levels of articulation, over distance.
 
 use super::frames::face_frames;
-use super::levels::{names, with_inner_lips};
+use super::levels::names;
 use super::rig::FaceRig;
 use super::turns::{Turn, turns};
 use crate::error::{Context, Error, Result};
 use crate::facing::facing;
 use crate::figure::Figure;
+use crate::streams::with_inner_lips;
 use crate::work::Executor;
 use articula_build::face::{FaceBridge, FaceDetail, FaceFields, FaceFrames};
 use articula_core::face_levels::{FaceLevel, FaceLevels, FapRoles};

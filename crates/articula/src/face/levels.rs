@@ -1,11 +1,10 @@
 //! FAP clips at levels of articulation.
 
-use articula_core::arkit_table::outer_lip;
+use crate::streams::with_inner_lips;
 use articula_core::face_levels::{FaceLevels, FaceRegion, FapRoles};
 use articula_core::fap_table::{FAP_COUNT, LOW_FAPS};
 use articula_formats::mpeg4::fap::FapClip;
 use serde::Serialize;
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// What a level of articulation leaves of a FAP clip.
@@ -74,29 +73,6 @@ pub fn expand_face(clip: &FapClip, roles: &FapRoles) -> FapClip {
         *coded |= moves;
     }
     clip
-}
-
-/// A clip in which the inner lips have the motion of the outer ones, where only those move: the
-/// inner lips lead at every level.
-pub(crate) fn with_inner_lips(clip: &FapClip) -> Cow<'_, FapClip> {
-    let moving = clip.moving();
-    let pairs = || (1..=FAP_COUNT).filter_map(|inner| Some((inner, outer_lip(inner)?)));
-    let [inner, outer] = [
-        pairs().any(|(inner, _)| moving[inner - 1]),
-        pairs().any(|(_, outer)| moving[outer - 1]),
-    ];
-    if inner || !outer {
-        return Cow::Borrowed(clip);
-    }
-    let mut clip = clip.clone();
-    let first = *LOW_FAPS.start();
-    for (inner, outer) in pairs() {
-        clip.coded[inner - 1] = clip.coded[outer - 1];
-        for frame in &mut clip.frames {
-            frame.low[inner - first] = frame.low[outer - first];
-        }
-    }
-    Cow::Owned(clip)
 }
 
 #[cfg(test)]

@@ -52,7 +52,6 @@ pub use detail::{
 pub use fdp::{face_fdp, fdp_points};
 pub use fit::{FaceTransfer, FittedFace, NotDriven, ShownParameter, fit_capture, fit_face};
 pub(crate) use found::FoundFace;
-pub(crate) use levels::with_inner_lips;
 pub use levels::{FaceLevelReport, expand_face, reduce_face};
 pub use measured::measure_faps;
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout};

@@ -24,7 +24,8 @@ pub(super) fn part(
     work: &Executor<'_>,
 ) -> Result<ItemPart> {
     let truth = &figure.asset.clips[clip];
-    let coded = write(&figure.opened, clip, options)?;
+    let opened = &figure.opened;
+    let coded = write(opened.character(), &opened.articulation(), clip, options)?;
     let stream_limits = articula_stream::StreamLimits::default();
     let head = MotionHead::open(&coded.bytes, &stream_limits)?;
     let levels: Vec<u8> = levels(&head);

@@ -87,23 +87,6 @@ impl CharacterFile {
         Self { name, ..self }
     }
 
-    /// The character with one clip, which was read from another file and decoded onto it.
-    pub(crate) fn with_motion_of(
-        &self,
-        (name, format, bytes): (&str, Format, usize),
-        clip: RawClip,
-    ) -> Self {
-        let mut opened = Self {
-            name: name.to_owned(),
-            format,
-            bytes,
-            warnings: Vec::new(),
-            ..self.clone()
-        };
-        opened.set_clips(vec![clip]);
-        opened
-    }
-
     /// Puts a character in place whose meshes were edited, and its document, edited alike. Its clips
     /// may differ where they drive morph targets.
     pub(crate) fn set_meshes(&mut self, character: Character, gltf: Option<GltfSource>) {

@@ -24,9 +24,10 @@ impl CharacterFile {
             .map(|m| is_kept(&m.name, only, hide))
             .collect();
         if kept.contains(&false) {
-            let primitives = KeptMeshes::of(self, &kept);
+            let state = self.stored_state();
             if let Some(gltf) = &mut self.gltf {
-                gltf.kept_meshes = Some(primitives);
+                let (before, meshes) = (gltf.kept_meshes.take(), &self.character.meshes);
+                gltf.kept_meshes = Some(KeptMeshes::of(before.as_ref(), state, meshes, &kept));
                 let mut kept = kept.iter();
                 gltf.node_of_mesh.retain(|_| *kept.next().unwrap_or(&false));
             }

@@ -24,6 +24,8 @@ pub use human::reference_human;
 pub use options::OpenOptions;
 
 use crate::error::{Context, Error, Result};
+use crate::prepared::state::StoredState;
+use crate::prepared::stored::Stored;
 use articula_build::joint_names::{JointMapping, map_as_told};
 use articula_core::Articulation;
 use articula_core::joint_names::JointMap;
@@ -203,6 +205,30 @@ impl CharacterFile {
     /// formats.
     pub fn gltf(&self) -> Option<&GltfSource> {
         self.gltf.as_ref()
+    }
+
+    /// Whether the data that the document stores belong to the character; of a character without all of
+    /// its meshes, whether they did before these were removed.
+    pub(crate) fn stored_state(&self) -> StoredState {
+        let Some(gltf) = &self.gltf else {
+            return StoredState::default();
+        };
+        if let Some(kept) = &gltf.kept_meshes {
+            return kept.state.clone();
+        }
+        let articulation = self.articulation();
+        StoredState::of(
+            &gltf.document,
+            &self.character,
+            &articulation,
+            self.clips_changed,
+        )
+    }
+
+    /// The prepared data that the document stores, if it can be read.
+    pub(crate) fn stored(&self) -> Option<Stored<'_>> {
+        let gltf = self.gltf.as_ref()?;
+        Stored::of(&gltf.document, &self.character.meshes)
     }
 
     /// Returns the joint index and the offset in metres of each end site of a BVH, ASF or X3D file.

@@ -1,9 +1,8 @@
 //! Stored data of a document, checked against the character beside it.
 
-use super::hash::{self, SourceHashes};
+use super::hash;
 use super::part;
-use super::state::{KeptMeshes, StoredState};
-use crate::open::CharacterFile;
+use super::state::{KeptMeshes, MEND};
 use articula_core::source::{RawClip, RawMesh};
 use articula_core::{Clip, FigureLevel, JointLods, LevelSkins, Mesh, MotionBounds, Rig};
 use articula_formats::gltf::{Document, PreparedHeader, PreparedState};
@@ -15,10 +14,8 @@ use articula_formats::prepared::{
 use articula_formats::{Limits, ReadError};
 use std::cell::RefCell;
 
-/// What follows from stored data that cannot be used, and how to renew it.
-const MEND: &str = "it is computed again; `articula build` renews it";
-
-/// Data that a document stores; whether it belongs to the character is a [`StoredState`].
+/// Data that a document stores; whether it belongs to the character is a
+/// [`StoredState`](super::state::StoredState).
 #[derive(Debug)]
 pub(crate) struct Stored<'a> {
     document: &'a Document,
@@ -28,92 +25,13 @@ pub(crate) struct Stored<'a> {
     warnings: RefCell<Vec<String>>,
 }
 
-impl StoredState {
-    /// Compares the hashes of a document with its character.
-    pub(crate) fn of(opened: &CharacterFile) -> Self {
-        let mut state = Self::default();
-        let Some(gltf) = opened.gltf() else {
-            return state;
-        };
-        let header = match gltf.document.prepared() {
-            PreparedState::Absent => return state,
-            PreparedState::Unreadable(what) => {
-                state
-                    .stale
-                    .push(format!("the prepared data cannot be read ({what}); {MEND}"));
-                return state;
-            }
-            PreparedState::Present(header) => header,
-        };
-        let found = SourceHashes::of(opened.character(), &opened.articulation());
-        let stored = |name: &str| header.hashes.iter().find(|h| h.0 == name).map(|h| h.1);
-        if stored("clips").is_none() {
-            // The clips were replaced, and what was computed from them is gone.
-            state.has_order = stored("mesh") == Some(found.mesh);
-            return state;
-        }
-        let differs = |(name, hash): &(&'static str, u64)| stored(name) != Some(*hash);
-        let changed: Vec<&str> = found
-            .named()
-            .iter()
-            .filter(|h| differs(h))
-            .map(|h| h.0)
-            .collect();
-        state.has_order = !changed.contains(&"mesh");
-        // The caller knows that it has changed the clips.
-        state.is_current = changed.is_empty() && !opened.clips_changed();
-        if !opened.clips_changed() && !changed.is_empty() {
-            let of = |name: &&str| match *name {
-                "rig" => "skeleton",
-                "mesh" => "mesh",
-                _ => "clips",
-            };
-            let changed: Vec<&str> = changed.iter().map(of).collect();
-            state.stale.push(format!(
-                "the prepared data does not belong to the {} of this file; {MEND}",
-                changed.join(" and ")
-            ));
-        }
-        state
-    }
-}
-
-impl KeptMeshes {
-    /// Remembers which meshes are about to be kept; stored data but the order of vertices is of the
-    /// whole character.
-    pub(crate) fn of(opened: &CharacterFile, kept: &[bool]) -> Self {
-        let known = opened.gltf().and_then(|g| g.kept_meshes.as_ref());
-        let state = known.map_or_else(|| StoredState::of(opened), |known| known.state.clone());
-        let each = opened.character().meshes.iter().zip(kept);
-        let each = each.flat_map(|(mesh, kept)| mesh.primitives.iter().map(|_| *kept));
-        let mut now = each.collect::<Vec<_>>().into_iter();
-        let primitives = match known {
-            None => now.collect(),
-            Some(known) => {
-                let before = known.primitives.iter();
-                before
-                    .map(|kept| *kept && now.next().unwrap_or(false))
-                    .collect()
-            }
-        };
-        Self {
-            state: StoredState {
-                is_current: false,
-                ..state
-            },
-            primitives,
-        }
-    }
-}
-
 impl<'a> Stored<'a> {
-    /// The data that a file stores, if it can be read.
-    pub(crate) fn of(opened: &'a CharacterFile) -> Option<Self> {
-        let document = &opened.gltf()?.document;
+    /// The data that a document stores beside these meshes, if it can be read.
+    pub(crate) fn of(document: &'a Document, meshes: &'a [RawMesh]) -> Option<Self> {
         match document.prepared() {
             PreparedState::Present(header) => Some(Self {
                 document,
-                meshes: &opened.character().meshes,
+                meshes,
                 header,
                 warnings: RefCell::default(),
             }),

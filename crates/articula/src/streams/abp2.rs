@@ -5,14 +5,12 @@
 
 use super::{StreamKind, stream_limits};
 use crate::error::{Context, Error, Result};
-use crate::open::{CharacterFile, Format};
-
 use articula_build::face::{blend_shape, vrm_preset};
 use articula_build::{ClipOptions, rig_and_mesh, rig_hash, sampled_clip};
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion, FapRole, FapRoles};
 use articula_core::fap_table::{LOW_FAPS, unit_mm};
-use articula_core::source::{Channel, Interpolation, Property, RawClip, RawMesh};
-use articula_core::{Clip, Rig, Track};
+use articula_core::source::{Channel, Character, Interpolation, Property, RawClip, RawMesh};
+use articula_core::{Articulation, Clip, Rig, Track};
 use articula_formats::Limits;
 use articula_stream::CutRule;
 use articula_stream::abp2::{EncodedMotion, Group, MotionOptions, MotionReceiver, encode};
@@ -41,15 +39,15 @@ pub struct TierReport {
 /// # Errors
 /// An [`Error`] if the clip does not exist, an option is out of range, or a value is too large.
 pub fn write(
-    opened: &CharacterFile,
+    source: &Character,
+    articulation: &Articulation,
     clip: usize,
     options: &MotionOptions,
 ) -> Result<EncodedMotion> {
-    let source = opened.character();
     let Some(of_source) = source.clips.get(clip) else {
         return Err(Error::unsuited("clips: the file has no clip to write"));
     };
-    let (rig, mesh) = rig_and_mesh(&source.skeleton, &source.meshes, opened.articulation())?;
+    let (rig, mesh) = rig_and_mesh(&source.skeleton, &source.meshes, articulation.clone())?;
     let mut options = MotionOptions {
         rig_hash: rig_hash(&rig),
         ..options.clone()
@@ -111,24 +109,6 @@ pub fn tiers(coded: &EncodedMotion, tolerance_metres: f64) -> Result<Vec<TierRep
         })
     };
     coded.errors.iter().enumerate().map(tier).collect()
-}
-
-/// Decodes a stream, or a prefix of one, onto the character that it was made from. The result is this
-/// character with the clip alone; `name` identifies the stream in errors.
-///
-/// # Errors
-/// An [`Error`] that names the file: the bytes are no ABP-2 stream or are malformed, or the stream was
-/// made for another character.
-pub fn read(
-    bytes: &[u8],
-    name: &str,
-    of: &CharacterFile,
-    limits: &Limits,
-) -> Result<CharacterFile> {
-    let rig = Rig::new(&of.character().skeleton, of.articulation()).context(name)?;
-    let clip = decode(bytes, &rig, of.name(), limits).context(name)?;
-    let clip = raw_clip(&clip, &of.character().meshes);
-    Ok(of.with_motion_of((name, Format::Abp, bytes.len()), clip))
 }
 
 /// Decodes a stream with the rig of the character called `of`.

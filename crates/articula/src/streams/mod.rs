@@ -8,7 +8,6 @@
 //! - [`fba`]: facial animation parameters as MPEG-4's binary stream, and back
 //! - [`mp4`]: these streams in MP4 files
 //! - [`unit_tree()`]: the map of any of them and of mesh levels, by how the bytes begin
-//! - [`layers()`]: the error of leaving out parts of a motion stream
 //!
 //! The streams themselves, and the map by which they are cut, are those of `articula_stream`.
 
@@ -19,11 +18,11 @@ pub mod afp2;
 mod face_clip;
 mod face_frame;
 pub mod fba;
-mod layers;
+mod inner_lips;
 pub mod mp4;
 mod unit_tree;
 
-pub use layers::{LayerOptions, LayerReport, LayersReport, WorstVertex, layers};
+pub(crate) use inner_lips::with_inner_lips;
 pub use unit_tree::unit_tree;
 
 use crate::error::Result;

@@ -277,10 +277,18 @@ fn farthest(a: &Figure, b: &Figure) -> f32 {
 
 /// A clip as a motion stream, and the character that it shows.
 fn streamed(file: &CharacterFile) -> (Vec<u8>, Figure, Figure) {
-    let coded = abp2::write(file, 0, &MotionOptions::default()).unwrap();
+    let coded = abp2::write(
+        file.character(),
+        &file.articulation(),
+        0,
+        &MotionOptions::default(),
+    )
+    .unwrap();
     let mut one = file.clone();
     one.select_clips(&[0]);
-    let read = abp2::read(&coded.bytes, "a.abp", &one, &Limits::default()).unwrap();
+    let read = one
+        .decode_motion(&coded.bytes, "a.abp", &Limits::default())
+        .unwrap();
     (
         coded.bytes,
         Figure::new(one).unwrap(),
@@ -338,13 +346,21 @@ fn the_face_of_a_motion_stream_is_cut_by_its_regions() {
         return;
     };
     let file = fs::open(&path).unwrap();
-    let coded = abp2::write(&file, 0, &MotionOptions::default()).unwrap();
+    let coded = abp2::write(
+        file.character(),
+        &file.articulation(),
+        0,
+        &MotionOptions::default(),
+    )
+    .unwrap();
     let jaw = u64::from(FaceRegion::Jaw as u8);
     let rule = CutRule::default().in_mask("face_region", !(1 << jaw));
     let part = cut(&coded.bytes, &coded.unit, |unit| rule.keeps(unit)).unwrap();
     assert!(part.bytes.len() < coded.bytes.len());
     let weights = |bytes: &[u8]| {
-        let read = abp2::read(bytes, "a.abp", &file, &Limits::default()).unwrap();
+        let read = file
+            .decode_motion(bytes, "a.abp", &Limits::default())
+            .unwrap();
         Figure::new(read).unwrap().asset
     };
     let (whole, part) = (weights(&coded.bytes), weights(&part.bytes));
@@ -382,19 +398,16 @@ fn a_motion_stream_knows_its_character() {
     let alone = open(&stream, "a.abp", &OpenOptions::default(), nothing);
     assert!(alone.unwrap_err().to_string().contains("--onto"));
     // A prefix shows what is there.
-    let whole = abp2::read(&stream, "a.abp", &file, &Limits::default()).unwrap();
-    let part = abp2::read(
-        &stream[..stream.len() / 2],
-        "a.abp",
-        &file,
-        &Limits::default(),
-    );
+    let whole = file
+        .decode_motion(&stream, "a.abp", &Limits::default())
+        .unwrap();
+    let part = file.decode_motion(&stream[..stream.len() / 2], "a.abp", &Limits::default());
     assert_eq!(
         part.unwrap().character().clips[0].duration_secs,
         whole.character().clips[0].duration_secs
     );
     file.edit_character(|c| c.skeleton.joints[3].rest.translation.x += 0.01);
-    let other = abp2::read(&stream, "a.abp", &file, &Limits::default());
+    let other = file.decode_motion(&stream, "a.abp", &Limits::default());
     let why = other.unwrap_err().to_string();
     assert!(
         why.contains("a.abp") && why.contains("another character"),

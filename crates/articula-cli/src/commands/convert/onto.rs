@@ -16,7 +16,6 @@ use articula::convert::{
 use articula::face::{
     FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
 };
-use articula::streams::abp2;
 use articula::{CharacterFile, Data, DataFormat};
 use articula_formats::Limits;
 use clap::ValueEnum;
@@ -122,7 +121,9 @@ impl Hero {
         let mut source = match open::motion_stream(&input.path)? {
             Some(stream) => {
                 let name = files::shown(&input.path);
-                let read = abp2::read(&stream.bytes, &name, &self.opened, &Limits::default())?;
+                let read = self
+                    .opened
+                    .decode_motion(&stream.bytes, &name, &Limits::default())?;
                 let format = files::format(&input.path).unwrap_or(read.format());
                 read.found_in(format, stream.file_bytes, stream.warnings)
             }

@@ -5,7 +5,7 @@ use crate::console::Console;
 use crate::fault::{self, clean};
 use crate::table::Table;
 use crate::{files, open};
-use articula::streams::{LayerOptions, LayerReport, LayersReport, layers};
+use articula::evaluate::{LayerOptions, LayerReport, LayersReport, layers};
 use articula::{Figure, Format};
 use std::path::Path;
 

@@ -1,18 +1,31 @@
 //! `prepare`: computes offline data of a character and stores it in one GLB.
+//!
+//! - `write`: computation of the parts of `ARTICULA_prepared`
+//! - `tables`: computation of the motion tables of a clip
+//! - `check`: whether an asset is whole and its parts belong to its character
+
+mod check;
+mod options;
+mod tables;
+mod write;
+
+pub use check::{CheckedPart, PartState, PreparedCheck, check_prepared};
+pub use options::PrepareOptions;
+pub use tables::ClipTables;
 
 use crate::error::{Context, Error, Result};
 use crate::face::FoundFace;
 use crate::figure::Figure;
 use crate::mesh_levels::{self, CodedMeshLevels};
-use crate::motion_tables::{ClipTables, TableMaker};
 use crate::open::{CharacterFile, GltfSource};
 use crate::prepared::hash::SourceHashes;
-use crate::prepared::write::{self, DocumentLevels, Parts};
-use crate::prepared::{PartBytes, PrepareOptions, PreparedPart};
+use crate::prepared::{PartBytes, PreparedPart};
 use crate::work::Executor;
 use articula_core::Articulation;
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document};
+use tables::TableMaker;
+use write::{DocumentLevels, Parts};
 
 /// A prepared asset and the data that was stored in it.
 #[derive(Debug)]

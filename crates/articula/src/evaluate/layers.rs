@@ -1,9 +1,9 @@
 //! What each part of a motion stream shows: the error of leaving it out.
 
-use super::abp2::decode;
-use super::region_name;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
+use crate::streams::abp2::decode;
+use crate::streams::region_name;
 use crate::work::Executor;
 use articula_core::{Clip, PosedMesh, SkinnedMesh, Viewport, Wrap, sample_morphs};
 use articula_formats::Limits;
@@ -151,7 +151,7 @@ impl Wanted {
 /// the stream in errors. There is one job per cut.
 ///
 /// # Errors
-/// As from [`read`](super::abp2::read); [`Error::Cancelled`](crate::Error::Cancelled).
+/// As from [`CharacterFile::decode_motion`](crate::CharacterFile::decode_motion); [`Error::Cancelled`](crate::Error::Cancelled).
 pub fn layers(
     bytes: &[u8],
     name: &str,

@@ -1,14 +1,14 @@
 //! Computation and storage of the parts of `ARTICULA_prepared`.
 
-use super::hash::{self, SourceHashes};
 use super::options::PrepareOptions;
-use super::part::{self, PreparedPart};
 use crate::crowd::RootMotionPolicy;
 use crate::crowd::mesh_lods::{MeshLods, canonical};
 use crate::crowd::preparation::{CharacterInPlace, bounds, in_place, joint_levels};
 use crate::crowd::{ClipStorage, JointLodMethod, MAX_MESH_LEVELS, PaletteForm};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
+use crate::prepared::hash::{self, SourceHashes};
+use crate::prepared::part::{self, PreparedPart};
 use crate::work::Executor;
 use articula_build::{Asset, CacheOptions, JointLodOptions, MergedLevels, cached_poses};
 use articula_core::source::Character;
@@ -22,17 +22,17 @@ use articula_formats::prepared::{
 
 /// The parts of an asset as bytes.
 #[derive(Debug, Default)]
-pub(crate) struct Parts {
+pub(super) struct Parts {
     entries: Vec<(&'static str, Vec<u8>)>,
     seed: u64,
     mesh_levels: usize,
     /// Size of the palettes that the keys of the pose cache stand for.
-    pub(crate) pose_cache_bytes: usize,
+    pub(super) pose_cache_bytes: usize,
 }
 
 impl Parts {
     /// Number of bytes of a part.
-    pub(crate) fn bytes(&self, part: PreparedPart) -> usize {
+    pub(super) fn bytes(&self, part: PreparedPart) -> usize {
         let own = self
             .entries
             .iter()
@@ -41,7 +41,7 @@ impl Parts {
     }
 
     /// Stores the parts beside the character that they belong to, as it is read from the document.
-    pub(crate) fn store(
+    pub(super) fn store(
         &self,
         document: &mut Document,
         character: &Character,
@@ -77,21 +77,21 @@ impl Parts {
 }
 
 /// Mesh levels of the document that parts are stored in.
-pub(crate) struct DocumentLevels<'a> {
+pub(super) struct DocumentLevels<'a> {
     /// Triangles of each level over the vertices of the figure's mesh.
-    pub(crate) triangles: Option<Vec<Vec<[u32; 3]>>>,
+    pub(super) triangles: Option<Vec<Vec<[u32; 3]>>>,
     /// Order of the figure's vertices in the document, if the levels have changed it.
-    pub(crate) orders: Option<&'a [SourceOrder]>,
+    pub(super) orders: Option<&'a [SourceOrder]>,
 }
 
 /// Whether mesh levels are paired with joint levels: there are several, as many as a crowd takes at
 /// most, and each has triangles.
-pub(crate) fn can_be_paired(triangles: &[Vec<[u32; 3]>]) -> bool {
+pub(super) fn can_be_paired(triangles: &[Vec<[u32; 3]>]) -> bool {
     (2..=MAX_MESH_LEVELS).contains(&triangles.len()) && !triangles.iter().any(Vec::is_empty)
 }
 
 /// Computes the parts for a figure in the order of its source.
-pub(crate) fn parts(
+pub(super) fn parts(
     figure: &Figure,
     levels: DocumentLevels<'_>,
     options: &PrepareOptions,
