@@ -18,14 +18,12 @@ use crate::face::FoundFace;
 use crate::figure::Figure;
 use crate::mesh_levels::{self, CodedMeshLevels};
 use crate::open::{CharacterFile, GltfSource};
-use crate::prepared::hash::SourceHashes;
 use crate::prepared::{PartBytes, PreparedPart};
 use crate::work::Executor;
-use articula_core::Articulation;
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document};
 use tables::TableMaker;
-use write::{DocumentLevels, Parts};
+use write::{DocumentLevels, Parts, ShownHashes};
 
 /// A prepared asset and the data that was stored in it.
 #[derive(Debug)]
@@ -66,6 +64,9 @@ pub fn prepare(
 ) -> Result<PreparedAsset> {
     let name = opened.name().to_owned();
     let opened = with_document(opened).with_context(|| &name)?;
+    // Mesh levels are other meshes, as the document codes them.
+    let shown = options.mesh_levels.is_none();
+    let shown = shown.then(|| ShownHashes::of(opened.character(), &opened.articulation()));
     let figure = Figure::computed(opened)?;
     let source = figure.into_source();
     let Some(mut gltf) = source.gltf else {
@@ -108,7 +109,8 @@ pub fn prepare(
     let orders = orders.as_deref();
     let parts = write::parts(&figure, DocumentLevels { triangles, orders }, options, work);
     let parts = parts.with_context(|| &name)?;
-    let (glb, mesh_bytes) = written(&figure, gltf, &tables, &parts).with_context(|| &name)?;
+    let (glb, mesh_bytes) =
+        written(&figure, gltf, shown, &tables, &parts).with_context(|| &name)?;
     let meshes = figure.opened.character().meshes.clone();
     if let Some(levels) = &levels {
         let made = levels.levels.character(figure.opened.character());
@@ -138,26 +140,17 @@ pub(crate) fn with_document(opened: CharacterFile) -> Result<CharacterFile> {
         let document = Document::from_character(opened.character())?;
         return shown_by(document, opened);
     };
+    if gltf.kept_meshes.is_some() {
+        let what = "the character differs from its document; write it to a file and open that";
+        return Err(Error::unsuited(what));
+    }
     if !opened.clips_changed() {
-        check_unchanged(&opened, gltf)?;
         return Ok(opened);
     }
     let mut document = gltf.document.clone();
     let (joints, meshes) = (&gltf.node_of_joint, &gltf.node_of_mesh);
     document.replace_clips(&opened.character().clips, joints, meshes)?;
     shown_by(document, opened)
-}
-
-/// Checks that a character is the one that its document shows, for which data will be stored.
-fn check_unchanged(opened: &CharacterFile, gltf: &GltfSource) -> Result<()> {
-    let shown = gltf::read_document(gltf.document.clone(), &Limits::default())?.value;
-    let (shown, _) = GltfSource::split(shown);
-    let of = |character| SourceHashes::of(character, &Articulation::default());
-    if of(&shown) == of(opened.character()) {
-        return Ok(());
-    }
-    let what = "the character differs from its document; write it to a file and open that";
-    Err(Error::unsuited(what))
 }
 
 /// Reads a document again, so that joints, meshes and clips are in its order.
@@ -168,28 +161,33 @@ fn shown_by(document: Document, mut opened: CharacterFile) -> Result<CharacterFi
     Ok(opened)
 }
 
-/// Returns the bytes of the GLB and how many of them meshes take.
+/// Returns the bytes of the GLB and how many of them meshes take. `shown` are the hashes of what a
+/// reader will find; without them the document is read for it.
 fn written(
     figure: &Figure,
     gltf: GltfSource,
+    shown: Option<ShownHashes>,
     tables: &[ClipTables],
     parts: &Parts,
 ) -> Result<(Vec<u8>, usize)> {
     let mut document = gltf.document;
-    document.set_articulation(&figure.opened.articulation(), &gltf.node_of_joint)?;
+    let articulation = figure.opened.articulation();
+    document.set_articulation(&articulation, &gltf.node_of_joint)?;
     for (clip, tables) in tables.iter().enumerate() {
         for (name, bytes) in tables.stored() {
             document.set_motion_table(clip, name, bytes)?;
         }
     }
-    // Hashes are of what a reader will find, which may differ from what was read before.
-    let file = gltf::read_document(document, &Limits::default())?.value;
-    let (character, mut gltf) = GltfSource::split(file);
-    gltf.document.pack_samplers();
-    parts.store(
-        &mut gltf.document,
-        &character,
-        &figure.opened.articulation(),
-    );
-    Ok((gltf.document.write_glb()?, gltf.document.mesh_bytes()))
+    let shown = match shown {
+        Some(shown) => shown,
+        None => {
+            let file = gltf::read_document(document, &Limits::default())?.value;
+            let (character, gltf) = GltfSource::split(file);
+            document = gltf.document;
+            ShownHashes::of(&character, &articulation)
+        }
+    };
+    document.pack_samplers();
+    parts.store(&mut document, &shown);
+    Ok((document.write_glb()?, document.mesh_bytes()))
 }

@@ -40,24 +40,17 @@ impl Parts {
         own.map(|e| e.1.len()).sum()
     }
 
-    /// Stores the parts beside the character that they belong to, as it is read from the document.
-    pub(super) fn store(
-        &self,
-        document: &mut Document,
-        character: &Character,
-        articulation: &Articulation,
-    ) {
-        let read = character.articulation.as_ref().unwrap_or(articulation);
-        let sources = SourceHashes::of(character, read);
+    /// Stores the parts beside the character that the document shows.
+    pub(super) fn store(&self, document: &mut Document, shown: &ShownHashes) {
         let mut hashes: Vec<(String, u64)> = Vec::new();
-        hashes.extend(sources.named().map(|(name, hash)| (name.to_owned(), hash)));
+        let named = shown.source.named();
+        hashes.extend(named.map(|(name, hash)| (name.to_owned(), hash)));
         let entry = |(name, bytes): &(&'static str, Vec<u8>)| (*name, hash::bytes(bytes));
         let sums: Vec<(&str, u64)> = self.entries.iter().map(entry).collect();
         let order = sums.iter().find(|(name, _)| *name == part::VERTEX_ORDER);
         hashes.extend(order.map(|(name, hash)| ((*name).to_owned(), *hash)));
         if self.mesh_levels > 0 {
-            let levels = hash::mesh_levels(&character.meshes);
-            hashes.push((part::MESH_LEVELS.to_owned(), levels));
+            hashes.push((part::MESH_LEVELS.to_owned(), shown.mesh_levels));
         }
         let header = PreparedHeader {
             generator: concat!("Articula ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -73,6 +66,25 @@ impl Parts {
             bytes,
         });
         document.set_prepared(&header, &entries.collect::<Vec<_>>());
+    }
+}
+
+/// Hashes of a character as a reader of its document finds it.
+#[derive(Debug)]
+pub(super) struct ShownHashes {
+    source: SourceHashes,
+    mesh_levels: u64,
+}
+
+impl ShownHashes {
+    /// The hashes of a character that was read from a document; `articulation` is stored beside it, if
+    /// it is not already.
+    pub(super) fn of(character: &Character, articulation: &Articulation) -> Self {
+        let read = character.articulation.as_ref().unwrap_or(articulation);
+        Self {
+            source: SourceHashes::of(character, read),
+            mesh_levels: hash::mesh_levels(&character.meshes),
+        }
     }
 }
 
