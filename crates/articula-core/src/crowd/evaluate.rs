@@ -3,10 +3,10 @@
 
 use super::attachment::attachment;
 use super::character_state::ClipState;
+use super::draws::CachedDraw;
 use super::model::CrowdModel;
 use super::plan::{Batch, DrawList};
 use super::section::SECTION;
-use super::sources::CachedDraw;
 use super::tick::Crowd;
 use crate::batch::{BatchPose, MAX_LANES, Scratch};
 use crate::blend_record::BlendRecord;

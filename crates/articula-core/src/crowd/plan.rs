@@ -1,8 +1,9 @@
 //! Evaluation plan of a frame: characters sorted by level and source of their pose, divided into
 //! batches, and the palette of each.
 
+use super::draws::Draw;
 use super::keys::{KEYS, SOURCES, SectionKeys, level_of, rest_row};
-use super::sources::{Draw, DrawKind, Source};
+use super::sources::{DrawKind, Source};
 use crate::palette::PaletteMap;
 use crate::simd::LANES;
 use std::ops::Range;

@@ -2,14 +2,11 @@
 //!
 //! Source: `docs/methods/runtime.md` 4.1. Nanoseconds are those of the machine of part 1 there. A new
 //! source is a [`Source`] with its arms in this file and, if a renderer reads something new of it, a
-//! [`DrawKind`] and an implementation of [`CachedDraw`].
+//! [`DrawKind`] with an implementation of [`CachedDraw`](super::CachedDraw).
 
-use super::character_state::ClipState;
 use super::frame::CacheUse;
-use super::model::CrowdModel;
 use super::parts::CrowdParts;
 use super::workload::Workload;
-use crate::blend_record::BlendRecord;
 
 /// Nanoseconds of a blend of cached palettes, for each matrix: about 0.4 of what evaluating a joint takes.
 const BLENDED_MATRIX_NS: f32 = 1.1;
@@ -41,13 +38,16 @@ pub(crate) enum Source {
 /// What a renderer reads of a character that is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DrawKind {
-    /// A palette of this frame: [`Draw`].
+    /// A palette of this frame: [`Draw`](super::Draw).
     Palette,
-    /// Two palettes of the model's cache, which the GPU blends: [`BlendRecord`].
+    /// Two palettes of the model's cache, which the GPU blends:
+    /// [`BlendRecord`](crate::BlendRecord).
     Record,
-    /// The palette of the model's cache that is nearest in time: [`Draw`].
+    /// The palette of the model's cache that is nearest in time:
+    /// [`Draw`](super::Draw).
     Step,
-    /// An impostor, which has one size and no levels: [`ImpostorDraw`].
+    /// An impostor, which has one size and no levels:
+    /// [`ImpostorDraw`](super::ImpostorDraw).
     Impostor,
 }
 
@@ -118,75 +118,5 @@ pub(super) fn evaluated(parts: &CrowdParts, level: usize, poses: u64) -> Workloa
         sampled_joints: poses * parts.clips.rotations().partition_point(is_kept) as u64,
         fk_joints: poses * kept as u64,
         matrices: poses * parts.palette.len(level) as u64,
-    }
-}
-
-/// One visible character and its palette.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(C)]
-pub struct Draw {
-    /// Index of the character.
-    pub character: u32,
-    /// Index of the first matrix of its palette: among all matrices written in this frame, or, of a
-    /// step, among those of the cache.
-    pub first_matrix: u32,
-}
-
-/// One visible character that is shown by an impostor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(C)]
-pub struct ImpostorDraw {
-    /// Index of the character.
-    pub character: u32,
-    /// Index of the pose among those of all clips.
-    pub pose: u32,
-}
-
-/// What a renderer reads of a character without a palette of its own, found anew in each frame:
-/// [`BlendRecord`], [`Draw`] of a step, [`ImpostorDraw`].
-pub trait CachedDraw: Copy + Default {
-    /// The kind of draw.
-    const KIND: DrawKind;
-
-    /// Returns that of a character which plays a clip at a level.
-    fn of(model: &CrowdModel, level: usize, state: ClipState, character: u32) -> Self;
-}
-
-impl CachedDraw for BlendRecord {
-    const KIND: DrawKind = DrawKind::Record;
-
-    #[inline]
-    fn of(model: &CrowdModel, level: usize, state: ClipState, character: u32) -> Self {
-        let cache = model.parts().cache.as_ref();
-        let located = cache.and_then(|c| c.locate(state.clip(), level, state.secs));
-        located.unwrap_or_default().of(character)
-    }
-}
-
-impl CachedDraw for Draw {
-    const KIND: DrawKind = DrawKind::Step;
-
-    #[inline]
-    fn of(model: &CrowdModel, level: usize, state: ClipState, character: u32) -> Self {
-        let cache = model.parts().cache.as_ref();
-        let nearest = cache.and_then(|c| c.nearest(state.clip(), level, state.secs));
-        Self {
-            character,
-            first_matrix: nearest.unwrap_or_default(),
-        }
-    }
-}
-
-impl CachedDraw for ImpostorDraw {
-    const KIND: DrawKind = DrawKind::Impostor;
-
-    #[inline]
-    fn of(model: &CrowdModel, _: usize, state: ClipState, character: u32) -> Self {
-        let impostors = model.parts().impostors.as_ref();
-        let pose = impostors.and_then(|i| i.pose(state.clip(), state.secs));
-        Self {
-            character,
-            pose: pose.unwrap_or_default(),
-        }
     }
 }
