@@ -6,9 +6,9 @@
 
 use super::morphs;
 use super::same_joints::Twins;
-use super::same_names::{NameTransfer, Namesakes};
+use super::same_names::Namesakes;
 use crate::error::{Context, Error, Result};
-use crate::open::{CharacterFile, choose};
+use crate::open::{CharacterFile, ClipProvenance, FittedClip, NameTransfer, choose};
 use crate::work::Executor;
 use articula_build::bake;
 use articula_build::retarget::{
@@ -17,7 +17,6 @@ use articula_build::retarget::{
 use articula_core::JointArticulation;
 use articula_core::source::RawClip;
 use std::borrow::Cow;
-use std::collections::HashSet;
 use std::path::Path;
 
 /// Maximum share of a character's main joints that a motion may leave at rest.
@@ -52,33 +51,6 @@ impl Default for AddClipsOptions {
             retarget: RetargetOptions::default(),
         }
     }
-}
-
-/// A clip of one file, transferred to the character of another.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FittedClip {
-    /// The clip; its channels drive joints and meshes of the character.
-    pub clip: RawClip,
-    /// Provenance of the clip.
-    pub fit: ClipProvenance,
-}
-
-/// Provenance of a transferred clip: source file and clip, matched channels and retargeting.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ClipProvenance {
-    /// Name of the clip on the character.
-    pub name: String,
-    /// Name of the source file, as in errors and reports.
-    pub file: String,
-    /// Name of the clip in the source file.
-    pub from: String,
-    /// Number of channels of morph targets and expressions that were matched by name.
-    pub morph_channels: usize,
-    /// Report of the retargeting by the H-Anim mapping.
-    pub retargeted: Option<RetargetReport>,
-    /// Report of the retargeting by joint names, between rigs that are not both human. If this and
-    /// `retargeted` are `None`, the skeleton is the same and the motion was copied.
-    pub by_name: Option<NameTransfer>,
 }
 
 impl CharacterFile {
@@ -121,29 +93,6 @@ impl CharacterFile {
         let fitted = work.map("fitting clips", files.iter().collect(), fit)?;
         let fitted = fitted.into_iter().flatten().collect();
         Ok(self.put_clips(fitted, options.keep_own))
-    }
-
-    /// Adds clips that [`fit_clips`] made for this character. A number is appended to names already
-    /// in use; the returned reports have the final names.
-    pub fn put_clips(&mut self, fitted: Vec<FittedClip>, keep_own: bool) -> Vec<ClipProvenance> {
-        let clips = self.clips_mut();
-        if !keep_own {
-            clips.clear();
-        }
-        let mut taken: HashSet<String> = clips.iter().map(|c| c.name.clone()).collect();
-        let mut fits = Vec::with_capacity(fitted.len());
-        for FittedClip { mut clip, mut fit } in fitted {
-            let wanted = clip.name.clone();
-            let mut count = 1;
-            while !taken.insert(clip.name.clone()) {
-                count += 1;
-                clip.name = format!("{wanted} {count}");
-            }
-            fit.name.clone_from(&clip.name);
-            clips.push(clip);
-            fits.push(fit);
-        }
-        fits
     }
 
     /// Checks that hips, legs and arms are known, either from the file itself or from joint names.

@@ -2,10 +2,8 @@
 //!
 //! Field names are stable, since scripts read them as JSON (`docs/commands.md`).
 
-use super::fit_clips::{ClipProvenance, FittedClip};
 use super::fit_finding::{FitFinding, in_words};
-use super::same_names::NameTransfer;
-use crate::open::CharacterFile;
+use crate::open::{CharacterFile, ClipProvenance, FittedClip, NameTransfer};
 use articula_build::retarget::{self, RetargetReport, RotationOrigin};
 use articula_core::source::Skeleton;
 use serde::Serialize;

@@ -29,6 +29,7 @@ mod same_joints;
 mod same_names;
 mod written;
 
+pub use crate::open::{ClipProvenance, FittedClip, NameTransfer};
 pub use articula_build::clip_edit::CloseOptions;
 pub use articula_build::clip_edit::ReduceOptions;
 pub use articula_build::clip_edit::{RootMotionMode, RootMotionOptions};
@@ -37,7 +38,7 @@ pub use clip_edits::{
     ClipEdited, ClipEdits, ClipPart, KeysReduced, LoopClosed, LoopPart, Looped, Resampled,
     RootMotionEdited, TrajectoryPlace, Trimmed,
 };
-pub use fit_clips::{AddClipsOptions, ClipProvenance, FittedClip, fit_clips};
+pub use fit_clips::{AddClipsOptions, fit_clips};
 pub use fit_finding::{FitFinding, FitFindingKind};
 pub use fit_report::{
     EndEffectorSummary, FitQuality, FootSlideSummary, JointShare, JointSourceReport,
@@ -48,7 +49,6 @@ pub use left_out::{EncodedFile, LossyPart};
 pub use reduction::{
     AnimationSize, JointReduction, JointsHeld, JointsReduced, MovingJoints, hold_joints,
 };
-pub use same_names::NameTransfer;
 pub use written::{write, write_data, write_faps};
 
 use crate::error::{Context, Error, Result};

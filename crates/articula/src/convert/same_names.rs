@@ -8,6 +8,7 @@
 //! by the ratio of the lengths of both skeletons.
 
 use super::same_joints::named;
+use crate::open::NameTransfer;
 use articula_core::source::{Channel, Interpolation, Property, RawClip, Skeleton};
 use glam::{Affine3A, Mat3A, Quat, Vec3, Vec3A, Vec4};
 use std::collections::BTreeSet;
@@ -18,21 +19,6 @@ const USEFUL: f32 = 0.5;
 const STILL: f32 = 1e-4;
 /// Rotations and scales whose numbers vary by less do not move.
 const STILL_NUMBERS: f32 = 1e-5;
-
-/// Report on a motion that was transferred by the names of the joints.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NameTransfer {
-    /// Number of moving joints of the source that a joint of the same name follows.
-    pub followed: usize,
-    /// Number of moving joints of the source.
-    pub moving: usize,
-    /// Factor of translations: length of the character's skeleton relative to that of the source.
-    pub scale: f32,
-    /// For each joint of the character the joint of the source that it follows.
-    pub sources: Vec<Option<usize>>,
-    /// Moving joints of the source that no joint of the character follows.
-    pub dropped: Vec<usize>,
-}
 
 /// Joints of two skeletons with the same names and the same joints above them.
 #[derive(Debug)]

@@ -49,13 +49,18 @@ impl CharacterFile {
         let out = edit(&mut self.character);
         self.gltf = None;
         self.parameters = None;
-        let skeleton = &self.character.skeleton;
-        if skeleton.joints.len() != before {
-            self.mapping = joint_names::map(skeleton, joint_map::builtin(), None);
-            let joints = skeleton.joints.len();
-            self.end_sites.retain(|(joint, _)| *joint < joints);
+        if self.character.skeleton.joints.len() != before {
+            self.map_again();
         }
         out
+    }
+
+    /// Maps the joints by name, and drops the end sites of joints that are gone.
+    fn map_again(&mut self) {
+        let skeleton = &self.character.skeleton;
+        self.mapping = joint_names::map(skeleton, joint_map::builtin(), None);
+        let joints = skeleton.joints.len();
+        self.end_sites.retain(|(joint, _)| *joint < joints);
     }
 
     /// Takes the glTF document away, so that the character is written anew.
@@ -127,6 +132,9 @@ impl CharacterFile {
         self.gltf = Some(gltf);
         self.parameters = None;
         self.clips_changed = false;
+        if self.mapping.articulation.joints.len() != self.character.skeleton.joints.len() {
+            self.map_again();
+        }
     }
 }
 

@@ -8,6 +8,7 @@ mod bvh;
 mod data;
 mod document;
 mod edits;
+mod fitted;
 mod format;
 mod human;
 mod keep_meshes;
@@ -19,6 +20,7 @@ mod x3d;
 
 pub use data::{Data, DataFile, DataFormat, open_data};
 pub use document::GltfSource;
+pub use fitted::{ClipProvenance, FittedClip, NameTransfer};
 pub use format::{Format, WriteSupport, conversions, readable};
 pub use human::reference_human;
 pub use options::OpenOptions;
