@@ -11,9 +11,9 @@
 
 use articula_stream::decide::{
     Assumptions, BandwidthTrace, BufferBased, ChoiceRequest, Content, DecisionRequest,
-    FixedVersion, Layered, Part, PartKind, PartOption, Policy, Preference, RateBased,
-    Representation, Segment, SimulationOptions, ThesisRatio, Versions, choose, cut_equally,
-    cut_one, decide, simulate, wanted_modality, weigh_parts,
+    DeviceBenchmark, FixedVersion, Layered, Part, PartKind, PartOption, Policy, Preference,
+    RateBased, Representation, Segment, SimulationOptions, ThesisRatio, Versions, choose,
+    cut_equally, cut_one, decide, finest_level, simulate, wanted_modality, weigh_parts,
 };
 use articula_stream::description::Context;
 use std::error::Error;
@@ -23,6 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for kbit in [4.0, 40.0, 120.0, 600.0] {
         decision(kbit)?;
     }
+    slower_device();
     time_of_a_choice()?;
     let traces = match std::env::args().nth(1) {
         Some(file) => {
@@ -121,6 +122,30 @@ fn decision(kbit: f64) -> Result<(), Box<dyn Error>> {
     }
     println!();
     Ok(())
+}
+
+/// Prints what a device three times slower than the reference machine can bear.
+fn slower_device() {
+    let device = DeviceBenchmark {
+        reference_fps: 50.0,
+        wanted_fps: 25.0,
+        reference_score: 90.0,
+        device_score: 30.0,
+        share: 1.0,
+    };
+    println!(
+        "media ratio {:.2}, device ratio {:.2}, adaptation ratio {:.2}",
+        device.media_ratio(),
+        device.device_ratio(),
+        device.ratio()
+    );
+    // Cost of each level, as a share of that of the finest.
+    let shares = [1.0, 0.7, 0.45, 0.3, 0.2];
+    if let Some(level) = finest_level(device.ratio(), &shares) {
+        let allowed_ns = device.frame_ns_allowed(1_000_000);
+        println!("level {level}, within {allowed_ns} of 1000000 ns a frame");
+    }
+    println!();
 }
 
 /// Prints the time of a choice among 40 options of each of eight parts, and its distance from the

@@ -8,7 +8,7 @@ pub(super) struct Import {
     pub(super) is_public: bool,
 }
 
-/// Splits code into its `use` statements and the rest.
+/// Splits code into its `use` statements and the rest, in which every line keeps its number.
 pub(super) fn statements(code: &str) -> (Vec<Import>, String) {
     let mut imports = Vec::new();
     let mut rest = String::new();
@@ -21,6 +21,8 @@ pub(super) fn statements(code: &str) -> (Vec<Import>, String) {
         let mut paths = Vec::new();
         expand(&statement[..end], "", &mut paths);
         imports.push(Import { paths, is_public });
+        let lines = statement[..end].matches('\n');
+        rest.extend(lines);
         words = &statement[end..];
     }
     rest.push_str(words);

@@ -43,6 +43,10 @@ pub(super) struct Item {
     pub(super) kind: Kind,
     /// Its name; empty for an implementation.
     pub(super) name: String,
+    /// Number of its first line, from 1.
+    pub(super) line: usize,
+    /// Whether it is `pub` without a restriction.
+    pub(super) is_public: bool,
     /// Single words.
     pub(super) words: HashSet<String>,
     /// Paths of several words, as written.
@@ -52,16 +56,23 @@ pub(super) struct Item {
 }
 
 impl Item {
-    fn new(kind: Kind, name: &str, text: &str) -> Self {
+    fn new(kind: Kind, name: &str, line: usize, text: &str) -> Self {
         let mut item = Self {
             kind,
             name: name.to_owned(),
+            line,
+            is_public: text.trim_start().starts_with("pub "),
             words: HashSet::new(),
             paths: HashSet::new(),
             members: HashSet::new(),
         };
         item.scan(text);
         item
+    }
+
+    /// All code of a file as one item without a name.
+    pub(super) fn whole(code: &str) -> Self {
+        Self::new(Kind::Implementation { of: String::new() }, "", 1, code)
     }
 
     fn scan(&mut self, text: &str) {
@@ -103,7 +114,7 @@ impl Item {
 /// Splits code without imports into its items.
 pub(super) fn items(code: &str) -> Vec<Item> {
     let mut out = Vec::new();
-    for text in blocks(code, 0) {
+    for (line, text) in blocks(code, 0) {
         let head = text.split('{').next().unwrap_or(text);
         if let Some((of, is_trait)) = implemented(head) {
             let methods = if is_trait {
@@ -112,31 +123,32 @@ pub(super) fn items(code: &str) -> Vec<Item> {
                 blocks(text, 4)
             };
             let mut rest = text;
-            if let Some(first) = methods.first() {
-                rest = &text[..text.len() - methods.iter().map(|m| m.len()).sum::<usize>()];
+            if let Some((_, first)) = methods.first() {
+                let len = methods.iter().map(|(_, m)| m.len()).sum::<usize>();
+                rest = &text[..text.len() - len];
                 debug_assert!(text[rest.len()..].starts_with(first));
             }
-            for method in methods {
+            for (below, method) in methods {
                 let kind = Kind::Method { of: of.clone() };
                 let name = name_of(method.trim_start()).unwrap_or_default();
-                out.push(Item::new(kind, name, method));
+                out.push(Item::new(kind, name, line + below - 1, method));
             }
-            out.push(Item::new(Kind::Implementation { of }, "", rest));
+            out.push(Item::new(Kind::Implementation { of }, "", line, rest));
         } else if let Some((word, _)) = keyword(text)
             && word != "mod"
             && let Some(name) = name_of(text)
         {
-            out.push(Item::new(Kind::Named, name, text));
+            out.push(Item::new(Kind::Named, name, line, text));
         }
     }
     out
 }
 
-/// Texts of the items that begin at a column, each up to the next.
-fn blocks(code: &str, column: usize) -> Vec<&str> {
+/// Texts of the items that begin at a column, each up to the next and with the number of its line.
+fn blocks(code: &str, column: usize) -> Vec<(usize, &str)> {
     let mut starts = Vec::new();
     let mut at = 0;
-    for line in code.split_inclusive('\n') {
+    for (index, line) in code.split_inclusive('\n').enumerate() {
         let blanks = line.len() - line.trim_start_matches(' ').len();
         let text = &line[blanks.min(line.len())..];
         let is_item = match column {
@@ -144,13 +156,15 @@ fn blocks(code: &str, column: usize) -> Vec<&str> {
             _ => keyword(text).is_some_and(|(k, _)| k == "fn"),
         };
         if blanks == column && is_item {
-            starts.push(at);
+            starts.push((index + 1, at));
         }
         at += line.len();
     }
-    let ends = starts.iter().skip(1).copied().chain([code.len()]);
-    let ends: Vec<usize> = ends.collect();
-    starts.iter().zip(ends).map(|(s, e)| &code[*s..e]).collect()
+    let ends = starts.iter().skip(1).map(|(_, at)| *at);
+    let spans = starts.iter().zip(ends.chain([code.len()]));
+    spans
+        .map(|((line, at), end)| (*line, &code[*at..end]))
+        .collect()
 }
 
 /// The keyword of an item and what follows it.

@@ -3,6 +3,7 @@
 
 mod circles;
 mod citations;
+mod graph;
 mod imports;
 mod items;
 mod manifest;
