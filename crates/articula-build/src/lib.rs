@@ -6,7 +6,7 @@
 //! - [`set_joint_scheme`]: converts a character between the joint schemes of H-Anim and the thesis
 //! - [`retarget`]: transfers a motion from one skeleton to another
 //! - [`bake`], [`resolve`]: convert expressions to morph weights and joint transforms
-//! - [`levers`], [`contact_intervals`], [`key_table`], [`pose_keys`]: tables for the error of held
+//! - [`levers`], [`key_table`], [`pose_keys`]: tables for the error of held
 //!   joints, and nested keys
 //! - [`merged_levels`]: joint LODs of a crowd: joint order, skins and errors of every level
 //! - [`simplify`], [`decimate`], [`cluster`], [`mesh_levels`]: simplify the mesh of an animated
@@ -85,8 +85,8 @@ pub use mesh_levels::{
 };
 pub use motion_bounds::motion_bounds;
 pub use motion_error::{
-    ChainTolerance, JointLever, contact_intervals, contact_table, joint_bounds, key_table, levers,
-    moving_joints, pose_keys, rig_hash, table_hashes,
+    ChainTolerance, JointLever, contact_table, joint_bounds, key_table, levers, moving_joints,
+    pose_keys, rig_hash, table_hashes,
 };
 pub use occluders::occluders;
 pub use points::draw_vertices;

@@ -255,16 +255,10 @@ impl FapRoles {
     }
 }
 
-/// Returns whether the 2D faces of the thesis (its annex C) support a FAP, by its number.
-pub fn is_in_2d(fap: usize) -> bool {
-    row_of(fap).is_some_and(|row| row.in_2d)
-}
-
 struct Row {
     region: FaceRegion,
     /// At medium, low and very low; at high all are own.
     roles: [FapRole; 3],
-    in_2d: bool,
 }
 
 fn row_of(fap: usize) -> Option<&'static Row> {
@@ -278,85 +272,81 @@ const fn of(leader: u8) -> FapRole {
     FapRole::Copied(leader)
 }
 
-const fn row(region: FaceRegion, roles: [FapRole; 3], in_2d: bool) -> Row {
-    Row {
-        region,
-        roles,
-        in_2d,
-    }
+const fn row(region: FaceRegion, roles: [FapRole; 3]) -> Row {
+    Row { region, roles }
 }
 
-/// Region, roles at medium, low and very low, and support in 2D of each FAP.
+/// Region and roles at medium, low and very low of each FAP.
 #[rustfmt::skip]
 static TABLE: [Row; FAP_COUNT] = [
-    row(HighLevel, [OWN, OWN, OWN], false), // 1 viseme
-    row(HighLevel, [OWN, OWN, OWN], false), // 2 expression
-    row(Jaw, [OWN, OWN, OWN], true), // 3 open_jaw
-    row(Jaw, [OWN, OWN, OWN], true), // 4 lower_t_midlip
-    row(Jaw, [OWN, OWN, OWN], true), // 5 raise_b_midlip
-    row(Jaw, [OWN, OWN, of(7)], true), // 6 stretch_l_cornerlip
-    row(Jaw, [OWN, OWN, OWN], true), // 7 stretch_r_cornerlip
-    row(Jaw, [of(9), of(4), of(4)], true), // 8 lower_t_lip_lm
-    row(Jaw, [OWN, of(4), of(4)], true), // 9 lower_t_lip_rm
-    row(Jaw, [of(11), of(5), of(5)], true), // 10 raise_b_lip_lm
-    row(Jaw, [OWN, of(5), of(5)], true), // 11 raise_b_lip_rm
-    row(Jaw, [OWN, OWN, of(13)], true), // 12 raise_l_cornerlip
-    row(Jaw, [OWN, OWN, OWN], true), // 13 raise_r_cornerlip
-    row(Jaw, [OWN, GONE, GONE], false), // 14 thrust_jaw
-    row(Jaw, [OWN, GONE, GONE], false), // 15 shift_jaw
-    row(Jaw, [OWN, of(17), GONE], false), // 16 push_b_lip
-    row(Jaw, [OWN, OWN, GONE], false), // 17 push_t_lip
-    row(Jaw, [OWN, OWN, GONE], false), // 18 depress_chin
-    row(Eyeballs, [OWN, OWN, of(20)], true), // 19 close_t_l_eyelid
-    row(Eyeballs, [OWN, OWN, OWN], true), // 20 close_t_r_eyelid
-    row(Eyeballs, [OWN, of(19), of(20)], true), // 21 close_b_l_eyelid
-    row(Eyeballs, [OWN, of(20), of(20)], true), // 22 close_b_r_eyelid
-    row(Eyeballs, [of(24), of(24), of(24)], true), // 23 yaw_l_eyeball
-    row(Eyeballs, [OWN, OWN, OWN], true), // 24 yaw_r_eyeball
-    row(Eyeballs, [of(26), of(26), of(26)], true), // 25 pitch_l_eyeball
-    row(Eyeballs, [OWN, OWN, OWN], true), // 26 pitch_r_eyeball
-    row(Eyeballs, [of(28), GONE, GONE], true), // 27 thrust_l_eyeball
-    row(Eyeballs, [OWN, GONE, GONE], true), // 28 thrust_r_eyeball
-    row(Eyeballs, [of(30), GONE, GONE], true), // 29 dilate_l_pupil
-    row(Eyeballs, [OWN, GONE, GONE], true), // 30 dilate_r_pupil
-    row(Eyebrows, [OWN, OWN, of(32)], true), // 31 raise_l_i_eyebrow
-    row(Eyebrows, [OWN, OWN, OWN], true), // 32 raise_r_i_eyebrow
-    row(Eyebrows, [of(35), of(31), of(32)], false), // 33 raise_l_m_eyebrow
-    row(Eyebrows, [of(36), of(32), of(32)], false), // 34 raise_r_m_eyebrow
-    row(Eyebrows, [OWN, of(36), GONE], true), // 35 raise_l_o_eyebrow
-    row(Eyebrows, [OWN, OWN, GONE], true), // 36 raise_r_o_eyebrow
-    row(Eyebrows, [of(38), of(38), GONE], true), // 37 squeeze_l_eyebrow
-    row(Eyebrows, [OWN, OWN, GONE], true), // 38 squeeze_r_eyebrow
-    row(Cheeks, [of(40), GONE, GONE], false), // 39 puff_l_cheek
-    row(Cheeks, [OWN, GONE, GONE], false), // 40 puff_r_cheek
-    row(Cheeks, [of(42), of(42), GONE], false), // 41 lift_l_cheek
-    row(Cheeks, [OWN, OWN, GONE], false), // 42 lift_r_cheek
-    row(Jaw, [OWN, GONE, GONE], false), // 43 shift_tongue_tip
-    row(Jaw, [OWN, OWN, GONE], false), // 44 raise_tongue_tip
-    row(Jaw, [OWN, OWN, GONE], false), // 45 thrust_tongue_tip
-    row(Jaw, [OWN, of(44), GONE], false), // 46 raise_tongue
-    row(Jaw, [OWN, GONE, GONE], false), // 47 tongue_roll
-    row(Head, [OWN, OWN, OWN], false), // 48 head_pitch
-    row(Head, [OWN, OWN, OWN], false), // 49 head_yaw
-    row(Head, [OWN, OWN, OWN], false), // 50 head_roll
-    row(Jaw, [of(4), of(4), of(4)], true), // 51 lower_t_midlip_o
-    row(Jaw, [of(5), of(5), of(5)], true), // 52 raise_b_midlip_o
-    row(Jaw, [of(6), of(6), of(7)], true), // 53 stretch_l_cornerlip_o
-    row(Jaw, [of(7), of(7), of(7)], true), // 54 stretch_r_cornerlip_o
-    row(Jaw, [of(9), of(4), of(4)], true), // 55 lower_t_lip_lm_o
-    row(Jaw, [of(9), of(4), of(4)], true), // 56 lower_t_lip_rm_o
-    row(Jaw, [of(11), of(5), of(5)], true), // 57 raise_b_lip_lm_o
-    row(Jaw, [of(11), of(5), of(5)], true), // 58 raise_b_lip_rm_o
-    row(Jaw, [of(12), of(12), of(13)], true), // 59 raise_l_cornerlip_o
-    row(Jaw, [of(13), of(13), of(13)], true), // 60 raise_r_cornerlip_o
-    row(Nose, [of(62), GONE, GONE], false), // 61 stretch_l_nose
-    row(Nose, [OWN, GONE, GONE], false), // 62 stretch_r_nose
-    row(Nose, [OWN, OWN, GONE], false), // 63 raise_nose
-    row(Nose, [OWN, GONE, GONE], false), // 64 bend_nose
-    row(Ears, [of(66), GONE, GONE], false), // 65 raise_l_ear
-    row(Ears, [OWN, GONE, GONE], false), // 66 raise_r_ear
-    row(Ears, [of(68), GONE, GONE], false), // 67 pull_l_ear
-    row(Ears, [OWN, GONE, GONE], false), // 68 pull_r_ear
+    row(HighLevel, [OWN, OWN, OWN]), // 1 viseme
+    row(HighLevel, [OWN, OWN, OWN]), // 2 expression
+    row(Jaw, [OWN, OWN, OWN]), // 3 open_jaw
+    row(Jaw, [OWN, OWN, OWN]), // 4 lower_t_midlip
+    row(Jaw, [OWN, OWN, OWN]), // 5 raise_b_midlip
+    row(Jaw, [OWN, OWN, of(7)]), // 6 stretch_l_cornerlip
+    row(Jaw, [OWN, OWN, OWN]), // 7 stretch_r_cornerlip
+    row(Jaw, [of(9), of(4), of(4)]), // 8 lower_t_lip_lm
+    row(Jaw, [OWN, of(4), of(4)]), // 9 lower_t_lip_rm
+    row(Jaw, [of(11), of(5), of(5)]), // 10 raise_b_lip_lm
+    row(Jaw, [OWN, of(5), of(5)]), // 11 raise_b_lip_rm
+    row(Jaw, [OWN, OWN, of(13)]), // 12 raise_l_cornerlip
+    row(Jaw, [OWN, OWN, OWN]), // 13 raise_r_cornerlip
+    row(Jaw, [OWN, GONE, GONE]), // 14 thrust_jaw
+    row(Jaw, [OWN, GONE, GONE]), // 15 shift_jaw
+    row(Jaw, [OWN, of(17), GONE]), // 16 push_b_lip
+    row(Jaw, [OWN, OWN, GONE]), // 17 push_t_lip
+    row(Jaw, [OWN, OWN, GONE]), // 18 depress_chin
+    row(Eyeballs, [OWN, OWN, of(20)]), // 19 close_t_l_eyelid
+    row(Eyeballs, [OWN, OWN, OWN]), // 20 close_t_r_eyelid
+    row(Eyeballs, [OWN, of(19), of(20)]), // 21 close_b_l_eyelid
+    row(Eyeballs, [OWN, of(20), of(20)]), // 22 close_b_r_eyelid
+    row(Eyeballs, [of(24), of(24), of(24)]), // 23 yaw_l_eyeball
+    row(Eyeballs, [OWN, OWN, OWN]), // 24 yaw_r_eyeball
+    row(Eyeballs, [of(26), of(26), of(26)]), // 25 pitch_l_eyeball
+    row(Eyeballs, [OWN, OWN, OWN]), // 26 pitch_r_eyeball
+    row(Eyeballs, [of(28), GONE, GONE]), // 27 thrust_l_eyeball
+    row(Eyeballs, [OWN, GONE, GONE]), // 28 thrust_r_eyeball
+    row(Eyeballs, [of(30), GONE, GONE]), // 29 dilate_l_pupil
+    row(Eyeballs, [OWN, GONE, GONE]), // 30 dilate_r_pupil
+    row(Eyebrows, [OWN, OWN, of(32)]), // 31 raise_l_i_eyebrow
+    row(Eyebrows, [OWN, OWN, OWN]), // 32 raise_r_i_eyebrow
+    row(Eyebrows, [of(35), of(31), of(32)]), // 33 raise_l_m_eyebrow
+    row(Eyebrows, [of(36), of(32), of(32)]), // 34 raise_r_m_eyebrow
+    row(Eyebrows, [OWN, of(36), GONE]), // 35 raise_l_o_eyebrow
+    row(Eyebrows, [OWN, OWN, GONE]), // 36 raise_r_o_eyebrow
+    row(Eyebrows, [of(38), of(38), GONE]), // 37 squeeze_l_eyebrow
+    row(Eyebrows, [OWN, OWN, GONE]), // 38 squeeze_r_eyebrow
+    row(Cheeks, [of(40), GONE, GONE]), // 39 puff_l_cheek
+    row(Cheeks, [OWN, GONE, GONE]), // 40 puff_r_cheek
+    row(Cheeks, [of(42), of(42), GONE]), // 41 lift_l_cheek
+    row(Cheeks, [OWN, OWN, GONE]), // 42 lift_r_cheek
+    row(Jaw, [OWN, GONE, GONE]), // 43 shift_tongue_tip
+    row(Jaw, [OWN, OWN, GONE]), // 44 raise_tongue_tip
+    row(Jaw, [OWN, OWN, GONE]), // 45 thrust_tongue_tip
+    row(Jaw, [OWN, of(44), GONE]), // 46 raise_tongue
+    row(Jaw, [OWN, GONE, GONE]), // 47 tongue_roll
+    row(Head, [OWN, OWN, OWN]), // 48 head_pitch
+    row(Head, [OWN, OWN, OWN]), // 49 head_yaw
+    row(Head, [OWN, OWN, OWN]), // 50 head_roll
+    row(Jaw, [of(4), of(4), of(4)]), // 51 lower_t_midlip_o
+    row(Jaw, [of(5), of(5), of(5)]), // 52 raise_b_midlip_o
+    row(Jaw, [of(6), of(6), of(7)]), // 53 stretch_l_cornerlip_o
+    row(Jaw, [of(7), of(7), of(7)]), // 54 stretch_r_cornerlip_o
+    row(Jaw, [of(9), of(4), of(4)]), // 55 lower_t_lip_lm_o
+    row(Jaw, [of(9), of(4), of(4)]), // 56 lower_t_lip_rm_o
+    row(Jaw, [of(11), of(5), of(5)]), // 57 raise_b_lip_lm_o
+    row(Jaw, [of(11), of(5), of(5)]), // 58 raise_b_lip_rm_o
+    row(Jaw, [of(12), of(12), of(13)]), // 59 raise_l_cornerlip_o
+    row(Jaw, [of(13), of(13), of(13)]), // 60 raise_r_cornerlip_o
+    row(Nose, [of(62), GONE, GONE]), // 61 stretch_l_nose
+    row(Nose, [OWN, GONE, GONE]), // 62 stretch_r_nose
+    row(Nose, [OWN, OWN, GONE]), // 63 raise_nose
+    row(Nose, [OWN, GONE, GONE]), // 64 bend_nose
+    row(Ears, [of(66), GONE, GONE]), // 65 raise_l_ear
+    row(Ears, [OWN, GONE, GONE]), // 66 raise_r_ear
+    row(Ears, [of(68), GONE, GONE]), // 67 pull_l_ear
+    row(Ears, [OWN, GONE, GONE]), // 68 pull_r_ear
 ];
 
 #[cfg(test)]
@@ -381,7 +371,7 @@ mod tests {
 
     #[test]
     fn levels_keep_68_44_26_and_14() {
-        let totals = [(68, 39), (44, 22), (26, 15), (14, 9)];
+        let totals = [68, 44, 26, 14];
         let regions = [
             (HighLevel, [2, 2, 2, 2]),
             (Jaw, [31, 19, 11, 5]),
@@ -392,10 +382,9 @@ mod tests {
             (Nose, [4, 3, 1, 0]),
             (Ears, [4, 2, 0, 0]),
         ];
-        for ((level, (all, flat)), index) in FaceLevel::ALL.into_iter().zip(totals).zip(0..) {
+        for ((level, all), index) in FaceLevel::ALL.into_iter().zip(totals).zip(0..) {
             let roles = FaceLevels::all(level).roles();
-            let in_2d = FAPS.filter(|fap| roles.keeps(*fap) && is_in_2d(*fap));
-            assert_eq!((roles.kept(), in_2d.count()), (all, flat), "{level}");
+            assert_eq!(roles.kept(), all, "{level}");
             for (region, counts) in regions {
                 let of_region = FAPS.filter(|fap| FaceRegion::of(*fap) == Some(region));
                 let kept = of_region.filter(|fap| roles.keeps(*fap)).count();

@@ -139,7 +139,7 @@ pub use joint_set::{JointSet, MAX_JOINTS};
 pub use key_table::{KeyMode, KeyTable, PoseKeys, TableHashes};
 pub use level_skins::{LevelSkin, LevelSkins};
 pub use level_table::{LevelRow, LevelTable, SurfaceError};
-pub use local_extent::{RestJoint, local_extents};
+
 pub use lod_error::{ClipLodErrors, LodErrors, SMALL_PART, lod_error_metres};
 pub use math::{Transform, angle_between, nlerp, rotation_vector, same_hemisphere};
 pub use mesh::{Binding, Mesh, Morph, Part};

@@ -8,13 +8,13 @@ use glam::{Affine3A, Vec3A};
 
 /// A joint as [`local_extents`] takes it.
 #[derive(Debug, Clone, Copy)]
-pub struct RestJoint {
+pub(crate) struct RestJoint {
     /// Index of the parent, smaller than the joint's own.
-    pub parent: Option<usize>,
+    pub(crate) parent: Option<usize>,
     /// Local transform at rest.
-    pub rest: Transform,
+    pub(crate) rest: Transform,
     /// Whether the joint belongs to the figure, as opposed to props and scene nodes.
-    pub in_skin: bool,
+    pub(crate) in_skin: bool,
 }
 
 /// Returns, for each joint, the greatest extent of the figure at rest along a model axis in the
@@ -25,7 +25,7 @@ pub struct RestJoint {
 ///
 /// # Panics
 /// If a joint is not after its parent.
-pub fn local_extents(joints: &[RestJoint]) -> Vec<f32> {
+pub(crate) fn local_extents(joints: &[RestJoint]) -> Vec<f32> {
     let mut model: Vec<Affine3A> = Vec::with_capacity(joints.len());
     let mut scales = Vec::with_capacity(joints.len());
     for joint in joints {

@@ -381,15 +381,6 @@ impl PoseCache {
         self.steps_of(clip, level).map(|s| s.error_metres)
     }
 
-    /// Number of palettes of a clip at a level that are shown as they are, from its first to its last
-    /// time; `None` as in [`PoseCache::step_error_metres`].
-    ///
-    /// # Panics
-    /// If there is no such level.
-    pub fn step_count(&self, clip: usize, level: usize) -> Option<usize> {
-        self.steps_of(clip, level).map(|s| s.last as usize + 1)
-    }
-
     /// Times of the keys of a clip at a level in seconds; `None` as in [`PoseCache::error_metres`].
     ///
     /// # Panics

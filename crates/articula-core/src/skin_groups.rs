@@ -110,7 +110,7 @@ pub struct GroupedSkin {
 
 impl GroupedSkin {
     /// Groups the vertices of a mesh. Allocates; of the other methods only [`GroupedSkin::stale`]
-    /// and [`GroupedSkin::group_sizes`] do.
+    /// does.
     ///
     /// # Panics
     /// If the mesh belongs to a rig with more than `MAX_JOINTS` joints.
@@ -233,16 +233,6 @@ impl GroupedSkin {
     /// Returns the number of vertices of the mesh.
     pub(crate) fn len(&self) -> usize {
         self.lane_of.len()
-    }
-
-    /// Returns the number of vertices with 0, 1, 2, ... influences, up to the maximum of the mesh.
-    pub fn group_sizes(&self) -> Vec<usize> {
-        let most = self.blocks.last().map_or(0, |b| b.influences);
-        let mut sizes = vec![0; most + 1];
-        for block in &self.blocks {
-            sizes[block.influences] += self.vertices_of(block);
-        }
-        sizes
     }
 
     /// Returns the shape at rest, without morph targets; clone it for a character with morph

@@ -9,7 +9,7 @@ use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES};
 use std::fmt::Write as _;
 
 /// Names of the angles, in the order of the app's columns.
-pub const ANGLES: [&str; ANGLE_COUNT] = [
+const ANGLES: [&str; ANGLE_COUNT] = [
     "HeadYaw",
     "HeadPitch",
     "HeadRoll",
@@ -34,7 +34,8 @@ pub struct LiveLinkFrame {
     pub secs: f64,
     /// Weight of each blend shape, in the order of [`BLEND_SHAPES`]; 0 for those without column.
     pub shapes: [f32; BLEND_SHAPE_COUNT],
-    /// Angles in the order of [`ANGLES`], taken as radians; 0 for those without column.
+    /// Yaw, pitch and roll of the head, the left and the right eye, taken as radians; 0 for those
+    /// without column.
     pub angles: [f32; ANGLE_COUNT],
 }
 

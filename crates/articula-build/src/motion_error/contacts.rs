@@ -5,9 +5,7 @@
 
 use super::tables::table_hashes;
 use crate::character::Asset;
-use articula_core::{
-    AttentionInterval, Clip, Contact, ContactTable, ModelPose, Wrap, local_to_model, sample,
-};
+use articula_core::{Clip, Contact, ContactTable, ModelPose, Wrap, local_to_model, sample};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -88,24 +86,6 @@ pub(crate) fn attention(asset: &Asset, contacts: &[Contact], frame: usize, out: 
     }
 }
 
-/// Returns the intervals in which feet stand still in a clip, where the tolerance of the whole body
-/// is reduced; with `hands`, also those of the hands.
-pub fn contact_intervals(asset: &Asset, clip: &Clip, hands: bool) -> Vec<AttentionInterval> {
-    intervals(&contacts(asset, clip, hands), clip)
-}
-
-/// The contacts of a clip as intervals.
-fn intervals(contacts: &[Contact], clip: &Clip) -> Vec<AttentionInterval> {
-    let interval = |contact: &Contact| AttentionInterval {
-        start_secs: contact.frames.start as f32 / clip.rate_hz(),
-        // Up to the first frame that moves: a pose between the two still belongs half to the
-        // contact.
-        end_secs: (contact.frames.end as f32 / clip.rate_hz()).min(clip.duration_secs()),
-        factor: CONTACT_ATTENTION,
-    };
-    contacts.iter().map(interval).collect()
-}
-
 /// Runs of at least `least` frames for which `stands` holds.
 fn runs(frames: usize, stands: impl Fn(usize) -> bool, least: usize) -> Vec<Range<usize>> {
     let mut runs = Vec::new();
@@ -142,7 +122,7 @@ fn paths(asset: &Asset, clip: &Clip, joints: &[usize]) -> Vec<Vec<Vec3>> {
 mod tests {
     use super::*;
     use crate::joint_lods::test_figures::rig_with;
-    use articula_core::{Attention, Mesh, Track, Tracks};
+    use articula_core::{Mesh, Track, Tracks};
 
     #[test]
     fn a_foot_stands_low_and_still_a_hand_anywhere() {
@@ -181,12 +161,6 @@ mod tests {
             contacts(&asset, &clip, true),
             [&feet[..], &hands[..]].concat()
         );
-        let intervals = contact_intervals(&asset, &clip, false);
-        let secs: Vec<_> = intervals
-            .iter()
-            .map(|i| [i.start_secs, i.end_secs])
-            .collect();
-        assert_eq!(secs, [[0.0, 0.2], [0.64, 0.8]]);
         let mut attention_at = [0.0; 4];
         for (frame, expected) in [
             (9, [0.25, 0.25, 1.0, 1.0]),
@@ -226,18 +200,6 @@ mod tests {
             let expected = if stands { vec![expected] } else { Vec::new() };
             assert_eq!(found, expected, "{metres_per_sec} m/s");
         }
-    }
-
-    #[test]
-    fn contacts_become_intervals_of_the_clip() {
-        let clip = Clip::new("c", 10.0, 11, 1, Tracks::default()).unwrap();
-        let contact = |frames| Contact { joint: 0, frames };
-        let found = intervals(&[contact(2..5), contact(8..11)], &clip);
-        let ends: Vec<_> = found.iter().map(|i| (i.start_secs, i.end_secs)).collect();
-        assert_eq!(ends, [(0.2, 0.5), (0.8, 1.0)]);
-        let attention = Attention::new(clip.duration_secs(), &found).unwrap();
-        assert_eq!(attention.at(0.3, Wrap::Loop), CONTACT_ATTENTION);
-        assert_eq!(attention.at(0.6, Wrap::Loop), 1.0);
     }
 
     #[test]

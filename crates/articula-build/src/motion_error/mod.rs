@@ -5,7 +5,7 @@
 //! - [`key_table`]: nested keys for increasing tolerances, held, posed or blended, with
 //!   [`table_hashes`], [`rig_hash`]
 //! - [`pose_keys`]: whole-pose keys between which palettes are blended
-//! - [`contact_intervals`], [`contact_table`]: intervals in which feet and hands stand still
+//! - [`contact_table`]: intervals in which feet and hands stand still
 
 pub(crate) mod bounds;
 pub(crate) mod contacts;
@@ -18,7 +18,7 @@ pub(crate) mod runs;
 pub(crate) mod tables;
 
 pub use bounds::{ChainTolerance, joint_bounds, moving_joints};
-pub use contacts::{contact_intervals, contact_table};
+pub use contacts::contact_table;
 pub use joint_lever::JointLever;
 pub use levers::levers;
 pub use pose_keys::pose_keys;

@@ -183,7 +183,6 @@ proptest! {
         for report in levels {
             let stated = report.step_error_metres;
             prop_assert_eq!(made.cache.step_error_metres(0, report.level), Some(stated));
-            prop_assert_eq!(made.cache.step_count(0, report.level), Some(report.steps));
             // Two for each frame of a display at most.
             prop_assert!((report.steps - 1) as f32 <= (120.0 * end).ceil() + 1.0);
             for at in &at {

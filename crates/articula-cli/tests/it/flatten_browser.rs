@@ -16,8 +16,8 @@ use articula_flat::flatten::{
     PrepareClipOptions, PreparedClip, Profile, Quality, ReferenceFrames, Settings, flatten,
 };
 use articula_flat::planar::Shading;
+use articula_flat::planar::reference;
 use articula_flat::planar::{BakeOptions, Lighting, PlanarSubject, Turntable, bake};
-use articula_flat::planar::{object_mask, reference};
 use articula_flat::vector::AnimatedSvg;
 use articula_flat::vector::player::PlayerOutput;
 use articula_flat::vector::raster;
@@ -89,7 +89,9 @@ fn film() -> &'static Film {
         let truth = bake(&subject, &looks, &options).unwrap();
         let picture = |m| {
             let picture = reference(&truth, m, Supersampling::Eight, WHITE).unwrap();
-            let mask = object_mask(&truth, m, Supersampling::Eight).unwrap();
+            // Over nothing, a pixel is opaque where it shows the character at least in part.
+            let alone = reference(&truth, m, Supersampling::Eight, [0; 4]).unwrap();
+            let mask = alone.pixels().iter().map(|p| p[3] > 0).collect();
             (picture, mask)
         };
         let prepared =

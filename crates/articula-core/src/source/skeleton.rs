@@ -26,8 +26,11 @@ pub struct Skeleton {
 }
 
 impl Skeleton {
-    /// Returns the extent of the figure at rest in the units of each joint's translation; see
-    /// [`local_extents`].
+    /// Returns, for each joint, the greatest extent of the figure at rest along a model axis in the
+    /// units of the joint's translation.
+    ///
+    /// The extent is that of the joints of skins, or of all joints if there is no such joint. A figure
+    /// without extent counts as 1 m tall.
     pub fn local_extents(&self) -> Vec<f32> {
         let joint = |joint: &Joint| RestJoint {
             parent: joint.parent,

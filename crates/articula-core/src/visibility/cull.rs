@@ -42,70 +42,6 @@ pub struct CullResult {
     pub visibility: Visibility,
 }
 
-impl View<'_> {
-    /// Minimum time in seconds until one metre of a body, given by its bound in world space, may
-    /// span more than `limit` pixels. 0 if it already does or the limit is NaN; infinite if it
-    /// cannot (because of [`MIN_DEPTH_METRES`]) or while this view does not see the bound, since
-    /// [`cull`] reports a bound that comes into view.
-    pub(crate) fn secs_until_denser(
-        &self,
-        bound: Sphere,
-        limit: f32,
-        closing: ApproachSpeed,
-    ) -> f32 {
-        if limit.is_nan() || limit <= 0.0 {
-            return 0.0;
-        }
-        if !self.frustum.meets(bound.centre, bound.radius) {
-            return f32::INFINITY;
-        }
-        if self.density.most() <= limit {
-            return f32::INFINITY;
-        }
-        let slack = self.way_until_denser(bound, limit);
-        if slack.is_nan() || slack <= 0.0 {
-            return 0.0;
-        }
-        // In camera space the bound's centre moves no faster than v + w (d + v t), with its distance
-        // d: the first time at which v t + w (d t + v t^2 / 2) is the slack.
-        let (v, w) = (closing.metres_per_sec, closing.radians_per_sec);
-        let linear = v + w * bound.centre.distance(self.frustum.eye);
-        let secs = 2.0 * slack / (linear + (linear * linear + 2.0 * w * v * slack).sqrt());
-        if secs.is_nan() { 0.0 } else { secs }
-    }
-
-    /// Distance in metres that a bound may move in camera space, towards the eye and away from the
-    /// axis, before one metre of its body spans more than `limit` pixels, which it may.
-    fn way_until_denser(&self, bound: Sphere, limit: f32) -> f32 {
-        let depth = self.frustum.depth(bound.centre) - bound.radius;
-        let aside = self.frustum.aside(bound.centre) + bound.radius;
-        let is_denser = |way: f32| self.density.at(depth - way, aside + way) > limit;
-        if is_denser(0.0) {
-            return 0.0;
-        }
-        // At the least depth, and beyond the corner of the picture.
-        let (mut least, mut most) = (0.0, depth.max(0.0) + self.density.corner_metres());
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (least + most);
-            if is_denser(middle) {
-                most = middle;
-            } else {
-                least = middle;
-            }
-        }
-        least
-    }
-}
-
-/// Upper bounds on the speed at which a camera and a body approach each other.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ApproachSpeed {
-    /// Sum of the speeds of the camera and of the body's root, m/s.
-    pub metres_per_sec: f32,
-    /// Turn rate of the camera, rad/s.
-    pub radians_per_sec: f32,
-}
-
 /// The bodies of a crowd; one entry of each slice for each body.
 #[derive(Debug, Clone, Copy)]
 pub struct Bodies<'a> {
@@ -145,28 +81,6 @@ impl<'a> Bodies<'a> {
     }
 }
 
-/// Returns the minimum time in seconds until a body's pixels per metre may have grown by the factor
-/// `1 + growth`, over the views that see its bound in world space: until then a choice made from
-/// `seen` holds within that factor. 0 for a body that was not visible.
-///
-/// Source: `docs/methods/motion-lod.md` 4.5, last paragraph.
-pub fn secs_until_grown(
-    views: &[View<'_>],
-    bound: Sphere,
-    seen: CullResult,
-    growth: f32,
-    closing: ApproachSpeed,
-) -> f32 {
-    if seen.visibility != Visibility::Visible {
-        return 0.0;
-    }
-    let limit = seen.pixels_per_metre * (1.0 + growth);
-    views
-        .iter()
-        .map(|view| view.secs_until_denser(bound, limit, closing))
-        .fold(f32::INFINITY, f32::min)
-}
-
 /// Culls every body against every view.
 ///
 /// A body is visible if any view sees it, and hidden if its bound is not finite. O(bodies x views);
@@ -190,9 +104,6 @@ pub fn cull(views: &[View<'_>], bodies: Bodies<'_>, out: &mut [CullResult]) {
         block.tell(out);
     }
 }
-
-/// Halvings of an interval, to a millionth of it.
-const BISECTIONS: usize = 20;
 
 const GROUPS: usize = 16;
 const BLOCK: usize = LANES * GROUPS;
@@ -607,37 +518,6 @@ mod tests {
         assert_eq!(crowd.visibilities(&[behind]), [Visible, Hidden, Visible]);
     }
 
-    #[test]
-    fn how_long_a_dolly_takes_by_hand() {
-        // 10 m to the bound, which reaches 1 m aside. After 2 m it may be 8 m away and reach 3 m
-        // aside; 5 m/s take 0.4 s for them.
-        let growth = (64.0f32 + 9.0).sqrt() / 64.0 / (101f32.sqrt() / 100.0) - 1.0;
-        let crowd = Crowd::of(&[(Vec3::NEG_Z * 11.0, 0.0)]);
-        let views = [View::of(&camera())];
-        let (bound, seen) = (crowd.bounds[0], crowd.seen(&views)[0]);
-        let secs = |metres_per_sec, radians_per_sec, growth| {
-            let closing = ApproachSpeed {
-                metres_per_sec,
-                radians_per_sec,
-            };
-            secs_until_grown(&views, bound, seen, growth, closing)
-        };
-        assert!((secs(5.0, 0.0, growth) - 0.4).abs() < 1e-4);
-        // Turning alone: 11 m away, 2 m of depth are lost after 2 / 11 rad at the earliest.
-        assert!((secs(0.0, 1.0, growth) - 2.0 / 11.0).abs() < 1e-4);
-        assert_eq!(secs(0.0, 0.0, 0.25), f32::INFINITY);
-        assert_eq!(secs(5.0, 0.0, 1e9), f32::INFINITY, "beyond the least depth");
-        assert_eq!(secs(5.0, 0.0, f32::NAN), 0.0);
-        assert_eq!(secs(f32::NAN, 0.0, 0.25), 0.0);
-        assert_eq!(secs(5.0, 0.0, -0.5), 0.0);
-        assert_eq!(secs(5.0, 0.0, -3.0), 0.0);
-        let hidden = CullResult::default();
-        assert_eq!(
-            secs_until_grown(&views, bound, hidden, 0.25, ApproachSpeed::default()),
-            0.0
-        );
-    }
-
     fn vector(size: f32) -> impl Strategy<Value = Vec3> {
         prop::array::uniform3(-size..size).prop_map(Vec3::from)
     }
@@ -682,47 +562,6 @@ mod tests {
                     }
                     Visibility::Hidden => prop_assert_eq!(meets(rows[b].2 - most), 0.0),
                 }
-            }
-        }
-    }
-
-    proptest! {
-        /// Acceptance test 13 of `docs/methods/motion-lod.md` part 10: a camera that moves and
-        /// turns towards an approaching body never sees it denser than predicted.
-        #[test]
-        fn a_dolly_keeps_the_bound(
-            eye in vector(20.0),
-            way in vector(1.0),
-            axis in vector(1.0),
-            speeds in (0.0f32..8.0, 0.0f32..8.0, 0.0f32..2.0),
-            growth in 0.01f32..1.0,
-        ) {
-            let (camera_speed, body_speed, turning) = speeds;
-            let closing = ApproachSpeed { metres_per_sec: camera_speed + body_speed, radians_per_sec: turning };
-            let start = Camera::looking_at(eye, Vec3::ZERO, Viewport::default());
-            let crowd = |position| Crowd::of(&[(position, 0.0)]);
-            let before = crowd(Vec3::ZERO).seen(&[View::of(&start)])[0];
-            let secs = secs_until_grown(&[View::of(&start)], BALL, before, growth, closing);
-            prop_assert!(secs > 0.0 || before.visibility != Visibility::Visible);
-            // Towards each other most of the time, whatever the random direction.
-            let inwards = (way - eye.normalize_or_zero()).normalize_or_zero();
-            for step in 0..=20 {
-                let t = secs.min(10.0) * step as f32 / 20.0;
-                let turned = Quat::from_scaled_axis(axis.normalize_or_zero() * (turning * t));
-                let camera = Camera {
-                    eye: eye + inwards * (camera_speed * t),
-                    orientation: turned * start.orientation,
-                    ..start
-                };
-                let position = -inwards * (body_speed * t);
-                let seen = crowd(position).seen(&[View::of(&camera)])[0];
-                let limit = before.pixels_per_metre * (1.0 + growth) * 1.0001;
-                prop_assert!(
-                    before.visibility != Visibility::Visible
-                        || seen.visibility != Visibility::Visible
-                        || seen.pixels_per_metre <= limit,
-                    "{} above {limit} after {t} s of {secs}", seen.pixels_per_metre
-                );
             }
         }
     }

@@ -68,14 +68,6 @@ impl PixelDensity {
         1.0 / self.metres_per_px(depth_metres, aside_metres)
     }
 
-    /// Distance from the axis from which on density no longer rises, at the least depth.
-    pub(super) fn corner_metres(self) -> f32 {
-        match self {
-            Self::Perspective { corner_cosine, .. } => MIN_DEPTH_METRES / corner_cosine,
-            Self::Everywhere(_) => 0.0,
-        }
-    }
-
     /// Value beyond which it never rises.
     pub(super) fn most(self) -> f32 {
         match self {

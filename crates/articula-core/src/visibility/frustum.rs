@@ -125,11 +125,13 @@ impl Frustum {
     }
 
     /// Depth of a point along the viewing direction, metres; negative behind the eye.
+    #[cfg(test)]
     pub(crate) fn depth(&self, point: Vec3) -> f32 {
         self.forward.dot(point - self.eye)
     }
 
     /// Distance of a point from the axis through the eye along the viewing direction, metres.
+    #[cfg(test)]
     pub(crate) fn aside(&self, point: Vec3) -> f32 {
         let at = point - self.eye;
         (at - self.forward * self.forward.dot(at)).length()
@@ -137,6 +139,7 @@ impl Frustum {
 
     /// Whether a sphere may be visible: true for every sphere that reaches inside, and for a few
     /// beyond a corner. The plain version of [`crate::visibility::cull`] for one body.
+    #[cfg(test)]
     pub(crate) fn meets(&self, centre: Vec3, radius: f32) -> bool {
         let depth = self.depth(centre);
         let inside = |side: &Vec4| {

@@ -13,7 +13,7 @@ mod occlusion;
 mod view;
 mod world_bounds;
 
-pub use cull::{ApproachSpeed, Bodies, CullResult, Visibility, cull, secs_until_grown};
+pub use cull::{Bodies, CullResult, Visibility, cull};
 pub use density::MIN_DEPTH_METRES;
 pub use frustum::Tangents;
 pub(crate) use look::{Bands, BoxSight, Sight, Spheres, look, look_at_box, look_at_one};

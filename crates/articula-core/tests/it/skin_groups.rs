@@ -133,7 +133,6 @@ proptest! {
         weights in weights(),
     ) {
         let grouped = GroupedSkin::new(&mesh);
-        prop_assert_eq!(grouped.group_sizes().iter().sum::<usize>(), mesh.len());
         let (mut shape, mut stale) = (grouped.rest().clone(), grouped.stale());
         grouped.morph(&weights, &mut shape, &mut stale);
         let mut out = SkinnedMesh::new(&mesh);
@@ -196,7 +195,6 @@ fn strip(each: usize) -> Mesh {
 fn one_joint_of_six_moves_its_own_blocks() {
     let mesh = strip(32);
     let grouped = GroupedSkin::new(&mesh);
-    assert_eq!(grouped.group_sizes(), [0, 6 * 32]);
     let mut stale = grouped.stale();
     let palette = rows_of(&[Affine3A::IDENTITY; 2 * JOINTS]);
     let mut out = SkinnedMesh::new(&mesh);
@@ -250,7 +248,6 @@ fn a_frame_allocates_nothing() {
 fn half_way_between_two_joints_and_in_a_mirror() {
     let row = (Vec3::X, Vec3::X, vec![(0, 0.5), (1, 0.0), (1, 0.5)]);
     let grouped = GroupedSkin::new(&mesh_of(&[row], 3, Vec::new()));
-    assert_eq!(grouped.group_sizes(), [0, 0, 1]);
     let mut palette = [Affine3A::IDENTITY; 2 * JOINTS];
     palette[1] = Affine3A::from_translation(Vec3::Y * 2.0);
     let mut out = SkinnedMesh {
@@ -274,13 +271,11 @@ fn half_way_between_two_joints_and_in_a_mirror() {
 fn no_vertices_and_vertices_that_nothing_holds() {
     let none = Mesh::default();
     let grouped = GroupedSkin::new(&none);
-    assert!(grouped.group_sizes().iter().all(|size| *size == 0));
     grouped.skin(grouped.rest(), &[], &mut SkinnedMesh::new(&none));
 
     let mut loose = strip(1);
     loose.weights.fill(0.0);
     let grouped = GroupedSkin::new(&loose);
-    assert_eq!(grouped.group_sizes(), [JOINTS]);
     let palette = [Affine3A::from_translation(Vec3::ONE); 2 * JOINTS];
     let mut out = SkinnedMesh::new(&loose);
     grouped.skin(grouped.rest(), &rows_of(&palette), &mut out);

@@ -1,8 +1,6 @@
 //! Culling and tolerances of a whole crowd do not allocate.
 
-use articula_core::visibility::{
-    ApproachSpeed, Bodies, CullResult, Occlusion, View, Visibility, cull, secs_until_grown,
-};
+use articula_core::visibility::{Bodies, CullResult, Occlusion, View, Visibility, cull};
 use articula_core::{
     Attention, AttentionInterval, Bound, Camera, Capsule, ClipBounds, Sphere, Viewport, Wrap,
 };
@@ -58,8 +56,7 @@ fn culling_does_not_allocate() {
         }
         let views = [View::of(&camera).with_occluded(&occluded)];
         cull(&views, Bodies::new(&world, &margins).unwrap(), &mut seen);
-        let secs = secs_until_grown(&views, world[0], seen[0], 0.25, ApproachSpeed::default());
-        let m = attention.at(f64::from(secs.min(1.0)), Wrap::Loop);
+        let m = attention.at(1.0, Wrap::Loop);
         tolerance = m / seen[0].pixels_per_metre;
     });
     assert_eq!(counted.count_total, 0);

@@ -45,7 +45,7 @@ pub(crate) use drawn::Drawn;
 pub use error::PlanarError;
 pub(crate) use order::{Epoch, Painting};
 pub use order::{OrderComparison, OrderOptions};
-pub use reference::{object_mask, reference};
+pub use reference::reference;
 pub use shading::Shading;
 pub use split::SplitOptions;
 pub use subject::PlanarSubject;

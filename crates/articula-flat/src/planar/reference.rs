@@ -24,7 +24,7 @@ pub fn reference(
     shaded(clip, frame, &buffer, background)
 }
 
-/// Returns [`reference()`] and [`object_mask`] from one rasterisation.
+/// Returns [`reference()`] and, row by row, whether a pixel shows the character at least in part.
 ///
 /// # Errors
 /// [`PictureError::LimitExceeded`] if the clip's picture is too large.
@@ -87,18 +87,6 @@ fn shaded(
         }
     }
     Ok(picture)
-}
-
-/// Returns the pixels of a frame that show the character at least in part, row by row.
-///
-/// # Errors
-/// [`PictureError::LimitExceeded`] if the clip's picture is too large.
-pub fn object_mask(
-    clip: &PlanarClip,
-    frame: usize,
-    samples: Supersampling,
-) -> Result<Vec<bool>, PictureError> {
-    Ok(mask(clip, &drawn(clip, frame, samples)?))
 }
 
 fn sample(

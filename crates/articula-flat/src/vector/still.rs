@@ -210,7 +210,7 @@ mod tests {
     use crate::picture::{Picture, Rgba};
     use crate::planar::Drawn;
     use crate::planar::clip::fixture;
-    use crate::planar::reference::{object_mask, reference};
+    use crate::planar::reference::reference_with_mask;
     use crate::vector::raster::raster;
 
     const WHITE: Rgba = [255; 4];
@@ -222,8 +222,7 @@ mod tests {
     }
 
     fn rmse_of_object(clip: &PlanarClip, frame: usize, seen: &Picture) -> f64 {
-        let truth = reference(clip, frame, Supersampling::Eight, WHITE).unwrap();
-        let mask = object_mask(clip, frame, Supersampling::Eight).unwrap();
+        let (truth, mask) = reference_with_mask(clip, frame, Supersampling::Eight, WHITE).unwrap();
         let (mut sum, mut count) = (0.0, 0.0);
         for ((p, q), inside) in seen.pixels().iter().zip(truth.pixels()).zip(mask) {
             if inside {

@@ -324,7 +324,7 @@ all joints) for a fixed level of articulation.";
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_build::contact_intervals;
+    use articula_build::contact_table;
     use articula_build::evaluate::play;
 
     /// Acceptance test 12 of `docs/methods/motion-lod.md`, part 10; its pose keys are tested in
@@ -391,7 +391,7 @@ mod tests {
                 ..MethodOptions::default()
             };
             let stage = ClipEvaluator::new(&asset, clip, EvaluationSetup::default(), options);
-            let contacts = contact_intervals(&asset, &stage.clip, false);
+            let contacts = contact_table(&asset, &stage.clip).contacts;
             assert!(contacts.len() >= 2, "both feet stand in a walk");
             play(&stage, &Method::SkinPx(SkinPxVariant::Hold), 0.02)
                 .0

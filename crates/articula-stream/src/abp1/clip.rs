@@ -4,7 +4,7 @@ use crate::frame_rate::FrameRate;
 use articula_core::Mismatch;
 
 /// Maximum number of bones: what 10 bits can count.
-pub const MAX_BONES: usize = 1023;
+pub(super) const MAX_BONES: usize = 1023;
 
 /// One row of the bone table.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,7 +100,7 @@ impl Abp1Clip {
     /// Checks that parts fit each other.
     ///
     /// # Errors
-    /// A [`Mismatch`] if there are more than [`MAX_BONES`] bones, a parent does not come before its
+    /// A [`Mismatch`] if there are more than 1023 bones, a parent does not come before its
     /// child, a centre is not finite, or a number of tracks or values differs.
     pub fn check(&self) -> Result<(), Mismatch> {
         check_bones(&self.bones)?;

@@ -53,7 +53,7 @@ mod read;
 mod text;
 mod write;
 
-pub use clip::{Abp1Clip, Bone, BoneTracks, MAX_BONES, Track, TrackKind};
+pub use clip::{Abp1Clip, Bone, BoneTracks, Track, TrackKind};
 pub(crate) use read::frames_of;
 pub use read::{AbsentBone, read, unit};
 pub use text::{read_text, write_text};

@@ -1,9 +1,8 @@
 //! Budget, size on the screen and preferences of a decision, from a context of use.
 
 use super::choice::{Budget, ChoiceRequest};
-use super::levels::LimitSource;
 use super::part::{Part, PartKind, pixels_per_metre};
-use super::preference::{Preference, Rule};
+use super::preference::{LimitSource, Preference, Rule};
 use super::ratio::NetworkShare;
 use crate::description::{Context, Modality};
 use articula_core::Viewport;

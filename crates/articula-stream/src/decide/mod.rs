@@ -10,9 +10,7 @@
 //! - [`decide()`]: the whole decision, with [`Preference`]s, the fall to another [`Representation`], and
 //!   its reasons; [`Assumptions`], [`weigh_parts`] and [`wanted_modality`] take its input from a
 //!   [`Context`](crate::description::Context)
-//! - [`combine`]: one level from the limits of network, device, view and user
-//! - [`ThroughputEstimator`], [`LayerSwitch`], [`TableSwitch`], [`FrameTimeSwitch`]: what changes over
-//!   time, as state machines on the caller's clock
+//! - [`ThroughputEstimator`], [`LayerSwitch`], [`FrameTimeSwitch`]: what changes over time, as state machines on the caller's clock
 //! - [`simulate()`]: plays content over a bandwidth trace under a [`Policy`]
 //!
 //! Levels count from 0, the finest.
@@ -24,7 +22,6 @@ mod decision;
 mod decision_tests;
 mod explanation;
 mod from_context;
-mod levels;
 mod part;
 mod preference;
 mod ratio;
@@ -39,17 +36,13 @@ pub use choice::{
 };
 pub use decision::{Bound, Decision, DecisionRequest, NextStep, Outcome, PartDecision, decide};
 pub use from_context::{Assumptions, wanted_modality, weigh_parts};
-pub use levels::{LevelChoice, LevelLimit, LimitSource, combine};
-pub use part::{
-    Layer, LayeredOption, MAX_OPTIONS, MAX_PARTS, Part, PartKind, PartOption, options_of_layers,
-    pixels_per_metre,
-};
-pub use preference::{Preference, Rule};
+pub use part::{MAX_OPTIONS, Part, PartKind, PartOption, pixels_per_metre};
+pub use preference::{LimitSource, Preference, Rule};
 pub use ratio::{DeviceBenchmark, NetworkShare, finest_level};
-pub use representation::{Representation, choose_representation};
+pub use representation::Representation;
 pub use simulate::{
     Action, BufferBased, Content, Delivery, FixedVersion, Layered, Playback, PlayerView, Policy,
     RateBased, Request, Segment, Shown, SimulationOptions, ThesisRatio, Versions, simulate,
 };
-pub use switching::{FrameTimeSwitch, LayerSwitch, SwitchRule, TableSwitch};
+pub use switching::{FrameTimeSwitch, LayerSwitch, SwitchRule};
 pub use throughput::{ThroughputEstimator, ThroughputOptions, Transfer};

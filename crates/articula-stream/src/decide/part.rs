@@ -6,7 +6,7 @@
 use articula_core::{Mismatch, Viewport};
 
 /// Maximum number of parts of one decision.
-pub const MAX_PARTS: usize = 16;
+pub(super) const MAX_PARTS: usize = 16;
 /// Maximum number of options of a part.
 pub const MAX_OPTIONS: usize = 255;
 /// Bytes and nanoseconds of an option from which on it is refused; sums then never overflow.
@@ -132,131 +132,9 @@ pub fn pixels_per_metre(viewport: &Viewport, distance_m: f32) -> f64 {
     f64::from(viewport.pixels_per_metre(distance_m))
 }
 
-/// What a layer adds to those that it needs.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Layer {
-    /// State of the part with this layer and all that it needs; `bytes_once` and `bytes_per_second`
-    /// are those of the layer **alone**.
-    pub option: PartOption,
-    /// Indices of the layers that it builds on, such as the next coarser tier.
-    pub needs: Vec<usize>,
-}
-
-/// An option made of layers, and the layers that it sends.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LayeredOption {
-    /// The option, with the bytes of all its layers.
-    pub option: PartOption,
-    /// Indices of the layers, rising.
-    pub layers: Vec<usize>,
-}
-
-/// Turns layers into options: one for each layer, with everything that it needs, directly or not.
-///
-/// ```
-/// use articula_stream::decide::{Layer, PartOption, options_of_layers};
-///
-/// let layer = |bytes_once, needs: &[usize]| Layer {
-///     option: PartOption { bytes_once, ..Default::default() },
-///     needs: needs.to_vec(),
-/// };
-/// let options = options_of_layers(&[layer(100, &[]), layer(30, &[0]), layer(9, &[1])])?;
-/// assert_eq!(options[2].option.bytes_once, 139);
-/// assert_eq!(options[2].layers, [0, 1, 2]);
-/// # Ok::<(), articula_core::Mismatch>(())
-/// ```
-///
-/// # Errors
-/// If there are more than [`MAX_OPTIONS`] layers, a layer needs one that does not exist, or needs
-/// itself.
-pub fn options_of_layers(layers: &[Layer]) -> Result<Vec<LayeredOption>, Mismatch> {
-    if layers.len() > MAX_OPTIONS {
-        let what = format!("{}, expected at most {MAX_OPTIONS}", layers.len());
-        return Err(Mismatch::new("layers", what));
-    }
-    let mut out = Vec::with_capacity(layers.len());
-    for (top, layer) in layers.iter().enumerate() {
-        let mut in_closure = vec![false; layers.len()];
-        let mut open = vec![top];
-        while let Some(at) = open.pop() {
-            for &need in &layers[at].needs {
-                let place = || format!("layers[{at}].needs");
-                match in_closure.get(need) {
-                    None => {
-                        let what = format!("{need}, there are {} layers", layers.len());
-                        return Err(Mismatch::new(place(), what));
-                    }
-                    Some(_) if need == top => {
-                        let what = format!("layer {top} needs itself");
-                        return Err(Mismatch::new(place(), what));
-                    }
-                    Some(true) => {}
-                    Some(false) => {
-                        in_closure[need] = true;
-                        open.push(need);
-                    }
-                }
-            }
-        }
-        in_closure[top] = true;
-        let used: Vec<usize> = (0..layers.len()).filter(|i| in_closure[*i]).collect();
-        let bytes = used.iter().map(|i| layers[*i].option.bytes_once);
-        let rates = used.iter().map(|i| layers[*i].option.bytes_per_second);
-        let option = PartOption {
-            bytes_once: bytes.fold(0, u64::saturating_add),
-            bytes_per_second: rates.sum(),
-            ..layer.option.clone()
-        };
-        out.push(LayeredOption {
-            option,
-            layers: used,
-        });
-    }
-    Ok(out)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn layer(bytes: u64, needs: &[usize]) -> Layer {
-        Layer {
-            option: PartOption {
-                bytes_once: bytes,
-                bytes_per_second: 2.0 * bytes as f64,
-                ..Default::default()
-            },
-            needs: needs.to_vec(),
-        }
-    }
-
-    #[test]
-    fn layers_that_two_others_need_are_sent_once() {
-        // A grid of two groups and two tiers: the fine tier of both needs all four.
-        let all = [
-            layer(1, &[]),
-            layer(10, &[0]),
-            layer(100, &[0]),
-            layer(1000, &[1, 2]),
-        ];
-        let options = options_of_layers(&all).unwrap();
-        let bytes: Vec<u64> = options.iter().map(|o| o.option.bytes_once).collect();
-        assert_eq!(bytes, [1, 11, 101, 1111]);
-        assert_eq!(options[3].option.bytes_per_second, 2222.0);
-        assert_eq!(options[2].layers, [0, 2]);
-    }
-
-    #[test]
-    fn circles_and_missing_layers_are_refused() {
-        let circle = options_of_layers(&[layer(1, &[1]), layer(1, &[0])]);
-        assert_eq!(
-            circle.unwrap_err().to_string(),
-            "layers[1].needs: layer 0 needs itself"
-        );
-        assert!(options_of_layers(&[layer(1, &[7])]).is_err());
-        // A circle below the layer is refused where it is one's own.
-        assert!(options_of_layers(&[layer(1, &[1]), layer(1, &[2]), layer(1, &[1])]).is_err());
-    }
 
     #[test]
     fn numbers_that_are_none_are_refused_by_name() {

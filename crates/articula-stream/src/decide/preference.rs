@@ -3,7 +3,6 @@
 //! Source: thesis 3.2 (user preferences are part of the context). A limit holds; a wish holds as far
 //! as the budget allows and never breaks a limit.
 
-use super::levels::LimitSource;
 use super::part::{Part, PartKind, PartOption};
 
 /// What an option must be like. An option that does not say its level of articulation or its
@@ -36,6 +35,15 @@ impl Rule {
             Self::RegionsWith(mask) => option.regions.is_none_or(|r| r & mask == mask),
         }
     }
+}
+
+/// Who asks for a rule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum LimitSource {
+    /// What can be seen from here.
+    View,
+    /// What the user allows.
+    User,
 }
 
 /// A rule for the parts of a kind.

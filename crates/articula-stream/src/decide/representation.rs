@@ -30,22 +30,7 @@ pub(super) fn supports(capabilities: &[String], needs: &[String]) -> bool {
 /// Returns the index of the representation with the least error among those that the client
 /// supports and whose bytes fit; of equal errors the smaller. `modality` selects those of a kind:
 /// `vector` means `vector/smil` and `vector/player`.
-///
-/// ```
-/// use articula_stream::decide::{Representation, choose_representation};
-///
-/// let form = |modality: &str, bytes, error_px, need: &str| Representation {
-///     modality: modality.into(),
-///     bytes,
-///     error_px,
-///     needs: vec![need.into()],
-/// };
-/// let forms = [form("portrait", 40_000, 0.8, "canvas"), form("vector/smil", 9_000, 2.5, "svg")];
-/// let client = ["svg".to_owned()];
-/// assert_eq!(choose_representation(&forms, 50_000, &client, None), Some(1));
-/// assert_eq!(choose_representation(&forms, 5_000, &client, None), None);
-/// ```
-pub fn choose_representation(
+pub(super) fn choose_representation(
     representations: &[Representation],
     bytes: u64,
     capabilities: &[String],
@@ -68,4 +53,27 @@ pub fn choose_representation(
             .then(a.bytes.cmp(&b.bytes))
     };
     (0..representations.len()).filter(fits).min_by(by)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_error_that_fits_is_chosen() {
+        let form = |modality: &str, bytes, error_px, need: &str| Representation {
+            modality: modality.into(),
+            bytes,
+            error_px,
+            needs: vec![need.into()],
+        };
+        let forms = [
+            form("portrait", 40_000, 0.8, "canvas"),
+            form("vector/smil", 9_000, 2.5, "svg"),
+        ];
+        let client = ["svg".to_owned()];
+        let within = |bytes| choose_representation(&forms, bytes, &client, None);
+        assert_eq!(within(50_000), Some(1));
+        assert_eq!(within(5_000), None);
+    }
 }

@@ -111,63 +111,6 @@ impl LayerSwitch {
     }
 }
 
-/// Row of a look-up table, with hysteresis: changes only after the input stayed past a boundary by a
-/// margin for a while, so that a slider at a boundary does not flicker.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TableSwitch {
-    /// Inputs from which on each further row holds, rising.
-    boundaries: Vec<f64>,
-    margin: f64,
-    hold_secs: f64,
-    row: usize,
-    /// Whether the input is beyond the margin, upwards or downwards, and since when.
-    beyond: Option<(bool, f64)>,
-}
-
-impl TableSwitch {
-    /// Margin by which a boundary must be passed.
-    pub const MARGIN: f64 = 0.1;
-    /// Time for which it must be passed, seconds.
-    pub const HOLD_SECS: f64 = 0.5;
-
-    /// Starts at the row of an input. `boundaries` are sorted.
-    pub fn new(mut boundaries: Vec<f64>, input: f64) -> Self {
-        boundaries.sort_by(f64::total_cmp);
-        let row = boundaries.partition_point(|b| *b <= input);
-        Self {
-            boundaries,
-            margin: Self::MARGIN,
-            hold_secs: Self::HOLD_SECS,
-            row,
-            beyond: None,
-        }
-    }
-
-    /// Returns the row for an input at a time: the number of boundaries that it has passed.
-    pub fn update(&mut self, now_secs: f64, input: f64) -> usize {
-        let passed = |factor: f64| self.boundaries.partition_point(|b| b * factor <= input);
-        let (up, down) = (passed(1.0 + self.margin), passed(1.0 - self.margin));
-        let (is_up, target) = match () {
-            () if up > self.row => (true, up),
-            () if down < self.row => (false, down),
-            () => {
-                self.beyond = None;
-                return self.row;
-            }
-        };
-        let since = match self.beyond {
-            Some((was_up, since)) if was_up == is_up => since,
-            _ => now_secs,
-        };
-        self.beyond = Some((is_up, since));
-        if now_secs - since >= self.hold_secs {
-            self.row = target;
-            self.beyond = None;
-        }
-        self.row
-    }
-}
-
 /// Number of layers that the device can show, by measured frame times: fewer while a frame takes
 /// longer than the budget, more after it took less than 70 % of it for 2 s.
 #[derive(Debug, Clone, PartialEq)]
@@ -274,23 +217,6 @@ mod tests {
                 3
             );
         }
-    }
-
-    #[test]
-    fn a_slider_at_a_boundary_does_not_flicker() {
-        let mut table = TableSwitch::new(vec![16e3, 32e3, 64e3], 40e3);
-        for i in 0..100_i32 {
-            let input = if i % 2 == 0 { 66e3 } else { 62e3 };
-            assert_eq!(table.update(f64::from(i) / 10.0, input), 2);
-        }
-        // Past it by 10 % for less than half a second, then for half a second.
-        assert_eq!(table.update(20.0, 71e3), 2);
-        assert_eq!(table.update(20.4, 60e3), 2);
-        assert_eq!(table.update(20.5, 71e3), 2);
-        assert_eq!(table.update(21.0, 71e3), 3);
-        // Down to the least: one change, to the row of the input.
-        assert_eq!(table.update(22.0, 10e3), 3);
-        assert_eq!(table.update(22.5, 10e3), 0);
     }
 
     #[test]

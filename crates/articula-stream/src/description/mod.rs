@@ -27,7 +27,7 @@ mod xml;
 
 pub use aqos::{
     Aqos, Axis, BANDWIDTH, Column, Constraints, Content, Decided, Expression, IoPin, LAYERS,
-    LookUpTable, Module, Objective, Pins, StackFunction, Term, UtilityFunction, context_pins,
+    LookUpTable, Module, Objective, Pins, StackFunction, Term, UtilityFunction,
 };
 pub use bsd_link::BsdLink;
 pub use context::{Context, Modality, Network, Preferences, Terminal, View};

@@ -27,14 +27,6 @@ pub fn open(path: impl AsRef<Path>) -> Result<CharacterFile> {
     Files::new(Existing::Kept).open(path.as_ref(), &OpenOptions::default())
 }
 
-/// Opens a character file with options.
-///
-/// # Errors
-/// See [`Files::open`].
-pub fn open_with(path: impl AsRef<Path>, options: &OpenOptions) -> Result<CharacterFile> {
-    Files::new(Existing::Kept).open(path.as_ref(), options)
-}
-
 /// Lists the plain files of a folder, sorted by name, without hidden files and subfolders.
 ///
 /// # Errors

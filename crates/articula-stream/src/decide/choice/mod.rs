@@ -123,7 +123,7 @@ pub struct Choice {
 /// ```
 ///
 /// # Errors
-/// If there are more than [`MAX_PARTS`] parts, or a number of a part or of the request is negative,
+/// If there are more than 16 parts, or a number of a part or of the request is negative,
 /// NaN or too large.
 pub fn choose(parts: &[Part], request: &ChoiceRequest) -> Result<Option<Choice>, Mismatch> {
     check(parts, request)?;

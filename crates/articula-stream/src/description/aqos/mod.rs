@@ -26,7 +26,8 @@ pub type Pins = BTreeMap<String, f64>;
 pub struct IoPin {
     /// Its name.
     pub id: String,
-    /// The term of the context that it takes its value from; see [`context_pins`].
+    /// The term of the context that it takes its value from: the name of a field of a
+    /// [`Context`], `usable_bps` or a region of its emphasis, without regard to case, `-` and `_`.
     pub semantics: Option<String>,
     /// Values to choose from, of a pin that is neither told nor a result.
     pub choices: Vec<f64>,
@@ -219,7 +220,7 @@ fn same(a: &str, b: &str) -> bool {
 /// What is known of a context, by the names of its fields ([`Context`]); besides `usable_bps`, of
 /// which `bandwidth` and `available_bandwidth` are other names, and the weights of
 /// [`emphasis`](super::Preferences::emphasis).
-pub fn context_pins(context: &Context) -> Vec<(&'static str, f64)> {
+fn context_pins(context: &Context) -> Vec<(&'static str, f64)> {
     let (n, t, v) = (&context.network, &context.terminal, &context.view);
     let wishes = &context.preferences;
     let usable = n.usable_bps();

@@ -111,7 +111,9 @@ fn key_times(cache: &PoseCache, level: usize, member: &Member) -> Option<Vec<f32
 /// The nearest of the equal parts of the clip that a member plays.
 fn nearest_step(figure: &Figure, cache: &PoseCache, level: usize, member: &Member) -> f32 {
     let (clip, secs) = member.shows;
-    let spans = cache.step_count(clip, level).unwrap() - 1;
+    // The palettes of the parts follow each other.
+    let [first, last] = [0.0, f32::MAX].map(|t| cache.nearest(clip, level, t).unwrap() as usize);
+    let spans = (last - first) / cache.matrices(level);
     let end_secs = figure.asset.clips[clip].duration_secs();
     let steps = (0..=spans).map(|i| end_secs * i as f32 / spans as f32);
     let apart = |step: &f32| (step - secs).abs();
