@@ -230,6 +230,27 @@ impl Graph {
         whole.methods.iter().filter(is_of).copied().collect()
     }
 
+    /// The type of a method.
+    pub(super) fn type_of(&self, item: usize) -> Option<usize> {
+        let (file, Item { kind, .. }) = &self.items[item];
+        let Kind::Method { of } = kind else {
+            return None;
+        };
+        let group = &self.groups[self.defined(*file, of)?];
+        group.items.first().copied()
+    }
+
+    /// The items that those of another crate name, or those of a program.
+    pub(super) fn named_by_other_crates(&self) -> HashSet<usize> {
+        let crate_of = |file: usize| self.modules[file].split("::").next();
+        let mut named = HashSet::new();
+        for ((from, _), edges) in self.items.iter().zip(&self.edges) {
+            let items = edges.iter().flat_map(|group| &self.groups[*group].items);
+            named.extend(items.filter(|i| crate_of(self.items[**i].0) != crate_of(*from)));
+        }
+        named
+    }
+
     /// The group of a full path.
     fn definer(&self, path: &str) -> Option<usize> {
         let mut path = path.to_owned();

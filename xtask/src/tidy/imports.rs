@@ -120,6 +120,11 @@ pub(super) fn code_of(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
+/// Returns the tests at the end of a source.
+pub(super) fn tests_of(text: &str) -> &str {
+    tests_at(text).map_or("", |at| &text[at..])
+}
+
 /// Returns the position of the first module of tests that has a body.
 fn tests_at(text: &str) -> Option<usize> {
     const MARK: &str = "#[cfg(test)]\nmod ";

@@ -47,6 +47,10 @@ pub(super) struct Item {
     pub(super) line: usize,
     /// Whether it is `pub` without a restriction.
     pub(super) is_public: bool,
+    /// Whether it is a function, a constant or a static outside of an implementation.
+    pub(super) is_value: bool,
+    /// Whether it is a method that returns its type.
+    pub(super) returns_itself: bool,
     /// Single words.
     pub(super) words: HashSet<String>,
     /// Paths of several words, as written.
@@ -57,10 +61,23 @@ pub(super) struct Item {
 
 impl Item {
     fn new(kind: Kind, name: &str, line: usize, text: &str) -> Self {
+        let is_of = |word| matches!(word, "fn" | "const" | "static");
+        let is_value =
+            kind == Kind::Named && keyword(text.trim_start()).is_some_and(|(word, _)| is_of(word));
+        let returned = text
+            .split('{')
+            .next()
+            .and_then(|head| head.rsplit_once("->"));
+        let returns_itself = returned.is_some_and(|(_, returned)| match &kind {
+            Kind::Method { of } => returned.contains("Self") || returned.contains(of.as_str()),
+            _ => false,
+        });
         let mut item = Self {
             kind,
             name: name.to_owned(),
             line,
+            is_value,
+            returns_itself,
             is_public: text.trim_start().starts_with("pub "),
             words: HashSet::new(),
             paths: HashSet::new(),

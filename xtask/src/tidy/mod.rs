@@ -11,6 +11,7 @@ mod reach;
 mod record;
 mod source;
 mod tree;
+mod unused;
 
 use anyhow::Result;
 use std::fmt;
@@ -69,6 +70,7 @@ const RULES: &[fn(&Tree) -> Vec<Fault>] = &[
     source::machine_paths,
     record::thesis_map,
     reach::thesis_map,
+    unused::unused,
     record::data_readmes,
     record::links,
     record::schemas,
