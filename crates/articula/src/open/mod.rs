@@ -13,6 +13,7 @@ mod format;
 mod human;
 mod keep_meshes;
 mod motion;
+mod motion_stream;
 mod mp4;
 mod options;
 mod size;
