@@ -170,7 +170,7 @@ impl DriftController {
     ///
     /// # Panics
     /// If the pose belongs to another rig.
-    pub fn look_from(&mut self, directions: &[Vec3], model: &ModelPose) {
+    pub fn set_view_directions(&mut self, directions: &[Vec3], model: &ModelPose) {
         let Some(seen) = &mut self.seen else { return };
         assert_eq!(
             model.matrices.len(),
@@ -646,7 +646,7 @@ mod tests {
                 let model = ModelPose {
                     matrices: vec![matrix],
                 };
-                drift.look_from(views, &model);
+                drift.set_view_directions(views, &model);
             }
             frame(&mut drift, 3.0, &wanted);
             drift.states().shown() == &wanted

@@ -7,6 +7,7 @@ mod graph;
 mod imports;
 mod items;
 mod manifest;
+mod names;
 mod reach;
 mod record;
 mod source;
@@ -62,6 +63,7 @@ const RULES: &[fn(&Tree) -> Vec<Fault>] = &[
     citations::readme_results,
     manifest::crate_edges,
     manifest::reasons,
+    names::pictures,
     source::length,
     source::head,
     source::module_names,

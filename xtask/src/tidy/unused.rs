@@ -90,6 +90,13 @@ pub(crate) fn unused(tree: &Tree) -> Vec<Fault> {
     faults
 }
 
+/// Whether a file is a source of a library.
+pub(super) fn is_library(path: &str) -> bool {
+    let inner = path.strip_prefix("crates/");
+    let name = inner.and_then(|inner| inner.split_once("/src/"));
+    name.is_some_and(|(name, _)| LIBRARIES.contains(&name.replace('-', "_").as_str()))
+}
+
 /// `name`, or `Type::name` of a method.
 fn full_name(item: &Item) -> String {
     match &item.kind {

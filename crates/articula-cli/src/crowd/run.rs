@@ -310,7 +310,7 @@ fn look(scene: &ScenePlayer, watched: &mut [Watched<'_>]) -> anyhow::Result<Erro
         characters: Vec::new(),
     };
     for (c, (watched, player)) in watched.iter_mut().zip(scene.crowds()).enumerate() {
-        let sample = watched.meter.measure(player, secs, &scene.sights(c)?);
+        let sample = watched.meter.measure(player, secs, &scene.error_views(c)?);
         let members = sample.characters.iter().map(|e| CharacterError {
             character: scene.member(c, e.character),
             ..*e

@@ -19,7 +19,7 @@ impl MotionController for DriftController {
         if frame.cut || frame.clip.is_none() {
             self.invalidate();
         }
-        self.look_from(frame.view_directions, frame.model);
+        self.set_view_directions(frame.view_directions, frame.model);
         let due = DriftController::due(self, frame.now_secs, scales(frame));
         due.union(&frame.layered).intersection(&frame.allowed)
     }

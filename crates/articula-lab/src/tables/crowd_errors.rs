@@ -184,8 +184,8 @@ fn played_as(asset: &CrowdAsset, play: Play, frames: usize) -> Result<(f64, Erro
         player.plan(step)?;
         player.crowds_mut()[0].evaluate();
         if is_counted && (frame - WARM_UP).is_multiple_of(LOOK_EVERY) {
-            let sights = player.sights(0)?;
-            samples.push(meter.measure(&player.crowds()[0], player.secs(), &sights));
+            let error_views = player.error_views(0)?;
+            samples.push(meter.measure(&player.crowds()[0], player.secs(), &error_views));
             for draw in player.crowds()[0].draws() {
                 used += draw.matrices * draw.instances.len();
                 shown += draw.instances.len();

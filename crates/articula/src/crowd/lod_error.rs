@@ -118,20 +118,20 @@ impl ErrorSummary {
 /// A camera by which errors are measured, and the occluded fraction of each character in its picture;
 /// missing ones count as 0.
 #[derive(Debug, Clone, Copy)]
-pub struct Sight<'a> {
+pub struct ErrorView<'a> {
     /// The camera.
     pub camera: Camera,
     /// Occluded fraction of each character of the crowd.
     pub occluded: &'a [f32],
 }
 
-impl Sight<'_> {
+impl ErrorView<'_> {
     fn hides(&self, character: usize) -> bool {
         self.occluded.get(character).is_some_and(|o| *o >= 1.0)
     }
 }
 
-impl From<Camera> for Sight<'_> {
+impl From<Camera> for ErrorView<'_> {
     fn from(camera: Camera) -> Self {
         let occluded = &[];
         Self { camera, occluded }
@@ -203,9 +203,9 @@ impl ErrorMeter {
         &mut self,
         player: &CrowdPlayer,
         secs: f64,
-        sights: &[Sight<'_>],
+        views: &[ErrorView<'_>],
     ) -> ErrorSample {
-        let visible = visible(player, sights);
+        let visible = visible(player, views);
         // A new sample for each call.
         let seed = self.seed.wrapping_add(self.looks.wrapping_mul(0x9e37_79b9));
         self.looks += 1;
@@ -223,7 +223,7 @@ impl ErrorMeter {
             if !is_sampled && distance_m >= NEAR_METRES {
                 continue;
             }
-            let open = sights.iter().filter(|sight| !sight.hides(character));
+            let open = views.iter().filter(|view| !view.hides(character));
             let open: Vec<&Camera> = open.map(|sight| &sight.camera).collect();
             let (level, pixels) = if let Some(draw) = impostors[character] {
                 let pixels = self.of_impostor(player, draw, &open);
@@ -407,7 +407,7 @@ enum Which {
 
 /// Characters that are shown and inside the view of a camera, with their distances from the nearest that
 /// sees them.
-fn visible(player: &CrowdPlayer, sights: &[Sight<'_>]) -> Vec<(usize, f32)> {
+fn visible(player: &CrowdPlayer, views: &[ErrorView<'_>]) -> Vec<(usize, f32)> {
     let (crowd, bounds) = (player.crowd(), &player.asset().model().parts().bounds);
     let places = player
         .positions()
@@ -429,7 +429,7 @@ fn visible(player: &CrowdPlayer, sights: &[Sight<'_>]) -> Vec<(usize, f32)> {
     let margins = vec![0.0; spheres.len()];
     let mut seen = vec![CullResult::default(); spheres.len()];
     let mut nearest = vec![f32::INFINITY; spheres.len()];
-    for Sight { camera, occluded } in sights {
+    for ErrorView { camera, occluded } in views {
         if let Ok(bodies) = Bodies::new(&spheres, &margins) {
             let view = View::of(camera).with_occluded(occluded);
             cull(&[view], bodies, &mut seen);

@@ -53,14 +53,14 @@ pub use hidden::Hiders;
 pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelStatistics, LevelTally, MeasuredError};
 pub use lod_error::{
-    CharacterError, ErrorMeter, ErrorSample, ErrorSummary, NEAR_METRES, PartsError, Sight,
+    CharacterError, ErrorMeter, ErrorSample, ErrorSummary, ErrorView, NEAR_METRES, PartsError,
 };
 pub use mesh_lods::MAX_MESH_LEVELS;
 pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 pub use palette_hash::PaletteHash;
 pub use palettes::PaletteSlice;
 pub use player::{CrowdPlayer, FramePart, PoseSource};
-pub use scene_cast::{CastMember, MAX_CAST, MAX_VIEWS};
+pub use scene_cast::{CharacterEntry, MAX_CHARACTERS, MAX_VIEWS};
 pub use scene_file::{MAX_MEMBERS, ParsedScene, read_scene, write_scene};
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 

@@ -14,11 +14,11 @@ use serde::{Deserialize, Serialize};
 pub const MAX_VIEWS: usize = 8;
 
 /// Maximum number of different characters in a scene.
-pub const MAX_CAST: usize = 256;
+pub const MAX_CHARACTERS: usize = 256;
 
 /// One of the different characters of a scene: what scene files call it, and its clips.
 #[derive(Debug, Clone, Copy)]
-pub struct CastMember<'a> {
+pub struct CharacterEntry<'a> {
     /// Its name in scene files.
     pub name: &'a str,
     /// Its file as a scene file names it, relative to the folder of that; `None` to leave it out.
@@ -37,7 +37,7 @@ pub(super) struct CastFile {
 
 impl CastFile {
     /// The entry of a character; `None` without a file.
-    pub(super) fn of(member: &CastMember<'_>) -> Option<Self> {
+    pub(super) fn of(member: &CharacterEntry<'_>) -> Option<Self> {
         Some(Self {
             name: member.name.to_owned(),
             file: member.file?.to_owned(),
@@ -47,9 +47,9 @@ impl CastFile {
 
 /// Checks that every character has a name of its own.
 pub(super) fn check_cast(cast: &[CastFile]) -> Result<()> {
-    ensure(cast.len() <= MAX_CAST, || {
+    ensure(cast.len() <= MAX_CHARACTERS, || {
         format!(
-            "characters: {} entries; give at most {MAX_CAST}",
+            "characters: {} entries; give at most {MAX_CHARACTERS}",
             cast.len()
         )
     })?;
@@ -65,7 +65,7 @@ pub(super) fn check_cast(cast: &[CastFile]) -> Result<()> {
 }
 
 /// Index of a member's character in a cast. It need not be named where there is only one.
-pub(super) fn cast_of(name: Option<&str>, cast: &[CastMember<'_>]) -> Result<usize> {
+pub(super) fn cast_of(name: Option<&str>, cast: &[CharacterEntry<'_>]) -> Result<usize> {
     if let (None, [_]) = (name, cast) {
         return Ok(0);
     }

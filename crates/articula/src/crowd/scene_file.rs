@@ -6,7 +6,7 @@
 //! plaza scene.
 
 use super::scene_cast::{
-    CastFile, CastMember, ViewFile, cast_of, check_cast, usual_fov_deg, usual_viewport,
+    CastFile, CharacterEntry, ViewFile, cast_of, check_cast, usual_fov_deg, usual_viewport,
 };
 use super::scene_roles::{CueFile, RolesFile, WallFile, ZoneFile};
 use crate::camera_path::{Key, ensure, malformed};
@@ -133,7 +133,7 @@ impl ParsedScene {
     ///
     /// # Errors
     /// An [`Error`] that names the entry and its fault.
-    pub fn resolve(self, cast: &[CastMember<'_>], display_hz: f64) -> Result<Scene> {
+    pub fn resolve(self, cast: &[CharacterEntry<'_>], display_hz: f64) -> Result<Scene> {
         let file = self.file;
         let first = ViewFile {
             viewport: file.viewport,
@@ -173,11 +173,11 @@ impl ParsedScene {
 ///
 /// # Errors
 /// As both.
-pub fn read_scene(bytes: &[u8], cast: &[CastMember<'_>], display_hz: f64) -> Result<Scene> {
+pub fn read_scene(bytes: &[u8], cast: &[CharacterEntry<'_>], display_hz: f64) -> Result<Scene> {
     ParsedScene::parse(bytes)?.resolve(cast, display_hz)
 }
 
-fn member(file: &MemberFile, cast: &[CastMember<'_>]) -> Result<SceneCharacter> {
+fn member(file: &MemberFile, cast: &[CharacterEntry<'_>]) -> Result<SceneCharacter> {
     let character = cast_of(file.character.as_deref(), cast)?;
     let clips = cast[character].clips;
     let near = file.position.iter().all(|p| p.abs() <= FARTHEST_METRES);
@@ -234,7 +234,7 @@ fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> Result<ClipPl
 
 /// Writes a scene as JSON, with the names of characters and clips. The characters of the cast that have
 /// a file are listed with it.
-pub fn write_scene(scene: &Scene, cast: &[CastMember<'_>]) -> Vec<u8> {
+pub fn write_scene(scene: &Scene, cast: &[CharacterEntry<'_>]) -> Vec<u8> {
     let importance = &scene.importance;
     let role = |member: usize| {
         let role = importance.role_of.get(member).copied().flatten()?;
@@ -303,7 +303,7 @@ mod tests {
     fn scene(members: &str) -> Result<Scene> {
         let text = format!("{{{CAMERA}, \"members\": [{members}]}}");
         let clips = clips();
-        let cast = CastMember {
+        let cast = CharacterEntry {
             name: "man",
             file: None,
             clips: &clips,

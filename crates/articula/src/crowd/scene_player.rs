@@ -5,7 +5,7 @@
 
 use super::asset::CrowdAsset;
 use super::hidden::{Hidden, Hiders};
-use super::lod_error::Sight;
+use super::lod_error::ErrorView;
 use super::player::CrowdPlayer;
 use super::scene_cast::MAX_VIEWS;
 use crate::error::{Error, Result};
@@ -252,16 +252,16 @@ impl ScenePlayer {
     ///
     /// # Panics
     /// If there is no such crowd.
-    pub fn sights(&self, crowd: usize) -> Result<Vec<Sight<'_>>> {
+    pub fn error_views(&self, crowd: usize) -> Result<Vec<ErrorView<'_>>> {
         let cameras = self.cameras()?.into_iter().enumerate();
-        let sights = cameras.map(|(view, camera)| Sight {
+        let error_views = cameras.map(|(view, camera)| ErrorView {
             camera,
             occluded: match &self.hidden {
                 Some(hidden) => hidden.occluded(view, crowd),
                 None => &[],
             },
         });
-        Ok(sights.collect())
+        Ok(error_views.collect())
     }
 
     /// Sets the tolerance of the next frames in pixels.

@@ -2,7 +2,7 @@
 //!
 //! The format is described in `docs/formats/scene.md`.
 
-use super::scene_cast::CastMember;
+use super::scene_cast::CharacterEntry;
 use crate::camera_path::ensure;
 use crate::error::{Context, Error, Result};
 use crate::open::choose;
@@ -54,7 +54,7 @@ impl RolesFile {
     pub(super) fn read(
         &self,
         roles_of: &[Option<&str>],
-        cast: &[CastMember<'_>],
+        cast: &[CharacterEntry<'_>],
     ) -> Result<(SceneImportance, Vec<Wall>)> {
         for (what, count) in [
             ("roles", self.roles.len()),
@@ -115,7 +115,7 @@ impl RolesFile {
     }
 
     /// Importance of each clip of each character; empty if all are neutral.
-    fn clips(&self, cast: &[CastMember<'_>]) -> Result<Vec<Vec<f32>>> {
+    fn clips(&self, cast: &[CharacterEntry<'_>]) -> Result<Vec<Vec<f32>>> {
         let mut importance = SceneImportance::default();
         let names: Vec<Vec<&str>> = cast
             .iter()
@@ -163,7 +163,7 @@ impl RolesFile {
     pub(super) fn of(
         importance: &SceneImportance,
         walls: &[Wall],
-        cast: &[CastMember<'_>],
+        cast: &[CharacterEntry<'_>],
     ) -> Self {
         let usual = |role: &Role| USUAL_ROLES.contains(&(role.name.as_str(), role.importance));
         let roles = importance.roles.iter().filter(|r| !usual(r));

@@ -2,7 +2,7 @@
 
 use crate::crowd::{asset_of, human};
 use articula::crowd::{
-    Budget, CacheUse, CastMember, CrowdAsset, CrowdOptions, CrowdPlayer, DetailGoal, Hiders,
+    Budget, CacheUse, CharacterEntry, CrowdAsset, CrowdOptions, CrowdPlayer, DetailGoal, Hiders,
     ParsedScene, SceneOptions, ScenePlayer, read_scene, write_scene,
 };
 use articula_build::{Plaza, Scene, plaza};
@@ -31,9 +31,9 @@ fn make_cast() -> Vec<CrowdAsset> {
     vec![all, asset_of(human(), &few)]
 }
 
-fn members<'a>(cast: &'a [CrowdAsset], names: &[&'a str]) -> Vec<CastMember<'a>> {
+fn members<'a>(cast: &'a [CrowdAsset], names: &[&'a str]) -> Vec<CharacterEntry<'a>> {
     let each = cast.iter().zip(names);
-    each.map(|(asset, name)| CastMember {
+    each.map(|(asset, name)| CharacterEntry {
         name,
         file: None,
         clips: asset.clips(),

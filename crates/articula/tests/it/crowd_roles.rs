@@ -2,7 +2,7 @@
 
 use crate::crowd::{asset_of, human, human_asset};
 use articula::crowd::{
-    CacheUse, Camera, CastMember, CrowdAsset, CrowdEvent, CrowdOptions, CrowdPlayer, Culling,
+    CacheUse, Camera, CharacterEntry, CrowdAsset, CrowdEvent, CrowdOptions, CrowdPlayer, Culling,
     DetailGoal, Hiders, SceneOptions, ScenePlayer, View, Viewport, read_scene, write_scene,
 };
 use articula_build::Scene;
@@ -17,8 +17,8 @@ const OPTIONS: SceneOptions = SceneOptions {
 };
 
 /// A cast of one.
-fn cast(asset: &CrowdAsset) -> CastMember<'_> {
-    CastMember {
+fn cast(asset: &CrowdAsset) -> CharacterEntry<'_> {
+    CharacterEntry {
         name: "human",
         file: None,
         clips: asset.clips(),

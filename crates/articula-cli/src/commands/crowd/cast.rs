@@ -4,7 +4,7 @@ use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::console::Console;
 use crate::{fault, files, open};
 use anyhow::Context;
-use articula::crowd::{CastMember, CrowdAsset, CrowdOptions, MAX_CAST, ParsedScene};
+use articula::crowd::{CharacterEntry, CrowdAsset, CrowdOptions, MAX_CHARACTERS, ParsedScene};
 use articula_core::Clip;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -58,9 +58,9 @@ impl CastArgs {
                 "the scene file names its characters; {mend}"
             )));
         }
-        if self.files.len() > MAX_CAST {
+        if self.files.len() > MAX_CHARACTERS {
             let count = self.files.len();
-            let what = format!("{count} different characters, at most {MAX_CAST}");
+            let what = format!("{count} different characters, at most {MAX_CHARACTERS}");
             return Err(fault::usage(what));
         }
         if !named.is_empty() {
@@ -117,9 +117,9 @@ impl CastArgs {
 pub(super) fn members<'a>(
     cast: &'a [CastAsset],
     relative: &'a [Option<String>],
-) -> Vec<CastMember<'a>> {
+) -> Vec<CharacterEntry<'a>> {
     let each = cast.iter().zip(relative);
-    let member = each.map(|(character, file)| CastMember {
+    let member = each.map(|(character, file)| CharacterEntry {
         name: &character.file.name,
         file: file.as_deref(),
         clips: character.asset.clips(),

@@ -189,7 +189,7 @@ fn ours(
                 characters: Vec::new(),
             };
             for (c, (meter, crowd)) in meters.iter_mut().zip(player.crowds()).enumerate() {
-                let sample = meter.measure(crowd, secs, &player.sights(c)?);
+                let sample = meter.measure(crowd, secs, &player.error_views(c)?);
                 for mut character in sample.characters {
                     character.character = player.member(c, character.character);
                     all.characters.push(character);

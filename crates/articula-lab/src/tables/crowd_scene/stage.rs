@@ -2,7 +2,7 @@
 
 use super::{Run, SEED};
 use anyhow::{Context, Result};
-use articula::crowd::{CastMember, CrowdAsset, CrowdOptions};
+use articula::crowd::{CharacterEntry, CrowdAsset, CrowdOptions};
 use articula::inspect::inspect;
 use articula::{Executor, Figure};
 use articula_build::evaluate::CameraKey;
@@ -82,8 +82,8 @@ pub(super) struct Member {
 
 impl Member {
     /// What scene files know of it.
-    pub(super) fn of_file<'a>(&'a self, file: &'a str) -> CastMember<'a> {
-        CastMember {
+    pub(super) fn of_file<'a>(&'a self, file: &'a str) -> CharacterEntry<'a> {
+        CharacterEntry {
             name: self.name,
             file: Some(file),
             clips: self.asset.clips(),
