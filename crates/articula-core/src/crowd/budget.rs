@@ -111,11 +111,6 @@ impl Budget {
         }
     }
 
-    /// Changes the limit from the next frame on.
-    pub fn set_limit(&mut self, limit_ns: f64) {
-        self.limit_ns = limit_ns.max(0.0);
-    }
-
     /// Tolerance of this frame in pixels.
     pub fn px(&self) -> f32 {
         self.px

@@ -3,7 +3,7 @@
 //! - [`CrowdAsset`]: a character with its joint and mesh LODs and their errors
 //! - [`CrowdPlayer`]: a crowd of it, with all memory that a frame needs
 //! - [`ScenePlayer`]: a crowd driven by a scene with positions, cameras, cross-fades, roles and walls;
-//!   [`read_scene`]
+//!   [`ParsedScene`]
 //! - [`put_in_place`]: removes root motion from clips that travel
 //! - [`CrowdBuffers`]: what a GPU reads in a frame, as bytes (`docs/formats/crowd-buffers.md`); [`wgsl`]:
 //!   shaders that read them
@@ -61,7 +61,7 @@ pub use palette_hash::PaletteHash;
 pub use palettes::PaletteSlice;
 pub use player::{CrowdPlayer, FramePart, PoseSource};
 pub use scene_cast::{CharacterEntry, MAX_CHARACTERS, MAX_VIEWS};
-pub use scene_file::{MAX_MEMBERS, ParsedScene, read_scene, write_scene};
+pub use scene_file::{MAX_MEMBERS, ParsedScene, write_scene};
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 
 pub use articula_core::crowd::{

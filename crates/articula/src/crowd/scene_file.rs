@@ -168,15 +168,6 @@ impl ParsedScene {
     }
 }
 
-/// Reads a scene from the JSON of `docs/formats/scene.md`, with the characters of a cast that is open
-/// already: both steps of [`ParsedScene`].
-///
-/// # Errors
-/// As both.
-pub fn read_scene(bytes: &[u8], cast: &[CharacterEntry<'_>], display_hz: f64) -> Result<Scene> {
-    ParsedScene::parse(bytes)?.resolve(cast, display_hz)
-}
-
 fn member(file: &MemberFile, cast: &[CharacterEntry<'_>]) -> Result<SceneCharacter> {
     let character = cast_of(file.character.as_deref(), cast)?;
     let clips = cast[character].clips;
@@ -308,7 +299,7 @@ mod tests {
             file: None,
             clips: &clips,
         };
-        read_scene(text.as_bytes(), &[cast], 60.0)
+        ParsedScene::parse(text.as_bytes())?.resolve(&[cast], 60.0)
     }
 
     #[test]
@@ -359,7 +350,8 @@ mod tests {
             assert!(found.contains(place), "{field}: {found}");
         }
         let late = r#"{"camera": [{"t": 1, "eye": [0,0,1], "target": [0,0,0]}], "members": []}"#;
-        let late = read_scene(late.as_bytes(), &[], 60.0).unwrap_err();
+        let late = ParsedScene::parse(late.as_bytes()).unwrap();
+        let late = late.resolve(&[], 60.0).unwrap_err();
         assert!(late.to_string().contains("camera[0].t"));
     }
 }

@@ -1,9 +1,10 @@
 //! Scenes with several characters and several views.
 
 use crate::crowd::{asset_of, human};
+use crate::crowd_roles::read_scene;
 use articula::crowd::{
     Budget, CacheUse, CharacterEntry, CrowdAsset, CrowdOptions, CrowdPlayer, DetailGoal, Hiders,
-    ParsedScene, SceneOptions, ScenePlayer, read_scene, write_scene,
+    ParsedScene, SceneOptions, ScenePlayer, write_scene,
 };
 use articula_build::{Plaza, Scene, plaza};
 use std::sync::{Arc, OnceLock};

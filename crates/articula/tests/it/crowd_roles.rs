@@ -3,12 +3,21 @@
 use crate::crowd::{asset_of, human, human_asset};
 use articula::crowd::{
     CacheUse, Camera, CharacterEntry, CrowdAsset, CrowdEvent, CrowdOptions, CrowdPlayer, Culling,
-    DetailGoal, Hiders, SceneOptions, ScenePlayer, View, Viewport, read_scene, write_scene,
+    DetailGoal, Hiders, ParsedScene, SceneOptions, ScenePlayer, View, Viewport, write_scene,
 };
 use articula_build::Scene;
 use glam::Vec3;
 use std::fmt::Write as _;
 use std::sync::Arc;
+
+/// Reads a scene with the characters that are open already.
+pub(crate) fn read_scene(
+    bytes: &[u8],
+    characters: &[CharacterEntry<'_>],
+    display_hz: f64,
+) -> articula::Result<Scene> {
+    ParsedScene::parse(bytes)?.resolve(characters, display_hz)
+}
 
 const OPTIONS: SceneOptions = SceneOptions {
     detail: DetailGoal::Tolerance(1.0),
