@@ -3,9 +3,9 @@
 use super::append::{exact, float_bytes, object, push, set};
 use super::document::Document;
 use super::extension::ARTICULATION;
+use super::facing::{faces_back, parents, turned_back};
 use super::khr_character::named;
 use super::vrm::expression_nodes;
-use super::vrm::facing::{faces_back, parents, turned_back};
 use crate::written::WriteError;
 use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use serde_json::{Value, json};

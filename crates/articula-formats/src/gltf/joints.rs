@@ -98,7 +98,7 @@ impl Document {
     /// by two skins of which the joint is in different places; the document is then unchanged.
     pub fn remove_joint(&mut self, joint: &OldJoint) -> Result<(), WriteError> {
         let at = || format!("nodes[{}]", joint.node);
-        let parents = super::vrm::facing::parents(&self.json);
+        let parents = super::facing::parents(&self.json);
         let Some(parent) = parents.get(joint.node).copied().flatten() else {
             return Err(WriteError::mismatch(at(), "the node has no parent"));
         };
@@ -204,7 +204,7 @@ impl Document {
     }
 
     fn local(&self, node: usize) -> Affine3A {
-        super::vrm::facing::rest(&self.json["nodes"][node])
+        super::facing::rest(&self.json["nodes"][node])
     }
 
     /// The skins that list one of these nodes.

@@ -42,6 +42,7 @@ mod document;
 mod exchange;
 mod extension;
 mod face;
+mod facing;
 mod fresh;
 mod geometry;
 mod influences;
@@ -202,8 +203,8 @@ fn read_noted(
         expressions,
         credits: credits::read(&reader.root),
     };
-    if vrm::facing::faces_back(&document.json) {
-        vrm::facing::turn(&mut character);
+    if facing::faces_back(&document.json) {
+        facing::turn(&mut character);
     }
     let draft = || {
         khr_character

@@ -3,8 +3,8 @@
 //! Source: ISO/IEC 19775-1, clause 5 (field types); ISO/IEC 19776-1, clause 5 and 19776-2, clause 5
 //! (their encoding).
 
+use super::names::token;
 use super::scene::{NodeId, X3dScene, shortened};
-use super::write::names::token;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use crate::notes::Notes;

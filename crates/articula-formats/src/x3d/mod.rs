@@ -30,6 +30,7 @@ mod influences;
 mod look;
 mod meshes;
 mod motion;
+mod names;
 mod placement;
 mod polygon;
 mod pose;

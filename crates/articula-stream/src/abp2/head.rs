@@ -5,8 +5,8 @@
 use super::grouping::{Group, Grouping};
 use super::pose_unit::MOST_TIERS;
 use super::wavelet::MOST_FRAMES;
+use crate::abp2::face_channels;
 use crate::error::StreamError;
-use crate::face::channels;
 use crate::limits::StreamLimits;
 use articula_core::{ByteReader, MAX_JOINTS, push_varint};
 use std::ops::Range;
@@ -350,7 +350,7 @@ impl Fields<'_> {
             if !head.morph_groups.is_sorted_by(|a, b| a < b) {
                 return Err(self.bad("groups that do not rise by level, then region"));
             }
-            head.morphs = channels::groups_of(&head.morph_groups);
+            head.morphs = face_channels::groups_of(&head.morph_groups);
             return Ok(());
         }
         let targets = self.number("morph targets", 1, MOST_MORPHS)?;

@@ -47,6 +47,7 @@ mod access_unit;
 mod contexts;
 mod decode;
 mod encode;
+pub(crate) mod face_channels;
 mod grouping;
 mod head;
 mod levels;

@@ -5,8 +5,8 @@ use super::head::{MotionHead, PosePlace, ReadHead};
 use super::pose_unit::{self, Kind, MOST_TIERS, REFERENCE, TrackForm};
 use super::rotation::{exp, product};
 use super::step::step;
+use crate::abp2::face_channels;
 use crate::error::StreamError;
-use crate::face::channels;
 use articula_core::{Mismatch, Rig};
 use glam::{Quat, Vec3};
 
@@ -68,7 +68,7 @@ impl TrackPlace {
 impl MotionHead {
     /// Whether a track has numbers that mean nothing in between, so that no tier drops planes of it.
     pub(super) fn is_exact(&self, track: &TrackPlace) -> bool {
-        let is_exact = channels::is_exact(usize::from(track.target));
+        let is_exact = face_channels::is_exact(usize::from(track.target));
         self.face.is_some() && track.kind == Kind::Morph && is_exact
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Form: `docs/formats/afp2.md`, part 2.
 
-use crate::face::channels::{COUNT, field_of, is_exact, metres_per_weight};
+use crate::abp2::face_channels::{COUNT, field_of, is_exact, metres_per_weight};
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{
     Articulation, Binding, JointArticulation, Mesh, Mismatch, Morph, Region, Rig, Transform,

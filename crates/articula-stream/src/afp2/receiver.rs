@@ -1,9 +1,9 @@
 //! Client side of a face stream: bytes as they arrive, frames that refine.
 
 use super::points;
+use crate::abp2::face_channels::{faps_of, field_of, weight_of_unit};
 use crate::abp2::{AccessUnit, MotionHead, MotionReceiver};
 use crate::error::StreamError;
-use crate::face::channels::{faps_of, field_of, weight_of_unit};
 use crate::face::fade::Fade;
 use crate::face::levels::levels_of;
 use crate::face::{DecodedFace, FaceClip, FaceFrame, FaceReadOptions};

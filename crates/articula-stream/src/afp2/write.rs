@@ -1,8 +1,8 @@
 //! Encoding of a clip.
 
 use super::points;
+use crate::abp2::face_channels::{COUNT, field_of, group_of, weight_of_unit};
 use crate::abp2::{EncodedMotion, FaceHead, Group, MotionOptions, UnitOrder, encode_face};
-use crate::face::channels::{COUNT, field_of, group_of, weight_of_unit};
 use crate::face::{FaceClip, FaceFrame};
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion};
 use articula_core::fap_table::FAP_COUNT;

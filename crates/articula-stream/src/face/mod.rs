@@ -1,6 +1,5 @@
 //! Face animations as the face streams have them: values of all parameters, frame by frame.
 
-pub(crate) mod channels;
 mod clip;
 pub(crate) mod fade;
 mod frame;

@@ -6,8 +6,8 @@
 
 use super::super::append::{entries_mut, index, object, push, set, shorts};
 use super::super::document::Document;
+use super::super::facing::{faces_back, parents, rest};
 use super::super::place::{Place, whole};
-use super::super::vrm::facing::{faces_back, parents, rest};
 use super::{CHARACTER, REFERENCE_POSE, SKELETON_MAPPING};
 use crate::joint_map::is_vrm_bone;
 use crate::written::WriteError;

@@ -4,7 +4,6 @@
 //! - `expression_clip`: a clip of expressions as a VRM animation
 //! - `expressions`: named bindings to morph targets, and overrides between expressions
 //! - `meta`: authors, licence and terms
-//! - `facing`: VRM 0.x characters face -Z in their file
 //! - `kept`: data that stays in the document but is not simulated
 //!
 //! The extensions are not part of the core format, so a broken entry is a warning. Source: the VRM
@@ -12,7 +11,6 @@
 
 mod expression_clip;
 mod expressions;
-pub(super) mod facing;
 mod kept;
 mod meta;
 mod nodes;

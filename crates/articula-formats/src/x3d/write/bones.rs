@@ -13,7 +13,7 @@
 //! Keys are kept, since all four are linear in the local values. Exact as long as no joint of the
 //! pose scales its children non-uniformly; then `O` is the nearest orientation.
 
-use super::names::Names;
+use super::super::names::Names;
 use super::zero::{ZeroPose, zero_pose};
 use crate::error::Warning;
 use crate::x3d::placement::Similarity;

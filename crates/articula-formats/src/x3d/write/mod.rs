@@ -1,6 +1,5 @@
 //! Conversion of a character to an H-Anim figure in X3D 4.0, XML encoding.
 //!
-//! - `names`: valid and unique names
 //! - `markup`: tags, attributes, numbers
 //! - `zero`: the pose in which all joints are unrotated
 //! - `bones`: joints with H-Anim fields
@@ -12,7 +11,6 @@
 mod bodies;
 mod bones;
 mod markup;
-pub(in crate::x3d) mod names;
 mod shapes;
 mod tracks;
 mod writer;

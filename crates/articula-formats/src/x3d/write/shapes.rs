@@ -3,9 +3,9 @@
 //! A picture is embedded as a data URI, so that one file is the whole figure. Source: ISO/IEC
 //! 19775-1, 13.3.6 (IndexedFaceSet), clause 12 and 18.
 
+use super::super::names::Names;
 use super::bodies::Body;
 use super::markup::Markup;
-use super::names::Names;
 use crate::uri::mime_type;
 use articula_core::source::{Character, Material, Primitive, RawMesh};
 use base64::Engine;

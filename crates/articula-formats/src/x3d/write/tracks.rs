@@ -8,10 +8,10 @@
 //! also holds at rest what only other clips move, as players keep the last values. Steps become two
 //! keys at one time. Curves become linear pieces.
 
+use super::super::names::Names;
 use super::bodies::Body;
 use super::bones::{Bone, Bones};
 use super::markup::Markup;
-use super::names::Names;
 use articula_core::source::{Channel, Character, Interpolation, Property, RawClip, evaluate};
 use glam::{DQuat, Quat, Vec3};
 use std::collections::HashSet;

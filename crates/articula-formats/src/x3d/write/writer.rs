@@ -1,9 +1,9 @@
 //! The document: head, humanoid, clips, routes.
 
+use super::super::names::{Names, token};
 use super::bodies::{Body, BodyTarget, SkinWeights, bodies};
 use super::bones::{Bone, Bones, bones};
 use super::markup::Markup;
-use super::names::{Names, token};
 use super::shapes::Shapes;
 use super::tracks::{self, Driven, axis_angle};
 use crate::error::Warning;

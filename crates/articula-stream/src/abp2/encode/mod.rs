@@ -34,7 +34,7 @@ use super::pose_unit::{self, MOST_TIERS, TrackForm};
 use super::receiver::MotionReceiver;
 use super::tracks::{TrackPlace, TrackTable, pose_tracks};
 use super::wavelet::MOST_FRAMES;
-use crate::face::channels;
+use crate::abp2::face_channels;
 use crate::limits::StreamLimits;
 use crate::unit::Unit;
 use articula_core::{Clip, Mesh, Mismatch, Rig};
@@ -165,7 +165,7 @@ pub(crate) fn encode_face(
         morphs: if groups.is_empty() {
             Vec::new()
         } else {
-            channels::groups_of(&groups)
+            face_channels::groups_of(&groups)
         },
         morph_groups: groups,
         ..head(rig, mesh, clip, options)?

@@ -6,7 +6,7 @@ use std::collections::HashSet;
 
 /// Returns a name as a valid XML ID: letters, digits, `_`, `-` and `.`, beginning with a letter or
 /// `_`. Other characters become `_`.
-pub(in crate::x3d) fn token(name: &str) -> String {
+pub(super) fn token(name: &str) -> String {
     let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
     let name = name.trim();
     let mut token: String = name

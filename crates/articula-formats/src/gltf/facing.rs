@@ -5,8 +5,8 @@
 //! number. The facing is detected from the legs at rest, so that a file that was already turned is
 //! left alone.
 
-use super::super::append::index;
-use super::super::place::Place;
+use super::append::index;
+use super::place::Place;
 use articula_core::Transform;
 use articula_core::source::{Channel, Character, Property};
 use glam::{Affine3A, Mat4, Quat, Vec3};
@@ -14,7 +14,7 @@ use serde_json::Value;
 
 /// Returns whether the character of a document is turned when it is read, and back when clips are
 /// written.
-pub(in super::super) fn faces_back(json: &Value) -> bool {
+pub(super) fn faces_back(json: &Value) -> bool {
     let root = Place::root(json);
     let Some(old) = root.dig(&["extensions", "VRM"]) else {
         return false;
@@ -39,14 +39,14 @@ pub(in super::super) fn faces_back(json: &Value) -> bool {
 }
 
 /// Returns the parent of each node.
-pub(in super::super) fn parents(json: &Value) -> Vec<Option<usize>> {
+pub(super) fn parents(json: &Value) -> Vec<Option<usize>> {
     let nodes = json.get("nodes").and_then(Value::as_array);
     let nodes = nodes.map_or(&[][..], Vec::as_slice);
     let mut parents = vec![None; nodes.len()];
     for (parent, node) in nodes.iter().enumerate() {
         let children = node.get("children").and_then(Value::as_array);
         for child in children.into_iter().flatten() {
-            let child = super::super::place::whole(child).and_then(|c| usize::try_from(c).ok());
+            let child = super::place::whole(child).and_then(|c| usize::try_from(c).ok());
             if let Some(slot) = child.and_then(|c| parents.get_mut(c)) {
                 *slot = Some(parent);
             }
@@ -72,7 +72,7 @@ fn rest_in_model(json: &Value, parents: &[Option<usize>], node: usize) -> Option
 }
 
 /// Returns the parent-from-node matrix at rest.
-pub(in super::super) fn rest(node: &Value) -> Affine3A {
+pub(super) fn rest(node: &Value) -> Affine3A {
     let place = Place::root(node);
     if let Ok(Some(columns)) = place.floats::<16>("matrix") {
         return Affine3A::from_mat4(Mat4::from_cols_array(&columns));
@@ -94,7 +94,7 @@ pub(in super::super) fn rest(node: &Value) -> Affine3A {
 }
 
 /// Turns a character by half a circle about the vertical axis.
-pub(in super::super) fn turn(character: &mut Character) {
+pub(super) fn turn(character: &mut Character) {
     let joints = &mut character.skeleton.joints;
     let is_root: Vec<bool> = joints.iter().map(|j| j.parent.is_none()).collect();
     for joint in joints.iter_mut().filter(|j| j.parent.is_none()) {
@@ -113,7 +113,7 @@ pub(in super::super) fn turn(character: &mut Character) {
 }
 
 /// Returns the keys of a root node's channel as they are stored in the file.
-pub(in super::super) fn turned_back(channel: &Channel) -> Channel {
+pub(super) fn turned_back(channel: &Channel) -> Channel {
     let mut channel = channel.clone();
     // Another half turn restores positions, and rotations up to a factor of -1.
     turn_keys(&mut channel);

@@ -4,8 +4,8 @@
 //! Channels 0 to 65 are FAP 3 to 68, then come the four fields of FAP 1 and the six of FAP 2. Form:
 //! `docs/formats/afp2.md`, part 2.
 
-use super::levels::labels;
-use crate::abp2::Group;
+use super::Group;
+use crate::face::levels::labels;
 use articula_core::fap_table::{FAP_COUNT, FapUnit, LOW_FAP_COUNT, LOW_FAPS, TABLE, unit_mm};
 
 /// Number of channels.
