@@ -58,7 +58,8 @@ pub(crate) fn unused(tree: &Tree) -> Vec<Fault> {
     let named = graph.named_by_other_crates();
     let tests = words_of_tests(tree);
     let mut faults = Vec::new();
-    for (i, (file, item)) in all.filter(|(_, (_, item))| item.is_public) {
+    let open = all.filter(|(_, i)| i.1.is_public && !is_start(i));
+    for (i, (file, item)) in open {
         let Some(own) = library(*file) else {
             continue;
         };
