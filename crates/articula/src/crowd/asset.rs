@@ -339,7 +339,7 @@ fn mesh_levels(
     }
     let triangles = mesh_level_triangles(figure, asset, wanted)?;
     let found = triangles.levels.len();
-    if found < wanted {
+    if found < wanted && options.mesh_levels.is_some() {
         warnings.push(format!(
             "{found} mesh levels are used instead of {wanted}: coarser ones are not stored, or they are empty, equal to finer ones or too far from the original"
         ));

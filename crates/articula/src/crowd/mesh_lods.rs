@@ -153,7 +153,12 @@ pub(super) fn mesh_level_triangles(
     levels: usize,
 ) -> Result<MeshLevelTriangles> {
     let stored = figure.filter(|f| f.stored_mesh_level_count() <= levels);
-    let stored = stored.and_then(Figure::stored_mesh_levels);
+    let mut stored = stored.and_then(Figure::stored_mesh_levels);
+    if let Some(levels) = &mut stored {
+        // Of a character without some of its meshes the coarsest levels may be empty.
+        let filled = levels.iter().take_while(|level| !level.is_empty());
+        levels.truncate(filled.count());
+    }
     let are_stored = stored.is_some();
     let triangles = match (stored, figure) {
         (Some(stored), _) => stored,

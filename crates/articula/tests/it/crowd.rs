@@ -226,6 +226,7 @@ fn joints_and_skin_show_the_same_vertices() {
         let options = CrowdOptions {
             matrices,
             form,
+            pose_cache: false,
             ..CrowdOptions::default()
         };
         let (mut crowd, camera) = row(&asset_of(human(), &options), 3);

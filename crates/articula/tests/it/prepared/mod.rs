@@ -51,9 +51,17 @@ fn asset() -> &'static [u8] {
     ASSET.get_or_init(|| built(human(), &levelled()))
 }
 
+/// The usual options with the original mesh, which a file without mesh levels has too.
+fn original_mesh() -> CrowdOptions {
+    CrowdOptions {
+        mesh_levels: Some(1),
+        ..CrowdOptions::default()
+    }
+}
+
 /// Crowds by the options that use stored data, and those that do not.
 fn options() -> Vec<CrowdOptions> {
-    let usual = CrowdOptions::default;
+    let usual = original_mesh;
     vec![
         usual(),
         CrowdOptions {
@@ -160,9 +168,13 @@ fn hidden_meshes_are_left_out_of_both() {
         fresh.opened.warnings(),
         "nothing is stale"
     );
-    let usual = CrowdOptions::default();
-    let hash = |figure| played(&crowd_of(figure, &usual));
+    let hash = |figure| played(&crowd_of(figure, &original_mesh()));
     assert_eq!(hash(&stored), hash(&fresh));
+    // Levels of what is left, as far as they have a triangle.
+    let levels = crowd_of(&stored, &CrowdOptions::default());
+    assert!(levels.has_mesh_lods() && levels.warnings().is_empty());
+    let triangles = (0..levels.levels()).map(|level| levels.level(level).triangles);
+    assert!(triangles.min() > Some(0));
 }
 
 #[test]
@@ -266,10 +278,7 @@ fn one_changed_bit_of_any_part_is_told_and_the_part_made_again() {
         pose_cache: true,
         ..CrowdOptions::default()
     };
-    let usual = CrowdOptions {
-        pose_cache: true,
-        ..CrowdOptions::default()
-    };
+    let usual = original_mesh();
     let hashes = [&all, &usual].map(|options| played(&crowd_of(&fresh, options)).0);
     for (name, part) in parts.as_object().unwrap() {
         let view = part["bufferView"].as_u64().unwrap() as usize;
