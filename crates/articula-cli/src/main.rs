@@ -12,6 +12,7 @@ mod command_line;
 mod commands;
 mod console;
 mod crowd;
+mod dispatch;
 mod face_pictures;
 mod fault;
 mod files;
@@ -26,7 +27,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let line = command_line::CommandLine::parse();
     let console = line.console();
-    match commands::run(&line.command, &console) {
+    match dispatch::run(&line.command, &console) {
         Ok(()) => ExitCode::SUCCESS,
         Err(fault) => {
             console.fault(&fault);

@@ -4,18 +4,13 @@
 //! spot, materials, and threads of the caller.
 
 use crate::crowd::RootMotionPolicy;
+use crate::crowd::impostor_steps::{CHOOSING, drawn};
 use crate::crowd::preparation::in_place;
-use crate::error::{Context, Error, Result};
+use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::work::Executor;
 use articula_flat::impostor::{ImpostorOptions, ImpostorPlan, ImpostorSource};
 use articula_flat::{Appearance, Picture};
-
-/// Name of the step that chooses in progress reports.
-pub(crate) const CHOOSING: &str = "choosing impostors";
-
-/// Name of the step that draws in progress reports.
-const DRAWING: &str = "drawing impostors";
 
 /// Impostors of a character: the table and its pictures.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,8 +25,8 @@ pub struct Impostors {
 /// pose stands for a character without clips.
 ///
 /// # Errors
-/// An [`Error`] that names the file: it has no mesh, the pictures do not fit the bound, or
-/// [`Error::Cancelled`].
+/// An [`Error`](crate::Error) that names the file: it has no mesh, the pictures do not fit the bound, or
+/// [`Error::Cancelled`](crate::Error::Cancelled).
 pub fn bake(
     figure: &Figure,
     clips: &[usize],
@@ -59,17 +54,4 @@ pub fn bake(
         .with_context(|| figure.opened.name())?;
     let atlas = drawn(&plan, &source, work).with_context(|| figure.opened.name())?;
     Ok(Impostors { plan, atlas })
-}
-
-/// Draws all pictures of a plan.
-pub(crate) fn drawn(
-    plan: &ImpostorPlan,
-    source: &ImpostorSource<'_>,
-    work: &Executor<'_>,
-) -> Result<Picture> {
-    let poses = (0..plan.poses()).collect();
-    let drawn = work.map(DRAWING, poses, |pose| {
-        plan.draw(source, pose).map_err(Error::from)
-    })?;
-    Ok(plan.atlas(&drawn)?)
 }

@@ -3,6 +3,9 @@
 //! The imports of a file are the paths of its own crate, outside of its tests. A re-exported name
 //! (`pub use`) counts as an import of the file that defines it. Imports of a module from the files
 //! in its own folder do not count: these files may in turn use what the module defines.
+//!
+//! Folders do not import each other either: of the modules below one parent, each with all files of its
+//! folder, none reaches itself through another.
 
 use super::Fault;
 use super::imports::{code_of, inline_paths, module_of, statements};
@@ -22,15 +25,21 @@ pub(crate) fn circles(tree: &Tree) -> Vec<Fault> {
     }
     let of_crate = |(root, files): (&str, Vec<(&str, &str)>)| {
         let house = House::new(&files);
-        let all = house.circles().into_iter();
-        let fault = move |circle: Vec<String>| {
+        let fault = |circle: Vec<String>, what: &str| {
             let others = circle[1..].join(", ");
-            let what = format!(
-                "circular import through {others}; move the shared items to a module of their own"
-            );
+            let what =
+                format!("{what} through {others}; move the shared items to a module of their own");
             Fault::file(&format!("{root}/src/{}", circle[0]), what)
         };
-        all.map(fault).collect::<Vec<_>>()
+        let files = house.circles();
+        let mut folders = house.folder_circles();
+        // A circle of files is one of their folders too, and told once.
+        folders.retain(|folder| !files.iter().flatten().any(|file| folder.contains(file)));
+        let files = files.into_iter().map(|c| fault(c, "circular import"));
+        let folders = folders
+            .into_iter()
+            .map(|c| fault(c, "circular import of folders"));
+        files.chain(folders).collect::<Vec<_>>()
     };
     crates.into_iter().flat_map(of_crate).collect()
 }
@@ -63,40 +72,75 @@ impl House {
 
     /// Returns the cycles of files, each sorted by name.
     fn circles(&self) -> Vec<Vec<String>> {
-        let edges: BTreeMap<&Vec<String>, BTreeSet<&Vec<String>>> = self
-            .files
-            .iter()
-            .map(|(module, file)| {
-                let all = file.paths.iter().filter_map(|p| self.definer(p));
-                (module, all.filter(|to| !to.starts_with(module)).collect())
-            })
+        let circles = circles_of(&self.edges());
+        let name = |module: &&Vec<String>| self.files[*module].name.clone();
+        let names = |circle: BTreeSet<&Vec<String>>| {
+            let mut names: Vec<String> = circle.iter().map(name).collect();
+            names.sort();
+            names
+        };
+        circles.into_iter().map(names).collect()
+    }
+
+    /// Returns the cycles of modules below one parent of which at least one is a folder, each as the
+    /// files that import from the other folders of the cycle. Files of tests do not count.
+    fn folder_circles(&self) -> Vec<Vec<String>> {
+        let is_test = |module: &[String]| {
+            module
+                .iter()
+                .any(|m| m == "tests" || m.starts_with("test_"))
+        };
+        let edges = self.edges();
+        let modules = edges.keys().filter(|m| !is_test(m));
+        let parents: BTreeSet<&[String]> = modules
+            .clone()
+            .flat_map(|m| (0..m.len()).map(move |depth| &m[..depth]))
             .collect();
-        let reached = |from: &Vec<String>| {
-            let mut seen: BTreeSet<&Vec<String>> = BTreeSet::new();
-            let mut next: Vec<&Vec<String>> = edges[from].iter().copied().collect();
-            while let Some(at) = next.pop() {
-                if seen.insert(at) {
-                    next.extend(&edges[at]);
+        let mut circles = Vec::new();
+        for parent in parents {
+            let child = |module: &Vec<String>| {
+                let is_below = module.len() > parent.len() && module.starts_with(parent);
+                is_below.then(|| module[parent.len()].clone())
+            };
+            let mut folders: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+            let mut through: BTreeMap<(String, String), &str> = BTreeMap::new();
+            for module in modules.clone() {
+                let Some(from) = child(module) else { continue };
+                let to = edges[*module].iter().filter_map(|to| child(to));
+                for to in to.filter(|to| *to != from) {
+                    let file = self.files[*module].name.as_str();
+                    through.entry((from.clone(), to.clone())).or_insert(file);
+                    folders.entry(to.clone()).or_default();
+                    folders.entry(from.clone()).or_default().insert(to);
                 }
             }
-            seen
-        };
-        let reach: BTreeMap<&Vec<String>, BTreeSet<&Vec<String>>> =
-            edges.keys().map(|m| (*m, reached(m))).collect();
-        let mut told = BTreeSet::new();
-        let mut circles = Vec::new();
-        for (module, reached) in &reach {
-            if reached.contains(module) && !told.contains(module) {
-                let also = reached.iter().filter(|m| reach[*m].contains(module));
-                let circle: BTreeSet<&Vec<String>> = also.copied().collect();
-                told.extend(circle.iter().copied());
-                let mut names: Vec<String> =
-                    circle.iter().map(|m| self.files[*m].name.clone()).collect();
-                names.sort();
-                circles.push(names);
+            let is_folder = |name: &String| {
+                let mut inner = edges.keys().filter(|m| m.len() > parent.len() + 1);
+                inner.any(|m| m.starts_with(parent) && m[parent.len()] == *name)
+            };
+            let edges = folders.iter().map(|(from, to)| (from, to.iter().collect()));
+            for circle in circles_of(&edges.collect()) {
+                if circle.iter().any(|name| is_folder(name)) {
+                    let between = through
+                        .iter()
+                        .filter(|((from, to), _)| circle.contains(from) && circle.contains(to));
+                    let mut files: Vec<String> =
+                        between.map(|(_, file)| (*file).to_owned()).collect();
+                    files.dedup();
+                    circles.push(files);
+                }
             }
         }
         circles
+    }
+
+    /// The modules whose files each file imports, without those below its own.
+    fn edges(&self) -> BTreeMap<&Vec<String>, BTreeSet<&Vec<String>>> {
+        let edges = self.files.iter().map(|(module, file)| {
+            let all = file.paths.iter().filter_map(|p| self.definer(p));
+            (module, all.filter(|to| !to.starts_with(module)).collect())
+        });
+        edges.collect()
     }
 
     /// Returns the module whose file defines the target of a path.
@@ -172,6 +216,32 @@ impl File {
     fn defines(&self, name: &str) -> bool {
         self.handed_on.contains_key(name)
     }
+}
+
+/// Returns the sets of nodes that reach each other.
+fn circles_of<'a, T: Ord>(edges: &BTreeMap<&'a T, BTreeSet<&'a T>>) -> Vec<BTreeSet<&'a T>> {
+    let reached = |from: &&'a T| {
+        let mut seen: BTreeSet<&T> = BTreeSet::new();
+        let mut next: Vec<&T> = edges[from].iter().copied().collect();
+        while let Some(at) = next.pop() {
+            if seen.insert(at) {
+                next.extend(&edges[at]);
+            }
+        }
+        seen
+    };
+    let reach: BTreeMap<&T, BTreeSet<&T>> = edges.keys().map(|m| (*m, reached(m))).collect();
+    let mut told = BTreeSet::new();
+    let mut circles = Vec::new();
+    for (module, reached) in &reach {
+        if reached.contains(module) && !told.contains(module) {
+            let also = reached.iter().filter(|m| reach[*m].contains(module));
+            let circle: BTreeSet<&T> = also.copied().collect();
+            told.extend(circle.iter().copied());
+            circles.push(circle);
+        }
+    }
+    circles
 }
 
 /// Returns a path from the root of the crate; `None` for a path of another crate.
@@ -255,5 +325,21 @@ mod tests {
             ("n.rs", "use crate::m::A;\npub struct N;\n"),
         ];
         assert_eq!(found(&files), ["crates/x/src/m/a.rs"]);
+    }
+    #[test]
+    fn folders_that_need_each_other_are_told_with_their_files() {
+        let files = [
+            ("lib.rs", "mod a;\nmod b;\n"),
+            ("a/mod.rs", "mod high;\nmod low;\n"),
+            ("a/high.rs", "use crate::b::B;\npub struct High(B);\n"),
+            ("a/low.rs", "pub struct Low;\n"),
+            ("b.rs", "use crate::a::low::Low;\npub struct B(Low);\n"),
+        ];
+        let told = |files: &[(&str, &str)]| House::new(files).folder_circles();
+        assert_eq!(told(&files), [["a/high.rs", "b.rs"]]);
+        // Tests may use what stands above.
+        let mut tests = files;
+        tests[4].0 = "b/tests.rs";
+        assert!(told(&tests).is_empty());
     }
 }

@@ -1,6 +1,7 @@
 //! The character of a crowd: its levels with their skins and errors, and its bounds.
 
 use super::face_levels::morph_clips;
+use super::impostor_steps::{CHOOSING, drawn};
 use super::mesh_lods::{
     LevelledMeshes, MAX_MESH_LEVELS, MeshLevelTriangles, MeshLods, mesh_level_triangles,
 };
@@ -8,7 +9,6 @@ use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPo
 use super::preparation::{CharacterInPlace, PREPARING, bounds, in_place, joint_levels, pose_cache};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
-use crate::impostor::{CHOOSING, drawn};
 use crate::open::choose;
 use crate::prepared::stored::Stored;
 use crate::work::Executor;

@@ -26,6 +26,7 @@ mod buffers;
 mod draws;
 mod face_levels;
 mod hidden;
+pub(crate) mod impostor_steps;
 mod in_place;
 mod level_use;
 mod lod_error;
