@@ -11,7 +11,7 @@ impl CharacterFile {
     /// The result is this character with the clip alone; `name` identifies the stream in errors.
     ///
     /// # Errors
-    /// An [`Error`] that names the file: the bytes are no ABP-2 stream or are malformed, or the stream
+    /// An [`Error`](crate::Error) that names the file: the bytes are no ABP-2 stream or are malformed, or the stream
     /// was made for another character.
     pub fn decode_motion(&self, bytes: &[u8], name: &str, limits: &Limits) -> Result<Self> {
         let rig = Rig::new(&self.character.skeleton, self.articulation()).context(name)?;
