@@ -32,15 +32,15 @@ pub trait CachedDraw: Copy + Default {
     /// The kind of draw.
     const KIND: DrawKind;
 
-    /// Returns that of a character which plays a clip at a level.
-    fn of(model: &CrowdModel, level: usize, state: ClipState, character: u32) -> Self;
+    /// Returns what shows a character at the time of its clip, at a level.
+    fn at(model: &CrowdModel, level: usize, state: ClipState, character: u32) -> Self;
 }
 
 impl CachedDraw for BlendRecord {
     const KIND: DrawKind = DrawKind::Record;
 
     #[inline]
-    fn of(model: &CrowdModel, level: usize, state: ClipState, character: u32) -> Self {
+    fn at(model: &CrowdModel, level: usize, state: ClipState, character: u32) -> Self {
         let cache = model.parts().cache.as_ref();
         let located = cache.and_then(|c| c.locate(state.clip(), level, state.secs));
         located.unwrap_or_default().of(character)
@@ -51,7 +51,7 @@ impl CachedDraw for Draw {
     const KIND: DrawKind = DrawKind::Step;
 
     #[inline]
-    fn of(model: &CrowdModel, level: usize, state: ClipState, character: u32) -> Self {
+    fn at(model: &CrowdModel, level: usize, state: ClipState, character: u32) -> Self {
         let cache = model.parts().cache.as_ref();
         let nearest = cache.and_then(|c| c.nearest(state.clip(), level, state.secs));
         Self {
@@ -65,7 +65,7 @@ impl CachedDraw for ImpostorDraw {
     const KIND: DrawKind = DrawKind::Impostor;
 
     #[inline]
-    fn of(model: &CrowdModel, _: usize, state: ClipState, character: u32) -> Self {
+    fn at(model: &CrowdModel, _: usize, state: ClipState, character: u32) -> Self {
         let impostors = model.parts().impostors.as_ref();
         let pose = impostors.and_then(|i| i.pose(state.clip(), state.secs));
         Self {

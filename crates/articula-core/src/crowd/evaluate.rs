@@ -150,7 +150,7 @@ impl Crowd {
         for run in self.plan.runs(D::KIND) {
             let of = (list, run.at.clone());
             self.for_cached(of, &range, out, |character, state| {
-                D::of(model, run.level, state, character)
+                D::at(model, run.level, state, character)
             });
         }
     }
@@ -195,8 +195,7 @@ impl Crowd {
         let mut records = [BlendRecord::default(); MAX_LANES];
         for (record, character) in records.iter_mut().zip(self.plan.posed(batch)) {
             let state = self.clip_state(character);
-            let located = cache.locate(state.clip(), batch.level(), state.secs);
-            *record = located.unwrap_or_default();
+            *record = BlendRecord::at(model, batch.level(), state, character as u32);
         }
         let records = &records[..batch.poses()];
         cache.blend(batch.level(), records, model.parts().backend, out);

@@ -4,8 +4,8 @@ use super::parts::CrowdParts;
 use super::sources::Source;
 use crate::joint_lods::JointLods;
 
-/// Number of rows of keys, with all sources each. The first rows are the levels; as many follow for characters
-/// whose face rests although their level shows morph targets.
+/// Number of rows of keys, with all sources each. The first rows are the levels; as many follow for
+/// characters whose face rests although their level shows morph targets.
 const ROWS: usize = 2 * JointLods::MAX_LEVELS;
 /// Number of sources, and of rows times sources.
 pub(super) const SOURCES: usize = Source::ALL.len();

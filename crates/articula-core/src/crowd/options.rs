@@ -9,7 +9,8 @@ use super::frame::CacheUse;
 use super::parts::CrowdParts;
 use super::sources::Source;
 
-/// Nanoseconds of a set of morph target weights on the machine of `docs/methods/runtime.md` part 1, and of each target in it that is shown.
+/// Nanoseconds of a set of morph target weights, on the machine of `docs/methods/runtime.md` part 1, and
+/// of each target in it that is shown.
 const MORPH_SET_NS: f32 = 20.0;
 const MORPH_NS: f32 = 1.5;
 /// What a level is preferred by before a finer one of equal cost, which differs in the mesh alone.

@@ -100,8 +100,8 @@ impl DrawList {
 
     /// Adds draws to the group of their kind and level.
     fn add(&mut self, group: DrawGroup) {
-        let mut of_level = self.groups.iter_mut().rev();
-        let mut of_level = of_level.by_ref().take_while(|g| g.level == group.level);
+        let groups = self.groups.iter_mut().rev();
+        let mut of_level = groups.take_while(|g| g.level == group.level);
         match of_level.find(|g| g.kind == group.kind) {
             Some(known) => known.range.end = group.range.end,
             None => self.groups.push(group),

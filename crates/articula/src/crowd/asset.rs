@@ -396,18 +396,13 @@ fn model(
     let mut errors = levels.errors.clone();
     let morphs = morph_clips(asset, &mut errors)?;
     Ok(CrowdModel::new(CrowdParts {
-        clips,
-        palette,
         form: options.form,
         backend: options.backend,
-        errors,
-        bounds,
-        events: Vec::new(),
         paths,
-        attention: Vec::new(),
         cache,
         impostors,
         morphs,
+        ..CrowdParts::new(clips, palette, errors, bounds)
     })?)
 }
 

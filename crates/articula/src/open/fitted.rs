@@ -48,8 +48,8 @@ pub struct NameTransfer {
 }
 
 impl CharacterFile {
-    /// Adds clips that [`fit_clips`](crate::convert::fit_clips) made for this character. A number is appended to names already
-    /// in use; the returned reports have the final names.
+    /// Adds clips that [`fit_clips`](crate::convert::fit_clips) made for this character. A number is
+    /// appended to names already in use; the returned reports have the final names.
     pub fn put_clips(&mut self, fitted: Vec<FittedClip>, keep_own: bool) -> Vec<ClipProvenance> {
         let clips = self.clips_mut();
         if !keep_own {

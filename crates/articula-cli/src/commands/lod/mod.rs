@@ -122,10 +122,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     );
     if frames > MAX_FRAMES {
         let what = format!("{frames} frames, at most {MAX_FRAMES} are allowed; trim the clip");
-        anyhow::bail!(
-            "{}: clip \"{name}\": {what}",
-            figure.opened.name().to_owned()
-        );
+        anyhow::bail!("{}: clip \"{name}\": {what}", figure.opened.name());
     }
     let scene = EvaluatedClip {
         clip,
