@@ -1,8 +1,8 @@
 //! Flags that several commands share, and the parsers of their values.
 
-use articula_core::Viewport;
-use articula_formats::UpAxis;
-use articula_formats::mpeg4::fap::AbsentPolicy;
+use articula::core::Viewport;
+use articula::formats::UpAxis;
+use articula::formats::mpeg4::fap::AbsentPolicy;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 

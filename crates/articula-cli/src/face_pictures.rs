@@ -2,10 +2,10 @@
 
 use crate::fault;
 use anyhow::Context;
+use articula::core::{ModelPose, Wrap, local_to_model, sample, sample_morphs};
 use articula::face::{HeadSurface, face_layout};
+use articula::flat::{Appearance, Bounds, Picture};
 use articula::{Figure, facing};
-use articula_core::{ModelPose, Wrap, local_to_model, sample, sample_morphs};
-use articula_flat::{Appearance, Bounds, Picture};
 use articula_report::{FaceShape, shape_sheet};
 use glam::Vec3;
 

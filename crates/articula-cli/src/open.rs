@@ -4,15 +4,17 @@
 use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::files::{self, Files};
 use anyhow::Context;
+use articula::clip_streams::{StreamKind, mp4, unit_tree};
+use articula::core::feature_points::PointId;
+use articula::core::joint_names::JointMap;
 use articula::face::fdp_points;
+use articula::formats::{
+    Assumption, Limits, Warning, face_points as points_file, joint_map, mpeg4,
+};
 use articula::inspect::{TrackInspection, inspect_mp4};
-use articula::streams::{StreamKind, mp4, unit_tree};
+use articula::stream::StreamLimits;
+use articula::stream::description::{GbsdOptions, write_gbsd};
 use articula::{CharacterFile, DataFile, DataFormat, Figure, Format, OpenOptions, open_data};
-use articula_core::feature_points::PointId;
-use articula_core::joint_names::JointMap;
-use articula_formats::{Assumption, Limits, Warning, face_points as points_file, joint_map, mpeg4};
-use articula_stream::StreamLimits;
-use articula_stream::description::{GbsdOptions, write_gbsd};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 

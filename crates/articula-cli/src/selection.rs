@@ -2,9 +2,9 @@
 
 use crate::{fault, files};
 use anyhow::Context;
-use articula_core::loa::LoaExpression;
-use articula_formats::Limits;
-use articula_formats::loa_profile::{self, LoaProfile};
+use articula::core::loa::LoaExpression;
+use articula::formats::Limits;
+use articula::formats::loa_profile::{self, LoaProfile};
 use std::path::Path;
 
 /// Parses the value of a flag; a mistake in it is a usage error.

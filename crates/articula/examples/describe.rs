@@ -1,7 +1,7 @@
 //! A walk as a stream, its description after MPEG-21, and what a client with little bandwidth gets:
 //! by the description, and by the map, which gives the same bytes.
 
-use articula::streams::abp1;
+use articula::clip_streams::abp1;
 use articula::{Result, fs, reference_human};
 use articula_stream::description::{
     AdaptMode, Aqos, BsdLink, Context, Did, DidComponent, DidDescriptor, DidItem, DidResource,

@@ -18,7 +18,7 @@
 //! Entry points:
 //!
 //! - [`fs::open`], [`open()`], [`CharacterFile`]: reads GLB, glTF, VRM, VRMA, BVH, ASF and AMC,
-//!   BVA, X3D, BAP, ABP and MP4 files into one editable [`Character`](articula_core::source::Character), with
+//!   BVA, X3D, BAP, ABP and MP4 files into one editable [`Character`](core::source::Character), with
 //!   the data needed to write them back; [`CharacterFile::add_clips`] adds the motions of other
 //!   files
 //! - [`Figure`]: rig, mesh and clips in the form that a frame reads
@@ -28,7 +28,7 @@
 //! - [`prepare()`]: computes motion tables and, on request, mesh levels, and stores them in a GLB
 //! - [`convert()`]: converts between formats, edits clips, selects levels of articulation
 //! - [`face`]: facial animation parameters of MPEG-4 on the face of a character
-//! - [`streams`]: motions of bodies and faces as streams that can be cut
+//! - [`clip_streams`]: motions of bodies and faces as streams that can be cut
 //! - [`item`]: a character as a digital item, a folder of streams that can be cut
 //! - [`flatten`]: a moving character as animated SVG, 2D player, Lottie or portrait
 //! - [`impostor`]: a character as small pictures, for who is far away
@@ -40,10 +40,15 @@
 //! touches paths in [`fs`] alone. Long operations take an [`Executor`], which reports progress, can
 //! cancel, and hands out [`Job`]s that the caller may run on its own threads.
 //!
+//! The crates that the library combines are its modules [`core`], [`formats`], [`build`], [`flat`],
+//! [`stream`] and [`human`]; their types stand in its signatures, so that a program depends on this
+//! crate alone.
+//!
 //! Units are metres, seconds and radians; angles entered by a user are in degrees, with the suffix
 //! `_deg`. +Y is up and a character faces +Z. Level 0 is the finest.
 
 mod camera_path;
+pub mod clip_streams;
 pub mod convert;
 pub mod crowd;
 mod error;
@@ -65,7 +70,6 @@ mod motion_tables;
 mod open;
 mod prepare;
 mod prepared;
-pub mod streams;
 mod work;
 
 pub use camera_path::read_camera_path;
@@ -90,6 +94,13 @@ pub use prepare::{
 };
 pub use prepared::{PartBytes, PreparedPart};
 pub use work::{Executor, Job, JobRunner, Step, StepCallback};
+
+pub use articula_build as build;
+pub use articula_core as core;
+pub use articula_flat as flat;
+pub use articula_formats as formats;
+pub use articula_human as human;
+pub use articula_stream as stream;
 
 pub use articula_core::joint_state::LoaRange;
 pub use articula_core::playback;

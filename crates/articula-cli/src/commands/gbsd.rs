@@ -3,9 +3,9 @@
 use crate::console::Console;
 use crate::{fault, files, open};
 use anyhow::Context;
+use articula::formats::Limits;
 use articula::item::{Item, documents, gbsd};
-use articula_formats::Limits;
-use articula_stream::description::stylesheet;
+use articula::stream::description::stylesheet;
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};

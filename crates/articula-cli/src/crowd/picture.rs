@@ -2,10 +2,10 @@
 
 use super::stage::{Settings, TimedCrowd};
 use anyhow::Context;
+use articula::build::Scene;
+use articula::core::{Camera, Viewport};
 use articula::crowd::{CrowdAsset, CrowdPlayer, ImpostorDraw, PoseSource, ScenePlayer};
-use articula_build::Scene;
-use articula_core::{Camera, Viewport};
-use articula_flat::Picture;
+use articula::flat::Picture;
 use articula_report::CrowdPicture;
 use glam::Vec3;
 use std::sync::Arc;

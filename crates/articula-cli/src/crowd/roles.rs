@@ -1,8 +1,8 @@
 //! Errors by role.
 
 use super::timing::Spread;
+use articula::build::Scene;
 use articula::crowd::{ErrorSample, ScenePlayer};
-use articula_build::Scene;
 use serde::Serialize;
 
 /// Error of the characters of one role over the measured frames.

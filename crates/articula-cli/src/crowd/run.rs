@@ -8,11 +8,11 @@ use super::roles::{RoleError, RoleTally};
 use super::stage::{DISPLAY_HZ, Settings, TimedCrowd};
 use super::timing::{Spread, thread_ns};
 use crate::console::Console;
+use articula::build::Scene;
 use articula::crowd::{
     Budget, BudgetReport, CharacterError, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter,
     ErrorSample, ErrorSummary, LevelStatistics, LevelTally, PaletteHash, ScenePlayer,
 };
-use articula_build::Scene;
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;

@@ -2,11 +2,11 @@
 
 use super::timing::thread_ns;
 use anyhow::Context;
+use articula::build::Scene;
 use articula::crowd::{
     CacheUse, CrowdAsset, CrowdReport, CrowdSection, DetailGoal, FramePart, Hiders, SceneOptions,
     ScenePlayer,
 };
-use articula_build::Scene;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::sync::Arc;

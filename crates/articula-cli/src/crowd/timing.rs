@@ -1,6 +1,6 @@
 //! Processor time of threads, and its percentiles over frames.
 
-use articula_core::percentile;
+use articula::core::percentile;
 use serde::Serialize;
 
 /// Processor time of this thread, nanoseconds.

@@ -1,10 +1,10 @@
 //! Contact sheets and plots of evaluated methods, drawn by `articula_report`.
 
 use super::motion_plots::{CostBy, cost_plot};
+use articula::core::{ModelPose, local_to_model};
 use articula::evaluate::{Cost, Costs, EvaluatedClip, MethodRow, MethodTable};
+use articula::flat::{Appearance, Picture, PictureError};
 use articula::{Figure, facing};
-use articula_core::{ModelPose, local_to_model};
-use articula_flat::{Appearance, Picture, PictureError};
 use articula_report::{Artist, MotionLine, Plot, Series, motion_sheet};
 
 /// Width and height of a tile of a separate contact sheet, pixels.

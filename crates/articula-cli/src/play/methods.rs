@@ -2,13 +2,13 @@
 
 use super::selection::SelectionArgs;
 use crate::fault;
+use articula::build::ChainTolerance;
+use articula::build::evaluate::{BoneDirection, ClusterKey, SegmentRadius};
+use articula::build::evaluate::{Method, MethodOptions, PathMethod, SkinPxVariant};
+use articula::core::joint_state::{Ease, PassivePolicy, TransitionOptions};
+use articula::core::playback::{Threshold, ThresholdCurve};
+use articula::core::{DriftOptions, JointSet, Rig};
 use articula::evaluate::NamedMethod;
-use articula_build::ChainTolerance;
-use articula_build::evaluate::{BoneDirection, ClusterKey, SegmentRadius};
-use articula_build::evaluate::{Method, MethodOptions, PathMethod, SkinPxVariant};
-use articula_core::joint_state::{Ease, PassivePolicy, TransitionOptions};
-use articula_core::playback::{Threshold, ThresholdCurve};
-use articula_core::{DriftOptions, JointSet, Rig};
 use clap::{Args, ValueEnum};
 
 use crate::arguments::{not_negative, positive};

@@ -12,8 +12,8 @@ mod selection;
 
 use crate::files;
 use anyhow::Context;
-use articula_build::evaluate::CameraKey;
-use articula_formats::Limits;
+use articula::build::evaluate::CameraKey;
+use articula::formats::Limits;
 use std::path::Path;
 use std::time::Instant;
 

@@ -2,9 +2,9 @@
 //!
 //! Source: thesis figures 6.14 and 6.15; `docs/methods/motion-lod.md` part 12.
 
+use articula::build::evaluate::{ClipEvaluator, PathFrame, PathRun, play};
+use articula::core::JointSet;
 use articula::evaluate::{ScheduleReport, ScheduleRow};
-use articula_build::evaluate::{ClipEvaluator, PathFrame, PathRun, play};
-use articula_core::JointSet;
 use articula_report::{
     BarSeries, MotionLine, Plot, PlotOptions, Scale, Series, ValueFormat, bar_plot, line_plot,
 };

@@ -4,9 +4,9 @@
 use crate::files::{self, Files};
 use crate::{fault, selection};
 use anyhow::Context;
-use articula_core::loa::{self, Selection};
-use articula_core::{JointSet, Rig, Zone};
-use articula_formats::loa_profile::{self, LoaProfile};
+use articula::core::loa::{self, Selection};
+use articula::core::{JointSet, Rig, Zone};
+use articula::formats::loa_profile::{self, LoaProfile};
 use clap::Args;
 use std::path::{Path, PathBuf};
 

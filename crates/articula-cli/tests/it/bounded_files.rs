@@ -1,13 +1,13 @@
 //! Real characters: bounds of their clips contain every vertex, also between frames, and are tight.
 
 use crate::real::bytes;
-use articula_build::ClipOptions;
-use articula_build::motion_bounds;
-use articula_build::{Asset, character};
-use articula_core::{
+use articula::build::ClipOptions;
+use articula::build::motion_bounds;
+use articula::build::{Asset, character};
+use articula::core::{
     Articulation, Clip, JointArticulation, PosedMesh, Region, Wrap, sample, sample_morphs,
 };
-use articula_formats::{Limits, gltf};
+use articula::formats::{Limits, gltf};
 use glam::Vec3;
 
 /// The character of a file with its first clips.

@@ -2,9 +2,9 @@
 
 use crate::program::{fault, folder, json, word};
 use crate::real;
+use articula::core::arkit_table::BLEND_SHAPES;
 use articula::face::{FaceRig, capture_of_clip, capture_to_faps};
-use articula_core::arkit_table::BLEND_SHAPES;
-use articula_formats::{Limits, live_link};
+use articula::formats::{Limits, live_link};
 use std::fmt::Write as _;
 
 /// Two seconds at 30 Hz: the jaw opens and closes, the left eye blinks, the head turns.
@@ -92,7 +92,7 @@ fn a_face_takes_a_capture_as_it_is_and_gives_it_back() {
     json(&here, &["convert", "a.glb", "b.fap", "--clip", "a"]);
     let bridge = FaceRig::new(&read).unwrap().capture_bridge(&read).unwrap();
     let (faps, _) = capture_to_faps(&capture, "a", &bridge).unwrap();
-    let written = articula_formats::mpeg4::fap::write(&faps);
+    let written = articula::formats::mpeg4::fap::write(&faps);
     assert_eq!(std::fs::read(here.join("b.fap")).unwrap(), written);
     let said = fault(&here, 2, &["convert", "a.glb", "c.fap", "--clip", "none"]);
     assert!(said.contains("there is no clip \"none\""), "{said}");

@@ -3,13 +3,13 @@
 use crate::program;
 use crate::program::{BVH, fault, folder, json, word};
 use crate::real;
-use articula_build::Asset;
-use articula_build::ClipOptions;
-use articula_build::clip_edit::EditSubject;
-use articula_build::clip_edit::{ReduceOptions, reduce_keys, trim};
-use articula_core::PosedMesh;
-use articula_core::source::{Character, RawClip, evaluate};
-use articula_formats::{Limits, bvh, gltf, joint_map};
+use articula::build::Asset;
+use articula::build::ClipOptions;
+use articula::build::clip_edit::EditSubject;
+use articula::build::clip_edit::{ReduceOptions, reduce_keys, trim};
+use articula::core::PosedMesh;
+use articula::core::source::{Character, RawClip, evaluate};
+use articula::formats::{Limits, bvh, gltf, joint_map};
 use glam::Vec3;
 use serde_json::Value;
 
@@ -17,7 +17,7 @@ fn read(name: &str) -> Option<(Character, Vec<(usize, Vec3)>)> {
     let bytes = real::bytes(name)?;
     let limits = Limits::default();
     if name.ends_with(".bvh") {
-        let file = bvh::read(&bytes, &articula_formats::ReadOptions::default(), &limits)
+        let file = bvh::read(&bytes, &articula::formats::ReadOptions::default(), &limits)
             .unwrap()
             .value;
         return Some((file.character, file.end_sites));
@@ -68,9 +68,9 @@ fn fewer_keys_move_no_vertex_of_real_figures_farther_than_the_bound() {
         let clip = character.clips.iter().find(|c| c.name == clip).unwrap();
         let clip = &trim(clip, 0.0..=clip.duration_secs.min(most_secs)).unwrap();
         let mapping =
-            articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
+            articula::build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
         let subject = EditSubject::new(&character, mapping.articulation.clone(), &ends).unwrap();
-        let posed = articula_build::character(
+        let posed = articula::build::character(
             &Character {
                 clips: Vec::new(),
                 ..character.clone()

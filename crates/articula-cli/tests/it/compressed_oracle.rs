@@ -3,9 +3,9 @@
 
 use crate::judges::{ask, judges_are_here};
 use crate::real::{data_folder, data_is_here};
-use articula_core::source::{Character, Primitive, RawMesh};
-use articula_formats::Limits;
-use articula_formats::gltf::{self, GltfFile};
+use articula::core::source::{Character, Primitive, RawMesh};
+use articula::formats::Limits;
+use articula::formats::gltf::{self, GltfFile};
 use glam::{Affine3A, Vec3};
 use serde_json::Value;
 use std::path::Path;

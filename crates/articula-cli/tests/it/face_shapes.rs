@@ -2,7 +2,7 @@
 
 use crate::program::{edited, fault, folder, json, word};
 use crate::real;
-use articula_core::source::{Channel, Character, Property, RawMesh, evaluate};
+use articula::core::source::{Channel, Character, Property, RawMesh, evaluate};
 use glam::Vec3;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

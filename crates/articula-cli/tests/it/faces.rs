@@ -3,10 +3,10 @@
 use crate::judges::{ask, judges_are_here};
 use crate::program::{edited, fault, folder, json, word};
 use crate::real;
+use articula::formats::Limits;
+use articula::formats::mpeg4::fap::FapClip;
+use articula::formats::mpeg4::fdp;
 use articula::{Data, DataFormat, OpenOptions};
-use articula_formats::Limits;
-use articula_formats::mpeg4::fap::FapClip;
-use articula_formats::mpeg4::fdp;
 use serde_json::Value;
 use std::path::Path;
 

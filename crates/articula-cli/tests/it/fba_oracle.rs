@@ -4,12 +4,12 @@
 use crate::judges::{ask, node_is_here};
 use crate::program::{folder, word};
 use crate::real;
-use articula::streams::fba;
-use articula_core::fap_table::{FAP_COUNT, TABLE};
-use articula_formats::Limits;
-use articula_formats::mpeg4::fap::{self, AbsentPolicy, FapClip};
-use articula_stream::StreamLimits;
-use articula_stream::fba::FbaOptions;
+use articula::clip_streams::fba;
+use articula::core::fap_table::{FAP_COUNT, TABLE};
+use articula::formats::Limits;
+use articula::formats::mpeg4::fap::{self, AbsentPolicy, FapClip};
+use articula::stream::StreamLimits;
+use articula::stream::fba::FbaOptions;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 

@@ -66,7 +66,7 @@ fn a_moment_of_the_file_can_be_rendered_and_all_of_it() {
         &["flatten", "frame", "walk.svg", "one.png", "--at", "0.3"],
     );
     let png = std::fs::read(here.join("one.png")).unwrap();
-    let picture = articula_flat::Picture::decode(&png).unwrap();
+    let picture = articula::flat::Picture::decode(&png).unwrap();
     assert_eq!((picture.width(), picture.height()), (120, 120));
     json(
         &here,

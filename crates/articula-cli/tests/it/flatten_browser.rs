@@ -3,26 +3,26 @@
 
 use crate::judges::browser::{Item, is_here, shots, write};
 use crate::program;
-use articula_build::ClipOptions;
-use articula_build::character;
-use articula_build::decimate;
-use articula_core::Progress;
-use articula_core::Viewport;
-use articula_flat::Appearance;
-use articula_flat::Picture;
-use articula_flat::Projection;
-use articula_flat::Supersampling;
-use articula_flat::flatten::{
+use articula::build::ClipOptions;
+use articula::build::character;
+use articula::build::decimate;
+use articula::core::Progress;
+use articula::core::Viewport;
+use articula::flat::Appearance;
+use articula::flat::Picture;
+use articula::flat::Projection;
+use articula::flat::Supersampling;
+use articula::flat::flatten::{
     PrepareClipOptions, PreparedClip, Profile, Quality, ReferenceFrames, Settings, flatten,
 };
-use articula_flat::planar::Shading;
-use articula_flat::planar::reference;
-use articula_flat::planar::{BakeOptions, Lighting, PlanarSubject, Turntable, bake};
-use articula_flat::vector::AnimatedSvg;
-use articula_flat::vector::player::PlayerOutput;
-use articula_flat::vector::raster;
-use articula_flat::{masked_rmse, ssim};
-use articula_formats::{Limits, gltf};
+use articula::flat::planar::Shading;
+use articula::flat::planar::reference;
+use articula::flat::planar::{BakeOptions, Lighting, PlanarSubject, Turntable, bake};
+use articula::flat::vector::AnimatedSvg;
+use articula::flat::vector::player::PlayerOutput;
+use articula::flat::vector::raster;
+use articula::flat::{masked_rmse, ssim};
+use articula::formats::{Limits, gltf};
 use std::sync::OnceLock;
 
 const SIDE: u32 = 240;

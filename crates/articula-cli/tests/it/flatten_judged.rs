@@ -2,7 +2,7 @@
 //! and the Gouraud form of the thesis.
 
 use crate::program::{fault, folder, json, short, small, word};
-use articula_flat::Picture;
+use articula::flat::Picture;
 use serde_json::{Value, json as object};
 use std::path::{Path, PathBuf};
 

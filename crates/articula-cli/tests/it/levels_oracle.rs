@@ -5,9 +5,9 @@ use crate::judges::{ask, judges_are_here};
 use crate::program::{folder, json};
 use crate::real;
 use crate::thinned;
-use articula_build::Clustered;
-use articula_formats::Limits;
-use articula_formats::gltf::{self, GltfFile};
+use articula::build::Clustered;
+use articula::formats::Limits;
+use articula::formats::gltf::{self, GltfFile};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

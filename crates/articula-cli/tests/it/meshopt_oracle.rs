@@ -2,8 +2,8 @@
 //! compiled one, over random data from that package's encoder (`oracle/meshopt_cases.mjs`).
 
 use crate::judges::{ask, judges_are_here};
-use articula_formats::Limits;
-use articula_formats::meshopt::{Filter, Mode, ViewLayout, decode};
+use articula::formats::Limits;
+use articula::formats::meshopt::{Filter, Mode, ViewLayout, decode};
 use serde_json::Value;
 
 /// Views, each also with a change in its bytes.

@@ -4,7 +4,7 @@
 use crate::judges::{ask, is_here, node_is_here};
 use crate::program::{BVH, fault, folder, json, word};
 use crate::real;
-use articula_stream::{StreamLimits, Unit, abp1, abp2, afp1};
+use articula::stream::{StreamLimits, Unit, abp1, abp2, afp1};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -2,11 +2,11 @@
 
 use crate::program::{BVH, articula, fault, folder, human, json, word};
 use crate::real;
-use articula_build::retarget::{RetargetFigure, RetargetOptions, Retargeter};
-use articula_core::LocalPose;
-use articula_core::source::{Character, evaluate};
-use articula_formats::mpeg4::bap;
-use articula_formats::{Limits, bvh, joint_map};
+use articula::build::retarget::{RetargetFigure, RetargetOptions, Retargeter};
+use articula::core::LocalPose;
+use articula::core::source::{Character, evaluate};
+use articula::formats::mpeg4::bap;
+use articula::formats::{Limits, bvh, joint_map};
 use glam::{Affine3A, Vec3};
 
 /// One frame: the jaw opens by 120, the left eyelid is still.
@@ -340,15 +340,15 @@ fn captured_hands_and_feet_come_to_their_places() {
         };
         let read = bvh::read(
             &bytes,
-            &articula_formats::ReadOptions::default(),
+            &articula::formats::ReadOptions::default(),
             &Limits::default(),
         );
         let source = read.unwrap().value.character;
-        let names = articula_build::joint_names::map(&source.skeleton, joint_map::builtin(), None)
+        let names = articula::build::joint_names::map(&source.skeleton, joint_map::builtin(), None)
             .articulation;
         let mut figure = bap::figure();
         let standard =
-            articula_build::joint_names::map(&figure.skeleton, joint_map::builtin(), None)
+            articula::build::joint_names::map(&figure.skeleton, joint_map::builtin(), None)
                 .articulation;
         let from = RetargetFigure {
             skeleton: &source.skeleton,

@@ -4,12 +4,12 @@
 use crate::judges::{ask, judges_are_here};
 use crate::program;
 use crate::real::{self, data_folder, data_is_here};
-use articula_build::ClipOptions;
-use articula_build::character;
-use articula_core::source::{self, evaluate};
-use articula_core::{Clip, JointSet, LocalPose, ModelPose, Rig, Wrap, local_to_model, sample};
-use articula_formats::gltf::{self, Document, GltfFile};
-use articula_formats::{Limits, joint_map};
+use articula::build::ClipOptions;
+use articula::build::character;
+use articula::core::source::{self, evaluate};
+use articula::core::{Clip, JointSet, LocalPose, ModelPose, Rig, Wrap, local_to_model, sample};
+use articula::formats::gltf::{self, Document, GltfFile};
+use articula::formats::{Limits, joint_map};
 use glam::Vec3;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -61,7 +61,7 @@ impl Subject {
         let path = real::file(name)?;
         let file = open(name);
         let skeleton = &file.character.skeleton;
-        let mapping = articula_build::joint_names::map(skeleton, joint_map::builtin(), None);
+        let mapping = articula::build::joint_names::map(skeleton, joint_map::builtin(), None);
         let rig = Rig::new(skeleton, mapping.articulation).unwrap();
         let clip = clip.map(|wanted| {
             let known = &file.character.clips;
@@ -219,7 +219,7 @@ fn runtime_clips_follow_three_js() {
             continue;
         };
         let Some(index) = subject.clip else { continue };
-        let mapping = articula_build::joint_names::map(
+        let mapping = articula::build::joint_names::map(
             &subject.file.character.skeleton,
             joint_map::builtin(),
             None,

@@ -1,13 +1,13 @@
 //! Real characters: the stated error of a pose cache holds for its output.
 
 use crate::real::bytes;
-use articula_build::ClipOptions;
-use articula_build::{Asset, character};
-use articula_build::{CacheDecision, CacheOptions, CachedPoses, cached_poses};
-use articula_build::{JointLodOptions, MergedLevels, merged_levels};
-use articula_core::batch::BatchEvaluator;
-use articula_core::{Backend, ClipSet, ClipStorage, PaletteForm, PaletteRows, skin_points};
-use articula_formats::{Limits, gltf, joint_map};
+use articula::build::ClipOptions;
+use articula::build::{Asset, character};
+use articula::build::{CacheDecision, CacheOptions, CachedPoses, cached_poses};
+use articula::build::{JointLodOptions, MergedLevels, merged_levels};
+use articula::core::batch::BatchEvaluator;
+use articula::core::{Backend, ClipSet, ClipStorage, PaletteForm, PaletteRows, skin_points};
+use articula::formats::{Limits, gltf, joint_map};
 use glam::{Affine3A, Vec3};
 
 fn asset() -> Option<Asset> {
@@ -17,7 +17,7 @@ fn asset() -> Option<Asset> {
         .unwrap()
         .value;
     let mapping =
-        articula_build::joint_names::map(&file.character.skeleton, joint_map::builtin(), None);
+        articula::build::joint_names::map(&file.character.skeleton, joint_map::builtin(), None);
     let opts = ClipOptions::default();
     let mut asset = character(&file.character, Some(mapping.articulation), &opts).unwrap();
     // Walk, jog and run; the fourth clip lasts 15 s and would take most of the test's time.

@@ -1,9 +1,9 @@
 //! The moving picture of the readme: its size, and that a browser plays it without script.
 
 use crate::judges::browser::{Item, is_here, shots};
-use articula_flat::flatten::FileSize;
-use articula_flat::masked_rmse;
-use articula_flat::vector::{AnimatedSvg, raster};
+use articula::flat::flatten::FileSize;
+use articula::flat::masked_rmse;
+use articula::flat::vector::{AnimatedSvg, raster};
 use std::path::Path;
 
 const SIZE: [u32; 2] = [300, 460];

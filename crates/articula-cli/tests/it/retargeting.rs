@@ -2,9 +2,9 @@
 
 use crate::program::{BVH, articula, fault, folder, human, json, short, word};
 use crate::real::real_data;
-use articula_core::source::{Character, evaluate};
-use articula_core::{ModelPose, Rig, local_to_model};
-use articula_formats::{Limits, gltf, joint_map};
+use articula::core::source::{Character, evaluate};
+use articula::core::{ModelPose, Rig, local_to_model};
+use articula::formats::{Limits, gltf, joint_map};
 use glam::Vec3;
 use serde_json::Value;
 use std::path::Path;
@@ -31,7 +31,7 @@ fn character(path: &Path) -> Character {
 
 /// Joint positions of a clip at a time.
 fn positions(character: &Character, clip: &str, time: f32) -> Vec<Vec3> {
-    let map = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
+    let map = articula::build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
     let rig = Rig::new(&character.skeleton, map.articulation).unwrap();
     let clip = character.clips.iter().find(|c| c.name == clip).unwrap();
     let mut local = rig.rest_pose().clone();

@@ -2,12 +2,12 @@
 
 use crate::program;
 use crate::real::bytes;
-use articula_core::source::Character;
-use articula_core::{
+use articula::core::source::Character;
+use articula::core::{
     Articulation, GroupedSkin, JointArticulation, JointSet, Matrix3x4, Mesh, ModelPose, Region,
     Rig, SkinnedMesh, local_to_model, palette, skin,
 };
-use articula_formats::{Limits, gltf};
+use articula::formats::{Limits, gltf};
 use glam::{Affine3A, Quat, Vec3};
 
 /// A rig, its mesh, and buffers of one frame.

@@ -2,10 +2,10 @@
 
 use crate::program::{fault, folder, json, word};
 use crate::real::real_data;
-use articula_build::{bake, resolve};
-use articula_core::source::{Channel, Expression, Interpolation, Property, RawClip, evaluate};
-use articula_formats::Limits;
-use articula_formats::gltf::{self, GltfFile};
+use articula::build::{bake, resolve};
+use articula::core::source::{Channel, Expression, Interpolation, Property, RawClip, evaluate};
+use articula::formats::Limits;
+use articula::formats::gltf::{self, GltfFile};
 use std::path::{Path, PathBuf};
 
 /// The folder of real VRM files, or none.

@@ -4,9 +4,9 @@
 use crate::judges::{ask, judges_are_here};
 use crate::program;
 use crate::real::{data_folder, data_is_here, file};
-use articula_core::LocalPose;
-use articula_core::source::{Character, Property, RawClip, RawMesh, evaluate};
-use articula_formats::{Limits, gltf, x3d};
+use articula::core::LocalPose;
+use articula::core::source::{Character, Property, RawClip, RawMesh, evaluate};
+use articula::formats::{Limits, gltf, x3d};
 use glam::{Affine3A, Mat4, Vec3};
 use serde_json::Value;
 use std::path::Path;

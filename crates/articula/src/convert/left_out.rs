@@ -1,7 +1,7 @@
 //! An encoded file, and the data that its format cannot hold.
 
+use crate::clip_streams::abp2::TierReport;
 use crate::open::{CharacterFile, Format};
-use crate::streams::abp2::TierReport;
 use articula_core::source::RawMesh;
 
 /// The bytes of a file, and the data that was left out.

@@ -4,9 +4,9 @@
 
 use super::left_out::{EncodedFile, LossyPart, counted, mesh_levels, meshes};
 use super::{AbpProfile, AfpProfile, ConvertOptions, body, joint_names, khr_character};
+use crate::clip_streams::{abp1, abp2, afp1, afp2, fba};
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Data, DataFormat, Format};
-use crate::streams::{abp1, abp2, afp1, afp2, fba};
 use articula_build::source_rate_hz;
 use articula_core::fap_table::FAP_COUNT;
 use articula_formats::gltf::Document;

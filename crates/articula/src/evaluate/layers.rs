@@ -1,9 +1,9 @@
 //! What each part of a motion stream shows: the error of leaving it out.
 
+use crate::clip_streams::abp2::decode;
+use crate::clip_streams::region_name;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
-use crate::streams::abp2::decode;
-use crate::streams::region_name;
 use crate::work::Executor;
 use articula_core::{Clip, PosedMesh, SkinnedMesh, Viewport, Wrap, sample_morphs};
 use articula_formats::Limits;

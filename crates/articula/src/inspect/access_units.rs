@@ -1,7 +1,7 @@
 //! Access units of a stream of a motion: what a cut by level or region leaves out.
 
+use crate::clip_streams::{StreamKind, region_name};
 use crate::error::{Context, Error, Result};
-use crate::streams::{StreamKind, region_name};
 use articula_stream::{StreamLimits, Unit, abp1, afp1};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};

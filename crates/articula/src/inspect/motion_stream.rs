@@ -1,8 +1,8 @@
 //! Contents of a motion stream, without its character, or of a face stream.
 
 use super::{TrackInspection, WarningInspection};
+use crate::clip_streams::region_name;
 use crate::error::{Context, Result};
-use crate::streams::region_name;
 use articula_stream::abp2::{Grouping, MotionHead, motion_map};
 use articula_stream::{CutRule, StreamLimits, Unit, cut};
 use serde::Serialize;

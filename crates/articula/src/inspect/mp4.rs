@@ -1,7 +1,7 @@
 //! Tracks of an MP4 file with streams.
 
+use crate::clip_streams::mp4::{Mp4Track, tracks};
 use crate::error::{Context, Result};
-use crate::streams::mp4::{Mp4Track, tracks};
 use articula_formats::Limits;
 use serde::Serialize;
 

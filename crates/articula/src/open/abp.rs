@@ -1,8 +1,8 @@
 //! ABP files: the motion of a skeleton as a stream that can be cut, and its text.
 
 use super::{CharacterFile, Input};
+use crate::clip_streams::{StreamKind, abp1, stream_limits};
 use crate::error::{Error, Result};
-use crate::streams::{StreamKind, abp1, stream_limits};
 use articula_stream::abp1::{Abp1Clip, AbsentBone, read, read_text};
 
 /// Reads a stream, by how it begins.

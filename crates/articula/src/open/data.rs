@@ -1,8 +1,8 @@
 //! Files with data of a face or an encoder, without joints: of MPEG-4, and captures.
 
 use super::OpenOptions;
+use crate::clip_streams::{StreamKind, afp1, afp2, fba, mp4, stream_limits};
 use crate::error::{Context, Error, Result};
-use crate::streams::{StreamKind, afp1, afp2, fba, mp4, stream_limits};
 use articula_formats::live_link::{self, LiveLinkClip};
 use articula_formats::mpeg4::epf::EpfFrame;
 use articula_formats::mpeg4::fap::FapClip;

@@ -3,7 +3,7 @@
 //! **A new format is one variant, one row of [`ROWS`] and one opener in this folder.**
 
 use super::{Opener, abp, acclaim, bap, bva, bvh, document, mp4, x3d};
-use crate::streams::mp4::is_mp4;
+use crate::clip_streams::mp4::is_mp4;
 use serde::Serialize;
 
 /// A character file format.

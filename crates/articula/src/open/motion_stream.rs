@@ -1,8 +1,8 @@
 //! A motion stream that is decoded onto the character that it was made from.
 
 use super::{CharacterFile, Format};
+use crate::clip_streams::abp2;
 use crate::error::{Context, Result};
-use crate::streams::abp2;
 use articula_core::Rig;
 use articula_formats::Limits;
 

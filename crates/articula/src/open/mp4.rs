@@ -1,8 +1,8 @@
 //! MP4 files: the first stream of a body in them.
 
 use super::{CharacterFile, Input, abp};
+use crate::clip_streams::mp4;
 use crate::error::{Error, Result};
-use crate::streams::mp4;
 
 /// Reads the first stream of a body as if it were the file.
 pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {

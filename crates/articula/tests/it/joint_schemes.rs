@@ -3,9 +3,9 @@
 use crate::crowd::human;
 use crate::real::real_data;
 use crate::short::shortened;
+use articula::clip_streams::abp1;
 use articula::convert::{AbpProfile, ConvertOptions, write};
 use articula::glam::{Affine3A, Quat, Vec3};
-use articula::streams::abp1;
 use articula::{CharacterFile, Executor, Format, OpenOptions, convert, fs, open};
 use articula_core::source::{Channel, Character, Interpolation, Property, RawClip, evaluate};
 use articula_core::{JointScheme, LocalPose, Region, Zone};

@@ -1,9 +1,9 @@
 //! MP4 files with streams, opened by the library: by their bytes, and harmed.
 
 use crate::crowd::human;
+use articula::clip_streams::mp4::{is_mp4, take, tracks, write};
+use articula::clip_streams::{StreamKind, clip_name};
 use articula::convert::{AbpProfile, AfpProfile, ConvertOptions, write_faps};
-use articula::streams::mp4::{is_mp4, take, tracks, write};
-use articula::streams::{StreamKind, clip_name};
 use articula::{
     CharacterFile, Data, DataFormat, Executor, Format, OpenOptions, Result, convert, open,
     open_data,

@@ -3,11 +3,11 @@
 use crate::crowd;
 use crate::real;
 use crate::short::shortened;
+use articula::clip_streams::{StreamKind, abp1, abp2, afp1, afp2, fba};
 use articula::convert::{AbpProfile, AfpProfile, ConvertOptions, write_faps};
 use articula::face::{expand_face, reduce_face};
 use articula::glam::Quat;
 use articula::glam::{Affine3A, Vec3};
-use articula::streams::{StreamKind, abp1, abp2, afp1, afp2, fba};
 use articula::{
     CharacterFile, Data, DataFormat, Executor, Figure, Format, OpenOptions, convert, fs, open,
     open_data,

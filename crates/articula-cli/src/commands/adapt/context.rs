@@ -2,9 +2,9 @@
 
 use crate::files;
 use anyhow::Context as _;
-use articula_core::{Region, Zone};
-use articula_stream::DescriptionLimits;
-use articula_stream::description::{Context, Modality};
+use articula::core::{Region, Zone};
+use articula::stream::DescriptionLimits;
+use articula::stream::description::{Context, Modality};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 

@@ -7,13 +7,13 @@ mod xsltproc;
 use crate::console::Console;
 use crate::{fault, files};
 use anyhow::Context as _;
+use articula::formats::Limits;
 use articula::item::{
     AdaptOptions, AdaptedItem, Item, ItemCut, MANIFEST, adapt, adapt_by_description, assemble,
     decide, decide_by_table, documents,
 };
-use articula_formats::Limits;
-use articula_stream::DescriptionLimits;
-use articula_stream::description::{Aqos, Context};
+use articula::stream::DescriptionLimits;
+use articula::stream::description::{Aqos, Context};
 use clap::{Args, ValueEnum};
 use context::ContextArgs;
 use report::{AdaptReport, DECISION, Decided};

@@ -3,9 +3,9 @@
 use super::Engine;
 use crate::fault::clean;
 use crate::table::Table;
+use articula::core::Region;
 use articula::item::{AdaptedItem, Item, ItemCut, ItemDecision};
-use articula_core::Region;
-use articula_stream::decide::{Bound, Budget, PartDecision, PartKind};
+use articula::stream::decide::{Bound, Budget, PartDecision, PartKind};
 use serde::Serialize;
 
 /// Name of the file with the decision, in the folder of what is sent.
@@ -16,7 +16,7 @@ pub(crate) enum Decided {
     /// By the joint choice.
     Jointly(Box<ItemDecision>),
     /// By a table, with the values of its pins and reasons.
-    ByTable(articula_stream::description::Decided, ItemCut),
+    ByTable(articula::stream::description::Decided, ItemCut),
 }
 
 impl Decided {
@@ -192,12 +192,12 @@ impl DecisionReport {
     }
 
     /// What a table says, by the names of the pins of an item's own.
-    fn of_table(table: &articula_stream::description::Decided, adapted: &AdaptedItem) -> Self {
+    fn of_table(table: &articula::stream::description::Decided, adapted: &AdaptedItem) -> Self {
         let of = |pin: &str| table.values.get(pin).map(|value| *value as u32);
         Self {
             modality: "3d".to_owned(),
             by: "aqos",
-            loa: of(articula_stream::description::LAYERS),
+            loa: of(articula::stream::description::LAYERS),
             zones: zones(adapted),
             tier: of("TIER"),
             face_loa: of("FACE_LEVELS").map(|digits| digits / 10_000_000),

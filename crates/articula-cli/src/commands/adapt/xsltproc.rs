@@ -3,7 +3,7 @@
 use crate::files;
 use anyhow::{Context, bail};
 use articula::item::STYLESHEET;
-use articula_stream::description::stylesheet;
+use articula::stream::description::stylesheet;
 use std::path::Path;
 use std::process::Command;
 

@@ -2,8 +2,8 @@
 
 use anyhow::Context;
 use articula::MeshLevelOptions;
-use articula_build::ErrorWeighting;
-use articula_core::{Region, Zone};
+use articula::build::ErrorWeighting;
+use articula::core::{Region, Zone};
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

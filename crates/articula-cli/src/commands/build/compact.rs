@@ -3,10 +3,10 @@
 use crate::table::Table;
 use anyhow::Context;
 use articula::Figure;
-use articula_build::{ClipOptions, sampled_clip, whole_clip_size};
-use articula_formats::{Limits, read_compact_clip};
-use articula_stream::StreamLimits;
-use articula_stream::abp2::MotionReceiver;
+use articula::build::{ClipOptions, sampled_clip, whole_clip_size};
+use articula::formats::{Limits, read_compact_clip};
+use articula::stream::StreamLimits;
+use articula::stream::abp2::MotionReceiver;
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::Instant;

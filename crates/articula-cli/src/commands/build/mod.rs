@@ -15,11 +15,11 @@ use crate::{fault, files};
 use anyhow::Context;
 use arguments::MeshLevelArgs;
 use articula::convert::ClipProvenance;
+use articula::stream::abp2::MotionOptions;
 use articula::{
     AddClipsOptions, CharacterFile, ClipTables, Format, PartBytes, PrepareOptions, PreparedAsset,
     PreparedPart, prepare,
 };
-use articula_stream::abp2::MotionOptions;
 use clap::Args;
 use compact::CompactClip;
 use serde::Serialize;

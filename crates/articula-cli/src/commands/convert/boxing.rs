@@ -7,10 +7,10 @@ use crate::console::Console;
 use crate::files::{self, Files};
 use crate::{fault, open};
 use anyhow::Context;
+use articula::clip_streams::{StreamKind, clip_name, mp4};
 use articula::convert::{AfpProfile, write_faps};
-use articula::streams::{StreamKind, clip_name, mp4};
+use articula::formats::{Limits, Warning};
 use articula::{Data, DataFormat, Format};
-use articula_formats::{Limits, Warning};
 use std::path::Path;
 
 /// A file to put into a box, by its name.

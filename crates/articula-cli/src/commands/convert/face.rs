@@ -11,8 +11,8 @@ use articula::face::{
     CaptureBridge, FaceRig, capture_of_clip, capture_to_faps, drives_shapes, expand_face,
     faps_to_capture, faps_to_vrma, measure_faps, presets_to_faps, reduce_face,
 };
+use articula::formats::Warning;
 use articula::{CharacterFile, Data, DataFormat, Figure, Format};
-use articula_formats::Warning;
 use std::path::Path;
 
 /// Whether the input or output is named as a file of facial data that is to be written; with a

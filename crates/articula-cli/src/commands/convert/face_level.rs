@@ -3,9 +3,9 @@
 use super::ConvertArgs;
 use crate::{fault, open};
 use articula::DataFormat;
+use articula::core::face_levels::FaceLevels;
 use articula::face::FaceLevelReport;
-use articula_core::face_levels::FaceLevels;
-use articula_formats::mpeg4::fap::FapClip;
+use articula::formats::mpeg4::fap::FapClip;
 
 /// Parses a level, or a level and those of regions.
 pub(super) fn levels(text: &str) -> Result<FaceLevels, String> {
@@ -31,7 +31,7 @@ pub(super) fn check(args: &ConvertArgs) -> anyhow::Result<()> {
 pub(super) fn applied(
     clip: FapClip,
     args: &ConvertArgs,
-    of_level: fn(&FapClip, &articula_core::face_levels::FapRoles) -> FapClip,
+    of_level: fn(&FapClip, &articula::core::face_levels::FapRoles) -> FapClip,
 ) -> (FapClip, Option<FaceLevelReport>) {
     match &args.face_level {
         None => (clip, None),

@@ -2,7 +2,7 @@
 
 use crate::fault::clean;
 use articula::convert::JointSchemeReport;
-use articula_core::JointScheme;
+use articula::core::JointScheme;
 use clap::ValueEnum;
 
 /// Set of joints that a body has.

@@ -16,8 +16,8 @@ use articula::convert::{
 use articula::face::{
     FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
 };
+use articula::formats::Limits;
 use articula::{CharacterFile, Data, DataFormat};
-use articula_formats::Limits;
 use clap::ValueEnum;
 use std::path::Path;
 

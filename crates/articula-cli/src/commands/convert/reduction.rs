@@ -3,7 +3,7 @@
 use super::ConvertArgs;
 use crate::{files, selection};
 use articula::convert::{JointReduction, JointsReduced, MovingJoints};
-use articula_core::joint_state::PassivePolicy;
+use articula::core::joint_state::PassivePolicy;
 use serde::Serialize;
 
 /// The selection of joints.

@@ -9,9 +9,9 @@ use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
 use articula::ShownLevelsReport;
+use articula::clip_streams::abp2::TierReport;
 use articula::convert::{ClipEdited, JointSchemeReport, LossyPart, TransferReport};
 use articula::face::{CaptureReport, FaceLevelReport, FaceShapes, FaceTableTargets, FaceTransfer};
-use articula::streams::abp2::TierReport;
 use serde::Serialize;
 use std::path::Path;
 

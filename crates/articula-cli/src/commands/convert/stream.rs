@@ -4,10 +4,10 @@ use crate::arguments::skin_millimetres;
 use crate::fault;
 use crate::table::Table;
 use articula::Format;
+use articula::clip_streams::abp2::TierReport;
 use articula::convert::{AbpProfile, AfpProfile};
-use articula::streams::abp2::TierReport;
-use articula_stream::abp2::{Grouping, MotionOptions, UnitOrder};
-use articula_stream::afp2::Afp2Options;
+use articula::stream::abp2::{Grouping, MotionOptions, UnitOrder};
+use articula::stream::afp2::Afp2Options;
 use clap::{Args, ValueEnum, value_parser};
 
 /// Profile and options of a stream.

@@ -4,8 +4,8 @@ use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::console::Console;
 use crate::{fault, files, open};
 use anyhow::Context;
+use articula::core::Clip;
 use articula::crowd::{CharacterEntry, CrowdAsset, CrowdOptions, MAX_CHARACTERS, ParsedScene};
-use articula_core::Clip;
 use clap::Args;
 use std::path::{Path, PathBuf};
 

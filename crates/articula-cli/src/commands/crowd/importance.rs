@@ -2,9 +2,9 @@
 
 use crate::fault;
 use anyhow::Context;
+use articula::build::{IMPORTANCE_RANGE, Scene};
+use articula::core::Clip;
 use articula::crowd::Hiders;
-use articula_build::{IMPORTANCE_RANGE, Scene};
-use articula_core::Clip;
 use clap::{Args, ValueEnum};
 use std::str::FromStr;
 

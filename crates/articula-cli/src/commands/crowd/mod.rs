@@ -14,13 +14,13 @@ use crate::files;
 use crate::play::read_camera_path;
 use crate::{fault, selection};
 use anyhow::Context;
+use articula::build::{PLAZA_COUNT, Plaza, Scene, SceneView, plaza};
+use articula::core::Clip;
 use articula::crowd::{
     Backend, CacheUse, ClipStorage, CrowdAsset, CrowdOptions, DetailGoal, JointLodMethod,
     MAX_MEMBERS, MAX_MESH_LEVELS, MAX_VIEWS, PaletteForm, PaletteMatrices, RootMotionPolicy,
 };
-use articula_build::{PLAZA_COUNT, Plaza, Scene, SceneView, plaza};
-use articula_core::Clip;
-use articula_flat::impostor::{ImpostorBound, ImpostorOptions};
+use articula::flat::impostor::{ImpostorBound, ImpostorOptions};
 use cast::{CastArgs, CastAsset, NamedScene};
 use clap::Args;
 use importance::ImportanceArgs;

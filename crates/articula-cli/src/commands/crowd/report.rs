@@ -152,7 +152,7 @@ impl CrowdRunReport {
             backend: args
                 .storage
                 .backend
-                .unwrap_or_else(articula_core::Backend::best)
+                .unwrap_or_else(articula::core::Backend::best)
                 .to_string(),
             ready_ms: 0.0,
             storage: name_of(args.storage.storage),

@@ -4,16 +4,16 @@ use super::Folder;
 use crate::console::Console;
 use crate::play::drawn::artist;
 use anyhow::Context as _;
+use articula::core::{Wrap, sample, sample_morphs};
 use articula::evaluate::EvaluatedClip;
+use articula::flat::Picture;
+use articula::flat::vector::{AnimatedSvg, raster};
 use articula::item::{
     AdaptOptions, AdaptedItem, Item, PackageOptions, adapt, assemble, decide, package,
 };
+use articula::stream::description::Context;
 use articula::{Figure, OpenOptions};
-use articula_core::{Wrap, sample, sample_morphs};
-use articula_flat::Picture;
-use articula_flat::vector::{AnimatedSvg, raster};
 use articula_report::{ContactSheet, SheetCell, SheetRow};
-use articula_stream::description::Context;
 use serde::Serialize;
 
 /// Size of a picture in pixels.
@@ -137,7 +137,7 @@ fn drawn(adapted: &AdaptedItem) -> anyhow::Result<Picture> {
             let moving = AnimatedSvg::read(text)?;
             let still = moving.at(moving.duration_secs / 4.0)?;
             let picture = raster(&still, PAPER)?;
-            Ok(picture.resized(SIZE, articula_flat::Averaging::Light)?)
+            Ok(picture.resized(SIZE, articula::flat::Averaging::Light)?)
         }
     }
 }

@@ -7,10 +7,10 @@ use crate::crowd::run::{self, Run};
 use crate::crowd::stage::Settings;
 use anyhow::Context;
 use articula::Figure;
+use articula::build::{Plaza, Scene, plaza};
 use articula::crowd::{
     CacheUse, CrowdAsset, CrowdOptions, DetailGoal, Hiders, JointLodMethod, LevelStatistics,
 };
-use articula_build::{Plaza, Scene, plaza};
 use serde::Serialize;
 use std::slice::from_ref;
 use std::sync::Arc;

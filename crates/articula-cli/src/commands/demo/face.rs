@@ -4,13 +4,13 @@ use super::Folder;
 use crate::console::Console;
 use crate::face_pictures;
 use articula::convert::write;
+use articula::core::fap_table::{FAP_COUNT, LOW_FAPS};
 use articula::face::{
     FaceDetailOptions, FaceDetailReport, FaceKind, add_face_table, face_detail, face_layout,
     fit_face,
 };
+use articula::formats::mpeg4::fap::{FapClip, FapFrame};
 use articula::{Figure, Format};
-use articula_core::fap_table::{FAP_COUNT, LOW_FAPS};
-use articula_formats::mpeg4::fap::{FapClip, FapFrame};
 use serde::Serialize;
 
 const RATE_HZ: u32 = 25;

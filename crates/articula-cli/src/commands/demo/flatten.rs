@@ -3,13 +3,13 @@
 use super::Folder;
 use crate::commands::flatten::report::{FlattenReport, Made};
 use crate::console::Console;
+use articula::core::Viewport;
 use articula::evaluate::EvaluatedClip;
+use articula::flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
+use articula::flat::planar::Shading;
+use articula::flat::vector::ThesisSvgOptions;
+use articula::flat::vector::player::PlayerOutput;
 use articula::flatten::{FramedCharacter, Shot, TriangleCount, flatten};
-use articula_core::Viewport;
-use articula_flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
-use articula_flat::planar::Shading;
-use articula_flat::vector::ThesisSvgOptions;
-use articula_flat::vector::player::PlayerOutput;
 
 /// Side of the pictures in pixels.
 const SIDE: u32 = 360;

@@ -4,11 +4,11 @@ use super::Folder;
 use crate::commands::build::levels as report;
 use crate::play::drawn::artist;
 use anyhow::Context;
+use articula::core::source;
+use articula::core::{Region, Wrap, sample};
 use articula::evaluate::EvaluatedClip;
+use articula::flat::Picture;
 use articula::{CodedMeshLevels, Figure};
-use articula_core::source;
-use articula_core::{Region, Wrap, sample};
-use articula_flat::Picture;
 use articula_report::{ContactSheet, SheetCell, SheetRow};
 use serde::Serialize;
 

@@ -22,11 +22,11 @@ use crate::open;
 use crate::play::motion_plots::{error_plot, gain_plot, updates_plot};
 use crate::play::{drawn, nanoseconds};
 use anyhow::Context;
+use articula::build::evaluate::{EvaluationSetup, MethodOptions};
 use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
+use articula::formats::gltf::Document;
+use articula::human::HumanOptions;
 use articula::{AddClipsOptions, Figure, MeshLevelOptions, PrepareOptions, prepare};
-use articula_build::evaluate::{EvaluationSetup, MethodOptions};
-use articula_formats::gltf::Document;
-use articula_human::HumanOptions;
 use clap::Args;
 use mesh_levels::MeshLevels;
 use report::{ClipRows, DemoReport, Found, Level};
@@ -228,7 +228,7 @@ fn over_clips(
 fn levels_of(figure: &Figure) -> Vec<Level> {
     let rig = &figure.asset.rig;
     let clips = &figure.opened.character().clips;
-    articula_core::Complexity::ALL
+    articula::core::Complexity::ALL
         .into_iter()
         .rev()
         .map(|level| Level::new(level, rig, clips))

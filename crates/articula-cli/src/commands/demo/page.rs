@@ -2,7 +2,7 @@
 
 use super::report::{DemoReport, MethodRows};
 use articula::evaluate::MethodRow;
-use articula_flat::escaped;
+use articula::flat::escaped;
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");

@@ -3,10 +3,10 @@
 use super::MIDDLE;
 use crate::play::drawn::{self, artist};
 use anyhow::Context;
+use articula::build::evaluate::Method;
+use articula::core::Region;
 use articula::evaluate::{EvaluatedClip, MethodTable};
-use articula_build::evaluate::Method;
-use articula_core::Region;
-use articula_flat::Picture;
+use articula::flat::Picture;
 use articula_report::{ContactSheet, MotionLine, SheetCell, SheetRow};
 use std::f32::consts::FRAC_PI_2;
 

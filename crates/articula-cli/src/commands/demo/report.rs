@@ -9,11 +9,11 @@ use crate::commands::flatten::report as flatten;
 use crate::files;
 
 use articula::convert::{AnimationSize, hold_joints};
+use articula::core::joint_state::PassivePolicy;
+use articula::core::loa;
+use articula::core::source;
+use articula::core::{Complexity, Rig};
 use articula::evaluate::{Costs, EvaluatedClip, MethodRow, MethodTable};
-use articula_core::joint_state::PassivePolicy;
-use articula_core::loa;
-use articula_core::source;
-use articula_core::{Complexity, Rig};
 use serde::Serialize;
 
 /// All results of one run of the demo.
@@ -130,7 +130,7 @@ impl DemoReport {
             },
             clip: clip.name.clone(),
             target_px: TARGET_PX,
-            joints_moving: articula_build::moving_joints(asset, clip).len(),
+            joints_moving: articula::build::moving_joints(asset, clip).len(),
             frames: clip.frames(),
             methods: tables
                 .iter()

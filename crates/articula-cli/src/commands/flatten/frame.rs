@@ -5,8 +5,8 @@ use super::arguments::FrameArgs;
 use crate::console::Console;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_flat::vector::AnimatedSvg;
-use articula_flat::vector::raster;
+use articula::flat::vector::AnimatedSvg;
+use articula::flat::vector::raster;
 use serde::Serialize;
 use std::path::Path;
 

@@ -3,8 +3,8 @@
 use super::arguments::ConvertArgs;
 use crate::console::Console;
 use crate::{files, open};
+use articula::flat::impostor::{ImpostorBound, ImpostorOptions, ImpostorPlan, ImpostorTrial};
 use articula::impostor::bake;
-use articula_flat::impostor::{ImpostorBound, ImpostorOptions, ImpostorPlan, ImpostorTrial};
 use serde::Serialize;
 use std::fmt::Write as _;
 

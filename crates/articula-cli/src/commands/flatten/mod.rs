@@ -13,14 +13,14 @@ use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName, Switch};
+use articula::core::Viewport;
+use articula::flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
+use articula::flat::planar::OrderOptions;
+use articula::flat::planar::Shading;
+use articula::flat::planar::SplitOptions;
+use articula::flat::vector::player::PlayerOutput;
+use articula::flat::vector::{ThesisForm, ThesisSvgOptions};
 use articula::flatten::{FramedCharacter, Shot, TriangleCount, flatten_driven, flatten_within};
-use articula_core::Viewport;
-use articula_flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
-use articula_flat::planar::OrderOptions;
-use articula_flat::planar::Shading;
-use articula_flat::planar::SplitOptions;
-use articula_flat::vector::player::PlayerOutput;
-use articula_flat::vector::{ThesisForm, ThesisSvgOptions};
 use report::{FlattenReport, Made};
 
 /// Converts, or runs a subcommand.

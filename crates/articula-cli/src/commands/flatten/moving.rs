@@ -7,9 +7,9 @@ use crate::console::Console;
 use crate::fault;
 use crate::files::{self, Files};
 use anyhow::Context;
-use articula_flat::Picture;
-use articula_flat::vector;
-use articula_flat::vector::raster;
+use articula::flat::Picture;
+use articula::flat::vector;
+use articula::flat::vector::raster;
 use serde::Serialize;
 
 /// Maximum number of frames of a movie.

@@ -1,13 +1,13 @@
 //! The report of `flatten`.
 
-use articula::flatten::{
-    DETAIL_DELTA_E, FACE_DELTA_E, FramedCharacter, REST_DELTA_E, TriedTriangles, excess,
-};
-use articula_flat::flatten::{
+use articula::flat::flatten::{
     DroppedDetail, Flattened, ImageError, JudgedRegion, LocalDifferences, Profile, Quality,
     Representation, TriedQuality, WorstDifference,
 };
-use articula_flat::planar::Shading;
+use articula::flat::planar::Shading;
+use articula::flatten::{
+    DETAIL_DELTA_E, FACE_DELTA_E, FramedCharacter, REST_DELTA_E, TriedTriangles, excess,
+};
 use serde::Serialize;
 
 /// The report of one conversion; its field names are stable (`docs/commands.md`).

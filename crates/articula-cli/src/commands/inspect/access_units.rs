@@ -3,7 +3,7 @@
 use crate::table::{Table, counted};
 use crate::{files, open};
 use articula::inspect::{AccessUnitsInspection, StreamShare, inspect_access_units};
-use articula_stream::StreamLimits;
+use articula::stream::StreamLimits;
 use std::path::Path;
 
 /// Reads the file again and lists its access units, in an MP4 file those of the first stream of a body.

@@ -8,11 +8,11 @@ use crate::open;
 use crate::table::{Table, counted};
 use crate::{fault, files};
 use articula::DataFormat;
+use articula::clip_streams::StreamKind;
 use articula::inspect::{
     DataInspection, FaceStreamInspection, inspect_access_units, inspect_data, inspect_motion_stream,
 };
-use articula::streams::StreamKind;
-use articula_stream::StreamLimits;
+use articula::stream::StreamLimits;
 
 /// Reads the file and prints its contents.
 pub(super) fn run(

@@ -4,7 +4,7 @@ use crate::arguments::CharacterArgs;
 use crate::commands::package::report::ItemReport;
 use crate::console::Console;
 use crate::{fault, files};
-use articula_formats::Limits;
+use articula::formats::Limits;
 
 /// Prints what the item holds.
 pub(super) fn run(args: &CharacterArgs, console: &Console) -> anyhow::Result<()> {

@@ -10,9 +10,9 @@ use crate::open::{self, Stream};
 use crate::table::{Table, counted};
 use crate::{fault, files};
 use articula::Format;
+use articula::formats::Warning;
 use articula::inspect::{MotionStreamInspection, WarningInspection, inspect_motion_stream};
-use articula_formats::Warning;
-use articula_stream::StreamLimits;
+use articula::stream::StreamLimits;
 
 /// Prints the contents of a motion stream.
 pub(super) fn run(stream: &Stream, args: &CharacterArgs, console: &Console) -> anyhow::Result<()> {

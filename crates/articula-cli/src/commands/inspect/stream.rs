@@ -6,7 +6,7 @@ use crate::console::Console;
 use crate::table::{Table, millimetres};
 use crate::{fault, files};
 use articula::inspect::{StreamInspection, inspect_stream};
-use articula_stream::StreamLimits;
+use articula::stream::StreamLimits;
 use std::path::Path;
 
 /// Extension of mesh streams.

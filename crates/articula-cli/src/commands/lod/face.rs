@@ -7,12 +7,12 @@ use crate::fault::{self, clean};
 use crate::table::Table;
 use crate::{files, open};
 use articula::convert::{AfpProfile, write_faps};
+use articula::core::face_levels::FapRoles;
+use articula::core::fap_table::FAP_COUNT;
 use articula::face::{
     FACE_DISTANCES_M, FaceDetailOptions, FaceDetailReport, face_detail, reduce_face,
 };
 use articula::{Data, DataFormat, Figure};
-use articula_core::face_levels::FapRoles;
-use articula_core::fap_table::FAP_COUNT;
 use serde::Serialize;
 use std::path::Path;
 

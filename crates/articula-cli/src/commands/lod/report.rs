@@ -49,7 +49,7 @@ impl LodReport {
     pub(super) fn new(scene: &EvaluatedClip<'_>, args: &LodArgs, tables: &[MethodTable]) -> Self {
         let asset = &scene.figure.asset;
         let clip = &asset.clips[scene.clip].at_key_rate();
-        let mut moving = articula_build::moving_joints(asset, clip);
+        let mut moving = articula::build::moving_joints(asset, clip);
         if !asset.rig.skin_joints().is_empty() {
             moving = moving.intersection(asset.rig.skin_joints());
         }

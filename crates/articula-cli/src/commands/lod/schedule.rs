@@ -7,7 +7,7 @@ use crate::files;
 use crate::play::motion_plots::schedule_plots;
 use anyhow::Context;
 use articula::evaluate::{EvaluatedClip, ScheduleOptions, play_lod_schedule, read_lod_schedule};
-use articula_formats::Limits;
+use articula::formats::Limits;
 use std::path::Path;
 
 /// Plays the schedule and prints the report.

@@ -5,8 +5,8 @@ use crate::tables::Run;
 use crate::tables::fap_clips::{CLIPS, SMALL, read};
 use anyhow::Result;
 
+use articula::clip_streams::{afp1, afp2};
 use articula::face::{expand_face, fit_face};
-use articula::streams::{afp1, afp2};
 use articula::{CharacterFile, Figure};
 use articula_build::Asset;
 use articula_core::face_levels::{FaceLevel, FaceLevels};

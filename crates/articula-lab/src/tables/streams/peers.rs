@@ -3,8 +3,8 @@
 use super::judge::{Errors, Sampled, Shown, at_rest, errors};
 use anyhow::{Context, Result, ensure};
 use articula::Figure;
+use articula::clip_streams::abp1;
 use articula::convert::write;
-use articula::streams::abp1;
 use articula::{Format, OpenOptions};
 use articula_build::clip_edit::resample_keys;
 use articula_build::{Asset, whole_clip_size};

@@ -2,9 +2,9 @@
 //! these.
 
 use super::selected::selection;
+use crate::clip_streams::unit_tree;
 use crate::error::{Error, Result};
 use crate::item::part::ItemPart;
-use crate::streams::unit_tree;
 use articula_stream::description::{GbsdOptions, Holes, gbsd_to_bin, write_gbsd};
 use articula_stream::{Cut, DescriptionLimits, StreamLimits, Unit};
 

@@ -4,10 +4,10 @@ use super::cut::ItemCut;
 use super::options::AdaptOptions;
 use super::parts::ItemParts;
 use super::regions::Regions;
+use crate::clip_streams::StreamKind;
 use crate::error::{Error, Result};
 use crate::item::files::Item;
 use crate::item::part::PartKind as ItemKind;
-use crate::streams::StreamKind;
 use articula_stream::decide::{
     self, Assumptions, Budget, ChoiceRequest, Decision, DecisionRequest, NetworkShare, Outcome,
     PartKind, Preference, Representation, wanted_modality, weigh_parts,
