@@ -23,8 +23,10 @@ mod asset;
 mod buffer_manifest;
 mod buffer_vertices;
 mod buffers;
+mod cached_draws;
 mod draws;
 mod face_levels;
+mod frame_parts;
 mod hidden;
 pub(crate) mod impostor_steps;
 mod in_place;
@@ -41,6 +43,7 @@ mod scene_cast;
 mod scene_file;
 mod scene_player;
 mod scene_roles;
+mod share;
 pub mod wgsl;
 
 pub use asset::{CrowdAsset, CrowdLevel};
@@ -49,7 +52,9 @@ pub use buffer_manifest::{
     PartManifest,
 };
 pub use buffers::CrowdBuffers;
+pub use cached_draws::PoseSource;
 pub use draws::{InstancedDraw, Instances};
+pub use frame_parts::FramePart;
 pub use hidden::Hiders;
 pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelStatistics, LevelTally, MeasuredError};
@@ -60,7 +65,7 @@ pub use mesh_lods::MAX_MESH_LEVELS;
 pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 pub use palette_hash::PaletteHash;
 pub use palettes::PaletteSlice;
-pub use player::{CrowdPlayer, FramePart, PoseSource};
+pub use player::CrowdPlayer;
 pub use scene_cast::{CharacterEntry, MAX_CHARACTERS, MAX_VIEWS};
 pub use scene_file::{MAX_MEMBERS, ParsedScene, write_scene};
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
