@@ -4,7 +4,7 @@
 //! spot, materials, and threads of the caller.
 
 use crate::crowd::RootMotionPolicy;
-use crate::crowd::impostor_steps::{CHOOSING, drawn};
+use crate::crowd::impostors::{CHOOSING, drawn};
 use crate::crowd::preparation::in_place;
 use crate::error::{Context, Result};
 use crate::figure::Figure;

@@ -40,6 +40,19 @@
 //! touches paths in [`fs`] alone. Long operations take an [`Executor`], which reports progress, can
 //! cancel, and hands out [`Job`]s that the caller may run on its own threads.
 //!
+//! # Features
+//!
+//! All are on by default. Without any, the library opens, edits and converts characters, plays figures, crowds and
+//! faces, and links no codec of pictures or streams, no compressor and no rasteriser.
+//!
+//! - `prepare`: [`prepare()`] and mesh levels as streams; includes `streams`
+//! - `flat`: [`flat`], [`flatten`], [`impostor`], and the impostors of a [`crowd`]
+//! - `streams`: [`stream`], [`clip_streams`], and formats that hold streams: ABP, AFP, FBA and MP4 files are read and
+//!   written, and the motion streams of an asset are read
+//! - `item`: [`item`], and [`fs`] opens digital items; includes the three others
+//!
+//! [`inspect`] needs `flat` and `streams`. A file whose feature is off is refused with an error that names it.
+//!
 //! The crates that the library combines are its modules [`core`], [`formats`], [`build`], [`flat`],
 //! [`stream`] and [`human`]; their types stand in its signatures, so that a program depends on this
 //! crate alone.
@@ -48,6 +61,7 @@
 //! `_deg`. +Y is up and a character faces +Z. Level 0 is the finest.
 
 mod camera_path;
+#[cfg(feature = "streams")]
 pub mod clip_streams;
 pub mod convert;
 pub mod crowd;
@@ -56,18 +70,24 @@ pub mod evaluate;
 pub mod face;
 mod facing;
 mod figure;
+#[cfg(feature = "flat")]
 pub mod flatten;
 #[cfg(not(target_family = "wasm"))]
 pub mod fs;
 mod head;
+#[cfg(feature = "flat")]
 pub mod impostor;
 mod in_place;
+mod inner_lips;
+#[cfg(all(feature = "flat", feature = "streams"))]
 pub mod inspect;
+#[cfg(feature = "item")]
 pub mod item;
 mod joint_map;
 mod mesh_levels;
 mod motion_tables;
 mod open;
+#[cfg(feature = "prepare")]
 mod prepare;
 mod prepared;
 mod work;
@@ -78,7 +98,9 @@ pub use error::{Error, Result};
 pub use facing::facing;
 pub use figure::Figure;
 pub use joint_map::{RigJointMap, rig_joint_map};
-pub use mesh_levels::{CodedMeshLevels, KeptFace, MeshLevelOptions, MeshLevelStream};
+#[cfg(feature = "prepare")]
+pub use mesh_levels::{CodedMeshLevels, MeshLevelStream};
+pub use mesh_levels::{KeptFace, MeshLevelOptions};
 pub use mesh_levels::{
     LevelChoice, MeshView, ShownInView, ShownLevelOptions, ShownLevels, ShownLevelsReport,
     ShownRegion,
@@ -88,18 +110,20 @@ pub use open::{
     CharacterFile, Data, DataFile, DataFormat, Format, GltfSource, OpenOptions, WriteSupport,
     choose, conversions, open, open_data, readable, reference_human,
 };
+#[cfg(feature = "prepare")]
 pub use prepare::{
-    CheckedPart, ClipTables, PartState, PrepareOptions, PreparedAsset, PreparedCheck,
-    check_prepared, prepare,
+    CheckedPart, ClipTables, PartBytes, PartState, PrepareOptions, PreparedAsset, PreparedCheck,
+    PreparedPart, check_prepared, prepare,
 };
-pub use prepared::{PartBytes, PreparedPart};
 pub use work::{Executor, Job, JobRunner, Step, StepCallback};
 
 pub use articula_build as build;
 pub use articula_core as core;
+#[cfg(feature = "flat")]
 pub use articula_flat as flat;
 pub use articula_formats as formats;
 pub use articula_human as human;
+#[cfg(feature = "streams")]
 pub use articula_stream as stream;
 
 pub use articula_core::joint_state::LoaRange;

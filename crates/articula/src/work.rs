@@ -4,13 +4,9 @@
 //! [`Job`]s, whose results do not depend on order or thread.
 
 use crate::error::{Error, Result};
-use articula_core::Progress;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-
-/// Number of parts of a step whose progress is reported as a fraction.
-const HUNDRED: usize = 100;
 
 /// Progress of one step of a long operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -112,11 +108,13 @@ impl<'a> Executor<'a> {
     }
 
     /// Runs `make` with a progress hook that takes a fraction and reports it in hundredths.
+    #[cfg(feature = "flat")]
     pub(crate) fn with_progress<T>(
         &self,
         what: &'static str,
-        make: impl FnOnce(&mut Progress<'_>) -> T,
+        make: impl FnOnce(&mut articula_core::Progress<'_>) -> T,
     ) -> T {
+        const HUNDRED: usize = 100;
         let mut hook = |share: f32| {
             let done = (HUNDRED as f32 * share.clamp(0.0, 1.0)) as usize;
             match self.step(what, done, HUNDRED) {
@@ -124,7 +122,7 @@ impl<'a> Executor<'a> {
                 Err(_) => ControlFlow::Break(()),
             }
         };
-        make(&mut Progress::new(&mut hook))
+        make(&mut articula_core::Progress::new(&mut hook))
     }
 
     /// Applies `make` to each item, one job per item; results are in the order of the items.

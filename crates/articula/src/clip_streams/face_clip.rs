@@ -1,8 +1,8 @@
 //! FAP clips in the plain form of the face streams, and back.
 
 use super::face_frame::{fap_frame, frame_rate, plain};
-use super::inner_lips::with_inner_lips;
 use crate::error::{Error, Result};
+use crate::inner_lips::with_inner_lips;
 use articula_formats::mpeg4::fap::FapClip;
 use articula_stream::{DecodedFace, FaceClip, FaceFrame};
 

@@ -18,11 +18,9 @@ pub mod afp2;
 mod face_clip;
 mod face_frame;
 pub mod fba;
-mod inner_lips;
 pub mod mp4;
 mod unit_tree;
 
-pub(crate) use inner_lips::with_inner_lips;
 pub use unit_tree::unit_tree;
 
 use crate::error::Result;

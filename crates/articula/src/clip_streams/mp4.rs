@@ -11,10 +11,6 @@ use std::borrow::Cow;
 
 pub use articula_stream::mp4::{Mp4Track, is_mp4};
 
-/// Explains why a file with a stream of a face has no character, and how to use it.
-pub(crate) const NO_JOINTS: &str = "the MP4 file has a stream of a face, which has no joints; use convert --onto CHARACTER to move a \
-     face by it, inspect to list its content, or convert to write it as .afp, .fap, .fba or .csv";
-
 /// A stream that was taken out of a file.
 #[derive(Debug, Clone)]
 pub struct TakenStream {

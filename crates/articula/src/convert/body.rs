@@ -49,11 +49,8 @@ fn parameters_of(figure: &Character, source: &CharacterFile) -> Result<EncodedFi
         .map_or(30.0, source_rate_hz);
     let sampled = bap::sample(figure, &standard.articulation, 0, rate_hz)?;
     let unsaid = unsaid(&sampled.residuals);
-    Ok(EncodedFile {
-        bytes: bap::write(&sampled.clip),
-        left_out: meshes(source).into_iter().chain(unsaid).collect(),
-        ..EncodedFile::default()
-    })
+    let left_out = meshes(source).into_iter().chain(unsaid);
+    Ok(EncodedFile::new(bap::write(&sampled.clip), left_out))
 }
 
 /// Rotations that no parameter represents.

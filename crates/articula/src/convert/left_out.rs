@@ -1,6 +1,5 @@
 //! An encoded file, and the data that its format cannot hold.
 
-use crate::clip_streams::abp2::TierReport;
 use crate::open::{CharacterFile, Format};
 use articula_core::source::RawMesh;
 
@@ -15,7 +14,19 @@ pub struct EncodedFile {
     /// Data that the format cannot hold.
     pub left_out: Vec<LossyPart>,
     /// Of a motion stream (ABP-2) or a face stream (AFP-2), its tiers, finest first.
-    pub tiers: Vec<TierReport>,
+    #[cfg(feature = "streams")]
+    pub tiers: Vec<crate::clip_streams::abp2::TierReport>,
+}
+
+impl EncodedFile {
+    /// A file without a companion.
+    pub(super) fn new(bytes: Vec<u8>, left_out: impl IntoIterator<Item = LossyPart>) -> Self {
+        Self {
+            bytes,
+            left_out: left_out.into_iter().collect(),
+            ..Self::default()
+        }
+    }
 }
 
 /// A kind of data that was left out because the file format cannot hold it, with its amount.

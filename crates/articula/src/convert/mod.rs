@@ -9,11 +9,12 @@
 //! - `joint_scheme`: the joints of H-Anim or of the thesis
 //! - `clip_edits`: trimming, looping, root motion, resampling, key reduction
 //! - `reduction`: clips in which only a selection of joints moves
-//! - `written`, `body`, `khr_character`: the bytes of each format
+//! - `written`, `body`, `khr_character`, `faps`, `streams`: the bytes of each format
 //! - `joint_names`: names for formats without a joint map
 
 mod body;
 mod clip_edits;
+mod faps;
 mod first_frame;
 mod fit_clips;
 mod fit_finding;
@@ -27,6 +28,8 @@ mod pose_kind;
 mod reduction;
 mod same_joints;
 mod same_names;
+#[cfg(feature = "streams")]
+mod streams;
 mod written;
 
 pub use crate::open::{ClipProvenance, FittedClip, NameTransfer};
@@ -49,18 +52,15 @@ pub use left_out::{EncodedFile, LossyPart};
 pub use reduction::{
     AnimationSize, JointReduction, JointsHeld, JointsReduced, MovingJoints, hold_joints,
 };
-pub use written::{write, write_data, write_faps};
+#[cfg(feature = "streams")]
+pub use streams::{AbpProfile, AfpProfile, write_faps};
+pub use written::{write, write_data};
 
 use crate::error::{Context, Error, Result};
 use crate::mesh_levels::{self, ShownLevelOptions, ShownLevels};
 use crate::open::{CharacterFile, Format, WriteSupport, choose, conversions};
 use crate::work::Executor;
 use articula_core::JointScheme;
-use articula_core::face_levels::FaceLevels;
-use articula_stream::abp1::Abp1Options;
-use articula_stream::abp2::MotionOptions;
-use articula_stream::afp1::Afp1Options;
-use articula_stream::afp2::Afp2Options;
 
 /// Options of [`convert`]; the default changes nothing.
 #[derive(Debug, Clone, Default)]
@@ -81,43 +81,8 @@ pub struct ConvertOptions {
     /// and a reference pose.
     pub khr_character: bool,
     /// ABP, MP4: profile and options of the stream; `None` is ABP-2 with its defaults.
+    #[cfg(feature = "streams")]
     pub abp: Option<AbpProfile>,
-}
-
-/// Profile of an `.abp` file or of the stream in an `.mp4` file, with its options.
-#[derive(Debug, Clone, PartialEq)]
-pub enum AbpProfile {
-    /// ABP-1: bones, BBA-style.
-    Abp1(Abp1Options),
-    /// ABP-2: a motion within a tolerance of the skin.
-    Abp2(MotionOptions),
-}
-
-/// Profile of an `.afp` file or of the stream in an `.mp4` file, with its options.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum AfpProfile {
-    /// AFP-1: parameters that can be cut one by one, in steps of the standard's table.
-    Afp1(Afp1Options),
-    /// AFP-2: parameters within a tolerance of feature points.
-    Afp2(Afp2Options),
-}
-
-/// AFP-2 with its defaults.
-impl Default for AfpProfile {
-    fn default() -> Self {
-        Self::Afp2(Afp2Options::default())
-    }
-}
-
-impl AfpProfile {
-    /// Returns this profile with the parameters that these levels keep.
-    #[must_use]
-    pub fn with_levels(self, levels: FaceLevels) -> Self {
-        match self {
-            Self::Afp1(options) => Self::Afp1(Afp1Options { levels, ..options }),
-            Self::Afp2(options) => Self::Afp2(Afp2Options { levels, ..options }),
-        }
-    }
 }
 
 /// A converted file with a report.
@@ -233,12 +198,8 @@ impl ConvertOptions {
                 to.name()
             )));
         }
-        if self.abp.is_some() && !matches!(to, Format::Abp | Format::Mp4) {
-            return Err(Error::argument(format!(
-                "the profile of a stream needs an .abp or .mp4 file, not .{}",
-                to.name()
-            )));
-        }
+        #[cfg(feature = "streams")]
+        self.check_profile(to)?;
         if self.mesh.is_some() && !to.is_gltf() {
             return Err(Error::argument(format!(
                 "a choice of mesh levels needs a .glb or .vrm file, not .{}",

@@ -3,19 +3,13 @@
 //! **A new format is one arm of [`written`] and one function below it.**
 
 use super::left_out::{EncodedFile, LossyPart, counted, mesh_levels, meshes};
-use super::{AbpProfile, AfpProfile, ConvertOptions, body, joint_names, khr_character};
-use crate::clip_streams::{abp1, abp2, afp1, afp2, fba};
+use super::{ConvertOptions, body, faps, joint_names, khr_character};
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Data, DataFormat, Format};
 use articula_build::source_rate_hz;
-use articula_core::fap_table::FAP_COUNT;
 use articula_formats::gltf::Document;
-use articula_formats::mpeg4::fap::{self, FapClip};
 use articula_formats::x3d::{self, Site};
 use articula_formats::{acclaim, bvh, live_link};
-use articula_stream::StreamLimits;
-use articula_stream::abp2::MotionOptions;
-use articula_stream::fba::FbaOptions;
 
 /// Writes a character; formats that hold one clip get the first.
 ///
@@ -39,47 +33,14 @@ pub fn write(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
 /// [`Error::Unsupported`] for formats that can only be read.
 pub fn write_data(data: &Data) -> Result<EncodedFile> {
     let format = match data {
-        Data::Fap(clip) => return write_faps(clip, DataFormat::Fap, &AfpProfile::default()),
+        Data::Fap(clip) => return Ok(faps::written(clip)),
         Data::LiveLink(capture) => {
-            return Ok(EncodedFile {
-                bytes: live_link::write(capture),
-                ..EncodedFile::default()
-            });
+            return Ok(EncodedFile::new(live_link::write(capture), None));
         }
         Data::Epf(_) => DataFormat::Epf,
         Data::Fdp(_) => DataFormat::Fdp,
     };
     Err(Error::unsuited(format.advice()))
-}
-
-/// Writes a FAP clip as a FAP file, an FBA stream, or an AFP stream of the given profile, which alone
-/// has options, as such or in an MP4 file.
-///
-/// # Errors
-/// An [`Error`] if the rate, the frames or a value cannot be written, or the format is of another
-/// kind of data.
-pub fn write_faps(clip: &FapClip, format: DataFormat, profile: &AfpProfile) -> Result<EncodedFile> {
-    if format == DataFormat::Mp4 {
-        return boxed(write_faps(clip, DataFormat::Afp, profile)?);
-    }
-    let mut tiers = Vec::new();
-    let (bytes, left_out) = match (format, profile) {
-        (DataFormat::Fap, _) => (fap::write(clip), still(clip)),
-        (DataFormat::Fba, _) => (fba::write(clip, &FbaOptions::default())?, columns(clip)),
-        (DataFormat::Afp, AfpProfile::Afp1(options)) => (afp1::write(clip, options)?, None),
-        (DataFormat::Afp, AfpProfile::Afp2(options)) => {
-            let coded = afp2::write(clip, options)?;
-            tiers = abp2::tiers(&coded, options.tolerance_metres)?;
-            (coded.bytes, None)
-        }
-        _ => return Err(Error::unsuited(format.advice())),
-    };
-    Ok(EncodedFile {
-        bytes,
-        tiers,
-        left_out: left_out.into_iter().collect(),
-        ..EncodedFile::default()
-    })
 }
 
 /// As [`write`], after the format and the required clip have been checked.
@@ -93,74 +54,13 @@ pub(super) fn written(
         Format::Bap => body::written(opened),
         Format::X3d => humanoid(opened),
         Format::Asf | Format::Amc => acclaim_pair(opened, format),
-        Format::Abp | Format::Abpt => stream(opened, format, options),
-        Format::Mp4 => boxed(stream(opened, Format::Abp, options)?),
+        #[cfg(feature = "streams")]
+        Format::Abp | Format::Abpt | Format::Mp4 => {
+            super::streams::written(opened, format, options)
+        }
+        #[cfg(not(feature = "streams"))]
+        Format::Abp | Format::Abpt | Format::Mp4 => Err(Error::needs_streams(format.name())),
         _ => container(opened, options.khr_character),
-    }
-}
-
-/// The name of the columns by which blend shapes became parameters, which FBA cannot hold.
-fn columns(clip: &FapClip) -> Option<LossyPart> {
-    let name = clip.bridge.as_ref()?;
-    let what =
-        format!("the name of the columns of the blend shapes, {name} (.fap and .afp hold it)");
-    Some(LossyPart::Note(what))
-}
-
-/// Parameters that the masks select but that never change.
-fn still(clip: &FapClip) -> Option<LossyPart> {
-    let moving = clip.moving();
-    let still = (0..FAP_COUNT).filter(|fap| clip.coded[*fap] && !moving[*fap]);
-    counted(still.count(), LossyPart::StillParameters)
-}
-
-/// A stream of the first clip, or its text.
-fn stream(opened: &CharacterFile, format: Format, options: &ConvertOptions) -> Result<EncodedFile> {
-    let plain = AbpProfile::Abp2(MotionOptions::default());
-    match (format, options.abp.as_ref().unwrap_or(&plain)) {
-        (Format::Abpt, _) => {
-            let clip = abp1::from_character(opened.character(), &opened.articulation(), 0)?;
-            let bytes = articula_stream::abp1::write_text(&clip)?.into_bytes();
-            Ok(bones(opened, bytes))
-        }
-        (_, AbpProfile::Abp1(options)) => {
-            let articulation = opened.articulation();
-            let bytes = abp1::write(opened.character(), &articulation, 0, options)?;
-            Ok(bones(opened, bytes))
-        }
-        (_, AbpProfile::Abp2(options)) => {
-            let coded = abp2::write(opened.character(), &opened.articulation(), 0, options)?;
-            Ok(EncodedFile {
-                tiers: abp2::tiers(&coded, options.tolerance_metres)?,
-                bytes: coded.bytes,
-                ..EncodedFile::default()
-            })
-        }
-    }
-}
-
-/// A stream in an MP4 file.
-fn boxed(stream: EncodedFile) -> Result<EncodedFile> {
-    let bytes = articula_stream::mp4::write(&[&stream.bytes], &StreamLimits::default())?;
-    Ok(EncodedFile { bytes, ..stream })
-}
-
-/// A stream of bones, with what it cannot hold.
-fn bones(opened: &CharacterFile, bytes: Vec<u8>) -> EncodedFile {
-    let sites = opened.end_sites().len();
-    let sites = (sites > 0).then(|| format!("the ends of {sites} joints"));
-    let channels = opened
-        .character()
-        .clips
-        .iter()
-        .flat_map(|clip| &clip.channels);
-    let others = channels.filter(|c| !c.property.is_of_joint()).count();
-    let others = (others > 0).then(|| "motion of morph targets and expressions".to_owned());
-    let notes = sites.into_iter().chain(others).map(LossyPart::Note);
-    EncodedFile {
-        bytes,
-        left_out: meshes(opened).into_iter().chain(notes).collect(),
-        ..EncodedFile::default()
     }
 }
 
@@ -180,14 +80,11 @@ fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     };
     let notes = made.left_out.into_iter().map(LossyPart::Note);
     Ok(EncodedFile {
-        bytes,
         beside,
-        left_out: meshes(opened)
-            .into_iter()
-            .chain(renamed)
-            .chain(notes)
-            .collect(),
-        ..EncodedFile::default()
+        ..EncodedFile::new(
+            bytes,
+            meshes(opened).into_iter().chain(renamed).chain(notes),
+        )
     })
 }
 
@@ -204,11 +101,11 @@ fn motion(opened: &CharacterFile) -> Result<EncodedFile> {
         ..bvh::WriteOptions::default()
     };
     let (character, renamed) = joint_names::for_names_alone(opened);
-    Ok(EncodedFile {
-        bytes: bvh::write(&character, 0, &options)?,
-        left_out: meshes(opened).into_iter().chain(renamed).collect(),
-        ..EncodedFile::default()
-    })
+    let bytes = bvh::write(&character, 0, &options)?;
+    Ok(EncodedFile::new(
+        bytes,
+        meshes(opened).into_iter().chain(renamed),
+    ))
 }
 
 /// An X3D file with an H-Anim figure.
@@ -221,11 +118,8 @@ fn humanoid(opened: &CharacterFile) -> Result<EncodedFile> {
     let sites: Vec<Site> = opened.end_sites().iter().map(site).collect();
     let written = x3d::write(opened.character(), &opened.articulation(), &sites)?;
     let notes = written.left_out.into_iter().map(LossyPart::Note);
-    Ok(EncodedFile {
-        bytes: written.bytes,
-        left_out: mesh_levels(opened).into_iter().chain(notes).collect(),
-        ..EncodedFile::default()
-    })
+    let left_out = mesh_levels(opened).into_iter().chain(notes);
+    Ok(EncodedFile::new(written.bytes, left_out))
 }
 
 /// The glTF document with the current clips, or a new one.
@@ -249,9 +143,5 @@ fn container(opened: &CharacterFile, khr_character: bool) -> Result<EncodedFile>
     if khr_character {
         khr_character::write(opened, &mut document, &nodes)?;
     }
-    Ok(EncodedFile {
-        bytes: document.write_glb()?,
-        left_out: left_out.into_iter().collect(),
-        ..EncodedFile::default()
-    })
+    Ok(EncodedFile::new(document.write_glb()?, left_out))
 }

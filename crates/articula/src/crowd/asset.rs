@@ -1,7 +1,7 @@
 //! The character of a crowd: its levels with their skins and errors, and its bounds.
 
 use super::face_levels::morph_clips;
-use super::impostor_steps::{CHOOSING, drawn};
+use super::impostors::CrowdImpostors;
 use super::mesh_lods::{
     LevelledMeshes, MAX_MESH_LEVELS, MeshLevelTriangles, MeshLods, mesh_level_triangles,
 };
@@ -18,8 +18,6 @@ use articula_core::{
     Clip, ClipSet, ClipStorage, Impostors, JointLods, LevelSkins, Mesh, MotionBounds, PaletteForm,
     PaletteMap, Tracks,
 };
-use articula_flat::impostor::{ImpostorPlan, ImpostorSource};
-use articula_flat::{Appearance, Picture};
 use std::sync::Arc;
 
 /// A character prepared for crowds. Cheap to clone: clones share the data.
@@ -34,7 +32,7 @@ struct Shared {
     mesh_lods: Option<MeshLods>,
     model: CrowdModel,
     matrices: PaletteMatrices,
-    impostors: Option<ImpostorPlan>,
+    impostors: Option<CrowdImpostors>,
     has_mesh: bool,
     travels: Vec<bool>,
     warnings: Vec<String>,
@@ -176,8 +174,11 @@ impl CrowdAsset {
         }
         let stored = stored.filter(|_| is_stored);
         let stored = stored.map(|stored| (stored, mesh_lods.is_some()));
-        let impostors = impostors(&asset, options, has_mesh, work)?;
-        let table = impostors.as_ref().map(ImpostorPlan::table).transpose()?;
+        let impostors = match has_mesh {
+            true => CrowdImpostors::chosen(&asset, options, work)?,
+            false => None,
+        };
+        let table = impostors.as_ref().map(CrowdImpostors::table).transpose()?;
         let moves = (bounds, paths, table);
         let model = model(&asset, &levels, moves, options, stored)?;
         work.step(PREPARING, 5, 5)?;
@@ -274,30 +275,14 @@ impl CrowdAsset {
         self.0.matrices
     }
 
-    /// Returns which impostors there are, if the options ask for them.
-    pub fn impostors(&self) -> Option<&ImpostorPlan> {
-        self.0.impostors.as_ref()
-    }
-
-    /// Draws the pictures of the impostors; `None` if there are none. `appearance` has the materials and
-    /// textures of the character.
-    ///
-    /// # Errors
-    /// An [`Error`](crate::Error) if the atlas would be too large, or
-    /// [`Error::Cancelled`](crate::Error::Cancelled).
-    pub fn impostor_atlas(
-        &self,
-        appearance: &Appearance,
-        work: &Executor<'_>,
-    ) -> Result<Option<Picture>> {
-        let source = impostor_source(&self.0.full, appearance);
-        let plan = self.0.impostors.as_ref();
-        plan.map(|plan| drawn(plan, &source, work)).transpose()
-    }
-
     /// Returns the warnings of the preparation, as text for the user.
     pub fn warnings(&self) -> &[String] {
         &self.0.warnings
+    }
+
+    /// Returns the impostors, if the options ask for them.
+    pub(super) fn own_impostors(&self) -> Option<&CrowdImpostors> {
+        self.0.impostors.as_ref()
     }
 
     /// Returns joint order and levels.
@@ -404,31 +389,6 @@ fn model(
         morphs,
         ..CrowdParts::new(clips, palette, errors, bounds)
     })?)
-}
-
-/// Chooses the impostors that the options ask for.
-fn impostors(
-    asset: &Asset,
-    options: &CrowdOptions,
-    has_mesh: bool,
-    work: &Executor<'_>,
-) -> Result<Option<ImpostorPlan>> {
-    let plain = Appearance::default();
-    let source = impostor_source(asset, &plain);
-    let wanted = options.impostors.filter(|_| has_mesh);
-    let plan = wanted
-        .map(|options| work.with_progress(CHOOSING, |p| ImpostorPlan::new(&source, &options, p)));
-    plan.transpose().context("impostors")
-}
-
-/// The character as impostors show it.
-fn impostor_source<'a>(asset: &'a Asset, appearance: &'a Appearance) -> ImpostorSource<'a> {
-    ImpostorSource {
-        rig: &asset.rig,
-        mesh: &asset.mesh,
-        clips: &asset.clips,
-        appearance,
-    }
 }
 
 /// A clip of one frame without channels.

@@ -1,6 +1,7 @@
 //! Statistics of the levels in use: number of characters, error and rendering cost.
 
 use super::asset::{CrowdAsset, CrowdLevel};
+use super::impostors::CrowdImpostors;
 use super::lod_error::{CharacterError, ErrorSample};
 use super::player::CrowdPlayer;
 use articula_core::crowd::{Draw, DrawKind, ImpostorDraw};
@@ -198,8 +199,8 @@ impl LevelTally {
         };
         let clips = model.parts().errors.clips.iter();
         let of_levels = clips.filter_map(|c| c.levels_metres.get(level).copied());
-        let plan = asset.impostors().filter(|_| is_impostor);
-        let of_impostors = plan.iter().flat_map(|p| &p.clips).map(|c| c.error_m);
+        let impostors = asset.own_impostors().filter(|_| is_impostor);
+        let of_impostors = impostors.map(CrowdImpostors::error_metres);
         let error_metres = of_levels.chain(of_impostors).fold(0.0, f32::max);
         let of_level = |c: &&CharacterError| c.level == level;
         let looked = samples.iter().flat_map(|l| &l.characters).filter(of_level);
@@ -241,7 +242,8 @@ impl LevelTally {
                 skinned_vertices: mean(sums.characters) * made.vertices as f64,
                 triangles: mean(sums.characters) * made.triangles as f64,
                 triangles_full: mean(sums.characters) * asset.full().mesh.triangles.len() as f64,
-                resident_bytes: plan.map_or_else(|| resident_bytes(asset, level), |p| p.bytes()),
+                resident_bytes: impostors
+                    .map_or_else(|| resident_bytes(asset, level), CrowdImpostors::bytes),
             },
         }
     }

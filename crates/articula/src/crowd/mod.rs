@@ -28,12 +28,17 @@ mod draws;
 mod face_levels;
 mod frame_parts;
 mod hidden;
-pub(crate) mod impostor_steps;
+#[cfg(feature = "flat")]
+mod impostor_atlas;
+#[cfg(feature = "flat")]
+pub(crate) mod impostors;
 mod in_place;
 mod level_use;
 mod lod_error;
 pub(crate) mod mesh_lods;
 mod morph_order;
+#[cfg(not(feature = "flat"))]
+mod no_impostors;
 mod options;
 mod palette_hash;
 mod palettes;
@@ -45,6 +50,9 @@ mod scene_player;
 mod scene_roles;
 mod share;
 pub mod wgsl;
+
+#[cfg(not(feature = "flat"))]
+use no_impostors as impostors;
 
 pub use asset::{CrowdAsset, CrowdLevel};
 pub use buffer_manifest::{

@@ -2,7 +2,6 @@
 
 use articula_core::loa::LoaExpression;
 use articula_core::{Backend, ClipStorage, PaletteForm};
-use articula_flat::impostor::ImpostorOptions;
 
 /// Method by which joint LODs are made.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -75,7 +74,8 @@ pub struct CrowdOptions {
     /// Impostors for who is far away, if the character has a mesh; they are shown where their error is
     /// within the tolerance and cached poses may be ([`CacheUse`](super::CacheUse)). With pitches that
     /// leave some out, the errors hold only for eyes within them, which a frame does not check.
-    pub impostors: Option<ImpostorOptions>,
+    #[cfg(feature = "flat")]
+    pub impostors: Option<articula_flat::impostor::ImpostorOptions>,
     /// Instruction set; all produce the same bits.
     pub backend: Backend,
     /// Seed of the vertices and frames on which errors are measured.
@@ -95,6 +95,7 @@ impl Default for CrowdOptions {
             form: PaletteForm::Matrix,
             storage: ClipStorage::Float,
             pose_cache: true,
+            #[cfg(feature = "flat")]
             impostors: None,
             backend: Backend::best(),
             seed: 1,

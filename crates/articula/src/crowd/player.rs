@@ -15,7 +15,7 @@ use articula_core::crowd::{
     Detail, Draw, DrawKind, Frame, ImpostorDraw, Moved,
 };
 use articula_core::visibility::View;
-use articula_core::{BlendRecord, Camera, Mesh, PosedMesh, SkinnedMesh, Wrap, skin};
+use articula_core::{BlendRecord, Camera, Mesh, SkinnedMesh, skin};
 use glam::{Affine3A, Quat, Vec3};
 
 /// Maximum size of palettes in bytes.
@@ -362,30 +362,12 @@ impl CrowdPlayer {
     /// impostor shows to an eye: skinned in its pose and moved along the direction of its picture onto its
     /// plane. Nothing is written without impostors.
     pub fn impostor_matrices(&self, draw: ImpostorDraw, eye: Vec3, out: &mut Vec<Affine3A>) {
-        let full = self.asset.full();
-        let plan = self.asset.impostors();
-        let Some((plan, (clip, place))) =
-            plan.and_then(|p| Some((p, p.clip_of(draw.pose as usize)?)))
-        else {
+        let Some(impostors) = self.asset.own_impostors() else {
             return;
         };
-        let of_clip = &plan.clips[clip];
-        let centre = of_clip.centres[place];
         let model = self.world_from_model(draw.character as usize).inverse();
-        let to_eye = model.transform_point3(eye) - centre;
-        let view = plan.views.iter().nth(plan.views.nearest(to_eye));
-        let Some(flattened) = view.map(|view| view.flattened(centre)) else {
-            return;
-        };
-        let mut posed = PosedMesh::new(&full.rig, &full.mesh);
-        let secs = f64::from(of_clip.pose_secs[place]);
-        posed.pose_at(&full.clips[clip], secs, Wrap::Clamp);
-        out.clear();
-        let bindings = full.mesh.bindings.iter();
-        out.extend(
-            bindings
-                .map(|b| flattened * posed.model.matrices[usize::from(b.joint)] * b.inverse_bind),
-        );
+        let eye = model.transform_point3(eye);
+        impostors.matrices(self.asset.full(), draw.pose as usize, eye, out);
     }
 
     /// Returns the morph target weights of this frame, a set for each character that shows morph

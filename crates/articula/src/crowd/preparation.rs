@@ -40,16 +40,6 @@ impl CharacterInPlace {
         }
     }
 
-    /// The form in which an asset stores the clips.
-    pub(crate) fn stored_form(&self) -> ClipsInPlace {
-        let clips = self.paths.iter().zip(&self.asset.clips);
-        let travelling = clips.map(|(path, clip)| Some((clip.clone(), path.clone()?)));
-        ClipsInPlace {
-            travelling: travelling.collect(),
-            warnings: self.warnings.clone(),
-        }
-    }
-
     fn of_stored(asset: &Asset, stored: ClipsInPlace) -> Self {
         let each = asset.clips.iter().zip(stored.travelling);
         let (clips, paths) = each

@@ -13,6 +13,7 @@
 //! Field names are stable, since scripts read them as JSON (`docs/commands.md`).
 
 mod costs;
+#[cfg(feature = "streams")]
 mod layers;
 mod methods;
 mod path;
@@ -20,6 +21,7 @@ mod rows;
 mod schedule;
 
 pub use costs::{Cost, Costs};
+#[cfg(feature = "streams")]
 pub use layers::{LayerOptions, LayerReport, LayersReport, WorstVertex, layers};
 pub use methods::NamedMethod;
 pub use path::{CameraPath, PathSummary, PlayedPath};

@@ -5,9 +5,8 @@ use super::surface::HeadSurface;
 use crate::error::{Error, Result};
 use crate::figure::Figure;
 use articula_build::face::{FacePoints, FaceTable};
-use articula_core::fap_table::FapUnit;
 use articula_core::feature_points::PointId;
-use articula_formats::gltf::{Document, StoredFace, StoredPoint};
+use articula_formats::gltf::Document;
 use glam::Vec3;
 use std::fmt::Display;
 
@@ -60,22 +59,6 @@ impl FoundFace {
         let ratios = self.points.units().ratios(self.points.height());
         let doubtful = ratios.into_iter().filter(|(_, r)| r.doubtful);
         doubtful.map(|(unit, _)| unit.to_string()).collect()
-    }
-
-    /// The feature points as an asset stores them.
-    pub(crate) fn stored(&self) -> StoredFace {
-        let units = self.points.units();
-        let points = self.points.points.iter().map(|p| StoredPoint {
-            point: p.point,
-            position: self.head.model_from_head * p.place,
-            source: p.source.name().to_owned(),
-            confidence: p.confidence,
-        });
-        StoredFace {
-            rotation: self.head.model_from_head,
-            units: FapUnit::DISTANCES.map(|u| (u, units.distance(u))).to_vec(),
-            points: points.collect(),
-        }
     }
 }
 

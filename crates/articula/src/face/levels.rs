@@ -1,6 +1,6 @@
 //! FAP clips at levels of articulation.
 
-use crate::clip_streams::with_inner_lips;
+use crate::inner_lips::with_inner_lips;
 use articula_core::face_levels::{FaceLevels, FaceRegion, FapRoles};
 use articula_core::fap_table::{FAP_COUNT, LOW_FAPS};
 use articula_formats::mpeg4::fap::FapClip;

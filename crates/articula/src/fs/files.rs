@@ -1,10 +1,9 @@
 //! The files of one operation: what was read is never written to.
 
-use super::{in_folder, inside, is_item, output, shown, skeleton, unread};
+use super::{in_folder, inside, output, shown, skeleton, unread};
 use crate::error::{Context, Error, Result};
-use crate::item::{Item, MANIFEST, assemble};
 use crate::open::{self, CharacterFile, DataFormat, Format, OpenOptions};
-use articula_formats::{Assumption, Limits, Warning};
+use articula_formats::{Assumption, Warning};
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::Read;
@@ -62,10 +61,9 @@ impl Files {
     /// [`open()`](crate::open()).
     pub fn open(&self, path: &Path, options: &OpenOptions) -> Result<CharacterFile> {
         let name = shown(path);
-        if is_item(path) {
-            let item = self.open_item(path, &options.limits)?;
-            let opened = assemble(&item, options).with_context(|| &name)?;
-            return Ok(opened.renamed(name));
+        #[cfg(feature = "item")]
+        if super::is_item(path) {
+            return self.open_character_of_item(path, options);
         }
         if let Some(data) = DataFormat::from_name(&name) {
             return Err(Error::unsuited(data.advice())).context(name);
@@ -95,23 +93,6 @@ impl Files {
             opened.warnings_mut().insert(0, warning);
         }
         Ok(opened)
-    }
-
-    /// Opens the folder of a digital item; files are read inside it alone.
-    ///
-    /// # Errors
-    /// As [`Item::open`], with the name of the folder.
-    pub fn open_item(&self, folder: &Path, limits: &Limits) -> Result<Item> {
-        let name = || shown(folder);
-        let manifest = folder.join(MANIFEST);
-        let bytes = self.read(&manifest, limits.bytes);
-        let bytes = bytes.map_err(|e| e.cause().to_string());
-        let bytes = bytes
-            .map_err(Error::Io)
-            .context(MANIFEST)
-            .with_context(name)?;
-        let mut fetch = self.beside(&manifest, limits.bytes);
-        Item::open(&bytes, limits, &mut fetch).with_context(name)
     }
 
     /// Reads a whole file, pipe or device of at most `limit` bytes.
@@ -230,6 +211,14 @@ fn locked<T>(paths: &Mutex<T>) -> MutexGuard<'_, T> {
     paths.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Explains why a folder cannot be read as a file.
+const FOLDER: &str = if cfg!(feature = "item") {
+    "this is a folder; name a file in it"
+} else {
+    "this is a folder; name a file in it (digital items need the feature `item`, without which articula was \
+     built)"
+};
+
 /// Reads a whole file, pipe or device of at most `limit` bytes.
 ///
 /// # Errors
@@ -237,7 +226,7 @@ fn locked<T>(paths: &Mutex<T>) -> MutexGuard<'_, T> {
 pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let place = || shown(path);
     if path.is_dir() {
-        return Err(Error::Io("this is a folder; name a file in it".into())).with_context(place);
+        return Err(Error::Io(FOLDER.to_owned())).with_context(place);
     }
     let mut bytes = Vec::new();
     File::open(path)

@@ -7,13 +7,14 @@
 )]
 
 mod files;
+#[cfg(feature = "item")]
+mod item;
 mod output;
 mod skeleton;
 
 pub use files::{Existing, Files, read};
 
 use crate::error::{Error, Result};
-use crate::item::MANIFEST;
 use crate::open::{CharacterFile, OpenOptions};
 use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};
@@ -45,8 +46,9 @@ pub fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// Returns whether a path is the folder of a digital item: one with a manifest.
+#[cfg(feature = "item")]
 pub fn is_item(path: &Path) -> bool {
-    path.is_dir() && path.join(MANIFEST).is_file()
+    path.is_dir() && path.join(crate::item::MANIFEST).is_file()
 }
 
 /// Explains why a file could not be read, with a remedy.

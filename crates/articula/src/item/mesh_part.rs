@@ -9,7 +9,8 @@ use super::options::PackageOptions;
 use super::part::{ItemLayer, ItemPart, MeshLevelEntry, PartKind, RegionEntry};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
-use crate::mesh_levels::CodedMeshLevels;
+use crate::mesh_levels::{CodedMeshLevels, coded};
+
 use crate::work::Executor;
 use articula_build::{
     Asset, LevelDistances, MeasurementPoses, MeshLevelOptions, PoseOptions, measure_mesh,
@@ -210,7 +211,7 @@ pub(super) fn coded(
     options: &PackageOptions,
     work: &Executor<'_>,
 ) -> Result<CodedMeshLevels> {
-    crate::mesh_levels::coded(figure, (gltf, orders), face, &options.of_mesh(), work)
+    coded::coded(figure, (gltf, orders), face, &options.of_mesh(), work)
 }
 
 /// Name of a region by its number.

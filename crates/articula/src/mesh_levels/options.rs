@@ -108,15 +108,6 @@ impl MeshLevelOptions {
         (0..mesh.len()).map(region).collect()
     }
 
-    /// Names of the zones that may have independent levels.
-    pub(super) fn region_names(&self) -> Vec<String> {
-        if self.split.is_empty() {
-            return Vec::new();
-        }
-        let names = self.split.iter().map(|(name, _)| name.clone());
-        names.chain(["rest".to_owned()]).collect()
-    }
-
     fn locked(&self, mesh: &Mesh) -> Result<Vec<u32>> {
         let mut locked = Vec::new();
         for (name, vertices) in &self.locked {

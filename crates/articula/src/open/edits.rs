@@ -88,6 +88,7 @@ impl CharacterFile {
     }
 
     /// The file under another name.
+    #[cfg(all(feature = "item", not(target_family = "wasm")))]
     pub(crate) fn renamed(self, name: String) -> Self {
         Self { name, ..self }
     }
@@ -118,6 +119,7 @@ impl CharacterFile {
 
     /// Puts a document in place that shows the character, and the character as it is read from it. Of
     /// the joints of a document that was there before, those stay whose nodes are joints in both.
+    #[cfg(feature = "prepare")]
     pub(crate) fn attach_document(&mut self, character: Character, gltf: GltfSource) {
         if let Some(before) = self.gltf.take() {
             let mut new_index = vec![None; before.node_of_joint.len()];
@@ -139,6 +141,7 @@ impl CharacterFile {
 }
 
 /// Keeps the mapping of the joints that have a new index; the order of joints stays.
+#[cfg(any(feature = "prepare", test))]
 fn keep_joints(mapping: &mut JointMapping, new_index: &[Option<usize>]) {
     let moved = |joint: &mut usize| {
         let new = new_index.get(*joint).copied().flatten();

@@ -2,8 +2,8 @@
 //!
 //! **A new format is one variant, one row of [`ROWS`] and one opener in this folder.**
 
-use super::{Opener, abp, acclaim, bap, bva, bvh, document, mp4, x3d};
-use crate::clip_streams::mp4::is_mp4;
+use super::extension::extension;
+use super::{Opener, acclaim, bap, bva, bvh, document, streams, x3d};
 use serde::Serialize;
 
 /// A character file format.
@@ -139,19 +139,19 @@ const ROWS: &[Row] = &[
     Row {
         format: Format::Abp,
         name: "abp",
-        open: abp::open,
+        open: streams::open,
         writes: WriteSupport::Any,
     },
     Row {
         format: Format::Abpt,
         name: "abpt",
-        open: abp::open_text,
+        open: streams::open_text,
         writes: WriteSupport::Any,
     },
     Row {
         format: Format::Mp4,
         name: "mp4",
-        open: mp4::open,
+        open: streams::open_mp4,
         writes: WriteSupport::Any,
     },
 ];
@@ -185,7 +185,7 @@ impl Format {
             gltf(Self::Glb)
         } else if bytes.starts_with(b"ABPF") || bytes.starts_with(b"ABP2") {
             Some(Self::Abp)
-        } else if is_mp4(bytes) {
+        } else if bytes.get(4..8) == Some(b"ftyp") {
             Some(Self::Mp4)
         } else if text.starts_with(b"abpt ") {
             Some(Self::Abpt)
@@ -249,13 +249,6 @@ impl Format {
             .find(|row| row.format == self)
             .unwrap_or(&ROWS[0])
     }
-}
-
-/// The extension of a file name, unless the name starts with its only dot.
-pub(super) fn extension(name: &str) -> Option<&str> {
-    let name = name.rsplit(['/', '\\']).next()?;
-    let (stem, extension) = name.rsplit_once('.')?;
-    (!stem.is_empty()).then_some(extension)
 }
 
 /// Returns whether the bytes begin like an X3D document, or like a compressed one.

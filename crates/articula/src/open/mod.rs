@@ -1,30 +1,39 @@
 //! Reading characters from bytes; the format is detected from the bytes, then from the name.
 
-mod abp;
 mod acclaim;
 mod bap;
 mod bva;
 mod bvh;
 mod data;
+mod data_format;
 mod document;
 mod edits;
+mod extension;
 mod fitted;
 mod format;
 mod human;
 mod keep_meshes;
 mod motion;
+#[cfg(feature = "streams")]
 mod motion_stream;
-mod mp4;
+#[cfg(not(feature = "streams"))]
+mod no_streams;
 mod options;
 mod size;
+#[cfg(feature = "streams")]
+mod streams;
 mod x3d;
 
-pub use data::{Data, DataFile, DataFormat, open_data};
+pub use data::{Data, DataFile, open_data};
+pub use data_format::DataFormat;
 pub use document::GltfSource;
 pub use fitted::{ClipProvenance, FittedClip, NameTransfer};
 pub use format::{Format, WriteSupport, conversions, readable};
 pub use human::reference_human;
 pub use options::OpenOptions;
+
+#[cfg(not(feature = "streams"))]
+use no_streams as streams;
 
 use crate::error::{Context, Error, Result};
 use crate::prepared::state::StoredState;

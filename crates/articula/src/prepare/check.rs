@@ -1,11 +1,11 @@
 //! Whether an asset is whole, and whether its parts belong to the character beside them.
 
+use super::part::PreparedPart;
 use super::write::can_be_paired;
 use crate::error::Result;
 use crate::figure::Figure;
 use crate::motion_tables::MotionTables;
 use crate::open::CharacterFile;
-use crate::prepared::PreparedPart;
 use crate::prepared::stored::Stored;
 use articula_formats::gltf::PreparedState;
 use serde::Serialize;

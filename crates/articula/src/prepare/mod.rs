@@ -5,12 +5,15 @@
 //! - `check`: whether an asset is whole and its parts belong to its character
 
 mod check;
+mod face;
 mod options;
+mod part;
 mod tables;
 mod write;
 
 pub use check::{CheckedPart, PartState, PreparedCheck, check_prepared};
 pub use options::PrepareOptions;
+pub use part::{PartBytes, PreparedPart};
 pub use tables::ClipTables;
 
 use crate::error::{Context, Error, Result};
@@ -18,7 +21,6 @@ use crate::face::FoundFace;
 use crate::figure::Figure;
 use crate::mesh_levels::{self, CodedMeshLevels};
 use crate::open::{CharacterFile, GltfSource};
-use crate::prepared::{PartBytes, PreparedPart};
 use crate::work::Executor;
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document};

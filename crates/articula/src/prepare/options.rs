@@ -1,7 +1,7 @@
 //! Options of `prepare`.
 
+use super::part::PreparedPart;
 use crate::mesh_levels::MeshLevelOptions;
-use crate::prepared::PreparedPart;
 use articula_core::feature_points::PointId;
 use articula_stream::abp2::MotionOptions;
 use glam::Vec3;

@@ -3,7 +3,8 @@
 //! Source: `docs/methods/motion-lod.md` part 9.
 
 use super::options::PrepareOptions;
-use crate::prepared::part::{COMPACT, CONTACTS, ERROR_MATRIX, POSE_KEYS, PreparedPart, SEGS};
+use super::part::PreparedPart;
+use crate::prepared::part::{COMPACT, CONTACTS, ERROR_MATRIX, POSE_KEYS, SEGS};
 use articula_build::evaluate::error_matrix_table;
 use articula_build::{
     Asset, JointLever, contact_table, key_table, levers, pose_keys, table_hashes,

@@ -1,6 +1,7 @@
 //! Computation and storage of the parts of `ARTICULA_prepared`.
 
 use super::options::PrepareOptions;
+use super::part::PreparedPart;
 use crate::crowd::RootMotionPolicy;
 use crate::crowd::mesh_lods::{MeshLods, canonical};
 use crate::crowd::preparation::{CharacterInPlace, bounds, in_place, joint_levels};
@@ -8,16 +9,16 @@ use crate::crowd::{ClipStorage, JointLodMethod, MAX_MESH_LEVELS, PaletteForm};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::prepared::hash::{self, SourceHashes};
-use crate::prepared::part::{self, PreparedPart};
+use crate::prepared::part;
 use crate::work::Executor;
 use articula_build::{Asset, CacheOptions, JointLodOptions, MergedLevels, cached_poses};
 use articula_core::source::Character;
 use articula_core::{Articulation, ClipSet};
 use articula_formats::gltf::{Document, PreparedEntry, PreparedHeader};
 use articula_formats::prepared::{
-    JointLevels, PairedLevels, SourceOrder, write_cache_keys, write_clips, write_clips_in_place,
-    write_joint_levels, write_level_skins, write_motion_bounds, write_paired_levels,
-    write_source_orders,
+    ClipsInPlace, JointLevels, PairedLevels, SourceOrder, write_cache_keys, write_clips,
+    write_clips_in_place, write_joint_levels, write_level_skins, write_motion_bounds,
+    write_paired_levels, write_source_orders,
 };
 
 /// The parts of an asset as bytes.
@@ -129,7 +130,7 @@ pub(super) fn parts(
             part::CLIPS,
             write_clips(clips, &figure.opened.character().clips),
         ));
-        let in_place = write_clips_in_place(&character.stored_form(), clips);
+        let in_place = write_clips_in_place(&stored_form(&character), clips);
         parts.entries.push((part::CLIPS_IN_PLACE, in_place));
     }
     if is_wanted(PreparedPart::Bounds) {
@@ -224,5 +225,15 @@ impl Parts {
         let keys = write_cache_keys(&cached.keys, &cached.steps);
         self.entries.push((name, keys));
         Ok(())
+    }
+}
+
+/// The form in which an asset stores clips in place.
+fn stored_form(character: &CharacterInPlace) -> ClipsInPlace {
+    let clips = character.paths.iter().zip(&character.asset.clips);
+    let travelling = clips.map(|(path, clip)| Some((clip.clone(), path.clone()?)));
+    ClipsInPlace {
+        travelling: travelling.collect(),
+        warnings: character.warnings.clone(),
     }
 }

@@ -10,5 +10,3 @@ pub(crate) mod hash;
 pub(crate) mod part;
 pub(crate) mod state;
 pub(crate) mod stored;
-
-pub use part::{PartBytes, PreparedPart};

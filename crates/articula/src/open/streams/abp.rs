@@ -1,12 +1,12 @@
 //! ABP files: the motion of a skeleton as a stream that can be cut, and its text.
 
-use super::{CharacterFile, Input};
 use crate::clip_streams::{StreamKind, abp1, stream_limits};
 use crate::error::{Error, Result};
+use crate::open::{CharacterFile, Input};
 use articula_stream::abp1::{Abp1Clip, AbsentBone, read, read_text};
 
 /// Reads a stream, by how it begins.
-pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
+pub(in crate::open) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     match StreamKind::of(input.bytes) {
         Some(StreamKind::Abp1) => {
             let limits = stream_limits(&input.options.limits);
@@ -23,7 +23,7 @@ pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
 }
 
 /// Reads the text of an ABP-1 stream.
-pub(super) fn open_text(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
+pub(in crate::open) fn open_text(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let limits = stream_limits(&input.options.limits);
     opened(input, &read_text(input.bytes, &limits)?)
 }

@@ -1,11 +1,10 @@
 //! Errors of the library, grouped by cause.
 
+#[cfg(feature = "flat")]
+mod flat;
+
 use articula_core::Mismatch;
-use articula_flat::impostor::ImpostorError;
-use articula_flat::planar::PlanarError;
-use articula_flat::portrait::PortraitError;
 use articula_formats::ReadError;
-use articula_stream::StreamError;
 use std::fmt::Display;
 use thiserror::Error;
 
@@ -26,8 +25,9 @@ pub enum Error {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// A stream is malformed, of an unsupported form, or exceeds a limit.
+    #[cfg(feature = "streams")]
     #[error(transparent)]
-    Stream(#[from] StreamError),
+    Stream(#[from] articula_stream::StreamError),
     /// Arguments do not fit each other.
     #[error(transparent)]
     Mismatch(#[from] Mismatch),
@@ -100,6 +100,14 @@ impl Error {
         Self::Unsupported(what.into())
     }
 
+    /// An [`Error::Unsupported`] about a format of streams.
+    #[cfg(not(feature = "streams"))]
+    pub(crate) fn needs_streams(format: &str) -> Self {
+        Self::Unsupported(format!(
+            "streams (.{format}) need the feature `streams`, without which articula was built"
+        ))
+    }
+
     /// An [`Error::Argument`].
     pub(crate) fn argument(what: impl Into<String>) -> Self {
         Self::Argument(what.into())
@@ -140,34 +148,6 @@ macro_rules! boxed {
 boxed! {
     articula_formats::WriteError => Write,
     articula_formats::mpeg4::bap::BapError => Write,
-    articula_flat::PictureError => Picture,
-}
-
-impl From<ImpostorError> for Error {
-    fn from(error: ImpostorError) -> Self {
-        match error {
-            ImpostorError::Cancelled(_) => Self::Cancelled,
-            other => Self::Picture(Box::new(other)),
-        }
-    }
-}
-
-impl From<PlanarError> for Error {
-    fn from(error: PlanarError) -> Self {
-        match error {
-            PlanarError::Cancelled(_) => Self::Cancelled,
-            other => Self::Picture(Box::new(other)),
-        }
-    }
-}
-
-impl From<PortraitError> for Error {
-    fn from(error: PortraitError) -> Self {
-        match error {
-            PortraitError::Cancelled(_) => Self::Cancelled,
-            other => Self::Picture(Box::new(other)),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,10 @@
 //! A character ready for playback: rig, mesh and clips built from an opened file.
 
+#[cfg(feature = "prepare")]
+pub(crate) mod source;
+
 use crate::error::{Context, Error, Result};
-use crate::open::{CharacterFile, GltfSource, choose};
+use crate::open::{CharacterFile, choose};
 use crate::prepared::state::StoredState;
 use crate::prepared::stored::Stored;
 use articula_build::{Asset, ClipOptions, character, rig_and_mesh};
@@ -35,16 +38,6 @@ impl Figure {
     /// hierarchy, or more motion than fits in memory.
     pub fn new(opened: CharacterFile) -> Result<Self> {
         let state = opened.stored_state();
-        Self::with_stored(opened, state)
-    }
-
-    /// Builds rig, mesh and clips from the source data alone, as a preparation does.
-    pub(crate) fn computed(opened: CharacterFile) -> Result<Self> {
-        let state = StoredState {
-            is_current: false,
-            stale: Vec::new(),
-            ..opened.stored_state()
-        };
         Self::with_stored(opened, state)
     }
 
@@ -83,32 +76,6 @@ impl Figure {
             asset,
             state,
         })
-    }
-
-    /// The figure with the meshes of its character in the order of the source too, and what its
-    /// document is made of.
-    pub(crate) fn into_source(mut self) -> SourceFigure {
-        let mesh_levels = self.stored_mesh_levels();
-        let gltf = self.opened.detach_document();
-        if let Some(meshes) = self.source_meshes.take() {
-            let edit = |character: &mut Character| character.meshes = meshes;
-            self.opened.edit_character(edit);
-        }
-        SourceFigure {
-            gltf,
-            orders: self.orders.take(),
-            mesh_levels,
-            figure: self,
-        }
-    }
-
-    /// The figure of a document whose vertices have another order than the mesh.
-    pub(crate) fn with_orders(self, orders: Option<&[SourceOrder]>, source: Vec<RawMesh>) -> Self {
-        Self {
-            source_meshes: orders.map(|_| source),
-            orders: orders.map(<[SourceOrder]>::to_vec),
-            ..self
-        }
     }
 
     /// Order of the vertices in the source, for each primitive, if the document has another.
@@ -207,16 +174,6 @@ impl Figure {
             None => Ok((!self.asset.clips.is_empty()).then_some(0)),
         }
     }
-}
-
-/// A figure in the order of its source, and its document.
-pub(crate) struct SourceFigure {
-    pub(crate) figure: Figure,
-    pub(crate) gltf: Option<GltfSource>,
-    /// Order of the document's vertices, if it differs.
-    pub(crate) orders: Option<Vec<SourceOrder>>,
-    /// Triangles of the mesh levels of the document.
-    pub(crate) mesh_levels: Option<Vec<Vec<[u32; 3]>>>,
 }
 
 /// Rig, mesh and clips of a character, with its meshes in the order of the source.

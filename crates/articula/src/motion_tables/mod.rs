@@ -3,17 +3,16 @@
 //! Source: `docs/methods/motion-lod.md` part 9. A table that was made for another rig, clip or mesh
 //! is not used.
 
+#[cfg(feature = "streams")]
+mod compact;
+
 use crate::figure::Figure;
 use crate::prepared::part::{COMPACT, CONTACTS, ERROR_MATRIX, POSE_KEYS, SEGS};
 use articula_build::table_hashes;
 use articula_core::playback::ErrorMatrixTable;
 use articula_core::{ContactTable, KeyTable, Mismatch, PoseKeys};
 use articula_formats::{Limits, ReadError};
-use articula_formats::{
-    read_compact_clip, read_contact_table, read_error_matrix, read_key_table, read_pose_keys,
-};
-use articula_stream::StreamLimits;
-use articula_stream::abp2::MotionReceiver;
+use articula_formats::{read_contact_table, read_error_matrix, read_key_table, read_pose_keys};
 use serde::Serialize;
 
 /// Sizes of the motion tables stored for one clip, in bytes.
@@ -45,7 +44,7 @@ pub struct MotionTables {
     pub contacts: Option<ContactTable>,
     /// Error of each joint at each frame, after the thesis, with default options.
     pub error_matrix: Option<ErrorMatrixTable>,
-    /// The clip as a motion stream (ABP-2).
+    /// The clip as a motion stream (ABP-2); without the feature `streams` it is not read.
     pub compact: Option<Vec<u8>>,
     /// Sizes of tables in bytes; 0 for a table that is not used.
     pub bytes: StoredTables,
@@ -85,21 +84,8 @@ impl MotionTables {
         found.error_matrix = reader.read(ERROR_MATRIX, read_error_matrix, |table| {
             table.hashes.check(&hashes)
         });
-        let compact = |bytes: &[u8], limits: &Limits| {
-            let (hashes, stream) = read_compact_clip(bytes, limits)?;
-            Ok((hashes, stream.to_vec()))
-        };
-        let compact = reader.read(COMPACT, compact, |(found, stream)| {
-            found.check(&hashes)?;
-            let limits = StreamLimits::default();
-            let received = MotionReceiver::read(stream, &asset.rig, &limits);
-            match received {
-                Ok(received) if received.is_whole() => Ok(()),
-                Ok(_) => Err(Mismatch::new("stream", "it ends early")),
-                Err(e) => Err(Mismatch::new("stream", e.to_string())),
-            }
-        });
-        found.compact = compact.map(|(_, stream)| stream);
+        #[cfg(feature = "streams")]
+        compact::read(&mut found, &mut reader, &hashes, &asset.rig);
         found.warnings = reader.warnings;
         let size = |name| {
             gltf.document

@@ -1,8 +1,8 @@
 //! Mesh levels as a transport stream, and its sizes.
 
-use super::parts_of_meshes;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
+use crate::mesh_levels::parts_of_meshes;
 use articula_build::MeshLevels;
 use articula_stream::mesh::{Grid, Precision, quantise};
 use articula_stream::mesh::{ObjectLevels, StreamObject, write};
