@@ -19,6 +19,7 @@ mod outcome;
 mod passed;
 mod pictures;
 mod platform;
+mod playback;
 mod processes;
 mod run_times;
 mod steps;

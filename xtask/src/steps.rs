@@ -11,7 +11,7 @@ use crate::processes::{output, run, take_processor_time};
 use crate::run_times::{RunTimes, StepTime};
 use crate::test_programs::{self, TestTime};
 use crate::workspace::{cargo, data_folder, root, target};
-use crate::{cut_alone, dependencies, neon, node, wasm};
+use crate::{cut_alone, dependencies, neon, node, playback, wasm};
 use anyhow::{Result, anyhow};
 use std::process::Command;
 use std::sync::Mutex;
@@ -63,6 +63,7 @@ const STEPS: &[&[Step]] = &[
         step("documentation", 1.5, |_| documentation()),
         step("wasm build", 2.0, |_| wasm::check()),
         step("tidy", 0.1, |_| tidy_step()),
+        step("playback without codecs", 0.1, |_| playback::check()),
         step("cut alone", 2.0, cut_alone),
     ],
     &[

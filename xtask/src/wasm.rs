@@ -15,18 +15,24 @@ const TARGET: &str = "wasm32-unknown-unknown";
 /// Flags of the compiler for modules with vector instructions.
 const SIMD: &str = "-C target-feature=+simd128";
 
-/// Libraries that a web page may use.
+/// Flags of the compiler for the checks, in which code that a set of features leaves unused is an error.
+const CHECKED: &str = "-C target-feature=+simd128 -D warnings";
+
+/// Libraries that a web page may use; with them `articula-stream` and its codecs, which the last one needs.
 const LIBRARIES: &[&str] = &[
     "articula-core",
     "articula-formats",
     "articula-build",
     "articula-flat",
-    "articula-stream",
     "articula-human",
     "articula",
 ];
 
-/// Builds the libraries for WebAssembly, after installing the target.
+/// Features with which the library is checked: none, for pages that only play, and each of its features alone;
+/// `item` needs all others.
+const FEATURES: &[&str] = &["", "prepare", "flat", "streams"];
+
+/// Checks the libraries for WebAssembly, after installing the target.
 pub(crate) fn check() -> Result<Outcome> {
     if !platform::add(TARGET) {
         return lacking(format!(
@@ -35,7 +41,15 @@ pub(crate) fn check() -> Result<Outcome> {
     }
     let words = ["check", "--quiet", "--target", TARGET];
     let packages = LIBRARIES.iter().flat_map(|name| ["-p", name]);
-    run(cargo().args(words).args(packages).env("RUSTFLAGS", SIMD))?;
+    run(cargo().args(words).args(packages).env("RUSTFLAGS", CHECKED))?;
+    for features in FEATURES {
+        let alone = ["-p", "articula", "--no-default-features", "--features"];
+        run(cargo()
+            .args(words)
+            .args(alone)
+            .arg(features)
+            .env("RUSTFLAGS", CHECKED))?;
+    }
     // The core, which alone knows of instructions, without them; and streams without their codecs,
     // for programs that only cut them.
     run(cargo()
