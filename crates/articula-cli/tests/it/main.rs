@@ -27,6 +27,7 @@ mod flatten;
 mod flatten_browser;
 mod flatten_judged;
 mod folders;
+mod guides;
 mod hostile;
 mod items;
 mod joint_levels;
