@@ -1,7 +1,6 @@
 //! Feature points of a face: the flags, the table and the picture.
 
 use crate::console::Console;
-use crate::face_pictures;
 use crate::table::Table;
 use crate::{fault, files, open};
 use anyhow::Context;
@@ -11,7 +10,7 @@ use articula::flat::{Appearance, Picture};
 use articula::formats::face_points;
 use articula::formats::mpeg4::fdp;
 use articula::{Figure, facing};
-use articula_report::{FaceMark, face_sheet};
+use articula_report::{FaceMark, clip_sheet, face_sheet, morph_target_sheet};
 use clap::Args;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -105,12 +104,15 @@ impl FaceArgs {
             anyhow::Ok(())
         };
         if let Some(path) = &self.shape_sheet {
-            write(path, face_pictures::targets(figure)?)?;
+            let sheet = morph_target_sheet(figure)?.ok_or_else(|| {
+                fault::usage("--shape-sheet: the file has no morph target to draw")
+            })?;
+            write(path, sheet)?;
         }
         if let Some(path) = &self.clip_sheet {
             let clip =
                 clip.ok_or_else(|| fault::usage("--clip-sheet: the file has no clip to draw"))?;
-            write(path, face_pictures::moments(figure, clip, MOMENTS)?)?;
+            write(path, clip_sheet(figure, clip, MOMENTS)?)?;
         }
         Ok(written)
     }
