@@ -1,8 +1,8 @@
 //! A scene on one or several threads of the caller: the frames of the player, timed.
 
 use super::asset::CrowdAsset;
+use super::frame_parts::FramePart;
 use super::measure_options::{FrameClocks, MeasureOptions};
-use super::player::FramePart;
 use super::scene_player::ScenePlayer;
 use crate::error::Result;
 use crate::work::Executor;
