@@ -1,6 +1,7 @@
 //! The page of the demo: plain HTML, readable in light and dark mode and on a phone.
 
 use super::report::{DemoReport, MethodRows};
+use articula::MeshLevelRow;
 use articula::evaluate::MethodRow;
 use articula::flat::escaped;
 use std::fmt::Write;
@@ -265,11 +266,15 @@ fn mesh_levels(report: &DemoReport) -> String {
     }
     let caption =
         "Mesh levels: maximum distance from the original surface, and bytes in the stream";
+    let count = found.levels.len();
+    let triangles = |level: Option<&MeshLevelRow>| level.map_or(0, |l| l.triangles) as f64;
+    let finest = triangles(found.levels.first()).max(1.0);
+    let percent = 100.0 * triangles(found.levels.last()) / finest;
     format!(
         "<section>\n<h2>Mesh levels simplified in motion</h2>\n\
-         <p>One stored mesh, five levels: each is a few ranges of one index list over the first vertices of one \
+         <p>One stored mesh, {count} levels: each is a few ranges of one index list over the first vertices of one \
          vertex list, so changing the level copies nothing. Triangles were removed where the error in poses of the \
-         character's own clips is least; the errors were measured in {} other poses. All five levels together take \
+         character's own clips is least; the errors were measured in {} other poses. All levels together take \
          {:.1} kB in the stream, the finest alone {:.1} kB, all levels each coded alone {:.1} kB. \
          <a href=\"asset.glb\">asset.glb</a> holds them all, and every viewer shows the finest.</p>\n{}\
          <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n\
@@ -282,8 +287,10 @@ fn mesh_levels(report: &DemoReport) -> String {
         found.bytes.discrete_sum as f64 / 1e3,
         picture(
             "mesh-levels.png",
-            "The character, its face and a hand at five mesh levels",
-            "From all triangles to 1.5 % of them: whole figure in motion, face and left hand.",
+            "The character, its face and a hand at every mesh level",
+            &format!(
+                "From all triangles to {percent:.1} % of them: whole figure in motion, face and left hand."
+            ),
         )
     )
 }

@@ -1,6 +1,7 @@
 //! The joint choice over budgets, beside cuts of one part and equal cuts.
 
 use super::cases::Packaged;
+use crate::measure::median;
 use crate::tables::Run;
 use anyhow::Result;
 use articula::item::{AdaptOptions, AdaptedItem, ItemDecision, adapt, assemble, decide};
@@ -63,8 +64,11 @@ impl Sweeps {
 
     /// In words.
     pub(super) fn summary(&self) -> String {
-        let all = self.ratios.iter().flat_map(|(_, ratios)| ratios);
-        let of_item = |(item, ratios): &(String, Vec<f64>)| format!("{item} {:.2}", median(ratios));
+        let mut all: Vec<f64> = Vec::new();
+        all.extend(self.ratios.iter().flat_map(|(_, ratios)| ratios));
+        let of_item = |(item, ratios): &(String, Vec<f64>)| {
+            format!("{item} {:.2}", median(&mut ratios.clone()))
+        };
         let of_items: Vec<String> = self.ratios.iter().map(of_item).collect();
         format!(
             "at {} points others meet the budget, and at {} of these the joint choice has strictly less \
@@ -72,18 +76,11 @@ impl Sweeps {
              alone meets the budget",
             self.points,
             self.less,
-            median(all),
+            median(&mut all),
             of_items.join(", "),
             self.alone
         )
     }
-}
-
-/// The middle value; 1 of none.
-fn median<'a>(ratios: impl IntoIterator<Item = &'a f64>) -> f64 {
-    let mut ratios: Vec<f64> = ratios.into_iter().copied().collect();
-    ratios.sort_by(f64::total_cmp);
-    ratios.get(ratios.len() / 2).copied().unwrap_or(1.0)
 }
 
 pub(super) fn write(
