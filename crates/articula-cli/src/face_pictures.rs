@@ -33,7 +33,7 @@ pub(crate) fn targets(figure: &Figure) -> anyhow::Result<Picture> {
         }
     }
     if shapes.len() == 1 {
-        let what = "--shape-sheet: the file has no morph target to draw";
+        let what = "--write shape-sheet: the file has no morph target to draw";
         return Err(fault::usage(what));
     }
     drawn(figure, &shapes, "morph targets")

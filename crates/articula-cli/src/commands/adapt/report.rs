@@ -60,7 +60,7 @@ pub(crate) struct AdaptReport {
     words: String,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 struct DecisionReport {
     /// `3d`, or the kind of the form in 2D.
     modality: String,
@@ -202,14 +202,8 @@ impl DecisionReport {
             tier: of("TIER"),
             face_loa: of("FACE_LEVELS").map(|digits| digits / 10_000_000),
             mesh_level: of("MESH_LEVEL"),
-            texture: None,
-            error_px: None,
-            bytes_allowed: None,
-            pixels_per_metre: None,
-            network_ratio: None,
-            bounds: Vec::new(),
-            parts: Vec::new(),
             explanation: table.reasons.join("\n"),
+            ..Self::default()
         }
     }
 

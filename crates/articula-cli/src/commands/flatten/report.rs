@@ -314,7 +314,7 @@ fn warnings(flat: &Flattened, max_bytes: Option<u64>) -> Vec<String> {
             let worst = WorstReport::new(&worst);
             all.push(format!(
                 "visible local difference from the character, {}: {}; give more --triangles, a lower \
-                 --order-tol or --profile flipbook",
+                 --quality order-percent or --profile flipbook",
                 worst.region,
                 worst.text(),
             ));

@@ -1,11 +1,11 @@
 //! `lod --camera-path`: a controller of the live playback before a moving camera.
 
 use super::report::LodReport;
-use super::{LodArgs, write_plot_files, write_png};
+use super::{LodArgs, write_plot_files};
 use crate::console::Console;
-use crate::fault;
 use crate::play::motion_plots::path_plots;
 use crate::play::{drawn, read_camera_path};
+use crate::{fault, files};
 use anyhow::Context;
 use articula::evaluate::{CameraPath, EvaluatedClip};
 use articula_report::camera_path_sheet;
@@ -64,7 +64,7 @@ pub(super) fn run(
         let picture = picture.context("the contact sheet")?;
         report
             .written
-            .push(write_png(&picture, target, &console.files)?);
+            .push(files::write_png(&console.files, target, &picture)?);
     }
     report.camera_path = Some(played.summary);
     console.result(&report, LodReport::text)
