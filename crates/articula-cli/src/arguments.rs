@@ -43,8 +43,8 @@ pub(crate) struct ReadArgs {
     /// What files do not state, instead of a guess: unit-metres=M, the length of one unit; up=y or
     /// up=z, of BVH, ASF and BVA; skeleton=F.asf and amc-rate-hz=HZ, of an AMC motion; absent=hold or
     /// absent=zero, a FAP or BAP parameter in frames whose mask leaves it out
-    #[arg(long = "read", value_name = "KEY=VALUE,…", value_parser = read_settings)]
-    pub(crate) given: Option<ReadSettings>,
+    #[arg(long, value_name = "KEY=VALUE,…", value_parser = read_settings)]
+    pub(crate) read: Option<ReadSettings>,
 }
 
 /// What files do not state.
@@ -82,18 +82,18 @@ fn read_settings(text: &str) -> Result<ReadSettings, String> {
 impl ReadArgs {
     /// The files that tell how others are read.
     pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
-        let skeleton = self.given.iter().flat_map(|given| &given.skeleton);
+        let skeleton = self.read.iter().flat_map(|read| &read.skeleton);
         self.joint_map.iter().chain(skeleton).map(PathBuf::as_path)
     }
 
     /// Whether a flag is given.
     pub(crate) fn asks(&self) -> bool {
-        !self.joint_map.is_empty() || self.given.is_some()
+        !self.joint_map.is_empty() || self.read.is_some()
     }
 
     /// What files do not state.
     pub(crate) fn settings(&self) -> ReadSettings {
-        self.given.clone().unwrap_or_default()
+        self.read.clone().unwrap_or_default()
     }
 }
 

@@ -164,8 +164,8 @@ pub(crate) struct MethodArgs {
     /// Farthest viewing distance in metres
     #[arg(long, help_heading = THESIS, default_value_t = 16.0, value_parser = positive, value_name = "M")]
     d_max: f32,
-    /// Duration of the transition between active and passive in milliseconds [default: 200 with
-    /// --schedule and for skin-px with --camera-path, else 0]
+    /// Duration of the transition between active and passive in milliseconds [default: 0; 200 with
+    /// --schedule, and for skin-px with --camera-path]
     #[arg(long, value_parser = not_negative, value_name = "MS")]
     transition_ms: Option<f32>,
     /// Rarely changed: d-min=M, the closest viewing distance [default: 3.5]; lookup-every=N, frames
@@ -174,8 +174,8 @@ pub(crate) struct MethodArgs {
     /// rotation the position term measures, bone (to the mean of the children) or path (of the joint);
     /// radius, its lever arm, mean (weighted by length) or sum; transition=smooth or linear, the course
     /// of transitions of every method [default: the first of each]
-    #[arg(long = "thesis", help_heading = THESIS, value_name = "KEY=VALUE,…", value_parser = thesis_settings)]
-    rare: Option<MethodOptions>,
+    #[arg(long, help_heading = THESIS, value_name = "KEY=VALUE,…", value_parser = thesis_settings)]
+    thesis: Option<MethodOptions>,
 }
 
 fn share(text: &str) -> Result<f32, String> {
@@ -205,7 +205,7 @@ impl MethodArgs {
     }
 
     fn rare(&self) -> MethodOptions {
-        self.rare.unwrap_or_default()
+        self.thesis.unwrap_or_default()
     }
 
     /// Refuses flags that the method would ignore; `scheduled` says that levels change over time.

@@ -1,7 +1,7 @@
 //! Feature points of faces: `inspect --face`.
 
 use crate::judges::{ask, judges_are_here};
-use crate::program::{edited, fault, folder, json, word};
+use crate::program::{articula, edited, fault, folder, json, word};
 use crate::real;
 use articula::formats::Limits;
 use articula::formats::mpeg4::fap::FapClip;
@@ -104,12 +104,10 @@ fn what_cannot_be_done_is_said() {
         said.contains("bad.json: points.2.99: no such feature point"),
         "{said}"
     );
-    let said = fault(
-        &here,
-        2,
-        &["inspect", head, "--write", "face-sheet=face.jpg"],
-    );
-    assert!(said.contains("name the file .png"), "{said}");
+    let words = ["inspect", head, "--write", "face-sheet=face.jpg"];
+    let ran = articula(&here, &words);
+    assert_eq!(ran.status, 2);
+    assert!(ran.err.contains("name the file .png"), "{}", ran.err);
     let fdp = r#"<?xml version="1.0"?><xfdp><file version="0.2"/><fapu IRISD0="1" ES0="1" ENS0="1" MNS0="1" MW0="1"/>
 <fdp index="99999" affects="head" name="2.1"><indices></indices></fdp></xfdp>"#;
     std::fs::write(here.join("far.fdp"), fdp).unwrap();

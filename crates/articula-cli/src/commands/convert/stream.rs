@@ -18,8 +18,8 @@ pub(super) struct StreamArgs {
     /// finest triples the error [default: 5, of a face 3]; group-by=loa, region or joint, what joints
     /// have in common that are cut together; order=tier or value, value for receivers that get a part;
     /// profile=abp1 or afp1, a stream of bones, or of parameters that can be cut one by one
-    #[arg(long = "stream", value_name = "KEY=VALUE,…", value_parser = stream_settings)]
-    given: Option<StreamSettings>,
+    #[arg(long, value_name = "KEY=VALUE,…", value_parser = stream_settings)]
+    stream: Option<StreamSettings>,
 }
 
 /// Profile and options of a stream, as far as they are given.
@@ -72,12 +72,12 @@ fn stream_settings(text: &str) -> Result<StreamSettings, String> {
 impl StreamArgs {
     /// Whether the flag is given.
     pub(super) fn asks(&self) -> bool {
-        self.given.is_some()
+        self.stream.is_some()
     }
 
     /// Refuses settings that have no effect on a file of this format.
     pub(super) fn check(&self, out: Format) -> anyhow::Result<()> {
-        let Some(given) = self.given else {
+        let Some(given) = self.stream else {
             return Ok(());
         };
         let (setting, expected) = match given.first {
@@ -95,7 +95,7 @@ impl StreamArgs {
     /// The setting that has no effect on the output of a face clip, if one is given; `is_afp` if that
     /// is a face stream, as such or in an MP4 file.
     pub(super) fn idle_for_a_face(&self, is_afp: bool) -> Option<&'static str> {
-        let given = self.given?;
+        let given = self.stream?;
         if given.first == Some(FirstProfile::Abp1) {
             return Some("--stream profile=abp1");
         }
@@ -105,7 +105,7 @@ impl StreamArgs {
 
     /// The options of the library, if any is chosen.
     pub(super) fn profile(&self) -> Option<AbpProfile> {
-        let given = self.given?;
+        let given = self.stream?;
         let plain = MotionOptions::default();
         Some(match given.first {
             Some(FirstProfile::Afp1) => return None,
@@ -122,7 +122,7 @@ impl StreamArgs {
 
     /// Profile and options of a face stream.
     pub(super) fn face_profile(&self) -> AfpProfile {
-        let given = self.given.unwrap_or_default();
+        let given = self.stream.unwrap_or_default();
         if given.first.is_some() {
             return AfpProfile::Afp1(Default::default());
         }

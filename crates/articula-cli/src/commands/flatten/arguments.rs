@@ -128,8 +128,8 @@ pub(crate) struct QualityArgs {
     /// of neighbouring triangles differ that are joined (flat shading); order-percent=PERCENT of the
     /// character's pixels that one painting order may paint wrongly above the minimum [default: 0.3];
     /// split=off, not to cut triangles that pierce each other, which no painting order shows correctly
-    #[arg(long = "quality", value_name = "KEY=VALUE,…", value_parser = accuracy)]
-    given: Option<Accuracy>,
+    #[arg(long, value_name = "KEY=VALUE,…", value_parser = accuracy)]
+    quality: Option<Accuracy>,
     /// Shading of a triangle [default: gouraud]
     #[arg(long, value_enum, value_name = "HOW")]
     pub(crate) shading: Option<ShadingName>,
@@ -163,7 +163,7 @@ fn accuracy(text: &str) -> Result<Accuracy, String> {
 impl QualityArgs {
     /// The accuracy, with defaults for what is not given.
     pub(crate) fn accuracy(&self) -> Accuracy {
-        self.given.unwrap_or_default()
+        self.quality.unwrap_or_default()
     }
 }
 

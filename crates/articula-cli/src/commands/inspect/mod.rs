@@ -37,11 +37,10 @@ pub(crate) struct InspectArgs {
     joint_levels: Option<Option<f32>>,
     #[command(flatten)]
     face: face::FaceArgs,
-    /// Write what was found: joint-map=F.json, the joint map as it was recognised, to edit and to give
-    /// to --joint-map; face-points=F.json or F.fdp, to edit and to give to --face-points, or with the
-    /// zone of each point; and pictures of the face: face-sheet=F.png with its points,
-    /// shape-sheet=F.png with each morph target, clip-sheet=F.png at moments of a clip (--clip, or the
-    /// first)
+    /// Write what was found, to edit and to give back: joint-map=F.json, the joint map as it was
+    /// recognised, and face-points=F.json, or F.fdp with the zone of each point; and pictures of the
+    /// face: face-sheet=F.png with its points, shape-sheet=F.png with each morph target,
+    /// clip-sheet=F.png at moments of a clip (--clip, or the first)
     #[arg(long, value_name = "KEY=FILE,…", value_parser = written_files)]
     write: Option<WrittenFiles>,
     /// Name of the only clip to report
@@ -82,10 +81,14 @@ fn written_files(text: &str) -> Result<WrittenFiles, String> {
 
 impl WrittenFiles {
     fn paths(&self) -> impl Iterator<Item = &Path> {
-        let points = [&self.joint_map, &self.face_points];
-        let sheets = [&self.face_sheet, &self.shape_sheet, &self.clip_sheet];
-        let all = points.into_iter().chain(sheets);
-        all.flatten().map(PathBuf::as_path)
+        let all = [
+            &self.joint_map,
+            &self.face_sheet,
+            &self.shape_sheet,
+            &self.clip_sheet,
+            &self.face_points,
+        ];
+        all.into_iter().flatten().map(PathBuf::as_path)
     }
 
     /// Whether feature points of the face are to be written or drawn.

@@ -54,8 +54,8 @@ pub(crate) struct LodArgs {
     /// stream (.abp), the character on which its tiers and groups are measured
     #[arg(long, value_name = "CHARACTER", conflicts_with_all = face::BODY_ALONE)]
     onto: Option<PathBuf>,
-    /// Write loa-profile=F.json, the joints of --loa or --loa-profile as a LoA profile; or with --onto
-    /// fap=F.fap, the FAP clip with the parameters alone that the error at one distance asks for
+    /// Write the selected joints as a LoA profile, loa-profile=F.json; or of a FAP file the clip with
+    /// the parameters alone that the error at one distance asks for, fap=F.fap
     #[arg(long, value_name = "KEY=FILE,…", value_parser = written_files)]
     write: Option<WrittenFiles>,
     /// Distances from the camera to the root in metres, separated by commas
