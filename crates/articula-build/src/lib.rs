@@ -78,7 +78,9 @@ pub use joint_lods::{
     FarLevels, JointLodOptions, MergedLevels, far_levels, far_order, joint_lods, level_skins,
     levels_of, lod_errors, mean_pose, merged_levels, named_joint_lods, skin_of,
 };
-pub use joint_scheme::{InsertedJoint, JointEdit, MergedJoint, SchemeChange, set_joint_scheme};
+pub use joint_scheme::{
+    InsertedJoint, JointEdit, JointScheme, MergedJoint, SchemeChange, set_joint_scheme,
+};
 pub use mesh_levels::{
     LeftOutLevel, LeftOutReason, MeasurementPoses, MeshLevelOptions, MeshLevels, RegionMix,
     measure_levels, measure_mesh, mesh_level_triangles, mesh_levels,

@@ -11,8 +11,6 @@ mod arguments;
 mod command_line;
 mod commands;
 mod console;
-mod crowd;
-mod face_pictures;
 mod fault;
 mod files;
 mod open;

@@ -9,13 +9,13 @@
     reason = "an example prints its results, reads a file and measures time"
 )]
 
-use articula_stream::decide::{
+use articula::stream::decide::{
     Assumptions, BandwidthTrace, BufferBased, ChoiceRequest, Content, DecisionRequest,
     DeviceBenchmark, FixedVersion, Layered, Part, PartKind, PartOption, Policy, Preference,
     RateBased, Representation, Segment, SimulationOptions, ThesisRatio, Versions, choose,
     cut_equally, cut_one, decide, finest_level, simulate, wanted_modality, weigh_parts,
 };
-use articula_stream::description::Context;
+use articula::stream::description::Context;
 use std::error::Error;
 use std::time::Instant;
 

@@ -2,12 +2,12 @@
 //! by the description, and by the map, which gives the same bytes.
 
 use articula::clip_streams::abp1;
-use articula::{Result, fs, reference_human};
-use articula_stream::description::{
+use articula::stream::description::{
     AdaptMode, Aqos, BsdLink, Context, Did, DidComponent, DidDescriptor, DidItem, DidResource,
     GbsdOptions, Holes, LAYERS, adapt_gbsd, gbsd_to_bin, read_gbsd, stylesheet, write_gbsd,
 };
-use articula_stream::{DescriptionLimits, StreamLimits, cut};
+use articula::stream::{DescriptionLimits, StreamLimits, cut};
+use articula::{Result, fs, reference_human};
 
 fn main() -> Result<()> {
     let mut words = std::env::args().skip(1);
@@ -25,7 +25,7 @@ fn main() -> Result<()> {
         0,
         &Default::default(),
     )?;
-    let map = articula_stream::abp1::unit(&stream, &StreamLimits::default())?;
+    let map = articula::stream::abp1::unit(&stream, &StreamLimits::default())?;
     let options = GbsdOptions {
         bitstream: Some("walk.abp".into()),
     };

@@ -65,6 +65,7 @@ mod in_place;
 pub mod inspect;
 pub mod item;
 mod joint_map;
+mod mesh_level_rows;
 mod mesh_levels;
 mod motion_tables;
 mod open;
@@ -78,6 +79,7 @@ pub use error::{Error, Result};
 pub use facing::facing;
 pub use figure::Figure;
 pub use joint_map::{RigJointMap, rig_joint_map};
+pub use mesh_level_rows::{MeshLevelBytes, MeshLevelRow};
 pub use mesh_levels::{CodedMeshLevels, KeptFace, MeshLevelOptions, MeshLevelStream};
 pub use mesh_levels::{
     LevelChoice, MeshView, ShownInView, ShownLevelOptions, ShownLevels, ShownLevelsReport,

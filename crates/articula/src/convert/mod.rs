@@ -55,7 +55,7 @@ use crate::error::{Context, Error, Result};
 use crate::mesh_levels::{self, ShownLevelOptions, ShownLevels};
 use crate::open::{CharacterFile, Format, WriteSupport, choose, conversions};
 use crate::work::Executor;
-use articula_core::JointScheme;
+use articula_build::JointScheme;
 use articula_core::face_levels::FaceLevels;
 use articula_stream::abp1::Abp1Options;
 use articula_stream::abp2::MotionOptions;

@@ -36,6 +36,16 @@ pub enum Instances<'a> {
 }
 
 impl Instances<'_> {
+    /// Returns what is read of each.
+    pub fn kind(&self) -> DrawKind {
+        match self {
+            Self::Palettes(_) => DrawKind::Palette,
+            Self::Records(_) => DrawKind::Record,
+            Self::Steps(_) => DrawKind::Step,
+            Self::Impostors(_) => DrawKind::Impostor,
+        }
+    }
+
     /// Returns the index of each character in the crowd.
     pub fn characters(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
         let character = |i: usize| match self {

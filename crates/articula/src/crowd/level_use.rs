@@ -1,10 +1,9 @@
 //! Statistics of the levels in use: number of characters, error and rendering cost.
 
 use super::asset::{CrowdAsset, CrowdLevel};
-use super::draws::Instances;
 use super::lod_error::{CharacterError, ErrorSample};
 use super::player::CrowdPlayer;
-use articula_core::crowd::{Draw, ImpostorDraw};
+use articula_core::crowd::{Draw, DrawKind, ImpostorDraw};
 use articula_core::{BlendRecord, percentile};
 use serde::Serialize;
 
@@ -104,10 +103,9 @@ pub struct LevelTally {
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     characters: usize,
-    poses: usize,
+    /// Characters by what a renderer reads.
+    drawn: [usize; DrawKind::ALL.len()],
     blended: usize,
-    records: usize,
-    steps: usize,
     groups: usize,
     most_px: f32,
     is_unbounded: bool,
@@ -153,7 +151,8 @@ impl LevelTally {
         self.frames += 1;
         for draw in player.draws() {
             let count = draw.instances.len();
-            let is_impostor = matches!(draw.instances, Instances::Impostors(_));
+            let kind = draw.instances.kind();
+            let is_impostor = kind == DrawKind::Impostor;
             let level = if is_impostor {
                 self.levels.len() - 1
             } else {
@@ -162,12 +161,7 @@ impl LevelTally {
             let sums = &mut self.levels[level];
             sums.groups += 1;
             sums.characters += count;
-            match draw.instances {
-                Instances::Palettes(_) => sums.poses += count,
-                Instances::Records(_) => sums.records += count,
-                Instances::Steps(_) => sums.steps += count,
-                Instances::Impostors(_) => {}
-            }
+            sums.drawn[kind as usize] += count;
             for character in draw.instances.characters() {
                 if is_impostor {
                     sums.see_impostor(player, character);
@@ -195,6 +189,7 @@ impl LevelTally {
         samples: &[ErrorSample],
     ) -> LevelStatistics {
         let mean = |count: usize| count as f64 / self.frames.max(1) as f64;
+        let drawn = |kind| mean(sums.drawn[kind as usize]);
         let model = asset.model();
         let is_impostor = level == asset.levels();
         let made = match is_impostor {
@@ -219,10 +214,10 @@ impl LevelTally {
             triangles: made.triangles,
             influences: made.influences,
             characters: mean(sums.characters),
-            poses: mean(sums.poses),
+            poses: drawn(DrawKind::Palette),
             blended: mean(sums.blended),
-            records: mean(sums.records),
-            steps: mean(sums.steps),
+            records: drawn(DrawKind::Record),
+            steps: drawn(DrawKind::Step),
             error_mm: 1e3 * error_metres,
             error_bound_px: (!sums.is_unbounded).then_some(sums.most_px),
             error_px: (!errors.is_empty()).then(|| MeasuredError {
@@ -235,10 +230,10 @@ impl LevelTally {
                 } else {
                     sums.groups * parts
                 }),
-                palette_bytes: mean(sums.poses)
+                palette_bytes: drawn(DrawKind::Palette)
                     * (made.matrices * model.parts().form.bytes()) as f64,
-                record_bytes: mean(sums.records) * size_of::<BlendRecord>() as f64,
-                step_bytes: mean(sums.steps) * size_of::<Draw>() as f64,
+                record_bytes: drawn(DrawKind::Record) * size_of::<BlendRecord>() as f64,
+                step_bytes: drawn(DrawKind::Step) * size_of::<Draw>() as f64,
                 impostor_bytes: match is_impostor {
                     true => mean(sums.characters) * size_of::<ImpostorDraw>() as f64,
                     false => 0.0,

@@ -8,8 +8,9 @@
 //! perspective.
 
 use super::asset::CrowdAsset;
+use super::cached_draws::PoseSource;
 use super::mesh_lods::Watch;
-use super::player::{CrowdPlayer, PoseSource};
+use super::player::CrowdPlayer;
 use articula_build::vertex_regions;
 use articula_core::crowd::{CharacterState, ClipState, ImpostorDraw};
 use articula_core::percentile;

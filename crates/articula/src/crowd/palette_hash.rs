@@ -2,7 +2,6 @@
 
 use super::palettes::PaletteSlice;
 use super::player::CrowdPlayer;
-use articula_core::BlendRecord;
 
 /// Offset and prime of the 64-bit hash FNV-1a.
 const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
@@ -27,13 +26,7 @@ impl PaletteHash {
     pub fn add(&mut self, player: &CrowdPlayer) {
         let matrices = player.crowd().draw_list().matrices;
         self.add_rows(matrices, player.palettes());
-        self.add_records(player.records());
-        for step in player.stepped() {
-            self.add_word(u64::from(step.character) | u64::from(step.first_matrix) << 32);
-        }
-        for draw in player.impostors() {
-            self.add_word(u64::from(draw.character) | u64::from(draw.pose) << 32);
-        }
+        player.cached_words().for_each(|word| self.add_word(word));
         for weight in player.morph_weights() {
             self.add_word(u64::from(weight.to_bits()));
         }
@@ -54,16 +47,6 @@ impl PaletteHash {
                     self.add_word(x | y << 16 | z << 32 | w << 48);
                 }
             }
-        }
-    }
-
-    /// Adds the records of characters that the GPU blends.
-    fn add_records(&mut self, records: &[BlendRecord]) {
-        for bytes in records.iter().map(|r| r.to_le_bytes()) {
-            let (words, _) = bytes.as_chunks::<8>();
-            words
-                .iter()
-                .for_each(|w| self.add_word(u64::from_le_bytes(*w)));
         }
     }
 

@@ -3,18 +3,20 @@
 //! A thin layer over the core's [`Crowd`], which stays accessible.
 
 use super::asset::CrowdAsset;
+use super::cached_draws::{CachedDraws, PoseSource};
+use super::frame_parts::{FramePart, Parts};
 use super::options::PaletteMatrices;
-use super::palettes::{PaletteSlice, Palettes, split};
+use super::palettes::{PaletteSlice, Palettes};
+use super::share::Rest;
 use crate::error::{Error, Result};
 use articula_core::batch::Scratch;
 use articula_core::crowd::{
-    Budget, CacheUse, CachedDraw, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport,
-    CrowdSection, Culling, Detail, Draw, DrawKind, Frame, ImpostorDraw, Moved,
+    Budget, CacheUse, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport, CrowdSection, Culling,
+    Detail, Draw, DrawKind, Frame, ImpostorDraw, Moved,
 };
 use articula_core::visibility::View;
-use articula_core::{BlendRecord, Camera, Mesh, PaletteRows, PosedMesh, SkinnedMesh, Wrap, skin};
+use articula_core::{BlendRecord, Camera, Mesh, PosedMesh, SkinnedMesh, Wrap, skin};
 use glam::{Affine3A, Quat, Vec3};
-use std::ops::Range;
 
 /// Maximum size of palettes in bytes.
 const MAX_BYTES: usize = 16 << 30;
@@ -35,12 +37,7 @@ pub struct CrowdPlayer {
     palettes: Palettes,
     /// Space for the morph target weights of all characters.
     morph_weights: Vec<f32>,
-    /// Space for the records of all characters, and for the draws of those that show a cached palette
-    /// as it is; empty without a cache.
-    records: Vec<BlendRecord>,
-    stepped: Vec<Draw>,
-    /// Space for the draws of impostors; empty without them.
-    impostors: Vec<ImpostorDraw>,
+    cached: CachedDraws,
     positions: Vec<Vec3>,
     rotations: Vec<Quat>,
     /// Uniform scale of each character; empty while all are 1.
@@ -89,17 +86,6 @@ impl MovedList {
     }
 }
 
-/// Source of a character's shown pose.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PoseSource {
-    /// The palettes of the frame: index of its first matrix.
-    Written(usize),
-    /// A record of the pose cache, which the GPU blends.
-    Record(BlendRecord),
-    /// A palette of the pose cache as it is: index of its first matrix.
-    Stepped(u32),
-}
-
 impl CrowdPlayer {
     /// Creates a crowd at the origin, in the first frame of the first clip, with space for the
     /// full-detail palettes of all characters.
@@ -114,12 +100,7 @@ impl CrowdPlayer {
             palettes: Palettes::new(model.parts().form, room(model, characters)?),
             morph_weights: vec![0.0; characters * targets(model)],
             crowd: Crowd::new(model, characters),
-            records: vec![BlendRecord::default(); cacheable(model, characters)],
-            stepped: vec![Draw::default(); cacheable(model, characters)],
-            impostors: match model.parts().impostors {
-                Some(_) => vec![ImpostorDraw::default(); characters],
-                None => Vec::new(),
-            },
+            cached: CachedDraws::new(model, characters),
             positions: vec![Vec3::ZERO; characters],
             rotations: vec![Quat::IDENTITY; characters],
             scales: Vec::new(),
@@ -336,9 +317,8 @@ impl CrowdPlayer {
             model,
             rows: Some(self.palettes.first(self.crowd.draw_list().matrices)),
             weights: Rest::of(&mut self.morph_weights),
-            records: Rest::of(&mut self.records),
-            stepped: Rest::of(&mut self.stepped),
-            impostors: Rest::of(&mut self.impostors),
+            targets: targets(model),
+            cached: self.cached.rest(),
             crowd: &self.crowd,
             scratches: self.scratches[..count].iter_mut(),
             first: 0,
@@ -359,23 +339,23 @@ impl CrowdPlayer {
 
     /// Returns the blend records of this frame: those of [`DrawKind::Record`].
     pub fn records(&self) -> &[BlendRecord] {
-        self.written(&self.records)
+        self.cached.records(self.crowd.draw_list())
     }
 
     /// Returns the draws of the characters that show a cached palette as it is, [`DrawKind::Step`]:
     /// their matrices are those of [`PoseCache::rows`](articula_core::PoseCache::rows).
     pub fn stepped(&self) -> &[Draw] {
-        self.written(&self.stepped)
+        self.cached.steps(self.crowd.draw_list())
     }
 
     /// Returns the draws of the characters that are shown by impostors, [`DrawKind::Impostor`].
     pub fn impostors(&self) -> &[ImpostorDraw] {
-        self.written(&self.impostors)
+        self.cached.impostors(self.crowd.draw_list())
     }
 
-    /// The draws of this frame of the space for all characters.
-    fn written<'a, D: CachedDraw>(&self, all: &'a [D]) -> &'a [D] {
-        &all[..self.crowd.draw_list().characters(D::KIND).len()]
+    /// Returns what this frame has written of the characters without palettes of their own, for a hash.
+    pub(super) fn cached_words(&self) -> impl Iterator<Item = u64> {
+        self.cached.words(self.crowd.draw_list())
     }
 
     /// Writes the matrices by which the full mesh ([`CrowdAsset::full`]) shows the points that an
@@ -462,32 +442,23 @@ impl CrowdPlayer {
     /// Returns the pose source of each character; `None` for those that are not shown.
     pub fn sources(&self) -> Vec<Option<PoseSource>> {
         let mut sources = vec![None; self.positions.len()];
-        for draw in &self.crowd.draw_list().draws {
-            let first = draw.first_matrix as usize;
-            sources[draw.character as usize] = Some(PoseSource::Written(first));
-        }
-        for record in self.records() {
-            sources[record.character as usize] = Some(PoseSource::Record(*record));
-        }
-        for step in self.stepped() {
-            sources[step.character as usize] = Some(PoseSource::Stepped(step.first_matrix));
+        for (character, source) in self.shown_sources() {
+            sources[character as usize] = Some(source);
         }
         sources
     }
 
     fn source(&self, character: usize) -> Option<PoseSource> {
-        let mut draws = self.crowd.draw_list().draws.iter();
-        let draw = draws.find(|d| d.character as usize == character);
-        if let Some(draw) = draw {
-            return Some(PoseSource::Written(draw.first_matrix as usize));
-        }
-        let mut records = self.records().iter();
-        if let Some(record) = records.find(|r| r.character as usize == character) {
-            return Some(PoseSource::Record(*record));
-        }
-        let mut steps = self.stepped().iter();
-        let step = steps.find(|s| s.character as usize == character)?;
-        Some(PoseSource::Stepped(step.first_matrix))
+        let mut shown = self.shown_sources();
+        let found = shown.find(|(c, _)| *c as usize == character);
+        found.map(|(_, source)| source)
+    }
+
+    fn shown_sources(&self) -> impl Iterator<Item = (u32, PoseSource)> {
+        let list = self.crowd.draw_list();
+        let written = |d: &Draw| (d.character, PoseSource::Written(d.first_matrix as usize));
+        let written = list.draws.iter().map(written);
+        written.chain(self.cached.sources(list))
     }
 
     /// Writes the skinning matrices of a level's mesh for a pose source, independent of kind and
@@ -536,145 +507,10 @@ impl CrowdPlayer {
     }
 }
 
-/// An independent part of a frame's evaluation.
-#[derive(Debug)]
-pub struct FramePart<'a> {
-    crowd: &'a Crowd,
-    model: &'a CrowdModel,
-    batches: Range<usize>,
-    rows: PaletteRows<'a>,
-    weights: Share<'a, f32>,
-    records: Share<'a, BlendRecord>,
-    stepped: Share<'a, Draw>,
-    impostors: Share<'a, ImpostorDraw>,
-    scratch: &'a mut Scratch,
-}
-
-/// A range of a list, and the space for what is written of it.
-#[derive(Debug)]
-struct Share<'a, T> {
-    range: Range<usize>,
-    out: &'a mut [T],
-}
-
-impl<D: CachedDraw> Share<'_, D> {
-    fn evaluate(&mut self, crowd: &Crowd, model: &CrowdModel) {
-        crowd.evaluate_draws(model, self.range.clone(), self.out);
-    }
-}
-
-impl FramePart<'_> {
-    /// Writes its palettes, records, stepped draws and morph target weights; does not allocate.
-    pub fn evaluate(&mut self) {
-        let (crowd, model) = (self.crowd, self.model);
-        let rows = match &mut self.rows {
-            PaletteRows::Float(rows) => PaletteRows::Float(rows),
-            PaletteRows::Half(rows) => PaletteRows::Half(rows),
-        };
-        crowd.evaluate(model, self.batches.clone(), rows, self.scratch);
-        let sets = self.weights.range.clone();
-        crowd.evaluate_morphs(model, sets, self.weights.out);
-        self.records.evaluate(crowd, model);
-        self.stepped.evaluate(crowd, model);
-        self.impostors.evaluate(crowd, model);
-    }
-}
-
-/// What is left of a list that is split into shares.
-struct Rest<'a, T> {
-    out: &'a mut [T],
-    first: usize,
-}
-
-impl<'a, T> Rest<'a, T> {
-    fn of(out: &'a mut [T]) -> Self {
-        Self { out, first: 0 }
-    }
-
-    /// Takes the share of one of `parts` parts of a list of `all` entries, each of which is written as
-    /// `size` values; what is left if it is the last.
-    fn take(&mut self, all: usize, size: usize, (parts, is_last): (usize, bool)) -> Share<'a, T> {
-        let end = if is_last {
-            all
-        } else {
-            (self.first + all.div_ceil(parts)).min(all)
-        };
-        let range = self.first..end;
-        self.first = end;
-        let (out, others) = std::mem::take(&mut self.out).split_at_mut(range.len() * size);
-        self.out = others;
-        Share { range, out }
-    }
-}
-
-/// Splits a frame into at most one part per scratch memory.
-struct Parts<'a> {
-    crowd: &'a Crowd,
-    model: &'a CrowdModel,
-    rows: Option<PaletteRows<'a>>,
-    weights: Rest<'a, f32>,
-    records: Rest<'a, BlendRecord>,
-    stepped: Rest<'a, Draw>,
-    impostors: Rest<'a, ImpostorDraw>,
-    scratches: std::slice::IterMut<'a, Scratch>,
-    first: usize,
-    count: usize,
-}
-
-impl<'a> Iterator for Parts<'a> {
-    type Item = FramePart<'a>;
-
-    fn next(&mut self) -> Option<FramePart<'a>> {
-        let scratch = self.scratches.next()?;
-        let list = self.crowd.draw_list();
-        let part = (self.count, self.scratches.len() == 0);
-        let mut batches = self.crowd.share_of_batches(self.first, self.count);
-        if part.1 {
-            batches.end = list.batches;
-        }
-        let count = |kind| list.characters(kind).len();
-        let sets = list.morph_sets();
-        let weights = self.weights.take(sets, targets(self.model), part);
-        let records = self.records.take(count(DrawKind::Record), 1, part);
-        let stepped = self.stepped.take(count(DrawKind::Step), 1, part);
-        let impostors = self.impostors.take(count(DrawKind::Impostor), 1, part);
-        let ranges = [
-            &weights.range,
-            &records.range,
-            &stepped.range,
-            &impostors.range,
-        ];
-        if batches.is_empty() && ranges.iter().all(|r| r.is_empty()) {
-            return None;
-        }
-        self.first = batches.end;
-        let matrices = self.crowd.matrices_of(batches.clone()).len();
-        let rows = matrices * self.model.parts().form.rows();
-        let (rows, rest) = split(self.rows.take()?, rows);
-        self.rows = Some(rest);
-        Some(FramePart {
-            crowd: self.crowd,
-            model: self.model,
-            batches,
-            rows,
-            weights,
-            records,
-            stepped,
-            impostors,
-            scratch,
-        })
-    }
-}
-
 /// Number of morph target weights of a character; 0 if no level shows them.
 fn targets(model: &CrowdModel) -> usize {
     let morphs = model.parts().morphs.as_ref();
     morphs.filter(|m| m.levels() > 0).map_or(0, |m| m.targets())
-}
-
-/// Number of characters that may be shown from the cache without a palette of their own.
-fn cacheable(model: &CrowdModel, characters: usize) -> usize {
-    model.parts().cache.as_ref().map_or(0, |_| characters)
 }
 
 /// Number of matrices that a frame may need: all characters in full detail.

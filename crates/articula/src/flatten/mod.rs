@@ -8,12 +8,14 @@ mod framed;
 mod head;
 mod judged;
 mod live;
+mod report;
 
 pub use framed::{FramedCharacter, FramedParts, Shot, TriangleCount};
 pub use head::FramedHead;
-pub use judged::{
-    DETAIL_DELTA_E, FACE_DELTA_E, REST_DELTA_E, RegionWeights, TriedTriangles, bound_delta_e,
-    excess,
+pub use judged::{DETAIL_DELTA_E, FACE_DELTA_E, REST_DELTA_E, RegionWeights, TriedTriangles};
+pub use report::{
+    BytesPerTriangle, DetailDifference, FlatBytes, FlatErrors, FlatSettings, FlattenReport,
+    LocalDifference, RepresentationReport, TriangleChoice, TriedCount, TriedSettings, WorstByPart,
 };
 
 use crate::error::{Context, Result};

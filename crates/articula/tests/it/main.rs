@@ -17,6 +17,7 @@ mod crowd_casts;
 mod crowd_draws;
 mod crowd_faces;
 mod crowd_impostors;
+mod crowd_measured;
 mod crowd_roles;
 mod crowd_vertices;
 mod face_errors;

@@ -17,8 +17,8 @@ use arguments::MeshLevelArgs;
 use articula::convert::ClipProvenance;
 use articula::stream::abp2::MotionOptions;
 use articula::{
-    AddClipsOptions, CharacterFile, ClipTables, Format, PartBytes, PrepareOptions, PreparedAsset,
-    PreparedPart, prepare,
+    AddClipsOptions, CharacterFile, ClipTables, CodedMeshLevels, Format, MeshLevelBytes,
+    MeshLevelRow, PartBytes, PrepareOptions, PreparedAsset, PreparedPart, prepare,
 };
 use clap::Args;
 use compact::CompactClip;
@@ -79,9 +79,9 @@ struct BuildReport {
     /// Files whose clips were added.
     added: Vec<Added>,
     /// Mesh levels, finest first; empty unless asked for.
-    levels: Vec<levels::Level>,
+    levels: Vec<MeshLevelRow>,
     /// Sizes of the mesh levels.
-    bytes: Option<levels::Bytes>,
+    bytes: Option<MeshLevelBytes>,
     /// Number of poses on which errors in motion were measured.
     poses_measured: Option<usize>,
     #[serde(skip)]
@@ -248,9 +248,9 @@ impl BuildReport {
             face_points: built.face_points,
             face_points_kept: made.and_then(|l| Some(l.face.as_ref()?.points)),
             added: Vec::new(),
-            levels: made.map(levels::levels).unwrap_or_default(),
-            bytes: made.map(|l| levels::bytes(l, built.mesh_bytes)),
-            poses_measured: made.map(levels::poses_measured),
+            levels: made.map(CodedMeshLevels::rows).unwrap_or_default(),
+            bytes: made.map(|l| l.sizes(built.mesh_bytes)),
+            poses_measured: made.map(CodedMeshLevels::poses_measured),
             measured: made.map(levels::measured).unwrap_or_default(),
             mesh_stream: args.mesh_levels.mesh_stream.as_deref().map(files::shown),
             warnings: {

@@ -20,8 +20,9 @@ use articula::flat::planar::Shading;
 use articula::flat::planar::SplitOptions;
 use articula::flat::vector::player::PlayerOutput;
 use articula::flat::vector::{ThesisForm, ThesisSvgOptions};
-use articula::flatten::{FramedCharacter, Shot, TriangleCount, flatten_driven, flatten_within};
-use report::{FlattenReport, Made};
+use articula::flatten::{
+    FlattenReport, FramedCharacter, Shot, TriangleCount, flatten_driven, flatten_within,
+};
 
 /// Converts, or runs a subcommand.
 pub(crate) fn run(args: &FlattenArgs, console: &Console) -> anyhow::Result<()> {
@@ -55,14 +56,10 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         console.work(|work| flatten_within(framed, &options, &settings, work))?
     };
     console.files.write(args.out(), &flat.bytes)?;
-    let made = Made {
-        triangles_of_character: figure.asset.mesh.triangles.len(),
-        framed: &framed,
-        size_px: args.shot.size,
-        max_bytes: settings.max_bytes,
-    };
-    let report = FlattenReport::new(files::shown(args.out()), &flat, made);
-    console.result(&report, FlattenReport::text)
+    let out = files::shown(args.out());
+    let mut report = FlattenReport::new(out, &flat, &framed, settings.max_bytes);
+    report.warnings = report::warnings(&report);
+    console.result(&report, report::text)
 }
 
 impl ConvertArgs {

@@ -1,7 +1,6 @@
 //! `articula flatten --profile portrait`: a face as pictures on a 2D mesh, with its player.
 
 use super::arguments::ConvertArgs;
-use super::report::{BytesReport, RepresentationReport};
 use crate::console::Console;
 use crate::fault;
 use crate::files::{self, Files};
@@ -13,7 +12,7 @@ use articula::flat::flatten::{FileSize, Representation};
 use articula::flat::portrait::PictureFormat;
 use articula::flat::portrait::{EmbeddedFile, PageOptions, page};
 use articula::flat::portrait::{HeadPose, Portrait, PortraitOptions, build};
-use articula::flatten::FramedHead;
+use articula::flatten::{FlatBytes, FramedHead, RepresentationReport};
 use serde::Serialize;
 use std::path::Path;
 
@@ -26,7 +25,7 @@ const MAX_BYTES: u64 = 64 << 20;
 struct PortraitReport {
     out: String,
     profile: &'static str,
-    bytes: BytesReport,
+    bytes: FlatBytes,
     views: usize,
     triangles: usize,
     vertices: usize,
@@ -91,7 +90,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let report = PortraitReport {
         out: files::shown(args.out()),
         profile: "portrait",
-        bytes: BytesReport {
+        bytes: FlatBytes {
             raw: sizes.raw,
             gzip: sizes.gzip,
             brotli: sizes.brotli,

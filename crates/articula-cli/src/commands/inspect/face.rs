@@ -2,7 +2,6 @@
 
 use super::WrittenFiles;
 use crate::console::Console;
-use crate::face_pictures;
 use crate::table::Table;
 use crate::{fault, files, open};
 use articula::core::{ModelPose, local_to_model};
@@ -11,7 +10,7 @@ use articula::flat::{Appearance, Picture};
 use articula::formats::face_points;
 use articula::formats::mpeg4::fdp;
 use articula::{Figure, facing};
-use articula_report::{FaceMark, face_sheet};
+use articula_report::{FaceMark, clip_sheet, face_sheet, morph_target_sheet};
 use clap::Args;
 use glam::Vec3;
 use std::path::{Path, PathBuf};

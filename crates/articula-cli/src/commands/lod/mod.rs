@@ -12,20 +12,23 @@ use crate::fault;
 use crate::files::{self, Files};
 use crate::open;
 use crate::play::methods::MethodArgs;
-use crate::play::motion_plots::{error_plot, gain_plot, updates_plot};
-use crate::play::{drawn, nanoseconds};
 use anyhow::Context;
 use articula::Figure;
 use articula::build::evaluate::{EvaluationSetup, Method};
-use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
+use articula::evaluate::{
+    Costs, DISTANCES_M, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice,
+};
 use articula::flat::Picture;
-use articula_report::{Plot, motion_sheet, rest_sheet, stacked};
+use articula_report::{
+    Artist, Plot, cost_plots, error_plot, gain_plot, lines_by_distance, lines_by_method,
+    motion_sheet, nanoseconds, rest_sheet, stacked, updates_plot,
+};
 use clap::Args;
 use report::LodReport;
 use std::path::{Path, PathBuf};
 
-/// Default distances of the tables, metres (docs/methods/motion-lod.md).
-pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
+/// Width and height of a tile of a contact sheet, pixels.
+const TILE_PX: (u32, u32) = (200, 290);
 
 /// Maximum number of frames of a clip: the true poses of all frames are kept in memory.
 const MAX_FRAMES: usize = 100_000;
@@ -322,7 +325,7 @@ fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result
         anyhow::bail!("{}: {what}", figure.opened.name());
     }
     if let Some(path) = &args.contact_sheet {
-        let mut artist = drawn::artist(figure, drawn::LARGE);
+        let mut artist = Artist::of_figure(figure, TILE_PX);
         let sheet = rest_sheet(&figure.asset, &mut artist, &report.heading());
         let sheet = sheet.context("the contact sheet")?;
         report
@@ -340,15 +343,15 @@ fn draw_sheet(
     mut notes: Vec<String>,
 ) -> anyhow::Result<Picture> {
     let lines = match tables {
-        [table] => drawn::lines_by_distance(table),
+        [table] => lines_by_distance(table),
         _ => {
             let middle = tables.first().map_or(0, |t| (t.rows.len() - 1) / 2);
             let row = tables.first().and_then(|t| t.rows.get(middle));
             notes.extend(row.map(|r| format!("All methods at {} m.", r.distance_m)));
-            drawn::lines_by_method(tables, middle)
+            lines_by_method(tables, middle)
         }
     };
-    let mut artist = drawn::artist(scene.figure, drawn::LARGE);
+    let mut artist = Artist::of_figure(scene.figure, TILE_PX);
     motion_sheet(&scene.stage(), &mut artist, &lines, 4, title, notes).context("the contact sheet")
 }
 
@@ -362,10 +365,9 @@ fn write_plots(
 ) -> anyhow::Result<()> {
     let clip = &scene.figure.asset.clips[scene.clip].name;
     let heading = format!("clip {clip}");
-    let errors = drawn::series(tables, |r| r.error_px.p95);
     let mut all = vec![
-        gain_plot(&drawn::series(tables, |r| r.joint_update_gain), &heading),
-        error_plot(&errors, &heading, report.calibrate_px),
+        gain_plot(tables, &heading),
+        error_plot(tables, &heading, report.calibrate_px),
     ];
     if is_svg(path) {
         report.written.extend(write_plot_files(&all, path, files)?);
@@ -375,10 +377,10 @@ fn write_plots(
     let middle = rows.len().saturating_sub(1) / 2;
     let distance = rows.get(middle).map_or(0.0, |r| r.distance_m);
     let at = format!("{heading}, {distance} m");
-    let (stage, lines) = (scene.stage(), drawn::lines_by_method(tables, middle));
+    let (stage, lines) = (scene.stage(), lines_by_method(tables, middle));
     all.push(updates_plot(&stage, &lines, &at));
     let costs = Costs::new(&stage, &nanoseconds);
-    all.extend(drawn::cost_plots(&costs, &heading));
+    all.extend(cost_plots(&costs, &heading));
     report.costs = Some(costs);
     report.written.extend(write_plot_files(&all, path, files)?);
     Ok(())

@@ -3,12 +3,11 @@
 use super::report::LodReport;
 use super::{LodArgs, write_plot_files};
 use crate::console::Console;
-use crate::play::motion_plots::path_plots;
-use crate::play::{drawn, read_camera_path};
+use crate::play::read_camera_path;
 use crate::{fault, files};
 use anyhow::Context;
 use articula::evaluate::{CameraPath, EvaluatedClip};
-use articula_report::camera_path_sheet;
+use articula_report::{Artist, camera_path_sheet, path_plots};
 use std::path::Path;
 
 /// Plays the clip along the path and prints the report.
@@ -58,7 +57,7 @@ pub(super) fn run(
             "Seen from the camera's position, zoomed to the figure. Error: p95 over the skin."
                 .into(),
         ];
-        let mut artist = drawn::artist(scene.figure, drawn::LARGE);
+        let mut artist = Artist::of_figure(scene.figure, TILE_PX);
         let heading = report.heading();
         let picture = camera_path_sheet(&stage, &mut artist, &played.run, &heading, notes);
         let picture = picture.context("the contact sheet")?;

@@ -91,14 +91,9 @@ fn parts(manifest: &Manifest) -> String {
         "kept always",
         "layers",
         "seconds",
-        "best error mm",
+        "least error mm",
     ]);
     for part in &manifest.parts {
-        let least = part
-            .layers
-            .iter()
-            .map(|layer| layer.error_m)
-            .reduce(f64::min);
         table.row([
             kind(part.kind).to_owned(),
             part.name.clone(),
@@ -107,7 +102,7 @@ fn parts(manifest: &Manifest) -> String {
             part.layers.len().to_string(),
             part.duration_secs
                 .map_or("-".into(), |secs| format!("{secs:.2}")),
-            least.map_or("-".into(), millimetres),
+            part.whole_error_m().map_or("-".into(), millimetres),
         ]);
     }
     if table.is_empty() {

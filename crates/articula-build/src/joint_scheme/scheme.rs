@@ -4,8 +4,8 @@
 //! thesis count 4 joints of the feet and 40 of the hands, which no partition of the standard's 89
 //! joints gives; without the subtalars and with a fourth joint in each thumb they fit.
 
-use crate::Mismatch;
-use crate::hanim_table::{BODY_JOINTS, HanimJoint, JOINTS, THUMB_BASES};
+use articula_core::Mismatch;
+use articula_core::hanim_table::{BODY_JOINTS, HanimJoint, JOINTS, THUMB_BASES};
 use std::fmt;
 use std::str::FromStr;
 
@@ -76,7 +76,7 @@ impl FromStr for JointScheme {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::articulation::{MAX_LEVEL, Region, Zone};
+    use articula_core::{Region, Zone};
 
     fn count(scheme: JointScheme, counts: impl Fn(&HanimJoint) -> bool) -> usize {
         scheme.body().filter(|joint| counts(joint)).count()
@@ -89,7 +89,7 @@ mod tests {
         let regions = Region::ALL.map(|r| count(thesis, |j| j.region == r));
         assert_eq!(regions, [2, 10, 25, 4, 4, 4, 40]);
         for scheme in JointScheme::ALL {
-            let levels = (0..=MAX_LEVEL).map(|level| count(scheme, |j| j.level <= level));
+            let levels = (0..=5).map(|level| count(scheme, |j| j.level <= level));
             assert_eq!(levels.collect::<Vec<_>>(), [5, 10, 24, 35, 51, 89]);
         }
     }

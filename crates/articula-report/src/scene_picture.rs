@@ -1,30 +1,27 @@
-//! A picture of the first frame of a crowd, each character in the colour of its level.
+//! A picture of a scene that is played, each character in the colour of its level.
 
-use super::stage::{Settings, TimedCrowd};
-use anyhow::Context;
-use articula::build::Scene;
+use crate::crowd::CrowdPicture;
 use articula::core::{Camera, Viewport};
-use articula::crowd::{CrowdAsset, CrowdPlayer, ImpostorDraw, PoseSource, ScenePlayer};
+use articula::crowd::{CrowdPlayer, ImpostorDraw, PoseSource, ScenePlayer};
 use articula::flat::Picture;
-use articula_report::CrowdPicture;
 use glam::Vec3;
-use std::sync::Arc;
 
 /// Maximum number of triangles of skins; the farthest characters beyond it are slivers.
 const MAX_TRIANGLES: usize = 8_000_000;
 
-/// Draws the scene at time 0 in the size given, its views below each other.
-pub(crate) fn draw(
-    cast: &[CrowdAsset],
-    scene: &Arc<Scene>,
-    settings: Settings,
+/// Draws the evaluated frame of a scene, its views below each other, each of a size in pixels.
+///
+/// # Errors
+/// [`Error::Unsupported`](articula::Error::Unsupported) if a view has no camera, or a picture error if
+/// the size is too large.
+pub fn scene_picture(
+    scene: &ScenePlayer,
     (width, height): (u32, u32),
-) -> anyhow::Result<Picture> {
-    let stage = TimedCrowd::first_frame(cast, scene.clone(), settings)?;
+) -> articula::Result<Picture> {
     let mut pictures = Vec::new();
-    for camera in stage.scene.cameras()? {
-        let (mut crowd, drawn) = gathered(&stage.scene, &camera);
-        for wall in &scene.walls {
+    for camera in scene.cameras()? {
+        let (mut crowd, drawn) = gathered(scene, &camera);
+        for wall in &scene.scene().walls {
             crowd.add_wall(wall.centre, 0.5 * wall.size, wall.yaw_radians);
         }
         let camera = Camera {
@@ -37,13 +34,13 @@ pub(crate) fn draw(
         };
         // The colours mean the same in all views.
         let legend = match pictures.is_empty() {
-            true => legend(&stage.scene, drawn),
+            true => legend(scene, drawn),
             false => Vec::new(),
         };
-        pictures.push(crowd.draw(&camera, &legend).context("drawing the crowd")?);
+        pictures.push(crowd.draw(&camera, &legend)?);
     }
     let all = height * pictures.len() as u32;
-    let mut sheet = Picture::new(width, all, [255; 4]).context("drawing the crowd")?;
+    let mut sheet = Picture::new(width, all, [255; 4])?;
     for (i, picture) in pictures.iter().enumerate() {
         sheet.blit(picture, 0, (i as u32 * height) as i32);
     }

@@ -1,34 +1,36 @@
 //! Morph targets that a crowd shows: characters by morph level, and bytes of their weights.
 
-use articula::crowd::{CrowdAsset, CrowdPlayer, DrawKind};
+use super::asset::CrowdAsset;
+use super::player::CrowdPlayer;
+use articula_core::crowd::DrawKind;
 use serde::Serialize;
 
 /// Morph target weights written in a frame.
-#[derive(Debug, Clone, Default, Serialize)]
-pub(crate) struct MorphUse {
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct MorphUse {
     /// Characters whose weights are written, on average over frames.
-    pub(crate) characters: f64,
+    pub characters: f64,
     /// Bytes of the weights of the largest frame.
-    pub(crate) bytes: usize,
+    pub bytes: usize,
     /// The morph levels, those first that show most targets; empty if no clip moves a morph target.
-    pub(crate) levels: Vec<MorphLevelUse>,
+    pub levels: Vec<MorphLevelUse>,
 }
 
 /// Use of one morph level, or of those of several characters that show as many targets.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct MorphLevelUse {
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MorphLevelUse {
     /// Number of morph targets that the level shows.
-    pub(crate) targets: usize,
+    pub targets: usize,
     /// Visible characters, on average over frames; those whose level has no morph targets count as
     /// showing none.
-    pub(crate) characters: f64,
+    pub characters: f64,
     /// Greatest error of the morph level over the clips, millimetres.
-    pub(crate) error_mm: f32,
+    pub error_mm: f32,
 }
 
 impl MorphUse {
     /// The use of all characters of a cast; `bytes` are those of the largest frame.
-    pub(crate) fn of(cast: impl Iterator<Item = Self>, bytes: usize) -> Self {
+    pub(super) fn of(cast: impl Iterator<Item = Self>, bytes: usize) -> Self {
         let mut all = Self {
             bytes,
             ..Self::default()
@@ -49,18 +51,11 @@ impl MorphUse {
         all.levels.sort_by_key(|l| std::cmp::Reverse(l.targets));
         all
     }
-
-    /// Formats the number of characters by targets shown.
-    pub(crate) fn by_level(&self) -> String {
-        let levels = self.levels.iter();
-        let each = levels.map(|l| format!("{:.0} of {}", l.characters, l.targets));
-        each.collect::<Vec<_>>().join(", ")
-    }
 }
 
 /// Sums over the frames of the crowd of one character.
 #[derive(Debug)]
-pub(crate) struct MorphTally {
+pub(super) struct MorphTally {
     frames: usize,
     sets: usize,
     /// Characters of each morph level, and those whose level shows no morph targets.
@@ -69,7 +64,7 @@ pub(crate) struct MorphTally {
 }
 
 impl MorphTally {
-    pub(crate) fn new(asset: &CrowdAsset) -> Self {
+    pub(super) fn new(asset: &CrowdAsset) -> Self {
         let morphs = asset.model().parts().morphs.as_ref();
         Self {
             frames: 0,
@@ -80,7 +75,7 @@ impl MorphTally {
     }
 
     /// Adds an evaluated frame.
-    pub(crate) fn add(&mut self, player: &CrowdPlayer) {
+    pub(super) fn add(&mut self, player: &CrowdPlayer) {
         let (crowd, model) = (player.crowd(), player.asset().model());
         self.frames += 1;
         self.sets += crowd.draw_list().morph_sets();
@@ -98,7 +93,7 @@ impl MorphTally {
     }
 
     /// Means over the frames, without bytes.
-    pub(crate) fn means(&self, asset: &CrowdAsset) -> MorphUse {
+    pub(super) fn means(&self, asset: &CrowdAsset) -> MorphUse {
         let mean = |count: usize| count as f64 / self.frames.max(1) as f64;
         let clips = asset.clips().len();
         let lods = asset.model().parts().morphs.as_ref().map(|m| m.lods());
@@ -153,7 +148,11 @@ mod tests {
         ];
         let all = MorphUse::of(cast.into_iter(), 96);
         assert_eq!((all.characters, all.bytes), (7.5, 96));
-        assert_eq!(all.by_level(), "1 of 17, 4 of 9, 2 of 4, 6 of 0");
+        let shown = all.levels.iter().map(|l| (l.targets, l.characters));
+        assert_eq!(
+            shown.collect::<Vec<_>>(),
+            [(17, 1.0), (9, 4.5), (4, 2.0), (0, 6.5)]
+        );
         assert_eq!(all.levels[3].error_mm, 7.0);
     }
 }

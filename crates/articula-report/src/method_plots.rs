@@ -2,15 +2,14 @@
 //!
 //! Source: thesis figures 6.14 and 6.15; `docs/methods/motion-lod.md` part 12.
 
+use crate::motion_sheet::MotionLine;
+use crate::plot::{BarSeries, Plot, PlotOptions, Scale, Series, ValueFormat, bar_plot, line_plot};
 use articula::build::evaluate::{ClipEvaluator, PathFrame, PathRun, play};
 use articula::core::JointSet;
-use articula::evaluate::{ScheduleReport, ScheduleRow};
-use articula_report::{
-    BarSeries, MotionLine, Plot, PlotOptions, Scale, Series, ValueFormat, bar_plot, line_plot,
-};
+use articula::evaluate::{Cost, Costs, MethodRow, MethodTable, ScheduleReport, ScheduleRow};
 
-/// Joint updates saved over distance.
-pub(crate) fn gain_plot(series: &[Series], heading: &str) -> Plot {
+/// Plots the joint updates saved over distance, one line for each method.
+pub fn gain_plot(tables: &[MethodTable], heading: &str) -> Plot {
     let options = PlotOptions {
         title: format!("Joint updates saved, {heading}"),
         x_label: "distance (m)".into(),
@@ -21,12 +20,12 @@ pub(crate) fn gain_plot(series: &[Series], heading: &str) -> Plot {
     };
     Plot {
         name: "gain.svg",
-        svg: line_plot(&options, series),
+        svg: line_plot(&options, &series(tables, |r| r.joint_update_gain)),
     }
 }
 
-/// p95 error over distance; `limit_px` is drawn as a line.
-pub(crate) fn error_plot(series: &[Series], heading: &str, limit_px: Option<f32>) -> Plot {
+/// Plots the p95 error over distance, one line for each method; `limit_px` is drawn as a line.
+pub fn error_plot(tables: &[MethodTable], heading: &str, limit_px: Option<f32>) -> Plot {
     let options = PlotOptions {
         title: format!("Error in pixels (p95), {heading}"),
         x_label: "distance (m)".into(),
@@ -38,28 +37,40 @@ pub(crate) fn error_plot(series: &[Series], heading: &str, limit_px: Option<f32>
     };
     Plot {
         name: "error.svg",
-        svg: line_plot(&options, series),
+        svg: line_plot(&options, &series(tables, |r| r.error_px.p95)),
     }
 }
 
+/// A value of every row over distance; `skin-px` is drawn solid, the baselines dashed.
+fn series(tables: &[MethodTable], value: impl Fn(&MethodRow) -> f32) -> Vec<Series> {
+    let point = |r: &MethodRow| (f64::from(r.distance_m), f64::from(value(r)));
+    let line = |table: &MethodTable| Series {
+        name: table.method.label(),
+        points: table.rows.iter().map(point).collect(),
+        dashed: table.method.method.name() != "skin-px",
+    };
+    tables.iter().map(line).collect()
+}
+
+/// Plots the costs by zone, depth and level of complexity.
+pub fn cost_plots(costs: &Costs, heading: &str) -> [Plot; 3] {
+    [
+        cost_plot(CostBy::Zone, &costs.zones, heading),
+        cost_plot(CostBy::Depth, &costs.depths, heading),
+        cost_plot(CostBy::Complexity, &costs.complexities, heading),
+    ]
+}
+
 /// Property by which a cost plot groups joints.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum CostBy {
-    /// Zone of the body.
+#[derive(Clone, Copy)]
+enum CostBy {
     Zone,
-    /// Depth in the joint hierarchy.
     Depth,
-    /// Level of complexity.
     Complexity,
 }
 
 /// Joints in each set, joints sampled and matrices changed per frame, side by side.
-pub(crate) fn cost_plot(
-    by: CostBy,
-    names: &[String],
-    values: [Vec<f64>; 3],
-    heading: &str,
-) -> Plot {
+fn cost_plot(by: CostBy, costs: &[Cost], heading: &str) -> Plot {
     let (name, by, x) = match by {
         CostBy::Zone => ("cost-by-zone.svg", "zone", "zone"),
         CostBy::Depth => ("cost-by-depth.svg", "depth", "joints of smaller depth"),
@@ -71,24 +82,24 @@ pub(crate) fn cost_plot(
         y_label: "joints per frame".into(),
         ..PlotOptions::default()
     };
-    let names_of_bars = ["in the set", "sampled", "matrices changed"];
-    let bars = |(name, values): (&str, Vec<f64>)| BarSeries {
+    let names: Vec<String> = costs.iter().map(|c| c.name.clone()).collect();
+    let bars = |name: &str, of: fn(&Cost) -> f32| BarSeries {
         name: name.into(),
-        values,
+        values: costs.iter().map(|c| f64::from(of(c))).collect(),
     };
-    let series: Vec<BarSeries> = names_of_bars.into_iter().zip(values).map(bars).collect();
+    let series = [
+        bars("in the set", |c| c.joints as f32),
+        bars("sampled", |c| c.joints_sampled),
+        bars("matrices changed", |c| c.fk_joints),
+    ];
     Plot {
         name,
-        svg: bar_plot(&options, names, &series),
+        svg: bar_plot(&options, &names, &series),
     }
 }
 
-/// Joints updated at each frame of the clip, for each method at its parameter.
-pub(crate) fn updates_plot(
-    stage: &ClipEvaluator<'_>,
-    lines: &[MotionLine<'_>],
-    heading: &str,
-) -> Plot {
+/// Plots the joints updated at each frame of the clip, for each method at its parameter.
+pub fn updates_plot(stage: &ClipEvaluator<'_>, lines: &[MotionLine<'_>], heading: &str) -> Plot {
     let rate = f64::from(stage.clip.rate_hz());
     let line = |line: &MotionLine<'_>| {
         let playback = play(stage, line.method, line.parameter)
@@ -124,9 +135,9 @@ pub(crate) fn updates_plot(
     }
 }
 
-/// Distance, joints updated and error over the time of a path; `bound_px` is the upper bound of
+/// Plots distance, joints updated and error over the time of a path; `bound_px` is the upper bound of
 /// the error of a single joint, if there is one.
-pub(crate) fn path_plots(run: &PathRun, bound_px: Option<f32>, heading: &str) -> Vec<Plot> {
+pub fn path_plots(run: &PathRun, bound_px: Option<f32>, heading: &str) -> Vec<Plot> {
     let plot = |name, y: &str, target: Option<(f64, String)>, of: &dyn Fn(&PathFrame) -> f64| {
         let options = PlotOptions {
             title: format!("{y}, {heading}"),
@@ -170,9 +181,9 @@ pub(crate) fn path_plots(run: &PathRun, bound_px: Option<f32>, heading: &str) ->
     ]
 }
 
-/// Error, joints sampled and jump per frame over the time of a schedule, one line for each kind of
+/// Plots error, joints sampled and jump per frame over the time of a schedule, one line for each kind of
 /// transition.
-pub(crate) fn schedule_plots(schedule: &[ScheduleReport], heading: &str) -> Vec<Plot> {
+pub fn schedule_plots(schedule: &[ScheduleReport], heading: &str) -> Vec<Plot> {
     let plot = |name, y: &str, of: fn(&ScheduleRow) -> f64| {
         let options = PlotOptions {
             title: format!("{y}, {heading}"),

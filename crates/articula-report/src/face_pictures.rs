@@ -1,16 +1,19 @@
 //! Pictures of a face with each of its morph targets, and at moments of a clip.
 
-use crate::fault;
-use anyhow::Context;
-use articula::core::{ModelPose, Wrap, local_to_model, sample, sample_morphs};
+use crate::artist::{appearance, facing_radians};
+use crate::shape_sheet::{FaceShape, shape_sheet};
+use articula::core::{Wrap, sample, sample_morphs};
 use articula::face::{HeadSurface, face_layout};
-use articula::flat::{Appearance, Bounds, Picture};
-use articula::{Figure, facing};
-use articula_report::{FaceShape, shape_sheet};
+use articula::flat::{Bounds, Picture, PictureError};
+use articula::{Error, Figure};
 use glam::Vec3;
 
-/// Draws the morph targets of the figure; those of one name in several meshes move together.
-pub(crate) fn targets(figure: &Figure) -> anyhow::Result<Picture> {
+/// Draws the face of a figure with each of its morph targets; those of one name in several meshes move
+/// together. `None` if it has none.
+///
+/// # Errors
+/// As [`clip_sheet`].
+pub fn morph_target_sheet(figure: &Figure) -> articula::Result<Option<Picture>> {
     let asset = &figure.asset;
     let rest = FaceShape {
         label: "at rest".to_owned(),
@@ -33,14 +36,21 @@ pub(crate) fn targets(figure: &Figure) -> anyhow::Result<Picture> {
         }
     }
     if shapes.len() == 1 {
-        let what = "--write shape-sheet: the file has no morph target to draw";
-        return Err(fault::usage(what));
+        return Ok(None);
     }
-    drawn(figure, &shapes, "morph targets")
+    drawn(figure, &shapes, "morph targets").map(Some)
 }
 
-/// Draws the face at so many moments of a clip, evenly over its duration.
-pub(crate) fn moments(figure: &Figure, clip: usize, most: usize) -> anyhow::Result<Picture> {
+/// Draws the face of a figure at so many moments of a clip, evenly over its duration, or at each of its
+/// frames if they are fewer.
+///
+/// # Errors
+/// [`Error::Unsupported`] if no vertex has a finite position, or a picture error if the page would be too
+/// large.
+///
+/// # Panics
+/// If the figure has no such clip.
+pub fn clip_sheet(figure: &Figure, clip: usize, most: usize) -> articula::Result<Picture> {
     let asset = &figure.asset;
     let clip = &asset.clips[clip];
     let count = most.min(clip.frames().max(1));
@@ -60,22 +70,21 @@ pub(crate) fn moments(figure: &Figure, clip: usize, most: usize) -> anyhow::Resu
 }
 
 /// Draws the face in some shapes.
-fn drawn(figure: &Figure, shapes: &[FaceShape], what: &str) -> anyhow::Result<Picture> {
-    let asset = &figure.asset;
-    let bounds = framed(figure).context("no vertex has a finite position")?;
-    let character = figure.opened.character();
-    let (look, _) = Appearance::new(&character.materials, &character.images);
+fn drawn(figure: &Figure, shapes: &[FaceShape], what: &str) -> articula::Result<Picture> {
+    let bounds = framed(figure);
+    let bounds = bounds.ok_or_else(|| {
+        let what = "no vertex has a finite position";
+        Error::Unsupported(what.to_owned())
+    })?;
     let title = format!("{what} of {}", figure.opened.name());
-    let mut rest = ModelPose::new(asset.rig.len());
-    local_to_model(&asset.rig, asset.rig.rest_pose(), &mut rest);
-    let framed = (&bounds, facing(&asset.rig, &rest));
-    Ok(shape_sheet(
-        (&asset.rig, &asset.mesh),
-        &look,
-        framed,
+    let sheet: Result<Picture, PictureError> = shape_sheet(
+        (&figure.asset.rig, &figure.asset.mesh),
+        &appearance(figure),
+        (&bounds, facing_radians(figure)),
         shapes,
         &title,
-    )?)
+    );
+    Ok(sheet?)
 }
 
 /// The part of a figure that is drawn: its feature points but those on the skull, the part that blend

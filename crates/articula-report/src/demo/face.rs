@@ -1,8 +1,7 @@
 //! The face section of the demo: facial animation parameters on the character.
 
-use super::Folder;
-use crate::console::Console;
-use crate::face_pictures;
+use super::files::DemoFiles;
+use crate::face_pictures::clip_sheet;
 use articula::convert::write;
 use articula::core::fap_table::{FAP_COUNT, LOW_FAPS};
 use articula::face::{
@@ -10,7 +9,7 @@ use articula::face::{
     fit_face,
 };
 use articula::formats::mpeg4::fap::{FapClip, FapFrame};
-use articula::{Figure, Format};
+use articula::{Executor, Figure, Format, Result};
 use serde::Serialize;
 
 const RATE_HZ: u32 = 25;
@@ -75,10 +74,10 @@ pub(super) struct Face {
 /// Moves the face of a character, draws and measures it; `None` for one whose face nothing moves and
 /// whose mouth is not found.
 pub(super) fn of(
-    folder: &Folder<'_>,
+    files: &mut DemoFiles,
     figure: &Figure,
-    console: &Console,
-) -> anyhow::Result<Option<Face>> {
+    work: &Executor<'_>,
+) -> Result<Option<Face>> {
     let clip = expressions();
     let mut opened = figure.opened.clone();
     let mut made = fit_face(&clip, "expressions.fap", &opened);
@@ -106,13 +105,11 @@ pub(super) fn of(
     let faps_moving = made.report.faps_moving;
     opened.put_clips(vec![made.fitted], false);
     let figure = Figure::new(opened)?;
-    let sheet = face_pictures::moments(&figure, 0, MOMENTS)?;
-    folder.write("face.png", &sheet.to_png()?)?;
+    files.add_png("face.png", &clip_sheet(&figure, 0, MOMENTS)?)?;
     let file = write(&figure.opened, Format::Glb)?;
-    folder.write("face.glb", &file.bytes)?;
+    files.add("face.glb", file.bytes);
     let options = FaceDetailOptions::default();
-    let detail =
-        console.work(|work| face_detail(&clip, "expressions.fap", &figure, &options, work))?;
+    let detail = face_detail(&clip, "expressions.fap", &figure, &options, work)?;
     Ok(Some(Face {
         driven_by,
         faps_moving,

@@ -1,9 +1,8 @@
 //! The section of the demo about adaptation: one item, four contexts.
 
-use super::Folder;
-use crate::console::Console;
-use crate::play::drawn::artist;
-use anyhow::Context as _;
+use super::files::DemoFiles;
+use crate::artist::Artist;
+use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow};
 use articula::core::{Wrap, sample, sample_morphs};
 use articula::evaluate::EvaluatedClip;
 use articula::flat::Picture;
@@ -12,8 +11,7 @@ use articula::item::{
     AdaptOptions, AdaptedItem, Item, PackageOptions, adapt, assemble, decide, package,
 };
 use articula::stream::description::Context;
-use articula::{Figure, OpenOptions};
-use articula_report::{ContactSheet, SheetCell, SheetRow};
+use articula::{Error, Executor, Figure, OpenOptions, Result};
 use serde::Serialize;
 
 /// Size of a picture in pixels.
@@ -52,17 +50,17 @@ pub(super) struct InContext {
 
 /// Packages the character with its clip, adapts the item and draws what is shown.
 pub(super) fn of(
-    folder: &Folder<'_>,
+    files: &mut DemoFiles,
     scene: &EvaluatedClip<'_>,
-    console: &Console,
-) -> anyhow::Result<Adapted> {
+    work: &Executor<'_>,
+) -> Result<Adapted> {
     let clip = scene.figure.asset.clips[scene.clip].name.clone();
     let options = PackageOptions {
         clips: vec![clip],
         ..PackageOptions::default()
     };
     let opened = scene.figure.opened.clone();
-    let item = console.work(|work| package(opened, &options, work))?;
+    let item = package(opened, &options, work)?;
     let whole = item.without_flat().bytes();
     // For the joints, and half of the rest.
     let half = 0.5 * (whole + item.manifest.figure.bytes) as f64;
@@ -118,8 +116,7 @@ pub(super) fn of(
         }],
         ..ContactSheet::default()
     };
-    let picture = sheet.draw().context("the picture of contexts")?;
-    folder.write("adaptation.png", &picture.to_png()?)?;
+    files.add_png("adaptation.png", &sheet.draw()?)?;
     Ok(Adapted {
         bytes: whole,
         contexts: found,
@@ -127,13 +124,16 @@ pub(super) fn of(
 }
 
 /// What a client shows.
-fn drawn(adapted: &AdaptedItem) -> anyhow::Result<Picture> {
+fn drawn(adapted: &AdaptedItem) -> Result<Picture> {
     match adapted {
         AdaptedItem::Layers(item) => figure(item),
         AdaptedItem::Flat { entry, files } => {
             let of_entry = files.iter().find(|(name, _)| *name == entry.file);
-            let (_, bytes) = of_entry.context("the form in 2D is missing")?;
-            let text = std::str::from_utf8(bytes).context("the form in 2D")?;
+            let text = of_entry.and_then(|(_, bytes)| std::str::from_utf8(bytes).ok());
+            let text = text.ok_or_else(|| {
+                let what = "the form in 2D is missing or is no text";
+                Error::Unsupported(what.to_owned())
+            })?;
             let moving = AnimatedSvg::read(text)?;
             let still = moving.at(moving.duration_secs / 4.0)?;
             let picture = raster(&still, PAPER)?;
@@ -142,7 +142,7 @@ fn drawn(adapted: &AdaptedItem) -> anyhow::Result<Picture> {
     }
 }
 
-fn figure(item: &Item) -> anyhow::Result<Picture> {
+fn figure(item: &Item) -> Result<Picture> {
     let figure = Figure::new(assemble(item, &OpenOptions::default())?)?;
     let asset = &figure.asset;
     let mut pose = asset.rig.rest_pose().clone();
@@ -152,7 +152,7 @@ fn figure(item: &Item) -> anyhow::Result<Picture> {
         sample(clip, secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
         sample_morphs(clip, secs, Wrap::Clamp, &mut morphs);
     }
-    let mut artist = artist(&figure, SIZE);
+    let mut artist = Artist::of_figure(&figure, SIZE);
     artist.frame_pose(&pose, &morphs);
     Ok(artist.figure(&pose, morphs.clone())?)
 }

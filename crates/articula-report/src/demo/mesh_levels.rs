@@ -1,23 +1,21 @@
 //! The mesh levels of the demo: sizes, errors and pictures in motion.
 
-use super::Folder;
-use crate::commands::build::levels as report;
-use crate::play::drawn::artist;
-use anyhow::Context;
+use super::files::DemoFiles;
+use crate::artist::Artist;
+use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow};
 use articula::core::source;
 use articula::core::{Region, Wrap, sample};
 use articula::evaluate::EvaluatedClip;
 use articula::flat::Picture;
-use articula::{CodedMeshLevels, Figure};
-use articula_report::{ContactSheet, SheetCell, SheetRow};
+use articula::{CodedMeshLevels, Figure, MeshLevelBytes, MeshLevelRow, Result};
 use serde::Serialize;
 
 /// Triangles, errors and sizes of the asset's mesh levels.
 #[derive(Debug, Serialize)]
 pub(super) struct MeshLevels {
     /// The levels, finest first.
-    pub(super) levels: Vec<report::Level>,
-    pub(super) bytes: report::Bytes,
+    pub(super) levels: Vec<MeshLevelRow>,
+    pub(super) bytes: MeshLevelBytes,
     pub(super) poses_measured: usize,
 }
 
@@ -25,15 +23,15 @@ impl MeshLevels {
     /// Of an asset whose meshes take `mesh_bytes` bytes.
     pub(super) fn new(levels: &CodedMeshLevels, mesh_bytes: usize) -> Self {
         Self {
-            levels: report::levels(levels),
-            bytes: report::bytes(levels, mesh_bytes),
-            poses_measured: report::poses_measured(levels),
+            levels: levels.rows(),
+            bytes: levels.sizes(mesh_bytes),
+            poses_measured: levels.poses_measured(),
         }
     }
 }
 
 /// Draws every level at one time of the clip: the whole figure, its face and a hand.
-pub(super) fn draw(folder: &Folder<'_>, scene: &EvaluatedClip<'_>) -> anyhow::Result<()> {
+pub(super) fn draw(files: &mut DemoFiles, scene: &EvaluatedClip<'_>) -> Result<()> {
     let meshes = &scene.figure.opened.character().meshes;
     let count = meshes.iter().flat_map(|m| m.clustered.first());
     let count = count.map(|c| c.clusters.levels()).max().unwrap_or(0);
@@ -46,11 +44,10 @@ pub(super) fn draw(folder: &Folder<'_>, scene: &EvaluatedClip<'_>) -> anyhow::Re
         rows,
         ..ContactSheet::default()
     };
-    let picture = sheet.draw().context("the picture of mesh levels")?;
-    folder.write("mesh-levels.png", &picture.to_png()?)
+    files.add_png("mesh-levels.png", &sheet.draw()?)
 }
 
-fn row(scene: &EvaluatedClip<'_>, level: usize) -> anyhow::Result<SheetRow> {
+fn row(scene: &EvaluatedClip<'_>, level: usize) -> Result<SheetRow> {
     let figure = at_level(scene.figure, level)?;
     let clip = &figure.asset.clips[scene.clip];
     let mut pose = figure.asset.rig.rest_pose().clone();
@@ -58,7 +55,7 @@ fn row(scene: &EvaluatedClip<'_>, level: usize) -> anyhow::Result<SheetRow> {
     let all = figure.asset.rig.all();
     sample(clip, secs, Wrap::Clamp, &all, &mut pose);
     let morphs = figure.asset.mesh.morph_weights.clone();
-    let mut artist = artist(&figure, (230, 300));
+    let mut artist = Artist::of_figure(&figure, (230, 300));
     artist.frame_pose(&pose, &morphs);
     let mut pictures = vec![("in motion", artist.figure(&pose, morphs.clone())?)];
     for (caption, region, azimuth) in [("face", Region::Face, 0.4), ("hand", Region::Hands, 1.2)] {
@@ -75,12 +72,12 @@ fn row(scene: &EvaluatedClip<'_>, level: usize) -> anyhow::Result<SheetRow> {
 }
 
 /// The figure of a character file with only one of its mesh levels.
-fn at_level(figure: &Figure, level: usize) -> anyhow::Result<Figure> {
+fn at_level(figure: &Figure, level: usize) -> Result<Figure> {
     let mut opened = figure.opened.clone();
     opened.edit_character(|character| {
         character.meshes.iter_mut().for_each(|m| show(m, level));
     });
-    Ok(Figure::new(opened)?)
+    Figure::new(opened)
 }
 
 fn show(mesh: &mut source::RawMesh, level: usize) {

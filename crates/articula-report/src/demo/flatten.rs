@@ -1,25 +1,24 @@
 //! The 2D section of the demo: the clip as pictures that play without 3D.
 
-use super::Folder;
-use crate::commands::flatten::report::{FlattenReport, Made};
-use crate::console::Console;
+use super::files::DemoFiles;
 use articula::core::Viewport;
 use articula::evaluate::EvaluatedClip;
 use articula::flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
 use articula::flat::planar::Shading;
 use articula::flat::vector::ThesisSvgOptions;
 use articula::flat::vector::player::PlayerOutput;
-use articula::flatten::{FramedCharacter, Shot, TriangleCount, flatten};
+use articula::flatten::{FlattenReport, FramedCharacter, Shot, TriangleCount, flatten};
+use articula::{Executor, Result};
 
 /// Side of the pictures in pixels.
 const SIDE: u32 = 360;
 
 /// Converts the clip to the thesis' form, then to the others.
 pub(super) fn of(
-    folder: &Folder<'_>,
+    files: &mut DemoFiles,
     scene: &EvaluatedClip<'_>,
-    console: &Console,
-) -> anyhow::Result<Vec<FlattenReport>> {
+    work: &Executor<'_>,
+) -> Result<Vec<FlattenReport>> {
     let shot = Shot {
         clip: Some(scene.clip),
         still_at: None,
@@ -35,7 +34,7 @@ pub(super) fn of(
         },
         triangles: TriangleCount::About(1000),
     };
-    let framed = console.work(|work| FramedCharacter::new(scene.figure, shot, work))?;
+    let framed = FramedCharacter::new(scene.figure, shot, work)?;
     let mut reports = Vec::new();
     for (file, profile, shading) in [
         (
@@ -62,15 +61,9 @@ pub(super) fn of(
             max_bytes: None,
         };
         let options = PrepareClipOptions::default();
-        let flat = console.work(|work| flatten(&framed, options, &settings, work))?;
-        folder.write(file, &flat.bytes)?;
-        let made = Made {
-            triangles_of_character: scene.figure.asset.mesh.triangles.len(),
-            framed: &framed,
-            size_px: (SIDE, SIDE),
-            max_bytes: None,
-        };
-        reports.push(FlattenReport::new(file.into(), &flat, made));
+        let flat = flatten(&framed, options, &settings, work)?;
+        reports.push(FlattenReport::new(file.into(), &flat, &framed, None));
+        files.add(file, flat.bytes);
     }
     Ok(reports)
 }

@@ -4,21 +4,22 @@ use super::adaptation::Adapted;
 use super::crowd::Crowd;
 use super::face::Face;
 use super::mesh_levels::MeshLevels;
-use super::{Folder, MIDDLE, TARGET_PX};
-use crate::commands::flatten::report as flatten;
-use crate::files;
-
+use articula::Figure;
 use articula::convert::{AnimationSize, hold_joints};
 use articula::core::joint_state::PassivePolicy;
 use articula::core::loa;
 use articula::core::source;
 use articula::core::{Complexity, Rig};
-use articula::evaluate::{Costs, EvaluatedClip, MethodRow, MethodTable};
+use articula::evaluate::{Costs, MethodRow, MethodTable};
+use articula::flatten::FlattenReport;
 use serde::Serialize;
+
+/// Index of the distance in pictures of all methods: 9.05 m.
+pub(super) const MIDDLE: usize = 2;
 
 /// All results of one run of the demo.
 #[derive(Debug, Serialize)]
-pub(super) struct DemoReport {
+pub struct DemoReport {
     pub(super) version: &'static str,
     pub(super) page: String,
     pub(super) character: Character,
@@ -36,22 +37,7 @@ pub(super) struct DemoReport {
     pub(super) crowd: Crowd,
     pub(super) mesh_levels: MeshLevels,
     /// The walk as 2D content, the thesis' form first.
-    pub(super) flat: Vec<flatten::FlattenReport>,
-    /// The face moved by facial animation parameters; `None` for a character whose face cannot be.
-    pub(super) face: Option<Face>,
-    /// One item in four contexts.
-    pub(super) adaptation: Adapted,
-}
-
-/// Results besides those of the methods.
-pub(super) struct Found {
-    pub(super) clips: Vec<ClipRows>,
-    pub(super) levels: Vec<Level>,
-    pub(super) costs: Costs,
-    pub(super) crowd: Crowd,
-    pub(super) mesh_levels: MeshLevels,
-    /// The walk as 2D content, the thesis' form first.
-    pub(super) flat: Vec<flatten::FlattenReport>,
+    pub flat: Vec<FlattenReport>,
     /// The face moved by facial animation parameters; `None` for a character whose face cannot be.
     pub(super) face: Option<Face>,
     /// One item in four contexts.
@@ -93,6 +79,29 @@ pub(super) struct Level {
     pub(super) saved: f64,
 }
 
+impl Character {
+    /// What the page says of a figure.
+    pub(super) fn new(name: String, figure: &Figure) -> Self {
+        let asset = &figure.asset;
+        Self {
+            name,
+            joints: asset.rig.skin_joints().len(),
+            triangles: asset.mesh.triangles.len(),
+            vertices: asset.mesh.len(),
+            bytes: figure.opened.bytes(),
+        }
+    }
+}
+
+impl MethodRows {
+    pub(super) fn new(table: &MethodTable) -> Self {
+        Self {
+            label: table.method.label(),
+            rows: table.rows.clone(),
+        }
+    }
+}
+
 impl Level {
     /// The stored animation of some clips at a level.
     pub(super) fn new(level: Complexity, rig: &Rig, clips: &[source::RawClip]) -> Self {
@@ -108,48 +117,6 @@ impl Level {
 }
 
 impl DemoReport {
-    /// Gathers what was found.
-    pub(super) fn new(
-        folder: &Folder<'_>,
-        name: String,
-        scene: &EvaluatedClip<'_>,
-        tables: &[MethodTable],
-        found: Found,
-    ) -> Self {
-        let asset = &scene.figure.asset;
-        let clip = &asset.clips[scene.clip];
-        Self {
-            version: env!("CARGO_PKG_VERSION"),
-            page: files::shown(&folder.file("index.html")),
-            character: Character {
-                name,
-                joints: asset.rig.skin_joints().len(),
-                triangles: asset.mesh.triangles.len(),
-                vertices: asset.mesh.len(),
-                bytes: scene.figure.opened.bytes(),
-            },
-            clip: clip.name.clone(),
-            target_px: TARGET_PX,
-            joints_moving: articula::build::moving_joints(asset, clip).len(),
-            frames: clip.frames(),
-            methods: tables
-                .iter()
-                .map(|t| MethodRows {
-                    label: t.method.label(),
-                    rows: t.rows.clone(),
-                })
-                .collect(),
-            clips: found.clips,
-            levels: found.levels,
-            costs: found.costs,
-            crowd: found.crowd,
-            mesh_levels: found.mesh_levels,
-            flat: found.flat,
-            face: found.face,
-            adaptation: found.adaptation,
-        }
-    }
-
     /// The row of a method at the distance shown in pictures of all methods.
     pub(super) fn middle(&self, label: &str) -> Option<&MethodRow> {
         let method = self.methods.iter().find(|m| m.label == label)?;
@@ -157,17 +124,17 @@ impl DemoReport {
     }
 
     /// Formats the headline for people, and the path of the page.
-    pub(super) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let mut text = String::new();
         if let (Some(ours), Some(thesis)) = (self.middle("skin-px hold"), self.middle("thesis")) {
-            text.push_str(&format!(
+            text = format!(
                 "clip {} at {} m within {} px: {:.0}% of the joint updates saved (thesis metric: {:.0}%)\n",
                 self.clip,
                 ours.distance_m,
                 self.target_px,
                 100.0 * ours.joint_update_gain,
                 100.0 * thesis.joint_update_gain
-            ));
+            );
         }
         text.push_str(&format!("{}\n", self.page));
         text
