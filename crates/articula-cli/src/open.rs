@@ -135,14 +135,15 @@ pub(crate) fn data(path: &Path, format: DataFormat, args: &ReadArgs) -> anyhow::
 /// The options of the library that correspond to the flags.
 fn options(args: &ReadArgs) -> anyhow::Result<OpenOptions> {
     let limits = Limits::default();
-    let skeleton = args.skeleton.as_ref();
+    let given = args.settings();
+    let skeleton = given.skeleton.map(|path| files::read(&path, limits.bytes));
     Ok(OpenOptions {
         joint_maps: joint_maps(args)?,
-        unit_metres: args.unit_metres,
-        up: args.up(),
-        skeleton: skeleton.map(|p| files::read(p, limits.bytes)).transpose()?,
-        amc_rate_hz: args.amc_rate_hz,
-        absent: args.absent(),
+        unit_metres: given.unit_metres,
+        up: given.up,
+        skeleton: skeleton.transpose()?,
+        amc_rate_hz: given.amc_rate_hz,
+        absent: given.absent,
         limits,
     })
 }
@@ -170,10 +171,10 @@ pub(crate) fn warnings(warnings: &[Warning]) -> Vec<String> {
 pub(crate) fn advised(warning: &Warning) -> String {
     let flag = match warning.guess {
         None => return warning.what.clone(),
-        Some(Assumption::Unit) => "--unit-metres M",
-        Some(Assumption::UpAxis) => "--up y or --up z",
-        Some(Assumption::Rate) => "--amc-rate-hz HZ",
-        Some(Assumption::Skeleton) => "--skeleton F.asf",
+        Some(Assumption::Unit) => "--read unit-metres=M",
+        Some(Assumption::UpAxis) => "--read up=y or up=z",
+        Some(Assumption::Rate) => "--read amc-rate-hz=HZ",
+        Some(Assumption::Skeleton) => "--read skeleton=F.asf",
     };
     format!("{}; give {flag} if that is wrong", warning.what)
 }
@@ -185,10 +186,7 @@ pub(crate) fn face_points(
 ) -> anyhow::Result<Vec<(PointId, Vec3)>> {
     let limits = Limits::default();
     let bytes = files::read(path, limits.bytes)?;
-    let is_fdp = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("fdp"));
-    if is_fdp {
+    if files::extension(path) == "fdp" {
         let fdp = mpeg4::fdp::read(&bytes, &limits).with_context(|| files::shown(path))?;
         return fdp_points(character, &fdp.value).with_context(|| files::shown(path));
     }
@@ -210,11 +208,11 @@ mod tests {
             })
         };
         let guessed = |guess| warned("inches", Some(guess));
-        let said = "inches; give --unit-metres M if that is wrong";
+        let said = "inches; give --read unit-metres=M if that is wrong";
         assert_eq!(guessed(Assumption::Unit), said);
-        let said = "inches; give --up y or --up z if that is wrong";
+        let said = "inches; give --read up=y or up=z if that is wrong";
         assert_eq!(guessed(Assumption::UpAxis), said);
-        let said = "inches; give --amc-rate-hz HZ if that is wrong";
+        let said = "inches; give --read amc-rate-hz=HZ if that is wrong";
         assert_eq!(guessed(Assumption::Rate), said);
         assert_eq!(warned("odd", None), "odd");
     }

@@ -165,7 +165,7 @@ fn a_clip_that_travels_is_played_on_the_spot() {
     std::fs::write(here.join("walk.bvh"), walk).unwrap();
     std::fs::write(here.join("arm.bvh"), BVH).unwrap();
     let play = |file: &str| {
-        let words = ["crowd", file, "--unit-metres", "0.01"];
+        let words = ["crowd", file, "--read", "unit-metres=0.01"];
         let more = ["--count", "20", "--seconds", "0.1"];
         json(&here, &[&words[..], &more].concat())
     };

@@ -227,7 +227,7 @@ fn what_a_mask_leaves_out_is_the_users_choice() {
     std::fs::write(here.join("a.fap"), text).unwrap();
     let least = |words: &[&str]| json(&here, words)["parameters"][0]["min"].clone();
     assert_eq!(least(&["inspect", "a.fap"]), 120);
-    assert_eq!(least(&["inspect", "a.fap", "--absent", "zero"]), 0);
+    assert_eq!(least(&["inspect", "a.fap", "--read", "absent=zero"]), 0);
 }
 
 #[test]

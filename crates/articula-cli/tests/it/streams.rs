@@ -36,7 +36,16 @@ fn a_motion_goes_through_abp1_and_its_text() {
         return;
     };
     let here = folder("abp1");
-    let written = json(&here, &["convert", word(&walk), "walk.abp", "--abp1"]);
+    let written = json(
+        &here,
+        &[
+            "convert",
+            word(&walk),
+            "walk.abp",
+            "--stream",
+            "profile=abp1",
+        ],
+    );
     assert_eq!(written["format_out"], "abp");
     let found = json(&here, &["inspect", "walk.abp"]);
     assert_eq!(found["articulation_stored"], true);
@@ -56,8 +65,21 @@ fn a_motion_goes_through_abp1_and_its_text() {
         assert_eq!(other["clips"][0]["frames"], found["clips"][0]["frames"]);
         assert_eq!(other["stream"], Value::Null);
     }
-    let why = fault(&here, 2, &["convert", word(&walk), "other.glb", "--abp1"]);
-    assert!(why.contains("requires an .abp or .mp4 output"), "{why}");
+    let why = fault(
+        &here,
+        2,
+        &[
+            "convert",
+            word(&walk),
+            "other.glb",
+            "--stream",
+            "profile=abp1",
+        ],
+    );
+    assert!(
+        why.contains("requires an .abp, .afp or .mp4 output"),
+        "{why}"
+    );
 }
 
 #[test]
@@ -67,14 +89,15 @@ fn a_motion_stream_comes_back_onto_its_character() {
     };
     let here = folder("abp2");
     let figure = word(&figure);
-    let options = ["--clip", "walk", "--tolerance-mm", "0.2", "--tiers", "3"];
+    let options = [
+        "--clip",
+        "walk",
+        "--stream",
+        "tolerance-mm=0.2,tiers=3,group-by=region",
+    ];
     let written = json(
         &here,
-        &[
-            &["convert", figure, "walk.abp", "--group-by", "region"][..],
-            &options,
-        ]
-        .concat(),
+        &[&["convert", figure, "walk.abp"][..], &options].concat(),
     );
     let tiers = written["tiers"].as_array().unwrap();
     assert_eq!(tiers.len(), 3);
@@ -146,10 +169,10 @@ fn a_motion_stream_needs_its_character() {
     let why = fault(
         &here,
         2,
-        &["convert", word(&figure), "out.glb", "--tiers", "3"],
+        &["convert", word(&figure), "out.glb", "--stream", "tiers=3"],
     );
     assert!(
-        why.contains("--tiers requires an .abp or .mp4 output"),
+        why.contains("--stream requires an .abp, .afp or .mp4 output"),
         "{why}"
     );
     std::fs::write(
@@ -199,7 +222,10 @@ fn a_face_clip_goes_through_afp1() {
     };
     let here = folder("afp1");
     let talk = word(&talk);
-    json(&here, &["convert", talk, "talk.afp", "--afp1"]);
+    json(
+        &here,
+        &["convert", talk, "talk.afp", "--stream", "profile=afp1"],
+    );
     let found = json(&here, &["inspect", "talk.afp"]);
     assert_eq!(found["stream"]["profile"], "AFP-1");
     check_shares(&found);
@@ -209,7 +235,8 @@ fn a_face_clip_goes_through_afp1() {
             "convert",
             "talk.afp",
             "low.afp",
-            "--afp1",
+            "--stream",
+            "profile=afp1",
             "--face-level",
             "low",
         ],
@@ -253,8 +280,8 @@ fn a_face_clip_goes_through_afp2() {
             "low.afp",
             "--face-level",
             "low",
-            "--tiers",
-            "1",
+            "--stream",
+            "tiers=1",
         ],
     );
     assert_eq!(low["tiers"].as_array().unwrap().len(), 1);
@@ -266,9 +293,18 @@ fn a_face_clip_goes_through_afp2() {
     json(&here, &["convert", "talk.afp", "shapes.csv"]);
     json(
         &here,
-        &["convert", "shapes.csv", "shapes.afp", "--by-value"],
+        &[
+            "convert",
+            "shapes.csv",
+            "shapes.afp",
+            "--stream",
+            "order=value",
+        ],
     );
-    for (flag, out) in [("--group-by=joint", "a.afp"), ("--tiers=2", "a.fap")] {
+    for (flag, out) in [
+        ("--stream=group-by=joint", "a.afp"),
+        ("--stream=tiers=2", "a.fap"),
+    ] {
         let why = fault(&here, 2, &["convert", "talk.afp", out, flag]);
         assert!(why.contains("requires an"), "{why}");
     }

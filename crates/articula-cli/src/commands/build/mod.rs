@@ -10,7 +10,7 @@ use crate::arguments::{ReadArgs, skin_millimetres};
 use crate::console::Console;
 use crate::fault::clean;
 use crate::open;
-use crate::table::{Table, counted};
+use crate::table::{Table, counted, warnings};
 use crate::{fault, files};
 use anyhow::Context;
 use arguments::MeshLevelArgs;
@@ -334,9 +334,7 @@ impl BuildReport {
         if let Some(stream) = &self.mesh_stream {
             text.push_str(&format!("mesh level stream: {}\n", clean(stream)));
         }
-        for warning in &self.warnings {
-            text.push_str(&format!("warning: {}\n", clean(warning)));
-        }
+        text.push_str(&warnings(&self.warnings));
         text
     }
 }

@@ -4,7 +4,7 @@
 use super::face_shapes::MadeFace;
 use super::plan::{Input, reads_many};
 use super::{ConvertArgs, face_level};
-use crate::fault::clean;
+use crate::fault::{self, clean};
 use crate::files::{self, Files};
 use crate::open;
 use crate::table::Table;
@@ -30,24 +30,37 @@ pub(super) struct Hero {
     options: AddClipsOptions,
 }
 
-/// End effectors that are kept in place during contacts.
+/// What is kept in place during contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Pin {
     /// Feet, which are also kept above the floor
     Feet,
     /// Feet, and hands that rest on something
     Hands,
+    /// Hands that rest on hips, thighs, trunk or head, or meet each other
+    SelfContact,
     /// None: joint rotations only
     None,
 }
 
 impl Pin {
-    fn pinning(self) -> ContactPinning {
-        match self {
-            Self::Feet => ContactPinning::Feet,
-            Self::Hands => ContactPinning::FeetAndHands,
-            Self::None => ContactPinning::Nothing,
+    /// The pinning of end effectors; feet unless it is told.
+    fn pinning(pins: &[Self]) -> ContactPinning {
+        if pins.contains(&Self::None) {
+            ContactPinning::Nothing
+        } else if pins.contains(&Self::Hands) {
+            ContactPinning::FeetAndHands
+        } else {
+            ContactPinning::Feet
         }
+    }
+
+    /// Refuses nothing together with something.
+    pub(super) fn check(pins: &[Self]) -> anyhow::Result<()> {
+        if pins.len() > 1 && pins.contains(&Self::None) {
+            return Err(fault::usage("--pin none stands alone"));
+        }
+        Ok(())
     }
 }
 
@@ -90,11 +103,11 @@ impl Hero {
             clip: args.clip.clone(),
             file_in_names: reads_many(args),
             // Pinned feet and hands are of the retargeting between different figures.
-            by_names: args.pin.is_none() && args.floor_metres.is_none() && !args.self_contact,
+            by_names: args.pin.is_empty() && args.floor_metres.is_none(),
             retarget: RetargetOptions {
-                pinning: args.pin.unwrap_or(Pin::Feet).pinning(),
+                pinning: Pin::pinning(&args.pin),
                 floor_metres: args.floor_metres,
-                self_contact: args.self_contact,
+                self_contact: args.pin.contains(&Pin::SelfContact),
                 ..RetargetOptions::default()
             },
             ..AddClipsOptions::default()

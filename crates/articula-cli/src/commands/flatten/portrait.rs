@@ -119,6 +119,7 @@ fn options(args: &ConvertArgs) -> anyhow::Result<PortraitOptions> {
         return Err(fault::usage(format!("--views {views}: expected 1, 3 or 5")));
     }
     let plain = PortraitOptions::default();
+    let position_px = args.quality.accuracy().position_px;
     // Without pictures from above and below, large pitch angles would show missing surface.
     let pitch_limit_degrees = if views == 5 {
         plain.pitch_limit_degrees
@@ -128,7 +129,7 @@ fn options(args: &ConvertArgs) -> anyhow::Result<PortraitOptions> {
     Ok(PortraitOptions {
         views,
         pitch_limit_degrees,
-        tolerance_px: args.quality.pos_tol.unwrap_or(plain.tolerance_px),
+        tolerance_px: position_px.unwrap_or(plain.tolerance_px),
         ..plain
     })
 }
@@ -140,10 +141,7 @@ fn write(
     files: &Files,
 ) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let place = || files::shown(args.out());
-    let is_page = args
-        .out()
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("html"));
+    let is_page = files::extension(args.out()) == "html";
     let mut all = Vec::new();
     if is_page {
         let title = portrait.clips.first().map(|c| c.name.clone());
@@ -179,8 +177,7 @@ fn enclosed(path: Option<&Path>) -> anyhow::Result<Option<EmbeddedFile>> {
     let Some(path) = path else {
         return Ok(None);
     };
-    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let media_type = match ending.to_str().unwrap_or_default() {
+    let media_type = match files::extension(path).as_str() {
         "png" => "image/png",
         "jpg" | "jpeg" => "image/jpeg",
         "webp" => "image/webp",

@@ -107,7 +107,7 @@ pub(crate) fn warnings(report: &FlattenReport) -> Vec<String> {
         if let Some(worst) = worst.as_ref().filter(|worst| worst.delta_e > bound) {
             all.push(format!(
                 "visible local difference from the character, {}: {}; give more --triangles, a lower \
-                 --order-tol or --profile flipbook",
+                 --quality order-percent or --profile flipbook",
                 worst.region,
                 difference(worst),
             ));

@@ -1,10 +1,10 @@
 //! `lod --camera-path`: a controller of the live playback before a moving camera.
 
 use super::report::LodReport;
-use super::{LodArgs, TILE_PX, write_plot_files, write_png};
+use super::{LodArgs, TILE_PX, write_plot_files};
 use crate::console::Console;
-use crate::fault;
 use crate::play::read_camera_path;
+use crate::{fault, files};
 use anyhow::Context;
 use articula::evaluate::{CameraPath, EvaluatedClip};
 use articula_report::{Artist, camera_path_sheet, path_plots};
@@ -63,7 +63,7 @@ pub(super) fn run(
         let picture = picture.context("the contact sheet")?;
         report
             .written
-            .push(write_png(&picture, target, &console.files)?);
+            .push(files::write_png(&console.files, target, &picture)?);
     }
     report.camera_path = Some(played.summary);
     console.result(&report, LodReport::text)

@@ -12,7 +12,6 @@ use articula::formats::Limits;
 use articula::item::{CarriedFile, FaceMotion, MANIFEST, PackageOptions, documents, package};
 use clap::Args;
 use report::ItemReport;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `package`.
@@ -58,20 +57,8 @@ pub(crate) fn run(args: &PackageArgs, console: &Console) -> anyhow::Result<()> {
     let opened = open::character(&console.files, &args.file, &args.names)?;
     let bytes_in = opened.bytes() as u64;
     let item = console.work(|work| package(opened, &options, work))?;
-    let written: Vec<(PathBuf, Vec<u8>)> = item
-        .files()
-        .into_iter()
-        .chain(documents(&item)?)
-        .map(|(name, bytes)| (args.item.join(name), bytes))
-        .collect();
-    let folders: BTreeSet<&Path> = written
-        .iter()
-        .filter_map(|(path, _)| path.parent())
-        .collect();
-    for folder in folders {
-        console.files.make_folder(folder)?;
-    }
-    console.files.write_all(&written)?;
+    let written = item.files().into_iter().chain(documents(&item)?);
+    files::write_folder(&console.files, &args.item, written)?;
     let report = ItemReport {
         bytes_in: Some(bytes_in),
         ..ItemReport::new(files::shown(&args.item), &item)

@@ -1,7 +1,7 @@
 //! What an item holds, for `package` and `inspect`.
 
 use crate::fault::clean;
-use crate::table::Table;
+use crate::table::{Table, warnings};
 use articula::item::{Item, ItemLayer, ItemPart, Manifest, PartKind};
 use serde::Serialize;
 
@@ -58,9 +58,7 @@ impl ItemReport {
             text.push_str(&layers(part));
         }
         text.push_str(&others(manifest));
-        for warning in &manifest.warnings {
-            text.push_str(&format!("warning: {}\n", clean(warning)));
-        }
+        text.push_str(&warnings(&manifest.warnings));
         text
     }
 }
