@@ -14,7 +14,7 @@ use clap::{Args, ValueEnum, value_parser};
 #[derive(Debug, Clone, Args)]
 pub(super) struct StreamArgs {
     /// Write profile ABP-1, a stream of bones, in place of ABP-2 (.abp and .mp4 only)
-    #[arg(long, conflicts_with_all = ["tolerance_mm", "tiers", "group_by", "by_value"])]
+    #[arg(long, conflicts_with_all = ["tolerance_mm", "tiers", "group_by", "by_value", "with_skeleton"])]
     pub(super) abp1: bool,
     /// Write profile AFP-1, in which parameters can be cut one by one, in place of AFP-2 (.afp
     /// and .mp4 only)
@@ -37,6 +37,10 @@ pub(super) struct StreamArgs {
     /// receivers that get a part (.abp, .afp and .mp4 only)
     #[arg(long)]
     by_value: bool,
+    /// Carry the skeleton in a motion stream, so that it opens without --onto, as a character without
+    /// meshes (.abp and .mp4 only)
+    #[arg(long)]
+    with_skeleton: bool,
 }
 
 /// What joints of a group have in common.
@@ -100,6 +104,7 @@ impl StreamArgs {
                 Some(GroupBy::Joint) => Grouping::Joint,
             },
             order: self.order(),
+            skeleton: self.with_skeleton,
             ..plain
         }))
     }
@@ -131,7 +136,8 @@ impl StreamArgs {
     /// The first flag about streams of bodies that is given.
     fn of_bodies(&self) -> Option<&'static str> {
         let group_by = self.group_by.is_some().then_some("--group-by");
-        self.abp1.then_some("--abp1").or(group_by)
+        let with_skeleton = self.with_skeleton.then_some("--with-skeleton");
+        self.abp1.then_some("--abp1").or(group_by).or(with_skeleton)
     }
 
     /// The first flag about streams of bodies or faces that is given.
