@@ -35,7 +35,7 @@ pub(super) fn run(
         found.stream = match stream.kind {
             Some(StreamKind::Afp2) => {
                 let stream = inspect_motion_stream(&stream.bytes, &name, &limits)?;
-                Some(FaceStreamInspection::Afp2(stream))
+                Some(FaceStreamInspection::Afp2(Box::new(stream)))
             }
             Some(StreamKind::Fba) => None,
             _ => {
