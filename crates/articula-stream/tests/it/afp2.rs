@@ -206,7 +206,12 @@ fn a_level_that_changes_at_an_access_unit_fades() {
         *frame = FaceFrame::NEUTRAL;
         (frame.low[19 - 3], frame.low[20 - 3]) = (600, 200);
     }
-    let coded = write(&held, &Afp2Options::default()).unwrap();
+    // Three access units of 50 frames.
+    let options = Afp2Options {
+        access_unit_secs: 2.0,
+        ..Afp2Options::default()
+    };
+    let coded = write(&held, &options).unwrap();
     let bits = |unit: &Unit| (unit.bits.start / 8) as usize..(unit.bits.end / 8) as usize;
     let cut = cut_checked(
         &coded.bytes,
