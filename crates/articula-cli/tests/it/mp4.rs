@@ -252,10 +252,13 @@ fn what_cannot_be_boxed_or_opened_is_refused_in_one_line() {
     let mut cut = fs::read(here.join("walk.mp4")).unwrap();
     cut.truncate(cut.len() - 9);
     fs::write(here.join("cut.mp4"), &cut).unwrap();
-    // The name of the sample entry is another one, as that of a video.
+    // The name of the sample entry is another one, as that of a video, and the file is by another writer:
+    // it has neither the brand nor the box of checksums.
     let mut video = fs::read(here.join("walk.mp4")).unwrap();
-    let entry = video.windows(4).position(|w| w == b"urim").unwrap();
-    video[entry..entry + 4].copy_from_slice(b"avcX");
+    for (name, other) in [(b"urim", b"avcX"), (b"artc", b"mp41"), (b"uuid", b"free")] {
+        let at = video.windows(4).position(|w| w == name).unwrap();
+        video[at..at + 4].copy_from_slice(other);
+    }
     fs::write(here.join("video.mp4"), &video).unwrap();
     for (status, words, expected) in [
         (1, &["convert", "cut.mp4", "a.abp"][..], "box mdat of"),

@@ -1,7 +1,7 @@
 //! Files with data of a face or an encoder, without joints: of MPEG-4, and captures.
 
 use super::OpenOptions;
-use crate::clip_streams::{StreamKind, afp1, afp2, fba, mp4, stream_limits};
+use crate::clip_streams::{AccessUnitCount, StreamKind, afp1, afp2, fba, mp4, stream_limits};
 use crate::error::{Context, Error, Result};
 use articula_formats::live_link::{self, LiveLinkClip};
 use articula_formats::mpeg4::epf::EpfFrame;
@@ -158,7 +158,7 @@ pub fn open_data(
             let kind = StreamKind::of(bytes).filter(|kind| *kind == StreamKind::Afp2);
             let kind = kind.unwrap_or(StreamKind::Afp1);
             let clip = face_stream(bytes, name, kind, limits).context(name)?;
-            (Data::Fap(clip), Vec::new())
+            (Data::Fap(clip), partial(bytes, limits).context(name)?)
         }
         DataFormat::Fba => {
             let clip = face_stream(bytes, name, StreamKind::Fba, limits).context(name)?;
@@ -169,7 +169,9 @@ pub fn open_data(
             let no_face = || Error::unsuited("no track of the MP4 file is a stream of a face");
             let taken = taken.ok_or_else(no_face).context(name)?;
             let clip = face_stream(&taken.bytes, name, taken.kind, limits).context(name)?;
-            (Data::Fap(clip), taken.warnings())
+            let mut warnings = taken.warnings();
+            warnings.extend(partial(&taken.bytes, limits).context(name)?);
+            (Data::Fap(clip), warnings)
         }
         DataFormat::Epf => parts(epf::read(bytes, limits).context(name)?, Data::Epf),
         DataFormat::Fdp => parts(fdp::read(bytes, limits).context(name)?, Data::Fdp),
@@ -183,6 +185,15 @@ pub fn open_data(
         bytes: bytes.len(),
         warnings,
     })
+}
+
+/// The warning that access units of a stream are missing, if they are.
+fn partial(bytes: &[u8], limits: &Limits) -> Result<Vec<Warning>> {
+    let count = AccessUnitCount::in_stream(bytes, &stream_limits(limits))?;
+    Ok(count
+        .and_then(|count| count.warning())
+        .into_iter()
+        .collect())
 }
 
 /// Reads a stream of a face.

@@ -17,6 +17,8 @@ use articula::face::{
     FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
 };
 use articula::formats::Limits;
+use articula::stream::StreamLimits;
+use articula::stream::abp2::CarriedSkeleton;
 use articula::{CharacterFile, Data, DataFormat};
 use clap::ValueEnum;
 use std::path::Path;
@@ -131,7 +133,8 @@ impl Hero {
         if let Some(format) = format {
             return self.face(input, format, args).map(Some);
         }
-        let mut source = match open::motion_stream(&input.path)? {
+        let stream = open::motion_stream(&input.path)?;
+        let mut source = match stream.filter(|stream| self.decodes(&stream.bytes)) {
             Some(stream) => {
                 let name = files::shown(&input.path);
                 let read = self
@@ -162,6 +165,14 @@ impl Hero {
             report: MotionReport::Body(report),
             fitted,
         }))
+    }
+
+    /// Whether a motion stream is decoded onto the character: a stream of another one that carries its
+    /// own skeleton is opened like any other motion.
+    fn decodes(&self, stream: &[u8]) -> bool {
+        let limits = StreamLimits::default();
+        let is_alone = matches!(CarriedSkeleton::open(stream, &limits), Ok(Some(_)));
+        !is_alone || self.opened.is_of_motion(stream, &limits)
     }
 
     /// Reads a FAP file or a capture and transfers it to the character's face.

@@ -17,6 +17,7 @@ pub(super) struct StreamArgs {
     /// skin, or of feature points of an average face [default: 0.1]; tiers=N, of which leaving out the
     /// finest triples the error [default: 5, of a face 3]; group-by=loa, region or joint, what joints
     /// have in common that are cut together; order=tier or value, value for receivers that get a part;
+    /// skeleton=yes, so that the file opens without --onto, as a character without meshes;
     /// profile=abp1 or afp1, a stream of bones, or of parameters that can be cut one by one
     #[arg(long, value_name = "KEY=VALUE,…", value_parser = stream_settings)]
     stream: Option<StreamSettings>,
@@ -30,6 +31,7 @@ struct StreamSettings {
     tiers: Option<usize>,
     grouping: Option<Grouping>,
     order: Option<UnitOrder>,
+    skeleton: Option<bool>,
 }
 
 /// The first profile of streams, in place of the second.
@@ -58,8 +60,9 @@ fn stream_settings(text: &str) -> Result<StreamSettings, String> {
             "tiers" => to.tiers = Some(tiers(value)?),
             "group-by" => to.grouping = Some(word(value, GROUPS)?),
             "order" => to.order = Some(word(value, ORDERS)?),
+            "skeleton" => to.skeleton = Some(word(value, &[("yes", true), ("no", false)])?),
             "profile" => to.first = Some(word(value, PROFILES)?),
-            _ => return Ok(Some("tolerance-mm, tiers, group-by, order, profile")),
+            _ => return Ok(Some("tolerance-mm, tiers, group-by, order, skeleton, profile")),
         }
         Ok(None)
     })?;
@@ -100,7 +103,10 @@ impl StreamArgs {
             return Some("--stream profile=abp1");
         }
         let grouped = given.grouping.map(|_| "--stream group-by");
-        grouped.or_else(|| (!is_afp).then_some("--stream"))
+        let skeleton = given.skeleton.map(|_| "--stream skeleton");
+        grouped
+            .or(skeleton)
+            .or_else(|| (!is_afp).then_some("--stream"))
     }
 
     /// The options of the library, if any is chosen.
@@ -115,6 +121,7 @@ impl StreamArgs {
                 tiers: given.tiers.unwrap_or(plain.tiers),
                 grouping: given.grouping.unwrap_or(plain.grouping),
                 order: given.order.unwrap_or(plain.order),
+                skeleton: given.skeleton.unwrap_or(plain.skeleton),
                 ..plain
             }),
         })
