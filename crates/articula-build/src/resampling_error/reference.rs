@@ -149,21 +149,19 @@ impl Reference<'_> {
 
 /// A time between two frames.
 struct Frame {
+    /// The frame that steps show.
+    held: usize,
     before: usize,
     blend: f64,
 }
 
 impl Frame {
     fn new(clip: &Clip, secs: f64) -> Self {
-        let at = secs * f64::from(clip.rate_hz());
-        // A key that differs from a frame by rounding is that frame.
-        let at = if (at - at.round()).abs() < 1e-3 {
-            at.round()
-        } else {
-            at
-        };
-        let at = at.clamp(0.0, (clip.frames() - 1) as f64);
+        let last = (clip.frames() - 1) as f64;
+        let at = (secs * f64::from(clip.rate_hz())).clamp(0.0, last);
         Self {
+            // A key that differs from a frame by rounding is that frame.
+            held: (at + 1e-3).min(last) as usize,
             before: at as usize,
             blend: at.fract(),
         }
@@ -172,11 +170,11 @@ impl Frame {
     /// The value of a track, as a vector that the caller normalises where it is a rotation.
     fn value<T: Copy>(&self, track: &Track<T>, vector: impl Fn(T) -> DVec4) -> DVec4 {
         let last = track.values.len() - 1;
+        if track.step {
+            return vector(track.values[self.held.min(last)]);
+        }
         let before = vector(track.values[self.before.min(last)]);
         let after = vector(track.values[(self.before + 1).min(last)]);
-        if track.step || self.blend == 0.0 {
-            return before;
-        }
         before + (after - before) * self.blend
     }
 }

@@ -16,7 +16,9 @@ const FURTHER_RATES_HZ: [f32; 6] = [
 ];
 
 /// Grids on which key times are rounded by authoring programs and text files.
-const TIME_BASES_HZ: [f64; 17] = [
+const TIME_BASES_HZ: [f64; 18] = [
+    // All of 24, 25, 30, 60, 100, 120 and 150.
+    600.0,
     24.0,
     25.0,
     30.0,

@@ -1,6 +1,6 @@
 //! How far frames of a rate, blended as in playback, are from the keys of a clip.
 
-use super::{USUAL_RATES_HZ, exact_rate, frame_time, rising};
+use super::{ON_GRID_FRAMES, USUAL_RATES_HZ, exact_rate, frame_time, rising};
 use crate::split_mix::SplitMix;
 use articula_core::source::{
     Channel, Interpolation, JUMP_SECS, Property, RawClip, Skeleton, evaluate,
@@ -8,12 +8,14 @@ use articula_core::source::{
 use articula_core::{LocalPose, angle_between, nlerp, same_hemisphere};
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 
-/// Maximum displacement of skin, in metres, and of a joint's rotation against its parent.
-const SKIN_METRES: f32 = 1e-4;
-const TURN_RADIANS: f32 = 0.05 * std::f32::consts::PI / 180.0;
-/// Of weights of morph targets and expressions: a target that moves skin by 5 cm stays within
-/// [`SKIN_METRES`].
-const WEIGHT: f32 = 2e-3;
+/// Share of the stated bounds that the measured times may show: between them blends lag a little more.
+const SHARE: f32 = 0.7;
+/// Maximum displacement of skin, 0.1 mm, in figures beyond 2 m as a share of their extent, and of a joint's rotation against its parent, 0.05 degrees.
+const SKIN_METRES: f32 = SHARE * 1e-4;
+const EXTENT_SHARE: f32 = SHARE * 5e-5;
+const TURN_RADIANS: f32 = SHARE * 0.05 * std::f32::consts::PI / 180.0;
+/// Of weights of morph targets and expressions: a target that moves skin by 5 cm stays within 0.1 mm.
+const WEIGHT: f32 = SHARE * 2e-3;
 
 /// Least distance of a joint's farthest skin, as a share of the figure's extent: a head or a foot is
 /// larger than its bones.
@@ -23,7 +25,7 @@ const SKIN_SHARE: f32 = 0.15;
 const JUMP_HZ: f32 = 120.0;
 
 /// Number of random times, and the maximum number of others.
-const RANDOM_TIMES: usize = 128;
+const RANDOM_TIMES: usize = 512;
 const MAX_TIMES: usize = 8192;
 /// Number of times at which rates are compared of which none follows the clip.
 const FEW_TIMES: usize = 1024;
@@ -38,6 +40,7 @@ pub(super) struct Follower<'a> {
     skeleton: &'a Skeleton,
     /// Distance of the farthest skin of each joint, in its own space.
     reaches: Vec<f32>,
+    skin_metres: f32,
     /// Which channels change at once.
     jumps: Vec<bool>,
     jump_times: Vec<f32>,
@@ -71,6 +74,7 @@ impl<'a> Follower<'a> {
             clip,
             skeleton,
             reaches: reaches(skeleton),
+            skin_metres: SKIN_METRES.max(EXTENT_SHARE * extent(skeleton)),
             jumps: channels.map(|c| c.jump_times().next().is_some()).collect(),
             jump_times: rising(all_jumps.collect()),
             times: times(clip),
@@ -135,13 +139,13 @@ impl<'a> Follower<'a> {
     /// Blends the frames around a time into the shown pose; returns the deviation of weights.
     fn show(&mut self, time: f32, frames: Frames) -> f32 {
         let (before, after, blend) = frames.around(time);
+        let held = frames.held(time);
         let mut greatest: f32 = 0.0;
         for (channel, jumps) in self.clip.channels.iter().zip(&self.jumps) {
             let secs = |frame| frame_time(channel, *jumps, frames.time(frame), frames.rate_hz);
-            let (from, to) = (secs(before), secs(after));
-            let blend = match channel.interpolation {
-                Interpolation::Step => 0.0,
-                _ => blend,
+            let (from, to, blend) = match channel.interpolation {
+                Interpolation::Step => (secs(held), secs(held), 0.0),
+                _ => (secs(before), secs(after), blend),
             };
             let local = &mut self.shown.local;
             match channel.property {
@@ -187,7 +191,9 @@ impl<'a> Follower<'a> {
             let squares: f32 = axes.iter().map(|axis: &Vec3A| axis.length_squared()).sum();
             let moved =
                 (b.translation - a.translation).length() + (0.5 * squares).sqrt() * self.reaches[j];
-            greatest = greatest.max(turned / TURN_RADIANS).max(moved / SKIN_METRES);
+            greatest = greatest
+                .max(turned / TURN_RADIANS)
+                .max(moved / self.skin_metres);
         }
         greatest
     }
@@ -234,13 +240,16 @@ impl Frames {
     /// The frames before and after a time, and the blend factor between them.
     fn around(&self, time: f32) -> (usize, usize, f32) {
         let at = f64::from(time) * f64::from(self.rate_hz);
-        let near = at.round();
-        // A key that differs from a frame by rounding is that frame.
-        let at = if (at - near).abs() < 1e-3 { near } else { at };
         let at = at.clamp(0.0, self.steps as f64);
         let before = at as usize;
         let after = (before + 1).min(self.steps);
         (before, after, (at - before as f64) as f32)
+    }
+
+    /// The frame that steps show at a time: a key that differs from a frame by rounding is that frame.
+    fn held(&self, time: f32) -> usize {
+        let at = f64::from(time) * f64::from(self.rate_hz);
+        ((at + ON_GRID_FRAMES) as usize).min(self.steps)
     }
 }
 
@@ -270,6 +279,13 @@ fn times(clip: &RawClip) -> Vec<f32> {
     let secs = |_| clip.duration_secs * (random.below(steps) as f32 / steps as f32);
     times.extend((0..RANDOM_TIMES).map(secs));
     times
+}
+
+/// The figure's extent at rest, in metres: that of a root is in no other space.
+fn extent(skeleton: &Skeleton) -> f32 {
+    let joints = skeleton.joints.iter().zip(skeleton.local_extents());
+    let roots = joints.filter(|(joint, _)| joint.parent.is_none());
+    roots.map(|(_, extent)| extent).fold(0.0, f32::max)
 }
 
 /// Distance of the farthest skin of each joint in its own space: to its children, and at least a

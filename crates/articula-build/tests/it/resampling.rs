@@ -164,6 +164,7 @@ fn check(slide: &Keys, shoulder: &Keys, elbow: &Keys) -> Result<(), TestCaseErro
         .map(|t| f64::from(*t))
         .collect();
     keys.sort_by(f64::total_cmp);
+    keys.dedup();
     let middles: Vec<f64> = keys.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
     let end = f64::from(source.duration_secs);
     // Multiples of the golden section lie evenly and on no grid.
@@ -278,8 +279,8 @@ proptest! {
 
     #[test]
     fn keys_that_begin_late_are_followed(
-        (slide, shoulder, elbow) in prop::sample::select(&[1.0 / 30.0, 0.04, 0.1][..])
-            .prop_flat_map(|start| arm(ticks(12, 1), 24.0, start, Interpolation::Linear)),
+        (slide, shoulder, elbow) in prop::sample::select(&[(24.0, 1.0 / 30.0), (24.0, 0.1), (30.0, 0.04)][..])
+            .prop_flat_map(|(hz, start)| arm(ticks(12, 1), hz, start, Interpolation::Linear)),
     ) {
         let slow = |k: &Keys| Keys { values: k.values.iter().map(|v| 0.12 * v).collect(), ..k.clone() };
         check(&slide, &slow(&shoulder), &slow(&elbow))?;
@@ -296,6 +297,9 @@ proptest! {
     fn splines_are_followed(
         (slide, shoulder, elbow) in arm(ticks(5, 6), 10.0, 0.0, Interpolation::CubicSpline),
     ) {
+        // The shoulder sways by 2.4 cm.
+        let small = |all: &[f32]| all.iter().map(|v| 0.02 * v).collect();
+        let slide = Keys { values: small(&slide.values), slopes: small(&slide.slopes), ..slide };
         check(&slide, &shoulder, &elbow)?;
     }
 

@@ -128,15 +128,19 @@ fn two_keys_at_one_time_stay_a_jump() {
 }
 
 #[test]
-fn clips_that_begin_late_or_pause_are_within_a_tenth_of_a_millimetre() {
+fn clips_that_begin_late_or_pause_hit_all_of_their_keys() {
     let Some(data) = real_data() else { return };
-    // Keys 1/30 s late at 24 Hz, and keys at 24 Hz with one gap of 0.2 s.
-    for (name, clip) in [("mannequiny", "air_land_root.001"), ("Fox", "Run")] {
+    // Keys 1/30 s late at 24 Hz, and keys at 24 Hz with one gap of 0.2 s; the fox is 79 m tall.
+    let clips = [
+        ("mannequiny", "air_land_root.001", 0.1),
+        ("Fox", "Run", 4.0),
+    ];
+    for (name, clip, most_mm) in clips {
         let opened = fs::open(data.join(format!("glb/{name}.glb"))).unwrap();
         let figure = Figure::new(opened).unwrap();
         let all = figure.resampling();
         let found = all.iter().find(|c| c.clip == clip).unwrap();
-        assert!(found.resampling_mm < 0.1, "{found:?}");
+        assert!(found.resampling_mm < most_mm, "{found:?}");
         assert_eq!(found.rate_hz, Some(120.0), "the grid of all keys");
     }
 }
