@@ -71,6 +71,7 @@ mod motion_tables;
 mod open;
 mod prepare;
 mod prepared;
+mod resampling;
 mod work;
 
 pub use camera_path::read_camera_path;
@@ -95,6 +96,7 @@ pub use prepare::{
     check_prepared, prepare,
 };
 pub use prepared::{PartBytes, PreparedPart};
+pub use resampling::{ClipResampling, clip_resampling};
 pub use work::{Executor, Job, JobRunner, Step, StepCallback};
 
 pub use articula_build as build;

@@ -74,7 +74,8 @@ pub struct RetargetFigure<'a> {
 /// Options of retargeting a clip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RetargetOptions {
-    /// Frames per second of the result; `None` uses the rate of the source's keys.
+    /// Frames per second of the result; `None` chooses the rate that
+    /// [follows the source's keys](crate::sampling_rate_hz).
     pub rate_hz: Option<f32>,
     /// Ends of limbs that are pinned during their contacts.
     pub pinning: ContactPinning,

@@ -48,6 +48,7 @@ mod readme;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod real_files;
+mod resampling_oracle;
 mod retargeting;
 mod sizes;
 mod skinned_files;

@@ -54,6 +54,7 @@ pub use written::{write, write_data, write_faps};
 use crate::error::{Context, Error, Result};
 use crate::mesh_levels::{self, ShownLevelOptions, ShownLevels};
 use crate::open::{CharacterFile, Format, WriteSupport, choose, conversions};
+use crate::resampling::ClipResampling;
 use crate::work::Executor;
 use articula_build::JointScheme;
 use articula_core::face_levels::FaceLevels;
@@ -133,6 +134,9 @@ pub struct Converted {
     pub joint_scheme: Option<JointSchemeReport>,
     /// Report on the edits of each clip; empty if no edit was requested.
     pub edits: Vec<ClipEdited>,
+    /// Distance of the frames of each written clip from the keys of the file, or of the edited clip
+    /// before it was resampled.
+    pub resampling: Vec<ClipResampling>,
     /// Report on the joint reduction, if it was requested.
     pub reduction: Option<JointsReduced>,
 }
@@ -209,6 +213,8 @@ pub fn convert(
     if dropped > 0 && options.clip.is_none() {
         written.left_out.push(LossyPart::Clips(dropped));
     }
+    let resampling = written::resampling(&opened, format, options, &edits);
+    let resampling = resampling.with_context(|| &place)?;
     let clips = opened.character().clips.iter();
     Ok(Converted {
         written,
@@ -216,6 +222,7 @@ pub fn convert(
         mesh,
         joint_scheme,
         edits,
+        resampling,
         reduction,
     })
 }

@@ -5,7 +5,7 @@ use super::rig::{CaptureBridge, GENERIC_BRIDGE};
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
 use articula_build::face::{FapValues, arkit_shape};
-use articula_build::source_rate_hz;
+use articula_build::sampling_rate_hz;
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES};
 use articula_core::fap_table::{ANGLE_UNIT, FAP_COUNT, LOW_FAP_COUNT, LOW_FAPS};
 use articula_core::source::{Channel, Character, Property, RawClip, evaluate};
@@ -201,7 +201,7 @@ fn tracks<'a>(own: &Character, clip: &'a RawClip) -> Vec<(&'a Channel, Vec<Optio
 }
 
 /// Samples the blend shapes of a clip of a character: morph targets and expressions with their
-/// names, at the rate of its keys.
+/// names, at a rate that follows its keys.
 ///
 /// # Errors
 /// [`Error::Unsupported`] that names the file, if the clip drives none.
@@ -214,7 +214,8 @@ pub fn capture_of_clip(character: &CharacterFile, clip: &RawClip) -> Result<Live
         );
         return Err(Error::unsuited(what)).context(character.name());
     }
-    let rate_hz = f64::from(source_rate_hz(clip));
+    let skeleton = &character.character().skeleton;
+    let rate_hz = f64::from(sampling_rate_hz(clip, skeleton));
     let count = (f64::from(clip.duration_secs) * rate_hz).round() as usize + 1;
     let mut capture = LiveLinkClip {
         rate_hz,

@@ -35,6 +35,7 @@ use crate::error::Result;
 use crate::face::FaceLayout;
 use crate::figure::Figure;
 use crate::motion_tables::StoredTables;
+use crate::resampling::ClipResampling;
 use crate::work::Executor;
 use articula_build::joint_names::{
     DoubtReason, JointDoubt, MappingConfidence, MappingEvidence, UnmappedReason,
@@ -181,6 +182,11 @@ pub struct ClipInspection {
     pub fps: f32,
     /// Number of frames at that rate.
     pub frames: usize,
+    /// Rate of the clip that is played and streamed, in frames per second.
+    pub rate_hz: f32,
+    /// Greatest displacement of the skin of that clip from the keys of the file in millimetres; of
+    /// joints where there is no mesh.
+    pub resampling_mm: f64,
     /// Number of joints of the skeletons that move; of all nodes if there is no skeleton.
     pub joints_animated: usize,
     /// Number of these joints with keys, moving or not.
@@ -434,11 +440,14 @@ fn clip_of(
     let listed = figure.asset.rig.skin_joints();
     let is_listed = |joint: usize| listed.is_empty() || listed.contains(joint);
     let fps = source_rate_hz(source);
+    let resampling = figure.resampling_of(index);
     ClipInspection {
         name: source.name.clone(),
         duration_secs: source.duration_secs,
         fps,
         frames: (source.duration_secs * fps).round() as usize + 1,
+        rate_hz: built.rate_hz(),
+        resampling_mm: resampling.resampling_mm,
         joints_animated: moving
             .iter()
             .filter(|j| is_listed(usize::from(**j)))
@@ -534,6 +543,16 @@ fn oddities(found: &Inspection, figure: &Figure) -> Vec<WarningInspection> {
                 skeleton.joints, skeleton.root
             );
             say("skeletons", what);
+        }
+    }
+    for clip in &found.clips {
+        let resampling = ClipResampling {
+            clip: clip.name.clone(),
+            rate_hz: Some(clip.rate_hz),
+            resampling_mm: clip.resampling_mm,
+        };
+        if let Some(what) = resampling.warning() {
+            say("clips", what);
         }
     }
     let mut told = figure.opened.warnings().iter();

@@ -26,6 +26,7 @@ mod faces;
 mod items;
 mod joint_schemes;
 mod kept_faces;
+mod keys;
 mod mesh_levels;
 mod mp4;
 mod prepared;

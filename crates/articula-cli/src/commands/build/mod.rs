@@ -17,8 +17,8 @@ use arguments::MeshLevelArgs;
 use articula::convert::ClipProvenance;
 use articula::stream::abp2::MotionOptions;
 use articula::{
-    AddClipsOptions, CharacterFile, ClipTables, CodedMeshLevels, Format, MeshLevelBytes,
-    MeshLevelRow, PartBytes, PrepareOptions, PreparedAsset, PreparedPart, prepare,
+    AddClipsOptions, CharacterFile, ClipResampling, ClipTables, CodedMeshLevels, Format,
+    MeshLevelBytes, MeshLevelRow, PartBytes, PrepareOptions, PreparedAsset, PreparedPart, prepare,
 };
 use clap::Args;
 use compact::CompactClip;
@@ -87,6 +87,8 @@ struct BuildReport {
     #[serde(skip)]
     measured: String,
     mesh_stream: Option<String>,
+    /// Distance of the frames of each clip from the keys of its file.
+    resampling: Vec<ClipResampling>,
     warnings: Vec<String>,
 }
 
@@ -234,6 +236,7 @@ impl BuildReport {
             })
         };
         let clips = built.tables.iter().enumerate().map(clip);
+        let resampling = figure.resampling();
         Ok(Self {
             input: figure.opened.name().to_owned(),
             out: files::shown(out),
@@ -256,9 +259,11 @@ impl BuildReport {
             warnings: {
                 let of_levels = made.map(|l| l.warnings.clone()).unwrap_or_default();
                 let mut warnings = open::warnings(figure.opened.warnings());
+                warnings.extend(resampling.iter().filter_map(ClipResampling::warning));
                 warnings.extend(of_levels);
                 warnings
             },
+            resampling,
         })
     }
 

@@ -8,10 +8,10 @@ use super::{capture, face_level, face_shapes, hygiene, joint_scheme, stream};
 use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
-use articula::ShownLevelsReport;
 use articula::clip_streams::abp2::TierReport;
 use articula::convert::{ClipEdited, JointSchemeReport, LossyPart, TransferReport};
 use articula::face::{CaptureReport, FaceLevelReport, FaceShapes, FaceTableTargets, FaceTransfer};
+use articula::{ClipResampling, ShownLevelsReport};
 use serde::Serialize;
 use std::path::Path;
 
@@ -46,6 +46,8 @@ pub(super) struct ConvertReport {
     pub(super) joint_scheme: Option<JointSchemeReport>,
     /// Edits of each clip; empty if none were asked for.
     pub(super) edits: Vec<ClipEdited>,
+    /// Distance of the frames of each written clip from the keys of its file.
+    pub(super) resampling: Vec<ClipResampling>,
     pub(super) reduction: Option<Reduction>,
     /// The mesh levels that were written, if any were asked for.
     pub(super) mesh: Option<ShownLevelsReport>,

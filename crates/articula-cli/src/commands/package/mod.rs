@@ -7,9 +7,9 @@ use crate::arguments::ReadArgs;
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
-use articula::Data;
 use articula::formats::Limits;
 use articula::item::{CarriedFile, FaceMotion, MANIFEST, PackageOptions, documents, package};
+use articula::{Data, clip_resampling};
 use clap::Args;
 use report::ItemReport;
 use std::path::{Path, PathBuf};
@@ -56,11 +56,16 @@ pub(crate) fn run(args: &PackageArgs, console: &Console) -> anyhow::Result<()> {
     let options = args.options()?;
     let opened = open::character(&console.files, &args.file, &args.names)?;
     let bytes_in = opened.bytes() as u64;
+    let mut resampling = clip_resampling(opened.character())?;
+    if !options.clips.is_empty() {
+        resampling.retain(|clip| options.clips.contains(&clip.clip));
+    }
     let item = console.work(|work| package(opened, &options, work))?;
     let written = item.files().into_iter().chain(documents(&item)?);
     files::write_folder(&console.files, &args.item, written)?;
     let report = ItemReport {
         bytes_in: Some(bytes_in),
+        resampling,
         ..ItemReport::new(files::shown(&args.item), &item)
     };
     console.result(&report, ItemReport::text)

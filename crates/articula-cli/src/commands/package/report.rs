@@ -2,6 +2,7 @@
 
 use crate::fault::clean;
 use crate::table::{Table, warnings};
+use articula::ClipResampling;
 use articula::item::{Item, ItemLayer, ItemPart, Manifest, PartKind};
 use serde::Serialize;
 
@@ -15,6 +16,9 @@ pub(crate) struct ItemReport {
     /// Size of the file that was packaged, in bytes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) bytes_in: Option<u64>,
+    /// Distance of the frames of each packaged clip from the keys of its file.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) resampling: Vec<ClipResampling>,
     /// Bytes of all files, without manifest and unit indices.
     pub(crate) bytes: u64,
     /// Bytes of the unit indices.
@@ -29,6 +33,7 @@ impl ItemReport {
             file,
             format: "item",
             bytes_in: None,
+            resampling: Vec::new(),
             bytes: item.bytes(),
             bytes_index: item.index_bytes(),
             manifest: item.manifest.clone(),
@@ -58,7 +63,9 @@ impl ItemReport {
             text.push_str(&layers(part));
         }
         text.push_str(&others(manifest));
-        text.push_str(&warnings(&manifest.warnings));
+        let resampled = self.resampling.iter().filter_map(ClipResampling::warning);
+        let all: Vec<String> = manifest.warnings.iter().cloned().chain(resampled).collect();
+        text.push_str(&warnings(&all));
         text
     }
 }
