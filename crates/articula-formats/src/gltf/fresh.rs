@@ -3,6 +3,7 @@
 use super::append::{Use, float_bytes, push, set, short, shorts};
 use super::document::Document;
 use super::geometry::add_primitive;
+use super::texture_source::is_texture_type;
 use crate::uri::mime_type;
 use crate::written::WriteError;
 use articula_core::Transform;
@@ -238,13 +239,13 @@ impl Document {
     /// type.
     fn add_image(&mut self, image: &Image) -> Option<usize> {
         let mime = mime_type(&image.mime_type, &image.bytes);
-        if image.bytes.is_empty() || !matches!(mime.as_str(), "image/png" | "image/jpeg") {
+        if image.bytes.is_empty() || !is_texture_type(&mime) {
             return None;
         }
         let view = self.add_buffer_view(&image.bytes);
         let value = json!({"name": image.name, "mimeType": mime, "bufferView": view});
-        let source = push(&mut self.json, "images", value);
-        Some(push(&mut self.json, "textures", json!({"source": source})))
+        let picture = push(&mut self.json, "images", value);
+        Some(self.add_texture(picture, &mime))
     }
 }
 

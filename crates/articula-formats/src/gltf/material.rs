@@ -5,6 +5,7 @@
 use super::place::Place;
 use super::reader::Reader;
 use super::texcoord::Texcoords;
+use super::texture_source::sources;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use crate::uri::mime_type;
@@ -26,7 +27,7 @@ pub(super) fn read_all(reader: &mut Reader<'_>) -> Result<GltfMaterials, ReadErr
     let mut materials = Vec::new();
     let mut texcoords = Vec::new();
     for place in reader.root.entries("materials")? {
-        let (material, wanted) = read_material(reader, &place, images.len())?;
+        let (material, wanted) = read_material(reader, &place, &images)?;
         materials.push(material);
         texcoords.push(wanted);
     }
@@ -40,7 +41,7 @@ pub(super) fn read_all(reader: &mut Reader<'_>) -> Result<GltfMaterials, ReadErr
 fn read_material(
     reader: &mut Reader<'_>,
     place: &Place<'_>,
-    images: usize,
+    images: &[Image],
 ) -> Result<(Material, Texcoords), ReadError> {
     let metallic = place.get("pbrMetallicRoughness");
     let glossy = place.dig(&["extensions", "KHR_materials_pbrSpecularGlossiness"]);
@@ -79,18 +80,26 @@ fn alpha_cutoff(place: &Place<'_>) -> Result<f32, ReadError> {
         .map_or(Ok(0.5), |cutoff| cutoff.float())
 }
 
-/// Returns the picture of a texture, in a format that every viewer reads.
+/// Returns the picture of a texture: the first of PNG, JPEG or WebP, else the first of any format.
 fn texture_image(
     reader: &mut Reader<'_>,
     info: &Place<'_>,
-    images: usize,
+    images: &[Image],
 ) -> Result<Option<usize>, ReadError> {
     let texture = reader.root.entry_of("textures", info, "index")?;
-    let image = texture.index("source", images)?;
+    let own = texture.index("source", images.len())?;
+    let named = || sources(texture.value()).filter(|source| *source < images.len());
+    let shown = named().find(|i| is_shown(&images[*i].mime_type));
+    let image = shown.or(own).or_else(|| named().next());
     if image.is_none() {
-        reader.warn(&texture, "the image is not PNG or JPEG; shown without it");
+        reader.warn(&texture, "it names no picture; shown without it");
     }
     Ok(image)
+}
+
+/// Whether a picture of a media type can be decoded; one of an unknown type may be.
+fn is_shown(mime: &str) -> bool {
+    matches!(mime, "image/png" | "image/jpeg" | "image/webp" | "")
 }
 
 fn read_images(reader: &mut Reader<'_>) -> Result<Vec<Image>, ReadError> {

@@ -43,7 +43,7 @@ use articula_build::source_rate_hz;
 use articula_core::loa::MAX_LEVEL;
 use articula_core::source;
 use articula_core::{Articulation, JointSet, Region};
-use articula_flat::Appearance;
+use articula_flat::{Appearance, Picture};
 use articula_formats::Assumption;
 use extent::Measure;
 use serde::Serialize;
@@ -507,7 +507,10 @@ fn warnings_of(figure: &Figure) -> Vec<WarningInspection> {
         what: w.what.clone(),
     });
     let (_, broken) = Appearance::new(&character.materials, &character.images);
-    let pictures = broken.into_iter().map(|fault| WarningInspection {
+    // The reader has warned of those of an unknown format.
+    let is_known = |image: usize| Picture::is_known_format(&character.images[image].bytes);
+    let broken = broken.into_iter().filter(|fault| is_known(fault.image));
+    let pictures = broken.map(|fault| WarningInspection {
         at: format!("images[{}]", fault.image),
         what: format!("the surface is shown in its plain colour: {}", fault.what),
     });

@@ -16,6 +16,7 @@ mod motion;
 mod motion_stream;
 mod mp4;
 mod options;
+mod pictures;
 mod size;
 mod x3d;
 
@@ -90,6 +91,8 @@ pub fn open(
         beside,
     };
     let mut opened = format.opener()(&mut input).context(name)?;
+    let unknown = pictures::of_unknown_format(&opened);
+    opened.warnings.extend(unknown);
     if options.unit_metres.is_none() {
         let unusual = size::unusual(&opened);
         opened.warnings.extend(unusual);
