@@ -16,6 +16,7 @@ mod motion;
 mod motion_stream;
 mod mp4;
 mod options;
+mod partial_skin;
 mod pictures;
 mod size;
 mod x3d;

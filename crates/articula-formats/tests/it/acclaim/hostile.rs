@@ -98,23 +98,6 @@ fn every_fault_of_a_motion_names_its_line() {
             "amc line 6: the skeleton has no bone \"tail\"; use the .asf",
         ),
         (
-            "thigh 0 0 0",
-            "thigh 0 0",
-            "amc line 6: 2 values of \"thigh\" found, 3 expected",
-        ),
-        ("thigh 0 0 0", "thigh 0 0 0 0", "amc line 6: 4 values"),
-        (
-            "thigh 0 0 0",
-            "joint 0",
-            "amc line 6: 1 values of \"joint\" found, 0 expected",
-        ),
-        ("thigh 0 0 0", "thigh 0 NaN 0", "amc line 6: \"NaN\" found"),
-        (
-            "thigh 0 0 0",
-            "root 0 0 0 0 0 0",
-            "amc line 6: \"root\" occurs twice",
-        ),
-        (
             "\n1\n",
             "\n",
             "amc line 4: values of a bone found, the number of the first frame",
@@ -180,6 +163,30 @@ fn oddities_are_read_with_a_warning() {
             Some("amc line 2: the frame numbers are not consecutive"),
         ),
         ("dof rx\n", "dof rx\n", Some(":DEGREES\n"), Some("no frame")),
+        (
+            "dof rx\n",
+            "dof rx\n",
+            Some("1\nroot 0 7 0 0 0 0\nthigh 0 0\nshin 0\n"),
+            Some("amc line 3: 2 values of \"thigh\" found, 3 expected (its degrees of freedom"),
+        ),
+        (
+            "dof rx\n",
+            "dof rx\n",
+            Some("1\nroot 0 7 0 0 0 0\njoint 0\nshin 0\n"),
+            Some("amc line 3: 1 values of \"joint\" found, 0 expected"),
+        ),
+        (
+            "dof rx\n",
+            "dof rx\n",
+            Some("1\nroot 0 7 0 0 0 0\nshin 0\nroot 0 7 0 0 0 0\n"),
+            Some("amc line 4: \"root\" occurs twice in one frame; the row is left out"),
+        ),
+        (
+            "dof rx\n",
+            "dof rx\n",
+            Some("1\nroot 0 7 0 0 0 NaN\nshin 0\n"),
+            Some("amc line 2: \"NaN\" found, a number expected; the value of the row before"),
+        ),
     ];
     for (from, to, amc, wanted) in cases {
         let read = plain(&ASF.replacen(from, to, 1), amc).unwrap();

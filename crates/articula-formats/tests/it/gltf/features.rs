@@ -545,6 +545,6 @@ fn base64_of_a_buffer_may_be_broken_into_lines() {
         let uri = format!("data:;base64,{}{line_end}", lines.join(line_end));
         tiny.json["buffers"] = json!([{"byteLength": tiny.bytes.len(), "uri": uri}]);
         let text = tiny.json.to_string();
-        assert_eq!(super::tiny::read(text.as_bytes()).unwrap().value.character, expected);
+        assert_eq!(read(text.as_bytes()).unwrap().value.character, expected);
     }
 }
