@@ -74,6 +74,10 @@ pub(crate) struct ReadArgs {
     /// Value of a FAP or BAP parameter in frames whose mask leaves it out [default: hold]
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(crate) absent: Option<LeftOut>,
+    /// Leave out the first frame of each clip of a motion; captures often begin with one of the rest
+    /// pose
+    #[arg(long)]
+    pub(crate) skip_first_frame: bool,
 }
 
 impl ReadArgs {
@@ -90,6 +94,7 @@ impl ReadArgs {
             || self.up.is_some()
             || self.amc_rate_hz.is_some()
             || self.absent.is_some()
+            || self.skip_first_frame
     }
 
     /// Up axis of a file that does not state it.

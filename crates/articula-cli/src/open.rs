@@ -27,6 +27,15 @@ pub(crate) fn character(
     Ok(files.open(path, &options(args)?)?)
 }
 
+/// Opens a character whose clips are what it is read for.
+pub(crate) fn motion(files: &Files, path: &Path, args: &ReadArgs) -> anyhow::Result<CharacterFile> {
+    let mut opened = character(files, path, args)?;
+    if args.skip_first_frame {
+        opened.skip_first_frames()?;
+    }
+    Ok(opened)
+}
+
 /// A stream that was read.
 pub(crate) struct Stream {
     /// Which one it is, by how it begins.
@@ -120,7 +129,7 @@ pub(crate) fn tracks(path: &Path) -> anyhow::Result<Vec<TrackInspection>> {
 
 /// Opens a character, leaves out unwanted meshes and builds the figure.
 pub(crate) fn figure(files: &Files, args: &CharacterArgs) -> anyhow::Result<Figure> {
-    let mut opened = character(files, &args.file, &args.names)?;
+    let mut opened = motion(files, &args.file, &args.names)?;
     opened.keep_meshes(&args.only, &args.hide)?;
     Ok(Figure::new(opened)?)
 }
@@ -174,6 +183,9 @@ pub(crate) fn advised(warning: &Warning) -> String {
         Some(Assumption::UpAxis) => "--up y or --up z",
         Some(Assumption::Rate) => "--amc-rate-hz HZ",
         Some(Assumption::Skeleton) => "--skeleton F.asf",
+        Some(Assumption::FirstFrame) => {
+            return format!("{}; --skip-first-frame leaves it out", warning.what);
+        }
     };
     format!("{}; give {flag} if that is wrong", warning.what)
 }

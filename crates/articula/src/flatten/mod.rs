@@ -8,6 +8,7 @@ mod framed;
 mod head;
 mod judged;
 mod live;
+mod surfaces;
 
 pub use framed::{FramedCharacter, FramedParts, Shot, TriangleCount};
 pub use head::FramedHead;
@@ -15,6 +16,8 @@ pub use judged::{
     DETAIL_DELTA_E, FACE_DELTA_E, REST_DELTA_E, RegionWeights, TriedTriangles, bound_delta_e,
     excess,
 };
+
+pub use surfaces::surfaces_shown_otherwise;
 
 use crate::error::{Context, Result};
 use crate::work::Executor;

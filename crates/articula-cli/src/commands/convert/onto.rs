@@ -16,7 +16,7 @@ use articula::convert::{
 use articula::face::{
     FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
 };
-use articula::formats::Limits;
+use articula::formats::{Assumption, Limits, Warning};
 use articula::{CharacterFile, Data, DataFormat};
 use clap::ValueEnum;
 use std::path::Path;
@@ -129,7 +129,7 @@ impl Hero {
             }
             None => open::character(files, &input.path, &args.names)?,
         };
-        if args.skip_first_frame {
+        if args.names.skip_first_frame {
             source.skip_first_frames()?;
         }
         if input.found && source.character().clips.is_empty() {
@@ -137,7 +137,11 @@ impl Hero {
         }
         let fitted = fit_clips(&source, &self.opened, &self.options)?;
         let report = TransferReport::new(&source, &self.opened, &fitted);
-        let warnings = open::warnings(source.warnings());
+        // The findings of a transfer tell of a first frame too.
+        let is_judged = fitted.iter().any(|f| f.fit.retargeted.is_some());
+        let is_new = |w: &&Warning| !is_judged || w.guess != Some(Assumption::FirstFrame);
+        let told: Vec<Warning> = source.warnings().iter().filter(is_new).cloned().collect();
+        let warnings = open::warnings(&told);
         let warnings = warnings
             .into_iter()
             .map(|w| format!("{}: {w}", source.name()));
@@ -162,7 +166,7 @@ impl Hero {
         let name = files::shown(&input.path);
         let FittedFace { fitted, report } = match read.data {
             Data::Fap(mut clip) => {
-                if args.skip_first_frame && clip.frames.len() > 1 {
+                if args.names.skip_first_frame && clip.frames.len() > 1 {
                     clip.frames.remove(0);
                 }
                 let (clip, level) = face_level::applied(clip, args, expand_face);
@@ -171,7 +175,7 @@ impl Hero {
                 fitted
             }
             Data::LiveLink(mut capture) => {
-                if args.skip_first_frame && capture.frames.len() > 1 {
+                if args.names.skip_first_frame && capture.frames.len() > 1 {
                     capture.skip_first_frame();
                 }
                 fit_capture(&capture, &name, &self.opened)?

@@ -20,7 +20,9 @@ use articula::flat::planar::Shading;
 use articula::flat::planar::SplitOptions;
 use articula::flat::vector::player::PlayerOutput;
 use articula::flat::vector::{ThesisForm, ThesisSvgOptions};
-use articula::flatten::{FramedCharacter, Shot, TriangleCount, flatten_driven, flatten_within};
+use articula::flatten::{
+    FramedCharacter, Shot, TriangleCount, flatten_driven, flatten_within, surfaces_shown_otherwise,
+};
 use report::{FlattenReport, Made};
 
 /// Converts, or runs a subcommand.
@@ -61,7 +63,11 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         size_px: args.shot.size,
         max_bytes: settings.max_bytes,
     };
-    let report = FlattenReport::new(files::shown(args.out()), &flat, made);
+    let mut report = FlattenReport::new(files::shown(args.out()), &flat, made);
+    report
+        .warnings
+        .extend(open::warnings(figure.opened.warnings()));
+    report.warnings.extend(surfaces_shown_otherwise(&figure));
     console.result(&report, FlattenReport::text)
 }
 

@@ -55,8 +55,9 @@ pub(crate) fn run(args: &PackageArgs, console: &Console) -> anyhow::Result<()> {
     let outputs = args.item.is_dir().then_some(manifest.as_path());
     console.files.plan(args.inputs(), outputs)?;
     let options = args.options()?;
-    let opened = open::character(&console.files, &args.file, &args.names)?;
+    let opened = open::motion(&console.files, &args.file, &args.names)?;
     let bytes_in = opened.bytes() as u64;
+    let warnings = open::warnings(opened.warnings());
     let item = console.work(|work| package(opened, &options, work))?;
     let written: Vec<(PathBuf, Vec<u8>)> = item
         .files()
@@ -74,6 +75,7 @@ pub(crate) fn run(args: &PackageArgs, console: &Console) -> anyhow::Result<()> {
     console.files.write_all(&written)?;
     let report = ItemReport {
         bytes_in: Some(bytes_in),
+        warnings,
         ..ItemReport::new(files::shown(&args.item), &item)
     };
     console.result(&report, ItemReport::text)

@@ -19,6 +19,9 @@ pub(crate) struct ItemReport {
     pub(crate) bytes: u64,
     /// Bytes of the unit indices.
     pub(crate) bytes_index: u64,
+    /// Warnings about the file that was packaged.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) warnings: Vec<String>,
     /// The manifest.
     pub(crate) manifest: Manifest,
 }
@@ -31,6 +34,7 @@ impl ItemReport {
             bytes_in: None,
             bytes: item.bytes(),
             bytes_index: item.index_bytes(),
+            warnings: Vec::new(),
             manifest: item.manifest.clone(),
         }
     }
@@ -58,7 +62,7 @@ impl ItemReport {
             text.push_str(&layers(part));
         }
         text.push_str(&others(manifest));
-        for warning in &manifest.warnings {
+        for warning in self.warnings.iter().chain(&manifest.warnings) {
             text.push_str(&format!("warning: {}\n", clean(warning)));
         }
         text
