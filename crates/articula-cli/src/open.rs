@@ -127,11 +127,16 @@ pub(crate) fn tracks(path: &Path) -> anyhow::Result<Vec<TrackInspection>> {
     Ok(inspect_mp4(&bytes, &files::shown(path), &limits)?)
 }
 
-/// Opens a character, leaves out unwanted meshes and builds the figure.
-pub(crate) fn figure(files: &Files, args: &CharacterArgs) -> anyhow::Result<Figure> {
+/// Opens a character and leaves out unwanted meshes.
+pub(crate) fn kept(files: &Files, args: &CharacterArgs) -> anyhow::Result<CharacterFile> {
     let mut opened = motion(files, &args.file, &args.names)?;
     opened.keep_meshes(&args.only, &args.hide)?;
-    Ok(Figure::new(opened)?)
+    Ok(opened)
+}
+
+/// Opens a character, leaves out unwanted meshes and builds the figure.
+pub(crate) fn figure(files: &Files, args: &CharacterArgs) -> anyhow::Result<Figure> {
+    Ok(Figure::new(kept(files, args)?)?)
 }
 
 /// Opens a file that holds data without a character.

@@ -7,6 +7,7 @@ mod data;
 mod extent;
 mod human;
 mod joint_levels;
+mod listed;
 mod mesh_levels;
 mod motion_stream;
 mod mp4;
@@ -26,6 +27,7 @@ pub use human::{
 pub use joint_levels::{
     FAR_FROM_METRES, JointLevelError, JointLevelInspection, JointLevelsInspection, joint_levels,
 };
+pub use listed::{has_too_many_joints, inspect_listed};
 pub use mesh_levels::{CoarserMesh, MeshLevelInspection, MeshLevelsInspection};
 pub use motion_stream::{MotionStreamInspection, StreamGroup, StreamTier, inspect_motion_stream};
 pub use mp4::{TrackInspection, inspect_mp4};
