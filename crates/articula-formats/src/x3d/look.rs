@@ -120,7 +120,7 @@ impl<'r, 'f> Looks<'r, 'f> {
                 self.emissive(reader, own, &mut material)?;
             }
             let mode = reader.text(id, "alphaMode");
-            match mode.as_deref().map(str::trim) {
+            match mode.map(str::trim) {
                 Some("MASK") => {
                     material.alpha_cutoff = reader.number(id, "alphaCutoff", 0.5)? as f32;
                 }
@@ -308,11 +308,11 @@ fn wrap(reader: &Reader<'_>, texture: NodeId) -> [TextureWrap; 2] {
         let mode = properties.and_then(|p| reader.text(p, mode));
         let repeat = reader.text(texture, repeat);
         let clamps = |text: &str| text.trim().eq_ignore_ascii_case("false");
-        match mode.as_deref().map(str::trim) {
+        match mode.map(str::trim) {
             Some("MIRRORED_REPEAT") => TextureWrap::Mirror,
             Some("REPEAT") => TextureWrap::Repeat,
             Some(_) => TextureWrap::Clamp,
-            None if repeat.as_deref().is_some_and(clamps) => TextureWrap::Clamp,
+            None if repeat.is_some_and(clamps) => TextureWrap::Clamp,
             None => TextureWrap::Repeat,
         }
     })

@@ -28,10 +28,10 @@ pub(super) fn mark_figure(character: &mut Character) {
     }
     let mut whole = character.skeleton.clone();
     let tops = tops(&whole, &counts);
-    for index in 0..whole.joints.len() {
+    for (index, is_top) in tops.into_iter().enumerate() {
         let parent = whole.joints[index].parent;
         let is_below = parent.is_some_and(|p| whole.joints[p].in_skin);
-        whole.joints[index].in_skin |= is_below || tops[index];
+        whole.joints[index].in_skin |= is_below || is_top;
     }
     if is_human(&whole) {
         character.skeleton = whole;
