@@ -42,7 +42,8 @@ pub(crate) struct ReadArgs {
     pub(crate) joint_map: Vec<PathBuf>,
     /// What files do not state, instead of a guess: unit-metres=M, the length of one unit; up=y or
     /// up=z, of BVH, ASF and BVA; skeleton=F.asf and amc-rate-hz=HZ, of an AMC motion; absent=hold or
-    /// absent=zero, a FAP or BAP parameter in frames whose mask leaves it out
+    /// absent=zero, a FAP or BAP parameter in frames whose mask leaves it out; first-frame=skip leaves
+    /// out the first frame of each clip, with which captures often show the rest pose
     #[arg(long, value_name = "KEY=VALUE,…", value_parser = read_settings)]
     pub(crate) read: Option<ReadSettings>,
 }
@@ -60,12 +61,15 @@ pub(crate) struct ReadSettings {
     pub(crate) amc_rate_hz: Option<f32>,
     /// Value of a FAP or BAP parameter in frames whose mask leaves it out.
     pub(crate) absent: AbsentPolicy,
+    /// Whether the first frame of each clip is left out.
+    pub(crate) skip_first_frame: bool,
 }
 
 fn read_settings(text: &str) -> Result<ReadSettings, String> {
     const UP: &[(&str, UpAxis)] = &[("y", UpAxis::Y), ("z", UpAxis::Z)];
     const ABSENT: &[(&str, AbsentPolicy)] =
         &[("hold", AbsentPolicy::Hold), ("zero", AbsentPolicy::Zero)];
+    const FIRST: &[(&str, bool)] = &[("keep", false), ("skip", true)];
     settings(text, |to: &mut ReadSettings, key, value| {
         match key {
             "unit-metres" => to.unit_metres = Some(positive(value)?),
@@ -73,7 +77,12 @@ fn read_settings(text: &str) -> Result<ReadSettings, String> {
             "skeleton" => to.skeleton = Some(file(value)?),
             "amc-rate-hz" => to.amc_rate_hz = Some(positive(value)?),
             "absent" => to.absent = word(value, ABSENT)?,
-            _ => return Ok(Some("unit-metres, up, skeleton, amc-rate-hz, absent")),
+            "first-frame" => to.skip_first_frame = word(value, FIRST)?,
+            _ => {
+                return Ok(Some(
+                    "unit-metres, up, skeleton, amc-rate-hz, absent, first-frame",
+                ));
+            }
         }
         Ok(None)
     })
@@ -241,6 +250,7 @@ mod tests {
             skeleton: Some("a=b.asf".into()),
             amc_rate_hz: None,
             absent: AbsentPolicy::Zero,
+            skip_first_frame: false,
         };
         assert_eq!(read, expected);
         for (bad, mend) in [

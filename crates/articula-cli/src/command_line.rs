@@ -62,7 +62,7 @@ pub(crate) enum Command {
     /// Prepare an asset: store articulation, motion tables and mesh levels in a GLB
     Build(build::BuildArgs),
     /// Play a clip under motion level of detail; report the updates saved and the error in pixels
-    Lod(lod::LodArgs),
+    Lod(Box<lod::LodArgs>),
     /// Simulate a crowd of one character; report frame time, memory and error in pixels
     Crowd(crowd::CrowdArgs),
     /// Convert an animated character to 2D: animated SVG, Lottie, talking portrait, still picture

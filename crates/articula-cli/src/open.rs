@@ -27,6 +27,15 @@ pub(crate) fn character(
     Ok(files.open(path, &options(args)?)?)
 }
 
+/// Opens a character whose clips are what it is read for.
+pub(crate) fn motion(files: &Files, path: &Path, args: &ReadArgs) -> anyhow::Result<CharacterFile> {
+    let mut opened = character(files, path, args)?;
+    if args.settings().skip_first_frame {
+        opened.skip_first_frames()?;
+    }
+    Ok(opened)
+}
+
 /// A stream that was read.
 pub(crate) struct Stream {
     /// Which one it is, by how it begins.
@@ -118,11 +127,16 @@ pub(crate) fn tracks(path: &Path) -> anyhow::Result<Vec<TrackInspection>> {
     Ok(inspect_mp4(&bytes, &files::shown(path), &limits)?)
 }
 
+/// Opens a character and leaves out unwanted meshes.
+pub(crate) fn kept(files: &Files, args: &CharacterArgs) -> anyhow::Result<CharacterFile> {
+    let mut opened = motion(files, &args.file, &args.names)?;
+    opened.keep_meshes(&args.only, &args.hide)?;
+    Ok(opened)
+}
+
 /// Opens a character, leaves out unwanted meshes and builds the figure.
 pub(crate) fn figure(files: &Files, args: &CharacterArgs) -> anyhow::Result<Figure> {
-    let mut opened = character(files, &args.file, &args.names)?;
-    opened.keep_meshes(&args.only, &args.hide)?;
-    Ok(Figure::new(opened)?)
+    Ok(Figure::new(kept(files, args)?)?)
 }
 
 /// Opens a file that holds data without a character.
@@ -175,6 +189,9 @@ pub(crate) fn advised(warning: &Warning) -> String {
         Some(Assumption::UpAxis) => "--read up=y or up=z",
         Some(Assumption::Rate) => "--read amc-rate-hz=HZ",
         Some(Assumption::Skeleton) => "--read skeleton=F.asf",
+        Some(Assumption::FirstFrame) => {
+            return format!("{}; --read first-frame=skip leaves it out", warning.what);
+        }
     };
     format!("{}; give {flag} if that is wrong", warning.what)
 }

@@ -13,7 +13,7 @@ const MAX_FRAMES: f64 = 1e6;
 /// Minimum number of steps of a motion whose first one is judged, and the least angle of a jump: a
 /// fixed one, and a multiple of the greatest step among 99 % of the others.
 const JUMP_STEPS: usize = 5;
-const JUMP_RADIANS: f32 = 0.2;
+pub(super) const JUMP_RADIANS: f32 = 0.2;
 const JUMP_FACTOR: f32 = 3.0;
 
 /// A motion in model space.
@@ -38,9 +38,21 @@ impl Motion {
     ) -> Result<Self, Mismatch> {
         check(clip, skeleton.joints.len())?;
         let (rate_hz, times_secs) = times(clip, skeleton, rate_hz)?;
+        let motion = Self::at(clip, skeleton, rest, times_secs)?;
+        Ok(Self { rate_hz, ..motion })
+    }
+
+    /// Samples a clip at times; its rate is that of its keys.
+    pub(super) fn at(
+        clip: &RawClip,
+        skeleton: &Skeleton,
+        rest: &Rest,
+        times_secs: Vec<f32>,
+    ) -> Result<Self, Mismatch> {
+        check(clip, skeleton.joints.len())?;
         let mut pose: LocalPose = (0..rest.len()).map(|_| Transform::IDENTITY).collect();
         let mut motion = Self {
-            rate_hz,
+            rate_hz: source_rate_hz(clip),
             joints: rest.len(),
             deltas: Vec::with_capacity(times_secs.len() * rest.len()),
             positions: Vec::with_capacity(times_secs.len() * rest.len()),
@@ -118,13 +130,18 @@ impl Motion {
     }
 
     /// Angle by which a joint turns against its parent from a frame to the next.
-    fn step(&self, rest: &Rest, frame: usize, joint: usize) -> f32 {
+    pub(super) fn step(&self, rest: &Rest, frame: usize, joint: usize) -> f32 {
+        self.turned(rest, [frame, frame + 1], joint)
+    }
+
+    /// Angle by which a joint turns against its parent from one frame to another.
+    pub(super) fn turned(&self, rest: &Rest, frames: [usize; 2], joint: usize) -> f32 {
         let local = |frame: usize| {
             let deltas = self.deltas(frame);
             let above = rest.parents[joint].map_or(Quat::IDENTITY, |p| deltas[p]);
             above.inverse() * deltas[joint]
         };
-        angle_between(local(frame), local(frame + 1))
+        angle_between(local(frames[0]), local(frames[1]))
     }
 
     /// Maximum rotation speed of a mapped joint relative to its parent between two frames: joint,

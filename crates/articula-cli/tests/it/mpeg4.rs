@@ -84,7 +84,7 @@ fn face_clips_go_onto_a_head() {
     let names: Vec<&str> = clips.iter().map(|c| c["name"].as_str().unwrap()).collect();
     assert_eq!(names[2..], ["jaw", "speech"]);
     let said = articula(&here, &[&named[..], &["--force"]].concat()).out;
-    let later = [&named[..], &["--skip-first-frame"]].concat();
+    let later = [&named[..], &["--read", "first-frame=skip"]].concat();
     assert_eq!(json(&here, &later)["onto"]["faces"][0]["frames"], 249);
     let driven = format!("{moved} of 17 morph targets");
     assert!(said.contains(&driven), "{driven}: {said}");

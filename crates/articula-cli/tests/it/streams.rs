@@ -291,7 +291,11 @@ fn a_stream_that_carries_the_skeleton_opens_without_its_character() {
     assert_eq!(fitted["onto"]["motions"][0]["by_name"], false);
     let same = json(&here, &["convert", "own.abp", "same.glb", "--onto", figure]);
     assert_eq!(same["onto"]["motions"][0]["by_name"], true);
-    let why = fault(&here, 2, &["convert", figure, "a.glb", "--stream", "skeleton=yes"]);
+    let why = fault(
+        &here,
+        2,
+        &["convert", figure, "a.glb", "--stream", "skeleton=yes"],
+    );
     assert!(
         why.contains("--stream requires an .abp, .afp or .mp4 output, not .glb"),
         "{why}"

@@ -12,7 +12,7 @@ mod expression;
 mod mesh;
 mod skeleton;
 
-pub use character::{Character, Image, Material};
+pub use character::{Character, Image, Material, TextureWrap};
 pub use clip::{Channel, Interpolation, JUMP_SECS, Property, RawClip};
 pub use credits::Credits;
 pub use expression::{Expression, JointBinding, Mask, MaskKind, MorphBinding};

@@ -9,6 +9,7 @@ mod head;
 mod judged;
 mod live;
 mod report;
+mod surfaces;
 
 pub use framed::{FramedCharacter, FramedParts, Shot, TriangleCount};
 pub use head::FramedHead;
@@ -17,6 +18,7 @@ pub use report::{
     BytesPerTriangle, DetailDifference, FlatBytes, FlatErrors, FlatSettings, FlattenReport,
     LocalDifference, RepresentationReport, TriangleChoice, TriedCount, TriedSettings, WorstByPart,
 };
+pub use surfaces::surfaces_shown_otherwise;
 
 use crate::error::{Context, Result};
 use crate::work::Executor;

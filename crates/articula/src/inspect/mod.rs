@@ -7,6 +7,7 @@ mod data;
 mod extent;
 mod human;
 mod joint_levels;
+mod listed;
 mod mesh_levels;
 mod motion_stream;
 mod mp4;
@@ -26,6 +27,7 @@ pub use human::{
 pub use joint_levels::{
     FAR_FROM_METRES, JointLevelError, JointLevelInspection, JointLevelsInspection, joint_levels,
 };
+pub use listed::{has_too_many_joints, inspect_listed};
 pub use mesh_levels::{CoarserMesh, MeshLevelInspection, MeshLevelsInspection};
 pub use motion_stream::{MotionStreamInspection, StreamGroup, StreamTier, inspect_motion_stream};
 pub use mp4::{TrackInspection, inspect_mp4};
@@ -44,7 +46,7 @@ use articula_build::source_rate_hz;
 use articula_core::loa::MAX_LEVEL;
 use articula_core::source;
 use articula_core::{Articulation, JointSet, Region};
-use articula_flat::Appearance;
+use articula_flat::{Appearance, Picture};
 use articula_formats::Assumption;
 use extent::Measure;
 use serde::Serialize;
@@ -182,11 +184,12 @@ pub struct ClipInspection {
     pub fps: f32,
     /// Number of frames at that rate.
     pub frames: usize,
-    /// Rate of the clip that is played and streamed, in frames per second.
-    pub rate_hz: f32,
+    /// Rate of the clip that is played and streamed, in frames per second; `None` if the file has more
+    /// joints than can be played.
+    pub rate_hz: Option<f32>,
     /// Greatest displacement of the skin of that clip from the keys of the file in millimetres; of
     /// joints where there is no mesh.
-    pub resampling_mm: f64,
+    pub resampling_mm: Option<f64>,
     /// Number of joints of the skeletons that move; of all nodes if there is no skeleton.
     pub joints_animated: usize,
     /// Number of these joints with keys, moving or not.
@@ -446,8 +449,8 @@ fn clip_of(
         duration_secs: source.duration_secs,
         fps,
         frames: (source.duration_secs * fps).round() as usize + 1,
-        rate_hz: built.rate_hz(),
-        resampling_mm: resampling.resampling_mm,
+        rate_hz: Some(built.rate_hz()),
+        resampling_mm: Some(resampling.resampling_mm),
         joints_animated: moving
             .iter()
             .filter(|j| is_listed(usize::from(**j)))
@@ -516,7 +519,10 @@ fn warnings_of(figure: &Figure) -> Vec<WarningInspection> {
         what: w.what.clone(),
     });
     let (_, broken) = Appearance::new(&character.materials, &character.images);
-    let pictures = broken.into_iter().map(|fault| WarningInspection {
+    // The reader has warned of those of an unknown format.
+    let is_known = |image: usize| Picture::is_known_format(&character.images[image].bytes);
+    let broken = broken.into_iter().filter(|fault| is_known(fault.image));
+    let pictures = broken.map(|fault| WarningInspection {
         at: format!("images[{}]", fault.image),
         what: format!("the surface is shown in its plain colour: {}", fault.what),
     });
@@ -546,12 +552,12 @@ fn oddities(found: &Inspection, figure: &Figure) -> Vec<WarningInspection> {
         }
     }
     for clip in &found.clips {
-        let resampling = ClipResampling {
+        let resampling = clip.resampling_mm.map(|resampling_mm| ClipResampling {
             clip: clip.name.clone(),
-            rate_hz: Some(clip.rate_hz),
-            resampling_mm: clip.resampling_mm,
-        };
-        if let Some(what) = resampling.warning() {
+            rate_hz: clip.rate_hz,
+            resampling_mm,
+        });
+        if let Some(what) = resampling.and_then(|clip| clip.warning()) {
             say("clips", what);
         }
     }

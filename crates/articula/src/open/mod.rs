@@ -5,6 +5,7 @@ mod acclaim;
 mod bap;
 mod bva;
 mod bvh;
+mod clips;
 mod data;
 mod document;
 mod edits;
@@ -16,6 +17,8 @@ mod motion;
 mod motion_stream;
 mod mp4;
 mod options;
+mod partial_skin;
+mod pictures;
 mod size;
 mod x3d;
 
@@ -58,6 +61,10 @@ pub struct CharacterFile {
 
 /// Opens a character, or a motion with its skeleton, from bytes.
 ///
+/// What is odd about the file is told by [`CharacterFile::warnings`]: what its reader repaired, the size
+/// of the figure, pictures that are not decoded, clips whose first frame is of another pose
+/// ([`CharacterFile::skip_first_frames`] leaves it out) or that turn each time they repeat.
+///
 /// `name` identifies the file in errors; its extension helps to detect the format. `beside`
 /// resolves relative URIs of other files (buffers, pictures).
 ///
@@ -90,6 +97,10 @@ pub fn open(
         beside,
     };
     let mut opened = format.opener()(&mut input).context(name)?;
+    let unknown = pictures::of_unknown_format(&opened);
+    opened.warnings.extend(unknown);
+    let odd = clips::oddities(&opened);
+    opened.warnings.extend(odd);
     if options.unit_metres.is_none() {
         let unusual = size::unusual(&opened);
         opened.warnings.extend(unusual);

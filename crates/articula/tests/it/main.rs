@@ -10,6 +10,7 @@
 
 mod adapted_items;
 mod bare;
+mod case_files;
 mod convert;
 mod crowd;
 mod crowd_buffers;

@@ -145,10 +145,15 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         face_points: Vec::new(),
     };
     console.files.plan(args.inputs(inputs), args.outputs(out))?;
-    let mut files = inputs
+    let (character, motions) = inputs.split_first().context("no character was named")?;
+    // With motions, the clips of the character itself stay as they are.
+    let mut opened = match motions.is_empty() {
+        true => open::motion(&console.files, character, &args.names)?,
+        false => open::character(&console.files, character, &args.names)?,
+    };
+    let files = motions
         .iter()
-        .map(|p| open::character(&console.files, p, &args.names));
-    let mut opened = files.next().context("no character was named")??;
+        .map(|p| open::motion(&console.files, p, &args.names));
     let motions: Vec<CharacterFile> = files.collect::<Result<_, _>>()?;
     if let Some(path) = &args.face_points {
         options.face_points = open::face_points(&opened, path)?;

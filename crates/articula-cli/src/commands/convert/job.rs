@@ -62,10 +62,7 @@ impl Recipe<'_> {
     /// Reads one file without changes.
     fn read(&self, job: &Job) -> anyhow::Result<(CharacterFile, ConvertReport)> {
         let input = &job.inputs[0];
-        let mut opened = open::character(self.files, &input.path, &self.args.names)?;
-        if self.args.skip_first_frame {
-            opened.skip_first_frames()?;
-        }
+        let mut opened = open::motion(self.files, &input.path, &self.args.names)?;
         self.options(self.args.clip.clone())
             .check(opened.format(), job.format)?;
         let mut report = ConvertReport::new(job, opened.name().to_owned());

@@ -69,10 +69,6 @@ pub(crate) struct ConvertArgs {
     /// Name of the only clip to keep [default: all clips; for .bvh the first]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
-    /// Leave out the first frame of each clip that is read; captures often begin with one of the
-    /// rest pose
-    #[arg(long)]
-    skip_first_frame: bool,
     /// Set of joints of the body: subtalars are merged into ankles and thumb0 joints inserted, or the
     /// other way round [default: the joints stay as they are]
     #[arg(long, value_name = "SCHEME", value_enum)]
@@ -263,7 +259,6 @@ impl ConvertArgs {
         self.to.is_some()
             || self.onto.is_some()
             || self.clip.is_some()
-            || self.skip_first_frame
             || self.loa.is_some()
             || self.loa_profile.is_some()
             || self.face_level.is_some()

@@ -16,7 +16,7 @@ use articula::convert::{
 use articula::face::{
     FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
 };
-use articula::formats::Limits;
+use articula::formats::{Assumption, Limits, Warning};
 use articula::stream::StreamLimits;
 use articula::stream::abp2::CarriedSkeleton;
 use articula::{CharacterFile, Data, DataFormat};
@@ -145,7 +145,7 @@ impl Hero {
             }
             None => open::character(files, &input.path, &args.names)?,
         };
-        if args.skip_first_frame {
+        if args.names.settings().skip_first_frame {
             source.skip_first_frames()?;
         }
         if input.found && source.character().clips.is_empty() {
@@ -153,7 +153,11 @@ impl Hero {
         }
         let fitted = fit_clips(&source, &self.opened, &self.options)?;
         let report = TransferReport::new(&source, &self.opened, &fitted);
-        let warnings = open::warnings(source.warnings());
+        // The findings of a transfer tell of a first frame too.
+        let is_judged = fitted.iter().any(|f| f.fit.retargeted.is_some());
+        let is_new = |w: &&Warning| !is_judged || w.guess != Some(Assumption::FirstFrame);
+        let told: Vec<Warning> = source.warnings().iter().filter(is_new).cloned().collect();
+        let warnings = open::warnings(&told);
         let warnings = warnings
             .into_iter()
             .map(|w| format!("{}: {w}", source.name()));
@@ -186,7 +190,7 @@ impl Hero {
         let name = files::shown(&input.path);
         let FittedFace { fitted, report } = match read.data {
             Data::Fap(mut clip) => {
-                if args.skip_first_frame && clip.frames.len() > 1 {
+                if args.names.settings().skip_first_frame && clip.frames.len() > 1 {
                     clip.frames.remove(0);
                 }
                 let (clip, level) = face_level::applied(clip, args, expand_face);
@@ -195,7 +199,7 @@ impl Hero {
                 fitted
             }
             Data::LiveLink(mut capture) => {
-                if args.skip_first_frame && capture.frames.len() > 1 {
+                if args.names.settings().skip_first_frame && capture.frames.len() > 1 {
                     capture.skip_first_frame();
                 }
                 fit_capture(&capture, &name, &self.opened)?
@@ -287,7 +291,7 @@ fn mend(kind: FitFindingKind) -> Option<&'static str> {
         FitFindingKind::NotDriven => {
             "if the motion has them, map their names with --joint-map F.json"
         }
-        FitFindingKind::FirstFrame => "--skip-first-frame leaves it out",
+        FitFindingKind::FirstFrame => "--read first-frame=skip leaves it out",
         FitFindingKind::Hinges | FitFindingKind::Speed => {
             "check the joint map of both files (inspect, --map, --joint-map F.json)"
         }

@@ -62,7 +62,11 @@ fn stream_settings(text: &str) -> Result<StreamSettings, String> {
             "order" => to.order = Some(word(value, ORDERS)?),
             "skeleton" => to.skeleton = Some(word(value, &[("yes", true), ("no", false)])?),
             "profile" => to.first = Some(word(value, PROFILES)?),
-            _ => return Ok(Some("tolerance-mm, tiers, group-by, order, skeleton, profile")),
+            _ => {
+                return Ok(Some(
+                    "tolerance-mm, tiers, group-by, order, skeleton, profile",
+                ));
+            }
         }
         Ok(None)
     })?;

@@ -22,6 +22,7 @@ use articula::flat::vector::player::PlayerOutput;
 use articula::flat::vector::{ThesisForm, ThesisSvgOptions};
 use articula::flatten::{
     FlattenReport, FramedCharacter, Shot, TriangleCount, flatten_driven, flatten_within,
+    surfaces_shown_otherwise,
 };
 
 /// Converts, or runs a subcommand.
@@ -59,6 +60,10 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let out = files::shown(args.out());
     let mut report = FlattenReport::new(out, &flat, &framed, settings.max_bytes);
     report.warnings = report::warnings(&report);
+    report
+        .warnings
+        .extend(open::warnings(figure.opened.warnings()));
+    report.warnings.extend(surfaces_shown_otherwise(&figure));
     console.result(&report, report::text)
 }
 

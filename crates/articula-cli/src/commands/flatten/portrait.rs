@@ -12,7 +12,7 @@ use articula::flat::flatten::{FileSize, Representation};
 use articula::flat::portrait::PictureFormat;
 use articula::flat::portrait::{EmbeddedFile, PageOptions, page};
 use articula::flat::portrait::{HeadPose, Portrait, PortraitOptions, build};
-use articula::flatten::{FlatBytes, FramedHead, RepresentationReport};
+use articula::flatten::{FlatBytes, FramedHead, RepresentationReport, surfaces_shown_otherwise};
 use serde::Serialize;
 use std::path::Path;
 
@@ -35,6 +35,7 @@ struct PortraitReport {
     error: Vec<YawError>,
     representation: RepresentationReport,
     written: Vec<String>,
+    warnings: Vec<String>,
 }
 
 /// Error of the portrait at one yaw angle of the head.
@@ -109,6 +110,10 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             needs: vec!["script", "canvas", "webp"],
         }),
         written: written.iter().map(|(name, _)| name.clone()).collect(),
+        warnings: open::warnings(figure.opened.warnings())
+            .into_iter()
+            .chain(surfaces_shown_otherwise(&figure))
+            .collect(),
     };
     console.result(&report, PortraitReport::text)
 }
@@ -203,7 +208,7 @@ impl PortraitReport {
             .iter()
             .map(|e| format!("{:.1} at {}°", e.image_rmse_levels, e.yaw_deg))
             .collect();
-        format!(
+        let mut text = format!(
             "{}: portrait, {} views, {} triangles, {} expressions, {} frames\n\
              {:.1} kB ({:.1} gzip, {:.1} brotli) in {} files\n\
              RMS colour error when turned, levels of 0 to 255: {}\n",
@@ -217,6 +222,10 @@ impl PortraitReport {
             self.bytes.brotli as f64 / 1e3,
             self.written.len(),
             errors.join(", "),
-        )
+        );
+        for warning in &self.warnings {
+            text.push_str(&format!("warning: {warning}\n"));
+        }
+        text
     }
 }

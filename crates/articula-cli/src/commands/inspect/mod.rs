@@ -16,7 +16,9 @@ use crate::arguments::{CharacterArgs, file, not_negative, settings};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
-use articula::inspect::{FAR_FROM_METRES, WarningInspection, inspect, joint_levels};
+use articula::inspect::{
+    FAR_FROM_METRES, WarningInspection, has_too_many_joints, inspect, inspect_listed, joint_levels,
+};
 use articula::{DataFormat, Figure, Format, MotionTables, rig_joint_map};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -110,7 +112,12 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
     if let Some(kind) = Jointless::of(&args.character.file)? {
         return kind.run(args, console);
     }
-    let figure = open::figure(&console.files, &args.character)?;
+    let opened = open::kept(&console.files, &args.character)?;
+    if has_too_many_joints(&opened) && !args.measures() {
+        let found = inspect_listed(&opened);
+        return console.result(&found, |found| text::of(found, args.map));
+    }
+    let figure = Figure::new(opened)?;
     let clips: Vec<usize> = match &args.clip {
         Some(name) => figure.clip(Some(name))?.into_iter().collect(),
         None => (0..figure.asset.clips.len()).collect(),
@@ -225,6 +232,16 @@ fn check_without_joints(args: &InspectArgs) -> anyhow::Result<()> {
         return Ok(());
     };
     Err(fault::usage(what))
+}
+
+impl InspectArgs {
+    /// Whether a flag asks for what only a rig can tell.
+    fn measures(&self) -> bool {
+        self.joint_levels.is_some()
+            || self.face.asks()
+            || self.clip.is_some()
+            || self.write.is_some()
+    }
 }
 
 /// A warning if joint maps are given and none of them is used.

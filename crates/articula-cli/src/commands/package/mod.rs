@@ -54,8 +54,9 @@ pub(crate) fn run(args: &PackageArgs, console: &Console) -> anyhow::Result<()> {
     let outputs = args.item.is_dir().then_some(manifest.as_path());
     console.files.plan(args.inputs(), outputs)?;
     let options = args.options()?;
-    let opened = open::character(&console.files, &args.file, &args.names)?;
+    let opened = open::motion(&console.files, &args.file, &args.names)?;
     let bytes_in = opened.bytes() as u64;
+    let warnings = open::warnings(opened.warnings());
     let mut resampling = clip_resampling(opened.character())?;
     if !options.clips.is_empty() {
         resampling.retain(|clip| options.clips.contains(&clip.clip));
@@ -66,6 +67,7 @@ pub(crate) fn run(args: &PackageArgs, console: &Console) -> anyhow::Result<()> {
     let report = ItemReport {
         bytes_in: Some(bytes_in),
         resampling,
+        warnings,
         ..ItemReport::new(files::shown(&args.item), &item)
     };
     console.result(&report, ItemReport::text)

@@ -23,6 +23,9 @@ pub(crate) struct ItemReport {
     pub(crate) bytes: u64,
     /// Bytes of the unit indices.
     pub(crate) bytes_index: u64,
+    /// Warnings about the file that was packaged.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) warnings: Vec<String>,
     /// The manifest.
     pub(crate) manifest: Manifest,
 }
@@ -36,6 +39,7 @@ impl ItemReport {
             resampling: Vec::new(),
             bytes: item.bytes(),
             bytes_index: item.index_bytes(),
+            warnings: Vec::new(),
             manifest: item.manifest.clone(),
         }
     }
@@ -64,7 +68,8 @@ impl ItemReport {
         }
         text.push_str(&others(manifest));
         let resampled = self.resampling.iter().filter_map(ClipResampling::warning);
-        let all: Vec<String> = manifest.warnings.iter().cloned().chain(resampled).collect();
+        let told = self.warnings.iter().chain(&manifest.warnings).cloned();
+        let all: Vec<String> = told.chain(resampled).collect();
         text.push_str(&warnings(&all));
         text
     }

@@ -3,10 +3,16 @@
 //! Source: the files that the app Live Link Face for iOS writes (`docs/formats/live-link.md`); there
 //! is no published standard. Columns are found by their names, in any case and order.
 
+mod time;
+
+use crate::capture_text::{is_decimal, with_line_ends};
+use crate::damage::{Damage, hold};
 use crate::words::shortened;
 use crate::{Limits, Parsed, ReadError, Warning};
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES};
+use std::borrow::Cow;
 use std::fmt::Write as _;
+use time::{Time, times};
 
 /// Names of the angles, in the order of the app's columns.
 const ANGLES: [&str; ANGLE_COUNT] = [
@@ -22,8 +28,6 @@ const ANGLES: [&str; ANGLE_COUNT] = [
 ];
 /// Number of angles.
 pub const ANGLE_COUNT: usize = 9;
-/// Rates of the app and of cinema and television, ascending; the last one is the default.
-const RATES_HZ: [f64; 6] = [24.0, 25.0, 30.0, 48.0, 50.0, 60.0];
 /// Greatest size of a weight or an angle.
 const LARGEST: f32 = 1e3;
 
@@ -34,8 +38,8 @@ pub struct LiveLinkFrame {
     pub secs: f64,
     /// Weight of each blend shape, in the order of [`BLEND_SHAPES`]; 0 for those without column.
     pub shapes: [f32; BLEND_SHAPE_COUNT],
-    /// Yaw, pitch and roll of the head, the left and the right eye, taken as radians; 0 for those
-    /// without column.
+    /// Yaw (towards the right of the subject), pitch (downwards) and roll (towards its left) of the
+    /// head, the left and the right eye, in radians; 0 for those without column.
     pub angles: [f32; ANGLE_COUNT],
 }
 
@@ -70,12 +74,13 @@ enum Column {
     Other,
 }
 
-/// Reads a capture. Columns that are not known are left out, with a warning.
+/// Reads a capture. Columns that are not known are left out, and so are damaged rows; a value that is
+/// no finite number below 1000 is that of the row before; all with a warning.
 ///
 /// # Errors
-/// [`ReadError`] with line and column: no header with a time code and a blend shape, a row of
-/// another length, a value that is no finite number below 1000, times that do not ascend, text that
-/// is not UTF-8, or more rows than the limits allow.
+/// [`ReadError`] with line and column: no header with a time code and a blend shape, half of the rows
+/// or more damaged (of another length, without a time, not later than the row before), times of no
+/// known unit, text that is not UTF-8, or more rows than the limits allow.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<Parsed<LiveLinkClip>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
     let text = std::str::from_utf8(bytes).map_err(|e| {
@@ -83,55 +88,36 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Parsed<LiveLinkClip>, ReadE
         let line = 1 + before.iter().filter(|b| **b == b'\n').count();
         ReadError::malformed(format!("line {line}"), "the text is not valid UTF-8")
     })?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let text = with_line_ends(Cow::Borrowed(text.strip_prefix('\u{feff}').unwrap_or(text)));
     let lines = text.lines().enumerate();
     let mut lines = lines.filter(|(_, line)| !line.trim().is_empty());
     let Some((_, header)) = lines.next() else {
         return Err(ReadError::malformed("line 1", "the file is empty"));
     };
     let mut warnings = Vec::new();
-    let columns = columns(header, &mut warnings)?;
-    let mut clip = LiveLinkClip {
-        rate_hz: RATES_HZ[RATES_HZ.len() - 1],
-        has_shapes: [false; BLEND_SHAPE_COUNT],
-        frames: Vec::new(),
-    };
-    for column in &columns {
-        if let Column::Shape(shape) = column {
-            clip.has_shapes[*shape] = true;
-        }
-    }
-    let mut codes = Vec::new();
-    let mut values = 0;
+    let separator = separator(header);
+    let columns = columns(header, separator, &mut warnings)?;
+    let mut rows = Rows::new(&columns, separator);
+    let mut elements = 0;
     for (index, line) in lines {
+        elements += columns.len() as u64;
         let at = format!("line {}", index + 1);
-        values += columns.len() as u64;
-        Limits::check(&at, "values", values, limits.elements)?;
-        let (code, frame) = row(line, &columns, &at)?;
-        codes.push((code, at));
-        clip.frames.push(frame);
-    }
-    clip.rate_hz = rate_of(&codes);
-    let mut first = None;
-    let mut last: Option<f64> = None;
-    for (frame, (code, at)) in clip.frames.iter_mut().zip(&codes) {
-        let begin = *first.get_or_insert(code.secs(clip.rate_hz));
-        let mut secs = code.secs(clip.rate_hz) - begin;
-        if secs < 0.0 {
-            // Past midnight.
-            secs += 86400.0;
-        }
-        if last.is_some_and(|last| secs <= last) {
-            let what = "the time is not later than that of the row before";
-            return Err(ReadError::malformed(at, what));
-        }
-        last = Some(secs);
-        frame.secs = secs;
+        Limits::check(&at, "values", elements, limits.elements)?;
+        rows.read(line, at);
     }
     Ok(Parsed {
-        value: clip,
+        value: rows.finish(&mut warnings)?,
         warnings,
     })
+}
+
+/// The sign between the values: a comma, or that of spreadsheets in whose language the comma is the
+/// decimal sign.
+fn separator(header: &str) -> char {
+    let found = [',', ';', '\t']
+        .into_iter()
+        .find(|sign| header.contains(*sign));
+    found.unwrap_or(',')
 }
 
 /// Writes a capture in the columns of the app.
@@ -170,10 +156,14 @@ pub fn write(clip: &LiveLinkClip) -> Vec<u8> {
 }
 
 /// Meaning of each column of the header.
-fn columns(header: &str, warnings: &mut Vec<Warning>) -> Result<Vec<Column>, ReadError> {
+fn columns(
+    header: &str,
+    separator: char,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<Column>, ReadError> {
     let mut columns = Vec::new();
     let mut unknown = Vec::new();
-    for (index, name) in header.split(',').enumerate() {
+    for (index, name) in header.split(separator).enumerate() {
         let name = name.trim().trim_matches('"');
         let is = |known: &str| name.eq_ignore_ascii_case(known);
         let shape = BLEND_SHAPES.iter().position(|s| is(s.name));
@@ -214,96 +204,144 @@ fn columns(header: &str, warnings: &mut Vec<Warning>) -> Result<Vec<Column>, Rea
     Ok(columns)
 }
 
-/// A row: its time code, and its values.
-fn row(line: &str, columns: &[Column], at: &str) -> Result<(Code, LiveLinkFrame), ReadError> {
-    let count = line.split(',').count();
-    if count != columns.len() {
-        let what = format!(
-            "{count} values found, the header has {} columns",
-            columns.len()
-        );
-        return Err(ReadError::malformed(at, what));
+/// The rows of a file.
+struct Rows<'a> {
+    columns: &'a [Column],
+    /// Columns of values, in their order.
+    valued: Vec<usize>,
+    separator: char,
+    /// Time and position of each row that was read, and its values.
+    times: Vec<(Time, String)>,
+    values: Vec<f32>,
+    damage: Damage,
+    all: usize,
+}
+
+impl<'a> Rows<'a> {
+    fn new(columns: &'a [Column], separator: char) -> Self {
+        let is_valued = |c: &usize| matches!(columns[*c], Column::Shape(_) | Column::Angle(_));
+        Self {
+            columns,
+            valued: (0..columns.len()).filter(is_valued).collect(),
+            separator,
+            times: Vec::new(),
+            values: Vec::new(),
+            damage: Damage::default(),
+            all: 0,
+        }
     }
-    let mut code = Code::default();
+
+    fn read(&mut self, line: &str, at: String) {
+        self.all += 1;
+        match self.row(line, &at) {
+            Ok(time) => self.times.push((time, at)),
+            Err(error) => self.damage.row(error),
+        }
+    }
+
+    fn row(&mut self, line: &str, at: &str) -> Result<Time, ReadError> {
+        let words: Vec<Cow<'_, str>> = line
+            .split(self.separator)
+            .map(|word| self.pointed(word))
+            .collect();
+        if words.len() != self.columns.len() {
+            let what = format!(
+                "{} values found, the header has {} columns",
+                words.len(),
+                self.columns.len()
+            );
+            return Err(ReadError::malformed(at, what));
+        }
+        let time = self.time(&words, at)?;
+        let place = |i: usize| format!("{at}: column {}", self.valued[i] + 1);
+        let valued = self.valued.iter().map(|column| words[*column].as_ref());
+        self.damage
+            .values(place, LARGEST, valued, &mut self.values)?;
+        Ok(time)
+    }
+
+    /// A word without quotes, and with a decimal point where the comma is free for decimals.
+    fn pointed<'w>(&self, word: &'w str) -> Cow<'w, str> {
+        let word = word.trim().trim_matches('"');
+        match self.separator != ',' && is_decimal(word, ',') {
+            true => Cow::Owned(word.replace(',', ".")),
+            false => Cow::Borrowed(word),
+        }
+    }
+
+    fn time(&self, words: &[Cow<'_, str>], at: &str) -> Result<Time, ReadError> {
+        let column = self.columns.iter().position(|c| *c == Column::Time);
+        let column = column.unwrap_or(0);
+        let first = self.times.first().map(|(time, _)| time);
+        let time = Time::of(&words[column]);
+        let time = time.filter(|time| first.is_none_or(|first| first.is_like(time)));
+        time.ok_or_else(|| {
+            let shown = shortened(&words[column]);
+            let what = match first {
+                None => "expected a time code such as 14:03:27:12.345",
+                Some(_) => "expected a time code like that of the rows before",
+            };
+            let what = format!("column {}: \"{shown}\" found, {what}", column + 1);
+            ReadError::malformed(at, what)
+        })
+    }
+
+    /// Builds the capture, of the rows whose times ascend.
+    fn finish(mut self, warnings: &mut Vec<Warning>) -> Result<LiveLinkClip, ReadError> {
+        let width = self.valued.len();
+        let count = self.values.len();
+        if self.damage.has_values() {
+            (0..width).for_each(|c| hold(&mut self.values, (c..count).step_by(width)));
+        }
+        let column: Vec<Time> = self.times.iter().map(|(time, _)| *time).collect();
+        let place = || self.times.first().map_or("", |(_, at)| at);
+        let found = times(&column).map_err(|what| ReadError::malformed(place(), what))?;
+        if let Some(unit) = found.read_as {
+            let what = format!("the times are plain numbers; they are read as {unit}");
+            warnings.push(Warning::new(place(), what));
+        }
+        let mut clip = LiveLinkClip {
+            rate_hz: found.rate_hz,
+            has_shapes: [false; BLEND_SHAPE_COUNT],
+            frames: Vec::with_capacity(column.len()),
+        };
+        for column in self.columns {
+            if let Column::Shape(shape) = column {
+                clip.has_shapes[*shape] = true;
+            }
+        }
+        let rows = self.values.chunks_exact(width.max(1));
+        for ((values, secs), (_, at)) in rows.zip(&found.secs).zip(&self.times) {
+            if clip.frames.last().is_some_and(|last| *secs <= last.secs) {
+                let what = "the time is not later than that of the row before";
+                self.damage.row(ReadError::malformed(at, what));
+                continue;
+            }
+            clip.frames.push(frame(*secs, self.columns, values));
+        }
+        let fate = "the row is left out";
+        self.damage.told(self.all, fate, |odd| warnings.push(odd))?;
+        Ok(clip)
+    }
+}
+
+/// A frame of the values of a row, which are in the order of their columns.
+fn frame(secs: f64, columns: &[Column], values: &[f32]) -> LiveLinkFrame {
     let mut frame = LiveLinkFrame {
-        secs: 0.0,
+        secs,
         shapes: [0.0; BLEND_SHAPE_COUNT],
         angles: [0.0; ANGLE_COUNT],
     };
-    for (index, (word, column)) in line.split(',').zip(columns).enumerate() {
-        let word = word.trim().trim_matches('"');
-        let wrong = |expected: &str| {
-            let shown = shortened(word);
-            let what = format!(
-                "column {}: \"{shown}\" found, expected {expected}",
-                index + 1
-            );
-            ReadError::malformed(at, what)
+    let mut values = values.iter();
+    for column in columns {
+        let slot = match column {
+            Column::Shape(shape) => &mut frame.shapes[*shape],
+            Column::Angle(angle) => &mut frame.angles[*angle],
+            Column::Time | Column::Other => continue,
         };
-        let number = || {
-            let value = word.parse::<f32>().ok().filter(|v| v.abs() <= LARGEST);
-            value.ok_or_else(|| wrong("a number"))
-        };
-        match column {
-            Column::Time => {
-                code =
-                    Code::of(word).ok_or_else(|| wrong("a time code such as 14:03:27:12.345"))?;
-            }
-            Column::Shape(shape) => frame.shapes[*shape] = number()?,
-            Column::Angle(angle) => frame.angles[*angle] = number()?,
-            Column::Other => {}
-        }
+        *slot = values.next().copied().unwrap_or(0.0);
     }
-    Ok((code, frame))
-}
-
-/// A time code: whole seconds, and frames within the second or, for a plain number, in all.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Code {
-    secs: f64,
-    frames: f64,
-}
-
-impl Code {
-    fn of(word: &str) -> Option<Self> {
-        let parts: Vec<&str> = word.split([':', ';']).collect();
-        let part = |i: usize| parts[i].parse::<u32>().ok().map(f64::from);
-        let frames = |i: usize| {
-            let value = parts[i].parse::<f64>().ok();
-            value.filter(|f| (0.0..1e9).contains(f))
-        };
-        match parts.len() {
-            1 => Some(Self {
-                secs: 0.0,
-                frames: frames(0)?,
-            }),
-            4 => Some(Self {
-                secs: 3600.0 * part(0)? + 60.0 * part(1)? + part(2)?,
-                frames: frames(3)?,
-            }),
-            _ => None,
-        }
-    }
-
-    fn secs(&self, rate_hz: f64) -> f64 {
-        self.secs + self.frames / rate_hz
-    }
-}
-
-/// The rate at which frames are counted: the lowest that the numbers of frames allow, if a whole
-/// second was counted; if not, that of the app.
-fn rate_of(codes: &[(Code, String)]) -> f64 {
-    let app = RATES_HZ[RATES_HZ.len() - 1];
-    let spans = codes.first().zip(codes.last());
-    let whole = spans.is_some_and(|((a, _), (b, _))| b.secs - a.secs >= 2.0);
-    let most = codes.iter().map(|(c, _)| c.frames).fold(0.0, f64::max);
-    if !whole {
-        return app;
-    }
-    RATES_HZ
-        .into_iter()
-        .find(|rate| most < *rate)
-        .unwrap_or(app)
+    frame
 }
 
 #[cfg(test)]
@@ -374,12 +412,8 @@ mod tests {
                 "line 2: 2 values found, the header has 3 columns",
             ),
             (
-                &format!("{head}0,x,0\n"),
-                "line 2: column 2: \"x\" found, expected a number",
-            ),
-            (
-                &format!("{head}0,0,0\n1,0,NaN\n"),
-                "line 3: column 3: \"NaN\" found, expected a number",
+                &format!("{head}0,x,NaN\n"),
+                "line 2: column 2: \"x\" found, a number up to 1e3 expected",
             ),
             (
                 &format!("{head}1:2,0,0\n"),
